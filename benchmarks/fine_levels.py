@@ -24,11 +24,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from manufactured.exact import ExactSolution
 from manufactured.multiscale.roller import START
 from manufactured.natural_motion import NAME
+from manufactured.tensors import Array, Tensors, mandel
 from study.fem.error_norm import ErrorNorm
+from study.fem.mesh import barycentric_gradients
 from study.fem.naming import resolve
-from study.fem.space import form
+from study.fem.quadrature import gauss
+from study.fem.space import Space, form
 from study.solve.signorini import Signorini
 from study.statements.contact_work import Resolved
 from study.statements.rollers import PER_H, OnContact, Trajectories
@@ -39,6 +43,12 @@ FILE = Path(__file__).parents[1] / "results" / "benchmarks" / "fine-levels.csv"
 LEVELS = (16, 32, 64, 128, 256, 512)
 PLACES = 8
 """Places of the front in its edge."""
+EDGE_POINTS, NEAR = 40, 4.0
+"""Number of Gauss points on each edge of the cells around the front, and their largest distance from it in edges.
+
+Quadrature rules on cells are too coarse there, because the strain at the front is like r^{1/2}: they raised the largest
+nodal errors by 0.4 to 0.7 %. On edges the displacement is integrated, which is like r^{3/2}.
+"""
 
 
 def rollers(n: int) -> dict[str, float]:
@@ -70,7 +80,11 @@ def natural_front(n: int) -> dict[str, float]:
     for place in range(PLACES):
         time = 0.5 + place / PLACES / n / (front(1.0) - front(0.0))  # the front has a constant speed
         theta = 0.25 + time
-        projected = condensed.gap(v_norm.space.functional(solution.law.A.matrix @ v_norm.means(time)))
+        strain = v_norm.means(time)
+        from_front = space.mesh.p[:, space.mesh.t].mean(axis=1) - face.part.point(np.array([[front(time)]]))
+        cells = np.flatnonzero(np.linalg.norm(from_front, axis=0) < NEAR / n)
+        strain[:, cells] = means_from_edges(solution, space, cells, time)
+        projected = condensed.gap(space.functional(solution.law.A.matrix @ strain))
         error = (projected + face.gap_jet(s[None], time)[(0,)]) / theta
         close = abs(s - front(time)) <= 0.2
         near.append(abs(error[close]).max())
@@ -81,6 +95,30 @@ def natural_front(n: int) -> dict[str, float]:
         "nodal error farther away / θ h^2": max(far) * n**2,
         "highest signed nodal error near the front / θ h^(3/2)": max(highest) * n**1.5,
     }
+
+
+def means_from_edges(
+    solution: ExactSolution, space: Space, cells: Array, time: float, points: int = EDGE_POINTS
+) -> Tensors:
+    """Return the mean of the exact strain ε(u(t)) on some cells, (D, n), from the displacement u on their edges.
+
+    By the divergence theorem, ∫_T ∇u = Σ_e ν_e ⊗ ∫_e u. On the edge e opposite to vertex i, |e| ν_e = −2|T| ∇λ_i. So
+    the mean of ∇u is −2 Σ_i ∇λ_i ⊗ ū_i, where ū_i is the mean of u on this edge.
+
+    Args:
+        solution, space: the exact solution u and the space V^h in 2D.
+        cells: the numbers of the cells, (n,).
+        time: the time t.
+        points: number of Gauss points on each edge.
+    """
+    places, weights = gauss(points)
+    corners = space.mesh.p[:, space.mesh.t[:, cells]]
+    first, second = corners[:, [1, 2, 0]], corners[:, [2, 0, 1]]
+    x = first[..., None] + (second - first)[..., None] * places
+    displacement = solution.at(x.reshape(2, -1)).displacement(time)
+    means = displacement.reshape(2, 3, len(cells), points) @ weights
+    gradients = barycentric_gradients(space.mesh)[cells]
+    return mandel(-2 * np.einsum("din,nij->djn", means, gradients))
 
 
 def main(levels: list[int]) -> None:

@@ -14,8 +14,8 @@ p is not bounded, and for ċ < 0 it would be negative. The body force f_0 is due
 f_0 ~ r^{1/2} and ḟ_0 ~ r^{−1/2}, and the tractions f_2 are smooth, so (3.4) holds as it is printed.
 
 Predicted order 1: u(t) ∈ H^{1+s} for s < 3/2, so that the interpolation error of u has order 1. But u̇(t) ∈ H^{1+s} for
-s < 1/2 only, and p ∉ L²(Γ3). This violates both parts of (5.36). The order 1/2 is proved, by the proof of Prop. 5.4 and
-by the theorem on velocities that are not smooth (paper/velocity.tex). Order 1 is predicted for the following reason.
+s < 1/2 only, and p ∉ L²(Γ3). This violates both parts of (5.36), and the proof of Prop. 5.4 gives the order 1/2
+only. The order 1, up to a logarithm, is proved in paper/fronts.tex. Before, it was predicted for the following reason.
 The error ‖u̇ − Π^h u̇‖_V ~ h^{1/2} comes from the cells at the front. The front passes a cell in a time ~ h, so the
 error that remains in the cell is ~ h^{3/2}. The errors of h^{−1} cells are independent, and their norm is ~ h, which is
 the order of the interpolation error.

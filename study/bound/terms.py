@@ -12,7 +12,7 @@ Subtract. Let r = ‖ρ‖_{A⁻¹}, let η be the dual norm of f − f̃, and m
 
 In time, ũ is a quadratic spline (``study.bound.trajectory``). The interval between two knots is called a piece. The
 inequality bounds ‖e‖_V at the end of a piece by its bound at the start (``study.bound.growth``; proof in
-``paper/bound.tex``). The class ``Terms`` contains all terms of one piece:
+``paper/enclosure.tex``). The class ``Terms`` contains all terms of one piece:
 
 =============  ===========================================================  =========================================
 attribute      term                                                         computed in

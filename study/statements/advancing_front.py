@@ -13,8 +13,8 @@ proposition on moving fronts: no front has both a gap ~ r^{3/2} and a pressure i
 The measured solution, ``manufactured.natural_motion``, is an advancing front in closed form; its forces f_0 and f_2
 satisfy (3.4). **Predicted** are three orders:
 
-* ‖u − u^h‖ ~ h, because u(t) ∈ H^{5/2−ε}. Theorem 4.1 and Proposition 5.3 apply. Proposition 5.4 does not apply; only
-  the order 1/2 is proved.
+* ‖u − u^h‖ ~ h, because u(t) ∈ H^{5/2−ε}. Theorem 4.1 and Proposition 5.3 apply. Proposition 5.4 does not apply; its
+  proof gives the order 1/2. After the prediction the order 1, up to a logarithm, was proved (paper/fronts.tex).
 * ‖u̇ − Π^h u̇‖_{L²(0,T;V)} ~ h^{1/2}. Observed orders are higher on coarse meshes, because smooth parts have order 1.
 * The *excess* ‖u^h − u^h_lin‖ has an order between 1 and 3/2; the proof gives 1/2. Here u^h_lin solves the linear
   problem in which the exact normal stress σ_ν is a given traction. The front passes a cell in a time ~ h, during which

@@ -4,8 +4,8 @@ Let u_h be a displacement that a time scheme computed. ``study.bound`` computes 
 itself (kind "bound"), or bounds from both sides by means of a more accurate displacement ũ (kind "enclosure"). A row of
 ``bounds.csv`` is one computed displacement; ``enclosures.csv`` has its bounds at many times.
 
-**Judged** is whether every error lies between its bounds. This is a theorem (``paper/bound.tex``), but the program may
-be wrong: the check fails if one sampled error lies outside, for one mesh, scheme or time. The distance between the
+**Judged** is whether every error lies between its bounds. This is a theorem (``paper/enclosure.tex``), but the program
+may be wrong: the check fails if one sampled error lies outside, for one mesh, scheme or time. The distance between the
 bounds shows their efficiency. It is judged only for CHECKED, the case for which the documentation promises a tight
 enclosure, and reported otherwise. Enclosures of the errors on two levels also enclose the observed order, even if the
 exact solution is unknown.

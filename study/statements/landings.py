@@ -15,8 +15,8 @@ The first unknown u_1 is in contact until the second unknown lands at t = 2/5. T
 u_1 = 0, while the exact value is (1 − θ)·3k/40. The error √2·(1 − θ)·3k/40 in ‖·‖_S remains. For k = 2^{−j} the values
 of θ are cyclically 4/5, 3/5, 1/5 and 2/5. So errors at the time nodes are between √2·3/200 and √2·6/100 times k, and
 both bounds are attained. The order is at most 1, although two successive values of k need not show it. For BDF2 the
-error at the end is at least √2·17k/600 for every θ. paper/time.tex has the proofs. The errors of backward Euler and of
-the midpoint rule are judged.
+error at the end is at least √2·17k/600 for every θ. paper/landings.tex has the proofs. The errors of backward Euler
+and of the midpoint rule are judged.
 
 **Linear finite elements.** A load moves along Γ3 in such a way that the pressure does not vanish at the front. Landings
 then cause an error C_1 k, and the times between landings cause an error C_2 k². C_2 hardly depends on the mesh. C_1

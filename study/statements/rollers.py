@@ -4,7 +4,7 @@ A *roller* is an exact solution in which a contact patch of width ℓ moves alon
 On every mesh ℓ = 2h, so the patch is two cells wide, however fine the mesh is.
 
 Proposition 5.4 assumes u̇(t) ∈ H². A theorem of this study (proof in paper/velocity.tex) proves the order s/2 for
-u ∈ L¹(0,T;H^{1+s}), without a logarithm. float is an older bound, formula (17) of paper/theory.tex, for
+u ∈ L¹(0,T;H^{1+s}), without a logarithm. Measured is another bound, proved in paper/companion.tex, for
 u ∈ L^∞(0,T;H^{1+s}) ∩ W^{1,1}(0,T;V):
 
     ‖u − u^h‖_V ≤ e^{κT} (E_h + ‖u_0 − Π^hu_0‖_V + 2ΘM_h + (2D_h‖ϑ‖_{L¹(0,T)})^{1/2}).

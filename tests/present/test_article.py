@@ -39,12 +39,17 @@ SETTINGS = {
 STATEMENT = r"(?:Problems?|Theorems?|Propositions?)[~ ][2-5]\.\d+(?: and(?:~| |\n)(?:Proposition~)?[2-5]\.\d+)?"
 EQUATION = r"\([2-5]\.\d{1,2}\)"
 LAYOUT = r"\.\d+\\linewidth|\\setlength\{[^}]*\}\{[^}]*\}|\\documentclass\[[^]]*\]"
+LABEL = r"\\label\{([^}]*)\}"
 MACRO = re.compile(r"\\newcommand\{\\([A-Za-z]+)\}\{(.*)\}")
 
 
 def text(path: Path) -> str:
     """The LaTeX source without its comments."""
     return re.sub(r"(?<!\\)%.*", "", path.read_text(encoding="utf-8"))
+
+
+EVERYTHING = "\n".join(map(text, SOURCES))
+"""The LaTeX sources of all documents."""
 
 
 def typed_results(source: str) -> list[str]:
@@ -104,19 +109,17 @@ def test_the_tables_and_macros_are_those_of_the_committed_data() -> None:
 
 
 def test_every_macro_is_used_and_every_file_exists() -> None:
-    source = "\n".join(text(path) for path in SOURCES)
-    commands = set(re.findall(r"\\([A-Za-z]+)", source))
+    commands = set(re.findall(r"\\([A-Za-z]+)", EVERYTHING))
     assert set(NUMBERS) <= commands
-    for name in re.findall(r"\\input\{([^}]*)\}", source):
+    for name in re.findall(r"\\input\{([^}]*)\}", EVERYTHING):
         # `make paper` writes what is in build.
         assert name.startswith("build/") or (PAPER / f"{name}.tex").is_file(), name
-    for name in re.findall(r"\\includegraphics\[[^]]*\]\{([^}]*)\}", source):
+    for name in re.findall(r"\\includegraphics\[[^]]*\]\{([^}]*)\}", EVERYTHING):
         assert (RESULTS / "figures" / f"{name}.pdf").is_file(), name
 
 
 def test_every_reference_is_cited_and_every_citation_has_one() -> None:
-    source = "\n".join(text(path) for path in SOURCES)
-    cited = {key for keys in re.findall(r"\\cite\{([^}]*)\}", source) for key in keys.split(",")}
+    cited = {key for keys in re.findall(r"\\cite\{([^}]*)\}", EVERYTHING) for key in keys.split(",")}
     listed = re.findall(r"@\w+\{(\w+),", (PAPER / "references.bib").read_text(encoding="utf-8"))
     assert Counter(listed) == Counter(cited)
 
@@ -129,16 +132,17 @@ def whole(name: str) -> str:
 
 @pytest.mark.parametrize("names", [("theory",), ("study", "supplement")], ids=" and ".join)
 def test_every_statement_has_one_proof_and_every_reference_a_label_in_the_paper_or_its_supplement(names) -> None:
-    source = "".join(whole(name) for name in names)
-    labels = re.findall(r"\\label\{([^}]*)\}", source)
+    source = "".join(map(whole, names))
+    labels = re.findall(LABEL, source)
     assert len(set(labels)) == len(labels)
-    assert set(re.findall(r"\\(?:eq)?ref\{([^}]*)\}", source)) <= set(labels)
+    # S- and T- begin labels of supplement.tex and theory.tex in the other documents. LaTeX checks the prefix.
+    assert set(re.findall(r"\\(?:eq)?ref\{(?:[ST]-)?([^}]*)\}", source)) <= set(re.findall(LABEL, EVERYTHING))
     begins = [match.start() for match in re.finditer(r"\\begin\{(theorem|lemma|proposition|corollary)\}", source)]
     assert len(begins) > 9
     for start, following in pairwise([*begins, len(source)]):
         (label,) = re.findall(r"\\label\{((?:thm|lem|prop|cor):[\w-]+)\}", source[start:following])
         after = len(re.findall(r"\\begin\{proof\}(?!\[Proof of)", source[start:following]))
-        named = len(re.findall(rf"\\begin\{{proof\}}\[Proof of \w+~\\ref\{{{label}\}}\]", source))
+        named = len(re.findall(rf"\\begin\{{proof\}}\[Proof of \w+~\\ref\{{(?:[ST]-)?{label}\}}[^]]*\]", EVERYTHING))
         assert after + named == 1, label
 
 
@@ -156,9 +160,8 @@ def test_every_figure_and_table_is_mentioned_before_its_place(name: str) -> None
 
 def test_labels_of_figures_are_legible_in_print() -> None:
     """A line is 464 points wide. Labels are drawn with 7 points or more, and scaled by 0.85 at least."""
-    source = "\n".join(text(path) for path in SOURCES)
-    figures = re.findall(r"\\includegraphics\[width=(\.\d+)\\linewidth\]\{([^}]*)\}", source)
-    assert len(figures) == source.count(r"\includegraphics") > 6
+    figures = re.findall(r"\\includegraphics\[width=(\.\d+)\\linewidth\]\{([^}]*)\}", EVERYTHING)
+    assert len(figures) == EVERYTHING.count(r"\includegraphics") > 6
     for share, name in figures:
         drawn = re.search(rb"/MediaBox \[ ?0 0 ([\d.]+)", (RESULTS / "figures" / f"{name}.pdf").read_bytes())
         assert drawn, name

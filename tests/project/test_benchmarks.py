@@ -76,3 +76,8 @@ def test_numbers_on_finer_meshes_are_measured_again_on_the_coarsest() -> None:
     committed = pd.read_csv(fine_levels.FILE).set_index("level").loc[16]
     for name, value in {**fine_levels.natural_front(16), **fine_levels.rollers(16)}.items():
         assert value == pytest.approx(committed[name], rel=1e-4), name
+
+
+def test_nodal_errors_near_the_front_are_those_of_a_program_with_another_quadrature() -> None:
+    measured = fine_levels.natural_front(16)["nodal error near the front / θ h^(3/2)"]
+    assert measured == pytest.approx(0.82656, rel=1e-5)
