@@ -2,17 +2,17 @@
 
 The patch has the width ℓ if it moves and 2ℓ if it stands. Its normal strain q, contact pressure p and gap w are
 
-    roller:          ξ = s − 3/20 − t,   q = −Q e^ξ H(−ξ/ℓ),          p = aQ e^ξ H'(−ξ/ℓ)/ℓ,    w = ω ℓ W(ρ),
+    roller:          ξ = s − 3/20 − t,   q = −Q e^ξ H(−ξ/ℓ),          p = 3Q e^ξ H'(−ξ/ℓ)/ℓ,    w = ω ℓ W(ρ),
                      ρ = dist(ξ, [−ℓ, 0])/ℓ,
     standing patch:  ξ = s − 1/2,        q = −Q B(ξ/ℓ) Σ_j e^{t_j−t} H((t − t_j)/ℓ),
-                     p = aQ B(ξ/ℓ) Σ_j e^{t_j−t} H'((t − t_j)/ℓ)/ℓ,
+                     p = 3Q B(ξ/ℓ) Σ_j e^{t_j−t} H'((t − t_j)/ℓ)/ℓ,
                      w = ω ℓ (W(ρ) + B(ξ/ℓ) Π_j C((t − t_j)/ℓ)),   ρ = dist(ξ, [−ℓ, ℓ])/ℓ,
 
     H(z) = z³(10 − 15z + 6z²) on [0, 1], constant beyond,   B(z) = (1 − z²)_+^4,   W(ρ) = ρ³/(1 + ρ²)^{9/8},
     C(z) = H(−z) + H(z − 1), zero for 0 ≤ z ≤ 1,   t_1 = 1/10, t_2 = 2/5,   Q = 1, ω = 1/10, 0 ≤ t ≤ 7/10,
 
-on the unit square with A = G: τ ↦ 2τ + (tr τ)/2 I, so that p = −a(q̇ + q) with a = 5/2. The displacement reaches to the
-depth 7/10 (ℓ² + ξ²)^{1/2}: a detail of width r, at the distance r from the patch, reaches to a depth proportional to r.
+on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so that p = −3(q̇ + q). The displacement reaches to the depth
+7/10 (ℓ² + ξ²)^{1/2}: a detail of width r, at the distance r from the patch, reaches to a depth proportional to r.
 
 For a fixed ℓ, u lies in H². As ℓ → 0 its norm in H² grows, but only like |log ℓ|^{1/2}. The reason is that W ~ ρ^{3/4}
 for large ρ, which keeps ∂_s w bounded in H^{1/2}(Γ3), while q has a step at the patch: the strain that the pressure
@@ -30,8 +30,8 @@ from sympy import Expr, Rational, exp, prod, sqrt
 from manufactured.arguments import checked
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
-from manufactured.cases.laws import proportional
 from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt, isotropic
 from manufactured.multiscale.fading import FadingFace
 from manufactured.regularity import Regularity
 from manufactured.symbols import FormulaError, pos, s, t
@@ -43,8 +43,6 @@ MIDDLE = Rational(1, 2)
 """The position of the centre of a standing patch."""
 LANDINGS = Rational(1, 10), Rational(2, 5)
 """The times t_j at which a standing patch comes into contact."""
-MODULUS = Rational(5, 2)
-"""The normal modulus a of viscosity and elasticity."""
 SLOPE = Rational(1, 10)
 """The factor ω in the formula of the gap."""
 ROLLERS = "roller", "pushing-roller", "steep-roller", "standing"
@@ -82,7 +80,7 @@ def roller(name: str, width: Expr, push: int = 1, slope: Expr = SLOPE) -> Case:
         width,
         gap=slope * width * (away(-place) + away(place - 1)),
         strain=-push * exp(xi) * step(place),
-        pressure=MODULUS * push * exp(xi) * kick(place) / width,
+        pressure=3 * push * exp(xi) * kick(place) / width,
         level=-xi * (xi + width),
         regularity=Regularity(gap=3, pressure=2, moving=True),
     )
@@ -103,7 +101,7 @@ def standing(name: str, width: Expr) -> Case:
         width,
         gap=gap,
         strain=-bump * sum(f * step(z) for f, z in zip(fading, since, strict=True)),
-        pressure=MODULUS * bump * sum(f * kick(z) for f, z in zip(fading, since, strict=True)) / width,
+        pressure=3 * bump * sum(f * kick(z) for f, z in zip(fading, since, strict=True)) / width,
         level=-gap,
         regularity=Regularity(gap=3, pressure=4),
     )
@@ -126,7 +124,7 @@ def away(rho: Expr) -> Expr:
 
 
 def _case(name: str, summary: str, xi: Expr, width: Expr, regularity: Regularity, **data: Expr) -> Case:
-    body, law = unit_square(T), proportional()
+    body, law = unit_square(T), KelvinVoigt(isotropic(1, 1), isotropic(1, 1), "linear, A = G")
     depth = DEPTH * sqrt(width**2 + xi**2)
     face = FadingFace(body.of(Kind.CONTACT)[0], depth=depth, least_depth=float(DEPTH * width), **data)
     return Case(
