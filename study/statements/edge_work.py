@@ -7,7 +7,7 @@ R_E = ∫_E σ_ν (Π^h u_ν − u_ν) be the work of contact on E. Since σ_ν 
     |R_E| ≤ β h^{1+2ϱ} |σ_ν|_{ϱ,E} |u_ν'|_{ϱ,E},
     β = min{(2π)^{−1} (h/|N|)^{1/2}, 8^{−1/2} (h/|C|)^{1/2}} ≤ C_0 < 0.388.
 
-The sum over edges gives |R| ≤ C_0 h^{2s} Σ_i |σ_ν|_{ϱ,Γ3,i} |u_ν'|_{ϱ,Γ3,i} with ϱ = s − 1/2. **float** are
+The sum over edges gives |R| ≤ C_0 h^{2s} Σ_i |σ_ν|_{ϱ,Γ3,i} |u_ν'|_{ϱ,Γ3,i} with ϱ = s − 1/2. **Measured** are
 
 * the quotient |R_E| / bound with ϱ = 1/2 for exact solutions, at several times, on every edge on which neither N nor C
   is empty;

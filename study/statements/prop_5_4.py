@@ -1,6 +1,6 @@
 """Proposition 5.4: the error of the semi-discrete solution is of first order, ‖u − u^h‖_{L∞(0,T;V)} = O(h).
 
-**float.** Problem 5.1 is solved for every exact solution that satisfies (5.36), on every mesh family that can mesh
+**Measured.** Problem 5.1 is solved for every exact solution that satisfies (5.36), on every mesh family that can mesh
 its body, on finer and finer meshes. A row of ``rates.csv`` is one mesh. It holds the maxima over time of the error
 ‖u − u^h‖_V, of the interpolation error ‖u − Π^h u‖_V and of the discrete error ‖Π^h u − u^h‖_V. Diagnostics show that
 other errors are negligible: the error of time steps, the quadrature error, the residual of the contact solver, and u^h

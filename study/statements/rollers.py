@@ -20,7 +20,7 @@ The symbols are
 
 For s = 1, M_h is of order h. So this bound is of order 1/2, up to a logarithm.
 
-**float** are
+**Measured** are
 
 * both sides of the bound, with all constants. E_h, J_h and the error are evaluated at 33 times, M_h at all time nodes.
 * the *excess*, the largest ‖u^h − u^h_lin‖_V over time. Here u^h_lin solves the linear problem in which the exact
