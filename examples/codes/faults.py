@@ -69,6 +69,81 @@ def other_stress(change: Callable[[np.ndarray], np.ndarray]) -> Callable:
     return make
 
 
+def balance_with(change: Callable[[Task, np.ndarray], np.ndarray]) -> Callable:
+    """An adapter that takes another load: change(task, load)."""
+
+    def make(task: Task):
+        step = this_study.make(task)
+        return lambda load, stress: step(change(task, load), stress)
+
+    return make
+
+
+def _load_lost(task: Task, load: np.ndarray) -> np.ndarray:
+    """The load without that of a vertex in the middle of Γ2."""
+    loaded = np.unique([v for part in task.data["loaded"] for facet in part["facets"] for v in facet])
+    held = np.concatenate([task.clamped, *(vertices for _, vertices, _ in task.pieces())])
+    free = np.setdiff1d(loaded, held)
+    return np.where(np.arange(len(load))[:, None] == free[len(free) // 2], 0, load)
+
+
+def _pressure_before_contact(task: Task, load: np.ndarray) -> np.ndarray:
+    """The load with a hundredth of the largest load, for each area, against the contact face."""
+    result = load.copy()
+    for normal, vertices, mass in task.pieces():
+        result[vertices] -= 0.01 * abs(load).max() * np.multiply.outer(mass / mass.max(), normal)
+    return result
+
+
+def _cell_left_out(task: Task) -> dict:
+    """Cells without the one nearest to the middle of the body."""
+    middle = np.linalg.norm(task.vertices[task.cells].mean(axis=1) - task.vertices.mean(axis=0), axis=1).argmin()
+    return {"volumes": np.where(np.arange(len(task.cells)) == middle, 0, task.volumes)}
+
+
+def _forces_not_added_up(task: Task):
+    """The last cell at a vertex overwrites the forces of the initial stress of the others."""
+    step = this_study.make(task)
+
+    def overwritten(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
+        forces = np.zeros_like(load)
+        forces[task.cells] = task.in_cells(stress)
+        return step(load - forces, 0 * stress)
+
+    return overwritten
+
+
+def _gap_shifted(task: Task) -> dict:
+    return {"gaps": lambda: [np.roll(gap, 1) for gap in task.gaps()]}
+
+
+def _coordinates_rounded(task: Task):
+    return this_study.make(task.moved(np.round(task.vertices, 2)) or task)
+
+
+def _no_slip(task: Task):
+    """u along the face is held at 0 where the right contact forces act."""
+    free = _free(task)
+    K, N, right_step = this_study.stiffness(task)[free][:, free], this_study.normals(task), this_study.make(task)
+    gap = np.concatenate(task.gaps())
+
+    def step(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
+        b = (load - task.internal(stress)).ravel()
+        forces = b - this_study.stiffness(task) @ right_step(load, stress).ravel()
+        held = N @ forces > 1e-9 * abs(b).max()
+        along = [row for v in np.unique(N[held].indices // 2) for row in ([2 * v], [2 * v + 1])]
+        rows = np.zeros((len(along), len(b)))
+        rows[np.arange(len(along)), np.ravel(along).astype(int)] = 1
+        wanted = rows @ (N[held].T @ gap[held]) if len(along) else np.zeros(0)
+        R = rows[:, free]
+        S = np.block([[K.toarray(), R.T], [R, np.zeros((len(R), len(R)))]])
+        u = np.zeros(len(b))
+        u[free] = np.linalg.solve(S, np.append(b[free], wanted))[: len(free)]
+        return u.reshape(-1, 2)
+
+    return step
+
+
 def without(place: float | None) -> Callable[[Task], dict]:
     """The constraint forgotten at the vertex of the first piece nearest to a place in [0, 1] along it, None: at every
     second one."""
@@ -217,6 +292,11 @@ def changed(change: Callable[[Task, np.ndarray, dict], np.ndarray]) -> Callable:
     return make
 
 
+def _last_step_not_solved(task: Task, u: np.ndarray, memory: dict) -> np.ndarray:
+    memory["steps"] = [*memory.get("steps", []), u]
+    return memory["steps"][task.count - 2] if len(memory["steps"]) == task.count else u
+
+
 def _step_before(task: Task, u: np.ndarray, memory: dict) -> np.ndarray:
     before = memory.get("u", np.zeros_like(u))
     memory["u"] = u
@@ -331,7 +411,7 @@ FAULTS = (
     Fault("coupling with shear of the other sign", misread(entries((0, 2, -1.0), (1, 2, -1.0)))),
     Fault("ν pointing into the body", misread(inward), "normals are reversed"),
     Fault("ν rounded to an axis", misread(_along_axis), "normals tilted by 0.4"),
-    Fault("ν at the end turned by 0.1", in_contact(right, tilted(0.1)), "is tilted by 0.1"),
+    Fault("ν at the end turned by 0.1", in_contact(right, tilted(0.1)), "normals tilted by 0.1"),
     Fault("ν averaged at a corner", in_contact(right, rows=_corner_means), "normals of faces that meet are averaged"),
     Fault("no lift-off, $u_\\nu = 0$", tied, "contact pulls"),
     Fault("a vertex inside forgotten", misread(without(0.25)), "is forgotten at"),
@@ -352,6 +432,21 @@ FAULTS = (
         misread(lambda task: {"gaps": lambda: [mass for *_, mass in task.pieces()]}),
         "the areas of the contact vertices are taken",
     ),
+    Fault("initial gap shifted by one vertex", misread(_gap_shifted), "the initial gaps are shifted by one vertex"),
+    Fault("no slip in contact", _no_slip, "no slip"),
+    Fault("a pressure on Γ3 before contact", balance_with(_pressure_before_contact), "where the gap is open, too"),
+    Fault("a cell left out", misread(_cell_left_out), "the contribution of 1 cell"),
+    Fault("the load lost at a vertex of Γ2", balance_with(_load_lost), "the load at 1 vertex"),
+    Fault(
+        "initial stress of the cell before", other_stress(lambda s: np.roll(s, 1, 0)), "stress or history of the cell"
+    ),
+    Fault(
+        "initial stress of other sign in every second cell",
+        other_stress(lambda s: s * np.where(np.arange(len(s)) % 2, -1, 1)[:, None]),
+        "cells",
+    ),
+    Fault("forces of cells not added up", _forces_not_added_up, "are not added up"),
+    Fault("coordinates with 2 decimals", _coordinates_rounded, "coordinates of the mesh are rounded to 2 decimals"),
     Fault("springs of 30, not scaled with *h*", springs(lambda task: 30.0), "springs"),
     Fault("equal springs at all vertices", _equal_springs, "whatever its area"),
     Fault(
@@ -376,6 +471,8 @@ FAULTS = (
         changed(lambda task, u, _: u + task.vertices),
         "the answer has deformed coordinates",
     ),
+    Fault("u with 4 decimals", changed(lambda task, u, _: np.round(u, 4)), "are written with 4 decimals"),
+    Fault("last step not solved", changed(_last_step_not_solved), "are a copy of another step"),
     Fault("u in other units", changed(lambda task, u, _: 1000 * u), "1000 times the right ones"),
     Fault("solver stopped at $10^{-4}$", changed(_noise), "solver stops too early"),
 )
