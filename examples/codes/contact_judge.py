@@ -32,6 +32,7 @@ from fnmatch import fnmatch
 from itertools import chain, combinations, pairwise
 from pathlib import Path
 from xml.etree import ElementTree
+from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -2626,7 +2627,7 @@ def picture(task, u):
     title = f"{task.name}, forces of step {worst + 1}. {where(equations)}"
     parts = [
         '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 700 700" fill="none" stroke-linecap="round">',
-        f"<title>{title}</title>",
+        f"<title>{escape(title)}</title>",
         _path(at[task.cells], "#bbb", 1),
         _path(at[facets], "#000", 3),
         _path(np.stack([at, ends], axis=1)[marked], "#c00", 2),

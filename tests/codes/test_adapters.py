@@ -250,6 +250,7 @@ def test_one_missing_answer_does_not_stop_the_judge_and_a_subset_leaves_it_out(p
 @pytest.mark.parametrize("change", [lambda u: 1.5 * u, lambda u: u])
 def test_a_picture_has_the_mesh_and_the_forces_that_remain(change, place: Path, tmp_path: Path) -> None:
     change_answer(place, change)
+    task_with(case="a<b")(place)
     run(place, "--plot", str(tmp_path / "a.svg"))
     mesh, face, arrows, dots = ElementTree.parse(tmp_path / "a.svg").getroot().findall("{*}path")
     assert [one.get("d", "").count("M") for one in (mesh, face)] == [32, 4]
