@@ -1675,19 +1675,23 @@ ADDED: list = [
 
 def added(equations):
     """Yield the causes that a positive multiple of forces acts that are in no equation."""
-    total = equations.total
+    total, sticking = equations.total, _sticking(equations)
     for key, sentence, forces in ADDED:
-        left = equations.left(forces(equations))
-        c = -_factor(total, left)
+        field_ = equations.left(forces(equations))
+        c = -_factor(total, field_)
         if c > 0:
-            words = sentence.format(c=written(c))
-            yield Cause(
-                key,
-                words,
-                equations.size(total + c * left),
-                equations.size(total),
-                fitted=1,
-            )
+            left = total + c * field_
+            if key == "friction":
+                left[sticking < c * (1 + NAMED)] = 0
+            yield Cause(key, sentence.format(c=written(c)), equations.size(left), equations.remains, fitted=1)
+
+
+def _sticking(equations):
+    """Return forces along the face over contact forces, (steps, n), where u along it is 0; infinite elsewhere."""
+    force, slip = (np.linalg.norm(values, axis=2) for values in (equations.total, equations.slip()))
+    lam = equations.lam @ equations.rows
+    stays = equations.face & (slip <= AGREES * peak(equations.u)) & (lam > 0)
+    return np.where(stays, force / np.where(stays, lam, 1), np.inf)
 
 
 def _factor(values, shape):
@@ -1708,10 +1712,11 @@ def _traction(equations):
 
 
 def _friction(equations):
-    """Return forces against the slip, as large as the contact forces."""
+    """Return forces against the slip, as large as the contact forces; zero where u along the face is 0."""
     slip = equations.slip()
     size = np.linalg.norm(slip, axis=2, keepdims=True)
-    return -(equations.lam @ equations.rows)[..., None] * slip / np.maximum(size, 1e-300)
+    slides = size > AGREES * peak(equations.u)
+    return -(equations.lam @ equations.rows)[..., None] * slides * slip / np.maximum(size, 1e-300)
 
 
 def supports(equations):
@@ -1741,7 +1746,7 @@ def tilted(equations):
     sines = np.linalg.norm(np.einsum("vij,vj->vi", e.keep[bad], axes), axis=1)
     angles = np.arcsin(np.minimum(sines, 1))
     at = counted(bad, "vertices", e.task.vertices)
-    words = f"normals tilted by {angles.min():.3g} to {angles.max():.3g} at {at}"
+    words = f"{'friction, or ' * (len(bad) > 1)}normals tilted by {angles.min():.3g} to {angles.max():.3g} at {at}"
     yield Cause("tilt", words, e.size(left), e.remains, fitted=len(bad))
 
 

@@ -144,6 +144,71 @@ def _no_slip(task: Task):
     return step
 
 
+def _vertex_duplicated(task: Task):
+    """The cells to the right of the vertex in the middle use a copy of it, which moves on its own (a crack)."""
+    middle = np.linalg.norm(task.vertices - task.vertices.mean(axis=0), axis=1).argmin()
+    right = task.vertices[task.cells].mean(axis=1)[:, :1] > task.vertices[middle, 0]
+    other = copy.copy(task)
+    other.vertices = np.concatenate([task.vertices, task.vertices[[middle]]])
+    other.cells = np.where((task.cells == middle) & right, len(task.vertices), task.cells)
+    step = this_study.make(other)
+    return lambda load, stress: step(np.concatenate([load, 0 * load[:1]]), stress)[:-1]
+
+
+def along_the_face(law: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]) -> Callable:
+    """Forces along the contact face: law(slip, contact forces, areas), by fixed-point iteration."""
+
+    def make(task: Task):
+        step = this_study.make(task)
+
+        def solve(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
+            u, along = step(load, stress), np.zeros_like(load)
+            for _ in range(60):
+                elastic = np.einsum("cij,cj->ci", task.stiffness, task.strain(u))
+                forces, before = load - task.internal(elastic + stress), along
+                along = np.zeros_like(load)
+                for normal, vertices, area in task.pieces():
+                    tangent = np.array([-normal[1], normal[0]])
+                    force = law(u[vertices] @ tangent, (forces + before)[vertices] @ normal, area)
+                    along[vertices] += np.multiply.outer(force, tangent)
+                u = step(load + along, stress)
+            return u
+
+        return solve
+
+    return make
+
+
+def _propped(task: Task):
+    """u·n is held at 0 at a vertex in the middle of Γ2, as if another face were found to be in contact there."""
+    loaded = task.data["loaded"][0]
+    held = np.concatenate([task.clamped, *(vertices for _, vertices, _ in task.pieces())])
+    free = np.setdiff1d(loaded["facets"], held)
+    piece = {"normal": loaded["normal"], "facets": loaded["facets"], "vertices": [int(free[len(free) // 2])]}
+    other = copy.copy(task)
+    other.data = {**task.data, "contact": [*task.data["contact"], piece]}
+    return tied_last(other)
+
+
+def tied_last(task: Task):
+    """The right contact, and u_ν = 0 at the last constraint."""
+
+    def solve(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
+        return active_set(W, free, tied=np.arange(len(free)) == len(free) - 1)
+
+    return in_contact(solve)(task)
+
+
+def _barrier(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
+    """λ = 1e-3 / distance, by Newton's method from far away."""
+    distance = abs(free).max() + abs(free)
+    for _ in range(200):
+        left = distance + free - 1e-3 * W @ (1 / distance)
+        step = np.linalg.solve(np.eye(len(free)) + 1e-3 * W / distance**2, -left)
+        distance = np.maximum(distance + step, distance / 2)
+    return 1e-3 / distance
+
+
 def without(place: float | None) -> Callable[[Task], dict]:
     """The constraint forgotten at the vertex of the first piece nearest to a place in [0, 1] along it, None: at every
     second one."""
@@ -435,6 +500,11 @@ FAULTS = (
     Fault("initial gap shifted by one vertex", misread(_gap_shifted), "the initial gaps are shifted by one vertex"),
     Fault("no slip in contact", _no_slip, "no slip"),
     Fault("a pressure on Γ3 before contact", balance_with(_pressure_before_contact), "where the gap is open, too"),
+    Fault("friction", along_the_face(lambda slip, lam, area: -1e-3 * lam * np.sign(slip)), "friction acts in contact"),
+    Fault("a tangential penalty", along_the_face(lambda slip, lam, area: -0.3 * area * slip), "(a tangential penalty)"),
+    Fault("a logarithmic barrier", in_contact(_barrier), "force times distance is 0.001"),
+    Fault("a vertex of Γ2 held", _propped, "u is held at 0 along the forces at 1 vertex"),
+    Fault("a vertex duplicated", _vertex_duplicated, "is duplicated (a crack)"),
     Fault("a cell left out", misread(_cell_left_out), "the contribution of 1 cell"),
     Fault("the load lost at a vertex of Γ2", balance_with(_load_lost), "the load at 1 vertex"),
     Fault(

@@ -57,22 +57,20 @@ def do_export(options: argparse.Namespace) -> int:
 
 def _require_mesh(task: Task) -> None:
     """Raise UsageError, which names the case and levels that would do, unless the mesh fits the body."""
+    if not (reason := _misfit(task)):
+        return
+    near = sorted(range(1, 2 * task.level), key=lambda level: abs(level - task.level))[:MOST_LEVELS]
+    fit = [str(level) for level in near if not _misfit(Task(task.case, task.family, level))][:3]
+    mend = f"; levels that would do: {', '.join(fit)}" if fit else ""
+    raise UsageError(f"case {task.case.name} on {task.family.name} meshes of level {task.level}: {reason}{mend}")
+
+
+def _misfit(task: Task) -> str:
     try:
         boundary_parts(task.space.mesh, task.solution.body)
     except MeshError as error:
-        near = sorted(range(1, 2 * task.level + 1), key=lambda level: abs(level - task.level))
-        levels = [str(level) for level in near[:MOST_LEVELS] if _fits(Task(task.case, task.family, level))]
-        mend = f"; levels that would do: {', '.join(levels[:3])}" if levels else ""
-        name = f"case {task.case.name} on {task.family.name} meshes of level {task.level}"
-        raise UsageError(f"{name}: {error}{mend}") from error
-
-
-def _fits(task: Task) -> bool:
-    try:
-        boundary_parts(task.space.mesh, task.solution.body)
-    except MeshError:
-        return False
-    return True
+        return str(error)
+    return ""
 
 
 def _instants(options: argparse.Namespace, case: Case) -> list[float]:

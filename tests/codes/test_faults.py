@@ -304,71 +304,10 @@ def exchanged(C: np.ndarray, normal: np.ndarray) -> np.ndarray:
     return 2 * lam * np.eye(3) + mu * normal
 
 
-def with_copy(task: Any) -> Any:
-    """The cells to the right of vertex 12 use a copy of it."""
-    other = judge.copy.copy(task)
-    right = (task.cells == 12) & (task.vertices[task.cells].mean(axis=1)[:, :1] > task.vertices[12, 0])
-    other.vertices = np.concatenate([task.vertices, task.vertices[12:13]])
-    other.cells = np.where(right, len(task.vertices), task.cells)
-    step = this_study.make(other)
-    return lambda load, stress: step(np.concatenate([load, 0 * load[:1]]), stress)[:-1]
-
-
-def barrier(W: np.ndarray, free: np.ndarray, _: dict) -> np.ndarray:
-    """λ = 1e-3 / distance, by Newton's method from far away."""
-    distance = abs(free).max() * np.ones(len(free)) + abs(free)
-    for _ in range(200):
-        left = distance + free - 1e-3 * W @ (1 / distance)
-        step = np.linalg.solve(np.eye(len(free)) + 1e-3 * W / distance**2, -left)
-        distance = np.maximum(distance + step, distance / 2)
-    return 1e-3 / distance
-
-
-def propped(task: Any) -> Any:
-    """u·n = 0 at the middle of the first part of Γ2, too."""
-    part = task.data["loaded"][0]
-    middle = sorted({v for facet in part["facets"] for v in facet} - set(task.clamped.tolist()))[3]
-    piece = {"normal": part["normal"], "facets": part["facets"], "vertices": [middle]}
-    other = judge.copy.copy(task)
-    other.data = {**task.data, "contact": [*task.data["contact"], piece]}
-    return faults.tied(other)
-
-
-def along_the_face(law: Any) -> Any:
-    """Forces along the contact face: law(slip, contact forces, areas)."""
-
-    def make(task: Any) -> Any:
-        step, ((normal, vertices, area),) = this_study.make(task), task.pieces()
-
-        def solve(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
-            u, along = step(load, stress), np.zeros_like(load)
-            for _ in range(60):
-                elastic = np.einsum("cij,cj->ci", task.stiffness, task.strain(u))
-                lam = (load - task.internal(elastic + stress))[vertices] @ normal
-                along[vertices, 0] = law(u[vertices, 0], lam, area)
-                u = step(load + along, stress)
-            return u
-
-        return solve
-
-    return make
-
-
 SHOWN: dict[str, tuple[Any, str]] = {
     "λ and μ are exchanged": (of_law(exchanged), "layered"),
-    "vertex 12 at (0.5, 0.5) is duplicated": (with_copy, "layered"),
-    "contact is by a barrier: force times distance is 0.001": (faults.in_contact(barrier), "layered"),
-    "u is held at 0 along the forces at 1 vertex": (propped, "full-contact"),
     "the displacements are written with 4 digits": (
         faults.changed(lambda task, u, _: np.array([float(f"{x:.3e}") for x in u.ravel()]).reshape(u.shape)),
-        "layered",
-    ),
-    "springs act along the contact face (a tangential penalty), of stiffness 0.3 for": (
-        along_the_face(lambda slip, lam, area: -0.3 * area * slip),
-        "layered",
-    ),
-    "friction acts in contact, with the coefficient 0.01 ": (
-        along_the_face(lambda slip, lam, area: -0.01 * lam * np.sign(slip)),
         "layered",
     ),
     "the load at 8 vertices": (faults.balance_with(lambda task, b: b * (task.vertices[:, :1] < 0.9)), "corner"),
@@ -384,6 +323,14 @@ def test_a_cause_is_shown_by_undoing_or_imitating_it(cause: str) -> None:
     make, case = SHOWN[cause]
     found = judged(make, exported(case, 8 if cause.startswith("the load") else 4))
     assert f"Most likely: {cause}" in found.cause
+
+
+def test_gaps_in_the_reversed_order_are_named_where_they_are_not_symmetric() -> None:
+    data = exported("layered", 4).data
+    (piece,) = data["contact"]
+    task = judge.Task("gaps", data | {"contact": [piece | {"gap": [0.01, 0.02, 0.03, 0.04, 0.05]}]})
+    found = judged(faults.misread(lambda task: {"gaps": lambda: [gap[::-1] for gap in task.gaps()]}), task)
+    assert "Most likely: the initial gaps are in the reversed order" in found.cause
 
 
 def test_components_of_shear_in_another_order_are_named_in_space() -> None:
