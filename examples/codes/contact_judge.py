@@ -253,7 +253,7 @@ class Task:
         return np.arange(len(pairs(self.dim))) >= self.dim
 
     @classmethod
-    def read(cls, path: Path) -> Task:
+    def read(cls, path):
         """Read a task from NAME.json.xz, NAME.json.gz or NAME.json."""
         path = Path(path)
         try:
@@ -469,7 +469,7 @@ def write_answer(directory: Path, task: Task, u: Array, **reports: Array) -> Non
         np.savetxt(place / f"{name}.txt", np.reshape(values, (len(u), -1)), fmt="%.17g")
 
 
-def read_answer(directory: Path, task: Task) -> Array:
+def read_answer(directory, task):
     """Return the displacements of an answer, (steps, n, d); TaskError if they cannot be read."""
     return _numbers(
         Path(directory) / task.name / "u.txt",
@@ -477,7 +477,7 @@ def read_answer(directory: Path, task: Task) -> Array:
     )
 
 
-def read_reports(directory: Path, task: Task) -> dict[str, Array]:
+def read_reports(directory, task):
     """Return what the code itself reports: name in ``REPORTS`` ↦ (steps, values), for the files that are there."""
     result = {}
     for name in REPORTS:
@@ -771,10 +771,10 @@ class Cause:
 class Diagnosis:
     """Where the equations are violated, why, the most likely causes (group ↦ words), and whether they are certain."""
 
-    where: str = ""
     sentence: str = ""
     causes: dict[str, str] = field(default_factory=dict)
     certain: bool = False
+    where: str = ""
 
     def is_fault(self, share):
         """Return whether the causes are certain and no consistent method, for a distance ``share`` of the error."""
@@ -786,7 +786,7 @@ class Diagnosis:
         return any(key.startswith((*METHODS, *FITTED, TOLERANCE)) or ODD in self.causes[key] for key in self.causes)
 
 
-def diagnose(tasks: list[Task], answers: list[Array]) -> Diagnosis:
+def diagnose(tasks, answers):
     """Return where the first of some answers violates the equations, and the cause that the first two share."""
     for task, values in zip(tasks, answers, strict=True):
         if not (abs(values) < HUGE).all():
@@ -830,13 +830,12 @@ def _not_numbers(task, values):
         words = "the matrix is probably singular: the body is not held, or one constraint is imposed twice"
         words += " (for example by wrong normals at a corner)"
         return Diagnosis(
-            "",
             f"The answer to {task.name} is not a number in step {step + 1}; {words}",
             {"nan": words},
         )
     first = f"u_{'xyz'[axis]} of vertex {vertex} in step {step + 1} is {values[step, vertex, axis]:g}"
     count = f"{bad.sum()} of {bad.size} values that are not numbers or too large"
-    return Diagnosis("", f"The answer to {task.name} has {count}: {first}")
+    return Diagnosis(f"The answer to {task.name} has {count}: {first}")
 
 
 def _named(causes):
@@ -860,7 +859,7 @@ def _named(causes):
         f"up to {max(equal[0].residual, 1e-17):.0e} of {equal[0].of}; the right equations, up to {equal[0].without:.2g}"
     )
     sentence = f"{head}: {'; or '.join(groups.values())} (equations with this fault reproduce the answer {numbers})"
-    return Diagnosis("", sentence, groups, equal[0].residual <= CERTAIN)
+    return Diagnosis(sentence, groups, equal[0].residual <= CERTAIN)
 
 
 def _early_stop(equations):
@@ -868,11 +867,11 @@ def _early_stop(equations):
     task, exact = equations.task, equations.task.references()
     apart = equations.u - exact
     size = peak(apart) / peak(exact)
-    unknown = Diagnosis("", "Not explained: no cause that was tried leaves a thousandth of this")
+    unknown = Diagnosis("Not explained: no cause that was tried leaves a thousandth of this")
     if equations.balanced:
         words = "the iterations for contact stop too early, or the contact forces are not those of a law of the gap"
         rough = _contact_is_rough(equations)
-        return Diagnosis("", f"Perhaps: {words}: {rough}") if rough and size < NEGLIGIBLE else unknown
+        return Diagnosis(f"Perhaps: {words}: {rough}") if rough and size < NEGLIGIBLE else unknown
     left = abs(np.delete(equations.total, task.clamped, axis=1)).ravel()
     spread = left.sum() ** 2 / (left.size * (left**2).sum())
     stiffness = np.trace(task.stiffness, axis1=1, axis2=2).mean() / len(equations.shear)
@@ -881,7 +880,7 @@ def _early_stop(equations):
         return unknown
     words = "the solver stops too early, at too large a tolerance"
     why = f"displacements differ by {size:.0e} of the largest, without pattern in space, at all free unknowns"
-    return Diagnosis("", f"Perhaps: {words}: {why}", {TOLERANCE: words})
+    return Diagnosis(f"Perhaps: {words}: {why}", {TOLERANCE: words})
 
 
 def _contact_is_rough(equations):
@@ -926,7 +925,6 @@ def _not_held(equations):
     when = _when(np.flatnonzero(steps), task.count)
     sentence = f"On Γ1 {zero} at {at} of n = {task.level}, {when}: {words}{much}"
     return Diagnosis(
-        "",
         sentence,
         {f"clamp {held}": f"on Γ1 {held}"} if certain else {},
         certain,
@@ -1079,7 +1077,7 @@ def _times(C, strain):
 # Where the equations are violated
 
 
-def where(equations: Equations) -> str:
+def where(equations):
     """Return at which vertices, in which steps and along which axis forces remain, or the contact conditions fail."""
     task, bad = equations.task, np.flatnonzero(equations.bad)
     n = f"n = {task.level}"
@@ -1123,7 +1121,7 @@ def _axis(forces):
     return f", all along ±({', '.join(f'{x + 0.0:.3g}' for x in axis.round(6))})"
 
 
-def sets(equations: Equations) -> dict[str, Array]:
+def sets(equations):
     """Return sets of vertices (n,) of bool with their names."""
     task, n = equations.task, len(equations.task.vertices)
 
@@ -1683,7 +1681,13 @@ def added(equations):
             left = total + c * field_
             if key == "friction":
                 left[sticking < c * (1 + NAMED)] = 0
-            yield Cause(key, sentence.format(c=written(c)), equations.size(left), equations.remains, fitted=1)
+            yield Cause(
+                key,
+                sentence.format(c=written(c)),
+                equations.size(left),
+                equations.remains,
+                fitted=1,
+            )
 
 
 def _sticking(equations):
@@ -2449,7 +2453,7 @@ def _judgement(key, group, answers, reports):
     return Judgement(*key, [task.level for task in first], errors, verdict, why, *own)
 
 
-def unpack(task: Task, directory: Path) -> None:
+def unpack(task, directory):
     """Write a task as text files, for programs that read no JSON: what the page on the format lists."""
     place = Path(directory) / task.name
     place.mkdir(parents=True, exist_ok=True)
@@ -2758,7 +2762,7 @@ def _run(options):
     return [one.outcome(tolerance) for one in judgements], faults
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main(arguments=None):
     """Run the command; 0 all hold, 1 one fails, 2 usage or input, 3 one is undecided."""
     options = options_of(arguments)
     for stream in (one for one in (sys.stdout, sys.stderr) if hasattr(one, "reconfigure")):
