@@ -1260,7 +1260,7 @@ MARCH: list = [
     (
         "older once",
         "{e.when} the history is that of the step before last (a repeated or failed step?)",
-        lambda e: len(e.bad_steps) == 1 and _older(e, e.bad_steps),
+        lambda e: len(e.bad_steps) < e.task.count and _older(e, e.bad_steps),
     ),
 ]
 STRESSES: list = [
@@ -1835,6 +1835,7 @@ class ContactProblem:
         self.task = task = equations.task
         self.vertices, normals, self.area, self.initial = task.constraints()
         self.lam, self.gap = equations.lam, equations.gap
+        self.gap_before = -task.distances(np.concatenate([equations.first, equations.u[:-1]]))
         unknown = np.setdiff1d(
             np.arange(task.vertices.size),
             task.dim * task.clamped[:, None] + np.arange(task.dim),
@@ -1959,7 +1960,7 @@ CONTACT: list = [
     (
         "gap left",
         "the gap that the step before left is taken for the initial gap",
-        lambda p: p.with_gap(np.concatenate([p.initial[None], -p.gap[:-1]])),
+        lambda p: p.with_gap(p.gap_before),
     ),
     ("pull:iterations", PULLS, lambda p: p.each(release=False)),
     (
@@ -2371,7 +2372,7 @@ def assess(
     """
     groups: dict = defaultdict(list)
     answers = dict(answers)
-    for task in sorted(tasks, key=lambda one: one.level):
+    for task in tasks:
         shape = (task.count, *task.vertices.shape)
         axes, what = "steps, vertices, components", f"the answer to {task.name}"
         if task.name not in answers:

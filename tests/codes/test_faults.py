@@ -333,6 +333,23 @@ def test_gaps_in_the_reversed_order_are_named_where_they_are_not_symmetric() -> 
     assert "Most likely: the initial gaps are in the reversed order" in found.cause
 
 
+def test_in_time_the_steps_of_an_older_history_and_the_gap_of_the_step_before_are_named() -> None:
+    task = exported("parabolic-gap", 4, steps=5)
+    step, states, gaps = this_study.make(task), [task.start(), task.start()], []
+    for n in range(task.count):
+        history = states[-2] if n in (2, 4) else states[-1]
+        states.append(step(*task.step(n, history)))
+    (found,) = judge.assess([task], {task.name: np.array(states[2:])})
+    assert "Most likely: in steps 3, 5 the history is that of the step before last" in found.cause
+    u = task.start()
+    for n in range(task.count):
+        left = -task.distances(u[None])[0]
+        u = faults.misread(lambda task, left=left: {"gaps": lambda: [left]})(task)(*task.step(n, u))
+        gaps.append(u)
+    (found,) = judge.assess([task], {task.name: np.array(gaps)})
+    assert "Most likely: the gap that the step before left is taken for the initial gap" in found.cause
+
+
 def test_components_of_shear_in_another_order_are_named_in_space() -> None:
     order = [0, 1, 2, 5, 3, 4]
     found = judged(faults.other_stress(lambda s: s[:, order]), exported("cube-two-faces", 3))
