@@ -107,8 +107,8 @@ class ContactFace:
             gap: the formula of the gap w(s, t).
             pressure: the formula of the contact pressure p(s, t).
             level: the formula of ψ(s, t); the contact zone is {ψ ≥ 0}.
-            initial: the formula of the normal strain q(s, 0). By default the strain starts at rest, q̇(s, 0) = 0;
-                without slip, the body then starts in elastic equilibrium.
+            initial: the formula of the normal strain q(s, 0); there is no shear strain at t = 0. By default the strain
+                starts at rest, q̇(s, 0) = 0; without slip, the body then starts in elastic equilibrium.
             profile, rough, initial_gap, slip: see ``ContactFace``.
 
         In this example the left half of the bottom of the unit square is always in contact, with p = t(½ − s)²₊:
@@ -124,8 +124,7 @@ class ContactFace:
 
         Raises:
             LawError: the dimensions of law and part differ; G is not linear (prescribe q with
-                ``face_strain.Prescribed`` instead); or the law couples sn with nn, or with the slip, and G is not
-                symmetric or ``initial`` is not None.
+                ``face_strain.Prescribed`` instead); or it couples nn and sn not symmetrically.
             FormulaError: a kink is not written with ``pos``, or a part of the pressure may not be smooth in t.
         """
         refuse_kinks(gap, pressure, level, initial, initial_gap, *slip)
@@ -146,15 +145,13 @@ class ContactFace:
         if not (viscous[0, 1:].any() or elastic[0, 1:].any() or elastic[1:, 0].any() or stress[1:].any()):
             a, g = float(viscous[0, 0]) * scale, float(elastic[0, 0]) * stiffness
             return cls(part, gap, Memory(pressure, a, g, T, initial, variables, stress[0]), *rest)
-        if isinstance(law.G, NonSymmetric):
+        if not np.array_equal(elastic, elastic.T):
             raise LawError(
-                f"{law.name}: G is not symmetric and couples nn or ss with sn, for which the strain on a face is not "
-                "known; prescribe the strain, or take a G whose nn–sn and ss–sn moduli are 0"
+                f"{law.name}: G is not symmetric and couples nn with sn, for which the strain on a face is not known; "
+                "prescribe the strain, or take a G whose nn–sn moduli are equal to its sn–nn moduli"
             )
-        if initial is not None:
-            raise LawError(f"{law.name} couples nn or ss with sn: its strain starts at rest, leave ``initial`` out")
         elastic = relaxation_rate(stiffness, scale) * elastic
-        return cls(part, gap, Coupled.of(pressure, stress, viscous, elastic, scale, T, variables), *rest)
+        return cls(part, gap, Coupled.of(pressure, stress, viscous, elastic, scale, T, initial, variables), *rest)
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:

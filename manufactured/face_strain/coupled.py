@@ -44,9 +44,10 @@ class Coupled:
         elastic: Array,
         scale: sp.Expr,
         T: float,
+        initial: sp.Expr | None,
         variables: tuple[sp.Symbol, ...],
     ) -> Coupled:
-        """Return the strain on a face with q̇ = ṙ = 0 at t = 0: without slip, the body starts in elastic equilibrium.
+        """Return the strain on a face.
 
         Args:
             pressure: the formula of the contact pressure p(s, t).
@@ -54,13 +55,22 @@ class Coupled:
             viscous, elastic: the matrices 𝒜 and 𝒢 of moduli without a common factor, (d, d) each.
             scale: the formula of the common factor.
             T: the final time.
+            initial: the formula of q(s, 0), with r(s, 0) = 0; None for a start at rest, q̇ = ṙ = 0.
             variables: the coordinates along the face.
         """
         inverse = np.linalg.inv(np.linalg.cholesky(viscous))
         rates, basis = np.linalg.eigh(inverse @ elastic @ inverse.T)
         vectors = inverse.T @ basis
         modes = tuple(
-            Memory(sp.Float(x[0]) * pressure, scale, float(rate) * scale, T, None, variables, x @ slip_stress)
+            Memory(
+                sp.Float(x[0]) * pressure,
+                scale,
+                float(rate) * scale,
+                T,
+                None if initial is None else float(viscous[0] @ x) * initial,
+                variables,
+                x @ slip_stress,
+            )
             for rate, x in zip(rates, vectors.T, strict=True)
         )
         return cls(pressure, modes, vectors)
@@ -68,7 +78,7 @@ class Coupled:
     @property
     def formula(self) -> sp.Expr:
         """The formula from whose truncated powers the smoothness of the strain is read off."""
-        return self.pressure + sum(mode.slip_stress for mode in self.modes)
+        return self.pressure + sum(mode.formula for mode in self.modes)
 
     def at(self, points: Array) -> StrainAtPoints:
         modes = [mode.at(points) for mode in self.modes]

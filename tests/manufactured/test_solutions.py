@@ -154,6 +154,13 @@ def test_under_every_linear_law_a_face_can_slip_without_friction(name: str) -> N
     np.testing.assert_allclose(u, z, atol=1e-12)
 
 
+def test_under_a_law_that_couples_strains_the_body_can_start_with_any_normal_strain() -> None:
+    solution = on_floor(coupled(2), 0, 30 * (1 + t), initial=-s / 2, slip=SLIP[2])
+    prove(solution, "initial strain")
+    q, r = solution.faces[0].strain.at(np.array([[0.2, 0.8]]))(0.0, False, 0)
+    np.testing.assert_allclose([q[0,], r[0,]], [[-0.1, -0.4], [0, 0]], atol=1e-12)
+
+
 def test_the_stress_of_slip_in_the_face_and_the_slip_in_the_strain_are_needed(monkeypatch) -> None:
     """Under a law that couples ss with sn, where the slip also needs a shear for σ_τ = 0."""
     plane = with_slip(replace(named("advance-recede").solution, law=coupled(2)))
