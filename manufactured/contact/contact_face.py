@@ -145,7 +145,7 @@ class ContactFace:
         if not (viscous[0, 1:].any() or elastic[0, 1:].any() or elastic[1:, 0].any() or stress[1:].any()):
             a, g = float(viscous[0, 0]) * scale, float(elastic[0, 0]) * stiffness
             return cls(part, gap, Memory(pressure, a, g, T, initial, variables, stress[0]), *rest)
-        if not np.array_equal(elastic, elastic.T):
+        if not np.allclose(elastic, elastic.T, rtol=1e-12, atol=0):
             raise LawError(
                 f"{law.name}: G is not symmetric and couples nn with sn, for which the strain on a face is not known; "
                 "prescribe the strain, or take a G whose nn–sn moduli are equal to its sn–nn moduli"
