@@ -151,7 +151,9 @@ class ContactFace:
                 "prescribe the strain, or take a G whose nn–sn moduli are equal to its sn–nn moduli"
             )
         elastic = relaxation_rate(stiffness, scale) * elastic
-        return cls(part, gap, Coupled.of(pressure, stress, viscous, elastic, scale, T, initial, variables), *rest)
+        return cls(
+            part, gap, Coupled.of(pressure, tuple(stress), viscous, elastic, scale, T, initial, variables), *rest
+        )
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:

@@ -39,7 +39,7 @@ class Coupled:
     def of(
         cls,
         pressure: sp.Expr,
-        slip_stress: Array,
+        slip_stress: tuple[sp.Expr, ...],
         viscous: Array,
         elastic: Array,
         scale: sp.Expr,
@@ -51,7 +51,7 @@ class Coupled:
 
         Args:
             pressure: the formula of the contact pressure p(s, t).
-            slip_stress: the formulas of l(s, t), (d,).
+            slip_stress: the formulas of the d components of l(s, t).
             viscous, elastic: the matrices 𝒜 and 𝒢 of moduli without a common factor, (d, d) each.
             scale: the formula of the common factor.
             T: the final time.
@@ -69,7 +69,7 @@ class Coupled:
                 T,
                 None if initial is None else float(viscous[0] @ x) * initial,
                 variables,
-                x @ slip_stress,
+                x @ np.array(slip_stress, dtype=object),
             )
             for rate, x in zip(rates, vectors.T, strict=True)
         )
