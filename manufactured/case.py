@@ -179,16 +179,18 @@ def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
         return FaceFormula(formula, face.part, face.variables, begin, end)
 
     strain = getattr(face, "strain", None)
+    # At a front u_s ~ z is as smooth as y q, so an exponent of z or ż counts like an exponent of the strain.
+    slip = [piece(f) for z in getattr(face, "slip", ()) for f in (z, z.diff(t))]
     if isinstance(strain, Prescribed):
         ends = [*(min(end, T) for end, _ in strain.phases[:-1]), T]
         phases = zip(strain.phases, [0.0, *ends], ends, strict=False)
         # The rate q̇ is included because p ~ a q̇ + g q, so at a moving front p has one power less than q.
         pieces = [piece(f, begin, end) for (_, q), begin, end in phases for f in (q, q.diff(t))]
-        return piece(face.gap), pieces
+        return piece(face.gap), [*pieces, *slip]
     if isinstance(strain, Memory):
         # The formulas are kept separate, because fronts may cancel in their sum.
-        return piece(face.gap), [piece(f) for f in (strain.pressure, strain.initial) if f is not None]
-    return piece(face.gap), [piece(face.exponents_in)]
+        return piece(face.gap), [*(piece(f) for f in (strain.load, strain.initial) if f is not None), *slip]
+    return piece(face.gap), [piece(face.exponents_in), *slip]
 
 
 def _initial_gap(face: Face) -> FaceFormula:

@@ -80,17 +80,17 @@ class Piecewise:
 @dataclass(frozen=True)
 @checked(ProfileError)
 class Profile:
-    """The functions a, …, e of the depth y by which the displacement of a contact face continues into the body.
+    """The functions a, …, f of the depth y by which the displacement of a contact face continues into the body.
 
-    For the gap w, the normal strain q and the shear strain r on the face, the displacement is
+    For the gap w, the normal strain q, the shear strain r and the slip z on the face, the displacement is
 
-        u_s = ∇_s w·a(y) + ∇_s q·e(y) + r·c(y),      u_n = w·b(y) + q·d(y).
+        u_s = ∇_s w·a(y) + ∇_s q·e(y) + r·c(y) + z·f(y),      u_n = w·b(y) + q·d(y).
 
-    At y = 0 the functions must satisfy a = c = d = e = 0, b = 1, a' = −1, c' = d' = 1 and b' = e' = 0. Then u_n = w,
-    u_s = 0, ε_nn = q, 2ε_sn = r and ε_ss = 0 on the face.
+    At y = 0 the functions must satisfy a = c = d = e = 0, b = f = 1, a' = −1, c' = d' = 1 and b' = e' = f' = 0. Then
+    u_n = w, u_s = z, ε_nn = q, 2ε_sn = r and ε_ss = sym ∇_s z on the face.
 
     Attributes:
-        a, b, c, d, e: the functions.
+        a, b, c, d, e, f: the functions.
         kinks: the depths at which first derivatives jump, because layers of the body meet there.
 
     Raises:
@@ -102,10 +102,11 @@ class Profile:
     c: Piecewise
     d: Piecewise
     e: Piecewise
+    f: Piecewise
     kinks: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        expected = {"a": (0, -1), "b": (1, 0), "c": (0, 1), "d": (0, 1), "e": (0, 0)}
+        expected = {"a": (0, -1), "b": (1, 0), "c": (0, 1), "d": (0, 1), "e": (0, 0), "f": (1, 0)}
         for name, values in expected.items():
             function = getattr(self, name)
             found = [float(function(np.array(0.0), k)) for k in range(2)]
@@ -115,12 +116,12 @@ class Profile:
     @property
     def depth(self) -> float:
         """The depth beyond which the displacement is zero."""
-        return max(function.ends[-1] for function in (self.a, self.b, self.c, self.d))
+        return max(function.ends[-1] for function in (self.a, self.b, self.c, self.d, self.f))
 
     @property
     def ends_with_kink(self) -> bool:
         """Whether a function has a kink where the displacement ends. The body must then end at this depth."""
-        return any(abs(f.jump(f.ends[-1], 1)) > 1e-9 for f in (self.a, self.b, self.c, self.d, self.e))
+        return any(abs(f.jump(f.ends[-1], 1)) > 1e-9 for f in (self.a, self.b, self.c, self.d, self.e, self.f))
 
 
 ZERO = Piecewise((1.0,), ((0.0,),))
@@ -130,7 +131,7 @@ ZERO = Piecewise((1.0,), ((0.0,),))
 def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
     """Return the profile of the standard construction: the displacement is multiplied by a cut-off φ(y/ℓ).
 
-    The functions are b = φ(y/ℓ), c = d = y φ(y/ℓ), a = −y φ(y/ℓ), e = 0.
+    The functions are b = f = φ(y/ℓ), c = d = y φ(y/ℓ), a = −y φ(y/ℓ), e = 0.
 
     Args:
         depth: ℓ, the depth beyond which the displacement is zero.
@@ -145,6 +146,7 @@ def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
         Piecewise(ends, (d,)),
         Piecewise(ends, (d,)),
         ZERO,
+        Piecewise(ends, (b,)),
     )
 
 
@@ -171,8 +173,8 @@ def layered(interface: float, ratio: float, depth: float = 1.0) -> Profile:
         ∂_y u_n⁺ = ∂_y u_n⁻/κ,      ∂_y u_s⁺ + ∇_s u_n = (∂_y u_s⁻ + ∇_s u_n)/κ.
 
     In the lower layer, at the face, b = 1 + γ y² and d = y + δ y² are quadratic, c = −a = y(1 − y/y_0) and e = 0. In
-    the upper layer b and d are linear, with γ and δ such that b and d are 0 at y = ℓ. The other functions are cubics
-    whose slopes at y_0 follow from the conditions above.
+    the upper layer b and d are linear, with γ and δ such that b and d are 0 at y = ℓ. f = 1 − (y/y_0)² in the lower
+    layer. The other functions are cubics whose slopes at y_0 follow from the conditions above.
 
     Args:
         interface: the depth y_0 of the interface.
@@ -200,5 +202,6 @@ def layered(interface: float, ratio: float, depth: float = 1.0) -> Profile:
         c=Piecewise(ends, ((0.0, 1.0, -1 / y0), bulge(c_slope / ratio))),
         d=Piecewise(ends, ((0.0, 1.0, delta), line(d))),
         e=Piecewise(ends, ((0.0,), bulge(softer * d))),
+        f=Piecewise(ends, ((1.0, 0.0, -1 / y0**2), bulge(-2 / y0 / ratio))),
         kinks=(y0,),
     )

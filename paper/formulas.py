@@ -146,9 +146,9 @@ def profile(of: Profile) -> str:
         if of.b.pieces == (HERMITE,) and of.depth == 1:
             return r"\(\varphi=\varphi_0\)"
         return rf"\(\varphi={piecewise(of.b)}\) for \(y\le {formula(of.depth)}\)"
-    names = "abcde"
+    names = "abcdef"
     shown = "; ".join(rf"\({name}={piecewise(getattr(of, name))}\)" for name in names if getattr(of, name) is not ZERO)
-    return rf"\(u_s=a\nabla_sw+e\nabla_sq+cr\), \(u_n=bw+dq\) with {shown}"
+    return rf"\(u_s=a\nabla_sw+e\nabla_sq+cr+fz\), \(u_n=bw+dq\) with {shown}"
 
 
 def face(of: Face) -> Iterator[str]:
@@ -156,6 +156,8 @@ def face(of: Face) -> Iterator[str]:
     yield rf"\(w={formula(of.gap)}\)"
     if of.initial_gap != 0:
         yield rf"initial gap \(g={formula(of.initial_gap)}\)"
+    for number, z in enumerate(getattr(of, "slip", ()), start=1):
+        yield rf"slip \(z_{number}={formula(z)}\)"
     strain = getattr(of, "strain", None)
     if isinstance(strain, Prescribed):
         begin = 0.0

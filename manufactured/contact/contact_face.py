@@ -10,11 +10,12 @@ import sympy as sp
 
 from manufactured.arguments import checked
 from manufactured.body import Part
-from manufactured.contact.lifting_terms import COMBINATIONS, first_indices, plus, strain_terms
+from manufactured.contact.lifting_terms import COMBINATIONS, StrainTerm, first_indices, plus, strain_terms
 from manufactured.face_strain import Components, Coupled, FaceStrain, Memory, relaxation_rate
 from manufactured.face_strain.strain_on_face import StrainAtPoints
 from manufactured.jet import Jet
 from manufactured.law import KelvinVoigt, LawError, Linear, NonSymmetric
+from manufactured.law.linear_operator import face_moduli
 from manufactured.modes import Modes
 from manufactured.profile import ZERO, Profile, cutoff
 from manufactured.symbols import FormulaError, Index, Values, refuse_kinks, s, s1, s2, t
@@ -55,10 +56,14 @@ class ContactFace:
         rough: the coordinates s at which the strain is singular or has a kink at all times; quadrature cuts cells
             there.
         initial_gap: the formula of g(s), the distance of the undeformed body from the foundation; 0 in the paper.
+        slip: the formulas of the components of the slip z(s, t) = u_τ along the coordinates of the face, one in 2D and
+            two in 3D; () if the face does not slip. ``strain`` must be the strain that the slip needs for p and
+            σ_τ = 0, as ``ContactFace.linear`` computes it.
 
     Raises:
         FormulaError: a kink is not written with ``pos``; a formula has symbols other than s, s1, s2 and t; an entry of
-            ``rough`` is not a finite number; or the initial gap depends on t or is negative somewhere.
+            ``rough`` is not a finite number; the initial gap depends on t or is negative somewhere; or the number of
+            components of the slip is wrong.
     """
 
     part: Part
@@ -68,11 +73,13 @@ class ContactFace:
     profile: Profile = PLAIN
     rough: tuple[float, ...] = ()
     initial_gap: sp.Expr = ZERO_GAP
+    slip: tuple[sp.Expr, ...] = ()
 
     def __post_init__(self) -> None:
         refuse_kinks(self.gap, self.strain.formula, self.level, self.initial_gap)
+        _require_components(self.slip, self.variables)
         # Computed now, so that an invalid formula raises an error when the face is made and not when it is used.
-        self.gap_jet, self.level_jet, self.inward_jet  # noqa: B018
+        self.gap_jet, self.level_jet, self.jets  # noqa: B018
         self._refuse_wrong_initial_gap()
 
     @classmethod
@@ -89,8 +96,9 @@ class ContactFace:
         profile: Profile = PLAIN,
         rough: tuple[float, ...] = (),
         initial_gap: sp.Expr = ZERO_GAP,
+        slip: tuple[sp.Expr, ...] = (),
     ) -> ContactFace:
-        """Return the contact face for a linear law; the strain on the face is computed from the pressure.
+        """Return the contact face for a linear law; the strain on the face is computed from pressure and slip.
 
         Args:
             part: the part Γ3,i.
@@ -99,8 +107,9 @@ class ContactFace:
             gap: the formula of the gap w(s, t).
             pressure: the formula of the contact pressure p(s, t).
             level: the formula of ψ(s, t); the contact zone is {ψ ≥ 0}.
-            initial: the formula of the normal strain q(s, 0). By default the body starts in elastic equilibrium.
-            profile, rough, initial_gap: see ``ContactFace``.
+            initial: the formula of the normal strain q(s, 0); there is no shear strain at t = 0. By default the strain
+                starts at rest, q̇(s, 0) = 0; without slip, the body then starts in elastic equilibrium.
+            profile, rough, initial_gap, slip: see ``ContactFace``.
 
         In this example the left half of the bottom of the unit square is always in contact, with p = t(½ − s)²₊:
 
@@ -115,30 +124,36 @@ class ContactFace:
 
         Raises:
             LawError: the dimensions of law and part differ; G is not linear (prescribe q with
-                ``face_strain.Prescribed`` instead); or the law couples the components nn and sn, and G is not symmetric
-                or ``initial`` is not None.
+                ``face_strain.Prescribed`` instead); or it couples nn and sn not symmetrically.
             FormulaError: a kink is not written with ``pos``, or a part of the pressure may not be smooth in t.
         """
-        refuse_kinks(gap, pressure, level, initial, initial_gap)
+        refuse_kinks(gap, pressure, level, initial, initial_gap, *slip)
         law.require_dimension(part.dim)
         if not isinstance(law.G, Linear | NonSymmetric):
             raise LawError(f"{law.name}: only a linear G turns a pressure into a strain; prescribe the strain")
         variables = VARIABLES[law.dim]
-        viscous, elastic = law.A.face_block(part.frame), law.G.face_block(part.frame)
+        _require_components(slip, variables)
+        viscous, elastic = face_moduli(law.A, part.frame), face_moduli(law.G, part.frame)
         scale, stiffness = (tensor.factor.along(part.start, part.frame[:, :-1], variables) for tensor in (law.A, law.G))
-        coupling = (abs(np.concatenate([block[0, 1:], block[1:, 0]])).max() for block in (viscous, elastic))
-        if all(c <= 1e-14 * abs(block).max() for c, block in zip(coupling, (viscous, elastic), strict=True)):
+        # The normal and tangential stresses that the slip causes, l = A_·ss ∂_s ż + G_·ss ∂_s z, (d,).
+        slope = np.array([z.diff(x) for z in slip for x in variables], dtype=object)
+        rate = np.array([change.diff(t) for change in slope], dtype=object)
+        of_slip = slice(law.dim, law.dim + len(slope))
+        stress = viscous[:, of_slip] @ (scale * rate) + elastic[:, of_slip] @ (stiffness * slope)
+        viscous, elastic = viscous[:, : law.dim], elastic[:, : law.dim]
+        rest = level, profile, rough, initial_gap, slip
+        if not (viscous[0, 1:].any() or elastic[0, 1:].any() or elastic[1:, 0].any() or stress[1:].any()):
             a, g = float(viscous[0, 0]) * scale, float(elastic[0, 0]) * stiffness
-            return cls(part, gap, Memory(pressure, a, g, T, initial, variables), level, profile, rough, initial_gap)
-        if isinstance(law.G, NonSymmetric):
+            return cls(part, gap, Memory(pressure, a, g, T, initial, variables, stress[0]), *rest)
+        if not np.allclose(elastic, elastic.T, rtol=1e-12, atol=0):
             raise LawError(
                 f"{law.name}: G is not symmetric and couples nn with sn, for which the strain on a face is not known; "
-                "prescribe the strain, or take a G whose nn–sn moduli are 0"
+                "prescribe the strain, or take a G whose nn–sn moduli are equal to its sn–nn moduli"
             )
-        if initial is not None:
-            raise LawError(f"{law.name} couples nn with sn: it starts in elastic equilibrium, leave ``initial`` out")
-        coupled = Coupled.of(pressure, viscous, relaxation_rate(stiffness, scale) * elastic, scale, T, variables)
-        return cls(part, gap, coupled, level, profile, rough, initial_gap)
+        elastic = relaxation_rate(stiffness, scale) * elastic
+        return cls(
+            part, gap, Coupled.of(pressure, tuple(stress), viscous, elastic, scale, T, initial, variables), *rest
+        )
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
@@ -154,13 +169,19 @@ class ContactFace:
         return Jet(self.initial_gap, self.variables)
 
     @cached_property
-    def inward_jet(self) -> Jet:
-        """The displacement of the face into the body, u_n = −u_ν = w − g, as a formula with its derivatives."""
-        return Jet(self.gap - self.initial_gap, self.variables) if self.initial_gap else self.gap_jet
+    def jets(self) -> tuple[Jet, ...]:
+        """The displacement of the face, u_n = −u_ν = w − g and then the slip, as formulas with their derivatives."""
+        return tuple(Jet(u, self.variables) for u in (self.gap - self.initial_gap, *self.slip))
 
     @cached_property
-    def gap_rate_jet(self) -> Jet:
-        return self.gap_jet.rate()
+    def rate_jets(self) -> tuple[Jet, ...]:
+        """The velocity of the face, as formulas with their derivatives."""
+        return tuple(jet.rate() for jet in self.jets)
+
+    @property
+    def tangential(self) -> tuple[str, ...]:
+        """The profile functions of the tangential fields on the face that are not zero: "c" for r, "f" for z."""
+        return ("c",) * isinstance(self.strain, Coupled) + ("f",) * bool(self.slip)
 
     @cached_property
     def level_jet(self) -> Jet:
@@ -175,7 +196,7 @@ class ContactFace:
     @property
     def exponents_in(self) -> sp.Expr:
         """The formula from whose truncated powers the exponents of the strain at contact fronts are read off."""
-        return self.strain.formula
+        return self.strain.formula + sum(self.slip)
 
     def fronts(self, time: float) -> tuple[float, ...]:
         """Return the contact fronts at a time for a body in 2D: the coordinates s at which ψ(·, t) changes its sign.
@@ -227,10 +248,10 @@ class ContactFace:
 
 @dataclass(frozen=True, eq=False)
 class _Traces:
-    """Evaluates the displacement u_n and the strain (q, r) on a face at fixed points, with derivatives along the face.
+    """Evaluates the displacement u_n, the strain (q, r) and the slip z on a face at fixed points.
 
-    A call returns the derivatives of u_n up to the order ``order`` + 1 and the derivatives of q and r up to ``order``.
-    If ``rate`` is true, it returns these derivatives of the time derivatives of u_n, q and r.
+    A call returns the derivatives of u_n along the face up to the order ``order`` + 1, and the derivatives of q, r and
+    z up to ``order``. If ``rate`` is true, it returns these derivatives of the time derivatives.
     """
 
     face: ContactFace
@@ -238,9 +259,10 @@ class _Traces:
     strain: StrainAtPoints
 
     def __call__(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
-        inward = self.face.gap_rate_jet if rate else self.face.inward_jet
+        jets = self.face.rate_jets if rate else self.face.jets
         places = self.s.reshape(*self.s.shape, *(1,) * np.ndim(time))
-        return inward(places, time, order + 1), self.strain(time, rate, order)
+        u_n, *slip = (jet(places, time, order + 1) for jet in jets)
+        return u_n, (*self.strain(time, rate, order), *slip)
 
 
 class Lifting:
@@ -273,9 +295,9 @@ class Lifting:
         return self._functions[name, derivative]
 
     def traces(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
-        """Return the displacement u_n and the strain (q, r) on the face below every point, or their rates.
+        """Return the displacement u_n and the values (q, r, z) on the face below every point, or their rates.
 
-        u_n comes with its derivatives along the face up to order + 1, (q, r) with their derivatives up to ``order``.
+        u_n comes with its derivatives along the face up to order + 1, (q, r, z) with their derivatives up to ``order``.
         """
         w, strain = self.on_face(time, rate, order)
         return self._spread(w), tuple(self._spread(values) for values in strain)
@@ -286,15 +308,15 @@ class Lifting:
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
         """Return the displacement u, or the velocity u̇ if ``rate`` is true, in global axes, (d, ...)."""
         deep = self.deep
-        w, (q, *shear) = self.traces(time, rate, int(deep))
+        w, (q, *others) = self.traces(time, rate, int(deep))
         zero, first = first_indices(len(self.s))
         local = []
         for i, index in enumerate(first):
             component = w[index] * self._shape("a", 0, time)
             if deep:
                 component = component + q[index] * self._shape("e", 0, time)
-            if shear:
-                component = component + shear[i][zero] * self._shape("c", 0, time)
+            for values, name in zip(others[i :: len(first)], self.face.tangential, strict=True):
+                component = component + values[zero] * self._shape(name, 0, time)
             local.append(component)
         local.append(w[zero] * self._shape("b", 0, time) + q[zero] * self._shape("d", 0, time))
         return self._everywhere(mapped(self.frame, np.array(local)), 1)
@@ -335,7 +357,7 @@ class Lifting:
         # The function below uses local variables. A reference to ``self`` would keep the arrays of all points in
         # memory.
         on_face, order, count = self.on_face, 1 + self.deep, self.s[0].size
-        terms = strain_terms(len(self.s), self.deep, len(on_face(0.0, False, 0)[1]) - 1)
+        terms = self.terms
         axes = np.eye(len(pairs(len(self.frame)))) if self.rotation is None else self.rotation
 
         def amplitudes(time: Array | float, rate: bool) -> Array:
@@ -357,13 +379,18 @@ class Lifting:
         """Whether the profile has a function e ≠ 0, so that the strain contains second derivatives of q along s."""
         return self.face.profile.e is not ZERO
 
+    @property
+    def terms(self) -> tuple[StrainTerm, ...]:
+        """All terms of the strain."""
+        return strain_terms(len(self.s), self.deep, self.face.tangential)
+
     def _local(self, w: Values, strain: Components, along: Index, into: int, time: Array | complex) -> Tensors:
         """Return the derivative ∂_s^along ∂_y^into of the strain in the axes (s, n) of the face; ``into`` is 0 or 1."""
         n, traces = len(self.s), (w, *strain)
         dtype = np.result_type(w[along], strain[0][along], self.y)
         components = np.empty((len(pairs(n + 1)), *self.y.shape, *np.shape(time)), dtype=dtype)
         begun: set[int] = set()
-        for term in strain_terms(n, self.deep, len(strain) - 1):
+        for term in self.terms:
             trace, shape = traces[term.source][plus(term.along, along)], self._shape(term.profile, into, time)
             # The first term of each row initialises the row, so the array need not be filled with zeros.
             first = term.row not in begun
@@ -378,6 +405,14 @@ class Lifting:
     def _shape(self, name: str, derivative: int, time: Array | complex) -> Array:
         """Return the result of ``_profile``, with an additional axis if there are several times."""
         return self._profile(name, derivative).reshape(*self.y.shape, *(1,) * np.ndim(time))
+
+
+def _require_components(slip: tuple[sp.Expr, ...], variables: tuple[sp.Symbol, ...]) -> None:
+    if len(slip) not in (0, len(variables)):
+        raise FormulaError(
+            f"the slip {slip} has {len(slip)} components; give a tuple with one formula for each coordinate along the "
+            f"face ({', '.join(map(str, variables))}), or () for a face that does not slip"
+        )
 
 
 def distinct(places: Array) -> tuple[Array, Array | None]:

@@ -1,8 +1,8 @@
 """The body force f_0 of a linear law as a sum of fixed fields times functions of time and of the face coordinate s.
 
 For a linear operator C, −Div(α C ε(u)) is linear in u. The displacement of a contact face is linear in the derivatives
-of w, q and r (gap, normal and shear strain) along the face. So f_0 is a sum over these derivatives, each multiplied by
-a field that does not depend on time. Other displacement fields are evaluated point by point.
+of w, q, r and z (gap, normal and shear strain, slip) along the face. So f_0 is a sum over these derivatives, each
+multiplied by a field that does not depend on time. Other displacement fields are evaluated point by point.
 """
 
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from manufactured.contact.contact_face import Lifting
-from manufactured.contact.lifting_terms import COMBINATIONS, first_indices, plus, strain_terms
+from manufactured.contact.lifting_terms import COMBINATIONS, first_indices, plus
 from manufactured.exact.contribution import ContributionAtPoints
 from manufactured.law import AtPoints, LawError, Scaled
 from manufactured.modes import Modes, at_each
@@ -32,9 +32,9 @@ class ForceModes:
 
 
 Trace = tuple[int, Index]
-"""A derivative along the face of the gap or the strain.
+"""A derivative along the face of the gap, the strain or the slip.
 
-It is a pair of the number of the function, 0 for w, 1 for q and 2 + i for r_i, and the multi-index of the derivative.
+It is a pair of the number of the function (``StrainTerm.source``) and the multi-index of the derivative.
 """
 
 
@@ -67,7 +67,7 @@ def _of_points(of: Scaled, part: ContributionAtPoints, count: int) -> Modes:
 
 @dataclass
 class _Fields:
-    """Collects the force fields −Div(α C ε), (d, n), that belong to single derivatives of w, q and r along the face.
+    """Collects the force fields −Div(α C ε), (d, n), that belong to single derivatives of w, q, r and z along the face.
 
     The field of a derivative (``Trace``) is the force if this derivative is 1 and all others are 0.
     """
@@ -77,7 +77,7 @@ class _Fields:
     found: dict[Trace, Array] = field(default_factory=dict)
 
     def add(self, trace: Trace, vector: Array, values: Array) -> None:
-        """Add the vector field −v(x) f(x) to the field of a derivative of w, q or r.
+        """Add the vector field −v(x) f(x) to the field of a derivative of w, q, r or z.
 
         Args:
             trace: the derivative.
@@ -126,12 +126,11 @@ def _of_lifting(of: Scaled, lifting: Lifting) -> Modes:
 
 
 def _fields_of(of: Scaled, lifting: Lifting) -> dict[Trace, Array]:
-    """Return the force fields of all derivatives of w, q and r, at the points within the depth of the displacement."""
+    """Return the force fields of all derivatives of w, q, r and z, at the points that the displacement reaches."""
     profile, frame, y = lifting.face.profile, lifting.frame, lifting.y.ravel()
     axes, (_, first) = rotation(frame), first_indices(len(lifting.s))
-    shear = len(lifting.on_face(0.0, False, 0)[1]) - 1
     fields = _Fields(of, lifting.reach)
-    for term in strain_terms(len(lifting.s), lifting.deep, shear):
+    for term in lifting.terms:
         stress = np.einsum("Iij,I->ij", basis(len(frame)), of.matrix @ axes[:, term.row])
         value, slope = (
             term.factor * sum(getattr(profile, f)(y, k + into) for f, k in COMBINATIONS[term.profile])

@@ -133,6 +133,7 @@ class ExactSolution:
         for number, face in enumerate(self.faces, start=1):
             pressure = getattr(getattr(face, "strain", face), "pressure", None)
             formulas = {"gap w": face.gap, "pressure p": pressure, "level ψ, contact where ψ ≥ 0": face.level}
+            formulas |= {"slip z": getattr(face, "slip", ()) or None}
             rows += [(f"piece {number}: {name}", value) for name, value in formulas.items() if value is not None]
         return self.body._repr_html_() + table(rows)
 
@@ -246,7 +247,8 @@ class FaceFields:
     def traces(self, time: float, axis: int = 0) -> dict[str, tuple[Array, Array]]:
         """Return the functions that must be continuous along the face, each with its derivative along an axis.
 
-        They are the gap w, and for a ``ContactFace`` also ∇_s w, the strains q and r, and the initial gap g with ∇_s g.
+        They are the gap w, and for a ``ContactFace`` also ∇_s w, the strains q and r, the slip z, and the initial gap
+        g with ∇_s g.
 
         Returns:
             A dict from the name of a function to its values and the values of its derivative, (...) each.
@@ -266,6 +268,7 @@ class FaceFields:
                 g = self.face.initial_gap_jet(self.s, time, 2)
                 found |= {"g": pair(g)} | {f"∂_{i + 1} g": pair(g, i) for i in range(len(self.s))}
             found |= {f"(q, r)_{i}": pair(values) for i, values in enumerate(strain)}
+            found |= {f"z_{i + 1}": pair(jet(self.s, time, 1)) for i, jet in enumerate(self.face.jets[1:])}
         return found
 
     def gap(self, time: Array | float) -> Array:

@@ -14,6 +14,7 @@ from manufactured.jet import Jet
 from manufactured.symbols import FormulaError, Values, s, t
 from manufactured.tensors import Array
 
+NO_STRESS = sp.Integer(0)
 RECENT = 3
 """Number of times for which computed values of the strain are cached."""
 
@@ -23,10 +24,11 @@ RECENT = 3
 class Memory:
     """The normal strain q on a contact face for a linear law, computed from the history of the contact pressure p.
 
-    q is the solution of a q̇ + g q = −p, exact up to rounding. The pressure must be a sum of terms θ(s, t)·∏
-    pos(ψ_i(s, t), m_i), where moving ψ_i are contact fronts. θ and the moving ψ_i must be smooth in t, and the m_i of
-    moving ψ_i must be integers ≥ 2. At each s, the roots of the ψ_i divide [0, T] into intervals of contact
-    (``fronts``), on which p/a is a smooth function P(s, ·). The integral of e^{−λ(t−r)} P is known in closed form if P
+    q is the solution of a q̇ + g q = −(p + l), exact up to rounding; l is the normal stress that a slip of the face
+    causes, 0 without slip. p + l must be a sum of terms θ(s, t)·∏ pos(ψ_i(s, t), m_i), where moving ψ_i are contact
+    fronts. θ and the moving ψ_i must be smooth in t, and the m_i of moving ψ_i must be integers ≥ 2. At each s, the
+    roots of the ψ_i divide [0, T] into intervals of contact (``fronts``), on which (p + l)/a is a smooth function
+    P(s, ·). The integral of e^{−λ(t−r)} P is known in closed form if P
     is a polynomial of t (``convolution``); otherwise Gauss's rule is used (``quadrature``). Since p vanishes where a
     moving contact begins and ends, ∂_s^i q is the same expression with ∂_s^i P.
 
@@ -34,8 +36,10 @@ class Memory:
         pressure: the formula of p(s, t).
         viscosity, elasticity: the normal moduli a and g, positive numbers, or formulas of s with a constant ratio.
         T: the final time.
-        initial: the formula of q(s, 0). By default the body starts in elastic equilibrium, q = −p/g.
+        initial: the formula of q(s, 0). By default q starts at rest, q = −(p + l)/g: without slip, the body starts in
+            elastic equilibrium.
         variables: the coordinates along the face.
+        slip_stress: the formula of l(s, t).
 
     Raises:
         FormulaError: the pressure is not of this form.
@@ -47,14 +51,20 @@ class Memory:
     T: float
     initial: sp.Expr | None = None
     variables: tuple[sp.Symbol, ...] = (s,)
+    slip_stress: sp.Expr = NO_STRESS
 
     def __post_init__(self) -> None:
         self.decay  # refuse a wrong ratio when the face is made, not when it is used  # noqa: B018
 
     @property
     def formula(self) -> sp.Expr:
-        """The formula from which the smoothness of the strain is read off: pressure plus initial strain."""
-        return self.pressure + (0 if self.initial is None else self.initial)
+        """The formula from which the smoothness of the strain is read off: p + l plus the initial strain."""
+        return self.load + (0 if self.initial is None else self.initial)
+
+    @property
+    def load(self) -> sp.Expr:
+        """The formula of p + l, which drives the strain."""
+        return self.pressure + self.slip_stress
 
     @cached_property
     def decay(self) -> float:
@@ -63,25 +73,25 @@ class Memory:
 
     @property
     def source(self) -> sp.Expr:
-        """The formula of p/a, pressure over viscosity."""
-        return self.pressure / self.viscosity
+        """The formula of (p + l)/a, load over viscosity."""
+        return self.load / self.viscosity
 
     @cached_property
     def start(self) -> Jet:
         """The initial strain q(s, 0) as a formula with its derivatives."""
-        elastic = -self.pressure.subs(t, 0) / self.elasticity
+        elastic = -self.load.subs(t, 0) / self.elasticity
         return Jet(elastic if self.initial is None else self.initial, self.variables)
 
     @cached_property
     def source_jet(self) -> Jet:
-        """p/a, pressure over viscosity, as a formula with its derivatives."""
+        """(p + l)/a, load over viscosity, as a formula with its derivatives."""
         return Jet(self.source, self.variables)
 
     @cached_property
     def terms(self) -> tuple[PressureTerm, ...]:
-        """The terms of p/a, pressure over viscosity; terms with the same moving fronts are added up."""
+        """The terms of (p + l)/a, load over viscosity; terms with the same moving fronts are added up."""
         branches: dict[tuple[sp.Expr, ...], sp.Expr] = {}
-        for term in sp.Add.make_args(sp.expand(self.pressure)):
+        for term in sp.Add.make_args(sp.expand(self.load)):
             fronts, branch = smooth_branch(term, self.variables)
             branches[fronts] = branches.get(fronts, sp.Integer(0)) + branch / self.viscosity
         return tuple(

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -10,6 +11,14 @@ from manufactured.arguments import checked
 from manufactured.factor import UNIFORM, Factor
 from manufactured.law.operators import AtPoints, LawError
 from manufactured.tensors import Array, Points, Tensors, dyad, identity, mapped, size
+
+ROUNDED = 1e-14
+"""Relative size up to which a modulus on a contact face counts as 0, because the axes of the face are rounded."""
+
+
+class _HasMatrix(Protocol):
+    @property
+    def matrix(self) -> Array: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,26 +97,25 @@ class Linear:
     def scaled(self, factor: Array) -> AtPoints:
         return Scaled(self.matrix, factor)
 
-    def face_block(self, frame: Array) -> Array:
-        """Return the moduli d_a·C d_b, (d, d), for the strains d_a that a contact face can have (``face_strains``).
 
-        Args:
-            frame: the tangents of the face and its normal as columns, (d, d).
-        """
-        directions = face_strains(frame)
-        return directions @ self.matrix @ directions.T
+def face_moduli(operator: _HasMatrix, frame: Array) -> Array:
+    """Return the moduli d_a·C d_b of a linear operator, for the strains d_b that can occur on a contact face.
 
-
-def face_strains(frame: Array) -> Array:
-    """Return the strains that can occur on a contact face, as Mandel vectors, (d, D).
-
-    They are n⊗n and (n⊗t_i + t_i⊗n)/2 for the normal n and the tangents t_i.
+    d_1, …, d_d are n⊗n and (n⊗t_i + t_i⊗n)/2 for the normal n and the tangents t_i. The other d_b are
+    (t_i⊗t_j + t_j⊗t_i)/2 for all pairs (i, j). They are caused by the derivative ∂_j of the slip in the direction t_i.
 
     Args:
-        frame: the tangents and then the normal as columns, (d, d).
+        operator: the operator with the matrix C in Mandel form; its factor is left out.
+        frame: the tangents t_i and then the normal n as columns, (d, d).
+
+    Returns:
+        The moduli for a ≤ d and all b, (d, d + (d−1)²), without round-off.
     """
-    n = frame[:, -1]
-    return np.array([dyad(n, n), *(dyad(n, tangent) for tangent in frame[:, :-1].T)])
+    *tangents, n = frame.T
+    on_normal = [dyad(n, n), *(dyad(n, tangent) for tangent in tangents)]
+    strains = np.array([*on_normal, *(dyad(a, b) for a in tangents for b in tangents)])
+    moduli = np.array(on_normal) @ operator.matrix @ strains.T
+    return np.where(abs(moduli) <= ROUNDED * abs(moduli).max(), 0.0, moduli)
 
 
 @dataclass(frozen=True, eq=False)

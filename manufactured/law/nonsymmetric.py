@@ -7,7 +7,7 @@ import numpy as np
 
 from manufactured.arguments import checked
 from manufactured.factor import UNIFORM, Factor
-from manufactured.law.linear_operator import Scaled, face_strains, require_mandel
+from manufactured.law.linear_operator import Scaled, require_mandel
 from manufactured.law.operators import AtPoints, LawError
 from manufactured.tensors import Array, Points, Tensors, mapped
 
@@ -70,12 +70,3 @@ class NonSymmetric:
 
     def scaled(self, factor: Array) -> AtPoints:
         return Scaled(self.matrix, factor)
-
-    def face_block(self, frame: Array) -> Array:
-        """Return the moduli d_a·C d_b, (d, d), for the strains d_a that a contact face can have (``face_strains``).
-
-        Args:
-            frame: the tangents of the face and its normal as columns, (d, d).
-        """
-        directions = face_strains(frame)
-        return directions @ self.matrix @ directions.T

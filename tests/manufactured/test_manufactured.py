@@ -74,6 +74,12 @@ def with_face(name: str = "advance-recede", **changes) -> ExactSolution:
     return replace(solution, faces=(replace(face, **changes),))
 
 
+def slipping(stress: sp.Expr) -> Memory:
+    """The strain of advance-recede with an additional stress from slip."""
+    return Memory(20 * pos(C - s, 2), 3, 3, 1.0, slip_stress=stress)
+
+
+SLIP = t * (1 + t) * sp.sin(2 * s + 1)
 C, SHIFT, EARLY = sp.Rational(1, 4) + 2 * t * (1 - t), sp.Rational(1, 50), sp.Rational(3, 10)
 
 
@@ -89,6 +95,11 @@ C, SHIFT, EARLY = sp.Rational(1, 4) + 2 * t * (1 - t), sp.Rational(1, 50), sp.Ra
         ({"level": C - s - sp.Rational(1, 10)}, "off the stated zone"),
         ({"level": C - s + sp.Rational(1, 10)}, "on the stated zone"),
         ({"profile": cutoff(2.0)}, r"\(2.3\)"),
+        # A slip z needs the stress A_nnss ∂_s ż + G_nnss ∂_s z, here ∂_s ż + ∂_s z, and must be continuous.
+        ({"slip": (SLIP,)}, "p = −σ_ν"),
+        ({"slip": (SLIP,), "strain": slipping(SLIP.diff(s) - SLIP.diff(s, t))}, "p = −σ_ν"),
+        ({"slip": (SLIP,), "strain": slipping(SLIP.diff(s, t))}, "p = −σ_ν"),
+        ({"slip": (pos(s - sp.Rational(1, 2), 0),)}, "z_1 without jumps"),
         # Under a receding front a prescribed strain would pull. Therefore the pressure is prescribed.
         ({"strain": Prescribed(((1.0, -20 * pos(C - s, 2)),))}, "σ_ν ≤ 0"),
     ],

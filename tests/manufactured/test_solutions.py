@@ -6,18 +6,27 @@ import numpy as np
 import pytest
 from costly_cases import by_cost
 from on_floor import on_floor
-from sympy import Rational, cos, expand, sin
+from sympy import Abs, Integer, Rational, cos, expand, sin
 
 from manufactured import (
+    Body,
     Case,
     CaseError,
+    ContactFace,
+    DeviatoricBall,
     ExactSolution,
     Factor,
     FormulaError,
+    FrobeniusBall,
     KelvinVoigt,
     Kind,
+    Linear,
+    NonSymmetric,
+    Prescribed,
     Regularity,
     SelfProofError,
+    Yield,
+    box,
     cutoff,
     evaluate,
     isotropic,
@@ -27,12 +36,17 @@ from manufactured import (
     pos,
     prove,
     s,
+    s1,
+    s2,
     t,
+    unit_square,
     x1,
     x2,
 )
 from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.catalogue import NAMES, catalogue
+from manufactured.contact.contact_face import VARIABLES
+from manufactured.contact.lifting_terms import strain_terms
 from manufactured.face_strain import Coupled
 from manufactured.face_strain.strain_on_face import relaxation_rate
 from manufactured.factor import layers
@@ -95,6 +109,97 @@ def test_a_law_that_couples_nn_with_sn_needs_a_shear_on_the_face() -> None:
     plain = on_floor(not_proportional(), face.gap, face.strain.pressure, face.level)
     with pytest.raises(SelfProofError, match="σ_τ = 0"):
         prove(replace(plain, law=anisotropic()), "without the shear")
+
+
+SLIP = {2: (t * (1 + t) * sin(2 * s + 1),), 3: (t * sin(s1 + 2 * s2), (1 + t**2) * cos(2 * s1 - s2))}
+"""Slips z(s, t) along a contact face, by the dimension of the body."""
+
+
+def with_slip(solution: ExactSolution) -> ExactSolution:
+    """The solution for a linear law and one contact face, with the same gap and pressure, that also slips."""
+    (face,), law, body = solution.faces, solution.law, solution.body
+    data = face.part, law, body.T, face.gap, face.strain.pressure, face.level
+    rest = {"profile": face.profile, "rough": face.rough, "initial_gap": face.initial_gap}
+    return replace(solution, faces=(ContactFace.linear(*data, slip=SLIP[body.dim], **rest),))
+
+
+def coupled(dim: int) -> KelvinVoigt:
+    """A law that couples every strain on a face with every other, with A and G not proportional."""
+    size = dim * (dim + 1) // 2
+    matrices = [np.eye(size) * 4 + np.cos(k + np.add.outer(*[np.arange(size) ** 2] * 2)) / 2 for k in range(2)]
+    return KelvinVoigt(*map(Linear, matrices), "coupled")
+
+
+def not_symmetric() -> KelvinVoigt:
+    """A law whose G has A_nnss ≠ A_ssnn, which does not couple normal strains with shear."""
+    G = NonSymmetric(np.array([[3.0, 1.0, 0.0], [2.0, 5.0, 0.0], [0.0, 0.0, 2.0]]))
+    return KelvinVoigt(isotropic(1, 0.5), G, "not symmetric")
+
+
+LINEAR = "advance-recede", "anisotropic", "heterogeneous", "layered", "lift-and-land", "rotated", "softening"
+LINEAR = *LINEAR, "parabolic-gap", "cube-disc"
+BODIES = {"coupled in the plane": "rotated", "coupled in space": "cube-disc"}
+OTHER_LAWS = {"coupled in the plane": coupled(2), "coupled in space": coupled(3), "not symmetric": not_symmetric()}
+
+
+@pytest.mark.parametrize("name", [*LINEAR, *OTHER_LAWS])
+def test_under_every_linear_law_a_face_can_slip_without_friction(name: str) -> None:
+    law, case = OTHER_LAWS.get(name), name if name in LINEAR else BODIES.get(name, "advance-recede")
+    solution = named(case).solution
+    slipping = with_slip(solution if law is None else replace(solution, law=law))
+    prove(slipping, name)
+    (face,) = slipping.faces
+    place = face.part.sample(np.random.default_rng(0), 9)
+    u = face.part.frame[:, :-1].T @ slipping.at(place).displacement(0.7)
+    z = [jet(face.part.coordinates(place)[0], 0.7)[(0,) * len(u)] for jet in face.jets[1:]]
+    np.testing.assert_allclose(u, z, atol=1e-12)
+
+
+def test_under_a_law_that_couples_strains_the_body_can_start_with_any_normal_strain() -> None:
+    solution = on_floor(coupled(2), 0, 30 * (1 + t), initial=-s / 2, slip=SLIP[2])
+    prove(solution, "initial strain")
+    q, r = solution.faces[0].strain.at(np.array([[0.2, 0.8]]))(0.0, False, 0)
+    np.testing.assert_allclose([q[0,], r[0,]], [[-0.1, -0.4], [0, 0]], atol=1e-12)
+
+
+def test_the_stress_of_slip_in_the_face_and_the_slip_in_the_strain_are_needed(monkeypatch) -> None:
+    """Under a law that couples ss with sn, where the slip also needs a shear for σ_τ = 0."""
+    plane = with_slip(replace(named("advance-recede").solution, law=coupled(2)))
+    (face,) = plane.faces
+    half = [replace(mode, slip_stress=mode.slip_stress / 2) for mode in face.strain.modes]
+    with pytest.raises(SelfProofError, match=r"(?s)σ_τ = 0.*p = −σ_ν"):
+        prove(replace(plane, faces=(replace(face, strain=replace(face.strain, modes=tuple(half))),)), "half the stress")
+    monkeypatch.setattr(
+        "manufactured.contact.contact_face.strain_terms",
+        lambda n, deep, tangential: strain_terms(n, deep, tuple(name for name in tangential if name != "f")),
+    )
+    with pytest.raises(SelfProofError, match=r"\(2.10\) ε\(u\) = sym ∇u"):
+        prove(plane, "slip not in the strain")
+
+
+@pytest.mark.parametrize("convex", [FrobeniusBall, DeviatoricBall])
+@pytest.mark.parametrize("body", [unit_square(), box()], ids=["square", "cube"])
+def test_under_the_law_3_3_the_whole_face_can_slip_while_it_is_pressed(convex: type, body: Body) -> None:
+    """The strain, to which ε_ss = sym ∇_s z belongs, leaves K; still σ_τ = 0, and p ≥ 0 follows from the law."""
+    law = KelvinVoigt(isotropic(1, 0.5, body.dim), Yield(6.0, convex(0.5, body.dim)), "(3.3)")
+    (floor,) = body.of(Kind.CONTACT)
+    first = VARIABLES[body.dim][0]
+    strain = Prescribed(((1.0, -5 * t * (2 + t + first)),), VARIABLES[body.dim])
+    prove(ExactSolution(body, law, (ContactFace(floor, Integer(0), strain, Integer(1), slip=SLIP[body.dim]),)), "(3.3)")
+
+
+@pytest.mark.parametrize(("slip", "told"), [((s, s), "has 2 components"), ((Abs(s),), "write fronts with pos")])
+def test_a_slip_with_a_wrong_number_of_components_or_with_a_kink_is_refused(slip: tuple, told: str) -> None:
+    with pytest.raises(FormulaError, match=told):
+        on_floor(not_proportional(), 0, 3 + s, slip=slip)
+
+
+def test_a_front_of_the_slip_lowers_the_regularity() -> None:
+    """With z ~ (s − c)_+³, ε_ss and with it q have the exponent 2 at the fixed front c."""
+    solution = on_floor(not_proportional(), 0, 3 + s, slip=(t * pos(s - Rational(1, 3), 3),))
+    Case("slip", "slips", solution, Regularity(pressure=2), order=1, reason="test")
+    with pytest.raises(CaseError, match=r"Regularity\(pressure=2.0\)"):
+        Case("slip", "slips", solution, Regularity(), order=1, reason="test")
 
 
 def test_the_landing_jumps_in_velocity_but_not_in_load() -> None:
