@@ -69,6 +69,146 @@ def other_stress(change: Callable[[np.ndarray], np.ndarray]) -> Callable:
     return make
 
 
+def balance_with(change: Callable[[Task, np.ndarray], np.ndarray]) -> Callable:
+    """An adapter that takes another load: change(task, load)."""
+
+    def make(task: Task):
+        step = this_study.make(task)
+        return lambda load, stress: step(change(task, load), stress)
+
+    return make
+
+
+def _load_lost(task: Task, load: np.ndarray) -> np.ndarray:
+    """The load without that of a vertex in the middle of Γ2."""
+    loaded = np.unique([v for part in task.data["loaded"] for facet in part["facets"] for v in facet])
+    held = np.concatenate([task.clamped, *(vertices for _, vertices, _ in task.pieces())])
+    free = np.setdiff1d(loaded, held)
+    return np.where(np.arange(len(load))[:, None] == free[len(free) // 2], 0, load)
+
+
+def _pressure_before_contact(task: Task, load: np.ndarray) -> np.ndarray:
+    """The load with a hundredth of the largest load, for each area, against the contact face."""
+    result = load.copy()
+    for normal, vertices, mass in task.pieces():
+        result[vertices] -= 0.01 * abs(load).max() * np.multiply.outer(mass / mass.max(), normal)
+    return result
+
+
+def _cell_left_out(task: Task) -> dict:
+    """Cells without the one nearest to the middle of the body."""
+    middle = np.linalg.norm(task.vertices[task.cells].mean(axis=1) - task.vertices.mean(axis=0), axis=1).argmin()
+    return {"volumes": np.where(np.arange(len(task.cells)) == middle, 0, task.volumes)}
+
+
+def _forces_not_added_up(task: Task):
+    """The last cell at a vertex overwrites the forces of the initial stress of the others."""
+    step = this_study.make(task)
+
+    def overwritten(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
+        forces = np.zeros_like(load)
+        forces[task.cells] = task.in_cells(stress)
+        return step(load - forces, 0 * stress)
+
+    return overwritten
+
+
+def _gap_shifted(task: Task) -> dict:
+    return {"gaps": lambda: [np.roll(gap, 1) for gap in task.gaps()]}
+
+
+def _coordinates_rounded(task: Task):
+    return this_study.make(task.moved(np.round(task.vertices, 2)) or task)
+
+
+def _no_slip(task: Task):
+    """u along the face is held at 0 where the right contact forces act."""
+    free = _free(task)
+    K, N, right_step = this_study.stiffness(task)[free][:, free], this_study.normals(task), this_study.make(task)
+    gap = np.concatenate(task.gaps())
+
+    def step(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
+        b = (load - task.internal(stress)).ravel()
+        forces = b - this_study.stiffness(task) @ right_step(load, stress).ravel()
+        held = N @ forces > 1e-9 * abs(b).max()
+        along = [row for v in np.unique(N[held].indices // 2) for row in ([2 * v], [2 * v + 1])]
+        rows = np.zeros((len(along), len(b)))
+        rows[np.arange(len(along)), np.ravel(along).astype(int)] = 1
+        wanted = rows @ (N[held].T @ gap[held]) if len(along) else np.zeros(0)
+        R = rows[:, free]
+        S = np.block([[K.toarray(), R.T], [R, np.zeros((len(R), len(R)))]])
+        u = np.zeros(len(b))
+        u[free] = np.linalg.solve(S, np.append(b[free], wanted))[: len(free)]
+        return u.reshape(-1, 2)
+
+    return step
+
+
+def _vertex_duplicated(task: Task):
+    """The cells to the right of the vertex in the middle use a copy of it, which moves on its own (a crack)."""
+    middle = np.linalg.norm(task.vertices - task.vertices.mean(axis=0), axis=1).argmin()
+    right = task.vertices[task.cells].mean(axis=1)[:, :1] > task.vertices[middle, 0]
+    other = copy.copy(task)
+    other.vertices = np.concatenate([task.vertices, task.vertices[[middle]]])
+    other.cells = np.where((task.cells == middle) & right, len(task.vertices), task.cells)
+    step = this_study.make(other)
+    return lambda load, stress: step(np.concatenate([load, 0 * load[:1]]), stress)[:-1]
+
+
+def along_the_face(law: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]) -> Callable:
+    """Forces along the contact face: law(slip, contact forces, areas), by fixed-point iteration."""
+
+    def make(task: Task):
+        step = this_study.make(task)
+
+        def solve(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
+            u, along = step(load, stress), np.zeros_like(load)
+            for _ in range(60):
+                elastic = np.einsum("cij,cj->ci", task.stiffness, task.strain(u))
+                forces, before = load - task.internal(elastic + stress), along
+                along = np.zeros_like(load)
+                for normal, vertices, area in task.pieces():
+                    tangent = np.array([-normal[1], normal[0]])
+                    force = law(u[vertices] @ tangent, (forces + before)[vertices] @ normal, area)
+                    along[vertices] += np.multiply.outer(force, tangent)
+                u = step(load + along, stress)
+            return u
+
+        return solve
+
+    return make
+
+
+def _propped(task: Task):
+    """u·n is held at 0 at a vertex in the middle of Γ2, as if another face were found to be in contact there."""
+    loaded = task.data["loaded"][0]
+    held = np.concatenate([task.clamped, *(vertices for _, vertices, _ in task.pieces())])
+    free = np.setdiff1d(loaded["facets"], held)
+    piece = {"normal": loaded["normal"], "facets": loaded["facets"], "vertices": [int(free[len(free) // 2])]}
+    other = copy.copy(task)
+    other.data = {**task.data, "contact": [*task.data["contact"], piece]}
+    return tied_last(other)
+
+
+def tied_last(task: Task):
+    """The right contact, and u_ν = 0 at the last constraint."""
+
+    def solve(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
+        return active_set(W, free, tied=np.arange(len(free)) == len(free) - 1)
+
+    return in_contact(solve)(task)
+
+
+def _barrier(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
+    """λ = 1e-3 / distance, by Newton's method from far away."""
+    distance = abs(free).max() + abs(free)
+    for _ in range(200):
+        left = distance + free - 1e-3 * W @ (1 / distance)
+        step = np.linalg.solve(np.eye(len(free)) + 1e-3 * W / distance**2, -left)
+        distance = np.maximum(distance + step, distance / 2)
+    return 1e-3 / distance
+
+
 def without(place: float | None) -> Callable[[Task], dict]:
     """The constraint forgotten at the vertex of the first piece nearest to a place in [0, 1] along it, None: at every
     second one."""
@@ -217,6 +357,11 @@ def changed(change: Callable[[Task, np.ndarray, dict], np.ndarray]) -> Callable:
     return make
 
 
+def _last_step_not_solved(task: Task, u: np.ndarray, memory: dict) -> np.ndarray:
+    memory["steps"] = [*memory.get("steps", []), u]
+    return memory["steps"][task.count - 2] if len(memory["steps"]) == task.count else u
+
+
 def _step_before(task: Task, u: np.ndarray, memory: dict) -> np.ndarray:
     before = memory.get("u", np.zeros_like(u))
     memory["u"] = u
@@ -331,7 +476,7 @@ FAULTS = (
     Fault("coupling with shear of the other sign", misread(entries((0, 2, -1.0), (1, 2, -1.0)))),
     Fault("ν pointing into the body", misread(inward), "normals are reversed"),
     Fault("ν rounded to an axis", misread(_along_axis), "normals tilted by 0.4"),
-    Fault("ν at the end turned by 0.1", in_contact(right, tilted(0.1)), "is tilted by 0.1"),
+    Fault("ν at the end turned by 0.1", in_contact(right, tilted(0.1)), "normals tilted by 0.1"),
     Fault("ν averaged at a corner", in_contact(right, rows=_corner_means), "normals of faces that meet are averaged"),
     Fault("no lift-off, $u_\\nu = 0$", tied, "contact pulls"),
     Fault("a vertex inside forgotten", misread(without(0.25)), "is forgotten at"),
@@ -352,6 +497,26 @@ FAULTS = (
         misread(lambda task: {"gaps": lambda: [mass for *_, mass in task.pieces()]}),
         "the areas of the contact vertices are taken",
     ),
+    Fault("initial gap shifted by one vertex", misread(_gap_shifted), "the initial gaps are shifted by one vertex"),
+    Fault("no slip in contact", _no_slip, "no slip"),
+    Fault("a pressure on Γ3 before contact", balance_with(_pressure_before_contact), "where the gap is open, too"),
+    Fault("friction", along_the_face(lambda slip, lam, area: -1e-3 * lam * np.sign(slip)), "friction acts in contact"),
+    Fault("a tangential penalty", along_the_face(lambda slip, lam, area: -0.3 * area * slip), "(a tangential penalty)"),
+    Fault("a logarithmic barrier", in_contact(_barrier), "force times distance is 0.001"),
+    Fault("a vertex of Γ2 held", _propped, "u is held at 0 along the forces at 1 vertex"),
+    Fault("a vertex duplicated", _vertex_duplicated, "is duplicated (a crack)"),
+    Fault("a cell left out", misread(_cell_left_out), "the contribution of 1 cell"),
+    Fault("the load lost at a vertex of Γ2", balance_with(_load_lost), "the load at 1 vertex"),
+    Fault(
+        "initial stress of the cell before", other_stress(lambda s: np.roll(s, 1, 0)), "stress or history of the cell"
+    ),
+    Fault(
+        "initial stress of other sign in every second cell",
+        other_stress(lambda s: s * np.where(np.arange(len(s)) % 2, -1, 1)[:, None]),
+        "cells",
+    ),
+    Fault("forces of cells not added up", _forces_not_added_up, "are not added up"),
+    Fault("coordinates with 2 decimals", _coordinates_rounded, "coordinates of the mesh are rounded to 2 decimals"),
     Fault("springs of 30, not scaled with *h*", springs(lambda task: 30.0), "springs"),
     Fault("equal springs at all vertices", _equal_springs, "whatever its area"),
     Fault(
@@ -376,6 +541,8 @@ FAULTS = (
         changed(lambda task, u, _: u + task.vertices),
         "the answer has deformed coordinates",
     ),
+    Fault("u with 4 decimals", changed(lambda task, u, _: np.round(u, 4)), "are written with 4 decimals"),
+    Fault("last step not solved", changed(_last_step_not_solved), "are a copy of another step"),
     Fault("u in other units", changed(lambda task, u, _: 1000 * u), "1000 times the right ones"),
     Fault("solver stopped at $10^{-4}$", changed(_noise), "solver stops too early"),
 )

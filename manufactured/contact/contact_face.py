@@ -136,8 +136,8 @@ class ContactFace:
         viscous, elastic = face_moduli(law.A, part.frame), face_moduli(law.G, part.frame)
         scale, stiffness = (tensor.factor.along(part.start, part.frame[:, :-1], variables) for tensor in (law.A, law.G))
         # The normal and tangential stresses that the slip causes, l = A_·ss ∂_s ż + G_·ss ∂_s z, (d,).
-        slope = np.array([sp.diff(z, x) for z in slip for x in variables], dtype=object)
-        rate = np.array([sp.diff(change, t) for change in slope], dtype=object)
+        slope = np.array([z.diff(x) for z in slip for x in variables], dtype=object)
+        rate = np.array([change.diff(t) for change in slope], dtype=object)
         of_slip = slice(law.dim, law.dim + len(slope))
         stress = viscous[:, of_slip] @ (scale * rate) + elastic[:, of_slip] @ (stiffness * slope)
         viscous, elastic = viscous[:, : law.dim], elastic[:, : law.dim]
@@ -151,8 +151,9 @@ class ContactFace:
                 "prescribe the strain, or take a G whose nn–sn moduli are equal to its sn–nn moduli"
             )
         elastic = relaxation_rate(stiffness, scale) * elastic
-        coupled = Coupled.of(pressure, tuple(stress), viscous, elastic, scale, T, initial, variables)
-        return cls(part, gap, coupled, *rest)
+        return cls(
+            part, gap, Coupled.of(pressure, tuple(stress), viscous, elastic, scale, T, initial, variables), *rest
+        )
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:

@@ -51,7 +51,7 @@ class Coupled:
 
         Args:
             pressure: the formula of the contact pressure p(s, t).
-            slip_stress: the formulas of l(s, t), (d,).
+            slip_stress: the formulas of the d components of l(s, t).
             viscous, elastic: the matrices 𝒜 and 𝒢 of moduli without a common factor, (d, d) each.
             scale: the formula of the common factor.
             T: the final time.

@@ -5,7 +5,7 @@ import argparse
 from manufactured.case import Case
 from manufactured.self_proof import prove
 from study.cli.options import OK
-from study.fem.mesh import boundary_parts
+from study.fem.mesh import MeshError, boundary_parts
 from study.fem.naming import family_named, resolve
 from study.ledger.files import UsageError
 from study.run.executor import available, require
@@ -14,6 +14,9 @@ from study.run.tasks import TaskStore, frozen, march, with_foundation, write_tas
 from study.solve.steps import require_steps
 from study.statements.shared import estimates
 from study.statements.shared.tasks import FROZEN_TIMES, Task
+
+MOST_LEVELS = 12
+"""Levels next to the one that was asked for that are tried if its mesh does not fit the body."""
 
 
 def do_export(options: argparse.Namespace) -> int:
@@ -34,7 +37,7 @@ def do_export(options: argparse.Namespace) -> int:
         steps = options.steps or task.level if marches else len(options.instants or FROZEN_TIMES)
         need = estimates.task(task.solution.body.dim, task.level, task.family.name, steps)
         require(f"level {task.level}", need, available())
-        boundary_parts(task.space.mesh, task.solution.body)
+        _require_mesh(task)
     for case in cases:
         prove(case.solution, f"case {case.name}")
     with TaskStore(options.out).locked():
@@ -50,6 +53,24 @@ def do_export(options: argparse.Namespace) -> int:
             path = write_task(options.out, data)
             print(f"{path}  {path.stat().st_size / 1000:.1f} kB")
     return OK
+
+
+def _require_mesh(task: Task) -> None:
+    """Raise UsageError, which names the case and levels that would do, unless the mesh fits the body."""
+    if not (reason := _misfit(task)):
+        return
+    near = sorted(range(1, 2 * task.level), key=lambda level: abs(level - task.level))[:MOST_LEVELS]
+    fit = [str(level) for level in near if not _misfit(Task(task.case, task.family, level))][:3]
+    mend = f"; levels that would do: {', '.join(fit)}" if fit else ""
+    raise UsageError(f"case {task.case.name} on {task.family.name} meshes of level {task.level}: {reason}{mend}")
+
+
+def _misfit(task: Task) -> str:
+    try:
+        boundary_parts(task.space.mesh, task.solution.body)
+    except MeshError as error:
+        return str(error)
+    return ""
 
 
 def _instants(options: argparse.Namespace, case: Case) -> list[float]:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import lzma
+import os
 import shutil
+import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import fields
@@ -234,6 +236,38 @@ def test_options_that_cannot_be_used_are_refused(options: list[str], place: Path
     assert capsys.readouterr().err.startswith("contact_judge: ")
 
 
+def test_one_missing_answer_does_not_stop_the_judge_and_a_subset_leaves_it_out(place: Path, capsys: Any) -> None:
+    write_task(place / "tasks", frozen(task("layered", 4), (0.55,)))
+    assert run(place) == 2
+    told = capsys.readouterr()
+    assert "layered-one-diagonal-frozen-4/u.txt is missing" in told.err
+    assert "exact for P1" in told.out
+    assert run(place, "--only", "full-*") == run(place, "--only", "full-contact") == 0
+    assert run(place, "--only", "corner") == 2
+    assert "--only corner is no case and no task; there are tasks of full-contact, layered" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("change", [lambda u: 1.5 * u, lambda u: u])
+def test_a_picture_has_the_mesh_and_the_forces_that_remain(change, place: Path, tmp_path: Path) -> None:
+    change_answer(place, change)
+    task_with(case="a<b")(place)
+    run(place, "--plot", str(tmp_path / "a.svg"))
+    mesh, face, arrows, dots = ElementTree.parse(tmp_path / "a.svg").getroot().findall("{*}path")
+    assert [one.get("d", "").count("M") for one in (mesh, face)] == [32, 4]
+    remaining = 0 if change(1) == 1 else 20
+    assert [one.get("d", "").count("M") for one in (arrows, dots)] == [remaining] * 2
+
+
+def test_a_reader_who_closes_the_pipe_causes_no_traceback(place: Path) -> None:
+    judge_file = str(RESULTS.parent / "examples" / "codes" / "contact_judge.py")
+    command = [sys.executable, judge_file, str(place / "tasks"), str(place / "answers"), "--json"]
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(writer)
+    assert done.stderr == ""
+
+
 def test_exit_codes_and_tolerance(place: Path, capsys: Any) -> None:
     assert run(place) == 0
     change_answer(place, lambda u: 1.0001 * u)
@@ -311,6 +345,10 @@ def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tm
     assert main(command) == 0
     names = {path.name for path in tmp_path.glob("*.xz")}
     assert names == {"full-contact-one-diagonal-frozen-4.json.xz", "layered-criss-cross-frozen-4.json.xz"}
+    assert main(["export", "cube-two-faces", "--levels", "4", "--out", str(tmp_path)]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("study: case cube-two-faces on one-diagonal meshes of level 4: ")
+    assert told.endswith("levels that would do: 3, 6\n")
     assert main(["export", "full-contact", "full-contact", "--out", str(tmp_path)]) == 2
     assert "give each case once" in capsys.readouterr().err
 

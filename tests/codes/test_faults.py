@@ -203,7 +203,7 @@ def test_two_faults_at_once_have_no_single_cause() -> None:
     coupling = np.array([[1.0, 1.3, 1.0], [1.3, 0.8, 1.0], [1.0, 1.0, 1.1]])
     step = faults.misread(lambda task: {"stiffness": task.stiffness * coupling})(task)
     found = judged(lambda _: lambda load, stress: step(load, -0.5 * stress), task)
-    assert found.cause.startswith("No single cause")
+    assert found.cause.startswith("Not explained")
 
 
 def projected_gauss_seidel(W: np.ndarray, free: np.ndarray, _: dict) -> np.ndarray:
@@ -230,7 +230,8 @@ def test_a_certain_cause_is_wrong_on_two_meshes_and_a_consistent_method_is_not()
     found = judged(FAULTS["vertices never released"].make, *tasks)
     assert found.verdict == "wrong"
     assert found.why.startswith("vertices in contact are never released")
-    (line,) = judge.notes(found)
+    where, line = judge.notes(found)
+    assert "contact forces pull at" in where
     assert line.startswith("(equations with this fault reproduce the answer up to ")
     found = judged(faults.springs(lambda task: 30 / task.data["h"]), *tasks)
     assert found.verdict == "undecided"
@@ -248,7 +249,7 @@ def test_a_certain_fault_is_wrong_on_three_meshes_although_the_distance_falls() 
     found = judged(faults.misread(half), *tasks)
     assert found.order_of_distance > judge.FALLS
     assert found.verdict == "wrong"
-    assert "the constraint is forgotten at 4 vertices" in found.why
+    assert "the constraint is forgotten at 3 vertices" in found.why
     assert judged(FAULTS["mean gap of each facet"].make, *tasks).verdict == "consistent"
 
 
@@ -262,15 +263,15 @@ def test_the_last_line_names_the_cause_that_explains_most_cases() -> None:
     assert judge.summary(found[:1]) == []
 
 
-def test_the_last_line_leaves_out_numbers_that_differ_and_does_not_deny_what_a_row_says_perhaps() -> None:
+def test_the_last_line_leaves_out_numbers_that_differ() -> None:
     tasks = [exported(case, n) for case, n in (("layered", 4), ("anisotropic", 8), ("rotated", 4))]
     one, two, three = judge.assess(
         tasks, {t.name: judge.answer(t, faults.misread(faults.without(0.25))) for t in tasks}
     )
-    three = replace(three, cause=three.cause.replace("Most likely", "Perhaps"), causes={})
+    three = replace(three, causes={})
     assert one.causes != two.causes
     (line,) = judge.summary([one, two, three])
-    assert line == "2 of 3 cases: the constraint is forgotten at some vertices; perhaps also rotated"
+    assert line == "2 of 3 cases: the constraint is forgotten at some vertex; it does not explain rotated"
     assert judge.without_numbers("contact is by springs of stiffness 3.2e+01, C_11") == (
         "contact is by springs of stiffness …, C_11"
     )
@@ -290,6 +291,122 @@ def test_a_cause_needs_no_more_than_the_answer_of_a_consistent_code() -> None:
     found = judged(faults.springs(lambda task: 30 / task.data["h"]), *(exported("layered", n) for n in (4, 8, 16)))
     assert found.verdict == "consistent"
     assert "springs" in found.cause
+
+
+def of_law(change: Any) -> Any:
+    return faults.misread(
+        lambda task: {"stiffness": change(task.stiffness, np.array([[1, 1, 0], [1, 1, 0], [0, 0, 0]]))}
+    )
+
+
+def exchanged(C: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    lam, mu = C[:, :1, 1:2], C[:, 2:, 2:] / 2
+    return 2 * lam * np.eye(3) + mu * normal
+
+
+SHOWN: dict[str, tuple[Any, str]] = {
+    "λ and μ are exchanged": (of_law(exchanged), "layered"),
+    "the displacements are written with 4 digits": (
+        faults.changed(lambda task, u, _: np.array([float(f"{x:.3e}") for x in u.ravel()]).reshape(u.shape)),
+        "layered",
+    ),
+    "the load at 8 vertices": (faults.balance_with(lambda task, b: b * (task.vertices[:, :1] < 0.9)), "corner"),
+    "the stiffness of 1 cell (5 at": (
+        of_law(lambda C, normal: np.where(np.arange(len(C))[:, None, None] == 5, 3 * C, C)),
+        "layered",
+    ),
+}
+
+
+@pytest.mark.parametrize("cause", SHOWN)
+def test_a_cause_is_shown_by_undoing_or_imitating_it(cause: str) -> None:
+    make, case = SHOWN[cause]
+    found = judged(make, exported(case, 8 if cause.startswith("the load") else 4))
+    assert f"Most likely: {cause}" in found.cause
+
+
+def test_gaps_in_the_reversed_order_are_named_where_they_are_not_symmetric() -> None:
+    data = exported("layered", 4).data
+    (piece,) = data["contact"]
+    task = judge.Task("gaps", data | {"contact": [piece | {"gap": [0.01, 0.02, 0.03, 0.04, 0.05]}]})
+    found = judged(faults.misread(lambda task: {"gaps": lambda: [gap[::-1] for gap in task.gaps()]}), task)
+    assert "Most likely: the initial gaps are in the reversed order" in found.cause
+
+
+def test_in_time_the_steps_of_an_older_history_and_the_gap_of_the_step_before_are_named() -> None:
+    task = exported("parabolic-gap", 4, steps=5)
+    step, states, gaps = this_study.make(task), [task.start(), task.start()], []
+    for n in range(task.count):
+        history = states[-2] if n in (2, 4) else states[-1]
+        states.append(step(*task.step(n, history)))
+    (found,) = judge.assess([task], {task.name: np.array(states[2:])})
+    assert "Most likely: in steps 3, 5 the history is that of the step before last" in found.cause
+    u = task.start()
+    for n in range(task.count):
+        left = -task.distances(u[None])[0]
+        u = faults.misread(lambda task, left=left: {"gaps": lambda: [left]})(task)(*task.step(n, u))
+        gaps.append(u)
+    (found,) = judge.assess([task], {task.name: np.array(gaps)})
+    assert "Most likely: the gap that the step before left is taken for the initial gap" in found.cause
+
+
+def test_components_of_shear_in_another_order_are_named_in_space() -> None:
+    order = [0, 1, 2, 5, 3, 4]
+    found = judged(faults.other_stress(lambda s: s[:, order]), exported("cube-two-faces", 3))
+    assert "the components of shear have the order 12, 23, 13 in the initial stress" in found.cause
+
+
+WHERE = {
+    "a cell left out": ("layered", "at 3 of 25 vertices (of cell 9), in all 3 steps: "),
+    "the load lost at a vertex of Γ2": ("layered", "at 1 of 25 vertices (all on Γ2), in all 3 steps"),
+    "no slip in contact": (
+        "layered",
+        "vertices (all on Γ3 where contact forces act), in all 3 steps, all along ±(1, 0): ",
+    ),
+    "last step not solved": ("layered", "(9 inside, 6 on Γ2, 5 on Γ3), in step 3 alone: "),
+    "`factor` forgotten": ("layered", "at 10 of 25 vertices (6 inside, 4 on Γ2, within [0, 1] × [0.5, 0.75]), in all"),
+    "a pressure on Γ3 before contact": ("corner", "on Γ3, contact forces act where the gap is open at "),
+    "contact forces halved": ("corner", "the body enters the foundation at "),
+    "springs of 30, not scaled with *h*": ("corner", "; u_ν − gap ↦ force over area: "),
+}
+
+
+@pytest.mark.parametrize("name", WHERE)
+def test_the_first_line_says_where_and_when_the_equations_are_violated(name: str) -> None:
+    case, words = WHERE[name]
+    found = judged(FAULTS[name].make, exported(case, 4))
+    assert judge.notes(found)[0] == found.where
+    assert found.where.startswith("n = 4: ")
+    assert words in found.where
+
+
+ROUNDED: dict[str, tuple[str, Any, str]] = {
+    "a missing cell": (
+        "anisotropic",
+        faults.misread(lambda task: {"volumes": np.append(task.volumes[:-1], 0)}),
+        "remain outside the cells at Γ3; order of the distance",
+    ),
+    "no slip": (
+        "rotated",
+        FAULTS["no slip in contact"].make,
+        "fits better than a distance that vanishes, order of the",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ROUNDED)
+def test_no_class_is_consistent_while_a_fault_fits_better_than_a_vanishing_distance(name: str) -> None:
+    """The answer has a error of 1e-7, so that the fault is likely, but not certain."""
+    case, make, why = ROUNDED[name]
+    tasks = [exported(case, n) for n in (4, 8, 16)]
+    answers = {}
+    for task in tasks:
+        free = ~np.isin(np.arange(len(task.vertices)), task.clamped)[:, None]
+        answers[task.name] = judge.answer(task, make) + 1e-7 * free * np.sin(1e5 * task.vertices)
+    (found,) = judge.assess(tasks, answers)
+    assert found.verdict == "undecided"
+    assert why in found.why
+    assert "Most likely: " in found.cause
 
 
 # What a code reports
@@ -323,6 +440,16 @@ def test_what_a_code_reports_is_judged_with_a_sentence(sentence: str) -> None:
         (found,) = judge.assess([task], {task.name: u}, {task.name: {name: REPORTED[sentence](value)}})
         assert [(one.right, sentence in one.sentence) for one in found.reports] == [(sentence == "agrees", True)]
         assert found.outcome() == ("holds" if sentence == "agrees" else "fails")
+
+
+def test_a_wrong_report_shows_in_the_line_of_the_class_and_names_its_mesh() -> None:
+    task, u, lam, mass = reported()
+    one_facet = np.where(mass > 0.75 * mass.max(), mass / 2, mass)
+    (found,) = judge.assess([task], {task.name: u}, {task.name: {"pressure": lam / one_facet}})
+    assert "exact for P1" in judge.table([found])
+    assert ", fails: wrong reported pressure" in judge.table([found]).splitlines()[1]
+    assert "n = 4: reported pressure: differs by " in judge.table([found])
+    assert "it takes the area of one facet at each vertex, where two meet" in found.reports[0].sentence
 
 
 @pytest.mark.parametrize("sentence", OTHERS)

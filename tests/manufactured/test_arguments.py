@@ -112,6 +112,7 @@ CALLS = {
         "profile": slab(),
         "rough": (0.5,),
         "initial_gap": s,
+        "slip": (s * t,),
     },
     ContactFace.linear: {
         "part": PART,
@@ -124,6 +125,7 @@ CALLS = {
         "profile": slab(),
         "rough": (0.5,),
         "initial_gap": s,
+        "slip": (s * t,),
     },
     Monomial: {"m": 1, "c": 1.0 + 1j, "beta": 0.5},
     kolosov: {"kappa": 2.0, "a": 1j, "b": -0.5j, "exponent": 1.5},
