@@ -8,7 +8,7 @@ DEVELOPMENT := $(VENV)/.development
 DOCUMENTATION := $(VENV)/.documentation
 CLUSTER := $(VENV)/.cluster
 PAGES := README.md docs/index.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
-	docs/tutorials/first-solution.md docs/explanation/windows.md docs/explanation/verdicts.md
+	docs/tutorials/first-solution.md docs/explanation/windows.md docs/explanation/verdicts.md docs/reference/files.md
 
 .PHONY: study full again faults seeds test wheel tutorials pages codes codes-bounds codes-venv codes-check wheel-debian certificates \
 	certificates-check trials bench bench-growth bench-peers \

@@ -11,7 +11,8 @@ from study.controls.faults import FAULTS
 from study.controls.matrix import cases_of_quick, measure_case
 from study.fem.naming import choose
 from study.ledger.datafiles import write_csv
-from study.ledger.faults import COLUMNS, missed, summary
+from study.ledger.faults import missed, summary
+from study.ledger.schema import TABLES
 from study.ledger.text import folded
 from study.run.executor import Processes
 from study.run.fingerprint import of_everything
@@ -40,7 +41,7 @@ def do_faults(options: argparse.Namespace) -> int:
                 store.save(f"faults__{case}", cache_key, found)
             rows += found["rows"]
             bar.update()
-    table = pd.DataFrame(rows, columns=COLUMNS)
+    table = pd.DataFrame(rows, columns=list(TABLES["faults.csv"].columns))
     written = write_csv(options.out / "data" / "faults.csv", table)
     heads = {"errors": "noticed by errors", "any_check": "by any check"}
     print(f"\n{tabulate(summary(table).rename(columns=heads), 'keys', showindex=False)}\ndata: {written}")

@@ -13,18 +13,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from study.ledger.datafiles import TEXT, CsvFile, read_table, refuse_repeated, refuse_words
+from study.ledger.datafiles import CsvFile, DataError, line, read_checked, refuse_repeated
 
 KEY = ["code", "version", "variant"]
 SERIES = ["code", "variant", "case", "family"]
 MESH = ["case", "family", "level"]
-ERRORS = ["series", "level", "h", "error", "best", "discrete", "distance", "pressure", "best_pressure", "penetration"]
-ERRORS += ["resultant", "tangential"]
-CLASSES = ["series", *SERIES, "version", "class", "order_in_v", "order_of_distance", "order_of_pressure", "invariance"]
 NOT_EXPRESSED = "not expressed"
 GRADES = ("exact for P1", "consistent", "stagnates", "wrong", "undecided")
 MADE = "make codes"
-AGAIN = f"make it again with `{MADE}`"
 FOLDER, MARCHES = "codes", "codes/march"
 """Folders of a result directory with the results on static problems, and on problems in time."""
 FROZEN, MARCH = "frozen", "march"
@@ -54,11 +50,14 @@ class Codes:
         place = directory / folder
         if not place.is_dir():
             return None
-        errors = _table(place / "errors.csv", ERRORS, ["series", "level"])
-        classes = _table(place / "classes.csv", CLASSES, ["series"], empty=True)
-        refuse_repeated(place / "classes.csv", classes, SERIES, AGAIN)
-        # Errors whose series is missing in ``classes`` are kept with empty names, so that ``study check`` reports them.
-        return cls(errors.merge(classes[["series", *SERIES]], on="series", how="left"), classes)
+        errors, classes = (read_checked(place / name, f"codes/{name}", MADE) for name in ("errors.csv", "classes.csv"))
+        refuse_repeated(place / "classes.csv", classes, SERIES, f"make it again with `{MADE}`")
+        if (unknown := ~errors["series"].isin(classes["series"]).to_numpy()).any():
+            row = int(unknown.argmax())
+            where = f"{place / 'errors.csv'}, line {line(row)}, column series"
+            found = f"found {errors['series'].iloc[row]}, expected a series of classes.csv"
+            raise DataError(f"{where}: {found}; make it again with `{MADE}`")
+        return cls(errors.merge(classes[["series", *SERIES]], on="series"), classes)
 
     def series(self) -> pd.DataFrame:
         """Return one row for each series that the code can express: its class, and two quotients on its finest mesh.
@@ -102,6 +101,8 @@ class OtherErrors(CsvFile):
     """
 
     label: str = ""
+    key = ("label", *MESH)
+    columns = ["label", *MESH, "mode", "code", "version", "variant", "class", "error", "distance"]
 
     def read(self, directory: Path) -> pd.DataFrame:
         """Return the errors of all codes in one table with the columns ``mode`` and ``label``; empty without data.
@@ -117,11 +118,4 @@ class OtherErrors(CsvFile):
                 left_out = told[told["class"] == NOT_EXPRESSED].merge(meshes, on=MESH[:2])
                 both = pd.concat([codes.errors.merge(told, on=SERIES, how="left"), left_out], ignore_index=True)
                 found.append(both.assign(mode=mode, label=self.label))
-        return pd.concat(found, ignore_index=True)[[*self.columns]] if found else pd.DataFrame(columns=[*self.columns])
-
-
-def _table(path: Path, columns: list[str], key: list[str], empty: bool = False) -> pd.DataFrame:
-    found = read_table(path, columns, MADE)
-    refuse_words(path, found, [name for name in columns if name not in TEXT], AGAIN, empty=empty)
-    refuse_repeated(path, found, key, AGAIN)
-    return found
+        return pd.concat(found, ignore_index=True)[self.columns] if found else pd.DataFrame(columns=self.columns)

@@ -15,9 +15,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from study.ledger.datafiles import LEDGER, TEXT, DataError, made_by, read_table, read_uncompressed
+from study.ledger.datafiles import DataError, made_by, read_table, read_uncompressed
 from study.ledger.pictures import Packed
-from study.ledger.verdict import ROW_KEY
+from study.ledger.schema import TABLES, TEXTS, Table
 
 IDENTICAL, WITHIN, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left out"
 """States of a file in two directories. IDENTICAL: the bytes are equal. WITHIN: numbers differ within the tolerance.
@@ -25,32 +25,16 @@ DIFFERS: there are larger differences. LEFT_OUT: only one directory has the file
 it."""
 PROSE = ["statement", "quantity", "expected", "summary", "reason", "what", "regularity", "law", "equation"]
 """Columns with text for readers, which are not compared."""
-KEYS = {
-    "rates.csv": ("claim", "case", "family", "scheme", "level"),
-    "equivalence.csv": ("case", "form", "level", "family"),
-    "stresses.csv": ("case", "family", "level"),
-    "recomputed.csv": ("case", "family", "scheme", "level"),
-    "contact.csv": ("case", "family", "level"),
-    "statements.csv": ("label", "case", "family", "level", "quantity"),
-    "bounds.csv": ("trajectory", "case", "family", "scheme", "level"),
-    "enclosures.csv": ("trajectory", "case", "family", "scheme", "level"),
-    "claims.csv": ROW_KEY,
-    "cases.csv": ("case",),
-    "faults.csv": ("fault", "size", "case"),
-    "seeds.csv": ("seed",),
-}
-"""File ↦ the columns that identify a row. Rows with the same key, as in ``enclosures.csv``, are numbered."""
 MAGNITUDES = ("displacement_gap", "stress_gap", "displacement_bound", "stress_bound")
 """Columns of ``equivalence.csv`` of which only the order of magnitude is compared: the numbers depend on where an
 iteration stops."""
+COLUMNS = ["row", "column", "old", "new", "file", "relative"]
+WHOLE = r"-?\d+"
+"""Matches whole numbers, such as levels."""
+Array = NDArray[Any]
 SAME_MAGNITUDE = 0.99
 """Relative tolerance for these columns: a factor of 100. With two tolerances of the solver they differed by at most
 this factor."""
-OF_OTHER_COMMANDS = ("faults.csv", "seeds.csv")
-"""Files that other commands than ``study run`` write, so that a result directory may lack them."""
-COLUMNS = ["file", "row", "column", "old", "new", "relative"]
-WHOLE = "the whole row"
-"""Stands for the name of a column where only one directory has the row."""
 
 
 @dataclass(frozen=True)
@@ -63,14 +47,17 @@ class Tolerance:
     relative: float = 1e-12
     absolute: float = 0.0
 
-    def equates(self, a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
-        """Return for each pair of numbers whether they are equal within the tolerance, as an array of booleans.
+    def equates(self, a: Array, b: Array, loose: Array) -> Array:
+        """Return for each pair of numbers whether they are finite and equal within the tolerance.
 
-        NaN equals NaN, and an infinite number equals itself.
+        Parameters:
+            a, b: the numbers.
+            loose: for each pair whether only the order of magnitude is compared.
         """
+        relative = np.where(loose, max(self.relative, SAME_MAGNITUDE), self.relative)
         with np.errstate(all="ignore"):
-            near = abs(a - b) <= self.absolute + self.relative * np.maximum(abs(a), abs(b))
-        return (a == b) | (np.isnan(a) & np.isnan(b)) | (near & np.isfinite(a) & np.isfinite(b))
+            near = abs(a - b) <= self.absolute + relative * np.maximum(abs(a), abs(b))
+        return near & np.isfinite(a) & np.isfinite(b)
 
 
 @dataclass(frozen=True)
@@ -80,8 +67,9 @@ class Comparison:
     Attributes:
         tolerance: the tolerance for numbers.
         states: name of each file in the folders ``data`` ↦ IDENTICAL, WITHIN, DIFFERS or LEFT_OUT.
-        cells: the cells that differ by more than the tolerance, a table with the columns ``COLUMNS``. The relative
-            difference is |a − b| / max(|a|, |b|), or NaN for texts and for numbers that are not finite.
+        cells: the cells that differ by more than the tolerance, with the columns ``file``, ``row``, ``column``,
+            ``old``, ``new`` and ``relative``, the relative difference |a − b| / max(|a|, |b|). A cell that only one
+            directory has is empty in the other one.
     """
 
     tolerance: Tolerance
@@ -119,26 +107,26 @@ def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
     """
     files = _files(old), _files(new)
     states: dict[str, str] = {}
-    tables = [pd.DataFrame(columns=COLUMNS)]
+    tables: list[pd.DataFrame] = []
     for name in sorted({*files[0], *files[1]}, key=lambda name: ("/" in name, name)):
         if name not in files[0] or name not in files[1]:
-            states[name] = LEFT_OUT if name in OF_OTHER_COMMANDS else DIFFERS
+            states[name] = LEFT_OUT if name in TABLES and TABLES[name].command else DIFFERS
             continue
         contents = [_content(directory, files_of[name]) for directory, files_of in zip((old, new), files, strict=True)]
         # Two truncated files may be equal. They have no line end at their end, and reading them raises an error.
         if contents[0] == contents[1] and contents[0].endswith(b"\n"):
             states[name] = IDENTICAL
             continue
-        cells = _cells(_table(old, name, contents[0]), _table(new, name, contents[1]), name, tolerance)
+        cells = _changed(_cells(old, name, contents[0]), _cells(new, name, contents[1]), name, tolerance)
         states[name] = DIFFERS if len(cells) else WITHIN
         tables.append(cells)
-    return Comparison(tolerance, states, pd.concat([table for table in tables if len(table)] or tables))
+    return Comparison(tolerance, states, pd.concat([pd.DataFrame(columns=COLUMNS), *tables]))
 
 
 def _files(directory: Path) -> dict[str, Path]:
     """Return name in the folder ``data``, without ``.gz`` ↦ path, for all tables and pictures of a run."""
     data = directory / "data"
-    paths = [*data.glob("*.csv"), *data.glob("pictures/*.json"), *data.glob("pictures/*.json.gz")]
+    paths = [*data.glob("*.csv"), *data.glob("pictures/*.json.gz")]
     if not paths:
         raise DataError(f"{directory} has no data/*.csv, expected the directory that follows --out in `study run`")
     return {path.relative_to(data).as_posix().removesuffix(".gz"): path for path in paths}
@@ -154,26 +142,26 @@ def _content(directory: Path, path: Path) -> bytes:
         raise DataError(f"{path} is damaged ({error}): make it again with `{made_by(directory)}`") from error
 
 
-def _table(directory: Path, name: str, content: bytes) -> pd.DataFrame:
-    """Return a data file as a table whose index names the rows: cells of the key, numbered if they are repeated.
+def _cells(directory: Path, name: str, content: bytes) -> pd.Series:
+    """Return the cells of a data file as texts, with their rows and columns as index.
 
-    The numbers and words in a picture become two columns, and the row is their place in the file.
+    A row is named by its key, with a number if the key is repeated. In a picture, rows are the places in the file.
     """
     if not name.endswith(".csv"):
         try:
-            places = pd.Series(dict(_places(json.loads(content), "")), dtype=object)
+            return pd.Series({(place, "value"): str(value) for place, value in _places(json.loads(content), "")})
         # The file is not JSON in UTF-8, has too many nested brackets, or its packed numbers are damaged.
         except (ValueError, RecursionError, KeyError, TypeError) as error:
             again = f"make it again with `{made_by(directory)}`"
             raise DataError(f"{directory}/data/{name}.gz is not a picture ({error}): {again}") from error
-        numbers = pd.to_numeric(places, errors="coerce")
-        return pd.DataFrame({"number": numbers, "word": places.where(numbers.isna(), "")})
-    key = [*KEYS.get(name, ())]
-    table = read_table(directory / "data" / name, key, made_by(directory))
-    names = pd.Series([", ".join(filter(None, cells)) for cells in table[key].astype(str).to_numpy()], table.index)
-    names = names.replace("", "row")
-    number = table.groupby(names).cumcount() + 1
-    return table.set_index(names.where(number == 1, names + ", no. " + number.astype(str)))
+    known = TABLES.get(name, Table((), {}))
+    # Times in ``enclosures.csv`` may differ by rounding, so these rows are numbered.
+    key = [*known.key, *(column for column in known.within if column in TEXTS)]
+    table = read_table(directory / "data" / name, key, made_by(directory)).astype(object).fillna("").astype(str)
+    names = pd.Series([", ".join(filter(None, cells)) or "row" for cells in table[key].to_numpy()], dtype=str)
+    number = names.groupby(names).cumcount() + 1
+    rows = table.set_index(names.where(number == 1, names + ", no. " + number.astype(str)))
+    return rows.drop(columns=PROSE, errors="ignore").stack()
 
 
 def _places(value: Any, place: str) -> Iterator[tuple[str, Any]]:
@@ -190,38 +178,17 @@ def _places(value: Any, place: str) -> Iterator[tuple[str, Any]]:
         yield place, value
 
 
-def _cells(old: pd.DataFrame, new: pd.DataFrame, name: str, tolerance: Tolerance) -> pd.DataFrame:
-    """Return the cells of two tables that differ by more than the tolerance, and the rows that only one of them has."""
-    rows = old.index.intersection(new.index, sort=False)
-    alone = [(row, WHOLE, "present", "missing") for row in old.index.difference(rows, sort=False)]
-    alone += [(row, WHOLE, "missing", "present") for row in new.index.difference(rows, sort=False)]
-    columns = {column: column in old and column in new for column in [*old, *new] if column not in PROSE}
-    alone += [
-        ("all rows", column, str(column in old), str(column in new)) for column, both in columns.items() if not both
-    ]
-    found = [pd.DataFrame(alone, columns=COLUMNS[1:5])]
-    for column in (column for column, both in columns.items() if both):
-        loose = name == "equivalence.csv" and column in MAGNITUDES
-        relative = max(tolerance.relative, SAME_MAGNITUDE) if loose else tolerance.relative
-        a, b = old.loc[rows, column], new.loc[rows, column]
-        found.append(_column(a, b, Tolerance(relative, tolerance.absolute)).assign(column=column))
-    return pd.concat([cells for cells in found if len(cells)] or found).assign(file=name).reindex(columns=COLUMNS)
-
-
-def _column(old: pd.Series, new: pd.Series, tolerance: Tolerance) -> pd.DataFrame:
-    """Return the differing cells of a column. The tolerance applies neither to texts nor to whole numbers."""
-    kinds = old.dtype.kind + new.dtype.kind
-    if set(kinds) <= set("fiu"):
-        a, b = old.to_numpy(float), new.to_numpy(float)
-        equal = tolerance.equates(a, b) if "f" in kinds else a == b
-        with np.errstate(all="ignore"):
-            relative = abs(a - b) / np.maximum(abs(a), abs(b))
-        texts = old.map("{:.15g}".format), new.map("{:.15g}".format)
-    else:
-        texts = old.astype(object).fillna("").map(str), new.astype(object).fillna("").map(str)
-        equal, relative = (texts[0] == texts[1]).to_numpy(), np.full(len(old), np.nan)
-    cells = {"row": old.index, "old": texts[0].to_numpy(), "new": texts[1].to_numpy(), "relative": relative}
-    return pd.DataFrame(cells)[~equal]
+def _changed(old: pd.Series, new: pd.Series, name: str, tolerance: Tolerance) -> pd.DataFrame:
+    """Return the cells that differ, among numbers by more than the tolerance; it does not apply to whole numbers."""
+    both = pd.concat([old, new], axis=1, keys=["old", "new"]).rename_axis(["row", "column"]).fillna("")
+    both = both[both["old"] != both["new"]].reset_index()
+    a, b = (pd.to_numeric(both[side], errors="coerce").to_numpy(float) for side in ("old", "new"))
+    whole = both["old"].str.fullmatch(WHOLE) & both["new"].str.fullmatch(WHOLE)
+    loose = both["column"].isin(MAGNITUDES).to_numpy() & (name == "equivalence.csv")
+    equal = np.where(whole, a == b, tolerance.equates(a, b, loose))
+    with np.errstate(all="ignore"):
+        relative = abs(a - b) / np.maximum(abs(a), abs(b))
+    return both.assign(file=name, relative=relative)[~equal]
 
 
 SHOWN_VERDICTS, SHOWN_CELLS = 20, 3
@@ -258,10 +225,8 @@ def _listed(cells: pd.DataFrame, most: int) -> Iterator[str]:
         yield f"    and {len(cells) - most} more"
 
 
-ROUNDED = {name for name in LEDGER if name not in TEXT} - {"expected", "family"}
-"""Columns of ``claims.csv`` whose last digits depend on the machine."""
 ROUNDED_RTOL = 1e-6
-"""Relative difference up to which numbers in these columns count as equal. Iterations stop at slightly different values
+"""Relative difference up to which numbers in some columns count as equal. Iterations stop at slightly different values
 on different machines."""
 SHOWN_TEXT = 60
 """Largest number of characters of a differing text that a message shows."""

@@ -5,7 +5,7 @@ import json
 import shlex
 import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -15,24 +15,13 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from study.ledger.files import write_packed, write_text
-from study.ledger.verdict import HOLDS, VERDICTS, CheckKind, Verdict
+from study.ledger.schema import TABLES, TEXTS
+from study.ledger.verdict import HOLDS, VERDICTS, CheckKind
 from study.orders.sequences import consecutive_orders
 
+SHOWN_RATES = ["h", "dofs", "steps", "error", "order", "at", "interpolation_error", "discrete_error", "time_share"]
+"""Columns of ``rates.csv`` without which tables and figures cannot be made."""
 SERIES = ["claim", "case", "family", "scheme"]
-RATES = [*SERIES, "level", "h", "dofs", "steps", "error", "order", "at", "interpolation_error", "discrete_error"]
-RATES += ["time_share", "predicted_interpolation"]
-LEDGER = [field.name for field in fields(Verdict)]
-TEXT = {
-    *SERIES, "label", "statement", "quantity", "verdict", "form", "summary", "law", "zone", "regularity", "statements",
-    "reason", "twin", "trajectory", "key", "expected", "defect", "what", "setting", "caught", "claimed", "seen_by",
-    "levels", "kind", "equation", "fault", "by_error", "by_others", "noticed_by", "rules", "code", "version", "variant",
-    "class",
-}  # fmt: skip
-"""Columns that hold text, even if a cell looks like a number or is empty."""
-
-
-COMMANDS = {"faults.csv": "study faults", "seeds.csv": "study seeds"}
-"""Data file ↦ the command that writes it, for files that ``study run`` does not write."""
 
 
 class DataError(ValueError):
@@ -42,24 +31,45 @@ class DataError(ValueError):
     """
 
 
-def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFrame:
+def read_csv(directory: Path, name: str, columns: Collection[str] = ()) -> pd.DataFrame:
     """Return the table in the file ``directory/data/name`` of a run.
 
     Parameters:
         directory: the result directory.
-        name: name of the file.
-        columns: the columns that the table must have. Those that are not in ``TEXT`` must contain numbers or empty
-            cells.
+        name: name of the file, a key of ``TABLES``.
+        columns: columns that the table must have, besides those that identify a row.
 
     Raises:
-        DataError: the file is missing or damaged, or a column of numbers contains text; the message names file, line
-            and column.
+        DataError: see ``read_checked``.
     """
-    command, path = COMMANDS.get(name), directory / "data" / name
+    command = TABLES[name].command
     again = f"{command} --out {directory}" if command else made_by(directory)
-    frame = read_table(path, columns, again)
-    numbers = [column for column in columns if column not in TEXT]
-    refuse_words(path, frame, numbers, f"make it again with `{again}`", empty=True)
+    return read_checked(directory / "data" / name, name, again, columns)
+
+
+def read_checked(path: Path, name: str, command: str, columns: Collection[str] = ()) -> pd.DataFrame:
+    """Return a table whose cells have the units of ``TABLES``: text, numbers, or empty cells where they are allowed.
+
+    Columns that the file lacks are not read, so that files of an older program can be read. The parameters are those of
+    ``read_table``, and the key in ``TABLES``.
+
+    Raises:
+        DataError: the file is missing or damaged, a number is missing or is no number, or a row is repeated; the
+            message names file, line and column.
+    """
+    table, mend = TABLES[name], f"make it again with `{command}`"
+    key = [*table.key, *table.within]
+    frame = read_table(path, (*key, *columns), command)
+    for column in table.numbers:
+        if column in frame:
+            wrong = pd.to_numeric(frame[column], errors="coerce").isna().to_numpy()
+            if table.columns[column].empty:
+                wrong = wrong & frame[column].notna().to_numpy()
+            if wrong.any():
+                row = int(wrong.argmax())
+                cell = pd.read_csv(path, dtype=str, keep_default_na=False)[column].iloc[row]
+                raise DataError(f"{path}, line {line(row)}, column {column}: found {cell!r}, expected a number; {mend}")
+    refuse_repeated(path, frame, key, mend)
     return frame
 
 
@@ -126,7 +136,7 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
     again = f"make it again with `{command}`"
     try:
         # Only empty cells are read as NaN. A word such as "nan" or "null" is text, because no command writes it.
-        kinds = dict.fromkeys(TEXT, str)
+        kinds = dict.fromkeys(TEXTS, str)
         content = read_uncompressed(path)
         frame = pd.read_csv(BytesIO(content), dtype=kinds, keep_default_na=False, na_values=[""], low_memory=False)  # type: ignore[arg-type]
     except ValueError as error:
@@ -135,7 +145,7 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
         raise DataError(f"{path} is truncated, because its last line is incomplete: {again}")
     if lacking := [column for column in columns if column not in frame]:
         raise DataError(f"{path} lacks the columns {', '.join(lacking)}: {again}")
-    return frame.fillna(dict.fromkeys([name for name in frame if name in TEXT], ""))
+    return frame.fillna(dict.fromkeys([name for name in frame if name in TEXTS], ""))
 
 
 def read_uncompressed(path: Path) -> bytes:
@@ -154,29 +164,6 @@ def read_uncompressed(path: Path) -> bytes:
 def line(row: int) -> int:
     """Return the line of a data file with row ``row`` of the table, counted from 0; line 1 has the column names."""
     return row + 2
-
-
-def refuse_words(path: Path, table: pd.DataFrame, columns: Collection[str], mend: str, empty: bool = False) -> None:
-    """Raise an error if some columns of a table contain anything but numbers.
-
-    Parameters:
-        path: the file, for the message.
-        table: the content of the file.
-        columns: the columns that must contain numbers.
-        mend: how to mend the file, for the message.
-        empty: whether empty cells are accepted.
-
-    Raises:
-        DataError: a cell is not a number; the message names line, column and cell.
-    """
-    for column in columns:
-        wrong = pd.to_numeric(table[column], errors="coerce").isna().to_numpy()
-        if empty:
-            wrong = wrong & table[column].notna().to_numpy()
-        if wrong.any():
-            row = int(wrong.argmax())
-            found = pd.read_csv(path, dtype=str, keep_default_na=False)[column].iloc[row]
-            raise DataError(f"{path}, line {line(row)}, column {column}: found {found!r}, expected a number; {mend}")
 
 
 def refuse_repeated(path: Path, table: pd.DataFrame, key: Sequence[str], mend: str) -> None:
@@ -221,25 +208,32 @@ class CsvFile:
     """A CSV file of measurements.
 
     Attributes:
-        name: name of the file in the folder ``data``.
-        key: the columns that identify a row.
-        columns: the measured columns.
-        derive: function that returns the table to be written, given the table of measured columns. It may add columns
-            that are computed from measured ones, such as observed orders.
+        name: name of the file in the folder ``data``, a key of ``TABLES``.
+        derived: columns that are computed from measured ones, such as observed orders.
+        derive: function that returns the table to be written, given the table of measured columns.
     """
 
     name: str
-    key: tuple[str, ...]
-    columns: tuple[str, ...]
+    derived: tuple[str, ...] = ()
     derive: Callable[[pd.DataFrame], pd.DataFrame] = pd.DataFrame.copy
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """The columns that identify a measurement."""
+        return TABLES[self.name].key
+
+    @property
+    def columns(self) -> list[str]:
+        """The measured columns."""
+        return [name for name in TABLES[self.name].columns if name not in self.derived]
 
     def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
         """Write all rows into the file in the folder ``data`` and return its path, as a list."""
-        return [write_csv(data / self.name, self.derive(pd.DataFrame(rows, columns=list(self.columns))))]
+        return [write_csv(data / self.name, self.derive(pd.DataFrame(rows, columns=self.columns)))]
 
     def read(self, directory: Path) -> pd.DataFrame:
         """Return the table from the file in a result directory; raises DataError if it is missing or damaged."""
-        return read_csv(directory, self.name, self.columns)
+        return read_csv(directory, self.name)
 
     def keys(self, table: pd.DataFrame) -> set[tuple[str, ...]]:
         """Return the keys of all rows of a table, as texts.
@@ -283,12 +277,15 @@ def read_rates(directory: Path) -> pd.DataFrame:
     Raises:
         DataError: the file is missing or damaged, a number is missing or infinite, or a row is repeated.
     """
-    rates = read_csv(directory, "rates.csv", RATES)
-    path, again = directory / "data" / "rates.csv", f"make it again with `{made_by(directory)}`"
-    # Infinite errors are refused like missing numbers, because figures cannot show them.
-    finite = rates.replace([np.inf, -np.inf], np.nan)
-    refuse_words(path, finite, [column for column in RATES if column not in {*TEXT, "order"}], again)
-    refuse_repeated(path, rates, [*SERIES, "level"], again)
+    rates = read_csv(directory, "rates.csv", SHOWN_RATES)
+    # Figures cannot show infinite errors.
+    numbers = [name for name in TABLES["rates.csv"].filled if name in rates]
+    if (infinite := np.isinf(rates[numbers])).any(axis=None):
+        row = int(infinite.any(axis=1).to_numpy().argmax())
+        raise DataError(
+            f"{directory / 'data' / 'rates.csv'}, line {line(row)}: found an infinite number, expected a finite one; "
+            f"make it again with `{made_by(directory)}`"
+        )
     series = [frame.sort_values("level") for _, frame in rates.groupby(SERIES, sort=False)]
     rates = pd.concat(series, ignore_index=True) if series else rates
     return rates.assign(discrete_order=in_series(rates, "discrete_error"))
@@ -314,7 +311,7 @@ def read_claims(directory: Path) -> pd.DataFrame:
     Raises:
         DataError: the file is missing or damaged, or has an unknown verdict.
     """
-    claims = read_csv(directory, "claims.csv", LEDGER)
+    claims = read_csv(directory, "claims.csv", TABLES["claims.csv"].columns)
     unknown = sorted(set(claims["verdict"]) - set(VERDICTS))
     if unknown:
         raise DataError(

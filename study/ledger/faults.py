@@ -1,20 +1,7 @@
-"""The matrix fault × case × check of ``faults.csv``: its columns, its summary, and the rules that it must satisfy."""
+"""The matrix fault × case × check of ``faults.csv``: its summary, and the rules that it must satisfy."""
 
 import pandas as pd
 
-COLUMNS = ["equation", "fault", "size", "single", "case", "dim", "distance", "error", "by_error", "by_others"]
-"""The columns of ``faults.csv``, with one row for each fault, size and case.
-
-    equation: the equation or condition of the paper that the fault violates.
-    fault, size: the fault and its size δ.
-    single: 1 if the fault concerns single vertices, otherwise 0.
-    case, dim: the case and the dimension of its body.
-    distance: S = max_t ‖u^h − u^h_δ‖_V on the finest level, where u^h_δ is the faulty discrete solution; empty if the
-        faulty space has other unknowns, infinite if the faulty problem cannot be solved.
-    error: the error ‖u − u^h‖_V without a fault on the finest level.
-    by_error: the checks of the order and size of the error that fail with the fault.
-    by_others: the other checks that fail.
-"""
 INVISIBLE = 1e-6
 """A fault is invisible in a case if it changes the discrete solution by less than this fraction of the error."""
 

@@ -16,11 +16,12 @@ from pathlib import Path
 import pandas as pd
 import scipy  # loads ``scipy.stats`` at its first use, because importing it takes half a second
 
-from study.ledger.datafiles import DataError, read_csv, refuse_repeated, write_csv
+from study.ledger.datafiles import DataError, read_csv, write_csv
+from study.ledger.schema import TABLES
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 
 SEEDS_FILE = "seeds.csv"
-SEED_COLUMNS = ("seed", "rules", "judged", "alarms")
+SEED_COLUMNS = [*TABLES[SEEDS_FILE].columns]
 CONFIDENCE = 0.95
 LARGEST_RATE = 0.01
 """The largest permitted false-alarm rate: on which share of seeds at least one check may fail by chance."""
@@ -79,9 +80,11 @@ class SeedRecord:
         path = directory / "data" / SEEDS_FILE
         if not path.is_file():
             return cls()
-        table = read_csv(directory, SEEDS_FILE, SEED_COLUMNS)
-        refuse_repeated(path, table, ["seed"], "restore the file, because rows are only added to it")
-        record = cls(tuple(Seed(*row) for row in table[[*SEED_COLUMNS]].itertuples(index=False, name=None)))
+        try:
+            table = read_csv(directory, SEEDS_FILE, SEED_COLUMNS)
+        except DataError as error:
+            raise DataError(f"{error}, or restore the file, because rows are only added to it") from error
+        record = cls(tuple(Seed(*row) for row in table[SEED_COLUMNS].itertuples(index=False, name=None)))
         unfinished = [row for row in record.rows if row.judged < 0]
         if unfinished not in ([], [record.rows[-1]]) or any(row.alarms > row.judged for row in record.rows):
             raise DataError(
@@ -92,7 +95,7 @@ class SeedRecord:
 
     def write(self, directory: Path) -> Path:
         """Write the record into a result directory and return the path of the file."""
-        return write_csv(directory / "data" / SEEDS_FILE, pd.DataFrame(self.rows, columns=[*SEED_COLUMNS]))
+        return write_csv(directory / "data" / SEEDS_FILE, pd.DataFrame(self.rows, columns=SEED_COLUMNS))
 
     def pending(self) -> Seed | None:
         """Return the seed that was drawn but not yet judged; None if there is none."""

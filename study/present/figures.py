@@ -20,7 +20,6 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, VERMILLION
-from study.ledger import faults
 from study.ledger.codes import Codes
 from study.ledger.datafiles import expected_orders, read_csv, read_rates, read_table
 from study.ledger.files import UsageError
@@ -138,7 +137,7 @@ def overview(directory: Path) -> list[Drawing]:
         about = "Bounds of the error divided by the error, for each case"
         figures.append(Drawing("effectivity", partial(draw_effectivity, known), caption_effectivity(known), about))
     if (directory / "data" / "faults.csv").is_file():
-        matrix = read_csv(directory, "faults.csv", faults.COLUMNS)
+        matrix = read_csv(directory, "faults.csv")
         draw = partial(fault_matrix.draw_faults, matrix)
         figures.append(Drawing("faults", draw, fault_matrix.caption_faults(matrix), "The matrix of deliberate faults"))
     return [*figures, Drawing("problem", draw_sketch, caption("problem"), "Sketch of a body on a rigid foundation")]

@@ -8,14 +8,10 @@ from typing import Any
 
 import pandas as pd
 
-from study.ledger import faults
 from study.ledger.codes import MARCHES, Codes
 from study.ledger.datafiles import DataError, read_claims, read_csv, read_rates
 from study.ledger.seeds import FalseAlarms, SeedRecord
 
-CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
-EQUIVALENCE = ["case", "displacement_gap", "stress_gap", "membership", "displacement_bound", "stress_bound"]
-BOUNDS = ["trajectory", "case", "family", "level", "lowest", "error", "highest", "upper", "lower"]
 NAMED_CASES = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cube-disc"}
 """The cases that the papers name. If a run lacks one of them, the papers are not made from it."""
 
@@ -39,9 +35,9 @@ class FullRun:
         self.rates = read_rates(directory)
         self.claims = read_claims(directory)
         self.cases = cases.set_index("case", drop=False).rename_axis(None)
-        self.bounds = read_csv(directory, "bounds.csv", BOUNDS)
-        self.equivalence = read_csv(directory, "equivalence.csv", EQUIVALENCE)
-        self.faults = read_csv(directory, "faults.csv", faults.COLUMNS)
+        self.bounds = read_csv(directory, "bounds.csv")
+        self.equivalence = read_csv(directory, "equivalence.csv")
+        self.faults = read_csv(directory, "faults.csv")
         self.alarms = FalseAlarms(SeedRecord.read(directory))
         self.provenance = provenance
         self.codes = Codes.read(directory)
@@ -58,7 +54,7 @@ class FullRun:
         if not all(path.is_file() for path in needed):
             return None
         made = json.loads(needed[0].read_text(encoding="utf-8"))
-        cases = read_csv(directory, "cases.csv", CASES)
+        cases = read_csv(directory, "cases.csv")
         is_full = made.get("plan") == "full" and set(cases["case"]) >= NAMED_CASES
         return cls(directory, made, cases) if is_full else None
 

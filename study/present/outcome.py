@@ -29,8 +29,6 @@ from study.present.notation import counted
 
 FEW_CASES = 3
 """If a run has at most this number of cases, its reported numbers without a claim are printed, too."""
-CONTACT_TEST = "case", "family", "levels", "defect", "what", "holding", "noticed", "noticed_by"
-"""Columns of ``contact-test.csv``."""
 
 
 def rates_text(directory: Path) -> str:
@@ -128,7 +126,7 @@ def conclusion(count: Mapping[str, int], orders: str = "") -> str:
 
 def contact_test_text(directory: Path) -> str:
     """Return which checks notice deliberate defects of contact, for the cases of a user, from ``contact-test.csv``."""
-    table, lines = read_csv(directory, "contact-test.csv", CONTACT_TEST), []
+    table, lines = read_csv(directory, "contact-test.csv"), []
     for _, rows in table.groupby("case", sort=False):
         first, missed = rows.iloc[0], rows[rows["noticed"] == 0]
         where = f"{first['case']}, {first['family']} meshes, n = {first['levels']}"

@@ -20,6 +20,8 @@ from study.ledger.datafiles import DataError, by_claim, count_kinds, count_verdi
 from study.ledger.faults import missed as missed_faults
 from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
+from study.ledger.schema import TABLES as SCHEMA
+from study.ledger.schema import markdown as described
 from study.ledger.seeds import LARGEST_RATE, seeds_needed
 from study.ledger.text import above, below, cell, up
 from study.ledger.verdict import (
@@ -454,8 +456,13 @@ def badges(data: FullRun, project: Path) -> dict[str, str]:
     }
 
 
+def columns(data: FullRun) -> str:
+    """Return the columns of all data files in Markdown."""
+    return "\n".join(line for name in SCHEMA for line in described(name))
+
+
 # The names of these functions are the names of places on pages.
-NAMED = short, answer, headline, results, misprints, missed, statements, formulas, mesh_families, windows
+NAMED = short, answer, headline, results, misprints, missed, statements, formulas, mesh_families, windows, columns
 TABLES: dict[str, Callable[[FullRun], str]] = {table.__name__: table for table in NAMED} | {
     "cases": lambda data: str(len(data.cases)),
     "codes": lambda data: codes_table(data.codes),

@@ -23,8 +23,6 @@ from study.present.palette import RAMPS, family_styles
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment, picture_path, read_record
 from study.present.tables import BOUNDS, EQUIVALENCE, FAULTS, LEDGER, RATES, STRESSES, Table, columns
 
-CASES = ["case", "summary", "dimension", "law", "zone", "regularity", "expected_order", "proved_order", "reason"]
-ENCLOSURES = ["trajectory", "case", "family", "scheme", "level", "time", "error", "distance", "bound"]
 CHECKS = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
 HIGHEST_ORDER, STRIP = 1.5, 150
 """The largest order on the strip that shows the orders of a case, and the width of the strip in SVG units."""
@@ -115,7 +113,7 @@ def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> li
     Raises:
         DataError: a data file is missing or damaged.
     """
-    enclosures = read_csv(directory, "enclosures.csv", ENCLOSURES)
+    enclosures = read_csv(directory, "enclosures.csv")
     tables = [
         (RATES.table(directory), "Errors on every mesh", ["case", "claim"]),
         (STRESSES.table(directory), "The stress problem on its own space", ["case"]),
@@ -123,7 +121,7 @@ def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> li
         (BOUNDS.table(directory), "Bounds of the error", ["case"]),
     ]
     pages = []
-    cases = read_csv(directory, "cases.csv", CASES)
+    cases = read_csv(directory, "cases.csv")
     # No order is proved for some cases, which the template writes as an empty text.
     for fact in cases.replace({"proved_order": {np.nan: None}}).to_dict("records"):
         name, expected = fact["case"], float(fact["expected_order"])

@@ -205,7 +205,7 @@ def _merged_checks(directory: Path) -> pd.DataFrame:
 
 
 def _faults(directory: Path) -> pd.DataFrame:
-    return faults.summary(read_csv(directory, "faults.csv", faults.COLUMNS))
+    return faults.summary(read_csv(directory, "faults.csv"))
 
 
 def _stresses(directory: Path) -> pd.DataFrame:

@@ -11,21 +11,19 @@ from pathlib import Path
 import pandas as pd
 
 from manufactured.catalogue import catalogue
-from study.ledger.compare import ROUNDED, difference
+from study.ledger.compare import difference
 from study.ledger.datafiles import (
-    TEXT,
     CsvFile,
     DataError,
     DataFile,
     Row,
     made_by,
     read_csv,
-    refuse_repeated,
-    refuse_words,
     table_text,
     write_csv,
 )
 from study.ledger.files import write_text
+from study.ledger.schema import TABLES
 from study.ledger.verdict import Verdict
 from study.run.case_line import describe
 from study.run.plan import Job, Plan
@@ -38,13 +36,6 @@ from study.statements.prop_5_4 import RATES
 from study.statements.shared.base import LISTED, REPORTED, Statement
 from study.statements.unmeasured import Listed
 
-WITHIN = {LISTED.name: ["quantity"], ENCLOSURES.name: ["time"]}
-"""File ↦ columns that, together with the key, identify a row. One measurement gives several rows in these files."""
-MAY_BE_EMPTY = {
-    BOUNDS.name: ["expected_order", "error", "above", "below", "upper", "lower"],
-    ENCLOSURES.name: ["error"],
-}
-"""File ↦ columns of numbers that are empty if the exact solution is unknown."""
 EVERY_CASE = {statement.file.name for statement in STATEMENTS if statement.of_every_case}
 """Names of the data files whose measurements are made for every case of a run."""
 PREDICTED = ["case", "expected_order", "proved_order", "twin"]
@@ -91,17 +82,7 @@ def read_tables(directory: Path) -> dict[CsvFile, pd.DataFrame]:
         DataError: a table is missing or damaged, a number is missing, or a row is repeated; the message names file and
             line.
     """
-    tables, remedy = {}, f"make it again with `{made_by(directory)}`"
-    for file in (file for file in data_files() if isinstance(file, CsvFile)):
-        table, path = file.read(directory), directory / "data" / file.name
-        may_be_empty = MAY_BE_EMPTY.get(file.name, [])
-        numbers = [name for name in file.columns if name not in TEXT]
-        refuse_words(path, table, [name for name in numbers if name not in may_be_empty], remedy)
-        derived = [name for name in table if name not in TEXT and name not in numbers]
-        refuse_words(path, table, [*may_be_empty, *derived], remedy, empty=True)
-        refuse_repeated(path, table, [*file.key, *WITHIN.get(file.name, [])], remedy)
-        tables[file] = table
-    return tables
+    return {file: file.read(directory) for file in data_files() if isinstance(file, CsvFile)}
 
 
 def judge(directory: Path) -> list[Verdict]:
@@ -126,7 +107,7 @@ def compare_claims(directory: Path, found: Sequence[Verdict]) -> None:
     path, again = claims_file(directory), f"`study tables --out {directory}` writes it again"
     if not path.is_file():
         raise DataError(f"{path} is missing: {again}")
-    if differs := difference(path, table_text(claims(found)), frozenset(ROUNDED)):
+    if differs := difference(path, table_text(claims(found)), frozenset(TABLES["claims.csv"].numbers)):
         raise DataError(f"{differs}: {again}")
 
 

@@ -70,20 +70,7 @@ from study.statements.shared.scope import Scope
 
 ERRORS = "pressure", "dual", "resultant"
 SHARES = tuple(f"{name}_time_share" for name in ERRORS)
-COLUMNS = ("case", "family", "level", "h", "steps", *ERRORS, *SHARES, "penetration", "pulling", "clamped")
-"""The columns of ``contact.csv``.
-
-Norms in L²(0,T) are computed from the midpoints of the time steps, relative to the same norm of the exact quantity.
-
-    pressure: ‖p − p^h‖_{L²(Γ3)}. The pressure p^h is P1 on each face Γ3,i, and its moments with hat functions are λ_n.
-    dual: the dual norm of the error, sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over v ∈ V^h.
-    resultant: error of the total force ⟨p − p^h, 1⟩ on each face, in the Euclidean norm over the faces.
-    …_time_share: the error in time, |error − error with half as many steps| / error.
-    penetration: the largest (u^h_ν)_+ over time nodes and points of Γ3, divided by the largest |u^h|.
-    pulling: the largest tensile force, max_n (λ_n)_− / max_n |λ_n|.
-    clamped: the number of faces of Γ3 that meet the clamped boundary Γ1.
-"""
-CONTACT = CsvFile("contact.csv", ("case", "family", "level"), COLUMNS)
+CONTACT = CsvFile("contact.csv")
 POINTS, SOLID_POINTS = 20, 6
 """Number of Gauss points on a facet in 2D, and in each direction of a facet in 3D.
 

@@ -44,25 +44,8 @@ from study.statements.shared.scope import Scope
 
 BOUNDED = "error", "lowest", "highest", "above", "below", "upper", "lower"
 PARTS = "residual", "contact", "oscillation", "bending"
-COLUMNS = ("case", "family", "scheme", "trajectory", "level", "h", "steps", "expected_order", *BOUNDED, *PARTS)
-"""The columns of ``bounds.csv``.
-
-Here ũ is the displacement from which the bounds are computed, d = ‖ũ(t) − u_h(t)‖_V, and y is a bound of its own error
-‖u(t) − ũ(t)‖_V.
-
-    case, family, scheme, level, h, steps: identify the computed P1 displacement u_h.
-    expected_order: the predicted order, NaN where none is predicted.
-    trajectory: "bound" for ũ = u_h, "enclosure" for a more accurate ũ.
-    error: the largest error ‖u(t) − u_h(t)‖_V over the sampled times.
-    lowest, highest: the ends of the interval that contains this error; the upper end is valid for all times.
-    above: max_t error/(d + y), which is at most 1 if the error never exceeds the upper bound.
-    below: max_t (d − y)_+/error, which is at most 1 if the error is never below the lower bound.
-    upper, lower: effectivities max (d + y)/error and min (d − y)_+/error over the times in [T/2, T].
-    residual, contact, oscillation, bending: the parts of y, each integrated over [0, T].
-"""
-KEY = ("trajectory", "case", "family", "scheme", "level")
-BOUNDS = CsvFile("bounds.csv", KEY, COLUMNS)
-ENCLOSURES = CsvFile("enclosures.csv", KEY, (*KEY, "time", "error", "distance", "bound"))
+BOUNDS, ENCLOSURES = CsvFile("bounds.csv"), CsvFile("enclosures.csv")
+KEY = BOUNDS.key
 TIMES = 96
 """Number of times for which ``enclosures.csv`` has the bounds of one computed displacement."""
 

@@ -33,8 +33,8 @@ from study.fem.naming import family_named, resolve
 from study.ledger.codes import FROZEN, MADE, MARCH, NOT_EXPRESSED, OtherErrors
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, Found, Verdict, row
 from study.ledger.window import Window, at_most
-from study.statements.shared.base import LISTED, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.base import REPORTED as OF_FILE
+from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.tasks import FROZEN_TIMES, Task
 
 LABEL, ALL = "other codes", "all cases"
@@ -75,8 +75,7 @@ PLANE = (
 )
 MARCHED = frozenset(grid(("advance-recede", "anisotropic"), ("one-diagonal",), (8, 16, 32)))
 """The settings in which solutions in time are compared as well."""
-COLUMNS = ("label", "case", "family", "level", "mode", "code", "version", "variant", "class", "error", "distance")
-MODE, CODE, VERSION, VARIANT, CLASS, ERROR, DISTANCE = (name + OF_FILE for name in COLUMNS[4:])
+MODE, CODE, VERSION, VARIANT, CLASS, ERROR, DISTANCE = (name + OF_FILE for name in OtherErrors.columns[4:])
 PROBLEM = ["case", "family", "level", "quantity"]
 """The columns that identify a problem. The column "quantity" is the mode, static ("frozen") or in time ("march")."""
 
@@ -86,7 +85,7 @@ class OtherCodes(ListedNumbers):
 
     label = LABEL
     claim = "other codes have the same errors as this study, in static problems and in time stepping"
-    joined_file = OtherErrors("codes/errors.csv", LISTED.key, COLUMNS, label=LABEL)
+    joined_file = OtherErrors("codes/errors.csv", label=LABEL)
     quick = grid(("advance-recede",), ("one-diagonal",), (8,))
     full = (
         *grid(PLANE, ("one-diagonal", "shaken"), (8, 16, 32, 64)),

@@ -57,14 +57,7 @@ from study.statements.shared.meshes import LEADING, in_leading_term, split_irreg
 from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 
-# docs/reference/files.md explains the columns, because users read them.
-COLUMNS = (
-    *("case", "family", "scheme", "dim", "level", "h", "dofs", "steps", "k"),
-    *("error", "at", "interpolation_error", "discrete_error", "time_share", "interpolation_at"),
-    *("predicted_interpolation", "discrete_at", "initial_error", "discrete_time_share"),
-    *("residual", "quadrature_change", "clamped", "parallelogram"),
-)
-RATES = CsvFile("rates.csv", ("case", "family", "scheme", "level"), ("claim", *COLUMNS), with_orders)
+RATES = CsvFile("rates.csv", ("order",), with_orders)
 
 
 @dataclass(frozen=True, order=True)
@@ -117,8 +110,7 @@ class Rates(FromRates):
         again.
         """
         place = {"case": name_of(setting.case), "family": setting.family, "level": setting.level}
-        found = {**place, **found}
-        yield self.file, {"claim": self.proposition, **{name: found[name] for name in COLUMNS}}
+        yield self.file, {"claim": self.proposition, **place, **found}
 
 
 # Measurement, with few steps where a few suffice, because it takes most of the run time of a study.

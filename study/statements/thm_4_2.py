@@ -80,9 +80,7 @@ class Gaps(NamedTuple):
 
 
 BOUNDS = ("displacement_bound", "stress_bound")
-COLUMNS = ("case", "form", "level", "h", "steps", *Gaps._fields, "family")
-"""The columns of ``equivalence.csv``. The column ``form`` names the space of strains that is dual to the stresses."""
-EQUIVALENCE = CsvFile("equivalence.csv", ("case", "family", "level"), COLUMNS)
+EQUIVALENCE = CsvFile("equivalence.csv")
 
 
 def stress_problem(setup: Experiment) -> StressProblem:

@@ -97,29 +97,6 @@ LEVELS, FINEST = (8, 16, 32), {"re-entrant": (64,)}
 """Levels of the full study, and further, finer levels for some cases."""
 
 ERRORS = "stress", "stress_sup", "best", "strain", "pressure", "displacement", "primal_stress", "primal_displacement"
-COLUMNS = ("case", "family", "level", "h", "steps", "unknowns", *ERRORS, "admissibility", "time_share")
-"""The columns of ``stresses.csv``.
-
-Errors are norms in L²(0,T), that is, root mean squares over the time steps. Errors of stresses and of the pressure are
-relative to the norm of σ, the others to the norm of the exact quantity.
-
-    unknowns: number of edge moments in the contact problem of a time step.
-    stress: error of the stress, ‖σ − σ^h‖_Q.
-    stress_sup: the largest error of the stress over the steps, relative to the largest ‖σ‖_Q.
-    best: a lower bound of the error of the stress, ‖σ − τ‖_Q for the best τ that is linear on each of the three
-        triangles into which the centroid splits a cell.
-    strain: error of the strain, ‖ε(u) − ε_n‖_Q, where the law gives the strain ε_n for the stress σ^h.
-    pressure: error of the contact pressure, ‖σ_ν − σ^h_ν‖_{L²(Γ3)}.
-    displacement: difference between multipliers and displacement, (Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |u − m|²)^½. Here m are
-        the P1 functions on edges whose moments are the multipliers, and u is projected onto such functions.
-    primal_stress: ‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q with u^h from Problem 5.1 with the same time steps.
-    primal_displacement: the same as ``displacement``, but with u^h instead of u.
-    admissibility: largest pointwise violation of (2.4), (2.5) and continuity over the steps, relative to the largest
-        |σ^hν|. These are |σ^hν − P f_2| on Γ2, |σ^h_τ| and (σ^h_ν)_+ on Γ3, and jumps of σ^hν, in Bernstein
-        coefficients.
-    time_share: contribution of time steps and quadrature, ‖σ^h_k − σ^h_{2k}‖_Q at common nodes / ‖σ − σ^h_k‖_Q. The
-        load f_0 of σ^h_{2k} is integrated by a finer rule.
-"""
 RELATIVE_TO = {
     **dict.fromkeys(("stress", "best", "pressure", "primal_stress"), "stress"),
     **{"strain": "strain", "displacement": "displacement", "primal_displacement": "displacement"},
@@ -504,7 +481,7 @@ class OwnSpace(Statement):
         "Problem 3.2, solved in a conforming stress space without displacements, converges to the solution of "
         "Problem 3.1"
     )
-    file = CsvFile("stresses.csv", ("case", "family", "level"), COLUMNS)
+    file = CsvFile("stresses.csv")
     per_step = 65.0, 0.0  # All bodies are plane.
     # Orders from two levels of random meshes miss their window once in twenty. On eight edges terms of higher order are
     # not small: the pressure of *corner* has the orders 2.26, 2.06, 1.90 from n = 8, 12, 16 to twice as many.

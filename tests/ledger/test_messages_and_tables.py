@@ -15,9 +15,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study.ledger.codes import _table
+from study.ledger import schema
 from study.ledger.compare import Tolerance, as_text, compare, difference
-from study.ledger.datafiles import DataError, read_table
+from study.ledger.datafiles import DataError, read_checked, read_table
 from study.ledger.files import StoreError, write_packed, write_text, write_whole
 from study.ledger.numbered import named
 from study.ledger.orders import RatesError, extrapolated_order, fit, limit, orders
@@ -127,10 +127,28 @@ def test_the_words_na_and_none_are_text_and_not_empty_cells(tmp_path: Path) -> N
     assert read_table(tmp_path / "a.csv", ["label", "h"], "study run")["label"].tolist() == ["NA", "None", ""]
 
 
-def test_errors_of_other_codes_without_a_number_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "a.csv").write_text("code,distance\na,\n", encoding="utf-8")
-    with pytest.raises(DataError, match="distance"):
-        _table(tmp_path / "a.csv", ["code", "distance"], ["code"])
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ("1,8,,0.5,x", "column h: found '', expected a number"),
+        ("1,8,small,0.5,x", "column h: found 'small', expected a number"),
+        ("1,8,0.125,,x", ""),
+        ("1,8,0.125,0.5,", ""),
+        ("1,4,0.25,1,x", "the row series 1, level 4 is also in line 2"),
+    ],
+)
+def test_a_table_is_read_with_the_units_and_the_empty_cells_of_its_columns(row, said, tmp_path, monkeypatch) -> None:
+    columns = schema.columns(
+        "series | count | s\nlevel | count | n\nh | 1 | s\norder | 1 | o | if unknown\nword | text | w"
+    )
+    monkeypatch.setitem(schema.TABLES, "a.csv", schema.Table(("series", "level"), columns))
+    path = tmp_path / "a.csv"
+    path.write_text(f"series,level,h,order,word\n1,4,0.25,1,a\n{row}\n", encoding="utf-8")
+    if said:
+        with pytest.raises(DataError, match=f"a.csv, line 3.*{said}"):
+            read_checked(path, "a.csv", "study run")
+    else:
+        assert len(read_checked(path, "a.csv", "study run")) == 2
 
 
 def test_the_first_difference_between_a_table_and_its_expected_text_is_told(tmp_path: Path) -> None:
@@ -146,7 +164,7 @@ def test_the_first_difference_between_a_table_and_its_expected_text_is_told(tmp_
 
 def written(directory: Path, **files: str) -> Path:
     for name, text in files.items():
-        path = directory / "data" / name.replace("__", "/").replace("_", ".")
+        path = directory / "data" / name.replace("_", ".")
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
     return directory
@@ -156,21 +174,23 @@ REPORT = """\
 verdicts: none changed
 
 cases.csv: differs
-  the whole row: 1 beyond tolerance
-    c: present → missing
-  dimension: 1 beyond tolerance
-    b: 1 → 2, relative 5.0e-01
-  zone: 2 beyond tolerance
+  zone: 3 beyond tolerance
     a: p → q
     b: p → nothing
+    c: p → nothing
+  dimension: 2 beyond tolerance
+    b: 1 → 1.5, relative 3.3e-01
+    c: 1 → nothing
+  case: 1 beyond tolerance
+    c: c → nothing
 
-3 files: 2 identical, 0 within 1e-12 relative + 0, 1 differ, 0 left out"""
+2 files: 1 identical, 0 within 1e-12 relative + 0, 1 differ, 0 left out"""
 
 
 def test_the_report_of_a_comparison_is_known_word_for_word(tmp_path: Path) -> None:
-    both = {"same_csv": "case,zone\na,b\n", "pictures__a_json": '{"level": 1}\n'}
+    both = {"same_csv": "case,zone\na,b\n"}
     old = written(tmp_path / "old", cases_csv="case,dimension,zone\na,1,p\nb,1,p\nc,1,p\n", **both)
-    new = written(tmp_path / "new", cases_csv="case,dimension,zone\na,1,q\nb,2,\n", **both)
+    new = written(tmp_path / "new", cases_csv="case,dimension,zone\na,1,q\nb,1.5,\n", **both)
     assert as_text(compare(old, new, Tolerance())) == REPORT
 
 

@@ -35,7 +35,7 @@ def full() -> FullRun:
 
 @pytest.mark.parametrize(
     "path",
-    [README, *(page(f"explanation/{name}") for name in ("results", "other-codes", "windows"))]
+    [README, *(page(f"explanation/{name}") for name in ("results", "other-codes", "windows")), page("reference/files")]
     + [page("index"), page("reference/statements")],
     ids=lambda p: p.name,
 )

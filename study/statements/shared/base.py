@@ -190,8 +190,7 @@ SOFTENING = ("softening", "double-well")
 """Two cases with an elasticity operator G that softens: G is Lipschitz, as (3.2) requires, but not monotone.
 
 G is linear in the first case and nonlinear in the second."""
-KEY = ("label", "case", "family", "level")
-LISTED = CsvFile("statements.csv", KEY, (*KEY, "h", "quantity", "value"))
+LISTED = CsvFile("statements.csv")
 """The data file of most statements. It has one row for each measured number."""
 
 
