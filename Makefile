@@ -15,7 +15,7 @@ PAGES := README.md docs/index.md docs/explanation/results.md docs/reference/stat
 	bench-parallel lint docs paper film cluster lock clean help
 
 study: $(RUNTIME)  ## quick study, results/quick, about three minutes
-	$(BIN)/study run --quick --undecided results/undecided-quick.csv --out results/quick
+	$(BIN)/study run --quick --figures --undecided results/undecided-quick.csv --out results/quick
 
 full: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## full study, results/, an hour, and the tests marked slow
 	$(BIN)/study run --full --undecided results/undecided-full.csv --out results

@@ -56,6 +56,9 @@ are not smooth enough for it; then laws that soften; last initial gaps, which th
 made by the function ``case`` of ``manufactured/cases/NAME.py``, with ``_`` for ``-`` and ``.``.
 """
 
+OTHER_NAMES = ("trains", "breathing-trains", "natural-motion", "no-potential")
+"""The names of further cases, which only single statements use. They are made elsewhere in this package."""
+
 
 def catalogue() -> tuple[Case, ...]:
     """Return all cases of the catalogue, in the order of the tuple ``NAMES``."""

@@ -145,7 +145,7 @@ STYLE = "Matplotlib style file, replaces entries of the style of the study; figu
 USE = "article: 3.5 in wide, into DIR/figures (default); slides: 16:9, 1920 px; web: SVG; both into DIR/figures/USE"
 COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     "cases": ("cases", "list the exact solutions", [JSON]),
-    "run": ("run", "run the study: measure, judge, write tables and figures; continues if it was stopped", [
+    "run": ("run", "run the study: measure and judge; continues if it was stopped", [
         [
             option("--quick", dest="plan", action="store_const", const="quick", default="quick",
                    help="few levels, about three minutes, results in results/quick (default)"),
@@ -159,6 +159,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--step", type=float, metavar="K", help="time step on all levels (default: chosen for each case)"),
         JOBS,
         option("--cluster", metavar="ADDRESS", help=CLUSTER),
+        option("--figures", action="store_true", help="also write tables and figures"),
         UNDECIDED,
         option("--out", type=Path, metavar="DIR",
                help="result directory (default results/quick, or results with --full)"),

@@ -1,4 +1,4 @@
-"""``study run``: measures, writes data, judges them, and writes tables and figures."""
+"""``study run``: measures, writes data and judges them; with ``--figures`` it also writes tables and figures."""
 
 import argparse
 import shlex
@@ -30,7 +30,7 @@ PLACES = {"quick": Path("results/quick"), "full": Path("results")}
 
 
 def do_run(options: argparse.Namespace) -> int:
-    """Run the study: measure, write data, judge them, write tables and figures.
+    """Run the study: measure, write data and judge them; with ``--figures``, also write tables and figures.
 
     Returns:
         0 if all checks hold, 1 if a check fails, 3 if a check is undecided; ``code_of`` describes it in detail.
@@ -57,13 +57,15 @@ def do_run(options: argparse.Namespace) -> int:
         with store.locked():
             tested = measure(plan, store, pool, Pool.of(processes))
             verdicts = judge(store.directory)
-            tables = write_tables(store.directory)
-            # Figures of single cases are only drawn if the user has selected cases. For all cases they take too long.
-            chosen = drawings(store.directory) if options.case else overview(store.directory)
-            drawn = draw(store.directory, processes, chosen)
-    data = ["rates.csv", "equivalence.csv", "claims.csv", "cases.csv", *tested, "provenance.json", "pictures/"]
-    print("\n" + folded(f"data: {store.data}/{', '.join(data)}"))
-    tell_written([*tables, *drawn])
+            written = []
+            if options.figures:
+                # Figures of single cases are only drawn if the user has selected cases. For all they take too long.
+                chosen = drawings(store.directory) if options.case else overview(store.directory)
+                written = [*write_tables(store.directory), *draw(store.directory, processes, chosen)]
+    data = ", ".join(path.name for path in sorted(store.data.glob("[!.]*")))
+    print("\n" + folded(f"data: {store.data}/{data}"))
+    if options.figures:
+        tell_written(written)
     print(f"\n{rates_text(store.directory)}")
     if tested:
         print(contact_test_text(store.directory))

@@ -12,7 +12,7 @@ from types import ModuleType
 from typing import Any
 
 from manufactured.case import Case
-from manufactured.catalogue import NAMES, named
+from manufactured.catalogue import NAMES, OTHER_NAMES, named
 from manufactured.data import Data
 from manufactured.file_names import file_name_fault
 from manufactured.multiscale import COARSEST_ROLLER, ROLLERS, multiscale, rollers
@@ -140,7 +140,7 @@ def outside_the_catalogue(name: str = "") -> tuple[Case, ...]:
 
 def _case_names() -> list[str]:
     """Return the names of all cases except roller cases, of which there are some for every level."""
-    return [*NAMES, *(case.name for case in outside_the_catalogue())]
+    return [*NAMES, *OTHER_NAMES]
 
 
 def is_own(reference: str) -> bool:

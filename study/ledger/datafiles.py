@@ -105,19 +105,17 @@ def nested_keys(keys: Iterable[Sequence[str]]) -> dict[str, Any]:
 def planned_keys(provenance: Mapping[str, Any]) -> list[tuple[str, ...]]:
     """Return the keys of the rows that a run planned, from the content of its ``provenance.json``.
 
-    The entry ``planned`` has the form that ``nested_keys`` returns; earlier versions wrote a list of the keys. Without
-    this entry the list is empty.
+    The entry ``planned`` has the form that ``nested_keys`` returns. Without this entry the list is empty.
     """
 
-    def flatten(tree: Any, start: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
-        if not isinstance(tree, Mapping):
-            yield from ((*start, last) for last in tree)
-            return
+    def flatten(tree: Mapping[str, Any], start: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
         for text, rest in tree.items():
-            yield from flatten(rest, (*start, text))
+            if isinstance(rest, Mapping):
+                yield from flatten(rest, (*start, text))
+            else:
+                yield from ((*start, text, last) for last in rest)
 
-    planned = provenance.get("planned", {})
-    return [*flatten(planned, ())] if isinstance(planned, Mapping) else [tuple(key) for key in planned]
+    return [*flatten(provenance.get("planned", {}), ())]
 
 
 def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFrame:

@@ -21,7 +21,7 @@ from study.ledger.files import UsageError
 from study.run.executor import Pool, execute
 from study.run.judgement import PREDICTED, read_tables, stored_rows
 from study.run.plan import Job
-from study.run.provenance import Expectation, read_provenance
+from study.run.provenance import Expectation, commit, read_provenance
 from study.run.store import Store
 from study.statements.enclosure import BOUNDS, ENCLOSURES
 
@@ -55,6 +55,7 @@ def verify(directory: Path) -> str:
         Codes.read(directory, folder)
     rows, gone = sum(map(len, tables.values())), ", ".join(sorted(expectation.gone))
     return (
+        f"measured with the catalogue of commit {record.get('commit') or 'unknown'}: "
         f"{rows} rows in {len(tables)} files belong to the {len(planned)} planned measurements; "
         f"the predictions of {len(expectation.cases)} cases agree with the definitions of the cases"
         f"{'; not compared, because their files no longer exist: ' if gone else ''}{gone}"
@@ -65,7 +66,8 @@ def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, aga
     """Return the keys of all measurements in the recorded plan of a run.
 
     Raises:
-        DataError: the plan is empty, repeats a key, or differs from the plan that follows from the recorded scope.
+        DataError: the plan is empty, repeats a key, or differs from the plan that the same commit makes of the recorded
+            scope.
     """
     recorded = record["planned"]
     where = f"{directory}/data/provenance.json"
@@ -73,12 +75,11 @@ def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, aga
         raise DataError(f"{where} has an empty plan: {again}")
     if repeated := [key for key, count in Counter(recorded).items() if count > 1]:
         raise DataError(f"{where} plans {' '.join(repeated[0])} twice: {again}")
-    if expectation.plan and (other := set(recorded) ^ set(expectation.plan.keys())):
+    # A newer program may plan more. What an older one has measured stands.
+    other = set(recorded) ^ set(expectation.plan.keys() if expectation.plan else recorded)
+    if other and record.get("commit") == commit()["commit"]:
         first, plans = min(other), "plans" if min(other) in recorded else "does not plan"
-        raise DataError(
-            f"{where} {plans} {' '.join(first)}, which disagrees with its scope ({len(recorded)} rows are recorded, "
-            f"{len(expectation.plan.keys())} follow from the scope): {again}"
-        )
+        raise DataError(f"{where} {plans} {' '.join(first)}, which disagrees with its scope: {again}")
     return set(recorded)
 
 
@@ -116,11 +117,12 @@ def planned_jobs(directory: Path) -> tuple[Job, ...]:
     Raises:
         UsageError: there are no data, or the file of a user's case no longer exists.
     """
-    expectation = Expectation(read_provenance(directory), directory)
+    record = read_provenance(directory)
+    expectation = Expectation(record, directory)
     if expectation.plan is None:
         gone = ", ".join(sorted(expectation.gone))
         raise UsageError(f"--again needs the files of all cases; the files of {gone} no longer exist: put them back")
-    return tuple(job for job in expectation.plan.jobs if isinstance(job.statement.file, CsvFile))
+    return tuple(job for job in expectation.plan.jobs if job.identity in set(record["planned"]))
 
 
 def draw_jobs(jobs: Sequence[Job], count: int, seed: int) -> list[Job]:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from manufactured.catalogue import catalogue
+from manufactured.catalogue import NAMES
 from study.ledger.compare import difference
 from study.ledger.datafiles import (
     CsvFile,
@@ -181,7 +181,7 @@ def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdi
         verdicts: all checks.
         rates: the table ``rates.csv`` with predictions.
     """
-    own = {str(case): rows for case, rows in rates.groupby("case") if case not in {known.name for known in catalogue()}}
+    own = {str(case): rows for case, rows in rates.groupby("case") if case not in NAMES}
     judged = {case: iter(judge_own([v for v in verdicts if v.case == case], rows)) for case, rows in own.items()}
     return [next(judged[verdict.case]) if verdict.case in judged else verdict for verdict in verdicts]
 

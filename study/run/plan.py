@@ -14,7 +14,7 @@ from typing import Any
 
 from manufactured.body import Body
 from manufactured.case import Case
-from manufactured.catalogue import catalogue
+from manufactured.catalogue import NAMES
 from manufactured.law import NonSymmetric
 from manufactured.self_proof import Finding, SelfProofError, examine
 from study.fem.mesh import MeshError, boundary_parts
@@ -119,9 +119,8 @@ class Plan:
             if violated:
                 raise SelfProofError(f"case {resolve(reference).name}", violated)
         # Results are stored under the names of cases, so the names must differ.
-        known = {case.name for case in catalogue()}
         for reference in self.scope.cases:
-            if reference in known:
+            if reference in NAMES:
                 continue
             case = resolve(reference)
             if isinstance(case.solution.law.G, NonSymmetric):
@@ -129,7 +128,7 @@ class Plan:
                     f"{reference}: G is not symmetric, so Problem 3.2 and the stored energy are not defined; give a "
                     "symmetric G, or test the case in Python by manufactured.prove"
                 )
-            if case.name in known:
+            if case.name in NAMES:
                 raise UsageError(
                     f"{reference} has the name {case.name} of a case of the catalogue; give it another name"
                 )
@@ -184,7 +183,7 @@ def quick() -> Scope:
     """
     return Scope(
         name="quick",
-        cases=tuple(case.name for case in catalogue() if case.name not in SLOW),
+        cases=tuple(name for name in NAMES if name not in SLOW),
         plane=Levels((8, 16, 32)),
         rough=Levels((8, 16, 32, 64)),
         solid=Levels((9, 12, 15)),
@@ -206,7 +205,7 @@ def full() -> Scope:
         solid_equivalence=(3, 6),
         every_family=True,
         name="full",
-        cases=tuple(case.name for case in catalogue()),
+        cases=NAMES,
         own=(
             ("long-time", Levels((8, 16, 32), (64,))),
             ("cube-rough", Levels((9, 12, 18, 24))),

@@ -93,9 +93,9 @@ class EdgeWork(ListedNumbers):
     def settings(self, scope: Scope) -> Sequence[Setting]:
         """Return the settings of a study.
 
-        A study of the whole catalogue also has the cases with wave trains, which are not part of the catalogue.
+        A study of all statements also has the cases with wave trains, which are not part of the catalogue.
         """
-        return self.places(scope.full) if scope.whole else super().settings(scope)
+        return self.places(scope.full) if scope.statements else super().settings(scope)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         table = rows.pivot_table(index=["case", "family", "level"], columns="quantity", values="value")

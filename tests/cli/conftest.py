@@ -58,7 +58,7 @@ def run_tutorial(directory: Path) -> None:
     code = re.findall(r":caption: pocket.py\n\n(.*?)```", TUTORIAL.read_text(encoding="utf-8"), re.DOTALL)[0]
     assert len(code.splitlines()) < 25
     (directory / "pocket.py").write_text(code, encoding="utf-8")
-    command = ["run", "--case", f"{directory}/pocket.py:pocket", "--levels", "8", "16", "32"]
+    command = ["run", "--case", f"{directory}/pocket.py:pocket", "--levels", "8", "16", "32", "--figures"]
     with pytest.MonkeyPatch.context() as patch:
         shorten(patch)
         # Drawing all figures takes most of the time, and tests/present draws them.

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 import pytest
 
+from manufactured.catalogue import OTHER_NAMES
 from study.cli.common import ProgressBar, code_of, progress_bar
 from study.cli.main import main
-from study.fem.naming import resolve
+from study.fem.naming import outside_the_catalogue, resolve
 from study.ledger.files import StoreError, UsageError, write_text
 from study.ledger.verdict import FAILS, HOLDS, MISSED, UNDECIDED, Verdict
 from study.present.outcome import ledger_text
@@ -59,16 +63,37 @@ def test_data_of_another_version_are_refused_by_name_and_no_data_with_the_comman
         assert re.search(rf"provenance.json.*format {FORMAT + 1}", told(*command, "--out", str(tmp_path)), re.DOTALL)
 
 
-def test_the_catalogue_is_listed_as_text_and_as_json(capsys) -> None:
-    assert main(["cases"]) == 0
+def test_the_catalogue_is_listed_as_text_without_making_a_case_and_as_json(capsys, monkeypatch) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr(sys.modules["manufactured.catalogue"], "import_module", None)
+        assert main(["cases"]) == 0
     text = capsys.readouterr().out
     assert main(["cases", "--json"]) == 0
     listed = json.loads(capsys.readouterr().out)
     assert {"case", "dimension", "law", "zone", "regularity", "expected_order", "statements"} <= set(listed[0])
-    assert all(entry["case"] in text for entry in listed)
-    assert main(["export", "unheard-of"]) == 2
-    named = capsys.readouterr().err.rpartition(":")[2].replace(",", " ").split()
-    assert all(f"{name} " in text or f"{name}," in text or f"{name}\n" in text for name in named)
+    printed = {name: float(Fraction(order)) for name, order in re.findall(r"^(\S+) +order (\S+)$", text, re.MULTILINE)}
+    assert printed == pytest.approx({entry["case"]: entry["expected_order"] for entry in listed}, abs=1e-3)
+    assert [case.name for case in outside_the_catalogue()] == [*OTHER_NAMES]
+    assert ", ".join(OTHER_NAMES) in text
+
+
+def test_a_run_makes_only_its_cases_and_writes_figures_and_tables_only_if_asked(tmp_path: Path) -> None:
+    """In a process of its own, because other tests have made other cases."""
+    script = """
+import sys, manufactured
+from study.cli.main import main
+catalogue, made = sys.modules["manufactured.catalogue"], []
+load = catalogue.import_module
+catalogue.import_module = lambda name: made.append(name) or load(name)
+main(sys.argv[1:])
+print(made)
+"""
+    words = ["run", "--case", "full-contact", "--levels", "2", "--jobs", "1", "--out", str(tmp_path)]
+    for more, folders in (([], {"data"}), (["--figures"], {"data", "figures", "tables"})):
+        command = [sys.executable, "-c", script, *words, *more]
+        run = subprocess.run(command, check=True, capture_output=True, text=True)
+        assert run.stdout.splitlines()[-1] == "['manufactured.cases.full_contact']"
+        assert {path.name for path in tmp_path.iterdir()} == folders
 
 
 def test_a_users_case_goes_through_the_same_line_to_a_judged_table(made: Path) -> None:
@@ -98,7 +123,6 @@ def spoil(data: Path, change: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
     ("damage", "message"),
     [
         (lambda data: (data / "equivalence.csv").write_text(""), "equivalence.csv is not a table"),
-        (lambda data: spoil(data, lambda t: t.drop(columns="time_share")), "lacks the columns time_share"),
         (lambda data: spoil(data, lambda t: t[t["family"] == "one-diagonal"]), "rates.csv was changed after the run"),
     ],
 )

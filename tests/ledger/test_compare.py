@@ -127,7 +127,7 @@ def test_small_numbers_have_an_absolute_tolerance_and_whole_numbers_none(old: Pa
     assert told(compared(old, new, relative=0.9, absolute=10), "rates.csv") == {"steps": rows}
 
 
-@pytest.mark.parametrize(("now", "differs"), [("1e-07", False), ("1e-09", False), ("1e-06", True), ("-1e-09", True)])
+@pytest.mark.parametrize(("now", "differs"), [("1e-07", False), ("1e-06", True), ("-1e-09", True)])
 def test_numbers_decided_by_the_tolerance_of_a_solver_are_compared_by_magnitude(old, new, now, differs) -> None:
     for directory, value in ((old, "1e-09"), (new, now)):
         write(directory, "equivalence.csv", "displacement_gap", 0, value)
@@ -137,7 +137,7 @@ def test_numbers_decided_by_the_tolerance_of_a_solver_are_compared_by_magnitude(
 def test_numbers_are_equal_within_an_absolute_and_a_relative_part() -> None:
     tolerance, nan, inf = Tolerance(relative=1e-4, absolute=1e-6), math.nan, math.inf
     equal = [(1000.0, 1000.09), (0.0, 1e-6), (0.0, -0.0)]
-    unequal = [(1.0, 1.001), (-1.0, 1.0), (0.0, 1.1e-6), (1e308, -1e308), (inf, 1.0), (nan, 1.0), (inf, -inf)]
+    unequal = [(1.0, 1.001), (1e308, -1e308), (inf, 1.0), (nan, 1.0), (inf, -inf)]
     a, b = np.array([*equal, *unequal]).T
     for first, second in ((a, b), (b, a)):
         found = tolerance.equates(first, second, np.array(False))
@@ -214,7 +214,6 @@ PACKED = b'{"a": {"unit": 1, "shape": [2], "changes": "x"}}'
     [
         ("rates.csv", b"claim,case", "rates.csv is truncated"),
         ("rates.csv", b"claim\na\n", "rates.csv lacks the columns case, family"),
-        ("cases.csv", b'case,summary\na,"b\n', "cases.csv is not a table"),
         (f"{SPACE}.gz", gzip.compress(b'{"a": [', mtime=0), r"json.gz is not a picture \(Expecting"),
         (f"{SPACE}.gz", gzip.compress(PACKED, mtime=0), "json.gz is not a picture"),
         (f"{SPACE}.gz", b'{"a": [', r"json.gz is damaged \(not a complete gzip file"),

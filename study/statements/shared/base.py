@@ -96,7 +96,7 @@ class Statement:
     def settings(self, scope: Scope) -> Sequence[Any]:
         """Return the settings whose case is one of the cases of the study."""
         if self.outside_catalogue:
-            return self.places(scope.full) if scope.whole else []
+            return self.places(scope.full) if scope.statements else []
         return [setting for setting in self.places(scope.full) if setting.case in scope.cases]
 
     def setup(self, setting: Any) -> Any:

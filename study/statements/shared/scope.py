@@ -6,7 +6,6 @@ from itertools import pairwise
 from typing import Self
 
 from manufactured.case import Case
-from manufactured.catalogue import catalogue
 from study.fem.mesh import FAMILIES, MeshFamily
 from study.fem.naming import choose, family_named, resolve
 from study.ledger.files import UsageError
@@ -104,14 +103,6 @@ class Scope:
     def full(self) -> bool:
         """Whether this is the full study and not the quick one."""
         return self.name == "full"
-
-    @property
-    def whole(self) -> bool:
-        """Whether the study includes all cases of the catalogue without an initial gap.
-
-        In the quick study the slow cases may be missing.
-        """
-        return {case.name for case in of_the_paper(catalogue())} - set(() if self.full else SLOW) <= set(self.cases)
 
     def of_the_paper(self) -> Self:
         """Return the scope without the cases that have an initial gap."""
