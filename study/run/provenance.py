@@ -23,7 +23,7 @@ from typing import Any
 from study.fem.naming import resolve
 from study.ledger.datafiles import DataError, made_by, nested_keys, planned_keys, read_uncompressed
 from study.ledger.files import StoreError, UsageError
-from study.ledger.verdict import HOLDS, UNDECIDED, Verdict, row
+from study.ledger.verdict import HOLDS, UNDECIDED, CheckKind, Verdict, row
 from study.ledger.window import at_most
 from study.run.case_line import describe
 from study.run.fingerprint import ROOT, packages
@@ -163,7 +163,7 @@ class Complete:
         quantity = "missing measurements" + (f", first {' '.join(missing[0])}" if missing else "")
         count = float(len(missing))
         judged = count, (count, count), UNDECIDED if missing else HOLDS
-        return row(self, "missing", quantity, at_most(0, f"of {len(planned)}"), judged, "all cases")
+        return row(self, "missing", quantity, at_most(0, f"of {len(planned)}"), judged, "all cases", kind=CheckKind.ACCURACY)
 
 
 class Expectation:

@@ -31,7 +31,7 @@ import pandas as pd
 
 from study.fem.naming import family_named, resolve
 from study.ledger.codes import FROZEN, MADE, MARCH, NOT_EXPRESSED, OtherErrors
-from study.ledger.verdict import BECAUSE, FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, Found, Verdict, row
+from study.ledger.verdict import BECAUSE, FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, CheckKind, Found, Verdict, row
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import REPORTED as OF_FILE
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
@@ -124,7 +124,7 @@ class OtherCodes(ListedNumbers):
         short = f"{BECAUSE}{missing} problems lack an error" if missing else ""
         name = f"{peer.code} {' '.join(sorted(run[VERSION].unique()))}, {peer.variant}"
         quantity = f"{name}: |‖u − u^h‖_V / error of this study − 1|, {len(run)} problems"
-        return row(self, peer.key, quantity, peer.window, judged, ALL, expected=f"{peer.window.text}{short}")
+        return row(self, peer.key, quantity, peer.window, judged, ALL, expected=f"{peer.window.text}{short}", kind=CheckKind.ACCURACY)
 
     def own_digits(self, rows: pd.DataFrame) -> Verdict:
         """Return the check that no code copied the results of another.
@@ -141,7 +141,7 @@ class OtherCodes(ListedNumbers):
             value, span = float(parts.max()), (float(parts.min()), float(parts.max()))
             judged = value, span, HOLDS if OWN.contains(*span) else FAILS
         quantity = "share of problems in which two codes have the same distance from the solution in K^h"
-        return row(self, "own-digits", quantity, OWN, judged, ALL)
+        return row(self, "own-digits", quantity, OWN, judged, ALL, kind=CheckKind.ACCURACY)
 
     def cost(self, setting: Setting) -> float:
         """Return the expected run time in µs.

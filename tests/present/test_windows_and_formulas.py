@@ -45,8 +45,8 @@ def test_none_is_missing(claims: pd.DataFrame) -> None:
     first = [numbers.partition("–")[0] for numbers in lines]
     assert first == sorted(first, key=NUMBERED.index)
     assert named(", ".join(lines).replace("Problem 3.1–Problem 3.2", "Problem 3.1, 3.2")) == set(NUMBERED)
-    without = claims[~claims["label"].str.contains(r"(5.11)", regex=False)]
-    with pytest.raises(DataError, match=r"neither rows nor a reason for \(5\.11\), \(5\.12\), \(5\.13\)"):
+    without = claims[claims["label"] != "(5.27)"]
+    with pytest.raises(DataError, match=r"neither rows nor a reason for \(5\.27\)"):
         list(numbered_lines(without))
 
 
