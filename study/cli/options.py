@@ -210,6 +210,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--at-least", type=_orders, metavar=EXPECTED, help="lower limit of the order; higher orders pass"),
         option("--tolerance", type=_finite, default=0.15, metavar="T",
                help="accepted difference of orders (default 0.15)"),
+        option("--floor", type=_finite, default=0.0, metavar="X",
+               help="largest accepted limit of the errors (default 0: a floor fails)"),
         option("--columns", metavar="NAME,...", help="names of the columns of errors (default: found by their names)"),
         option("--in", dest="size", metavar="NAME", help="name of the column of mesh sizes or time steps"),
         option("--dim", type=int, metavar="D", help="dimension of the mesh, if sizes are numbers of cells or unknowns"),

@@ -80,7 +80,7 @@ def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
         keys = _keys(series, name)
         used.update(keys)
         expected, at_least = (next((wish[key] for key in keys if key in wish), None) for wish in wishes)
-        return observed_orders(series.h, errors, expected, at_least, options.tolerance, keys[0])
+        return observed_orders(series.h, errors, expected, at_least, options.tolerance, keys[0], options.floor)
 
     judged = [(series, [result(series, *column) for column in series.errors.items()]) for series in tables]
     if unknown := {name for wish in wishes for name in wish} - used:

@@ -10,7 +10,7 @@ import numpy as np
 
 from .cells import ALONG_SIDES, SIZES, WHOLE, is_missing, role, to_number
 from .reading import RawTable, read_tables
-from .sequences import SAME_SIZE, OrderError, consecutive_orders
+from .sequences import SAME_SIZE, Array, OrderError, consecutive_orders
 
 _COUNTED = re.compile(r"(?i)(?:\w+ )?(?:newton|cg|gmres|grid|mesh)")
 """Matches names of whole numbers, such as iterations. A column with such a name has errors if no number is whole."""
@@ -220,11 +220,43 @@ class Columns:
             OrderError: mesh sizes are unknown or ambiguous, or a cell is not a positive number.
         """
         errors = {name: self._checked(name) for name in self.errors if name != self.size}
+        self._refuse_joined_series()
         h, words = self._sizes(errors)
         left = [name for name in self.names if name not in errors and name != self.size]
         ignored = {name or "(no name)": self.roles[name] if name in self.filled else "text" for name in left}
         self._check_sizes(h)
         return Series(h, errors, words, ignored, self.table.caption, self.table.form, self.table.label)
+
+    def _refuse_joined_series(self) -> None:
+        """Refuse rows that may belong to several series of meshes.
+
+        A series ends where the printed orders begin again, where sizes or levels jump back, where the word in a column
+        changes, and, without a column of sizes, at a blank line or a rule.
+
+        Raises:
+            OrderError: a series ends before the last row.
+        """
+        cells, rows = self.cells, range(1, len(self.table.rows))
+        ends: dict[int, str] = {}
+        for name in self.names:
+            missing = [is_missing(cell, value) for cell, value in zip(cells[name], self.values[name], strict=True)]
+            if self.roles[name] == "order" and missing[0]:
+                ends |= {k: f"{name} begins again" for k in rows if missing[k] and not missing[k - 1]}
+            words = [cell for cell, value in zip(cells[name], self.values[name], strict=True) if value is None]
+            spanned = bool(words) and cells[name][0] == words[0] and len(set(words)) > 1
+            if spanned and (len(words) < len(cells[name]) or len(set(words)) < len(words)):
+                ends |= {k: f"{name} changes" for k in rows if cells[name][k] not in ("", cells[name][k - 1])}
+            if self.roles[name] in ("level", *SIZES) or name == self.size:
+                ends |= {k: f"{name} jumps back" for k in _jumps_back(self.numbers[name])}
+        gaps = np.diff(self.table.lines)
+        if self.size is None and gaps.size and gaps.min() < gaps.max():
+            ends |= {int(k) + 1: "a blank line or a rule is above it" for k in np.flatnonzero(gaps > gaps.min())}
+        if ends:
+            k, reason = next(iter(ends.items()))
+            raise OrderError(
+                f"line {self.table.lines[k]} may begin another series ({reason}): judge each series in a table of its "
+                "own, or sort the rows by size if they are one series"
+            )
 
     def _sizes(self, errors: dict[str, list[float]]) -> tuple[list[float], str]:
         """Return the mesh sizes, and in words how they were determined.
@@ -333,6 +365,15 @@ class Columns:
 
 
 _LOGARITHM = re.compile(r"(?i)[\W_]*(?:log|ln)(?:[\W_]*(?:2|10|e))?(?:[\W_]|$)")
+
+
+def _jumps_back(sizes: Array) -> list[int]:
+    """Return the rows at which sizes begin again, if this divides them into series of two rows or more."""
+    steps = np.diff(sizes)
+    direction = np.sign(np.median(np.sign(steps)))
+    starts = (np.flatnonzero(steps * direction < 0) + 1).tolist()
+    lengths = np.diff([0, *starts, len(sizes)])
+    return starts if min(lengths) > 1 else []
 
 
 def _distinct(names: list[str]) -> list[str]:

@@ -76,6 +76,12 @@ def test_errors_that_cannot_be_judged_fail_with_a_sentence_and_no_traceback(conv
         assert not failed.value.pytrace
 
 
+@pytest.mark.parametrize("errors", [[1.0, 2.0, 4.0], [4.0, float("nan"), 1.0], [4.0, 2.0, float("inf")]])
+def test_errors_that_grow_or_are_not_finite_fail_without_an_expected_order(errors, convergence_orders) -> None:
+    with pytest.raises(pytest.fail.Exception, match=r"grows|not finite"):
+        convergence_orders("u", [4, 2, 1], errors)
+
+
 CHECKS = """
 import numpy as np
 import pytest
@@ -117,8 +123,19 @@ def test_checks_in_fixtures_are_listed_and_refusals_printed_once(options: list[s
 @pytest.mark.slow
 def test_options_of_the_action_may_have_quotes(project: Path) -> None:
     (project / "errors.csv").write_text("h,||u - u_h||\n.4,.16\n.2,.04\n.1,.01\n")
-    for options, code in (("--expected '||u - u_h||=2'", 0), ("", 0), ("--expected 1", 1)):
+    for options, code in (("--expected '||u - u_h||=2'", 0), ("--expected 1", 1)):
         assert act(project, TABLE="errors.csv", OPTIONS=options).returncode == code
+
+
+@pytest.mark.parametrize("options", ["", "--tolerance 0.1", "--expected 'L2=2"])
+def test_the_action_fails_without_an_expectation_and_shows_no_old_report(options: str, project: Path) -> None:
+    (project / "errors.csv").write_text("h,L2\n.4,.16\n.2,.04\n.1,.01\n")
+    (project / "orders.md").write_text("| L2 | holds |")
+    done = act(project, TABLE="errors.csv", OPTIONS=options)
+    assert done.returncode == 2
+    assert "options" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (project / "github_step_summary").exists()
 
 
 OWN_STUDY = """

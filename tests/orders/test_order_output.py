@@ -1,5 +1,6 @@
 """Exit codes, outputs and plots of ``study rates``; tables that are written and read back; the library."""
 
+import itertools
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -119,9 +120,9 @@ def test_a_plot_is_drawn_whatever_the_errors_do(ending: str, start: bytes, tmp_p
 NUMBER = st.floats(1e-12, 1e3).map(lambda value: float(f"{value:.6g}"))
 TABLES = st.integers(3, 6).flatmap(
     lambda n: st.tuples(
-        st.lists(NUMBER, min_size=n, max_size=n, unique=True).filter(
-            lambda h: all(a - b > 1e-4 * b for a, b in zip(sorted(h)[1:], sorted(h), strict=False))
-        ),
+        st.lists(NUMBER, min_size=n, max_size=n, unique=True)
+        .filter(lambda h: all(a - b > 1e-4 * b for a, b in zip(sorted(h)[1:], sorted(h), strict=False)))
+        .map(sorted),
         st.lists(st.lists(NUMBER, min_size=n, max_size=n), min_size=1, max_size=3),
     )
 )
@@ -187,6 +188,53 @@ def test_the_grid_convergence_index_is_the_published_one(cells, values, kind, or
     assert found.index == pytest.approx(index, abs=6e-4)
     assert grid_convergence([4, 2, 1], [1.0, 1.1, 1.5]).kind == "diverging"
     assert grid_convergence([4, 2, 1], [1.0, 1.1, 1.1]).kind == "equal values"
+
+
+RATIOS = [pytest.param(h, id=f"h {h}") for h in itertools.combinations([0.4, 0.3, 0.2, 0.15, 0.1, 0.08, 0.05, 0.01], 3)]
+
+
+@pytest.mark.parametrize("h", RATIOS)
+def test_the_order_of_values_is_found_for_every_ratio_of_meshes(h: tuple[float, float, float]) -> None:
+    for p in (0.25, 0.5, 1, 1.5, 2, 3, 4, 6):
+        for limit, factor in ((1.0, 1.0), (3.0, -1.0)):
+            found = grid_convergence(h, limit + factor * np.array(h) ** p)
+            assert (found.kind, found.order) == ("monotone", pytest.approx(p, rel=1e-4))
+            assert found.extrapolated == pytest.approx(limit, rel=1e-6)
+
+
+FINE = 0.5 ** np.arange(1, 8)
+
+
+@pytest.mark.parametrize("coarse", [0, 2])
+def test_errors_with_a_floor_fail_unless_it_is_permitted(coarse: int) -> None:
+    h, errors = FINE[coarse:], FINE[coarse:] ** 2 + 1e-4
+    for wish in ({"expected": 2}, {"at_least": 0.4}):
+        found = observed_orders(h, errors, **wish)
+        assert (found.verdict, found.limit) == ("fails", pytest.approx(1e-4))
+        assert "tends to 0.0001, not to 0" in found.sentence
+    permitted = [observed_orders(FINE, FINE**2 + 1e-4, 2, floor=floor).verdict for floor in (0.9e-4, 1.1e-4)]
+    assert permitted == ["fails", "holds"]
+
+
+def test_errors_that_stagnate_after_good_orders_fail_unless_it_is_permitted() -> None:
+    errors = [1, 0.25, 0.0625, 0.0156, 0.0039, 1e-4, 1e-4, 1e-4]
+    h = 0.5 ** np.arange(8)
+    assert [observed_orders(h, errors, 2, floor=floor).verdict for floor in (0.0, 1e-5, 1e-3)] == [
+        "fails",
+        "fails",
+        "holds",
+    ]
+
+
+@pytest.mark.parametrize("term", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("order", [0.5, 1.0, 2.0, 4.0])
+def test_a_term_of_higher_order_is_no_floor(order: float, term: float) -> None:
+    for factor in (-0.5, 0.5, 3.0):
+        found = observed_orders(FINE, FINE**order * (1 + factor * FINE**term), order)
+        assert found.verdict != "fails"
+        assert "tends to" not in found.sentence
+    for n in (np.array([8, 16, 32, 64]), np.array([9, 17, 33, 65])):
+        assert "tends to" not in observed_orders(1 / n, 7.3 / (n - 1), 1).sentence
 
 
 def test_a_broken_solver_fails_the_assertion() -> None:

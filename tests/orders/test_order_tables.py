@@ -53,7 +53,8 @@ VERDICTS = {
     "31-h-dt-error-three-columns.csv --expected 2": ["holds"],
     "34-one-sided.csv --expected 2": ["holds"],
     "37-drifts-down.csv --expected 4": ["holds"],
-    "37-floor.csv --expected 1": ["holds"],
+    "37-floor.csv --expected 1": ["fails"],
+    "37-floor.csv --expected 1 --floor 1e-3": ["holds"],
     # Further public tables; where each one comes from stands in cases/README.md.
     "ferrite.txt --expected Linf=2,L2=2,H1=1": ["holds"] * 3,
     "dolfin.txt --expected 2": ["undecided"] + ["undecided"] * 4 + ["undecided"] * 5,
@@ -277,6 +278,38 @@ def test_what_is_said_of_small_tables(table: str, options: list[str], said: str,
     assert said in rates(table, *options, code={"undecided": 3, "Größe: fails": 1}.get(said, 0))
 
 
+STAGNATING = ["4.12E-02", "2.96E-02", "2.70E-02", "2.65E-02"]
+ERRORS_OF_TWO = [*STAGNATING, "1.23E-02", "3.11E-03", "7.80E-04", "1.95E-04"]
+ORDERS_OF_TWO = ["-", "0.48", "0.13", "0.03", "-", "1.98", "2.00", "2.00"]
+
+
+def two_series(header: str, first: list[str], between: str = "") -> str:
+    """A table in which a scheme of order 2 stands below a scheme that does not converge; its first column is given."""
+    rows = [f"{cell},{error}" for cell, error in zip(first, ERRORS_OF_TWO, strict=True)]
+    return "\n".join([header, *rows[:4], *([between] if between != "none" else []), *rows[4:]])
+
+
+SPANNED = [r"\multirow{4}{*}{central}", "", "", "", r"\multirow{4}{*}{upwind}", "", "", ""]
+SIGNS_OF_A_NEW_SERIES = {
+    "printed orders begin again": two_series("order,error", ORDERS_OF_TWO, "none"),
+    "levels": two_series("level,error", ["1", "2", "3", "4"] * 2, "none"),
+    "a blank line": two_series("cpu,error", ["1"] * 8),
+    "a rule": two_series("cpu,error", ["1"] * 8, "-----------"),
+    "a word": two_series("flux,error", ["central"] * 4 + ["upwind"] * 4, "none"),
+    "a spanned word": two_series("flux,error", SPANNED, "none").replace(",", " & ").replace("\n", " \\\\\n"),
+    "sizes": two_series("n,error", ["10", "20", "40", "80", "15", "30", "60", "120"], "none"),
+    "equal sizes": two_series("n,error", ["10", "20", "40", "80"] * 2, "none"),
+}
+"""How a table shows that a series ends ↦ the table."""
+
+
+@pytest.mark.parametrize("sign", SIGNS_OF_A_NEW_SERIES)
+def test_two_series_in_one_table_never_hold_as_one(sign: str, tmp_path, capsys) -> None:
+    (tmp_path / "t").write_text(SIGNS_OF_A_NEW_SERIES[sign])
+    for options in ([], ["--ratio", "2"], ["--in", "n"]):
+        assert main(["rates", str(tmp_path / "t"), "--expected", "2", *options]) in (1, 2), capsys.readouterr().out
+
+
 ERRORS = {1: {8: "4e-2", 16: "1e-2", 32: "2.5e-3"}, 2: {8: "8e-3", 16: "1e-3", 32: "1.25e-4"}}
 """degree ↦ n ↦ error, of the orders 2 and 3."""
 
@@ -389,7 +422,7 @@ def test_many_rows_and_many_columns_are_read_within_seconds(rates) -> None:
 )
 def test_whole_numbers_that_grow_as_the_errors_fall_are_no_errors(name: str, finest_first: bool) -> None:
     for counts in ("32 128 512 2048", "32.0 128.0 512.0 2048.0", "9 9 10 12"):
-        rows = sorted(zip(SIZES, counts.split(), ORDER_2, strict=True), reverse=finest_first)
+        rows = list(zip(SIZES, counts.split(), ORDER_2, strict=True))[:: -1 if finest_first else 1]
         (series,) = read_series("\n".join(";".join(row) for row in [("h", name, "error"), *rows]), Options())
         assert (list(series.errors), list(series.ignored)) == (["error"], [name])
 
