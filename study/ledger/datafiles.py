@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from study.ledger.chance import promise_verdict
 from study.ledger.files import write_packed, write_text
 from study.ledger.verdict import HOLDS, KINDS, VERDICTS, Verdict, kind
-from study.orders.sequences import consecutive_orders
+from study.orders import consecutive_orders
 
 SERIES = ["claim", "case", "family", "scheme"]
 RATES = [*SERIES, "level", "h", "dofs", "steps", "error", "order", "at", "interpolation_error", "discrete_error"]

@@ -1,0 +1,143 @@
+"""Collects errors while a program solves on finer and finer meshes; prints and judges their orders."""
+
+import csv
+import io
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from .checks import check_orders
+from .columns import Columns, Options
+from .orders import FAILS, HOLDS, UNDECIDED, OrderError, OrderResult, consecutive_orders
+from .tables import Table
+
+
+class ConvergenceTable:
+    """A table of errors that grows by one row for each mesh.
+
+    Attributes:
+        rows: name of a column ↦ number, for each mesh.
+        dim: dimension of the meshes, if their sizes are numbers of cells or unknowns.
+    """
+
+    def __init__(self, dim: int | None = None) -> None:
+        self.rows: list[dict[str, float]] = []
+        self.dim = dim
+
+    def add(self, **row: float) -> None:
+        """Add the sizes and errors on one mesh, for example ``add(h=0.5, dofs=9, L2=0.1)``.
+
+        Raises:
+            OrderError: the columns are not those of the rows before.
+        """
+        if self.rows and row.keys() != self.rows[0].keys():
+            raise OrderError(f"a row with {', '.join(row)}, expected {', '.join(self.rows[0])}")
+        self.rows.append({name: float(value) for name, value in row.items()})
+
+    def keys(self) -> list[str]:
+        """Return the names of the columns."""
+        return list(self.rows[0]) if self.rows else []
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
+    def __getitem__(self, name: str) -> list[float]:
+        return [row[name] for row in self.rows]
+
+    def _columns(self) -> Columns:
+        rows = [[f"{value:.17g}" for value in row.values()] for row in self.rows]
+        return Columns(Table("Python", self.keys(), rows, list(range(1, len(rows) + 1))), Options(self.dim))
+
+    def check(self, expected: Mapping[str, float] | float | None = None, **options: Any) -> dict[str, OrderResult]:
+        """Compute and judge the observed orders of all columns; the options are those of ``check_orders``.
+
+        Raises:
+            OrderError: no column is a mesh size or a time step.
+        """
+        size = self._columns().size if self.rows else None
+        if size is None:
+            raise OrderError(f"no column is a mesh size; there are {', '.join(self)}: add h=… to each row")
+        return check_orders(size, self, expected, dim=self.dim, **options)
+
+    def assert_order(self, at_least: Mapping[str, float] | None = None, tolerance: float = 0.15,
+                     floor: float = 0.0, max_error: Mapping[str, float] | None = None,
+                     **expected: float) -> dict[str, OrderResult]:  # fmt: skip
+        """Assert, in a test, that columns have the expected orders, for example ``assert_order(L2=2, H1=1)``.
+
+        Raises:
+            AssertionError: an order is not as expected; the message has the table.
+            OrderError: no order is expected, or a name is no column.
+        """
+        options = {"tolerance": tolerance, "floor": floor, "max_error": max_error, "at_least": at_least}
+        results = self.check(expected or None, **options)
+        judged = [result for result in results.values() if result.expectation.judges]
+        if not judged:
+            raise OrderError("assert_order got no order, expected one: assert_order(L2=2) or at_least={'L2': 1.8}")
+        wrong = [f"{result.name}: {result.conclusion}" for result in judged if result.verdict != HOLDS]
+        assert not wrong, "\n".join([*wrong, str(self)])
+        return results
+
+    def cells(self) -> list[list[str]]:
+        """Return the names and the cells of the table, with a column of orders beside each column of errors."""
+        table = self._columns()
+        columns = [[name, *(f"{value:.6g}" for value in self[name])] for name in self if name not in table.errors]
+        for name in table.errors:
+            h = self[table.size] if table.size else []
+            counts = table.size is not None and table.roles[table.size] in ("count", "total")
+            h = [size ** (-1 / (self.dim or 1)) for size in h] if counts else h
+            orders = [f"{order:.2f}" for order in consecutive_orders(h, self[name])] if h else ["-"] * len(self.rows)
+            columns += [[name, *(f"{value:.3e}" for value in self[name])], ["order", "-", *orders]]
+        return [list(row) for row in zip(*columns, strict=False)]
+
+    def __str__(self) -> str:
+        cells = self.cells()
+        widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+        return "\n".join(" ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in cells)
+
+    def to_markdown(self) -> str:
+        """Return the table in Markdown."""
+        header, *rows = self.cells()
+        return "\n".join(f"| {' | '.join(row)} |" for row in [header, ["---:"] * len(header), *rows]) + "\n"
+
+    def to_csv(self) -> str:
+        """Return the table as comma-separated values, without rounding and without orders."""
+        stream = io.StringIO()
+        csv.writer(stream, lineterminator="\n").writerows([self.keys(), *(row.values() for row in self.rows)])
+        return stream.getvalue()
+
+    def to_latex(self) -> str:
+        """Return the table as a LaTeX tabular."""
+        header, *rows = (" & ".join(row).replace("_", r"\_") + r" \\" for row in self.cells())
+        lines = [rf"\begin{{tabular}}{{{'r' * len(self.cells()[0])}}}", r"\hline", header, r"\hline", *rows]
+        return "\n".join([*lines, r"\hline", r"\end{tabular}", ""])
+
+
+def refine_until_settled(
+    solve: Callable[[int], Mapping[str, float]], table: ConvergenceTable | None = None, most: int = 8,
+    seconds: float = math.inf, **wishes: Any,
+) -> dict[str, OrderResult]:  # fmt: skip
+    """Solve on finer and finer meshes until all verdicts are settled or the budget is used.
+
+    A verdict is settled if it is not *undecided*; *fails* is settled on four meshes or more.
+
+    Parameters:
+        solve: function of the level 0, 1, 2, … that returns a row, such as ``{"h": 0.5, "L2": 0.1}``.
+        table: the table to which the rows are added.
+        most, seconds: largest number of meshes, and the time after which no further mesh is begun.
+        wishes: what is expected, as in ``check_orders``.
+
+    Returns:
+        Name of a column ↦ observed orders and verdict.
+    """
+    table = ConvergenceTable() if table is None else table
+    results: dict[str, OrderResult] = {}
+    start = time.monotonic()
+    for level in range(most):
+        table.add(**solve(level))
+        results = table.check(**wishes)
+        open_verdicts = (UNDECIDED, FAILS) if level < 3 else (UNDECIDED,)
+        settled = all(result.verdict not in open_verdicts for result in results.values() if result.expectation.judges)
+        if (settled and level > 1) or time.monotonic() - start > seconds:
+            break
+    return results
