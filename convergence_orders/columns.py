@@ -24,7 +24,7 @@ from .cells import (
     to_number,
     uses_decimal_commas,
 )  # fmt: skip
-from .orders import SAME_SIZE, Array, OrderError, consecutive_orders
+from .orders import SAME_SIZE, STALLED, Array, OrderError, consecutive_orders
 from .tables import Table, read_tables
 
 GROWING = "growing"
@@ -329,6 +329,8 @@ class Columns:
         found = []
         for label, rows in groups:
             h, words = self._sizes(rows, errors)
+            if self.size is None:
+                self._refuse_two_series(rows, errors)
             own = {name: [column[k] for k in rows] for name, column in errors.items()}
             left = {
                 name or "(no name)": self.roles[name] for name in self.cells if name not in errors and name != self.size
@@ -336,6 +338,21 @@ class Columns:
             remarks = {name: remark for name in own if (remark := self._contradiction(h, own[name], name, rows))}
             found.append(Series(h, own, words, left, self.table.caption, self.form, label, remarks))
         return found
+
+    def _refuse_two_series(self, rows: list[int], errors: dict[str, list[float]]) -> None:
+        """Refuse rows without sizes if errors that stagnate or grow fall again, or fall much more once.
+
+        Raises:
+            OrderError: the rows may belong to several series.
+        """
+        for name, column in errors.items():
+            orders = consecutive_orders(_from_ratio(2, len(rows)), [column[k] for k in rows])
+            for k, (before, order, after) in enumerate(zip(orders, orders[1:], orders[2:], strict=False), start=2):
+                if (before <= STALLED < after) or order > max(before, after) + 1:
+                    raise OrderError(
+                        f"line {self.table.lines[rows[k]]} may begin another series, {name} does not fall there "
+                        "as above and below: give a column with the mesh sizes or the name of the series"
+                    )
 
     def _groups(self) -> list[tuple[str, list[int]]]:
         """Return label and rows of each series.
@@ -367,6 +384,7 @@ class Columns:
             full = [next(cell for cell in cells[j::-1] if cell or not j) for j in range(rows)] if spanned else cells
             several = 1 < len(set(full)) < rows
             steady = self.roles[name] in ("count", "total") and min(Counter(full).values()) > 1
+            steady = steady or (self.size is None and to_number(full[0]) is not None)
             steady = steady and any(one == other for one, other in pairwise(full))
             words = (self.roles[name] in ("text", "degree") or steady) and "" not in full
             words = words and not all(map(_STATUS.fullmatch, full))
@@ -564,8 +582,9 @@ def _from_ratio(ratio: float, rows: int) -> list[float]:
 
 
 def _jumps_back(sizes: Array) -> list[int]:
-    """Return the rows at which sizes begin again, if this divides them into series of two rows or more."""
+    """Return the rows at which sizes begin again, if this gives several series of two rows or more."""
     steps = np.diff(sizes)
     direction = np.sign(np.median(np.sign(steps))) if steps.size else 0
     starts = [int(k) + 1 for k in np.flatnonzero(steps * direction < 0)]
-    return starts if min(np.diff([0, *starts, len(sizes)])) > 1 else []
+    runs = np.diff([0, *starts, len(sizes)])
+    return starts if (runs > 1).sum() > 1 else []

@@ -93,7 +93,7 @@ class ConvergenceTable:
     def __str__(self) -> str:
         cells = self.cells()
         widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-        return "\n".join(" ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in cells)
+        return "\n".join("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in cells)
 
     def to_markdown(self) -> str:
         """Return the table in Markdown."""
@@ -135,7 +135,7 @@ def refine_until_settled(
     start = time.monotonic()
     for level in range(most):
         table.add(**solve(level))
-        results = table.check(**wishes)
+        results = table.check(**wishes) if len(table.rows) > 1 else {}
         open_verdicts = (UNDECIDED, FAILS) if level < 3 else (UNDECIDED,)
         settled = all(result.verdict not in open_verdicts for result in results.values() if result.expectation.judges)
         if (settled and level > 1) or time.monotonic() - start > seconds:

@@ -193,10 +193,10 @@ def _lines(text: str) -> Iterator[tuple[int, str, bool, bool]]:
     gap = False
     for number, line in enumerate(lines, start=1):
         line = re.sub(r"^\s*(?:[>*](?:\s|$))+", "", line) if quoted else line
-        if line.strip() and line != SKIPPED:
+        if re.search(r"\w", line):
             bare = re.sub(r"^\s*(?:#+|%+|//|!)[ \t]*(?=\S)", "", line)
             yield number, bare.rstrip(GAP), gap, bare != line
-        gap = line.endswith(GAP) or (gap and line == SKIPPED) or not line.strip()
+        gap = line.endswith(GAP) or (gap if line == SKIPPED else not re.search(r"\w", line))
 
 
 def _row(line: tuple[int, str, bool, bool], separator: str) -> Row:
@@ -254,7 +254,7 @@ def _blocks(rows: list[Row], sign: str) -> list[Table]:
         # A line such as "Table 1" above a header is a caption, and "Elapsed 12.3" below rows of numbers ends the table.
         if sign == " " and row.kinds[0] == "a":
             data = data and (model.kinds[0] == "a" if model else "9" in following.kinds)
-        elif sign == " " and row.kinds[0] == "9" and not data and not row.comment:
+        elif sign == " " and row.kinds[0] == "9" and "a" in row.kinds and not data and not row.comment:
             data = _cut_remark(row, model)
         sums_up = not named and _SUMMARY.match(row.cells[0] or " ".join(row.cells))
         if data and not sums_up and not row.comment:
@@ -625,7 +625,8 @@ def _json_tables(data: Any, caption: str) -> Iterator[Table]:
         names = [name for name in (objects or [{}])[0] if all(name in entry for entry in objects)]
         columns = {name: [entry[name] for entry in objects] for name in names}
     else:
-        columns = {name: entry for name, entry in _flat(data) if isinstance(entry, list)}
+        flat = isinstance(data, dict) and any(isinstance(entry, list) for entry in data.values())
+        columns = {name: entry for name, entry in _flat(data) if isinstance(entry, list) and flat}
     cells = {name: [str(value) for value in column] for name, column in columns.items() if not _nested(column)}
     if len(cells) > 1:
         yield replace(_from_columns("JSON", cells), caption=caption)

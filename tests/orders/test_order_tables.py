@@ -67,12 +67,28 @@ VERDICTS = {
     "math471.m --in n --expected 2": ["holds"],
     "test2b.m --expected 2": ["holds"],
     "gadopt.txt --ratio 2 --expected 2": ["fails"] * 3,
+    "multirow-unreadable-sizes.tex --expected 2": ["fails", "fails", "holds", "holds"],
+    "times-in-sizes.tex --expected 2": ["fails"],
+    "levels-repeated-ratio.md --expected 2": ["fails", "holds"],
+    "levels-repeated-ratio.md --expected 2 --ratio 2": ["fails", "holds"],
+    "names-with-blanks.txt --expected 'val L2=2,grad L2=2,val L2-post=3'": [*["fails"] * 2, "undecided", *["holds"] * 3]
+    + ["higher"] * 3,
+    "unknown-unit-in-cells.md --expected 1": ["undecided"] * 2,
+    "one-name-per-line-in-prose.txt --ratio 2 --expected 2": ["holds"],
+    "tecplot.dat --expected 1": ["undecided"] * 5,
+    "sfrac.tex --expected '$H^1(\\Omega)$=1,$L^2(\\Omega)$=2,$L^\\infty(\\Omega)$=1.5'": ["higher", "holds", "holds"],
+    "comment-block-fitted-row.txt --expected 'N 1=2,N 2=3'": ["undecided"] * 4,
+    "error-against-finest-run.csv --expected 1": ["undecided"] * 2,
+    "r-matrix.txt --expected L2=2,H1=1": ["holds"] * 2,
 }
 REFUSED = {
     "14-matlab-no-h.txt": "Give --ratio 2",
     "17-pygbe-elements-3d-surface.txt": "give --dim",
     "22-mpas-console.txt": "no table was recognised",
     "23-rates-not-errors.txt": "give --ratio 2",
+    "lists-without-brackets.txt": "O3 A has 2 values, expected 3",
+    "computed-and-analytical.txt": "give --dim",
+    "one-name-per-line-in-prose.txt": "Give --ratio 2",
     "33-repeated-h.csv": "line 4: h = 0.05 is already in line 3",
     "gadopt.txt": "Give --ratio 2",
     "libceed.txt": "convergence order of u (order)",
@@ -115,6 +131,14 @@ def test_a_table_with_two_readings_is_refused_with_the_edit(file: str, capsys) -
         ("dolfin.txt", "q=1 (Maximum norm error in 3D): pre-asymptotic, orders rising"),
         ("lethe.rst --dim 2", "error_pressure: stagnates"),
         ("lethe_torque.txt --dim 2 --values", "T_z: monotone, order 0.87"),
+        ("values-past-an-extremum.csv --dim 3 --values", "szz: not monotone"),
+        ("error-against-finest-run.csv --expected 1", "solution computed with h = 15.1? Take a finer reference"),
+        ("computed-and-analytical.txt --dim 2", "errors rise and fall: orders -3.73, 6.02"),
+        (
+            "comment-block-fitted-row.txt",
+            "the printed orders 0.56, 0.87, 1.11 are not the computed ones 1.12, 1.74, 2.22",
+        ),
+        ("names-with-blanks.txt", "h = cells^(-1/2) from column cells, which the printed orders confirm"),
     ],
 )
 def test_the_diagnosis_names_what_an_analyst_sees(command: str, sentence: str, capsys) -> None:
