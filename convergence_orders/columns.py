@@ -424,6 +424,10 @@ class Columns:
         ratio, count = self.options.ratio, len(rows)
         levels = [name for name, kind in self.roles.items() if kind == "level"]
         if ratio is not None:
+            lengths = [name for name, kind in self.roles.items() if kind in ("size", "step")]
+            steps = [np.abs(np.diff(np.log(self.numbers[name][rows]))) for name in lengths]
+            if any(step.size and np.ptp(step) < 0.1 < abs(step[0] - abs(math.log(ratio))) for step in steps):
+                raise OrderError(f"--ratio {ratio:g}, but the sizes in column {lengths[0]} have another ratio")
             if levels and count > 1 and (np.diff(self.numbers[levels[0]][rows]) < 0).all():
                 return _from_ratio(ratio, count)[::-1], f"ratio {ratio:g}, finest mesh first as column {levels[0]} says"
             return _from_ratio(ratio, count), f"ratio {ratio:g}"
