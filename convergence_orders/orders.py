@@ -1,6 +1,5 @@
 """Computes the observed orders of a sequence of errors, says what the errors do, and judges the orders."""
 
-import html
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -26,6 +25,8 @@ SAME_SIZE = 1e-6
 """Mesh sizes with a smaller relative difference count as equal, because an order between them would be meaningless."""
 STUDENT = [12.706204736, 4.302652730, 3.182446305, 2.776445105, 2.570581836, 2.446911851, 2.364624252, 2.306004135]
 """The 0.975 quantiles of Student's distribution for 1, 2, … degrees of freedom."""
+ASYMPTOTIC = [1.959963985, 2.372271230, 2.822498616, 2.555849680, 1.589534053]
+"""Coefficients of the expansion of this quantile in the inverse of the degrees of freedom."""
 
 
 class OrderError(ValueError):
@@ -56,14 +57,14 @@ class Expectation:
     def __post_init__(self) -> None:
         if self.expected is not None and self.at_least is not None:
             raise OrderError("give an expected order or a lower limit of the order, not both")
-        names = {"expected order": self.expected, "least order": self.at_least, "tolerance": self.tolerance}
-        names |= {"floor": self.floor or None, "largest error": self.max_error}
-        for name, value in names.items():
+        names = ["expected order", "least order", "tolerance", "floor", "largest error"]
+        values = [self.expected, self.at_least, self.tolerance, self.floor or None, self.max_error]
+        for name, value in zip(names, values, strict=True):
             try:
-                is_positive = value is None or 0 < value < math.inf
-            except TypeError:
+                is_positive = value is None or 0 < float(np.float64(value)) < math.inf
+            except (TypeError, ValueError, OverflowError):
                 is_positive = False
-            if not is_positive or (isinstance(value, int) and value > 1e300):
+            if not is_positive or isinstance(value, str):
                 raise OrderError(f"the {name} must be one positive number, got {value!r}")
 
     @property
@@ -144,12 +145,6 @@ class OrderResult:
         wanted = f"; expected {self.expectation}" if self.expectation.judges else ""
         return f"{self.verdict}: {self.sentence}{wanted}" if self.verdict else self.sentence
 
-    def _repr_html_(self) -> str:
-        rows = zip(self.h, self.errors, ("", *(f"{order:.3f}" for order in self.orders)), strict=True)
-        body = "".join(f"<tr><td>{h:.5g}</td><td>{e:.5g}</td><td>{order}</td></tr>" for h, e, order in rows)
-        title = html.escape(f"{self.name or 'error'}: {self.conclusion}")
-        return f"<p>{title}</p><table><tr><th>h</th><th>error</th><th>order</th></tr>{body}</table>"
-
 
 def consecutive_orders(h: ArrayLike, errors: ArrayLike) -> Array:
     """Return the observed orders of errors e on consecutive meshes of size h, (levels − 1,).
@@ -192,14 +187,7 @@ def student_quantile(free: int) -> float:
     """
     if free <= len(STUDENT):
         return STUDENT[free - 1]
-    z = 1.959963984540054
-    terms = [
-        z**3 + z,
-        (5 * z**5 + 16 * z**3 + 3 * z) / 6,
-        (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / 6,
-        (79 * z**9 + 776 * z**7 + 1482 * z**5 - 1920 * z**3 - 945 * z) / 360,
-    ]
-    return z + sum(term / (4 * free) / (4 * free) ** k for k, term in enumerate(terms))
+    return sum(term / free**k for k, term in enumerate(ASYMPTOTIC))
 
 
 def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
@@ -207,11 +195,11 @@ def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
 
     The extrapolation assumes that the order is a linear function of the mesh size.
     """
-    sizes, orders = np.asarray(h, dtype=float)[-3:], consecutive_orders(h, errors)[-2:]
-    if len(sizes) < 3:
+    sizes, orders = np.asarray(h, dtype=float), consecutive_orders(h, errors)
+    if len(orders) < 2:
         return math.nan
-    ratio = math.sqrt(sizes[0] / sizes[2])
-    return float(orders[1] + (orders[1] - orders[0]) / (ratio - 1))
+    ratio = math.sqrt(sizes[-3] / sizes[-1])
+    return float(orders[-1] + (orders[-1] - orders[-2]) / (ratio - 1))
 
 
 def order_of_differences(fine: float, coarse: float, quotient: float, sign: float = 1.0) -> float:
@@ -316,9 +304,9 @@ def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Ar
         raise OrderError(f"{name or 'error'} = {e[e < 0][0]:g}: errors must not be negative; give absolute values")
     coarse_first = np.argsort(-sizes)
     sizes, e = sizes[coarse_first], e[coarse_first]
-    repeated = np.flatnonzero(-np.diff(sizes) < SAME_SIZE * sizes[1:])
+    repeated = sizes[:-1][-np.diff(sizes) < SAME_SIZE * sizes[1:]]
     if repeated.size:
-        raise OrderError(f"the mesh size {sizes[repeated[0]]:.12g} occurs twice: give one error for each mesh")
+        raise OrderError(f"the mesh size {repeated[0]:.12g} occurs twice: give one error for each mesh")
     return sizes, e
 
 

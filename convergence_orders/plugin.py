@@ -40,22 +40,23 @@ class OrderChecks:
         self._record(result)
         return result
 
-    def table(self, table: ConvergenceTable, **expected: Any) -> dict[str, OrderResult]:
-        """Return the observed orders of the columns of a table, for example ``table(errors, L2=2, H1=1)``.
+    def table(self, table: ConvergenceTable, title: str = "", /, **expected: Any) -> dict[str, OrderResult]:
+        """Return the observed orders of the columns of a table, for example ``table(errors, "P1", L2=2, H1=1)``.
 
         Parameters:
             table: the sizes and errors.
+            title: what is written before the names of the columns.
             expected: name of a column ↦ expected order.
         """
         __tracebackhide__ = True
         results = table.check(expected or None)
         for result in results.values():
-            self._record(result)
+            self._record(result, title)
         return results
 
-    def _record(self, result: OrderResult) -> None:
+    def _record(self, result: OrderResult, title: str = "") -> None:
         __tracebackhide__ = True
-        name = result.name
+        name = f"{title} {result.name}".strip()
         self.properties += [(f"{PREFIX}{name}", result.conclusion), (f"order of {name}", f"{result.order:.4g}")]
         wrong = result.verdict != "holds" if result.expectation.judges else result.kind in ("grows", "not finite")
         if wrong:

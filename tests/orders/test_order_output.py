@@ -243,7 +243,6 @@ def test_a_broken_solver_fails_the_assertion() -> None:
         assert_order(H, H, expected=2)
     found = check_orders(H, {"L2": SQUARES, "H1": H}, expected={"L2": 2, "H1": 1})
     assert [column.verdict for column in found.values()] == ["holds", "holds"]
-    assert "<table>" in found["L2"]._repr_html_()
 
 
 @pytest.mark.parametrize(

@@ -79,7 +79,8 @@ def test_examples_in_docstrings_are_true() -> None:
 def test_the_wheel_works_with_numpy_and_sympy_alone() -> None:
     done = subprocess.run(["make", "wheel"], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-    runs = re.findall(r"run with convergence-orders \S+ mpmath \S+ numpy (\S+), signorini-study \S+ sympy \S+", done.stdout)
+    said = r"run with convergence-orders \S+ mpmath \S+ numpy (\S+), signorini-study \S+ sympy \S+"
+    runs = re.findall(said, done.stdout)
     assert runs[1:] == ["1.24.2"] * (sys.version_info[:2] == (3, 11))
 
 
