@@ -7,6 +7,8 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
 from .checks import check_orders
 from .columns import Columns, Options
 from .orders import FAILS, HOLDS, UNDECIDED, OrderError, OrderResult, consecutive_orders
@@ -55,7 +57,7 @@ class ConvergenceTable:
         Raises:
             OrderError: no column is a mesh size or a time step.
         """
-        size = self._columns().size if self.rows else None
+        size = self._columns().size_name if self.rows else None
         if size is None:
             raise OrderError(f"no column is a mesh size; there are {', '.join(self)}: add h=… to each row")
         return check_orders(size, self, expected, dim=self.dim, **options)
@@ -81,12 +83,14 @@ class ConvergenceTable:
     def cells(self) -> list[list[str]]:
         """Return the names and the cells of the table, with a column of orders beside each column of errors."""
         table = self._columns()
-        columns = [[name, *(f"{value:.6g}" for value in self[name])] for name in self if name not in table.errors]
-        for name in table.errors:
-            h = self[table.size] if table.size else []
-            counts = table.size is not None and table.roles[table.size] in ("count", "total")
-            h = [size ** (-1 / (self.dim or 1)) for size in h] if counts else h
-            orders = [f"{order:.2f}" for order in consecutive_orders(h, self[name])] if h else ["-"] * len(self.rows)
+        errors = table.error_names
+        columns = [[name, *(f"{value:.6g}" for value in self[name])] for name in self if name not in errors]
+        sizes = table.size
+        h = sizes.numbers if sizes else np.full(len(self.rows), math.nan)
+        if sizes and sizes.role in ("count", "total"):
+            h = h ** (-1 / (self.dim or 1))
+        for name in errors:
+            orders = [f"{order:.2f}" for order in consecutive_orders(h, self[name])]
             columns += [[name, *(f"{value:.3e}" for value in self[name])], ["order", "-", *orders]]
         return [list(row) for row in zip(*columns, strict=False)]
 

@@ -375,7 +375,7 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, rates) -> No
     [
         (b"", "is empty"),
         (b"h,error\n", "no line with numbers"),
-        (b"h: .5, .25\nP1:\nL2: 1, .5\nP2:\nL2: 1, .5, .25\n", "P1 L2 has 2 values, expected 3"),
+        (b"h: .5, .25\nP1:\nL2: 1, .5\nP2:\nL2: 1, .5, .25\n", "h has 2 values, expected 3, one for each mesh"),
         (b"\0\0", "binary"),
         (b"\x89PNG\r\n\x1a\n" + bytes(range(256)), "binary"),
         (b"h,error\n0.25,1.78\0\n", "line 2"),
