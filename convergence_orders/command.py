@@ -12,7 +12,7 @@ from pathlib import Path
 from .columns import Options, Series, read_series
 from .judging import Wishes, judge, names_of
 from .orders import OrderError, grid_convergence
-from .report import as_json, as_junit, as_markdown, as_text, exit_code, finite, plot, recognised
+from .report import as_json, as_junit, as_markdown, as_text, exit_code, finite, plot, printable, recognised
 from .tables import MAX_BYTES
 
 USAGE, CLOSED = 2, 141
@@ -125,7 +125,7 @@ def run(options: argparse.Namespace) -> int:
         if options.plot:
             plot(judged, options.plot)
     except (OrderError, OSError) as error:
-        print(f"convergence-orders: {file}{error}", file=sys.stderr)
+        print(printable(f"convergence-orders: {file}{error}"), file=sys.stderr)
         return USAGE
     print(json.dumps(as_json(judged), indent=2, ensure_ascii=False) if options.json else as_text(judged))
     return exit_code(judged)

@@ -23,6 +23,8 @@ UNCERTAIN = 3.0
 """A fitted limit of errors is not 0 if it exceeds this multiple of its change from one mesh to the next."""
 SAME_SIZE = 1e-6
 """Mesh sizes with a smaller relative difference count as equal, because an order between them would be meaningless."""
+QUOTED = 4
+"""Number of orders that a sentence quotes."""
 STUDENT = [12.706204736, 4.302652730, 3.182446305, 2.776445105, 2.570581836, 2.446911851, 2.364624252, 2.306004135]
 """The 0.975 quantiles of Student's distribution for 1, 2, … degrees of freedom."""
 ASYMPTOTIC = [1.959963985, 2.372271230, 2.822498616, 2.555849680, 1.589534053]
@@ -326,7 +328,7 @@ def real_numbers(values: ArrayLike, what: str) -> Array:
 
 
 def _text(orders: Array) -> str:
-    return ", ".join(f"{order:.2f}" for order in orders[-4:])
+    return ", ".join(f"{order:.2f}" for order in orders[-QUOTED:])
 
 
 def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
@@ -493,7 +495,9 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     drops = last < previous - 2 * tolerance and previous > before - tolerance and len(orders) > 2
     slowing = previous - last < 0.8 * (before - previous)
     kind = "converges"
-    sentence = f"converges with order {fitted_order(h[first:], e[first:])[0]:.2f} (orders {_text(orders[first:])})"
+    # The fitted order lies within the orders that are quoted.
+    quoted = slice(max(first, len(e) - QUOTED - 1), None)
+    sentence = f"converges with order {fitted_order(h[quoted], e[quoted])[0]:.2f} (orders {_text(orders[first:])})"
     if (odd := _odd_row(h, e, tolerance)) is None and (orders < -STALLED).any():
         kind = "pre-asymptotic"
         sentence = f"errors rise and fall: orders {_text(orders)}; no convergence is visible yet"

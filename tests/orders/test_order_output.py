@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
@@ -235,6 +236,26 @@ def test_a_term_of_higher_order_is_no_floor(order: float, term: float) -> None:
         assert "tends to" not in found.sentence
     for n in (np.array([8, 16, 32, 64]), np.array([9, 17, 33, 65])):
         assert "tends to" not in observed_orders(1 / n, 7.3 / (n - 1), 1).sentence
+
+
+@given(st.lists(st.floats(0.3, 4), min_size=2, max_size=9), st.floats(1.2, 4))
+def test_the_quoted_order_lies_within_the_quoted_orders(orders: list[float], ratio: float) -> None:
+    h = ratio ** -np.arange(len(orders) + 1.0)
+    found = observed_orders(h, np.cumprod([1.0, *ratio ** -np.array(orders)]))
+    if quoted := re.match(r"converges with order (\S+) \(orders (.*?)\)", found.sentence):
+        low, *_, high = sorted(map(float, quoted[2].split(", ")))
+        assert low - 0.01 <= float(quoted[1]) <= high + 0.01
+
+
+def test_names_with_terminal_escapes_are_printed_without_them(tmp_path, capsys) -> None:
+    (tmp_path / "t.json").write_text(json.dumps({"h": [4, 2, 1], "e\x1b[31m\x00": [0.4, 0.2, 0.1]}))
+    for options in ([], ["--markdown", str(tmp_path / "m"), "--junit", str(tmp_path / "j")], ["--columns", "\x1b[2J"]):
+        main(["rates", str(tmp_path / "t.json"), "--at-least", "0.9", *options])
+        printed = "".join(capsys.readouterr())
+        assert printed
+        assert not set(printed) & set("\x1b\x00")
+    ElementTree.parse(tmp_path / "j")
+    assert "\x1b" not in (tmp_path / "m").read_text()
 
 
 def test_a_broken_solver_fails_the_assertion() -> None:
