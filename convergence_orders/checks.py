@@ -5,7 +5,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from .columns import Options, series_of
-from .judging import Wish, Wishes, judge
+from .judging import Wish, judge
 from .orders import HOLDS, TOLERANCE, OrderError, OrderResult, observed_orders, real_numbers
 from .tables import Table
 
@@ -52,10 +52,9 @@ def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_leas
             raise OrderError(f"{name} has {len(column)} entries for {len(cells[size])} sizes: give one for each mesh")
     rows = [list(row) for row in zip(*cells.values(), strict=True)]
     given = Table("Python", list(cells), rows, list(range(1, len(rows) + 1)))
-    judged = judge(
-        series_of([given], Options(dim, size, columns=columns)),
-        Wishes(expected, at_least, max_error, tolerance, floor),
-    )
+    tables = series_of([given], Options(dim, size, columns=columns))
+    options = {"tolerance": tolerance, "floor": floor}
+    judged = judge(tables, options, expected=expected, at_least=at_least, max_error=max_error)
     return {result.name: result for _, results in judged for result in results}
 
 

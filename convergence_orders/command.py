@@ -10,7 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from .columns import Options, Series, read_series
-from .judging import Wishes, judge, names_of
+from .judging import judge, names_of
 from .orders import OrderError, grid_convergence
 from .report import as_json, as_junit, as_markdown, as_text, exit_code, finite, plot, printable, recognised
 from .tables import MAX_BYTES
@@ -106,7 +106,7 @@ def run(options: argparse.Namespace) -> int:
     """
     judging = ["expected", "at_least", "max_error", "junit", "markdown", "plot"]
     given = [f"--{name.replace('_', '-')}" for name in judging if getattr(options, name) is not None]
-    wishes = Wishes(options.expected, options.at_least, options.max_error, options.tolerance, options.floor)
+    wishes = {name: getattr(options, name) for name in judging[:3]}
     reading = (options.dim, options.size, options.ratio, options.columns)
     file = ""
     try:
@@ -117,11 +117,11 @@ def run(options: argparse.Namespace) -> int:
         if options.values:
             print(_values(tables, options.json))
             return 0
-        judged = judge(tables, wishes)
+        judged = judge(tables, {"tolerance": options.tolerance, "floor": options.floor}, **wishes)
         file = ""
-        for name, text in ((options.junit, as_junit(judged)), (options.markdown, as_markdown(judged))):
+        for name, write in ((options.junit, as_junit), (options.markdown, as_markdown)):
             if name:
-                name.write_text(text, encoding="utf-8")
+                name.write_text(write(judged), encoding="utf-8")
         if options.plot:
             plot(judged, options.plot)
     except (OrderError, OSError) as error:
@@ -157,9 +157,5 @@ def _read(file: Path) -> bytes:
     """Return the content of a file or a pipe, or of standard input if the name is ``-``."""
     if str(file) == "-":
         return sys.stdin.buffer.read(MAX_BYTES + 1)
-    if file.is_dir():
-        raise OrderError("it is a directory; expected a file with a table of errors")
-    if not file.exists():
-        raise OrderError("there is no file of this name")
     with file.open("rb") as stream:
         return stream.read(MAX_BYTES + 1)

@@ -1,11 +1,11 @@
 """Compares the observed orders of the columns of tables with the orders that are expected of them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from .columns import Series
-from .orders import TOLERANCE, OrderError, OrderResult, observed_orders
+from .orders import OrderError, OrderResult, observed_orders
 
 Wish = float | Mapping[Any, float] | None
 """A number for all columns, or name of a column ↦ number."""
@@ -13,36 +13,21 @@ Judged = list[tuple[Series, list[OrderResult]]]
 """List of pairs: a series of meshes, and the observed orders of its columns of errors."""
 
 
-@dataclass(frozen=True)
-class Wishes:
-    """What is expected of the columns of tables: see ``Expectation`` for the meaning of each entry."""
-
-    expected: Wish = None
-    at_least: Wish = None
-    max_error: Wish = None
-    tolerance: float = TOLERANCE
-    floor: float = 0.0
-
-    def by_name(self) -> dict[str, dict[str, float]]:
-        """Return for each kind of expectation: name of a column ↦ number; the name of all columns is empty."""
-        wishes = {"expected": self.expected, "at_least": self.at_least, "max_error": self.max_error}
-        return {
-            kind: {str(name): number for name, number in wish.items()} if isinstance(wish, Mapping) else {"": wish}
-            for kind, wish in wishes.items()
-            if wish is not None
-        }
-
-
 def names_of(series: Series, name: str) -> tuple[str, str, str, str]:
     """Return the names by which an expectation of a column is looked up: with its case, alone, the case, and ""."""
     return f"{name} ({series.label})" if series.label else name, name, series.label, ""
 
 
-def judge(tables: list[Series], wishes: Wishes) -> Judged:
+def judge(tables: list[Series], options: Mapping[str, float], **wishes: Wish) -> Judged:
     """Compute the observed orders of every column of errors, and compare them with the expected orders.
 
     An expectation is looked up by the name of a column and its case, then by the name, then by the case. A part of a
     name will do if only one column contains it.
+
+    Parameters:
+        tables: the series of meshes.
+        options: ``tolerance`` and ``floor``, as in ``observed_orders``.
+        wishes: ``expected``, ``at_least`` and ``max_error``.
 
     Raises:
         OrderError: something is expected of a column that does not exist or was left out.
@@ -55,7 +40,10 @@ def judge(tables: list[Series], wishes: Wishes) -> Judged:
         matching = [name for name in columns if part.lower() in name.lower()]
         return matching[0] if part not in known | ignored.keys() and len(matching) == 1 else part
 
-    given = {kind: {in_full(name): n for name, n in wish.items()} for kind, wish in wishes.by_name().items()}
+    given = {
+        kind: wish if isinstance(wish, Mapping) else {"": wish} for kind, wish in wishes.items() if wish is not None
+    }
+    given = {kind: {in_full(str(name)): number for name, number in wish.items()} for kind, wish in given.items()}
     if unknown := {name for wish in given.values() for name in wish} - known:
         left = "".join(
             f"; {name} was left out ({ignored[name]}): name all columns of errors with --columns"
@@ -69,9 +57,7 @@ def judge(tables: list[Series], wishes: Wishes) -> Judged:
     def result(series: Series, name: str, errors: list[float]) -> OrderResult:
         keys = names_of(series, name)
         own = {kind: next((wish[key] for key in keys if key in wish), None) for kind, wish in given.items()}
-        found = observed_orders(
-            series.h, errors, tolerance=wishes.tolerance, floor=wishes.floor, name=keys[0], **own
-        )  # fmt: skip
+        found = observed_orders(series.h, errors, name=keys[0], **options, **own)
         remark = series.remarks.get(name, "")
         return replace(found, sentence=f"{found.sentence}; {remark}") if remark else found
 

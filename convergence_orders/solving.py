@@ -4,7 +4,7 @@ import csv
 import io
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -19,12 +19,12 @@ class ConvergenceTable:
     """A table of errors that grows by one row for each mesh.
 
     Attributes:
-        rows: name of a column ↦ number, for each mesh.
+        columns: name of a column ↦ numbers, one for each mesh.
         dim: dimension of the meshes, if their sizes are numbers of cells or unknowns.
     """
 
     def __init__(self, dim: int | None = None) -> None:
-        self.rows: list[dict[str, float]] = []
+        self.columns: dict[str, list[float]] = {}
         self.dim = dim
 
     def add(self, **row: float) -> None:
@@ -33,23 +33,17 @@ class ConvergenceTable:
         Raises:
             OrderError: the columns are not those of the rows before.
         """
-        if self.rows and row.keys() != self.rows[0].keys():
-            raise OrderError(f"a row with {', '.join(row)}, expected {', '.join(self.rows[0])}")
-        self.rows.append({name: float(value) for name, value in row.items()})
+        if self.columns and row.keys() != self.columns.keys():
+            raise OrderError(f"a row with {', '.join(row)}, expected {', '.join(self.columns)}")
+        for name, value in row.items():
+            self.columns.setdefault(name, []).append(float(value))
 
-    def keys(self) -> list[str]:
-        """Return the names of the columns."""
-        return list(self.rows[0]) if self.rows else []
+    def __len__(self) -> int:
+        return len(next(iter(self.columns.values()), []))
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.keys())
-
-    def __getitem__(self, name: str) -> list[float]:
-        return [row[name] for row in self.rows]
-
-    def _columns(self) -> Columns:
-        rows = [[f"{value:.17g}" for value in row.values()] for row in self.rows]
-        return Columns(Table("Python", self.keys(), rows, list(range(1, len(rows) + 1))), Options(self.dim))
+    def _read(self) -> Columns:
+        rows = [[f"{value:.17g}" for value in row] for row in zip(*self.columns.values(), strict=True)]
+        return Columns(Table("Python", list(self.columns), rows, list(range(len(rows)))), Options(self.dim))
 
     def check(self, expected: Mapping[str, float] | float | None = None, **options: Any) -> dict[str, OrderResult]:
         """Compute and judge the observed orders of all columns; the options are those of ``check_orders``.
@@ -57,10 +51,10 @@ class ConvergenceTable:
         Raises:
             OrderError: no column is a mesh size or a time step.
         """
-        size = self._columns().size_name if self.rows else None
+        size = self._read().size_name if len(self) else None
         if size is None:
-            raise OrderError(f"no column is a mesh size; there are {', '.join(self)}: add h=… to each row")
-        return check_orders(size, self, expected, dim=self.dim, **options)
+            raise OrderError(f"no column is a mesh size; there are {', '.join(self.columns)}: add h=… to each row")
+        return check_orders(size, self.columns, expected, dim=self.dim, **options)
 
     def assert_order(self, at_least: Mapping[str, float] | None = None, tolerance: float = 0.15,
                      floor: float = 0.0, max_error: Mapping[str, float] | None = None,
@@ -82,16 +76,18 @@ class ConvergenceTable:
 
     def cells(self) -> list[list[str]]:
         """Return the names and the cells of the table, with a column of orders beside each column of errors."""
-        table = self._columns()
-        errors = table.error_names
-        columns = [[name, *(f"{value:.6g}" for value in self[name])] for name in self if name not in errors]
-        sizes = table.size
-        h = sizes.numbers if sizes else np.full(len(self.rows), math.nan)
-        if sizes and sizes.role in ("count", "total"):
+        table = self._read()
+        columns = [
+            [name, *(f"{value:.6g}" for value in values)]
+            for name, values in self.columns.items()
+            if name not in table.error_names
+        ]
+        h = table.size.numbers if table.size else np.full(len(self), math.nan)
+        if table.size and table.size.role in ("count", "total"):
             h = h ** (-1 / (self.dim or 1))
-        for name in errors:
-            orders = [f"{order:.2f}" for order in consecutive_orders(h, self[name])]
-            columns += [[name, *(f"{value:.3e}" for value in self[name])], ["order", "-", *orders]]
+        for column in table.errors:
+            orders = [f"{order:.2f}" for order in consecutive_orders(h, column.numbers)]
+            columns += [[column.name, *(f"{e:.3e}" for e in column.numbers)], ["order", "-", *orders]]
         return [list(row) for row in zip(*columns, strict=False)]
 
     def __str__(self) -> str:
@@ -107,7 +103,9 @@ class ConvergenceTable:
     def to_csv(self) -> str:
         """Return the table as comma-separated values, without rounding and without orders."""
         stream = io.StringIO()
-        csv.writer(stream, lineterminator="\n").writerows([self.keys(), *(row.values() for row in self.rows)])
+        csv.writer(stream, lineterminator="\n").writerows(
+            [list(self.columns), *zip(*self.columns.values(), strict=True)]
+        )
         return stream.getvalue()
 
     def to_latex(self) -> str:
@@ -139,7 +137,7 @@ def refine_until_settled(
     start = time.monotonic()
     for level in range(most):
         table.add(**solve(level))
-        results = table.check(**wishes) if len(table.rows) > 1 else {}
+        results = table.check(**wishes) if len(table) > 1 else {}
         open_verdicts = (UNDECIDED, FAILS) if level < 3 else (UNDECIDED,)
         settled = all(result.verdict not in open_verdicts for result in results.values() if result.expectation.judges)
         if (settled and level > 1) or time.monotonic() - start > seconds:

@@ -407,6 +407,7 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, rates) -> No
         (b"h err\n1 .1\n.5 ****\n", "line 3: the entry of err is '****', not a number"),
         (b"log10(h) log10(err)\n-1 -2\n-1.3 -2.6\n-1.6 -3.2\n", "column log10(h) holds logarithms"),
         (b"h,log_err\n1,5.1\n.5,4.5\n", "column log_err holds logarithms"),
+        (b"u 1e17 3.8 1e16 3.9 1e15\nv 4e3 1e20 2e3 1e300 1e3\n", "no line above names them"),
         (b"h u v\n.4 1 1\n.2 .5 .5\n.1 failed failed\n", "line 4, '.1 failed failed', begins like a row of the table"),
         (b"h err\n.4 1\n.2 .5\n.1 out of memory\n", "line 4, '.1 out of memory', begins like a row of the table"),
         (b"h = [.4, .2, .1]\nu = [4, 2, 1]\np = [.4, None, None]\n", "the entry of p is 'None', not a number"),

@@ -46,14 +46,14 @@ def test_refinement_ends_when_the_order_is_settled_or_the_budget_is_used() -> No
 
     table = ConvergenceTable()
     (result,) = refine_until_settled(rows, table, expected=2).values()
-    assert (result.verdict, len(table.rows)) == ("holds", 6)
+    assert (result.verdict, len(table)) == ("holds", 6)
     table = ConvergenceTable()
     (result,) = refine_until_settled(rows, table, most=4, expected=2).values()
-    assert (result.verdict, len(table.rows)) == ("undecided", 4)
+    assert (result.verdict, len(table)) == ("undecided", 4)
     (result,) = refine_until_settled(lambda level: {"h": 0.5**level, "L2": 0.5**level}, expected=2).values()
     assert (result.verdict, len(result.h)) == ("fails", 4)
     table = ConvergenceTable()
-    assert (refine_until_settled(rows, table, seconds=0, expected=2), len(table.rows)) == ({}, 1)
+    assert (refine_until_settled(rows, table, seconds=0, expected=2), len(table)) == ({}, 1)
 
 
 COLUMNS = {
