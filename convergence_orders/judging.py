@@ -40,10 +40,11 @@ def judge(tables: list[Series], options: Mapping[str, float], **wishes: Wish) ->
         matching = [name for name in columns if part.lower() in name.lower()]
         return matching[0] if part not in known | ignored.keys() and len(matching) == 1 else part
 
-    given = {
-        kind: wish if isinstance(wish, Mapping) else {"": wish} for kind, wish in wishes.items() if wish is not None
-    }
-    given = {kind: {in_full(str(name)): number for name, number in wish.items()} for kind, wish in given.items()}
+    given: dict[str, dict[str, float]] = {}
+    for kind, wish in wishes.items():
+        if wish is not None:
+            by_name = wish if isinstance(wish, Mapping) else {"": wish}
+            given[kind] = {in_full(str(name)): number for name, number in by_name.items()}
     if unknown := {name for wish in given.values() for name in wish} - known:
         left = "".join(
             f"; {name} was left out ({ignored[name]}): name all columns of errors with --columns"
@@ -56,7 +57,9 @@ def judge(tables: list[Series], options: Mapping[str, float], **wishes: Wish) ->
 
     def result(series: Series, name: str, errors: list[float]) -> OrderResult:
         keys = names_of(series, name)
-        own = {kind: next((wish[key] for key in keys if key in wish), None) for kind, wish in given.items()}
+        own: dict[str, Any] = {
+            kind: next((wish[key] for key in keys if key in wish), None) for kind, wish in given.items()
+        }
         found = observed_orders(series.h, errors, name=keys[0], **options, **own)
         remark = series.remarks.get(name, "")
         return replace(found, sentence=f"{found.sentence}; {remark}") if remark else found
