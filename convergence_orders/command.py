@@ -1,6 +1,7 @@
 """The command ``convergence-orders``: computes the observed orders of any table of errors, and judges them."""
 
 import argparse
+import io
 import json
 import math
 import os
@@ -8,6 +9,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from .columns import Options, Series, read_series
 from .judging import judge, names_of
@@ -28,6 +30,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         epilog="Exit code: 0 all orders hold, 1 an order is wrong, 2 the table is not understood, 3 undecided.",
     )
     add_arguments(parser)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # A terminal with another encoding cannot show every name.
+            stream.reconfigure(errors="backslashreplace")
     try:
         code = run(parser.parse_args(arguments))
         sys.stdout.flush()
@@ -72,8 +78,8 @@ def _finite(text: str) -> float:
 
 
 def _name(text: str) -> Path:
-    if not text:
-        raise argparse.ArgumentTypeError("the name of the file is empty")
+    if not text.strip():
+        raise argparse.ArgumentTypeError("got an empty text, expected a name")
     return Path(text)
 
 
@@ -115,7 +121,7 @@ def run(options: argparse.Namespace) -> int:
         file = f"{options.file}: "
         tables = read_series(_read(options.file), Options(*reading, signed=options.values))
         if options.values:
-            print(_values(tables, options.json))
+            print(printable(_values(tables, options.json)))
             return 0
         judged = judge(tables, {"tolerance": options.tolerance, "floor": options.floor}, **wishes)
         file = ""
@@ -127,7 +133,7 @@ def run(options: argparse.Namespace) -> int:
     except (OrderError, OSError) as error:
         print(printable(f"convergence-orders: {file}{error}"), file=sys.stderr)
         return USAGE
-    print(json.dumps(as_json(judged), indent=2, ensure_ascii=False) if options.json else as_text(judged))
+    print(printable(_dumps(as_json(judged)) if options.json else as_text(judged)))
     return exit_code(judged)
 
 
@@ -140,7 +146,7 @@ def _values(tables: list[Series], as_json: bool) -> str:
     }
     if as_json:
         entries = [{"name": name} | asdict(result) for name, result in results.items()]
-        return json.dumps(finite(entries), indent=2, ensure_ascii=False)
+        return _dumps(finite(entries))
     lines = []
     for name, result in results.items():
         line = f"{name}: {result.kind}"
@@ -151,6 +157,10 @@ def _values(tables: list[Series], as_json: bool) -> str:
     for series in tables:
         lines += ["", *(line.replace("errors:", "values:", 1) for line in recognised(series))]
     return "\n".join(lines)
+
+
+def _dumps(entries: list[dict[str, Any]]) -> str:
+    return json.dumps(entries, indent=2, ensure_ascii=False)
 
 
 def _read(file: Path) -> bytes:

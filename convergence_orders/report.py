@@ -1,7 +1,9 @@
 """Writes the observed orders of tables as text, JSON, Markdown, JUnit XML and as a plot."""
 
 import importlib
+import json
 import math
+import os
 import re
 import textwrap
 from collections import Counter
@@ -54,7 +56,7 @@ def as_text(judged: Judged) -> str:
         lines += ["", *textwrap.wrap(series.caption, 80), *recognised(series)]
         for result in results[:MOST_COLUMNS]:
             lines += ["", result.name[:80], *_rows(result)]
-    return printable("\n".join(lines))
+    return "\n".join(lines)
 
 
 def recognised(series: Series) -> list[str]:
@@ -63,9 +65,16 @@ def recognised(series: Series) -> list[str]:
     return textwrap.wrap(words, 80, subsequent_indent="    ")
 
 
+_INVISIBLE = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ud800-\udfff\ufeff"
+    "\ufff9-\uffff\U000e0000-\U000e007f]"
+)
+"""Control characters, and characters that change the direction of text; XML permits few of them."""
+
+
 def printable(text: str) -> str:
-    """Return a text without the control characters that a terminal obeys and XML forbids."""
-    return re.sub(r"[\0-\x08\x0b-\x1f\x7f-\x9f\ufffe\uffff]", "\ufffd", text)
+    """Return a text in which every character that a terminal obeys is written as in JSON."""
+    return _INVISIBLE.sub(lambda found: json.dumps(found[0])[1:-1], text)
 
 
 def _rows(result: OrderResult) -> list[str]:
@@ -141,6 +150,8 @@ def plot(judged: Judged, file: Path) -> None:
     """
     if file.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise OrderError(f"--plot {file}: expected a name that ends with .png, .svg or .pdf")
+    # All plots are files. Matplotlib cannot be imported if this variable names a window system it does not know.
+    os.environ.pop("MPLBACKEND", None)
     try:
         figures = importlib.import_module("matplotlib.figure")
     except ImportError:
