@@ -1,33 +1,38 @@
 """Observed orders of convergence: computes them from arrays or tables, and judges them against an expected order.
 
-The order p of errors e on meshes of size h is the exponent in e = C h^p. NumPy is imported when a name is used.
+The order p of errors e on meshes of size h is the exponent in e = C h^p. The public names are ``observed_orders``,
+``check_orders``, ``assert_order``, ``grid_convergence``, ``ConvergenceTable``, ``refine_until_settled``, ``OrderError``,
+``OrderResult`` and ``GridConvergence``. NumPy is imported when one of them is used, so that the pytest plugin costs
+nothing in other tests.
 """
 
 import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .checks import assert_order, check_orders
-    from .orders import GridConvergence, OrderError, OrderResult, grid_convergence, observed_orders
-    from .solving import ConvergenceTable, refine_until_settled
+    from .checks import assert_order as assert_order
+    from .checks import check_orders as check_orders
+    from .orders import GridConvergence as GridConvergence
+    from .orders import OrderError as OrderError
+    from .orders import OrderResult as OrderResult
+    from .orders import grid_convergence as grid_convergence
+    from .orders import observed_orders as observed_orders
+    from .solving import ConvergenceTable as ConvergenceTable
+    from .solving import refine_until_settled as refine_until_settled
 
-__all__ = [
-    "ConvergenceTable",
-    "GridConvergence",
-    "OrderError",
-    "OrderResult",
-    "assert_order",
-    "check_orders",
-    "grid_convergence",
-    "observed_orders",
-    "refine_until_settled",
-]
+_HOMES = {"assert_order": "checks", "check_orders": "checks"}
+_HOMES |= {"ConvergenceTable": "solving", "refine_until_settled": "solving"}
+_HOMES |= dict.fromkeys(
+    ["GridConvergence", "OrderError", "OrderResult", "grid_convergence", "observed_orders"], "orders"
+)
+"""Public name ↦ the module that defines it."""
 
 
 def __getattr__(name: str) -> Any:
-    if name in __all__:
-        for module in ("orders", "checks", "solving"):
-            home = importlib.import_module(f"{__name__}.{module}")
-            if hasattr(home, name):
-                return getattr(home, name)
-    raise AttributeError(f"module {__name__} has no attribute {name}")
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__} has no attribute {name}")
+    return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return [*_HOMES, *globals()]
