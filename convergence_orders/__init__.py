@@ -1,9 +1,9 @@
 """Observed orders of convergence: computes them from arrays or tables, and judges them against an expected order.
 
-The order p of errors e on meshes of size h is the exponent in e = C h^p. The public names are ``observed_orders``,
-``check_orders``, ``assert_order``, ``grid_convergence``, ``ConvergenceTable``, ``refine_until_settled``, ``OrderError``,
-``OrderResult`` and ``GridConvergence``. NumPy is imported when one of them is used, so that the pytest plugin costs
-nothing in other tests.
+The order p of errors e on meshes of size h is the exponent in e = C h^p. NumPy is imported when a public name is used:
+``observed_orders``, ``check_orders``, ``assert_order``, ``grid_convergence``, ``ConvergenceTable``,
+``refine_until_settled``, ``OrderError``, ``OrderResult``, ``GridConvergence``. So the pytest plugin costs nothing in
+tests without it.
 """
 
 import importlib
@@ -20,11 +20,9 @@ if TYPE_CHECKING:
     from .solving import ConvergenceTable as ConvergenceTable
     from .solving import refine_until_settled as refine_until_settled
 
-_HOMES = {"assert_order": "checks", "check_orders": "checks"}
+_HOMES = {"assert_order": "checks", "check_orders": "checks", "OrderError": "orders", "OrderResult": "orders"}
+_HOMES |= {"GridConvergence": "orders", "grid_convergence": "orders", "observed_orders": "orders"}
 _HOMES |= {"ConvergenceTable": "solving", "refine_until_settled": "solving"}
-_HOMES |= dict.fromkeys(
-    ["GridConvergence", "OrderError", "OrderResult", "grid_convergence", "observed_orders"], "orders"
-)
 """Public name ↦ the module that defines it."""
 
 
