@@ -171,7 +171,8 @@ def column_of(name: str, cells: list[str], comma: bool) -> Column:
     kind = role(re.sub(r" \(\d+\)$", "", name))
     missing = np.array([kind_of(cell) == MISSING for cell in cells])
     words = {number_and_unit(cell)[1] for cell, absent in zip(cells, missing, strict=True) if not absent}
-    unit = len(words) == 1 and (words <= UNITS or kind in ("error", *SIZES))
+    failed = any(re.match("(?i)fail|div|not|no$", word) for word in words)
+    unit = (len(words) == 1 and words <= UNITS) or (kind in ("error", *SIZES) and not failed)
     values = [number_and_unit(cell)[0] if unit else to_number(cell) for cell in cells]
     if comma:
         commas = [to_number(cell, decimal_comma=True) if re.search("[.,]", cell) else None for cell in cells]
@@ -479,7 +480,7 @@ class Columns:
             kind = "count"
         if kind not in ("count", "total"):
             falling = [error.name for error in self.errors if (np.diff(error.numbers) < 0).all()]
-            if whole and wanted is None and falling and (np.diff(sizes) > 0).all():
+            if whole and wanted is None and falling and len(sizes) > 1 and (np.diff(sizes) > 0).all():
                 raise OrderError(
                     f"the errors {falling[0]} fall as {name} grows: give --dim 1 if {name} counts cells along a side, "
                     f"or --in {name} if its numbers are lengths"

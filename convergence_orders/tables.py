@@ -225,7 +225,8 @@ def _separated(text: str) -> list[Table]:
     found = {separator: [_row(line, separator) for line in lines] for separator in _FORMS}
     scores = {sign: sum(row.kinds.count("9") for row in rows if row.is_data) for sign, rows in found.items()}
     sign = next(
-        (sign for sign in "|&\t;" if 2 * scores[sign] > scores[" "]), "," if scores[","] >= max(scores[" "], 1) else " "
+        (sign for sign in "|&\t;" if 2 * scores[sign] > max(scores.values())),
+        "," if scores[","] >= max(scores[" "], 1) else " ",
     )
     if scores[sign]:
         return _blocks(found[sign], sign)
@@ -329,8 +330,13 @@ def _aligned(block: list[Row], sign: str) -> list[list[str]]:
 
     If columns are separated by blanks, the position of the other cells shows which cell of a line is empty.
     """
+    usual = Counter(len(row.cells) for row in block).most_common(1)[0][0]
+    for row in block:
+        # Words behind the numbers of a row are a remark.
+        if sign == " " and len(row.cells) > usual and set(row.kinds[usual:]) == {"a"}:
+            row.cells, row.places = row.cells[:usual], row.places[:usual]
     lengths = [len(row.cells) for row in block]
-    width = max(lengths) if sign == " " else Counter(lengths).most_common(1)[0][0]
+    width = max(lengths) if sign == " " else usual
     model = block[lengths.index(width)].places
     rows = []
     for row in block:

@@ -175,6 +175,8 @@ READ = {
     "a grid with blanks": "Grid     L1 error\n4 x 4    1.78\n8 x 8    0.697\n16 x 16  0.317\n",
     "a name with letter and unit": SMALL.format("Mesh size h [m],error"),
     "a remark behind a row": "h error\n0.25 1.78 (very coarse mesh)\n0.125 0.697\n0.0625 0.317 <- did not converge\n",
+    "a remark behind a row with orders": "h error EOC\n0.25 1.78 -\n0.125 0.697 1.36 ok\n0.0625 0.317 1.14\n",
+    "words behind numbers between tabs": "h\terror\n0.25\t1.78\n0.125\t0.697 ok\n0.0625\t0.317\n",
     "lines that sum up": "h error\n0.25 1.78\n0.125 0.697\n0.0625 0.317\nmean 0.9\nElapsed 12.3\n",
     "meshes named max and min": "mesh h error\nmax 0.25 1.78\nmid 0.125 0.697\nmin 0.0625 0.317\n",
     "decimal commas in lines": "N = 8; Fehler = 1,78\nN = 16; Fehler = 0,697\nN = 32; Fehler = 0,317\n",
