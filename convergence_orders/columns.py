@@ -114,6 +114,7 @@ def read_series(data: bytes | str, options: Options) -> list[Series]:
     return series_of(read_tables(data), options)
 
 
+@np.errstate(all="ignore")
 def series_of(tables: list[Table], options: Options) -> list[Series]:
     """Return the mesh sizes and errors of all series in tables, as ``read_series`` does."""
     every = [Columns(table, options) for table in tables]
@@ -505,8 +506,7 @@ class Columns:
         """Return the dimension with which the printed orders follow from numbers of cells; None if it is uncertain."""
         if self.size is None or self.size.role not in ("count", "total"):
             return None
-        with np.errstate(all="ignore"):
-            agreeing = [dim for dim in (1, 2, 3) if self._agrees(self.size.numbers ** (-1 / dim))]
+        agreeing = [dim for dim in (1, 2, 3) if self._agrees(self.size.numbers ** (-1 / dim))]
         return agreeing[0] if len(agreeing) == 1 else None
 
     def _agrees(self, h: Array | list[float]) -> bool:
@@ -582,9 +582,8 @@ def _follows(column: Column, errors: Column) -> bool:
     """Return whether a column has the orders, or the quotients, of the errors in the column before it."""
     if len(errors.cells) < 3 or column.missing[0]:
         return bool(column.missing[0] and not column.text.any() and len(errors.cells) > 2)
-    with np.errstate(all="ignore"):
-        quotients = errors.numbers[:-1] / errors.numbers[1:]
-        return any(np.allclose(column.numbers[1:], other, rtol=0.01) for other in (quotients, np.log2(quotients)))
+    quotients = errors.numbers[:-1] / errors.numbers[1:]
+    return any(np.allclose(column.numbers[1:], other, rtol=0.01) for other in (quotients, np.log2(quotients)))
 
 
 def _from_ratio(ratio: float, rows: int) -> list[float]:

@@ -41,6 +41,7 @@ class ConvergenceTable:
     def __len__(self) -> int:
         return len(next(iter(self.columns.values()), []))
 
+    @np.errstate(all="ignore")
     def _read(self) -> Columns:
         rows = [[f"{value:.17g}" for value in row] for row in zip(*self.columns.values(), strict=True)]
         return Columns(Table("Python", list(self.columns), rows, list(range(len(rows)))), Options(self.dim))
