@@ -148,12 +148,12 @@ film: $(VENV)/.film  ## add ffmpeg to .venv, 70 MB, for study show --mp4
 
 cluster: $(CLUSTER)  ## add Dask to .venv, for study run --cluster
 
-$(RUNTIME): requirements/runtime.txt pyproject.toml $(wildcard convergence_orders/*)
+$(RUNTIME): requirements/runtime.txt pyproject.toml convergence_orders/pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "Python 3.11 or newer is needed, $$($(PYTHON) --version 2>&1) was found: set PYTHON=..."; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/runtime.txt
-	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation ./convergence_orders --editable .
+	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable ./convergence_orders --editable .
 	touch $@
 
 $(VENV)/.%: requirements/%.txt $(RUNTIME)
