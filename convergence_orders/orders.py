@@ -200,7 +200,7 @@ def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
     sizes, orders = np.asarray(h, dtype=float), consecutive_orders(h, errors)
     if len(orders) < 2:
         return math.nan
-    ratio = math.sqrt(sizes[-3] / sizes[-1])
+    ratio = math.exp((math.log(sizes[-3]) - math.log(sizes[-1])) / 2)
     return float(orders[-1] + (orders[-1] - orders[-2]) / (ratio - 1))
 
 

@@ -312,11 +312,10 @@ def _table(above: list[Row], block: list[Row], before: list[Table], sign: str) -
     if not names and len(block) < 2 and above:
         return []
     if not names:
-        others = f"; the line above is '{shorten(above[-1].text.strip())}'" if above else ""
         example = shorten(sign.join(["h", *["error"] * (len(rows[0]) - 1)]).replace("\t", " "))
         raise OrderError(
             f"the table that begins in line {block[0].number}, '{shorten(block[0].text.strip())}', has {len(rows[0])} "
-            f"columns, but no line above names them{others}: add a header such as '{example}'"
+            f"columns, but no line above names them: add a header such as '{example}'"
         )
     captions = [row.text.strip() for row in above if row not in header and re.search(r"\w", row.text)]
     captions = [text for text in captions if not _SUMMARY.match(text) and text[0] not in "\\@."]
@@ -535,17 +534,15 @@ def _lists(text: str) -> list[Table]:
     They have the form ``name = [1, 2, 3]``, ``name: 1, 2, 3`` or ``label 51: 0.1, 101: 0.02``. A second list of mesh
     sizes begins another table. A heading such as ``Q1:`` is joined with the names below it.
     """
-    lines = list(_lines(text))
+    bare = "\n".join(line for _, line, *_ in _lines(text))
     groups: list[dict[str, list[str]]] = [{}]
-    bare = "\n".join(line for _, line, *_ in lines)
-    for _, line, *_ in lines:
+    for line in bare.split("\n"):
         pairs = _PAIR.findall(line)
         if len(pairs) > 1:
             sizes, values = map(list, zip(*pairs, strict=True))
-            if groups[-1].setdefault("", sizes) != sizes:
-                raise OrderError(
-                    f"'{shorten(line)}' has other sizes than the lines above: give all errors on the same meshes"
-                )
+            if groups[-1].get("", sizes) != sizes:
+                groups.append({})
+            groups[-1][""] = sizes
             groups[-1][_PAIR.split(line)[0].strip(" \t,:;-{(=") or f"errors {len(groups[-1])}"] = values
     found = [] if groups[0] else list(_LIST.finditer(bare))
     for one in found:
@@ -560,14 +557,6 @@ def _lists(text: str) -> list[Table]:
         if name in groups[-1] and role(name) in SIZES:
             groups.append({})
         groups[-1][f"{name} ({len(lengths) + 1})" if name in groups[-1] else name] = values
-    if (
-        not found
-        and len(lines) > 1
-        and all(re.fullmatch(r"\s*\[[^\[\]{}:=]*\][,;]?\s*", line) for _, line, *_ in lines)
-    ):
-        raise OrderError(
-            "the list in line 1 has no name: write 'h = ' before the sizes and 'error = ' before every list of errors"
-        )
     alone = len(found) == 1 and found[0][0].strip() == bare.strip(" ;\n")
     form = "lists" if found else "size: error pairs"
     return [_from_columns(form, columns) for columns in groups if len(columns) > 1 or (alone and columns)]

@@ -415,8 +415,8 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, rates) -> No
         (b"h = [.4, .2, .1]\nu = [4, 2, 1]\np = [.4, None, None]\n", "the entry of p is 'None', not a number"),
         (b"h=.4 u=4 p=.4\nh=.2 u=2 p=diverged\nh=.1 u=1 p=diverged\n", "line 2: the entry of p is 'diverged'"),
         (b"n,err/order\n8,1.6e-2/-\n16,4e-3/2.0\n", "no column of errors among n (count), err/order (text)"),
-        (b"[0.4, 0.2, 0.1]\n[1.6, 0.4, 0.1]\n", "the list in line 1 has no name: write 'h = '"),
-        (b"[0.4 0.2 0.1 0.05]\n[1.6 0.4 0.1 0.025]\n", "the list in line 1 has no name: write 'h = '"),
+        (b"[0.4, 0.2, 0.1]\n[1.6, 0.4, 0.1]\n", "no table was recognised"),
+        (b"[0.4 0.2 0.1 0.05]\n[1.6 0.4 0.1 0.025]\n", "has 4 columns, but no line above names them"),
     ],
 )
 def test_damaged_and_hostile_files_are_refused_in_words(data: bytes, words: str, rates) -> None:
