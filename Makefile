@@ -42,7 +42,7 @@ test: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## all tests except those mark
 # As where others install it: from a wheel, without its extras, away from the repository.
 wheel: $(RUNTIME)  ## build the package, install it with NumPy and SymPy alone and test it there, build/wheel
 	rm -rf build/wheel
-	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation -w build/wheel .
+	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation -w build/wheel . ./convergence_orders
 	$(BIN)/python .ci/base.py requirements/runtime.txt > build/wheel/base.txt
 	$(BIN)/python -m venv build/wheel/venv
 	build/wheel/venv/bin/python -m pip install --quiet --require-hashes -r build/wheel/base.txt
@@ -125,7 +125,7 @@ lint: $(DEVELOPMENT)  ## check style, types, the order of imports and the weight
 docs: $(DOCUMENTATION)  ## build the documentation with notebooks, gallery and API, build/docs/index.html; FILMS=no saves minutes
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
 	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs/api \
-		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
+		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols convergence_orders study \
 		'!study\.solve\.(factorisation|multigrid)' '!study\.ledger\.codes' '!study\.statements\.thm_4_2$$' '!study\.controls\.(seeded|contact_test)'
 
 LATEX := latexmk -cd -pdf -halt-on-error -interaction=nonstopmode -outdir=build
@@ -143,12 +143,12 @@ film: $(VENV)/.film  ## add ffmpeg to .venv, 70 MB, for study show --mp4
 
 cluster: $(CLUSTER)  ## add Dask to .venv, for study run --cluster
 
-$(RUNTIME): requirements/runtime.txt pyproject.toml
+$(RUNTIME): requirements/runtime.txt pyproject.toml convergence_orders/pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "Python 3.11 or newer is needed, $$($(PYTHON) --version 2>&1) was found: set PYTHON=..."; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/runtime.txt
-	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable ./convergence_orders --editable .
 	touch $@
 
 $(VENV)/.%: requirements/%.txt $(RUNTIME)

@@ -12,7 +12,7 @@ from pathlib import Path
 import manufactured
 from manufactured import named, prove
 
-EXPECTED = {"signorini-study", "numpy", "sympy", "mpmath"}
+EXPECTED = {"convergence-orders", "signorini-study", "numpy", "sympy", "mpmath"}
 TOOLS = {"pip", "setuptools", "wheel"}
 """What an environment begins with."""
 PROVED = ("rotated", "yield-and-release", "rough-trace", "cube-disc")
@@ -38,6 +38,10 @@ for name in PROVED:
 
 command = [str(Path(sys.executable).with_name("study"))]
 assert subprocess.run([*command, "--version"], check=True, capture_output=True).stdout.startswith(b"study ")
+errors = "h,L2\n0.4,0.16\n0.2,0.04\n0.1,0.01\n"
+for judge in ([*command, "rates"], [str(Path(sys.executable).with_name("convergence-orders"))]):
+    judged = subprocess.run([*judge, "-", "--expected", "2"], input=errors, check=True, capture_output=True, text=True)
+    assert judged.stdout.startswith("L2: holds"), judged.stdout
 told = subprocess.run([*command, "tables"], check=False, capture_output=True, text=True)
 assert told.returncode == 2
 assert "python -m pip install '.[study]'" in told.stderr, told.stderr

@@ -28,11 +28,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.environ.pop("MPLBACKEND", None)
     output, messages = PrintableStream(sys.stdout), PrintableStream(sys.stderr, permitted="\r")
     with redirect_stdout(output), redirect_stderr(messages):  # type: ignore[type-var]
-        return _run(arguments)
+        return _run(sys.argv[1:] if arguments is None else list(arguments))
 
 
-def _run(arguments: Sequence[str] | None) -> int:
-    options, unknown = parser().parse_known_args(arguments)
+def _run(words: list[str]) -> int:
+    # The options of ``study rates`` are those of the command convergence-orders, which has its own parser.
+    options, unknown = parser().parse_known_args(words[:1] if words[:1] == ["rates"] else words)
+    options.words = words[1:]
     if unknown:
         options.refuse(unknown)
     module, name = options.command
@@ -55,8 +57,8 @@ def _run(arguments: Sequence[str] | None) -> int:
     except ModuleNotFoundError as error:
         if (error.name or "study").partition(".")[0] in ("study", "manufactured"):
             raise
-        extra = "orders" if module == "rates" else "study"
-        print(f"study: {LACKING.format(error.name, extra)}", file=sys.stderr)
+        source = "./convergence_orders" if error.name == "convergence_orders" else "'.[study]'"
+        print(f"study: {LACKING.format(error.name, source)}", file=sys.stderr)
         return USAGE
     except Exception as error:
         code, message = importlib.import_module("study.cli.refusals").exit_code_and_message(error)
@@ -66,7 +68,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         return int(code)
 
 
-LACKING = "this command needs {}, which is not installed: python -m pip install '.[{}]' in a clone of the repository"
+LACKING = "this command needs {}, which is not installed: python -m pip install {} in a clone of the repository"
 WITHOUT_PYAMG = "cases", "compare", "rates"
 """Modules of the commands that import pyamg neither directly nor indirectly."""
 STRIPPED = (

@@ -89,26 +89,6 @@ def enclosed(levels: tuple[int, ...], shorter: int) -> list[Option]:
     ]
 
 
-def _orders(text: str) -> float | dict[str, float]:
-    """Return the expected orders in a text: a number for ``2``, and a dictionary for ``L2=2,H1=1``.
-
-    Names of columns may contain commas. A comma separates two entries only after a number.
-    """
-    orders: dict[str, float] = {}
-    name = ""
-    for part in text.split(","):
-        name += part
-        before, _, number = name.rpartition("=")
-        try:
-            orders[before.strip()] = _finite(number)
-            name = ""
-        except ValueError:
-            name += ","
-    if name or ("" in orders and "," in text):
-        raise argparse.ArgumentTypeError(f"got '{text}', expected a number such as 2, or names such as L2=2,H1=1")
-    return orders if "=" in text else orders[""]
-
-
 def _finite(text: str) -> float:
     """Return the finite number in a text; argparse prints a message if there is none."""
     value = float(text)
@@ -134,7 +114,6 @@ UNDECIDED = option(
     help="exit code 0 if the undecided checks are exactly those in this CSV file (label, key, case, family, reason)",
 )
 CASE = "NAME|FILE.py:NAME"
-EXPECTED = "P|NAME=P,..."
 CLUSTER = (
     "measure on the workers of the Dask scheduler at tcp://HOST:PORT; anybody who reaches its port can run any "
     "code on the scheduler, the workers and this machine: use it only in a network that you trust, or with TLS"
@@ -205,24 +184,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         JOBS,
         out(),
     ]),
-    "rates": ("rates", "compute the observed orders of any table of errors", [
-        option("file", type=Path, metavar="FILE",
-               help="a table of errors as text, in nearly any form; - reads standard input"),
-        option("--expected", type=_orders, metavar=EXPECTED, help="expected order; lower and higher orders fail"),
-        option("--at-least", type=_orders, metavar=EXPECTED, help="lower limit of the order; higher orders pass"),
-        option("--tolerance", type=_finite, default=0.15, metavar="T",
-               help="accepted difference of orders (default 0.15)"),
-        option("--columns", metavar="NAME,...", help="names of the columns of errors (default: found by their names)"),
-        option("--in", dest="size", metavar="NAME", help="name of the column of mesh sizes or time steps"),
-        option("--dim", type=int, metavar="D", help="dimension of the mesh, if sizes are numbers of cells or unknowns"),
-        option("--ratio", type=_finite, metavar="R", help="ratio of the mesh sizes in consecutive rows"),
-        option("--values", action="store_true",
-               help="the columns are values, not errors: compute the grid convergence index"),
-        option("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML"),
-        option("--markdown", type=Path, metavar="FILE", help="also write the verdicts as a Markdown table"),
-        option("--plot", type=Path, metavar="FILE", help="also draw errors over h as PNG, SVG or PDF"),
-        JSON,
-    ]),
+    # Its options are those of the command convergence-orders.
+    "rates": ("rates", "compute the observed orders of any table of errors", []),
     "bound": ("bound", "enclose the error of a computed displacement, without the exact solution", [
         option("problem", metavar=CASE, help="a case, a problem of this project, or your own problem"),
         *enclosed((8, 16), shorter=4),

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from study.ledger.files import write_packed, write_text
 from study.ledger.schema import TABLES, TEXTS
 from study.ledger.verdict import HOLDS, VERDICTS, CheckKind
-from study.orders.sequences import consecutive_orders
+from study.orders import consecutive_orders
 
 SHOWN_RATES = ["h", "dofs", "steps", "error", "order", "at", "interpolation_error", "discrete_error", "time_share"]
 """Columns of ``rates.csv`` without which tables and figures cannot be made."""

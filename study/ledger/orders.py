@@ -6,8 +6,8 @@ In all functions, ``h`` are the mesh sizes and ``error`` the errors, both (level
 import numpy as np
 from numpy.typing import NDArray
 
-from study.orders import sequences
-from study.orders.sequences import consecutive_orders, fitted_order
+import study.orders
+from study.orders import consecutive_orders, fitted_order
 
 Array = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ def extrapolated_order(h: Array, error: Array) -> float:
         RatesError: mesh sizes do not decrease, or errors are not positive and finite.
     """
     orders(h, error)
-    return sequences.extrapolated_order(h, error)
+    return study.orders.extrapolated_order(h, error)
 
 
 def weighted_order(h: Array, error: Array, power: float) -> float:

@@ -27,7 +27,7 @@ PINS = {
     for path in (ROOT / "requirements").iterdir()
 }
 EXTRAS = {
-    **{"study": "runtime", "orders": "runtime", "dev": "development"},
+    **{"study": "runtime", "dev": "development"},
     **{"docs": "documentation", "cluster": "cluster", "film": "film"},
 }
 
@@ -79,20 +79,32 @@ def test_examples_in_docstrings_are_true() -> None:
 def test_the_wheel_works_with_numpy_and_sympy_alone() -> None:
     done = subprocess.run(["make", "wheel"], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-    runs = re.findall(r"run with mpmath \S+ numpy (\S+), signorini-study \S+ sympy \S+", done.stdout)
+    said = r"run with convergence-orders \S+ mpmath \S+ numpy (\S+), signorini-study \S+ sympy \S+"
+    runs = re.findall(said, done.stdout)
     assert runs[1:] == ["1.24.2"] * (sys.version_info[:2] == (3, 11))
 
 
-@pytest.mark.parametrize(("command", "extra"), [(["cases"], "study"), (["rates", "errors.csv"], "orders")])
-def test_a_command_without_its_extra_says_how_to_install_it(command, extra: str, capsys, monkeypatch) -> None:
+@pytest.mark.parametrize(
+    ("command", "lacking", "source"),
+    [
+        (["cases"], "scipy.sparse", "'.[study]'"),
+        (["rates", "errors.csv"], "convergence_orders", "./convergence_orders"),
+    ],
+)
+def test_a_command_without_a_package_says_how_to_install_it(command, lacking, source, capsys, monkeypatch) -> None:
     def without(name: str) -> None:
-        raise ModuleNotFoundError(f"No module named 'scipy', for {name}", name="scipy.sparse")
+        raise ModuleNotFoundError(f"No module named '{lacking}', for {name}", name=lacking)
 
     monkeypatch.setattr("importlib.import_module", without)
     assert main(command) == 2
-    expected = f"study: {LACKING.format('scipy.sparse', extra)}\n"
-    assert capsys.readouterr().err == expected
-    assert f"'.[{extra}]'" in expected
+    assert capsys.readouterr().err == f"study: {LACKING.format(lacking, source)}\n"
+
+
+def test_study_orders_without_its_package_says_how_to_install_it(monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "convergence_orders", None)
+    monkeypatch.delitem(sys.modules, "study.orders", raising=False)
+    with pytest.raises(ModuleNotFoundError, match=r"python -m pip install \./convergence_orders"):
+        importlib.import_module("study.orders")
 
 
 def test_the_wheel_says_that_its_packages_are_typed_and_has_the_texts_of_statements_without_a_measurement() -> None:

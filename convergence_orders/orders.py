@@ -1,13 +1,11 @@
 """Computes the observed orders of a sequence of errors, says what the errors do, and judges the orders."""
 
-import html
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import stdtrit
 
 Array = NDArray[np.float64]
 HOLDS, FAILS, UNDECIDED, HIGHER, SKIPPED = "holds", "fails", "undecided", "higher", "skipped"
@@ -21,8 +19,16 @@ CLEAR = 10.0
 error changes the order by at most 0.15."""
 ROUND_OFF = 1e-10
 """If errors stagnate below this number, relative to the coarsest error or to 1, the cause is taken to be round-off."""
+UNCERTAIN = 3.0
+"""A fitted limit of errors is not 0 if it exceeds this multiple of its change from one mesh to the next."""
 SAME_SIZE = 1e-6
 """Mesh sizes with a smaller relative difference count as equal, because an order between them would be meaningless."""
+QUOTED = 4
+"""Number of orders that a sentence quotes."""
+STUDENT = [12.706204736, 4.302652730, 3.182446305, 2.776445105, 2.570581836, 2.446911851, 2.364624252, 2.306004135]
+"""The 0.975 quantiles of Student's distribution for 1, 2, … degrees of freedom."""
+ASYMPTOTIC = [1.959963985, 2.372271230, 2.822498616, 2.555849680, 1.589534053]
+"""Coefficients of the expansion of this quantile in the inverse of the degrees of freedom."""
 
 
 class OrderError(ValueError):
@@ -31,33 +37,37 @@ class OrderError(ValueError):
 
 @dataclass(frozen=True)
 class Expectation:
-    """The order of convergence that is expected of errors.
+    """What is expected of errors.
 
     Attributes:
         expected: the order that theory predicts; the observed order may be neither lower nor higher.
         at_least: the smallest accepted order; higher orders are accepted.
         tolerance: accepted difference between the observed order and ``expected``.
+        floor: the largest accepted limit of the errors; by default, errors must tend to 0.
+        max_error: the largest accepted error on the finest mesh.
 
     Raises:
-        OrderError: both ``expected`` and ``at_least`` are given, or one of the three is not a positive number.
+        OrderError: both ``expected`` and ``at_least`` are given, or one of the numbers is not positive.
     """
 
     expected: float | None = None
     at_least: float | None = None
     tolerance: float = TOLERANCE
+    floor: float = 0.0
+    max_error: float | None = None
 
     def __post_init__(self) -> None:
         if self.expected is not None and self.at_least is not None:
             raise OrderError("give an expected order or a lower limit of the order, not both")
-        orders = (("expected order", self.expected), ("least order", self.at_least))
-        given = [(what, value) for what, value in orders if value is not None]
-        for what, value in (*given, ("tolerance", self.tolerance)):
+        names = ["expected order", "least order", "tolerance", "floor", "largest error"]
+        values = [self.expected, self.at_least, self.tolerance, self.floor or None, self.max_error]
+        for name, value in zip(names, values, strict=True):
             try:
-                is_positive = math.isfinite(value) and value > 0
-            except (TypeError, OverflowError):
+                is_positive = value is None or 0 < float(np.float64(value)) < math.inf
+            except (TypeError, ValueError, OverflowError):
                 is_positive = False
-            if not is_positive:
-                raise OrderError(f"the {what} must be one positive number, got {value!r}")
+            if not is_positive or isinstance(value, str):
+                raise OrderError(f"the {name} must be one positive number, got {value!r}")
 
     @property
     def window(self) -> tuple[float, float] | None:
@@ -68,10 +78,16 @@ class Expectation:
             return None
         return self.expected - self.tolerance - 1e-9, self.expected + self.tolerance + 1e-9
 
+    @property
+    def judges(self) -> bool:
+        """Whether anything is expected, so that there is a verdict."""
+        return self.window is not None or self.max_error is not None
+
     def __str__(self) -> str:
-        if self.at_least is not None:
-            return f"at least {self.at_least:g}"
-        return "" if self.expected is None else f"{self.expected:g} ± {self.tolerance:g}"
+        words = [f"{self.expected:g} ± {self.tolerance:g}"] if self.expected is not None else []
+        words += [f"at least {self.at_least:g}"] if self.at_least is not None else []
+        words += [f"at most {self.max_error:g} on the finest mesh"] if self.max_error is not None else []
+        return ", ".join(words)
 
 
 class Diagnosis(NamedTuple):
@@ -128,14 +144,8 @@ class OrderResult:
     @property
     def conclusion(self) -> str:
         """The verdict, what the errors do, and the expected order, in one line."""
-        wanted = f"; expected {self.expectation}" if str(self.expectation) else ""
+        wanted = f"; expected {self.expectation}" if self.expectation.judges else ""
         return f"{self.verdict}: {self.sentence}{wanted}" if self.verdict else self.sentence
-
-    def _repr_html_(self) -> str:
-        rows = zip(self.h, self.errors, ("", *(f"{order:.3f}" for order in self.orders)), strict=True)
-        body = "".join(f"<tr><td>{h:.5g}</td><td>{e:.5g}</td><td>{order}</td></tr>" for h, e, order in rows)
-        title = html.escape(f"{self.name or 'error'}: {self.conclusion}")
-        return f"<p>{title}</p><table><tr><th>h</th><th>error</th><th>order</th></tr>{body}</table>"
 
 
 def consecutive_orders(h: ArrayLike, errors: ArrayLike) -> Array:
@@ -145,10 +155,10 @@ def consecutive_orders(h: ArrayLike, errors: ArrayLike) -> Array:
     """
     sizes, e = np.asarray(h, dtype=float), np.asarray(errors, dtype=float)
     with np.errstate(all="ignore"):
-        found = np.log(e[:-1] / e[1:]) / np.log(sizes[:-1] / sizes[1:])
+        orders = np.log(e[:-1] / e[1:]) / np.log(sizes[:-1] / sizes[1:])
         # Quotients of very large and very small errors overflow. Then differences of logarithms are used.
-        found = np.where(np.isfinite(found), found, np.diff(np.log(e)) / np.diff(np.log(sizes)))
-    return np.where(np.isfinite(found), found, np.nan)
+        orders = np.where(np.isfinite(orders), orders, np.diff(np.log(e)) / np.diff(np.log(sizes)))
+    return np.where(np.isfinite(orders), orders, np.nan)
 
 
 def fitted_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float, float]:
@@ -164,13 +174,22 @@ def fitted_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float, float]:
     free = len(x) - 2
     if free < 0:
         return math.nan, -math.inf, math.inf
-    # ``scipy.stats.linregress`` does the same, but importing it takes half a second.
     (xx, xy), (_, yy) = np.cov(x, y, bias=True)
     order = float(xy / xx)
     if not free:
         return order, -math.inf, math.inf
-    half = float(stdtrit(free, 0.975) * np.sqrt(max(xx * yy - xy**2, 0.0) / free) / xx)
+    half = float(student_quantile(free) * np.sqrt(max(xx * yy - xy**2, 0.0) / free) / xx)
     return order, order - half, order + half
+
+
+def student_quantile(free: int) -> float:
+    """Return the 0.975 quantile of Student's distribution with a number of degrees of freedom.
+
+    For more than eight, it is the asymptotic expansion of Fisher and Cornish, whose error is below 1e-5.
+    """
+    if free <= len(STUDENT):
+        return STUDENT[free - 1]
+    return sum(term / free**k for k, term in enumerate(ASYMPTOTIC))
 
 
 def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
@@ -178,11 +197,43 @@ def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
 
     The extrapolation assumes that the order is a linear function of the mesh size.
     """
-    sizes, orders = np.asarray(h, dtype=float)[-3:], consecutive_orders(h, errors)[-2:]
-    if len(sizes) < 3:
+    sizes, orders = np.asarray(h, dtype=float), consecutive_orders(h, errors)
+    if len(orders) < 2:
         return math.nan
-    ratio = math.exp((math.log(sizes[0]) - math.log(sizes[2])) / 2)
-    return float(orders[1] + (orders[1] - orders[0]) / (ratio - 1))
+    ratio = math.exp((math.log(sizes[-3]) - math.log(sizes[-1])) / 2)
+    return float(orders[-1] + (orders[-1] - orders[-2]) / (ratio - 1))
+
+
+def order_of_differences(fine: float, coarse: float, quotient: float, sign: float = 1.0) -> float:
+    """Return the order p > 0 at which the differences of a quantity on three meshes have the given quotient.
+
+    Let r and R be the ratios of the mesh sizes, and s = 1 if the values are monotone, s = −1 if they oscillate. The
+    method of Celik et al. solves r^p (R^p − s)/(r^p − s) = |quotient of the differences|. The left-hand side increases
+    with p, so there is at most one solution, and bisection finds it.
+
+    Parameters:
+        fine, coarse: logarithms of the ratios r and R of the mesh sizes of the two finer and the two coarser meshes.
+        quotient: logarithm of the quotient of the coarser difference and the finer difference.
+        sign: the number s.
+
+    Returns:
+        The order; −∞ if the differences are too large for any positive order, ∞ if the order is above 100.
+    """
+
+    def excess(p: float) -> float:
+        # The difference of the logarithms of both sides, in a form that neither overflows nor cancels.
+        above, below = (-math.expm1(-x) if sign > 0 else 1 + math.exp(-x) for x in (p * coarse, p * fine))
+        return p * coarse + math.log(above / below) - quotient
+
+    low, high = 1e-9, 100.0
+    if excess(low) >= 0:
+        return -math.inf
+    if excess(high) <= 0:
+        return math.inf
+    for _ in range(80):
+        middle = (low + high) / 2
+        low, high = (middle, high) if excess(middle) < 0 else (low, middle)
+    return low
 
 
 def limit_and_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float]:
@@ -190,25 +241,19 @@ def limit_and_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float]:
 
     Both are NaN if there is no fit with a positive p.
     """
-    h1, h2, h3 = map(float, np.asarray(h, dtype=float)[-3:])
+    x = np.log(np.asarray(h, dtype=float)[-3:])
     e1, e2, e3 = map(float, np.asarray(errors, dtype=float)[-3:])
-    if not (e1 > e2 > e3 or e1 < e2 < e3) or max(e1, e3) > 1e200 or max(h1 / h2, h2 / h3) > 1e5:
+    if not (e1 > e2 > e3 or e1 < e2 < e3) or max(e1, e3) > 1e200:
         return math.nan, math.nan
-    low, high = 1e-3, 50.0
-
-    def gap(p: float) -> float:
-        return math.log((e1 - e2) / (e2 - e3)) - math.log(((h1 / h2) ** p - 1) / (1 - (h3 / h2) ** p))
-
-    if gap(low) * gap(high) > 0:
+    p = order_of_differences(x[1] - x[2], x[0] - x[1], math.log((e1 - e2) / (e2 - e3)))
+    if not math.isfinite(p) or p * (x[1] - x[2]) > 700:
         return math.nan, math.nan
-    for _ in range(80):
-        middle = (low + high) / 2
-        low, high = (middle, high) if gap(low) * gap(middle) > 0 else (low, middle)
-    return float(e3 - (e2 - e3) / ((h2 / h3) ** low - 1)), low
+    return e3 - (e2 - e3) / math.expm1(p * (x[1] - x[2])), p
 
 
 def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = None, at_least: float | None = None,
-                    tolerance: float = TOLERANCE, name: str = "") -> OrderResult:  # fmt: skip
+                    tolerance: float = TOLERANCE, name: str = "", floor: float = 0.0,
+                    max_error: float | None = None) -> OrderResult:  # fmt: skip
     """Compute the observed orders of errors, and judge whether they are as expected.
 
     Parameters:
@@ -217,25 +262,31 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
         at_least: the smallest accepted order; only one of ``expected`` and ``at_least`` can be given.
         tolerance: accepted difference from ``expected``.
         name: name of the errors, for messages.
+        floor: the largest accepted limit of the errors; by default, errors must tend to 0.
+        max_error: the largest accepted error on the finest mesh.
 
     Raises:
         OrderError: the numbers of mesh sizes and errors differ, mesh sizes are not positive or are repeated, an error
             is negative, entries are not real numbers, or the expected order is not a positive number.
     """
-    expectation = Expectation(expected, at_least, tolerance)
+    expectation = Expectation(expected, at_least, tolerance, floor, max_error)
     sizes, e = _coarse_first(h, errors, name)
     first, last, kind, sentence, verdict = _diagnose(sizes, e, expectation)
     if (sizes > 1).all() and (sizes % 1 == 0).all() and len(e) > 1 and (np.diff(e) > 0).all():
         sentence += "; h seems to be the number n of cells: give h = 1/n"
-    judged_h, judged = sizes[first:last], e[first:last]
+    if max_error is not None and not e[-1] <= max_error:
+        verdict, sentence = FAILS, f"{sentence}; the error on the finest mesh is {e[-1]:.3g}"
+    elif expectation.window is None and verdict == UNDECIDED and max_error is not None:
+        verdict = HOLDS
+    x, judged = sizes[first:last], e[first:last]
     order, low, high, extrapolated, limit = math.nan, -math.inf, math.inf, math.nan, math.nan
     if len(judged) > 1 and (judged > 0).all() and np.isfinite(judged).all():
-        order, low, high = fitted_order(judged_h, judged)
+        order, low, high = fitted_order(x, judged)
         if len(judged) > 2:
-            extrapolated, limit = extrapolated_order(judged_h, judged), limit_and_order(judged_h, judged)[0]
+            extrapolated, limit = extrapolated_order(x, judged), limit_and_order(x, judged)[0]
     return OrderResult(
         name, tuple(sizes.tolist()), tuple(e.tolist()), tuple(consecutive_orders(sizes, e).tolist()), order, low, high,
-        extrapolated, limit, first, last, kind, sentence, verdict if expectation.window or verdict == SKIPPED else None,
+        extrapolated, limit, first, last, kind, sentence, verdict if expectation.judges or verdict == SKIPPED else None,
         expectation,
     )  # fmt: skip
 
@@ -246,7 +297,7 @@ def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Ar
     Raises:
         OrderError: an error or a mesh size cannot be used, or a mesh size is repeated.
     """
-    sizes, e = _real_numbers(h, "h"), _real_numbers(errors, name or "errors")
+    sizes, e = real_numbers(h, "h"), real_numbers(errors, name or "errors")
     if sizes.shape != e.shape or not len(e):
         raise OrderError(f"{len(sizes)} sizes and {len(e)} errors: expected one error for each mesh")
     if not (np.isfinite(sizes).all() and (sizes > 0).all()):
@@ -255,13 +306,13 @@ def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Ar
         raise OrderError(f"{name or 'error'} = {e[e < 0][0]:g}: errors must not be negative; give absolute values")
     coarse_first = np.argsort(-sizes)
     sizes, e = sizes[coarse_first], e[coarse_first]
-    repeated = np.flatnonzero(-np.diff(sizes) < SAME_SIZE * sizes[1:])
+    repeated = sizes[:-1][-np.diff(sizes) < SAME_SIZE * sizes[1:]]
     if repeated.size:
-        raise OrderError(f"the mesh size {sizes[repeated[0]]:.12g} occurs twice: give one error for each mesh")
+        raise OrderError(f"the mesh size {repeated[0]:.12g} occurs twice: give one error for each mesh")
     return sizes, e
 
 
-def _real_numbers(values: ArrayLike, what: str) -> Array:
+def real_numbers(values: ArrayLike, what: str) -> Array:
     """Return numbers as a flat array of floats. Masked numbers become NaN.
 
     Raises:
@@ -270,14 +321,14 @@ def _real_numbers(values: ArrayLike, what: str) -> Array:
     try:
         if not np.iscomplexobj(values):
             return np.ma.filled(np.ma.asarray(values, dtype=float), np.nan).ravel()
-        found = "complex numbers; give absolute values"
+        problem = "complex numbers; give absolute values"
     except (TypeError, ValueError, OverflowError) as error:
-        found = f"{type(values).__name__}: {error}"
-    raise OrderError(f"{what} must be real numbers in a list or an array, got {found}")
+        problem = f"{type(values).__name__}: {error}"
+    raise OrderError(f"{what} must be real numbers in a list or an array, got {problem}")
 
 
 def _text(orders: Array) -> str:
-    return ", ".join(f"{order:.2f}" for order in orders[-4:])
+    return ", ".join(f"{order:.2f}" for order in orders[-QUOTED:])
 
 
 def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
@@ -287,7 +338,7 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     """
     n = len(e)
     if not np.isfinite(e).all():
-        where = h[np.flatnonzero(~np.isfinite(e))[0]]
+        where = h[~np.isfinite(e)][0]
         words = f"the error is not finite for h = {where:.5g}: the computation broke down there"
         return Diagnosis(0, n, "not finite", words, FAILS)
     if not e.any():
@@ -300,10 +351,11 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
         return _above(h, e, stop, 0.0, "exactly zero", words, expectation)
     orders = consecutive_orders(h, e)
     if n < 3:
-        kind = "grows" if n == 2 and orders[0] < -STALLED else "fewer than three meshes"
-        words = f"the error grows (order {orders[0]:.2f}); " if kind == "grows" else ""
-        words += f"{n} mesh{'es' * (n > 1)}, a verdict needs three" + (f"; order {orders[0]:.2f}" if n == 2 else "")
-        return Diagnosis(0, n, kind, words, UNDECIDED)
+        grows = n == 2 and orders[0] < -STALLED
+        words = f"the error grows (order {orders[0]:.2f}); " if grows else ""
+        words += "1 mesh" if n == 1 else "2 meshes"
+        words += ", a verdict needs three" + (f"; order {orders[0]:.2f}" if n == 2 else "")
+        return Diagnosis(0, n, "grows" if grows else "fewer than three meshes", words, UNDECIDED)
     return _stalled(h, e, expectation) or _tends_to_limit(h, e, expectation) or _trend(h, e, expectation)
 
 
@@ -328,32 +380,50 @@ def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
     if stall == 0:
         values = "values of a quantity (--values), not errors?"
         reason = f"are these orders or {values}" if 0.3 < floor < 20 else f"{reason}; or are these {values}"
-    words = f"stagnates at {floor:.2g} {start}{equal}: {reason}"
-    return _above(h, e, stall, floor, "floor", words, expectation)
+    level = (
+        f"between {e[stall:].min():.2g} and {e[stall:].max():.2g}"
+        if np.ptp(e[stall:]) > 0.1 * floor
+        else f"at {floor:.2g}"
+    )
+    return _above(h, e, stall, floor, "floor", f"stagnates {level} {start}{equal}: {reason}", expectation)
 
 
 def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
-    """Return the diagnosis if errors tend to a positive limit, otherwise None.
+    """Return the diagnosis if errors tend to a limit other than 0, otherwise None.
 
     Errors a + C h^p are fitted to the last three meshes, and to the three meshes before the last one. The limits a and
-    the orders p of both fits must agree.
+    the orders p of both fits must agree. A negative limit is that of errors C (h^p − H^p) against a reference solution
+    that was computed on a mesh of size H.
     """
     n, orders = len(e), consecutive_orders(h, e)
-    if n < 4 or not orders[-1] < orders[-2] < orders[-3]:
+    if n < 4:
         return None
     (before, p_before), (limit, p) = (limit_and_order(h[k : k + 3], e[k : k + 3]) for k in (n - 4, n - 3))
-    agree = abs(p_before - p) < 0.02 + 0.1 * (orders[-3] - orders[-1])
-    if not (limit > 0.02 * e[-1] and before > 0 and agree):
+    agree = abs(p_before - p) < 0.02 + 0.1 * abs(orders[-3] - orders[-1])
+    # Terms of higher order in h also change the orders. But then the fitted limits tend to 0 from mesh to mesh.
+    exceeds_0 = abs(limit) > max(0.02 * e[-1], UNCERTAIN * abs(limit - before))
+    if not (exceeds_0 and agree):
+        return None
+    if limit < 0 and orders[-1] > orders[-2] > orders[-3]:
+        reference = h[-1] * (-limit / (e[-1] - limit)) ** (1 / p)
+        words = (
+            f"orders rise from mesh to mesh ({_text(orders)}) as those of C (h^p − H^p) with p = {p:.2f}, H = "
+            f"{reference:.3g}: an error against a solution computed with h = {reference:.3g}? Take a finer reference"
+        )
+        low, high = expectation.window or (p, p)
+        # Finer meshes would not help, so that this is no question of the asymptotic range.
+        return Diagnosis(0, n, "computed reference", words, UNDECIDED) if low <= p <= high else None
+    if not (before > 0 and orders[-1] < orders[-2] < orders[-3]):
         return None
     words = f"orders fall from mesh to mesh ({_text(orders)}): the error tends to {limit:.2g}, not to 0"
-    above = _above(h, e, n, limit, "orders falling", words, expectation)
-    return above if above.verdict == HOLDS else Diagnosis(0, n, "orders falling", words, _judge(h, e, expectation)[1])
+    return _above(h, e, n, limit, "orders falling", words, expectation)
 
 
 def _above(h: Array, e: Array, stall: int, floor: float, kind: str, words: str, expectation: Expectation) -> Diagnosis:
     """Return the diagnosis of errors that stagnate at a floor. Only errors clearly above the floor are judged.
 
-    If fewer than three orders remain, the verdict is *fails*. If the floor is round-off, it is *undecided* then.
+    A floor that the user does not permit fails. If fewer than three orders remain, the verdict is *fails*, and if the
+    floor is round-off, *undecided*.
 
     Parameters:
         h, e, expectation: mesh sizes, errors and expected order.
@@ -363,10 +433,12 @@ def _above(h: Array, e: Array, stall: int, floor: float, kind: str, words: str, 
     """
     low = np.flatnonzero(e[:stall] < CLEAR * floor)
     stop = int(low[0]) if low.size else stall
+    harmless = kind in ("round-off", "exactly zero")
+    if not harmless and (floor > expectation.floor or stop < 4):
+        hint = f" (--floor {floor:.2g} would permit it)" if stop > 3 else ""
+        return Diagnosis(0, len(e), "stagnates" if kind == "floor" else kind, words + hint, FAILS)
     if stop < 4:
-        if kind in ("round-off", "exactly zero"):
-            return Diagnosis(0, stop, kind, f"{words}; fewer than three orders before: add coarser meshes", UNDECIDED)
-        return Diagnosis(0, len(e), "stagnates" if kind == "floor" else kind, words, FAILS)
+        return Diagnosis(0, stop, kind, f"{words}; fewer than three orders before: add coarser meshes", UNDECIDED)
     first, verdict = _judge(h[:stop], e[:stop], expectation)
     orders = consecutive_orders(h[:stop], e[:stop])[first:]
     return Diagnosis(first, stop, kind, f"{words}; on coarser meshes the orders are {_text(orders)}", verdict)
@@ -417,22 +489,26 @@ def _odd_row(h: Array, e: Array, tolerance: float) -> int | None:
 def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     """Return the diagnosis of errors that decrease up to the finest mesh."""
     first, verdict = _judge(h, e, expectation)
-    orders, used = consecutive_orders(h, e), consecutive_orders(h[first:], e[first:])
-    tolerance = expectation.tolerance
+    orders, tolerance = consecutive_orders(h, e), expectation.tolerance
     previous, last = orders[-2:]
-    falls = len(orders) > 2 and last < previous < orders[-3]
-    slowing = falls and previous - last < 0.8 * (orders[-3] - previous)
-    drops = len(orders) > 2 and last < previous - 2 * tolerance and previous > orders[-3] - tolerance
+    before = orders[-3] if len(orders) > 2 else -math.inf
+    drops = last < previous - 2 * tolerance and previous > before - tolerance and len(orders) > 2
+    slowing = previous - last < 0.8 * (before - previous)
     kind = "converges"
-    sentence = f"converges with order {fitted_order(h[first:], e[first:])[0]:.2f} (orders {_text(used)})"
-    if (odd := _odd_row(h, e, tolerance)) is not None:
+    # The fitted order lies within the orders that are quoted.
+    quoted = slice(max(first, len(e) - QUOTED - 1), None)
+    sentence = f"converges with order {fitted_order(h[quoted], e[quoted])[0]:.2f} (orders {_text(orders[first:])})"
+    if (odd := _odd_row(h, e, tolerance)) is None and (orders < -STALLED).any():
+        kind = "pre-asymptotic"
+        sentence = f"errors rise and fall: orders {_text(orders)}; no convergence is visible yet"
+    elif odd is not None:
         without = _text(consecutive_orders(np.delete(h, odd), np.delete(e, odd)))
         kind = "pre-asymptotic"
         sentence = f"the error for h = {h[odd]:.5g} does not fit: orders {_text(orders)}, without it {without}"
     elif drops:
         kind = "orders falling"
         sentence = f"the order drops on the finest mesh: {_text(orders)}; another error may dominate there"
-    elif falls and not slowing and orders[-3] - last > 0.04:
+    elif last < previous < before and not slowing and before - last > 0.04:
         kind, sentence = "orders falling", f"orders fall from mesh to mesh: {_text(orders)}"
     elif abs(last - previous) > 2 * tolerance:
         word = "orders rising" if last > previous else "orders not settled"
@@ -457,7 +533,7 @@ class GridConvergence:
     """The convergence of a quantity on the three finest meshes, when its exact value is unknown.
 
     Attributes:
-        kind: monotone, oscillating, diverging or equal values.
+        kind: monotone, oscillating, not monotone (the values pass an extremum), diverging, equal values, or undecided.
         order: the observed order.
         extrapolated: the value extrapolated to h → 0.
         index: grid convergence index of the finest mesh: its estimated relative error, times the safety factor
@@ -465,9 +541,9 @@ class GridConvergence:
     """
 
     kind: str
-    order: float
-    extrapolated: float
-    index: float
+    order: float = math.nan
+    extrapolated: float = math.nan
+    index: float = math.nan
 
 
 def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:
@@ -486,20 +562,21 @@ def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:
         raise OrderError(
             f"{len(phi)} values on {len(sizes)} meshes: expected one value on each of three meshes or more"
         )
-    fine_first = np.argsort(sizes)[:3]
-    (h1, h2, h3), (f1, f2, f3) = sizes[fine_first], phi[fine_first]
-    if not 0 < h1 < h2 < h3 or not np.isfinite(phi).all():
+    fine_first = np.argsort(sizes)
+    sizes, phi = sizes[fine_first], phi[fine_first]
+    if not (sizes[0] > 0 and (np.diff(sizes) > 0).all() and np.isfinite(phi).all()):
         raise OrderError("mesh sizes must be positive and distinct, and values finite")
-    e21, e32, r21, r32 = f2 - f1, f3 - f2, h2 / h1, h3 / h2
+    f1, e21, e32 = float(phi[0]), *map(float, np.diff(phi)[:2])
     if e21 == 0 or e32 == 0:
-        return GridConvergence("equal values", math.nan, float(f1), 0.0 if e21 == 0 else math.nan)
-    sign = math.copysign(1.0, e32 / e21)
-    p = abs(math.log(abs(e32 / e21))) / math.log(r21)
-    for _ in range(200):
-        q = math.log((r21**p - sign) / (r32**p - sign)) if p > 0 else 0.0
-        p = 0.5 * p + 0.5 * abs(math.log(abs(e32 / e21)) + q) / math.log(r21)
-    if abs(e21) >= abs(e32) * (h2 - h1) / (h3 - h2) and abs(e21) >= abs(e32):
-        return GridConvergence("diverging", p, math.nan, math.nan)
-    extrapolated = (r21**p * f1 - f2) / (r21**p - 1)
-    index = SAFETY * abs(e21 / f1) / (r21**p - 1) if f1 else math.nan
-    return GridConvergence("monotone" if sign > 0 else "oscillating", p, float(extrapolated), float(index))
+        return GridConvergence("equal values", extrapolated=f1, index=math.nan if e21 else 0.0)
+    fine, coarse = np.diff(np.log(sizes))[:2]
+    sign = math.copysign(1.0, e21) * math.copysign(1.0, e32)
+    p = order_of_differences(fine, coarse, math.log(abs(e32)) - math.log(abs(e21)), sign)
+    if not math.isfinite(p):
+        # Values that turn on finer meshes after an extremum do not diverge.
+        turns = np.sign(phi[-1] - phi[1]) == -np.sign(e21) or (sign < 0 and len(phi) > 3)
+        turned = len(phi) > 3 and turns and abs(e21) < np.ptp(phi)
+        return GridConvergence("not monotone" if turned else "diverging" if p < 0 else "undecided")
+    difference = e21 / math.expm1(p * fine)
+    index = SAFETY * abs(difference / f1) if f1 else math.nan
+    return GridConvergence("monotone" if sign > 0 else "oscillating", p, f1 - difference, float(index))

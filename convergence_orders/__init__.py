@@ -1,0 +1,36 @@
+"""Observed orders of convergence: computes them from arrays or tables, and judges them against an expected order.
+
+The order p of errors e on meshes of size h is the exponent in e = C h^p. NumPy is imported when a public name is used:
+``observed_orders``, ``check_orders``, ``assert_order``, ``grid_convergence``, ``ConvergenceTable``,
+``refine_until_settled``, ``OrderError``, ``OrderResult``, ``GridConvergence``. So the pytest plugin costs nothing in
+tests without it.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .checks import assert_order as assert_order
+    from .checks import check_orders as check_orders
+    from .orders import GridConvergence as GridConvergence
+    from .orders import OrderError as OrderError
+    from .orders import OrderResult as OrderResult
+    from .orders import grid_convergence as grid_convergence
+    from .orders import observed_orders as observed_orders
+    from .solving import ConvergenceTable as ConvergenceTable
+    from .solving import refine_until_settled as refine_until_settled
+
+_HOMES = {"assert_order": "checks", "check_orders": "checks", "OrderError": "orders", "OrderResult": "orders"}
+_HOMES |= {"GridConvergence": "orders", "grid_convergence": "orders", "observed_orders": "orders"}
+_HOMES |= {"ConvergenceTable": "solving", "refine_until_settled": "solving"}
+"""Public name ↦ the module that defines it."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__} has no attribute {name}")
+    return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return [*_HOMES, *globals()]

@@ -1,0 +1,146 @@
+"""Collects errors while a program solves on finer and finer meshes; prints and judges their orders."""
+
+import csv
+import io
+import math
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from .checks import check_orders
+from .columns import Columns, Options
+from .orders import FAILS, HOLDS, UNDECIDED, OrderError, OrderResult, consecutive_orders
+from .tables import Table
+
+
+class ConvergenceTable:
+    """A table of errors that grows by one row for each mesh.
+
+    Attributes:
+        columns: name of a column ↦ numbers, one for each mesh.
+        dim: dimension of the meshes, if their sizes are numbers of cells or unknowns.
+    """
+
+    def __init__(self, dim: int | None = None) -> None:
+        self.columns: dict[str, list[float]] = {}
+        self.dim = dim
+
+    def add(self, **row: float) -> None:
+        """Add the sizes and errors on one mesh, for example ``add(h=0.5, dofs=9, L2=0.1)``.
+
+        Raises:
+            OrderError: the columns are not those of the rows before.
+        """
+        if self.columns and row.keys() != self.columns.keys():
+            raise OrderError(f"a row with {', '.join(row)}, expected {', '.join(self.columns)}")
+        for name, value in row.items():
+            self.columns.setdefault(name, []).append(float(value))
+
+    def __len__(self) -> int:
+        return len(next(iter(self.columns.values()), []))
+
+    @np.errstate(all="ignore")
+    def _read(self) -> Columns:
+        rows = [[f"{value:.17g}" for value in row] for row in zip(*self.columns.values(), strict=True)]
+        return Columns(Table("Python", list(self.columns), rows, list(range(len(rows)))), Options(self.dim))
+
+    def check(self, expected: Mapping[str, float] | float | None = None, **options: Any) -> dict[str, OrderResult]:
+        """Compute and judge the observed orders of all columns; the options are those of ``check_orders``.
+
+        Raises:
+            OrderError: no column is a mesh size or a time step.
+        """
+        size = self._read().size_name if len(self) else None
+        if size is None:
+            raise OrderError(f"no column is a mesh size; there are {', '.join(self.columns)}: add h=… to each row")
+        return check_orders(size, self.columns, expected, dim=self.dim, **options)
+
+    def assert_order(self, at_least: Mapping[str, float] | None = None, tolerance: float = 0.15,
+                     floor: float = 0.0, max_error: Mapping[str, float] | None = None,
+                     **expected: float) -> dict[str, OrderResult]:  # fmt: skip
+        """Assert, in a test, that columns have the expected orders, for example ``assert_order(L2=2, H1=1)``.
+
+        Raises:
+            AssertionError: an order is not as expected; the message has the table.
+            OrderError: no order is expected, or a name is no column.
+        """
+        options = {"tolerance": tolerance, "floor": floor, "max_error": max_error, "at_least": at_least}
+        results = self.check(expected or None, **options)
+        judged = [result for result in results.values() if result.expectation.judges]
+        if not judged:
+            raise OrderError("assert_order got no order, expected one: assert_order(L2=2) or at_least={'L2': 1.8}")
+        wrong = [f"{result.name}: {result.conclusion}" for result in judged if result.verdict != HOLDS]
+        assert not wrong, "\n".join([*wrong, str(self)])
+        return results
+
+    def cells(self) -> list[list[str]]:
+        """Return the names and the cells of the table, with a column of orders beside each column of errors."""
+        table = self._read()
+        columns = [
+            [name, *(f"{value:.6g}" for value in values)]
+            for name, values in self.columns.items()
+            if name not in table.error_names
+        ]
+        h = table.size.numbers if table.size else np.full(len(self), math.nan)
+        if table.size and table.size.role in ("count", "total"):
+            h = h ** (-1 / (self.dim or 1))
+        for column in table.errors:
+            orders = [f"{order:.2f}" for order in consecutive_orders(h, column.numbers)]
+            columns += [[column.name, *(f"{e:.3e}" for e in column.numbers)], ["order", "-", *orders]]
+        return [list(row) for row in zip(*columns, strict=False)]
+
+    def __str__(self) -> str:
+        cells = self.cells()
+        widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+        return "\n".join("  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in cells)
+
+    def to_markdown(self) -> str:
+        """Return the table in Markdown."""
+        header, *rows = self.cells()
+        return "\n".join(f"| {' | '.join(row)} |" for row in [header, ["---:"] * len(header), *rows]) + "\n"
+
+    def to_csv(self) -> str:
+        """Return the table as comma-separated values, without rounding and without orders."""
+        stream = io.StringIO()
+        csv.writer(stream, lineterminator="\n").writerows(
+            [list(self.columns), *zip(*self.columns.values(), strict=True)]
+        )
+        return stream.getvalue()
+
+    def to_latex(self) -> str:
+        """Return the table as a LaTeX tabular."""
+        header, *rows = (" & ".join(row).replace("_", r"\_") + r" \\" for row in self.cells())
+        lines = [rf"\begin{{tabular}}{{{'r' * len(self.cells()[0])}}}", r"\hline", header, r"\hline", *rows]
+        return "\n".join([*lines, r"\hline", r"\end{tabular}", ""])
+
+
+def refine_until_settled(
+    solve: Callable[[int], Mapping[str, float]], table: ConvergenceTable | None = None, most: int = 8,
+    seconds: float = math.inf, **wishes: Any,
+) -> dict[str, OrderResult]:  # fmt: skip
+    """Solve on finer and finer meshes until all verdicts are settled or the budget is used.
+
+    A verdict is settled if it is not *undecided*; *fails* is settled on four meshes or more.
+
+    Parameters:
+        solve: function of the level 0, 1, 2, … that returns a row, such as ``{"h": 0.5, "L2": 0.1}``.
+        table: the table to which the rows are added.
+        most, seconds: largest number of meshes, and the time after which no further mesh is begun.
+        wishes: what is expected, as in ``check_orders``.
+
+    Returns:
+        Name of a column ↦ observed orders and verdict.
+    """
+    table = ConvergenceTable() if table is None else table
+    results: dict[str, OrderResult] = {}
+    start = time.monotonic()
+    for level in range(most):
+        table.add(**solve(level))
+        results = table.check(**wishes) if len(table) > 1 else {}
+        open_verdicts = (UNDECIDED, FAILS) if level < 3 else (UNDECIDED,)
+        settled = all(result.verdict not in open_verdicts for result in results.values() if result.expectation.judges)
+        if (settled and level > 1) or time.monotonic() - start > seconds:
+            break
+    return results

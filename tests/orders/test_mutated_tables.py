@@ -1,0 +1,113 @@
+"""No table of a scheme whose order is clearly wrong holds, however it is written, stacked and damaged."""
+
+import random
+from collections.abc import Callable
+
+import pytest
+
+from convergence_orders.command import main
+
+EXPECTED = 2.0
+WRONG = (0.0, 0.5, 1.0, 1.4, 2.6, 3.0)
+Cells = list[list[str]]
+
+
+def markdown(rows: Cells) -> str:
+    lines = [f"| {' | '.join(row)} |" for row in rows]
+    return "\n".join([lines[0], "|---" * len(rows[0]) + "|", *lines[1:]])
+
+
+def aligned(rows: Cells) -> str:
+    return "\n".join("  ".join(cell.rjust(12) for cell in row) for row in rows)
+
+
+def pairs(rows: Cells) -> str:
+    return "\n".join(f"{name} = {cell}" for row in rows[1:] for name, cell in zip(rows[0], row, strict=True))
+
+
+def lists(rows: Cells) -> str:
+    return "\n".join(f"{name} = [{', '.join(cells)}]" for name, *cells in zip(*rows, strict=True))
+
+
+def latex(rows: Cells) -> str:
+    return "\n".join(" & ".join(row) + r" \\" for row in rows)
+
+
+def across(rows: Cells) -> str:
+    return "\n".join("  ".join(cells) for cells in zip(*rows, strict=True))
+
+
+FORMS: list[Callable[[Cells], str]] = [markdown, aligned, pairs, lists, latex, across]
+FORMS += [lambda rows, sign=sign: "\n".join(sign.join(row) for row in rows) for sign in (",", ";", "\t", " ")]
+
+
+def table(draw: random.Random, orders: list[float]) -> str:
+    """A table with a series of errors of each order, one below the other, in a random form."""
+    levels, first = draw.randint(3, 6), draw.choice([4, 5, 10])
+    kind = draw.choice(["h", "n", "$n \\times n$", "cells", "dofs", "level", "dt", "none"])
+    label = draw.choice(["", "scheme", "degree", "k"]) if len(orders) > 1 else ""
+    printed = draw.random() < 0.4
+    rows = [[*([label] if label else []), *([kind] if kind != "none" else []), "L2", *(["eoc"] if printed else [])]]
+    for series, order in enumerate(orders):
+        before = 0.0
+        start = draw.choice([first, first + 1])
+        for level in range(levels):
+            n = start * 2**level
+            error = 3.7 * n**-order * draw.uniform(0.99, 1.01)
+            sizes = {
+                "h": f"{1 / n:.6g}",
+                "dt": f"{1 / n:.6g}",
+                "n": str(n),
+                "cells": str(n**2),
+                "dofs": str((n + 1) ** 2),
+            }
+            sizes |= {"$n \\times n$": f"${n} \\times {n}$", "level": str(level)}
+            name = f"scheme{series}" if label == "scheme" else str(series + 1)
+            cells = [*([name] if label else []), *([sizes[kind]] if kind != "none" else []), f"{error:.3e}"]
+            cells += [f"{order + draw.uniform(-0.02, 0.02):.2f}" if before else "-"] if printed else []
+            rows.append(cells)
+            before = error
+    return draw.choice(FORMS)(rows)
+
+
+def damage(draw: random.Random, text: str) -> str:
+    """The text with one random change of a line or a sign."""
+    lines = text.split("\n")
+    i, j = draw.randrange(len(lines)), draw.randrange(len(lines))
+    kind = draw.randrange(9)
+    if kind == 0 and len(lines) > 3:
+        del lines[i]
+    elif kind == 1:
+        lines.insert(j, lines[i])
+    elif kind == 2:
+        lines[i], lines[j] = lines[j], lines[i]
+    elif kind == 3:
+        lines.insert(i, draw.choice(["", "---", "mean 2.0", "# solver 2", "Elapsed 12.3", "\\hline", "refined:"]))
+    elif kind == 4:
+        lines[i] = lines[i].replace(draw.choice(" |,;&\t="), draw.choice(" |,;&\t="))
+    elif kind == 5:
+        lines[i] += draw.choice([" ok", " | 7", ",", " (coarse)", " \\\\"])
+    elif kind == 6 and lines[i]:
+        k = draw.randrange(len(lines[i]))
+        lines[i] = lines[i][:k] + draw.choice(["", "x", "-", " ", "\0", "\u2212", "\x1b[31m"]) + lines[i][k + 1 :]
+    elif kind == 7:
+        lines[0] = draw.choice(["", "a b c", lines[0].upper(), lines[0].replace("L2", "error in time")])
+    else:
+        lines = lines[: i + 1] + [line for line in lines[i + 1 :] if draw.random() < 0.9]
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_500_damaged_tables_of_a_wrong_order_never_hold_and_never_end_with_a_traceback(seed, tmp_path, capsys) -> None:
+    draw = random.Random(seed)
+    for _ in range(500):
+        orders = [EXPECTED] * draw.choice([0, 0, 1, 2])
+        orders.insert(draw.randint(0, len(orders)), draw.choice(WRONG))
+        text = table(draw, orders)
+        for _ in range(draw.choice([0, 1, 1, 2, 3])):
+            text = damage(draw, text)
+        (tmp_path / "table").write_text(text, encoding="utf-8")
+        options = draw.choice([[], [], ["--ratio", "2"], ["--in", "n"], ["--dim", "1"]])
+        code = main([str(tmp_path / "table"), "--expected", str(EXPECTED), *options])
+        said = capsys.readouterr()
+        assert code in (1, 2, 3), f"{options}\n{text}\n{said.out}"
