@@ -163,7 +163,9 @@ class Complete:
         quantity = "missing measurements" + (f", first {' '.join(missing[0])}" if missing else "")
         count = float(len(missing))
         judged = count, (count, count), UNDECIDED if missing else HOLDS
-        return row(self, "missing", quantity, at_most(0, f"of {len(planned)}"), judged, "all cases", kind=CheckKind.ACCURACY)
+        return row(
+            self, "missing", quantity, at_most(0, f"of {len(planned)}"), judged, "all cases", kind=CheckKind.ACCURACY
+        )
 
 
 class Expectation:

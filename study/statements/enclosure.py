@@ -368,7 +368,9 @@ class EnclosedError(Bounds):
         else:
             window = around(order, ROOM, "the whole interval of possible orders")
             verdict, expected = judge_interval(span, window), ""
-        return row(self, "order", quantity, window, (observed, span, verdict), case, family, expected, CheckKind.CONSEQUENCE)
+        return row(
+            self, "order", quantity, window, (observed, span, verdict), case, family, expected, CheckKind.CONSEQUENCE
+        )
 
 
 def judge_interval(span: Span, window: Window) -> str:

@@ -124,7 +124,16 @@ class OtherCodes(ListedNumbers):
         short = f"{BECAUSE}{missing} problems lack an error" if missing else ""
         name = f"{peer.code} {' '.join(sorted(run[VERSION].unique()))}, {peer.variant}"
         quantity = f"{name}: |‖u − u^h‖_V / error of this study − 1|, {len(run)} problems"
-        return row(self, peer.key, quantity, peer.window, judged, ALL, expected=f"{peer.window.text}{short}", kind=CheckKind.ACCURACY)
+        return row(
+            self,
+            peer.key,
+            quantity,
+            peer.window,
+            judged,
+            ALL,
+            expected=f"{peer.window.text}{short}",
+            kind=CheckKind.ACCURACY,
+        )
 
     def own_digits(self, rows: pd.DataFrame) -> Verdict:
         """Return the check that no code copied the results of another.
