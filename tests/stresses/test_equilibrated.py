@@ -24,7 +24,15 @@ from study.fem.naming import resolve
 from study.fem.quadrature import Line, cut_rule, sliced_rule
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, Tableau
-from study.statements.thm_4_2_own_space import QUANTITIES, Exact, OwnSpace, inadmissible, norm_in_q, predicted, rules_of
+from study.statements.thm_4_2_own_space import (
+    QUANTITIES,
+    Exact,
+    OwnSpace,
+    checks_of,
+    inadmissible,
+    norm_in_q,
+    predicted,
+)
 from study.stresses.composite import alfeld_split, bernstein, composite, indices
 from study.stresses.hybrid import (
     DualState,
@@ -243,7 +251,7 @@ def table(orders: dict[str, float], levels: int = 3, **changed: float | str) -> 
 def judged(orders, regularity: Regularity, levels=3, family="one-diagonal", **changed) -> dict[str, str]:
     rows = table(orders, levels, family=family, **changed)
     groups = {family: rows.assign(ratio=rows["stress"] / rows["best"])}
-    found = [rule.verdict(OwnSpace(), "a", groups, family) for rule in rules_of(regularity, family)]
+    found = [rule.verdict(OwnSpace(), "a", groups, family) for rule in checks_of(regularity, family)]
     return {v.key: v.verdict for v in found if v.verdict != REPORTED}
 
 
