@@ -12,7 +12,7 @@ from importlib.resources import files
 from manufactured.catalogue import NAMES, OTHER_NAMES, catalogue, module_of
 from study.cli.options import OK
 
-WIDTH = 100
+LINE_WIDTH = 100
 """Characters in a printed line."""
 INDENT = "    "
 
@@ -28,7 +28,7 @@ def do_cases(options: argparse.Namespace) -> int:
     for name in NAMES:
         summary, order = summary_and_order(name)
         print(f"{name:<24}order {order}")
-        print(textwrap.fill(summary, WIDTH, initial_indent=INDENT, subsequent_indent=INDENT))
+        print(textwrap.fill(summary, LINE_WIDTH, initial_indent=INDENT, subsequent_indent=INDENT))
     print(f"Further cases, which only single statements use: {', '.join(OTHER_NAMES)}")
     return OK
 

@@ -46,18 +46,20 @@ def do_check(options: argparse.Namespace) -> int:
         verified = verify(options.out)
         compared = compare_sums(options.out)
         SeedRecord.read(options.out)
-        found = verdicts(options.out)
+        judged = verdicts(options.out)
         if options.junit:
-            write_junit(options.junit, found)
-        print(ledger_text(claims(found)))
-        code = code_of(found, options.undecided)
+            write_junit(options.junit, judged)
+        print(ledger_text(claims(judged)))
+        code = code_of(judged, options.undecided)
         if code == FAILED or (options.again is not None and _again(options) == FAILED):
             return FAILED
         # Tables are compared after the data, because a message might advise to write tables from damaged data.
-        compared |= as_written(options.out, found)
+        compared |= as_written(options.out, judged)
     compared |= {options.out / "data" / "cases.csv"}
     inside = len([path for path in compared if options.out in path.parents])
-    print(folded(f"{verified}; {len(found)} verdicts and {inside} files agree with the texts that this version writes"))
+    print(
+        folded(f"{verified}; {len(judged)} verdicts and {inside} files agree with the texts that this version writes")
+    )
     in_part, unchecked = not_compared(options.out, compared)
     for what, paths in (("checked in part", in_part), ("not checked", unchecked)):
         if paths:
@@ -80,16 +82,18 @@ def _again(options: argparse.Namespace) -> int:
         progress_bar(round(sum(job.cost for job in jobs))) as bar,
     ):
         tolerance = Tolerance(options.tolerance, options.absolute)
-        found = compare_again(options.out, jobs, Pool.of(processes), tolerance, lambda cost: bar.update(round(cost)))
-    if not found.differs:
+        comparison = compare_again(
+            options.out, jobs, Pool.of(processes), tolerance, lambda cost: bar.update(round(cost))
+        )
+    if not comparison.differs:
         print(f"all numbers agree within {options.tolerance:g} relative + {options.absolute:g}")
         return OK
     print(f"numbers differ; old is the value in {options.out}/data, new is measured now\n")
-    print(as_text(found))
+    print(as_text(comparison))
     return FAILED
 
 
-def as_written(directory: Path, found: Sequence[Verdict]) -> set[Path]:
+def as_written(directory: Path, judged: Sequence[Verdict]) -> set[Path]:
     """Compare verdicts, tables, captions, badges and README with the texts that the program would write now.
 
     Returns:
@@ -98,7 +102,7 @@ def as_written(directory: Path, found: Sequence[Verdict]) -> set[Path]:
     Raises:
         DataError: a file differs; the message names the first line, both texts, and the command that mends it.
     """
-    compare_claims(directory, found)
+    compare_claims(directory, judged)
     read_claims(directory)
     return {claims_file(directory), *compare_texts(expected_texts(directory))}
 

@@ -74,7 +74,7 @@ def probe(file: CsvFile, table: pd.DataFrame) -> pd.DataFrame:
         file: the data file, with its name and key columns.
         table: the measured table.
     """
-    found = table.copy()
+    artificial = table.copy()
     key = table[[name for name in file.key if name != "family"]].astype(str).agg(" ".join, axis=1)
     if file == LISTED:
         key += " " + table["quantity"]
@@ -84,8 +84,8 @@ def probe(file: CsvFile, table: pd.DataFrame) -> pd.DataFrame:
             hashes = [hashlib.sha256(f"{file.name} {row} {column}".encode()).hexdigest() for row in key]
             # The first eight hexadecimal digits of each hash give a number between −1 and 1.
             chance = np.array([int(digits[:8], 16) / 2**31 - 1 for digits in hashes])
-            found[column] = size * np.exp(SCATTER * chance)
-    return found
+            artificial[column] = size * np.exp(SCATTER * chance)
+    return artificial
 
 
 def _settings(plan: Plan, statement: Statement) -> list[tuple[str, str]]:

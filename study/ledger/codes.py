@@ -70,9 +70,10 @@ class Codes:
         """
         finest = self.errors.sort_values("level", kind="stable").groupby(SERIES, sort=False).tail(1)
         judged = self.classes[self.classes["class"] != NOT_EXPRESSED]
-        found = judged.merge(finest, on=["series", *SERIES], validate="one_to_one")
-        share, excess = found["distance"] / found["best"], found["pressure"] / found["best_pressure"]
-        return found.assign(share=share, excess=excess).replace([np.inf, -np.inf], np.nan)
+        finest_rows = judged.merge(finest, on=["series", *SERIES], validate="one_to_one")
+        share = finest_rows["distance"] / finest_rows["best"]
+        excess = finest_rows["pressure"] / finest_rows["best_pressure"]
+        return finest_rows.assign(share=share, excess=excess).replace([np.inf, -np.inf], np.nan)
 
     def rows(self) -> pd.DataFrame:
         """Return a table with one row for each code with fixed parameters, over all cases and mesh families.
@@ -82,14 +83,14 @@ class Codes:
         largest ``share``, ``excess`` (see ``series``) and ``invariance`` (change of the result if all loads are
         scaled).
         """
-        found = []
-        for key, mine in self.series().groupby(KEY, sort=False):
-            counts = mine["class"].value_counts()
+        lines = []
+        for key, series in self.series().groupby(KEY, sort=False):
+            counts = series["class"].value_counts()
             text = ", ".join(f"{grade} ({counts[grade]})" for grade in GRADES if grade in counts)
-            worst = mine[["share", "excess", "invariance"]].max().to_dict()
-            orders = {"order_low": mine["order_in_v"].min(), "order_high": mine["order_in_v"].max()}
-            found.append(dict(zip(KEY, key, strict=True)) | {"classes": text} | orders | worst)
-        return pd.DataFrame(found)
+            worst = series[["share", "excess", "invariance"]].max().to_dict()
+            orders = {"order_low": series["order_in_v"].min(), "order_high": series["order_in_v"].max()}
+            lines.append(dict(zip(KEY, key, strict=True)) | {"classes": text} | orders | worst)
+        return pd.DataFrame(lines)
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ PROSE = ["statement", "quantity", "expected", "summary", "reason", "what", "regu
 MAGNITUDES = ("displacement_gap", "stress_gap", "displacement_bound", "stress_bound")
 """Columns of ``equivalence.csv`` of which only the order of magnitude is compared: the numbers depend on where an
 iteration stops."""
-COLUMNS = ["row", "column", "old", "new", "file", "relative"]
+CELL_COLUMNS = ["row", "column", "old", "new", "file", "relative"]
 WHOLE = r"-?\d+"
 """Matches whole numbers, such as levels."""
 Array = NDArray[Any]
@@ -120,7 +120,7 @@ def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
         cells = _changed(_cells(old, name, contents[0]), _cells(new, name, contents[1]), name, tolerance)
         states[name] = DIFFERS if len(cells) else WITHIN
         tables.append(cells)
-    return Comparison(tolerance, states, pd.concat([pd.DataFrame(columns=COLUMNS), *tables]))
+    return Comparison(tolerance, states, pd.concat([pd.DataFrame(columns=CELL_COLUMNS), *tables]))
 
 
 def _files(directory: Path) -> dict[str, Path]:
@@ -247,8 +247,8 @@ def difference(path: Path, expected: str, close: frozenset[str] = frozenset()) -
     lines = zip_longest(text.split("\n"), expected.split("\n"))
     head = next(csv.reader([expected.partition("\n")[0]])) if path.suffix == ".csv" else []
     for number, pair in enumerate(lines, start=1):
-        whole = not head or None in pair
-        cells = [("", *pair)] if whole else zip_longest(head, *(next(csv.reader([line]), []) for line in pair))
+        undivided = not head or None in pair
+        cells = [("", *pair)] if undivided else zip_longest(head, *(next(csv.reader([line]), []) for line in pair))
         for name, a, b in cells:
             if a != b and not (name in close and _near(a, b)):
                 place = next((i for i, (x, y) in enumerate(zip(a or "", b or "", strict=False)) if x != y), 0)

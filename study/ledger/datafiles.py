@@ -296,11 +296,11 @@ def expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
         DataError: the file is missing or damaged, or lacks a case of the table ``rates``.
     """
     cases = read_csv(directory, "cases.csv", ("case", "expected_order"))
-    found = dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
-    if unknown := sorted(set(rates["case"]) - set(found)):
+    orders = dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
+    if unknown := sorted(set(rates["case"]) - set(orders)):
         lacking = f"{directory / 'data' / 'cases.csv'} lacks the cases {', '.join(unknown)}"
         raise DataError(f"{lacking}: make it again with `{made_by(directory)}`")
-    return found
+    return orders
 
 
 def read_claims(directory: Path) -> pd.DataFrame:
@@ -342,9 +342,9 @@ def by_claim(claims: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
 
 def with_orders(table: pd.DataFrame) -> pd.DataFrame:
     """Return a table of errors with their observed orders in a new column ``order`` after the column ``time_share``."""
-    found = table.copy()
-    found.insert(table.columns.tolist().index("time_share") + 1, "order", in_series(table, "error"))
-    return found
+    completed = table.copy()
+    completed.insert(table.columns.tolist().index("time_share") + 1, "order", in_series(table, "error"))
+    return completed
 
 
 def in_series(table: pd.DataFrame, column: str) -> pd.Series:
@@ -353,10 +353,10 @@ def in_series(table: pd.DataFrame, column: str) -> pd.Series:
     Rows with the same proposition, case, mesh family and time scheme belong together. The order is NaN on the first
     level.
     """
-    found = pd.Series(np.nan, table.index)
+    orders = pd.Series(np.nan, table.index)
     for _, group in table.groupby(SERIES, sort=False):
-        found[group.index] = since_before(group["h"].to_numpy(), group[column].to_numpy())
-    return found
+        orders[group.index] = since_before(group["h"].to_numpy(), group[column].to_numpy())
+    return orders
 
 
 def since_before(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -367,5 +367,5 @@ def since_before(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[
     Parameters:
         h, error: mesh sizes and errors, (levels,), coarse to fine.
     """
-    found = consecutive_orders(h, np.where(error > 0, error, np.nan))
-    return np.append(np.nan, np.where(np.diff(h) < 0, found, np.nan))
+    orders = consecutive_orders(h, np.where(error > 0, error, np.nan))
+    return np.append(np.nan, np.where(np.diff(h) < 0, orders, np.nan))

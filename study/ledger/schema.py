@@ -76,7 +76,15 @@ def markdown(name: str) -> Iterator[str]:
     yield ""
 
 
-RATES = r"""
+UNKNOWN = "if the exact solution is unknown"
+PLACE = ("case", "family", "level")
+NORMS = "Norms are taken in $L^2(0,T)$ and divided by the norm of the exact quantity."
+STRESS_NORMS = """Errors are root mean squares over the time steps. Errors of stresses and of the pressure are divided by the norm of σ, the
+others by the norm of the exact quantity."""
+TABLES = {
+    "rates.csv": Table(
+        ("case", "family", "scheme", "level"),
+        columns(r"""
 claim | text | the proposition that is judged with this row
 case | text | the exact solution
 family | text | the mesh family
@@ -102,8 +110,13 @@ residual | 1 | largest residual of a contact solve
 quadrature_change | 1 | relative change of the error if the degrees of the quadrature rules are higher by two
 clamped | 1 | largest $\lvert u^h\rvert$ on Γ1
 parallelogram | 1 | largest violation of the parallelogram law, divided by the largest $\lVert \Pi^h u - u^h\rVert_V^2$
-"""
-CLAIMS = """
+"""),
+        note=r"""The norm is $\lVert v\rVert_V = (A\varepsilon(v), \varepsilon(v))_Q^{1/2}$. Two computations have the time steps $k$ and $k/2$. The one
+with $k/2$ is taken as $u^h$; maxima over time are maxima over its time steps.""",
+    ),
+    "claims.csv": Table(
+        ("label", "key", "case", "family"),
+        columns("""
 label | text | the statement, as it is numbered in the paper, or a name
 statement | text | what is claimed
 case | text | the exact solution
@@ -118,8 +131,11 @@ family | text | the mesh family | if the check is about several
 kind | text | *claim*, *consequence*, *accuracy* or *identity*
 window_low | 1 | lower end of the tolerance window | if there is no window
 window_high | 1 | upper end of the tolerance window | if there is no window
-"""
-CASES = """
+"""),
+    ),
+    "cases.csv": Table(
+        ("case",),
+        columns("""
 case | text | the exact solution
 summary | text | contact zone and pressure, in words
 dimension | count | dimension of the body
@@ -131,8 +147,11 @@ proved_order | 1 | the order that is proved | if none is proved
 twin | text | the case whose solution is the same in another position | if there is none
 statements | text | the statements that are tested with this case
 reason | text | the reason for the orders
-"""
-EQUIVALENCE = r"""
+"""),
+    ),
+    "equivalence.csv": Table(
+        PLACE,
+        columns(r"""
 case | text | the exact solution
 form | text | the space of strains that belongs to the stresses
 level | count | number of cells along a side
@@ -146,8 +165,12 @@ membership | 1 | violation of $u \in K^h$
 displacement_bound | 1 | bound of `displacement_gap` from the duality gap of the solver
 stress_bound | 1 | bound of `stress_gap` from the duality gap of the solver
 family | text | the mesh family
-"""
-STRESSES = r"""
+"""),
+        note="Problem 3.1 is the displacement problem, Problem 3.2 the stress problem.",
+    ),
+    "stresses.csv": Table(
+        PLACE,
+        columns(r"""
 case | text | the exact solution
 family | text | the mesh family
 level | count | number of cells along a side
@@ -164,8 +187,12 @@ primal_stress | 1 | norm of the difference between the stresses of this problem 
 primal_displacement | 1 | as `displacement`, with $u^h$ of Problem 5.1 instead of $u$
 admissibility | 1 | largest violation at a point, relative to the largest $\lvert\sigma^h\nu\rvert$, of $\sigma_\tau = 0$, $\sigma_\nu \le 0$, $\sigma\nu = P f_2$ and of the continuity of $\sigma\nu$
 time_share | 1 | change of the stress when the time step $k$ is doubled, divided by `stress`
-"""
-CONTACT = r"""
+"""),
+        note=STRESS_NORMS,
+    ),
+    "contact.csv": Table(
+        PLACE,
+        columns(r"""
 case | text | the exact solution
 family | text | the mesh family
 level | count | number of cells along a side
@@ -180,8 +207,12 @@ resultant_time_share | 1 | error in time of `resultant`
 penetration | 1 | largest $(u^h_\nu)_+$ between vertices, divided by the largest $\lvert u^h\rvert$
 pulling | 1 | largest nodal force of the wrong sign, divided by the largest nodal force
 clamped | count | number of pieces of the contact side that meet the clamped side; if not 0, no order of `resultant` is judged
-"""
-RECOMPUTED = r"""
+"""),
+        note=NORMS,
+    ),
+    "recomputed.csv": Table(
+        ("case", "family", "scheme", "level"),
+        columns(r"""
 case | text | the exact solution
 family | text | the mesh family
 scheme | text | the time scheme
@@ -195,8 +226,11 @@ displacement | 1 | relative difference of $u^h$, the maximum over time in $V$
 multipliers | 1 | relative difference of all nodal forces
 displacement_same_load | 1 | `displacement` if both computations use the same load
 multipliers_same_load | 1 | `multipliers` if both computations use the same load
-"""
-STATEMENTS = """
+"""),
+    ),
+    "statements.csv": Table(
+        ("label", *PLACE),
+        columns("""
 label | text | the statement, as it is numbered in the paper, or a name
 case | text | the exact solution
 family | text | the mesh family
@@ -204,9 +238,12 @@ level | count | number of cells along a side
 h | 1 | mesh size
 quantity | text | a measured quantity in words
 value | 1 | its value
-"""
-UNKNOWN = "if the exact solution is unknown"
-BOUNDS = rf"""
+"""),
+        ("quantity",),
+    ),
+    "bounds.csv": Table(
+        ("trajectory", "case", "family", "scheme", "level"),
+        columns(rf"""
 case | text | the exact solution, or the problem
 family | text | the mesh family
 scheme | text | the time scheme
@@ -226,8 +263,14 @@ residual | 1 | part of the bound, integrated over time
 contact | 1 | part of the bound, integrated over time
 oscillation | 1 | part of the bound, integrated over time
 bending | 1 | part of the bound, integrated over time
-"""
-ENCLOSURES = rf"""
+"""),
+        note=r"""The bounds are computed from a displacement $\tilde u$. Let $d = \lVert\tilde u - u_h\rVert_V$, and let $y$ be the computed bound of
+$\lVert u - \tilde u\rVert_V$. Then the error $\lVert u - u_h\rVert_V$ lies between $d - y$ and $d + y$. For *junction* $f_0$ is zero and the
+oscillation is rounding error of $f_0$ near the singular point: it changes by up to 10 % from processor to processor, and the bound by 10⁻⁵.""",
+    ),
+    "enclosures.csv": Table(
+        ("trajectory", "case", "family", "scheme", "level"),
+        columns(rf"""
 trajectory | text | as in `bounds.csv`
 case | text | the exact solution, or the problem
 family | text | the mesh family
@@ -237,8 +280,12 @@ time | 1 | the time
 error | 1 | the error at this time | {UNKNOWN}
 distance | 1 | $d$ at this time
 bound | 1 | $y$ at this time
-"""
-FAULTS = """
+"""),
+        ("time",),
+    ),
+    "faults.csv": Table(
+        ("fault", "size", "case"),
+        columns("""
 equation | text | the equation or condition of the paper that the fault violates
 fault | text | the deliberate fault
 size | 1 | its size δ
@@ -249,8 +296,12 @@ distance | 1 | maximum over time of the distance of the right from the faulty di
 error | 1 | the error without the fault on the finest level
 by_error | text | the checks of the order and size of the error that fail with the fault
 by_others | text | the other checks that fail
-"""
-CONTACT_TEST = """
+"""),
+        command="study faults",
+    ),
+    "contact-test.csv": Table(
+        ("case", "family", "defect"),
+        columns("""
 case | text | the exact solution of the user
 family | text | the mesh family: the first that exists for the body
 levels | text | the finest levels of the run
@@ -259,14 +310,22 @@ what | text | what the defect changes
 holding | count | number of checks that hold without the defect and compare with the exact solution
 noticed | count | number of these checks that do not hold with the defect
 noticed_by | text | their labels and keys
-"""
-SEEDS = """
+"""),
+    ),
+    "seeds.csv": Table(
+        ("seed",),
+        columns("""
 seed | count | the number from which the random meshes are computed
 rules | text | hash of tolerance windows, levels and statistics; only seeds with the last hash are counted
 judged | count | the number of checks that were judged; −1 while the seed is measured
 alarms | count | the number of these checks that did not hold; −1 while the seed is measured
-"""
-CODES_CLASSES = """
+"""),
+        command="study seeds",
+        note="The rows stand in the order in which the seeds were drawn.",
+    ),
+    "codes/classes.csv": Table(
+        ("series",),
+        columns("""
 series | count | number of the series: a code with fixed parameters on the meshes of one case and mesh family
 code | text | the code
 version | text | its version
@@ -279,8 +338,12 @@ order_of_distance | 1 | observed order of `distance` | with one mesh
 order_of_pressure | 1 | observed order of the contact pressure | with one mesh
 invariance | 1 | change of the result if all loads are scaled | if it was not measured
 reason | text | why the code cannot express the problem | if it can
-"""
-CODES_ERRORS = r"""
+"""),
+        command="make codes",
+    ),
+    "codes/errors.csv": Table(
+        ("series", "level"),
+        columns(r"""
 series | count | number of the series in `codes/classes.csv`
 level | count | number of cells along a side
 h | 1 | mesh size
@@ -294,47 +357,9 @@ penetration | 1 | largest penetration
 resultant | 1 | error of the total contact force
 tangential | 1 | largest tangential contact force
 solves | 1 | number of linear systems that were solved | if the code does not tell
-"""
-PLACE = ("case", "family", "level")
-NORMS = "Norms are taken in $L^2(0,T)$ and divided by the norm of the exact quantity."
-STRESS_NORMS = """Errors are root mean squares over the time steps. Errors of stresses and of the pressure are divided by the norm of σ, the
-others by the norm of the exact quantity."""
-TABLES = {
-    "rates.csv": Table(
-        ("case", "family", "scheme", "level"),
-        columns(RATES),
-        note=r"""The norm is $\lVert v\rVert_V = (A\varepsilon(v), \varepsilon(v))_Q^{1/2}$. Two computations have the time steps $k$ and $k/2$. The one
-with $k/2$ is taken as $u^h$; maxima over time are maxima over its time steps.""",
+"""),
+        command="make codes",
     ),
-    "claims.csv": Table(("label", "key", "case", "family"), columns(CLAIMS)),
-    "cases.csv": Table(("case",), columns(CASES)),
-    "equivalence.csv": Table(
-        PLACE,
-        columns(EQUIVALENCE),
-        note="Problem 3.1 is the displacement problem, Problem 3.2 the stress problem.",
-    ),
-    "stresses.csv": Table(PLACE, columns(STRESSES), note=STRESS_NORMS),
-    "contact.csv": Table(PLACE, columns(CONTACT), note=NORMS),
-    "recomputed.csv": Table(("case", "family", "scheme", "level"), columns(RECOMPUTED)),
-    "statements.csv": Table(("label", *PLACE), columns(STATEMENTS), ("quantity",)),
-    "bounds.csv": Table(
-        ("trajectory", "case", "family", "scheme", "level"),
-        columns(BOUNDS),
-        note=r"""The bounds are computed from a displacement $\tilde u$. Let $d = \lVert\tilde u - u_h\rVert_V$, and let $y$ be the computed bound of
-$\lVert u - \tilde u\rVert_V$. Then the error $\lVert u - u_h\rVert_V$ lies between $d - y$ and $d + y$. For *junction* $f_0$ is zero and the
-oscillation is rounding error of $f_0$ near the singular point: it changes by up to 10 % from processor to processor, and the bound by 10⁻⁵.""",
-    ),
-    "enclosures.csv": Table(("trajectory", "case", "family", "scheme", "level"), columns(ENCLOSURES), ("time",)),
-    "faults.csv": Table(("fault", "size", "case"), columns(FAULTS), command="study faults"),
-    "contact-test.csv": Table(("case", "family", "defect"), columns(CONTACT_TEST)),
-    "seeds.csv": Table(
-        ("seed",),
-        columns(SEEDS),
-        command="study seeds",
-        note="The rows stand in the order in which the seeds were drawn.",
-    ),
-    "codes/classes.csv": Table(("series",), columns(CODES_CLASSES), command="make codes"),
-    "codes/errors.csv": Table(("series", "level"), columns(CODES_ERRORS), command="make codes"),
 }
 """Name of a file, in the folder ``data`` if it has no other ↦ its table."""
 TEXTS = {name for table in TABLES.values() for name, column in table.columns.items() if column.unit == TEXT}

@@ -49,8 +49,8 @@ def verify(directory: Path) -> str:
     # predictions in the provenance of the run are used.
     path = directory / "data" / "cases.csv"
     read_csv(directory, path.name, PREDICTED)
-    if found := difference(path, table_text(pd.DataFrame(expectation.lines))):
-        raise DataError(f"{found} from the catalogue or from the file of the case: {again}")
+    if differs := difference(path, table_text(pd.DataFrame(expectation.lines))):
+        raise DataError(f"{differs} from the catalogue or from the file of the case: {again}")
     for folder in (FOLDER, MARCHES):
         Codes.read(directory, folder)
     rows, gone = sum(map(len, tables.values())), ", ".join(sorted(expectation.gone))
@@ -76,9 +76,9 @@ def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, aga
     if repeated := [key for key, count in Counter(recorded).items() if count > 1]:
         raise DataError(f"{where} plans {' '.join(repeated[0])} twice: {again}")
     # A newer program may plan more. What an older one has measured stands.
-    other = set(recorded) ^ set(expectation.plan.keys() if expectation.plan else recorded)
-    if other and record.get("commit") == commit()["commit"]:
-        first, plans = min(other), "plans" if min(other) in recorded else "does not plan"
+    differing = set(recorded) ^ set(expectation.plan.keys() if expectation.plan else recorded)
+    if differing and record.get("commit") == commit()["commit"]:
+        first, plans = min(differing), "plans" if min(differing) in recorded else "does not plan"
         raise DataError(f"{where} {plans} {' '.join(first)}, which disagrees with its scope: {again}")
     return set(recorded)
 

@@ -92,9 +92,9 @@ def judge(directory: Path) -> list[Verdict]:
         UsageError: the directory has no data.
         StoreError, DataError: data are of another format, missing or damaged.
     """
-    found = verdicts(directory)
-    write_csv(claims_file(directory), claims(found))
-    return found
+    judged = verdicts(directory)
+    write_csv(claims_file(directory), claims(judged))
+    return judged
 
 
 def claims_file(directory: Path) -> Path:
@@ -102,18 +102,18 @@ def claims_file(directory: Path) -> Path:
     return directory / "data" / "claims.csv"
 
 
-def compare_claims(directory: Path, found: Sequence[Verdict]) -> None:
+def compare_claims(directory: Path, judged: Sequence[Verdict]) -> None:
     """Raise DataError if ``claims.csv`` is missing or differs from the checks that follow from the data."""
     path, again = claims_file(directory), f"`study tables --out {directory}` writes it again"
     if not path.is_file():
         raise DataError(f"{path} is missing: {again}")
-    if differs := difference(path, table_text(claims(found)), frozenset(TABLES["claims.csv"].numbers)):
+    if differs := difference(path, table_text(claims(judged)), frozenset(TABLES["claims.csv"].numbers)):
         raise DataError(f"{differs}: {again}")
 
 
-def claims(found: Sequence[Verdict]) -> pd.DataFrame:
+def claims(judged: Sequence[Verdict]) -> pd.DataFrame:
     """Return checks as the table ``claims.csv``."""
-    return pd.DataFrame([asdict(verdict) for verdict in found])
+    return pd.DataFrame([asdict(verdict) for verdict in judged])
 
 
 def verdicts(directory: Path) -> list[Verdict]:
@@ -164,11 +164,11 @@ def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.D
         tables: data file ↦ its table.
     """
     assert isinstance(statement.file, CsvFile)
-    mine, key = tables[statement.file], list(statement.file.key)
+    own_rows, key = tables[statement.file], list(statement.file.key)
     if statement.joined_file is None:
-        return mine
-    other = tables[statement.joined_file].set_index(key).add_suffix(REPORTED).reset_index()
-    return mine.merge(other, on=key, how="left")
+        return own_rows
+    joined_rows = tables[statement.joined_file].set_index(key).add_suffix(REPORTED).reset_index()
+    return own_rows.merge(joined_rows, on=key, how="left")
 
 
 def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdict]:
@@ -194,8 +194,8 @@ def judge_statement(statement: Statement, rows: pd.DataFrame) -> list[Verdict]:
         rows: the table of the data file of the statement; several statements may use the same file.
     """
     of_all = statement.file != LISTED or isinstance(statement, Listed)
-    mine = rows if of_all else rows[rows["label"] == statement.label]
-    return statement.judge(mine) if len(mine) else []
+    own_rows = rows if of_all else rows[rows["label"] == statement.label]
+    return statement.judge(own_rows) if len(own_rows) else []
 
 
 def _refuse_gaps(directory: Path, tables: dict[CsvFile, pd.DataFrame], cases: pd.DataFrame) -> None:

@@ -71,8 +71,8 @@ class Store:
         if any(mark.exists() for mark in self.marks):
             return
         for place in self.written:
-            found = self.directory / place
-            files = [found] if found.is_file() else sorted(path for path in found.rglob("*") if path.is_file())
+            written = self.directory / place
+            files = [written] if written.is_file() else sorted(path for path in written.rglob("*") if path.is_file())
             foreign = next((path for path in files if not path.name.startswith(".")), None)
             if foreign:
                 raise StoreError(
@@ -229,9 +229,9 @@ def _checksum(result: object) -> str:
 
 def require_format(path: Path, content: dict[str, Any] | None) -> None:
     """Raise StoreError if a data file has another version of the format than this program reads."""
-    found = None if content is None else content.get("format")
-    if found != FORMAT:
+    stored = None if content is None else content.get("format")
+    if stored != FORMAT:
         raise StoreError(
-            f"{path} holds data of format {found}, this version reads format {FORMAT}; "
+            f"{path} holds data of format {stored}, this version reads format {FORMAT}; "
             "use another directory with --out, or remove this one and run again"
         )

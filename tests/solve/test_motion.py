@@ -10,7 +10,7 @@ import pytest
 from changed import problems
 
 from manufactured import named
-from manufactured.law import DeviatoricBall, FrobeniusBall, Yield, isotropic
+from manufactured.law import DeviatoricBall, FrobeniusBall, NonSymmetric, Yield, isotropic
 from manufactured.tensors import identity, mandel, size
 from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import FAMILIES, OneDiagonal, Shaken, Unstructured
@@ -124,10 +124,8 @@ def test_a_law_without_a_known_potential_and_a_run_without_steps_are_refused() -
     with pytest.raises(StepsError, match="one step or more"):
         list(stresses.march(0))
 
-    class Other:
-        dim, lipschitz, monotonicity, reference = 2, 1.0, 0.0, np.eye(3)
-
-    strange = replace(stresses, law=replace(stresses.law, G=Other()))
+    without_potential = NonSymmetric(np.array([[1.0, 0.5, 0.0], [-0.5, 1.0, 0.0], [0.0, 0.0, 1.0]]))
+    strange = replace(stresses, law=replace(stresses.law, G=without_potential))
     with pytest.raises(StressError, match="complementary potential"):
         list(strange.march(2))
 
