@@ -11,7 +11,7 @@ from study.controls.faults import FAULTS
 from study.controls.matrix import cases_of_quick, measure_case
 from study.fem.naming import choose
 from study.ledger.datafiles import write_csv
-from study.ledger.faults import missed, summary
+from study.ledger.faults import in_words, missed, summary
 from study.ledger.schema import TABLES
 from study.ledger.text import folded
 from study.run.executor import Processes
@@ -46,7 +46,6 @@ def do_faults(options: argparse.Namespace) -> int:
     heads = {"errors": "noticed by errors", "any_check": "by any check"}
     print(f"\n{tabulate(summary(table).rename(columns=heads), 'keys', showindex=False)}\ndata: {written}")
     lacking = missed(table)
-    told = f"not noticed as the rules demand: {'; '.join(lacking)}" if lacking else "all are noticed"
-    print(folded(f"{len(names)} faults, {len(cases)} cases: {told}"))
+    print(folded(f"{len(names)} faults, {len(cases)} cases; not noticed as the rules demand: {in_words(lacking)}"))
     # A selection of cases need not notice every fault.
     return FAILED if lacking and not options.case else OK

@@ -23,8 +23,8 @@ def summary(matrix: pd.DataFrame) -> pd.DataFrame:
     return counts.assign(cases=grouped.size()).reset_index()
 
 
-def missed(matrix: pd.DataFrame) -> list[str]:
-    """Return the faults that are not noticed as the rules demand.
+def missed(matrix: pd.DataFrame) -> dict[str, str]:
+    """Return the faults that are not noticed as the rules demand: name ↦ where, "in the plane" or "in space" or both.
 
     At its smallest size, every fault must be noticed by the order or the size of the error in two plane cases, and in
     one case in space if it can occur there. A fault at single vertices must be noticed by any check in two cases.
@@ -32,15 +32,22 @@ def missed(matrix: pd.DataFrame) -> list[str]:
     Parameters:
         matrix: the table ``faults.csv``.
     """
-    lacking = []
+    lacking = {}
     for fault, rows in matrix.groupby("fault", sort=False):
         smallest = rows[rows["size"].abs() == rows["size"].abs().min()]
         noticed = smallest["by_error"] != ""
         if smallest["single"].all():
             noticed |= smallest["by_others"] != ""
         plane, solid = smallest["dim"] == 2, smallest["dim"] == 3
-        if (noticed & plane).sum() < min(2, plane.sum()):
-            lacking.append(f"{fault}, in the plane")
-        if solid.any() and not (noticed & solid).any():
-            lacking.append(f"{fault}, in space")
+        places = {
+            "in the plane": (noticed & plane).sum() < min(2, plane.sum()),
+            "in space": solid.any() and not (noticed & solid).any(),
+        }
+        if any(places.values()):
+            lacking[str(fault)] = " and ".join(place for place, lacks in places.items() if lacks)
     return lacking
+
+
+def in_words(lacking: dict[str, str]) -> str:
+    """Return the result of ``missed`` as a text."""
+    return "; ".join(f"{fault}, {where}" for fault, where in lacking.items()) or "none"

@@ -17,6 +17,7 @@ from manufactured.colours import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.fem.mesh import FAMILIES
 from study.ledger.codes import MADE, Codes
 from study.ledger.datafiles import DataError, by_claim, count_kinds, count_verdicts
+from study.ledger.faults import in_words
 from study.ledger.faults import missed as missed_faults
 from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
@@ -243,7 +244,7 @@ def _alarms(data: FullRun) -> dict[str, Any]:
     """Return the values in the texts on noticed deliberate defects, and on false alarms on random meshes."""
     return {
         "faulty": FAILS if missed_faults(data.faults) else HOLDS,
-        "faults_missed": "; ".join(missed_faults(data.faults)) or "none",
+        "faults_missed": in_words(missed_faults(data.faults)),
         "alarms": data.alarms,
         "alarm_low": 100 * data.alarms.low,
         "alarm_high": 100 * data.alarms.high,

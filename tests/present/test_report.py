@@ -122,7 +122,7 @@ def test_every_row_of_the_other_tables_is_on_the_page(directory: Path, page: Pag
         assert cells
         assert [row for row in cells if list(map(plain, row)) not in rows] == []
     faults = pd.read_csv(directory / "data" / "faults.csv")["fault"]
-    assert set(faults) <= {row[1] for row in page.rows if len(row) > 1}
+    assert set(map(plain, faults)) <= {row[1] for row in page.rows if len(row) > 1}
 
 
 SYMBOL = re.compile(r"[^\W\d_]\^h|‖_\w|\b[^\W\d_]\b(?!\^)")
