@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy.sparse as sps
+from changed import problems
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -27,7 +28,6 @@ from study.solve.steps import StepsError, rate_steps, stress_steps
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES, Tableau
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
-from study.statements.thm_4_2 import problems
 from study.statements.thm_4_2_own_space import StressExperiment
 
 K = 0.1
