@@ -473,6 +473,30 @@ def test_the_distance_of_the_start_is_an_integral_rounded_up() -> None:
         assert square <= on_grid(grid, certificate._start) ** 2 <= square + Q(1, 2 ** (4 * grid // 5 - 8))
 
 
+def test_the_work_of_contact_is_an_integral_and_not_negative() -> None:
+    """∫∫ σ̃_ν ũ_ν on a slanted foundation, by a quadrature in space and time."""
+    wedge = checker.Certificate(checker.load(EXAMPLES / "wedge-4.json.gz"))
+    rng, edges, mesh = np.random.default_rng(7), wedge.stresses.contact, wedge.mesh
+    x, y = mesh.along(edges[0])
+    depths, slides = rng.integers(0, 2**20, (2, 3, mesh.nodes, 1))
+    values = slides * [x, y] - depths * [y, -x]
+    piece = Piece(Q(1, 4), Q(3, 4), values.reshape(3, -1).tolist())
+    normals = (-rng.integers(0, 2**30, (3, len(edges), 4))).tolist()
+    nodes, weights = np.polynomial.legendre.leggauss(6)
+    s, w = (nodes + 1) / 2, weights / 2
+    basis = [np.array([math.comb(n, i) * s**i * (1 - s) ** (n - i) for i in range(n + 1)]) for n in (2, 3)]
+    total = 0.0
+    for i, edge in enumerate(edges):
+        x, y = (c / mesh.h for c in mesh.along(edge))
+        u = np.einsum("rq,rt,qx->tx", values[:, mesh.nodes_of(edge)] @ [y, -x], basis[0], basis[0])
+        tau = np.einsum("sp,st,px->tx", np.array(normals, dtype=float)[:, i], basis[0], basis[1])
+        total += np.einsum("tx,tx,t,x->", u, tau, w, w)
+    wanted = total * float(piece.b - piece.a) / 2.0 ** (wedge.stresses.bits + wedge.bits + 2)
+    assert float(wedge._contact(piece, normals)) == pytest.approx(wanted, rel=1e-12)
+    with pytest.raises(RefusedError, match="work of contact is negative"):
+        wedge._contact(piece, [[[1] * 4 for _ in edges]] * 3)
+
+
 @pytest.mark.parametrize("name", ["f_0 that is not balanced", "f_0 that is not taken up", "f_2"])
 def test_loads_that_are_missed_are_added_with_their_constant(name: str, certificate: Any, monkeypatch: Any) -> None:
     """The load t on a body of area 1 or a side of length 1 is added, which the stresses in the file do not balance."""
@@ -511,12 +535,6 @@ def test_a_bound_without_end_is_refused(made: Any) -> None:
     certificate.growth = lambda *_: (Q(0), Q(10**100))  # type: ignore[assignment,method-assign]
     with pytest.raises(RefusedError, match="too large to be printed"):
         certificate.check()
-
-
-def test_a_work_of_contact_that_is_negative_is_refused(bracket: checker.Certificate) -> None:
-    """∫∫ σ̃_ν ũ_ν of a stress that pulls where the body is away from the foundation."""
-    with pytest.raises(RefusedError, match="work of contact is negative"):
-        bracket._contact(piece_of(bracket), [[[1] * 4 for _ in bracket.stresses.contact]] * 3)
 
 
 # Orders
