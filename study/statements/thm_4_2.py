@@ -21,7 +21,7 @@ G ε = G_0 ε + β(ε − P_K ε) with a linear G_0, where A/k + G_0 and β(ε �
 
 **The sensitivity.** ``study.controls.matrix`` solves Problem 3.1 with a deliberate fault and Problem 3.2 without it.
 The checks must notice the fault, so the comparison is not one of a solution with itself. How stresses are computed is
-tested in a process that has no displacement solver (``tests/controls/test_faults.py``).
+tested in a process that has no displacement solver (``tests/controls/test_fault_matrix.py``).
 
 ``thm_4_2_own_space`` solves Problem 3.2 on a stress space without using displacements.
 """

@@ -201,6 +201,9 @@ def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(patch: 
     assert max(interval.inside for interval in intervals) <= 1e-6 * size
 
 
+# ---- the spline and u_h
+
+
 @pytest.mark.parametrize(("patch", "family"), [(PATCHES[0], OneDiagonal()), (PATCHES[1], Unstructured())])
 def test_the_enclosure_is_the_error_itself_for_a_solution_of_degree_2_that_grows_linearly(patch, family) -> None:
     """From the data alone: Problem 5.1 in degree 2 finds the solution, and nothing is left to bound."""
@@ -214,9 +217,6 @@ def test_the_enclosure_is_the_error_itself_for_a_solution_of_degree_2_that_grows
     assert (found.upper - found.lower).max() <= 1e-5 * found.upper.max()
     assert found.upper == pytest.approx(errors, rel=1e-5)
     assert min(errors) > 0.01
-
-
-# ---- the spline and u_h
 
 
 @given(
@@ -242,11 +242,6 @@ def test_a_spline_is_continuous_with_its_velocity_and_starts_and_ends_in_its_nod
         # The polar form is symmetric, and affine in both times.
         middle = (piece.blossom(piece.a, time) + piece.blossom(piece.b, time)) / 2
         assert np.allclose(middle, piece.blossom(time, (piece.a + piece.b) / 2))
-    # Weights of nodes: points are convex combinations, so ũ stays in every convex set with the nodes.
-    for piece, share in product(spline(zip(times, np.eye(len(times)), strict=True)), shares):
-        weights = piece.at(piece.a + share * (piece.b - piece.a))
-        assert weights.min() >= 0
-        assert weights.sum() == pytest.approx(1)
     # With equal steps the velocity at inner knots is the difference quotient.
     for before, after, (left, right) in zip(values, values[1:], pairwise(spline(enumerate(values))), strict=False):
         assert np.allclose([left.rate(end=True), right.rate(end=False)], after - before)

@@ -14,8 +14,7 @@ from sympy import Expr, Rational, exp, pi, sin
 
 from benchmarks.trials.known import Feature, Known, Trial, random_trial
 from benchmarks.trials.random_problems import ENCLOSED, TIMES, outcome
-from manufactured import FrobeniusBall, KelvinVoigt, Kind, Linear, Yield, isotropic, named, pos, t, unit_square
-from manufactured.compiled import function
+from manufactured import FrobeniusBall, KelvinVoigt, Linear, Yield, isotropic, named, pos, t, unit_square
 from manufactured.data import Data
 from manufactured.factor import layers, x1, x2
 from manufactured.problems import problems
@@ -43,34 +42,12 @@ def assert_inside(trial: Trial, seed: int = 0) -> None:
     assert outcome(trial, found, np.random.default_rng(seed).random(TIMES))[0] == ENCLOSED
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [4, 8, 11, *range(1000, 1010)])
+SEEDS = [1003, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (4, 8, 11, *range(1000, 1010)) if seed != 1003)]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
 def test_no_error_lies_outside_for_random_data_that_samples_do_not_see(seed: int) -> None:
     assert_inside(random_trial(seed), seed)
-
-
-@pytest.mark.parametrize("seed", [11, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 5))])
-def test_known_solutions_solve_their_problems(seed: int) -> None:
-    """On Γ3, turned or not: u_ν ≤ 0, σ_ν ≤ 0, one of them 0, σ_τ = 0; u = 0 on Γ1."""
-    known = random_trial(seed).known
-    assert known.zone is not None
-    (contact,), (clamped,) = known.body.of(Kind.CONTACT), known.body.of(Kind.CLAMPED)
-    strain = function((x1, x2, t), [*known.strain, *(sp.diff(e, t) for e in known.strain)])
-    u = function((x1, x2, t), known.u)
-    on_contact, on_top = (np.linspace(part.start, part.end, 201, axis=1) for part in (contact, clamped))
-    for time in (0.0, 0.4, 1.0):
-        e = np.array([np.broadcast_to(value, 201) for value in strain(*on_contact, time)])
-        a, b, c = known.law.A(e[3:]) + known.law.G(e[:3])
-        traction = np.array([[a, c / math.sqrt(2)], [c / math.sqrt(2), b]]).transpose(2, 0, 1) @ contact.normal
-        pressure, opening = traction @ contact.normal, -contact.normal @ np.array(u(*on_contact, time))
-        size = abs(np.array([a, b, c])).max()
-        assert abs(traction @ contact.tangent).max() < 1e-12 * size
-        assert pressure.max() < 1e-12 * size
-        assert pressure.min() < -1e-6 * size
-        assert opening.min() > -1e-14
-        assert opening.max() > 0
-        assert abs(pressure * opening).max() < 1e-12 * size
-        assert abs(np.array(u(*on_top, time))).max() < 1e-12
 
 
 def test_bounds_without_remainders_put_such_errors_outside() -> None:

@@ -20,12 +20,11 @@ import sympy as sp
 from manufactured import BodyError, Data, ExactSolution, KelvinVoigt, Kind, isotropic, plane_stress, polygon, static
 from manufactured.factor import x1, x2
 from manufactured.law import Linear
-from manufactured.symbols import t
 from study.bound.bounded import BoundedSolution, bounded_solution, series
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import enclose, squared_distances
+from study.bound.enclosing import squared_distances
 from study.bound.given import bound_displacement
-from study.bound.trajectory import Refined, SmoothedInTime, compute
+from study.bound.trajectory import Refined
 from study.fem.mesh import Shaken
 from study.solve.tableau import MIDPOINT
 
@@ -106,26 +105,6 @@ def test_any_displacement_of_a_static_body_is_enclosed(factor: float, shape: str
     mesh = Shaken()(data.body, 2)
     nodal = factor * np.array([sp.lambdify((x1, x2), one, "numpy")(*mesh.p) for one in w]).T
     check_static(data, w, bound_displacement(data, mesh.p.T, mesh.t.T, None, nodal, refine=0), 0.0)
-
-
-@pytest.mark.parametrize("shape", ["upright", pytest.param("slanted", marks=pytest.mark.slow)])
-def test_viscoelastic_errors_are_enclosed_at_all_times(shape: str) -> None:
-    A, G = isotropic(1.0, 0.5), isotropic(2.0, 3.0)
-    grown = t + t**2
-    sigma = sp.diff(grown, t) * stress(A, FREE) + grown * stress(G, FREE)
-    data = Data.formulas(body(shape), KelvinVoigt(A, G, "linear"), *loads(sigma, shape))
-    coarse = Discretisation(data, Shaken()(data.body, 2))
-    u_h = compute(coarse, MIDPOINT, 2)
-
-    def error(time: float, _: np.ndarray) -> float:
-        exact = strain_at(FREE, time + time**2)
-        return math.sqrt(squared_distances(coarse, exact, u_h.on(coarse)(time), ()).sum())
-
-    alone, found = (enclose(coarse, u_h, way, error) for way in (SmoothedInTime(), Refined(1, 2)))
-    assert alone.contains
-    assert found.contains
-    assert found.lower[-1] > 0.3 * found.error[-1]
-    assert found.evidence.kind == "guaranteed"
 
 
 def test_an_exact_solution_of_the_contact_problem_needs_a_contact_side() -> None:

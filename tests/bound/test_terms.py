@@ -389,14 +389,6 @@ def test_negative_moduli_let_the_error_grow() -> None:
     assert kernel(1e-9, 0.25) == pytest.approx(0.25)
 
 
-def test_what_is_no_part_of_a_cell_is_added_as_it_is() -> None:
-    """Damped as little as the slowest direction damps."""
-    _, r, _, step = random_step(3)
-    g, k = np.array([0.1, 2.0, 30.0]), step.k
-    plain, more = (grow(1.0, g, constant(k, r, rest=rest)) for rest in (0.0, 0.25 / k))
-    assert np.subtract(more, plain) == pytest.approx(0.25, rel=0.1 * k)
-
-
 @given(seeds)
 def test_the_mean_square_of_a_parabola_is_bounded_by_three_norms(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -12,9 +12,22 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sympy import Min, Rational, sin, sqrt
+from sympy import Rational, sin, sqrt
 
-from manufactured import Data, FrobeniusBall, KelvinVoigt, Kind, Yield, isotropic, polygon, pos, t, unit_square, x1
+from manufactured import (
+    Body,
+    Data,
+    FrobeniusBall,
+    KelvinVoigt,
+    Kind,
+    Yield,
+    isotropic,
+    polygon,
+    pos,
+    t,
+    unit_square,
+    x1,
+)
 from manufactured.factor import layers, x2
 from manufactured.law import Linear as Tensor
 from study.bound.bounded import bounded_solution
@@ -23,7 +36,7 @@ from study.bound.trajectory import Refined
 from study.certify import certified, checker
 from study.certify.certified import check_certifiable, make_certificate, write
 from study.certify.statement import in_doubles, rational, rational_mesh, statement, voigt
-from study.certify.witnesses import admissible, value_of
+from study.certify.witnesses import value_of
 from study.cli.main import main
 from study.fem.mesh import MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.naming import resolve_data
@@ -40,8 +53,8 @@ CERTIFICATES = [
 
 
 def test_it_has_the_size_that_is_claimed_for_it() -> None:
-    code_lines = runpy.run_path(str(ROOT / ".ci" / "budget.py"))["code_lines"]
-    assert code_lines(Path(checker.__file__).read_text()) <= 830
+    weigh = runpy.run_path(str(ROOT / ".ci" / "weight.py"))["weigh"]
+    assert weigh(Path(checker.__file__).read_text()).lines <= 830
 
 
 def test_a_copy_of_the_file_checks_a_certificate_without_any_package(tmp_path: Path) -> None:
@@ -115,17 +128,14 @@ def test_committed_certificates_state_the_problems_beside_them(name: str) -> Non
     assert checker.load(EXAMPLES / f"{name}-4.json.gz")["problem"] == statement(PROBLEMS[name])
 
 
-def test_two_faces_of_contact_that_meet_are_served() -> None:
-    kinds = [Kind.CONTACT, Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
-    body = polygon([(0, 0), (2, 0), (3, 1), (3, 2), (0, 2)], kinds)
-    data = Data.formulas(body, LAW, f0=(0, -4 * t), f2={2: (-t, 0)})
-    found = checker.verified(make_certificate(data, Unstructured(), 3, MIDPOINT, 2, Refined(0, 1)))
-    assert 0 < found.low < found.high
+CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
+TWO_FACES = polygon([(0, 0), (2, 0), (3, 1), (3, 2), (0, 2)], [CONTACT, CONTACT, LOADED, CLAMPED, LOADED])
+IRRATIONAL = polygon([(0, 0), (1, -(0.3**0.5)), (1, 1), (0, 1)], [CONTACT, LOADED, LOADED, CLAMPED])
 
 
-def test_a_face_of_contact_whose_slope_is_irrational_costs_no_accuracy() -> None:
-    body = polygon([(0, 0), (1, -(0.3**0.5)), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED])
-    data, refined = Data.formulas(body, LAW, f0=(0, 0), f2={2: (0, -2 * t)}), Refined(0, 1)
+@pytest.mark.parametrize("body", [TWO_FACES, IRRATIONAL], ids=["two faces that meet", "irrational slope"])
+def test_faces_of_contact_cost_no_accuracy(body: Body) -> None:
+    data, refined = Data.formulas(body, LAW, f0=(0, 0), f2={2: (-t, -2 * t)}), Refined(0, 1)
     found = checker.verified(make_certificate(data, Unstructured(), 3, MIDPOINT, 2, refined))
     computed = bounded_solution(data, None, Unstructured(), 3, MIDPOINT, 2, refined).enclosure
     assert [float(x) for x in (found.low, found.high)] == pytest.approx([computed.lowest, computed.highest], rel=0.01)
@@ -145,11 +155,8 @@ REFUSED: dict[str, tuple[Data, str]] = {
     "no polynomial": (formulas((0, sin(x1))), "f_0 has .*support polynomials"),
     "not rational": (formulas((0, sqrt(3) * t)), "coefficients are not rational"),
     "a kink in f_0": (formulas((0, pos(x1 - t, 3))), "f_0 has a kink"),
-    "a ramp in f_0 that stops": (formulas((0, Min(t, Rational(1, 2)))), "f_0 has .*support polynomials"),
     "a kinked ramp of a kink": (loaded(pos(t - Rational(1, 2), 1) * pos(x2 - t, 2)), "f_2 has the summand"),
-    "a kink in a kink": (loaded(pos(x2 - pos(t - Rational(1, 2), 1), 1)), "f_2 has .*support polynomials"),
     "a kink in u_0": (formulas(u0=(0, (1 - x2) * pos(x1 - Rational(1, 2), 2))), "u_0 has .*support polynomials"),
-    "two kinks": (loaded(pos(x2 - t, 1) * pos(t - x2 / 2, 2)), "f_2 has the summand"),
     "a law that yields": (formulas(law=YIELDS), "G is not linear and uniform"),
     "layers": (formulas(law=LAYERS), "A is not linear and uniform"),
     # The checker would refuse these.
@@ -215,23 +222,6 @@ def test_loads_are_read_as_they_are() -> None:
     for place in ((0.5, 1.0, 0.25), (1.75, 0.0, 0.5), (0.0, 0.5, 1.0)):
         wanted = float(push.subs(dict(zip((x1, x2, t), place, strict=True))))
         assert value_of(formula, tuple(map(Fraction, place))) == pytest.approx(wanted, abs=1e-14)
-
-
-STEEP = (Fraction(3**0.5), Fraction(1))  # no small integers are parallel to it
-NORMALS = [[(1, 4)], [(0, -1)], [STEEP], [(0, -1), (1, -1)], [(0, -1), (-3, -1)], [(0, -1), STEEP]]
-
-
-@pytest.mark.parametrize("normals", NORMALS, ids=str)
-def test_rounded_displacements_are_admissible_and_near(normals: list[Any]) -> None:
-    """Vectors that enter the foundation are moved by little more than they enter; others stay where they are."""
-    rng = np.random.default_rng(0)
-    tangent = np.array([-float(normals[0][1]), float(normals[0][0])])
-    for _ in range(50):
-        value = [round(c) for c in rng.integers(-(10**9), 10**9) * tangent + rng.integers(-9, 9, 2)]
-        found = admissible(value, normals)
-        assert max(checker.dot(found, n) for n in normals) <= 0
-        excess = max(float(checker.dot(value, n)) / np.hypot(*map(float, n)) for n in normals)
-        assert np.hypot(*np.subtract(found, value)) <= (0 if excess <= 0 else 3 * excess + 6)
 
 
 @pytest.mark.parametrize("family", [OneDiagonal(), Shaken(), Unstructured()], ids=lambda family: family.name)

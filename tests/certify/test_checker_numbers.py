@@ -49,7 +49,7 @@ def test_a_root_lies_between_neighbours_on_the_grid_and_roots_of_squares_are_fou
         checker.root(Q(-1, 10**9))
 
 
-FACTORS = [Q(1), Q(2), Q(1, 2), Q(3, 2), Q(2, 3), Q(4), Q(1, 8), Q(355, 113), Q(10**9, 7), Q(1, 10**6), 1 - Q(1, 2**70)]
+FACTORS = [Q(1), Q(2), Q(2, 3), Q(10**9, 7), Q(1, 10**6), 1 - Q(1, 2**70)]
 
 
 @pytest.mark.parametrize("x", FACTORS, ids=str)
@@ -59,7 +59,7 @@ def test_a_logarithm_lies_in_a_narrow_interval(x: Q) -> None:
     assert high - low < Q(1, 2**60)
 
 
-@pytest.mark.parametrize("x", [Q(0), Q(1, 10**6), Q(3, 10), Q(2), Q(11), Q(20)], ids=str)
+@pytest.mark.parametrize("x", [Q(0), Q(3, 10), Q(20)], ids=str)
 def test_decay_is_rounded_up(x: Q) -> None:
     wanted = exact(mpmath.exp(-mpmath.mpf(x.numerator) / x.denominator))
     assert wanted <= checker.decay(x) <= wanted * (1 + Q(1, 10**12)) + GRID
@@ -80,19 +80,13 @@ def test_the_mean_of_a_decay_is_rounded_up_and_at_most_1_and_1_over_x(x: Q) -> N
 # Matrices
 
 SEMIDEFINITE: list[list[list[Any]]] = [
-    [[0, 0], [0, 0]],
     [[1, 1], [1, 1]],
     [[2, -1, -1], [-1, 2, -1], [-1, -1, 2]],
-    [[4, 1, 2], [1, 3, 0], [2, 0, 5]],
 ]
 INDEFINITE: list[list[list[Any]]] = [
     [[0, 0], [0, -1]],
-    [[-1, 0], [0, 0]],
-    [[0, 1], [1, 0]],
     [[1, 1 + GRID], [1 + GRID, 1]],
     [[2, 1], [0, 2]],
-    [[1, 0, 0], [0, 0, 0], [0, 0, -1]],
-    [[0, 0, 0], [0, 1, 2], [0, 2, 1]],
     [[1, 0, 2], [0, 1, 0], [2, 0, 1]],
     [[5, -3, -3], [-3, 5, -3], [-3, -3, 5]],
 ]

@@ -19,7 +19,6 @@ from typing import Any
 import pytest
 
 from study.certify import checker
-from study.certify.certified import differences
 
 EXAMPLE = Path(__file__).parent / "square-2.json.gz"
 TEXT = gzip.decompress(EXAMPLE.read_bytes()).decode()
@@ -173,28 +172,6 @@ def stated(data: Any) -> checker.Mesh:
     return checker.Mesh.of(data["mesh"], checker.Problem(data["problem"]))
 
 
-def entered(rows: list[list[int]]) -> list[list[int]]:
-    """Move ũ at the last time into the foundation, at a vertex away from its ends; rows are second differences."""
-    edges = [edge for edge, side in stated(json.loads(TEXT)).boundary.items() if side.kind == "contact"]
-    inner = [v for edge in edges for v in edge if sum(v in other for other in edges) == 2]
-    plain = checker.summed(rows)
-    plain[-1][2 * inner[0] + 1] = -1
-    return differences(plain)
-
-
-def hang_a_node(data: Any) -> None:
-    """Cut a cell in two without its neighbour."""
-    mesh = data["mesh"]
-    boundary = stated(data).boundary
-    n, (a, b, c) = next((n, cell) for n, cell in enumerate(mesh["cells"]) if tuple(cell[:2]) not in boundary)
-    mesh["denominator"] *= 2
-    mesh["points"] = [[2 * x, 2 * y] for x, y in mesh["points"]]
-    p, q = mesh["points"][a], mesh["points"][b]
-    mesh["points"].append([(p[0] + q[0]) // 2, (p[1] + q[1]) // 2])
-    mesh["cells"][n : n + 1] = [[a, len(mesh["points"]) - 1, c], [len(mesh["points"]) - 1, b, c]]
-    data["computed"] = [[*u, 0.0, 0.0] for u in data["computed"]]
-
-
 def squeezed(column: list[int]) -> list[int]:
     """A stress of the element that is 0 on its sides, and not in balance: X Y (1 − X − Y) in the third component."""
     bubble = {(1, 1, 0): 1, (2, 1, 0): -1, (1, 2, 0): -1}
@@ -202,17 +179,14 @@ def squeezed(column: list[int]) -> list[int]:
 
 
 TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
-    "ũ enters the foundation": (edit("displacement", "nodes", by=entered), "ũ_ν > 0 on Γ3"),
     "a cell is missing": (edit("mesh", "cells", by=last), "a boundary inside or outside|does not fit side"),
     "a cell is there twice": (edit("mesh", "cells", by=lambda x: [*x, x[0]]), "two cells lie on the same side"),
     "a cell is clockwise": (edit("mesh", "cells", 0, by=lambda x: x[::-1]), "not counter-clockwise"),
-    "a hanging node": (hang_a_node, "a boundary inside or outside the polygon|does not fit side"),
     "a vertex off the boundary": (edit("mesh", "points", 1, 1, by=lambda y: y - 1), "does not fit|boundary inside"),
     "no wall": (edit("problem", "kinds", 2, to="loaded"), "no part is clamped"),
     "A is not symmetric": (edit("problem", "A", 0, 1, to="1/3"), "A is not symmetric and positive definite"),
     "G is not monotone": (edit("problem", "G", 2, 2, to="-1"), "G is not symmetric and positive semidefinite"),
     "a smaller constant in Ω": (edit("constants", "volume", by=twice), "constant of forces"),
-    "a smaller constant on Γ2": (edit("constants", "surface", by=twice), "constant of loads"),
     "a constant in Ω that is 0": (edit("constants", "volume", to="0"), "a constant of the body is not positive"),
     "another tensor field": (edit("constants", "field", 3, 0, by=lambda x: x + 2**28), "the tensor field does not"),
     "a traction is not finite": (edit("stress", "tractions", 3, 20, to=math.nan), "is nan, but must be an integer"),
@@ -229,14 +203,12 @@ TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
     "f_0 with a kink": (edit("problem", "force", 1, 0, 2, to=1), "f_0 with kinks"),
     "f_2 on Γ3": (edit("problem", "loads", by=lambda x: {"0": x["1"]}), "which is not of Γ2"),
     "f_2 on a part that is not there": (edit("problem", "loads", "7", to=[[], []]), "a side that does not exist"),
-    "time runs backwards": (edit("problem", "T", to="-1"), "T is not positive"),
     "time does not run": (edit("problem", "T", to="0"), "T is not positive"),
     # Sizes.
     "no unit of σ̃": (edit("stress", "bits", to=0), "integer from 1 to 512"),
     "many refinements": (edit("refinements", to=9), "integer from 0 to 8"),
     "more refinements than ũ has": (edit("refinements", to=8), "ũ has another size"),
     "a high degree": (edit("problem", "force", 1, 0, 0, 0, 1, to=11), "integer from 0 to 10"),
-    "a high total degree": (edit("problem", "force", 1, 0, 0, 0, 2, to=10), "degree above 10"),
     "a high degree of a power": (edit("problem", "loads", "1", 0, 0, to=[[], [["1", 6, 0, 0]], 2]), "degree above 10"),
     "a high degree of u_0": (edit("problem", "start", 0, to=[["1", 7, 4]]), "u_0 has a degree above 10"),
     "a negative exponent": (edit("problem", "force", 1, 0, 0, 0, 1, to=-1), "integer from 0 to 10"),
@@ -282,18 +254,15 @@ def test_witnesses_of_something_else_prove_less(claim: str, certificate: Any, pl
 # Files that are no certificates
 
 TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
-    "nothing": (lambda: b"", "ends too early"),
     "no gzip": (lambda: TEXT.encode(), "not a gzip file"),
     "a gzip file that ends early": (lambda: packed(TEXT)[:-9], "ends too early"),
     "a gzip file with a wrong sum": (lambda: packed(TEXT)[:-8] + b"\0" * 8, "not a gzip file"),
     "two gzip members": (lambda: packed(TEXT) + packed(TEXT), "data after its certificate"),
     "bytes behind a gzip file": (lambda: packed(TEXT) + b"\0", "data after its certificate"),
-    "a bomb of members": (lambda: packed(TEXT) * 1000, "data after its certificate"),
     "no JSON": (lambda: packed("certificate"), "not a gzip file with JSON"),
     "text that is not ASCII": (lambda: packed(TEXT.replace("contact", "kontakt\u202e")), "not a gzip file with JSON"),
     "a list": (lambda: packed("[]"), "certificate is a list, but must be an object"),
     "NaN": (lambda: packed(TEXT.replace('"m":', '"m":NaN,"n":')), "a number is 'NaN'"),
-    "Infinity": (lambda: packed(TEXT.replace('"m":', '"m":-Infinity,"n":')), "a number is '-Infinity'"),
     "a double that overflows": (lambda: packed(re.sub(r'"computed":\[\[0.0', '"computed":[[1e999', TEXT)), "is inf"),
     "a key twice": (lambda: packed(TEXT.replace('"m":', '"level":2,"m":')), "a key twice"),
     "an integer of many digits": (lambda: packed(TEXT.replace('"level":2', f'"level":{"9" * 10**6}')), "4300 digits"),

@@ -117,7 +117,6 @@ FALLING = [0.04, 0.02, 0.01]
 DISTANCES = [share * 2**k for k, share in enumerate((1.61, 0.5, 0.486))]
 CLASSES: list[tuple[list[float], list[float], str]] = [
     # Springs like 1/h² at points of quadrature, on shaken meshes: 2e-5 of the error, then 1.6e-4.
-    ([2e-5, 1.6e-4, 1e-3], FALLING, "stagnates"),
     ([2e-5, 1.6e-4, 3.2e-4], FALLING, "stagnates"),
     ([2e-5, 1.6e-4], FALLING[:2], "undecided"),
     ([1e-3, 5e-3, 3e-2], FALLING, "wrong"),
@@ -128,7 +127,6 @@ CLASSES: list[tuple[list[float], list[float], str]] = [
     ([0.08, 0.013, 0.003], [0.15, 0.1, 0.05], "consistent"),
     # Integral multipliers in junction, with n = 4, 8, 16 and, on shaken meshes, n = 10, 12, 14: exact on some meshes.
     ([2e-2, 2e-12, 3e-12], FALLING, "consistent"),
-    ([3e-12, 1e-2, 6e-12], FALLING, "consistent"),
     ([3e-12, 0.2, 6e-12], FALLING, "wrong"),
     ([0.3, 0.2, 2e-12], FALLING, "consistent"),
     ([0.5, 2e-12, 2e-12], FALLING, "wrong"),

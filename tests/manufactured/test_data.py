@@ -32,6 +32,7 @@ from manufactured.catalogue import NAMES
 from manufactured.data import Data, LoadError
 from manufactured.file_names import file_name_fault
 from manufactured.problems import problems
+from manufactured.tensors import traction
 from study.bound.bounded import check_bound
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
@@ -52,33 +53,24 @@ def data(f0=(0, 0), **others) -> Data:
     return Data.formulas(SQUARE, LAW, f0=f0, **others)
 
 
-def test_the_data_of_an_exact_solution_are_those_of_its_formulas() -> None:
-    """For full-contact q solves (5/2) q̇ + 7 q = −20 t (1 + 4 x (1 − x)), q(0) = 0, and u = (0, y (1 − y²) q)."""
-    case = named("full-contact")
-    a, g = sp.Rational(5, 2), sp.Integer(7)
-    memory = -20 * (t / g - a / g**2 * (1 - sp.exp(-g * t / a)))
-    u = (sp.Integer(0), x2 * (1 - x2**2) * memory * (1 + 4 * x1 * (1 - x1)))
-
-    def stress_of(mu, lam, u) -> sp.Matrix:
-        """2μ ε + λ (tr ε) I."""
-        gradient = sp.Matrix(2, 2, lambda i, j: sp.diff(u[i], (x1, x2)[j]))
-        strain = (gradient + gradient.T) / 2
-        return 2 * mu * strain + lam * strain.trace() * sp.eye(2)
-
-    stress = stress_of(1, sp.Rational(1, 2), [sp.diff(v, t) for v in u]) + stress_of(2, 3, u)
-    force = -sp.Matrix([sum(sp.diff(stress[i, j], (x1, x2)[j]) for j in range(2)) for i in range(2)])
-    second = data(tuple(force), f2={RIGHT: stress[:, 0], LEFT: -stress[:, 0]}, u0=[v.subs(t, 0) for v in u])
-    first, rng = Data.of(case.solution), np.random.default_rng(1)
-    x = rng.random((2, 30))
-    for time in (0.0, 0.4, 1.0):
-        assert np.allclose(first.body_force(x)(time), second.body_force(x)(time), atol=1e-10)
-        for number in (RIGHT, LEFT):
-            part = SQUARE.parts[number]
-            y = part.sample(rng, 10)
-            own = case.solution.body.parts[number]
-            assert np.allclose(first.surface_load(own, y)(time), second.surface_load(part, y)(time), atol=1e-10)
-    assert np.allclose(first.start(x), second.start(x), atol=1e-12)
-    assert np.allclose(first.initial(x), second.initial(x), atol=1e-12)
+def test_data_of_an_exact_solution_are_its_fields_and_those_of_formulas_their_values() -> None:
+    solution, rng = named("full-contact").solution, np.random.default_rng(1)
+    right, x = solution.body.parts[RIGHT], rng.random((2, 30))
+    fields, on_side, y = solution.at(x), solution.body.parts[RIGHT].sample(rng, 10), rng.random(10)
+    found = Data.of(solution)
+    made = data((x1 * t, x2), f2={RIGHT: (x2 * t, x1)}, u0=(0, x1 * (1 - x2**2)))
+    sides = np.array([np.ones(10), y])
+    for time in (0.4, 1.0):
+        assert np.array_equal(found.body_force(x)(time), fields.body_force(time))
+        traction_there = traction(solution.at(on_side).stress(time), right.normal)
+        assert found.surface_load(right, on_side)(time) == pytest.approx(traction_there)
+        assert made.body_force(x)(time) == pytest.approx(np.array([x[0] * time, x[1]]))
+        assert made.surface_load(SQUARE.parts[RIGHT], sides)(time) == pytest.approx(np.array([y * time, sides[0]]))
+    assert np.array_equal(found.start(x), fields.displacement(0.0))
+    assert np.array_equal(found.initial(x), fields.strain(0.0))
+    assert made.start(x) == pytest.approx(np.array([0 * x[0], x[0] * (1 - x[1] ** 2)]))
+    shear = (1 - x[1] ** 2) / np.sqrt(2)
+    assert made.initial(x) == pytest.approx(np.array([0 * shear, -2 * x[0] * x[1], shear]))
 
 
 def test_symbols_of_the_same_name_and_texts_are_the_coordinates() -> None:
@@ -242,7 +234,7 @@ def test_unusable_names_of_problems_and_cases_are_refused(name: str, tmp_path: P
         replace(named("corner"), name=name)
 
 
-@pytest.mark.parametrize("name", ["../evil", "/evil", ".hidden", "CON", "x" * 101])
+@pytest.mark.parametrize("name", ["../evil", "CON"])
 @pytest.mark.parametrize("command", ["bound", "certify"])
 def test_a_name_that_cannot_be_part_of_a_file_name_writes_nothing(command, name, tmp_path: Path, capsys) -> None:
     path = tmp_path / "own.py"

@@ -121,16 +121,12 @@ def test_a_strain_that_jumps_and_jumps_back_is_refused() -> None:
     ("name", "label"),
     [
         # These labels promise more than the formulas.
-        ("rough-2.25", Regularity(gap=3, pressure=2)),
         ("advance-recede", Regularity(gap=4, pressure=2)),
         ("re-entrant", Regularity(gap=4, pressure=2, moving=True)),
         ("junction", Regularity(on_contact=1.0)),
         ("layered-unmet", Regularity()),
-        ("double-well", Regularity(gap=4, pressure=3, moving=True)),
         # These labels promise less, so that a case of Prop. 5.4 could escape its rows and speak of (5.36).
         ("advance-recede", Regularity(gap=3.25, pressure=2, moving=True)),
-        ("advance-recede", Regularity(gap=4, pressure=1.75, moving=True)),
-        ("fixed-front-on-vertex", Regularity(gap=3, pressure=2, moving=True)),
         ("full-contact", Regularity(gap=4, pressure=2)),
         ("full-contact", Regularity(on_contact=1.5)),
         ("advance-recede", Regularity(gap=4, pressure=2, moving=True, corner=1.5)),
@@ -183,7 +179,6 @@ FRONT = s - HALF
         (pos(t * FRONT, 3), 3),
         (pos(s, 2), np.inf),
         (pos(1 + s, 5 * HALF), np.inf),
-        (pos(-1 - s, 5 * HALF) * t, np.inf),
         (pos(s, 5 * HALF), 2.5),
     ],
 )
@@ -215,7 +210,6 @@ def test_a_front_that_stays_and_is_rougher_than_a_moving_one_has_no_label() -> N
     ("formula", "part"),
     [
         (t * s ** sp.Rational(7, 4), r"s\*\*\(7/4\)"),
-        (t * s**1.75, r"s\*\*1\.75"),
         ((s + t) ** (5 * HALF), r"\(s \+ t\)\*\*\(5/2\)"),
         (((s - sp.Rational(3, 10)) ** 2 + (t - HALF) ** 2) ** (3 * HALF), r"\*\*\(3/2\)"),
         (1 + s**2 * sp.log(s), r"log\(s\)"),

@@ -427,12 +427,11 @@ def test_damaged_and_hostile_files_are_refused_in_words(data: bytes, words: str,
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"])
 @pytest.mark.parametrize("ends", ["\n", "\r\n", "\r"])
-def test_one_table_in_every_form_gives_the_same_orders(encoding, ends, rates) -> None:
+def test_one_table_in_every_encoding_gives_the_same_orders(encoding, ends, rates) -> None:
     rows = [("h", "error"), ("1/4", "1.6D-1"), ("0.125", "4×10^-2"), ("6.25e-2", "1%")]
-    for form in ("{},{}", "{};{}", "{}\t{}", "{}  {}", "| {} | {} |", "{} & {} \\\\"):
-        table = ends.join(form.format(*row) for row in rows).encode(encoding)
-        (column,) = json.loads(rates(table, "--expected", "2", "--json"))
-        assert column["orders"] == pytest.approx([2, 2]), form
+    table = ends.join(";".join(row) for row in rows).encode(encoding)
+    (column,) = json.loads(rates(table, "--expected", "2", "--json"))
+    assert column["orders"] == pytest.approx([2, 2])
 
 
 def test_many_rows_and_many_columns_are_read_within_seconds(rates) -> None:

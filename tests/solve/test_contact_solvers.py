@@ -21,7 +21,7 @@ from study.fem.mesh import CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, 
 from study.fem.space import Space, form
 from study.solve import signorini
 from study.solve.factorisation import Cholesky, nested_dissection
-from study.solve.multigrid import COARSEST, Multigrid, MultigridError, rigid_motions
+from study.solve.multigrid import COARSEST, Multigrid, MultigridError
 from study.solve.paths import furthest, path
 from study.solve.signorini import Signorini
 from study.solve.solver_choice import FACTORED, SHARE, contact_solver, residual
@@ -77,14 +77,6 @@ def close(one, other, tolerance: float) -> bool:
     return bool(np.linalg.norm(one - other) <= tolerance * np.linalg.norm(other))
 
 
-def test_the_factor_solves_and_the_compliance_is_n_s_inverse_n_transposed(matrices: Matrices) -> None:
-    S, N = matrices
-    b = np.random.default_rng(1).standard_normal(S.shape[0])
-    dense = np.linalg.solve(S.toarray(), np.column_stack([b, N.T.toarray()]))
-    assert close(Cholesky(S)(b), dense[:, 0], 1e-11)
-    assert close(Signorini(S, N).W, N @ dense[:, 1:], 1e-12)
-
-
 def test_the_condensed_solve_satisfies_the_optimality_conditions(matrices: Matrices) -> None:
     S, N = matrices
     solve = Signorini(S, N)
@@ -93,16 +85,6 @@ def test_the_condensed_solve_satisfies_the_optimality_conditions(matrices: Matri
         solution = solve(b)
         require_optimal(S, N, b, solution, 1e-12, 1e-11)
         assert solution[1].any()
-
-
-def test_without_a_constraint_or_an_active_one_the_solve_is_the_linear_one(matrices: Matrices) -> None:
-    S, N = matrices
-    b = S @ (-N.T @ np.ones(N.shape[0]))
-    for some in (N, N[:0]):
-        u, multipliers = Signorini(S, some)(b)
-        assert multipliers.shape == (some.shape[0],)
-        assert not multipliers.any()
-        assert close(S @ u, b, 1e-12)
 
 
 def test_several_right_sides_are_solved_as_each_of_them(matrices: Matrices) -> None:
@@ -340,17 +322,6 @@ def test_any_positive_definite_matrix_with_any_normals_is_served_by_both_solvers
     require_optimal(S, N, b, condensed(b), 1e-8)
     assert close(S @ condensed.factor(b), b, 1e-9)
     assert close(condensed.W, N @ np.linalg.solve(S.toarray(), N.T.toarray()), 1e-9)
-
-
-def test_rigid_motions_have_no_strain() -> None:
-    body = named("cube-disc").solution.body
-    space = Space(Shaken()(body, 3), body)
-    motions = rigid_motions(space.mesh.p)
-    assert motions.shape[1] == np.linalg.matrix_rank(motions) == 6
-    inside = np.isin(space.mesh.t, space.free // 3).all(axis=0)
-    assert inside.any()
-    for motion in motions[space.free].T:
-        assert abs(space.strain(motion)[:, inside]).max() < 1e-12
 
 
 @pytest.mark.parametrize(

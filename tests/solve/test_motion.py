@@ -10,13 +10,12 @@ import pytest
 from changed import problems
 
 from manufactured import named
-from manufactured.law import DeviatoricBall, FrobeniusBall, NonSymmetric, Yield, isotropic
+from manufactured.law import NonSymmetric
 from manufactured.tensors import identity, mandel, size
 from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import FAMILIES, OneDiagonal, Shaken, Unstructured
 from study.fem.naming import resolve
 from study.solve import stress_problem
-from study.solve.energy_balance import density
 from study.solve.interior_point import Accuracy
 from study.solve.motion import Motion, von_mises
 from study.solve.steps import StepsError
@@ -49,21 +48,10 @@ def test_forces_are_in_equilibrium_and_the_power_of_the_load_is_stored_dissipate
         assert np.linalg.norm(defect) <= 1e-10 * np.linalg.norm(force)
 
 
-@pytest.mark.parametrize("case", [CASES[0], *(pytest.param(case, marks=pytest.mark.slow) for case in CASES[1:3])])
+@pytest.mark.parametrize("case", [*CASES[:2], pytest.param(CASES[2], marks=pytest.mark.slow)])
 def test_the_defect_of_the_balance_of_energy_falls_with_the_square_of_the_step(case: str) -> None:
     defects = [abs(moved(case, steps).balance()["defect"]).max() for steps in (32, 64)]
     assert 3 < defects[0] / defects[1] < 5
-
-
-@pytest.mark.parametrize("law", [isotropic(1, 2), Yield(3.0, FrobeniusBall(0.4)), Yield(3.0, DeviatoricBall(0.4))])
-def test_the_stress_is_the_derivative_of_the_energy_density(law: object) -> None:
-    strain, direction, t = RNG.normal(size=(3, 40)), RNG.normal(size=(3, 40)), 1e-6
-
-    def energy(e: np.ndarray) -> np.ndarray:
-        return density(law, e, law(e))  # type: ignore[arg-type, operator]
-
-    slope = (energy(strain + t * direction) - energy(strain - t * direction)) / (2 * t)
-    np.testing.assert_allclose(slope, np.sum(law(strain) * direction, axis=0), atol=1e-6)  # type: ignore[operator]
 
 
 def test_von_mises_is_the_stress_of_a_pull_ignores_pressure_and_is_least_in_the_plane() -> None:
