@@ -24,7 +24,7 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array, Points
-from study.bound.bounded import SHOWN, BoundedSolution, both_bounds, check_problem
+from study.bound.bounded import BoundedSolution, both_bounds, check_problem
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import squared_distances
 from study.bound.problem import BoundError
@@ -94,7 +94,7 @@ def bounded_displacement(
     found = both_bounds(coarse, computed, refined, true_error(case, coarse, computed), progress)
     low, high = found.error
     ends = max(0.0, low - computed.offset), high + computed.offset
-    whole = f"the error of the displacement in the file lies in {interval(*ends, SHOWN)}"
+    whole = f"the error of the displacement in the file lies in {interval(*ends, 4)}"
     return replace(found, remarks=(*computed.remarks, *found.remarks, *([whole] if computed.offset else [])))
 
 
@@ -426,12 +426,8 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
         f"u_h reaches {largest:.3g} on Γ1, so the bounds are those of the nearest field that vanishes there; it "
         f"differs from u_h by at most {share}"
     )
-    # Bernstein coefficients are converted, because a ``GivenDisplacement`` stores values at the midpoints of edges.
-    nodal = projected.T.reshape(len(found.times), -1, 2)
-    vertices = mesh.p.shape[1]
-    of_ends = nodal[:, mesh.facets].sum(axis=1)
-    nodal = np.concatenate([nodal[:, :vertices], nodal[:, vertices:] / 2 + of_ends / 4], axis=1)
-    values = nodal.reshape(len(found.times), -1)
+    # A ``GivenDisplacement`` stores nodal values, and not Bernstein coefficients.
+    values = splu(sps.csc_array(on_refinement(mesh, 2, mesh))).solve(projected).T
     return replace(found, degree=2, nodes=values, remarks=(*found.remarks, remark), offset=offset)
 
 

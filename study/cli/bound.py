@@ -13,7 +13,6 @@ import pandas as pd
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.self_proof import prove
-from manufactured.static import Static
 from study.bound import bounded
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
@@ -24,6 +23,7 @@ from study.cli.options import FAILED, OK
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError
 from study.ledger.text import folded
+from study.present.bounds import text
 from study.present.drawing import draw_one
 from study.present.figures import enclosure
 from study.run.executor import available, require
@@ -61,7 +61,7 @@ def do_bound(options: argparse.Namespace) -> int:
         written = bounded.write(store.directory, table, over_time)
         written += [file for one in displacements for file in one.files]
         no_figure = ""
-        if isinstance(data, Static):
+        if not data.in_time:
             no_figure = "the figure shows the bounds over time, and a static problem has no time"
         elif not table["level"].is_unique:
             no_figure = "the figure shows one mesh of each size, and two files have meshes of the same size"
@@ -76,7 +76,7 @@ def do_bound(options: argparse.Namespace) -> int:
             print(folded(one.remark))
     sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
     last = pd.DataFrame(rows[-1]["series"])
-    print(f"\n{bounded.text(name, table, last, sentences, bounded.norm_of(data), names or None)}\n")
+    print(f"\n{text(name, table, last, sentences, data.in_time, names or None)}\n")
     return OK if case is None or all(row["inside"] for row in rows) else FAILED
 
 

@@ -23,7 +23,7 @@ from manufactured.catalogue import NAMES
 from manufactured.data import Data
 from manufactured.tensors import Array
 from study.bound import terms
-from study.bound.bounded import _intervals, check_problem, levels
+from study.bound.bounded import check_problem, levels
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose, known_error
 from study.bound.problem import BoundError
@@ -31,6 +31,7 @@ from study.bound.terms import Majorant
 from study.bound.trajectory import Parabola, Refined, SmoothedInTime, Trajectory, compute, spline
 from study.fem.mesh import FAMILIES, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import Line, cell_rules
+from study.present.bounds import _intervals
 from study.solve.evolution import Scheme
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
 from study.statements.enclosure import eligible, measure, resolve_problem
