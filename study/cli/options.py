@@ -107,6 +107,15 @@ def _not_empty(kind: type, text: str) -> Any:
 JSON = option("--json", action="store_true", help="print as JSON")
 JOBS = option("--jobs", type=int, within=Range(1, "1 to 1024", 1024), default=os.cpu_count() or 1,
               help="number of processes (default: all cores)")  # fmt: skip
+SCOPE = (
+    " Served: plane polygons with straight sides, each clamped, free, loaded, or touching a rigid foundation without "
+    "friction; linear elasticity, and viscoelasticity with small strains; displacements that are linear or quadratic "
+    "on triangles (P1, P2). Not served: 3D and axisymmetry, friction, large strains, holes, sides that only roll, "
+    "displacements prescribed other than 0, quadrilaterals. Instead: give a curved side as the polygon of the mesh; "
+    "compute the whole of a symmetric body; state a rolling side as CONTACT if it is pressed all along; if all clamped "
+    "sides move alike and there is no contact, subtract their motion; compute again on triangles."
+)
+"""What ``study bound`` serves, what it does not serve, and what to do instead."""
 UNDECIDED = option(
     "--undecided",
     type=Path,
@@ -268,7 +277,8 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action="version", version=f"study {version('signorini-study')}")
     commands = top.add_subparsers(required=True, metavar="COMMAND")
     for name, (module, help, options) in COMMANDS.items():
-        command = commands.add_parser(name, help=help, description=help[0].upper() + help[1:] + ".")
+        description = help[0].upper() + help[1:] + "." + SCOPE * (name == "bound")
+        command = commands.add_parser(name, help=help, description=description)
         interrupted = RESUMED if name in RESUMES else STARTS_AGAIN
         known, ranges = ["--help"], {}
         for one in options:
