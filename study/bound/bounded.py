@@ -273,8 +273,8 @@ def contact_sentences(body: Body) -> list[str]:
     if all(abs(first.coordinates(side.corners)[1]).max() <= reach for side in sides):
         return []
     return [
-        f"Γ3 has {len(sides)} sides that do not lie on one line. Each point of a side may not cross the line through "
-        "that side: the sides touch a foundation of the shape of Γ3 (a curved one, if they follow a curve), not one "
+        f"The {len(sides)} CONTACT sides do not lie on one line. Each point of a side may not cross the line through "
+        "that side: the sides touch a foundation of their own shape (a curved one, if they follow a curve), not one "
         "flat floor"
     ]
 

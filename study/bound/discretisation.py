@@ -225,8 +225,8 @@ def refuse_unserved(data: Data) -> None:
 
     if data.has_initial_gap:
         raise BoundError(
-            "the bound rests on σ_ν u_ν = 0 on Γ3 and on u_ν ≤ 0, the problem has an initial gap; give a problem "
-            "without one"
+            "the problem has an initial gap, and the bound serves CONTACT sides that touch the foundation at the "
+            "start: give a problem without a gap"
         )
     require_units(data)
 

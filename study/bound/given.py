@@ -418,12 +418,12 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     share = f"{offset:.3g} = {100 * offset / whole if whole else math.inf:.2g} % of the largest ‖u_h‖_V"
     if not nearest:
         raise BoundError(
-            f"u_h reaches {largest:.3g} on Γ1, {100 * largest / size:.2g} % of its largest component, and has to be 0 "
-            f"there. The nearest field that vanishes on Γ1 differs from it by {share}: with --nearest "
+            f"u_h reaches {largest:.3g} on a CLAMPED side, {100 * largest / size:.2g} % of its largest component, and "
+            f"has to be 0 there. The nearest field that vanishes there differs from it by {share}: with --nearest "
             "(nearest=True) the error of that field is enclosed, and the difference is added"
         )
     remark = (
-        f"u_h reaches {largest:.3g} on Γ1, so the bounds are those of the nearest field that vanishes there; it "
+        f"u_h reaches {largest:.3g} on a CLAMPED side, so the bounds are those of the nearest field that vanishes there; it "
         f"differs from u_h by at most {share}"
     )
     # A ``GivenDisplacement`` stores nodal values, and not Bernstein coefficients.

@@ -70,7 +70,7 @@ def test_sixteen_contact_sides_of_a_half_disk_are_called_a_curved_foundation() -
     angles = np.pi * (1 + np.linspace(0, 1, 17))
     disk = polygon(np.stack([np.cos(angles), np.sin(angles)], axis=1).tolist(), [Kind.CONTACT] * 16 + [Kind.CLAMPED])
     (sentence,) = contact_sentences(disk)
-    assert sentence.startswith("Γ3 has 16 sides that do not lie on one line")
+    assert sentence.startswith("The 16 CONTACT sides do not lie on one line")
     assert "a curved one" in sentence
     in_two = polygon([(0, 0), (1, 0), (2, 0), (1, 1)], [Kind.CONTACT, Kind.CONTACT, Kind.LOADED, Kind.CLAMPED])
     assert contact_sentences(in_two) == []
@@ -150,7 +150,7 @@ FAULTS: dict[str, tuple[str, Callable[[Array], Array], str]] = {
     "NaN": ("u", lambda u: with_value(u, (1, 3, 0), np.nan), r"1 numbers .* not finite, the first at t = 0.5, x = \("),
     "twice": ("triangles", lambda c: np.vstack([c, c[:1]]), "overlap or are listed twice|share a side n"),
     "flat": ("triangles", lambda c: np.vstack([c, c[:1][:, [0, 0, 1]]]), r"1 triangles have no area, .* near x = \("),
-    "not clamped": ("u", lambda u: u + 0.01, r"u_h reaches 0.01 on Γ1, 4.8 % of .* nearest field .* --nearest"),
+    "not clamped": ("u", lambda u: u + 0.01, r"u_h reaches 0.01 on a CLAMPED side, 4.8 % of .* nearest field .* --nearest"),
     "no start": ("times", lambda at: at + 0.5, "initial time is missing: the first time is 0.5"),
     "too short": ("times", lambda at: at / 2, "the last time is 0.5, the problem ends at T = 1"),
     "no times": ("times", lambda at: at[:0], r"times has the shape \(0,\) .* expected at least one number"),
@@ -221,7 +221,7 @@ def test_the_nearest_field_that_vanishes_on_the_clamped_part_is_bounded() -> Non
     found = given(square(), **shifted, nearest=True)
     assert np.allclose(found.nodes[:, : field()["u"][0].size], given(square(), **field()).nodes, atol=1e-12)
     (remark,) = [remark for remark in found.remarks if "nearest" in remark]
-    assert "u_h reaches 0.06 on Γ1" in remark
+    assert "u_h reaches 0.06 on a CLAMPED side" in remark
     bent = field() | {"u": field()["u"] + 0.01 * field()["points"][:, :1] * field()["times"][:, None, None]}
     bounded = bound_displacement(square(), **bent, nearest=True, refine=0, shorter=1, steps=2)
     offset, ends = bounded.computed.offset, re.findall(r"lies in \[(.*), (.*)\]$", bounded.remarks[-1])
