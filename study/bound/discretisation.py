@@ -152,6 +152,11 @@ class Discretisation:
         """Return the norms ‖v‖_V of displacements, (..., dofs) → (...)."""
         return np.sqrt(np.maximum(np.einsum("...i,...i->...", v, (self.M @ v.T).T), 0.0))
 
+    def products(self, *displacements: Array) -> Array:
+        """Return the products (v_i, v_j)_V of displacements, (dofs,) each → (number, number)."""
+        v = np.array(displacements)
+        return np.asarray(v @ (self.M @ v.T))
+
     @cached_property
     def _strains(self) -> sps.csr_array:
         """The matrix from displacements to strains at the three vertices of every cell.
