@@ -17,7 +17,6 @@ import numpy as np
 import pandas as pd
 from skfem import Mesh, MeshTri
 
-from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
@@ -39,8 +38,6 @@ IN_TIME = 0.25
 
 If the cells contribute less than this fraction, the mesh is not refined.
 """
-TOUCHING = 1e-9
-"""A vertex of the contact boundary Γ3 counts as in contact up to this gap, relative to the largest displacement."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,26 +207,3 @@ def table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
 def stage_file(directory: Path, number: int) -> Path:
     """Return the path of the file with the displacement on one mesh and the contributions of its cells to the bound."""
     return directory / f"adapted-{number}.npz"
-
-
-def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, Array]:
-    """Find out which edges of the contact boundary Γ3 are in contact.
-
-    Args:
-        data: the problem.
-        mesh: the mesh.
-        displacement: the values of the displacement at the vertices, (2, vertices).
-
-    Returns:
-        The end points of the n edges on Γ3, (2, 2, n), and for each edge whether both end points are in contact, (n,).
-    """
-    # Bodies without contact have no array to concatenate, so each list starts with an empty array.
-    ends, closed = [np.empty((2, 2, 0))], [np.empty(0, dtype=bool)]
-    size = max(float(abs(displacement).max()), np.finfo(float).tiny)
-    for part, facets in zip(data.body.parts, boundary_parts(mesh, data.body), strict=True):
-        if part.kind is Kind.CONTACT:
-            vertices = mesh.facets[:, facets]
-            ends.append(mesh.p[:, vertices])
-            opening = -np.einsum("d,den->en", part.normal, displacement[:, vertices])
-            closed.append((opening <= TOUCHING * size).all(axis=0))
-    return np.concatenate(ends, axis=2), np.concatenate(closed)

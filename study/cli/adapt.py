@@ -17,6 +17,7 @@ from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
 from study.cli.common import tell_written
 from study.cli.options import FAILED, OK
+from study.cli.problem import contact_edges, draw_problem
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError, write_text
 from study.ledger.text import up
@@ -69,7 +70,7 @@ def do_adapt(options: argparse.Namespace) -> int:
             print(f"mesh {number}: {stage.cells} cells, bound {up(rows['bound'].iloc[-1], SHOWN)}", flush=True)
             with np.load(path) as arrays:
                 following = adaptive.next_stage(stage, arrays["shares"], float(arrays["in_time"]))
-                edges, closed = adaptive.contact_edges(data, stage.mesh, arrays["u"][-1])
+                edges, closed = contact_edges(data, stage.mesh, arrays["u"][-1])
             reached = tolerance.reached(rows.iloc[-1])
             stopped = "" if reached else _limit(following, options.cells)
             if reached or stopped:
@@ -83,6 +84,9 @@ def do_adapt(options: argparse.Namespace) -> int:
         shown = Triangulation(*stage.mesh.p, stage.mesh.t.T)
         figure = adapted_mesh(name, norm=error, mesh=shown, edges=edges, closed=closed, rows=rows, uniform=uniform)
         written += draw_one(store.directory, figure)
+        with np.load(path) as arrays:
+            at_vertices = arrays["times"], arrays["u"]
+        written += draw_problem(store.directory, name, data, (stage.mesh.p, stage.mesh.t), at_vertices)
     tell_written(written)
     sentences = [*results[-1]["sentences"], *bounded.contact_sentences(data.body)]
     print("\n" + "\n".join(adaptive_text(name, rows, str(tolerance), stopped, sentences, data.in_time)) + "\n")

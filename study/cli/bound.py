@@ -8,11 +8,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.self_proof import prove
+from manufactured.tensors import Array
 from study.bound import bounded
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
@@ -20,6 +22,7 @@ from study.cli.adapt import do_adapt
 from study.cli.common import tell_written, with_progress
 from study.cli.displacement import Displacement, displacements_in_files
 from study.cli.options import FAILED, OK
+from study.cli.problem import draw_problem
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError
 from study.ledger.text import folded
@@ -67,6 +70,7 @@ def do_bound(options: argparse.Namespace) -> int:
             no_figure = "the figure shows one mesh of each size, and two files have meshes of the same size"
         else:
             written += draw_one(store.directory, enclosure("enclosure", over_time, name))
+        written += draw_problem(store.directory, name, data, *displacements[-1].shown())
     tell_written(written)
     names = [one.file_name for one in displacements if one.file_name]
     if names and no_figure:
@@ -109,6 +113,11 @@ def computed_displacements(
             return bounded.record(level, found)
 
         cache_key = of_problem(data, case, (family, level, scheme, steps, refined))
-        return Displacement(f"level-{level}", cache_key, compute, (file,))
+
+        def shown() -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+            with np.load(file) as arrays:
+                return (arrays["p"], arrays["t"]), (arrays["times"], arrays["u"])
+
+        return Displacement(f"level-{level}", cache_key, compute, (file,), shown)
 
     return directory, [displacement(level) for level in options.levels]

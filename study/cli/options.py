@@ -232,8 +232,9 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
                help="also write a mesh of the foundation, with this number of segments"),
         out("tasks", "--to"),
     ]),
-    "show": ("show", "solve a case on one mesh, draw images and an animation, and write files for ParaView", [
-        option("case", metavar=CASE, help="a case"),
+    "show": ("show", "draw a problem as it is stated; of a case also images and a film of its solution, and files for "
+             "ParaView", [
+        option("case", metavar=CASE, help="a case, or a problem"),
         option("--level", type=int, within=FROM_2, metavar="N", help="cells along a side (default 24, in 3D 9)"),
         option("--mp4", action="store_true",
                help="require animation.mp4: a missing ffmpeg is an error (without this option the film is then left "

@@ -18,7 +18,7 @@ from test_terms import discretised, terms_of
 from manufactured import Case, Data, KelvinVoigt, Kind, isotropic, named, polygon, pos, static, t
 from manufactured.factor import x1, x2
 from study.bound import adaptive
-from study.bound.adaptive import Adapted, Stage, adapted, contact_edges, marked, next_stage
+from study.bound.adaptive import Adapted, Stage, adapted, marked, next_stage
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose
 from study.bound.remainders import GUARANTEED
@@ -26,6 +26,7 @@ from study.bound.static import compute_static, enclose_static
 from study.bound.terms import Majorant, Shares, part_that_changes
 from study.bound.trajectory import Refined, SmoothedInTime, compute
 from study.cli.main import main
+from study.cli.problem import contact_edges
 from study.fem.mesh import Unstructured, boundary_parts, facet_measures
 from study.present.bounds import adaptive_text
 from study.solve.tableau import MIDPOINT

@@ -450,7 +450,25 @@ def test_triangles_in_another_order_are_the_same_mesh() -> None:
     assert np.array_equal(found.triangles, HALVES)
 
 
-def test_a_field_of_another_name_is_a_displacement_only_if_that_is_said() -> None:
-    with pytest.raises(BoundError, match="its vector fields at points are velocity; choose one with --field NAME"):
-        _together(Path("u.vtu"), [(None, mesh(name="velocity"))], None)
-    assert _together(Path("u.vtu"), [(None, mesh(name="velocity"))], "velocity").u.shape == (1, 4, 2)
+def test_of_several_fields_of_other_names_the_displacement_has_to_be_named() -> None:
+    several = mesh(name="velocity")
+    several.point_data["depl"] = 1 + several.points
+    with pytest.raises(BoundError, match="fields at points are velocity, depl; choose one with --field NAME"):
+        _together(Path("u.vtu"), [(None, several)], None)
+    assert _together(Path("u.vtu"), [(None, several)], "depl").u.min() == 1
+    del several.point_data["velocity"]
+    assert _together(Path("u.vtu"), [(None, several)], None).u.min() == 1
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_lagrange_triangles_of_vtk_are_read_as_triangles_of_their_degree(degree: int, tmp_path: Path) -> None:
+    points, cells, name = CORNERS, np.array(HALVES), "triangle"
+    if degree == 2:
+        (points, cells), name = of_degree_2(points, cells), "triangle6"
+    fields = {}
+    for kind in (name, "VTK_LAGRANGE_TRIANGLE"):
+        path = tmp_path / f"{kind}.vtu"
+        solid = np.column_stack([points, 0 * points[:, 0]])
+        meshio.Mesh(solid, [(kind, cells)], point_data={"u": solid}).write(path)
+        fields[kind] = read(path)
+    assert np.array_equal(fields[name].triangles, fields["VTK_LAGRANGE_TRIANGLE"].triangles)

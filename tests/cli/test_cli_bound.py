@@ -61,6 +61,7 @@ def test_tables_are_printed_with_the_error_between_its_ends(finished) -> None:
     files = [Path(name) for name in " ".join(written.split()).split(", ")]
     assert all(file.is_file() for file in files)
     assert {file.parent for file in files} == {directory}
+    assert {"problem.png", "problem.svg"} <= {file.name for file in files}
 
 
 def test_the_tables_on_disk_enclose_the_error_and_the_order(finished) -> None:

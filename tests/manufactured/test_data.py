@@ -119,7 +119,7 @@ LOG = sp.log(x1 - sp.Rational(1, 2))
         ({"f2": {RIGHT: (sp.Symbol("s"), 0)}}, FormulaError, "f2 on part 1 has the symbols s"),
         *(({"f2": {n: (1, 1)}}, FormulaError, rf"part {n}, but the LOADED parts .* \[1, 3\]") for n in (0, 2, 7, -1)),
         ({"f0": -1}, FormulaError, r"f0 has to be one number or .* such as \(0, -1\) .* got -1 of the type int"),
-        ({"f2": (0, -4)}, FormulaError, r"f2 has to be a dict from the number of a LOADED side .* such as \{2: \(0, -4\)\}"),
+        ({"f2": (0, -4)}, FormulaError, r"f2 has to be a dict .* of a LOADED side .* such as \{2: \(0, -4\)\}"),
         ({"f2": {RIGHT: -4}}, FormulaError, r"f2\[1\] has to be one number or .* got -4"),
         ({"gap": 0.05}, FormulaError, "got gap; there is no initial gap in data"),
         ({"f0": (LOG, 0)}, LoadError, r"f_0 is not finite at x = \[0\.[0-4].*at t = 0"),
