@@ -200,7 +200,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         *enclosed((8, 16), shorter=4),
         option("--displacement", nargs="+", type=Path, metavar="FILE",
                help="enclose the errors of displacements in files (.npz, .vtu and others) instead of computing one"),
-        option("--field", metavar="NAME", help="name of the displacement in the file (default: u or displacement)"),
+        option("--field", metavar="NAME",
+               help="name of the displacement in the file (default: u, displacement, or the only vector field)"),
         option("--nearest", action="store_true",
                help="if the displacement is not zero on the clamped part, bound the error of the nearest one that "
                "is"),
