@@ -115,7 +115,7 @@ def suspicion(found: BoundedSolution, data: Data) -> list[str]:
     factor, rest = found.enclosure.factor
     if not (abs(factor - 1) > SCALED and rest < ALIKE):
         return []
-    stiff, side = data.law.A.matrix[0, :2]
+    stiff, side = abs(data.law.A.matrix[0, :2])
     # Poisson's ratio if the law here means plane strain, and if it means plane stress.
     strain, stress = side / (stiff + side), side / stiff
     usual = {
