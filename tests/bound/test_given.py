@@ -36,9 +36,10 @@ from study.bound.fields import _together, read
 from study.bound.given import SINGLE, _check_cells, _on_boundary, bound_displacement, given
 from study.bound.problem import BoundError
 from study.bound.static import StaticDiscretisation, compute_static
-from study.bound.trajectory import Refined, on_refinement
+from study.bound.trajectory import Refined, compute, on_refinement
 from study.fem.mesh import MeshError, Shaken, Unstructured
 from study.solve.signorini import Signorini
+from study.solve.tableau import MIDPOINT
 
 KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
@@ -279,6 +280,19 @@ def test_the_usual_mistakes_are_named_by_the_factor_of_the_displacement_on_coars
     told = [remark for remark in found.remarks if "times the one of this problem" in remark]
     assert len(told) == bool(question)
     assert all(re.search(question, remark) for remark in told)
+
+
+@pytest.mark.parametrize(("factor", "named"), [(1.0, False), (1.05, False), (1000.0, True)])
+def test_in_time_a_factor_of_some_per_cent_may_come_from_long_steps_and_a_large_one_is_named(
+    factor: float, named: bool
+) -> None:
+    coarse = Discretisation(square(), Shaken()(square().body, 3))
+    solution = compute(coarse, MIDPOINT, 2)
+    u = factor * np.array([solution.space.nodal(values).T for values in solution.nodes])
+    arrays = {"points": coarse.mesh.p.T, "triangles": coarse.mesh.t.T, "times": solution.times, "u": u}
+    found = bound_displacement(square(), **arrays, refine=0, shorter=1)
+    assert any("metres and millimetres?" in remark for remark in found.remarks) == named
+    assert any("times the one" in remark for remark in found.remarks) == named
 
 
 def test_a_displacement_of_another_shape_is_called_no_multiple() -> None:
