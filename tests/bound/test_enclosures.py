@@ -296,7 +296,7 @@ def test_a_row_says_how_close_the_ends_came() -> None:
 
 
 def test_what_cannot_be_bounded_is_refused() -> None:
-    with pytest.raises(BoundError, match="initial gap; give a problem"):
+    with pytest.raises(BoundError, match="initial gap, and the bound serves CONTACT sides"):
         check_problem(Data.of(named("closing-gap").solution), None, Refined(0, 1))
     with pytest.raises(BoundError, match=r"rough-1.75: .* f_0 ∉ L²"):
         measure(resolve_problem("rough-1.75"), OneDiagonal(), 4, MIDPOINT, 4, SmoothedInTime())
