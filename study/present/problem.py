@@ -138,7 +138,7 @@ def _draw_side(axes: Axes, side: Side, number: int, size: float) -> None:
 
 
 def _draw_loads(axes: Axes, picture: ProblemPicture) -> None:
-    """Draw tractions as arrows with the size of the largest one on each side, and the force on the volume."""
+    """Draw tractions as arrows with the size of the largest arrow on each side, and the force on the volume."""
     sizes = [float(np.linalg.norm(side.traction, axis=0).max(initial=0.0)) for side in picture.sides]
     style = {"color": VERMILLION, "arrowstyle": "-|>", "lw": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 7}
     for side, largest in zip(picture.sides, sizes, strict=True):
