@@ -128,6 +128,8 @@ def _as_type(value: Any, hint: Any, place: str) -> Any:
     origin, inner = get_origin(hint), get_args(hint)
     if hint in SCALARS:
         return SCALARS[hint][1](value)
+    if origin is Annotated:
+        return _as_type(value, inner[0], place)
     if origin is np.ndarray:
         return _array(value)
     if origin in (tuple, Sequence):
@@ -268,6 +270,8 @@ def _phrase(hint: Any) -> str:
     origin, inner = get_origin(hint), get_args(hint)
     if hint in SCALARS:
         return SCALARS[hint][0]
+    if origin is Annotated:
+        return str(inner[1])
     if origin in (Union, UnionType):
         return " or ".join(map(_phrase, _options(hint)))
     if origin is np.ndarray:

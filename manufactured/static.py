@@ -1,12 +1,10 @@
 """Problems of static linear elasticity with contact, without viscosity and time."""
 
-from collections.abc import Mapping
-
 from manufactured.arguments import checked
 from manufactured.body import Body
 from manufactured.data import Data
 from manufactured.data.compiled_formulas import compiled
-from manufactured.data.problem_data import Formulas
+from manufactured.data.problem_data import Formulas, Tractions
 from manufactured.factor import x1, x2, x3
 from manufactured.law import Elasticity, Indefinite, KelvinVoigt, LawError, Linear, isotropic
 from manufactured.symbols import FormulaError
@@ -23,7 +21,7 @@ class Static(Data):
 
 
 @checked(FormulaError)
-def static(body: Body, G: Elasticity, f0: Formulas | None = None, f2: Mapping[int, Formulas] | None = None) -> Static:
+def static(body: Body, G: Elasticity, f0: Formulas | None = None, f2: Tractions | None = None) -> Static:
     """Return the data of a static contact problem, from formulas of x1, x2 (x3).
 
     Args:

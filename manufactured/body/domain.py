@@ -113,7 +113,7 @@ def check(body: Body) -> None:
     _check_closed(body)
     if not body.of(Kind.CLAMPED):
         raise BodyError(
-            "the body has no part Γ1, which Korn's inequality (2.17) needs: give one of its sides the kind CLAMPED"
+            "no side of the body is CLAMPED, so it could move without deforming: give one of its sides the kind CLAMPED"
         )
     across = float(np.ptp(body.vertices, axis=1).max())
     if across**body.dim > SLENDER * body.measure:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 import sympy as sp
@@ -20,7 +20,12 @@ from manufactured.symbols import FormulaError, t
 from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, mandel
 
 ForceInTime = Callable[[float], Vectors]
-Formulas = Sequence[sp.Expr | float]
+Formulas = Annotated[
+    Sequence[sp.Expr | float], "one number or formula of SymPy for each direction, such as (0, -1) or (0, -x2)"
+]
+Tractions = Annotated[
+    Mapping[int, Formulas], "a dict from the number of a LOADED side to the traction on it, such as {2: (0, -4)}"
+]
 
 
 class LoadError(ValueError):
@@ -110,7 +115,7 @@ class Data:
         body: Body,
         law: KelvinVoigt,
         f0: Formulas,
-        f2: Mapping[int, Formulas] | None = None,
+        f2: Tractions | None = None,
         u0: Formulas | None = None,
         lines: tuple[Hyperplane, ...] = (),
         **others: object,
@@ -176,7 +181,7 @@ def _surface_load(
     for number, load in f2.items():
         if not 0 <= number < len(body.parts) or body.parts[number].kind is not Kind.LOADED:
             loaded = [i for i, part in enumerate(body.parts) if part.kind is Kind.LOADED]
-            raise FormulaError(f"f2 is given on part {number}, but the parts of Γ2 have the numbers {loaded}")
+            raise FormulaError(f"f2 is given on part {number}, but the LOADED parts have the numbers {loaded}")
         loads[body.parts[number]] = compiled(load, body.dim, f"f2 on part {number}", symbols)
     none = compiled([0] * body.dim, body.dim, "f2", symbols)
 
@@ -232,10 +237,10 @@ def _check_start(data: Data, inside: Points, rng: np.random.Generator) -> None:
         x = part.sample(rng, POINTS)
         u = _finite("u_0", data.start(x), x, dim, "")
         if part.kind is Kind.CLAMPED and abs(u).max() > ROUNDING * size:
-            raise LoadError(f"u_0 is {abs(u).max():.3g} on Γ1, where it has to vanish, (2.3); change u_0")
+            raise LoadError(f"u_0 is {abs(u).max():.3g} on a CLAMPED part, where it has to be 0; change u_0")
         beyond = part.normal @ u - _initial_gap(data, part, x)
         if part.kind is Kind.CONTACT and beyond.max() > ROUNDING * size:
-            raise LoadError(f"u_0ν is {beyond.max():.3g} > 0 on Γ3: u_0 has to lie in K, (3.5); change u_0")
+            raise LoadError(f"u_0ν is {beyond.max():.3g} > 0 on a CONTACT part, where it may not penetrate; change u_0")
 
 
 def _initial_gap(data: Data, part: Part, x: Points) -> Array | float:

@@ -12,7 +12,7 @@ Each file uses only files that stand above it in this list:
 * ``terms`` computes each term of the bound of ‖u − ũ‖_V;
 * ``enclosing`` bounds the error of u_h from both sides;
 * ``static`` bounds the error of u_h for static problems;
-* ``bounded`` runs the computation on each level, and prints and writes the results;
+* ``bounded`` runs the computation on each level, and writes the results;
 * ``fields`` reads displacements of other programs, and ``given`` checks and bounds them;
 * ``adaptive`` refines the cells and time steps that contribute most to the bound.
 """

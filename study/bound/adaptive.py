@@ -8,7 +8,6 @@ quarter of the bound, all steps are halved.
 """
 
 import math
-import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,12 +17,10 @@ import numpy as np
 import pandas as pd
 from skfem import Mesh, MeshTri
 
-from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
-from study.bound.bounded import MEANING, MOVING, STATIC, aligned
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose, known_error
 from study.bound.problem import BoundError
@@ -31,7 +28,7 @@ from study.bound.static import compute_static, enclose_static
 from study.bound.terms import Shares
 from study.bound.trajectory import DiscreteSolution, SmoothedInTime, compute
 from study.fem.mesh import boundary_parts
-from study.ledger.text import up, width
+from study.ledger.text import up
 from study.solve.evolution import Scheme
 
 PART = 0.5
@@ -41,10 +38,6 @@ IN_TIME = 0.25
 
 If the cells contribute less than this fraction, the mesh is not refined.
 """
-TOUCHING = 1e-9
-"""A vertex of the contact boundary Γ3 counts as in contact up to this gap, relative to the largest displacement."""
-SHOWN = 4
-"""Number of significant digits of the error bounds in the printed table."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,66 +204,6 @@ def table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     return found
 
 
-def text(
-    name: str, rows: pd.DataFrame, tolerance: Tolerance, stopped: str, sentences: Sequence[str], norm: str = MOVING
-) -> list[str]:
-    """Return the printed lines: a verdict on the tolerance and on the bound, and one line for each mesh.
-
-    The verdict says whether the tolerance is reached, and whether the bound is guaranteed.
-
-    Args:
-        name: the name of the problem.
-        rows: the table ``adaptive.csv``.
-        tolerance: the tolerance for the error bound.
-        stopped: why refinement ended before the tolerance was reached; empty if it was reached.
-        sentences: texts that say whether the bound is guaranteed.
-        norm: the norm of the error, ``MOVING`` or ``STATIC``.
-    """
-    sign, end = ("≤", "is reached") if not stopped else (">", f"is not reached: {stopped}")
-    percents = [f"{up(percent, SHOWN)} %" if percent < math.inf else "∞" for percent in rows["percent"]]
-    bound, moving, known = up(rows["bound"].iloc[-1], SHOWN), norm != STATIC, bool(rows["error"].notna().all())
-    reached = f"{bound}, {percents[-1]} of u," if tolerance.percent else bound
-    found = [f"{name}: {'max ' * moving}{norm} ≤ {reached} {sign} {tolerance}, the tolerance {end}"]
-    found += [*(textwrap.fill(sentence, width()) for sentence in sentences), ""]
-    columns = {
-        "mesh": rows["mesh"].astype(str),
-        "  cells": rows["cells"].astype(str),
-        "unknowns": rows["dofs"].astype(str),
-        " steps": rows["steps"].astype(str) if moving else None,
-        "     bound": [up(bound, SHOWN) for bound in rows["bound"]],
-        "   % of u": percents,
-        " order": ["" if math.isnan(order) else f"{order:.2f}" for order in rows["order"]],
-        " in time": [f"{100 * share:.1f} %" for share in rows["in_time"]] if moving else None,
-        "     error": [f"{error:.4g}" for error in rows["error"]] if known else None,
-    }
-    found += aligned({head: cells for head, cells in columns.items() if cells is not None})
-    notes = "% of u: the bound over the least value that the norm of u can have", MEANING[norm]
-    return [*found, "", *notes, "order: of the bound in unknowns; 1/2 is the best possible for P1"]
-
-
 def stage_file(directory: Path, number: int) -> Path:
     """Return the path of the file with the displacement on one mesh and the contributions of its cells to the bound."""
     return directory / f"adapted-{number}.npz"
-
-
-def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, Array]:
-    """Find out which edges of the contact boundary Γ3 are in contact.
-
-    Args:
-        data: the problem.
-        mesh: the mesh.
-        displacement: the values of the displacement at the vertices, (2, vertices).
-
-    Returns:
-        The end points of the n edges on Γ3, (2, 2, n), and for each edge whether both end points are in contact, (n,).
-    """
-    # Bodies without contact have no array to concatenate, so each list starts with an empty array.
-    ends, closed = [np.empty((2, 2, 0))], [np.empty(0, dtype=bool)]
-    size = max(float(abs(displacement).max()), np.finfo(float).tiny)
-    for part, facets in zip(data.body.parts, boundary_parts(mesh, data.body), strict=True):
-        if part.kind is Kind.CONTACT:
-            vertices = mesh.facets[:, facets]
-            ends.append(mesh.p[:, vertices])
-            opening = -np.einsum("d,den->en", part.normal, displacement[:, vertices])
-            closed.append((opening <= TOUCHING * size).all(axis=0))
-    return np.concatenate(ends, axis=2), np.concatenate(closed)

@@ -1,8 +1,7 @@
-"""The command ``study bound``: compute a displacement and bounds of its error on each level; write tables and text."""
+"""The command ``study bound``: compute a displacement and bounds of its error on each level; write tables."""
 
 import math
-import textwrap
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -24,25 +23,11 @@ from study.bound.static import compute_static, enclose_static
 from study.bound.trajectory import Computed, DiscreteSolution, Refined, SmoothedInTime, compute
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.ledger.files import write_text, write_whole
-from study.ledger.text import down, interval, up, width
 from study.solve.evolution import Scheme
 from study.solve.steps import rate_steps, require_steps
 
-LINES = 8
-"""The printed table shows the error at no more than this number of times."""
 DIGITS = 9
 """Number of decimals in the files that the command writes."""
-SHOWN, PERCENT = 4, 3
-"""Numbers of significant digits in the printed table: of error bounds, and of error bounds in per cent."""
-MOVING, STATIC = "‖u(t) − u_h(t)‖_V", "‖u − u_h‖_G"
-"""Names of the norms of the error in printed texts: for problems in time, and for static problems (energy norm)."""
-MEANING = {
-    MOVING: "norm: ‖v‖_V² = ∫ Aε(v)·ε(v), weighted by the viscosity A",
-    STATIC: "norm: ‖v‖_G² = ∫ Gε(v)·ε(v), weighted by the elasticity G (energy norm)",
-}
-"""The definitions of the norms of the error, as they are printed."""
-NAME = 20
-"""Width, in characters, of the column with file names in the printed table."""
 NO_PLAIN = "the bound from u_h alone is left out: {why} (the interval does not need this bound)"
 """The sentence that is printed if no error bound can be computed from u_h alone."""
 INSIDE = 1e-12
@@ -90,11 +75,6 @@ class BoundedSolution:
     def relative(self) -> tuple[float, float]:
         """Interval that contains the relative error max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V."""
         return relative(self.error, self.norm)
-
-
-def norm_of(data: Data) -> str:
-    """Return the name of the norm of the error: ``STATIC`` for static problems, otherwise ``MOVING``."""
-    return STATIC if isinstance(data, Static) else MOVING
 
 
 def steps_on(data: Data, level: int, wanted: int | None) -> int:
@@ -284,99 +264,6 @@ def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     return table[[name for name in table if name != "kind"] + ["kind"]]
 
 
-def text(
-    name: str,
-    table: pd.DataFrame,
-    over_time: pd.DataFrame,
-    sentences: Sequence[str],
-    norm: str = MOVING,
-    names: Sequence[str] | None = None,
-) -> str:
-    """Return the printed text: the interval of the error, whether it is guaranteed, and one line for each mesh.
-
-    Args:
-        name: the name of the problem.
-        table: the result of ``levels``.
-        over_time: the results of ``series`` for all levels.
-        sentences: texts that say whether the bounds are guaranteed.
-        norm: the norm of the error, ``MOVING`` or ``STATIC``.
-        names: for each row of the table, the name of the file with its displacement. By default rows are named by their
-            levels.
-    """
-    known, last = bool(table["error"].notna().all()), table.iloc[-1]
-    size = "‖u‖_G" if norm == STATIC else "max ‖u(t)‖_V"
-    share = f"% of u: per cent of {size}, which lies in {interval(last['norm_low'], last['norm_high'], SHOWN)}"
-    lines = [f"{name}: {norm} enclosed, {'exact solution known' if known else 'solution unknown'}"]
-    lines += [*(textwrap.fill(sentence, width()) for sentence in (*sentences, MEANING[norm], share)), ""]
-    # A static problem has one time only, and the last table already shows its enclosure.
-    over = [] if norm == STATIC else [*_over_time(over_time, known, names[-1] if names else ""), ""]
-    return "\n".join([*lines, *over, *_intervals(table, known, norm != STATIC, names)])
-
-
-def aligned(columns: Mapping[str, Iterable[str]]) -> list[str]:
-    """Return the lines of a table whose cells are aligned on the right, below heads that are as wide as their column.
-
-    Args:
-        columns: the cells of each column, by its head; blanks in front of a head make the column wider.
-    """
-    widths = [len(head) for head in columns]
-    lines = [columns, *zip(*columns.values(), strict=True)]
-    return [" ".join(f"{cell:>{k}}" for k, cell in zip(widths, line, strict=True)).rstrip() for line in lines]
-
-
-def _over_time(over_time: pd.DataFrame, known: bool, name: str) -> list[str]:
-    """Return lines with the interval of the error on the finest level, at up to ``LINES`` times."""
-    finest = over_time[over_time["level"] == over_time["level"].max()]
-    rows = list(finest.iloc[np.unique(np.linspace(0, len(finest) - 1, LINES).round().astype(int))].itertuples())
-    columns = {
-        f"{'t':>7}": [f"{row.time:.4f}" for row in rows],
-        f"{'lower':>9}": [down(row.lower, SHOWN) for row in rows],
-        f"{'error':>9}": [f"{row.error:.4g}" if known else "unknown" for row in rows],
-        f"{'upper':>9}": [up(row.upper, SHOWN) for row in rows],
-        f"{'% of u':>15}": [_percent(row.percent_low, row.percent_high) for row in rows],
-        "upper/lower": [f"{row.upper / row.lower:.3f}" if row.lower > 0 else "∞" for row in rows],
-        "from u_h alone": [_plain(row.plain) for row in rows],
-    }
-    return [name or f"level {finest['level'].iloc[0]}", *aligned(columns)]
-
-
-def _intervals(table: pd.DataFrame, known: bool, moving: bool = True, names: Sequence[str] | None = None) -> list[str]:
-    """Return lines with the interval of the error on each mesh, then lines with the intervals of the orders.
-
-    Names of more than ``NAME`` characters are cut, so that a line has at most 80 characters.
-    """
-    labels = [one if len(one) <= NAME else f"{one[: NAME - 1]}…" for one in names or map(str, table["level"])]
-    kind, rows = "file" if names else "level", list(table.itertuples())
-    kind = f"{kind:>{max(len(kind), *map(len, labels))}}"
-    columns = {
-        kind: labels,
-        f"{'max error in' if moving else 'error in':>19}": [interval(row.lowest, row.highest, SHOWN) for row in rows],
-        f"{'% of u':>15}": [_percent(row.percent_low, row.percent_high) for row in rows],
-    }
-    columns |= {f"{'error':>9}": [f"{row.error:.4g}" for row in rows]} if known else {}
-    lines = aligned(columns | {"from u_h alone": [_plain(row.plain) for row in rows]})
-    if len(table) == 1:
-        return lines
-    orders = {f"order since {labels[0]}": "order"} | ({"since the mesh before": "pair"} if len(table) > 2 else {})
-    columns = {kind: labels[1:]}
-    for head, name in orders.items():
-        ends = zip(table[f"{name}_low"][1:], table[f"{name}_high"][1:], strict=True)
-        columns[f"{head:>19}"] = ["" if math.isnan(low) else interval(low, high, SHOWN) for low, high in ends]
-    lines += ["", *aligned(columns)]
-    if moving:
-        steps = "the same steps on every mesh" if table["steps"].nunique() == 1 else "steps that follow the mesh"
-        lines += ["", f"orders of the fully discrete u_h, with {steps}"]
-    return lines
-
-
-def _plain(bound: float) -> str:
-    return "left out" if math.isnan(bound) else up(bound, SHOWN)
-
-
-def _percent(low: float, high: float) -> str:
-    return interval(low, high, PERCENT) if high < math.inf else f"[{down(low, PERCENT)}, ∞]"
-
-
 def contact_sentences(body: Body) -> list[str]:
     """Return a list with a sentence about the shape of the foundation if Γ3 does not lie on one line, otherwise []."""
     sides = body.of(Kind.CONTACT)
@@ -386,8 +273,8 @@ def contact_sentences(body: Body) -> list[str]:
     if all(abs(first.coordinates(side.corners)[1]).max() <= reach for side in sides):
         return []
     return [
-        f"Γ3 has {len(sides)} sides that do not lie on one line. Each point of a side may not cross the line through "
-        "that side: the sides touch a foundation of the shape of Γ3 (a curved one, if they follow a curve), not one "
+        f"The {len(sides)} CONTACT sides do not lie on one line. Each point of a side may not cross the line through "
+        "that side: the sides touch a foundation of their own shape (a curved one, if they follow a curve), not one "
         "flat floor"
     ]
 

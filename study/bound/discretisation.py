@@ -152,6 +152,11 @@ class Discretisation:
         """Return the norms ‖v‖_V of displacements, (..., dofs) → (...)."""
         return np.sqrt(np.maximum(np.einsum("...i,...i->...", v, (self.M @ v.T).T), 0.0))
 
+    def products(self, *displacements: Array) -> Array:
+        """Return the products (v_i, v_j)_V of displacements, (dofs,) each → (number, number)."""
+        v = np.array(displacements)
+        return np.asarray(v @ (self.M @ v.T))
+
     @cached_property
     def _strains(self) -> sps.csr_array:
         """The matrix from displacements to strains at the three vertices of every cell.
@@ -225,8 +230,8 @@ def refuse_unserved(data: Data) -> None:
 
     if data.has_initial_gap:
         raise BoundError(
-            "the bound rests on σ_ν u_ν = 0 on Γ3 and on u_ν ≤ 0, the problem has an initial gap; give a problem "
-            "without one"
+            "the problem has an initial gap, and the bound serves CONTACT sides that touch the foundation at the "
+            "start: give a problem without a gap"
         )
     require_units(data)
 

@@ -59,6 +59,7 @@ class Enclosure:
         between: for each time interval between knots, an upper bound of the error of u_h at all of its times, (n,).
         evidence: whether the bounds are guaranteed or estimated, and why.
         norm: an interval that contains max_t ‖u(t)‖_V.
+        products: the products in V of the pair (ũ, u_h), summed over these times, (2, 2).
     """
 
     h: float
@@ -72,6 +73,7 @@ class Enclosure:
     between: Array
     evidence: Evidence
     norm: tuple[float, float]
+    products: Array
 
     def __post_init__(self) -> None:
         """Raise BoundError unless all bounds are finite, because maxima and minima taken later could hide a NaN."""
@@ -105,6 +107,17 @@ class Enclosure:
         for one in self.intervals[: last + 1]:
             found = moduli.decay(one.b - one.a) * found + one.shares
         return found + Shares(0 * self.initial, self.highest - found.total)
+
+    @property
+    def factor(self) -> tuple[float, float]:
+        """The factor s for which u_h/s fits ũ best, and the relative distance ‖u_h/s − ũ‖/‖ũ‖ that remains.
+
+        The factor of a Galerkin solution is 1 on every mesh, because its error is orthogonal to it.
+        """
+        (better, mixed), (_, given) = self.products.tolist()
+        if not mixed:
+            return math.nan, 1.0
+        return given / mixed, math.sqrt(max(0.0, 1 - mixed**2 / (better * given)))
 
     @property
     def lower(self) -> Array:
@@ -191,12 +204,14 @@ def enclose_several(
     start = math.sqrt(float(initial.sum())) + fine.sampling.missed_at_start()
     intervals: list[Interval] = []
     rows: list[list[tuple[float, ...]]] = [[] for _ in computed]
+    products = np.zeros((len(computed), 2, 2))
     low, high = max(0.0, float(fine.norm(first.start)) - start), 0.0
     for piece, interval in Majorant(fine)(chain([first], pieces), start):
-        for u_h, given, found in zip(fields, computed, rows, strict=True):
-            true = error(piece.b, given.at(piece.b)) if error else math.nan
+        for u_h, given, found, sums in zip(fields, computed, rows, products, strict=True):
+            true, at_b = error(piece.b, given.at(piece.b)) if error else math.nan, u_h(piece.b)
             between = interval.inside + largest_distance(fine, piece, given.times, u_h)
-            found.append((float(fine.norm(piece.end - u_h(piece.b))), true, between))
+            found.append((float(fine.norm(piece.end - at_b)), true, between))
+            sums += fine.products(piece.end, at_b)
         low = max(low, float(fine.norm(piece.end)) - interval.at_b)
         high = max(high, interval.inside + float(fine.norm(np.array([piece.start, piece.control, piece.end])).max()))
         intervals.append(interval)
@@ -209,11 +224,11 @@ def enclose_several(
     evidence = Evidence(fine.sampling.reasons, fine.sampling.worst(worst.a, worst.b) if poor else "")
     loaded = bool(initial.any() or any(fine.load(time).any() for time in times))
     result = []
-    for u_h, given, found in zip(fields, computed, rows, strict=True):
+    for u_h, given, found, sums in zip(fields, computed, rows, products, strict=True):
         distances, errors, between = np.array(found).T.copy()
         at_0 = start + fine.norm(first.start - u_h(0.0))
         over_time = times, distances, bounds, errors
-        one = Enclosure(given.h, *over_time, tuple(intervals), at_0, initial, between, evidence, (low, high))
+        one = Enclosure(given.h, *over_time, tuple(intervals), at_0, initial, between, evidence, (low, high), sums)
         require_visible(fine.data, one.highest, loaded or bool(given.nodes.any()))
         # Squares of small data may have underflowed to 0 at single times, so the bound is at least SMALLEST.
         result.append(replace(one, bound=np.maximum(bounds, SMALLEST)) if one.highest > 0 else one)

@@ -18,7 +18,11 @@ OURS = {"p": "points", "t": "triangles"}
 """Other names of these arrays, in files that ``study bound`` writes. There the arrays are stored transposed."""
 DISPLACEMENT = ("u", "displacement", "displacements", "u_h", "uh", "disp")
 """Names, in lower case, by which the displacement is recognised among the fields of a mesh file."""
-CELLS = {"triangle": 3, "triangle6": 6}
+CELLS = {"triangle": (3,), "triangle6": (6,), "VTK_LAGRANGE_TRIANGLE": (3, 6)}
+"""Types of cells that are read, and how many points they may have.
+
+Lagrange triangles of VTK (type 69) of degree 1 and 2 number their points as the other two types.
+"""
 IGNORED = ("vertex", "line", "line3")
 """Types of cells that are ignored: mesh files often contain points and boundary edges besides the triangles."""
 
@@ -49,7 +53,8 @@ def read(path: Path | str, name: str | None = None) -> Field:
     Args:
         path: an .npz file with ``points``, ``triangles``, ``times`` and ``u``, or as ``study bound`` writes it; a .pvd
             file; an .xdmf file with a time series; or for a static problem a file with one mesh, such as .vtu.
-        name: the name of the displacement field in a mesh file. By default this is a name in ``DISPLACEMENT``.
+        name: the name of the displacement field in a mesh file. By default this is a name in ``DISPLACEMENT``, or the
+            only field of vectors in the file.
 
     Raises:
         BoundError: the file cannot be read, or has no displacement.
@@ -200,11 +205,11 @@ def _sorted(triangles: Array) -> Array:
 def _triangles(path: Path, mesh: Any) -> Array:
     """Return the point numbers of the triangles in a mesh file: (cells, 3) if linear, (cells, 6) if quadratic."""
     blocks = [block for block in mesh.cells if block.type not in IGNORED]
-    kinds = sorted({block.type for block in blocks})
-    if len(kinds) != 1 or kinds[0] not in CELLS:
+    kinds = sorted({(block.type, block.data.shape[1]) for block in blocks})
+    if len(kinds) != 1 or kinds[0][1] not in CELLS.get(kinds[0][0], ()):
+        names = ", ".join(f"{kind} with {count} points" for kind, count in kinds) or "none"
         raise BoundError(
-            f"{path} has cells of the kinds {', '.join(kinds) or 'none'}, expected triangle (linear) or triangle6 "
-            "(quadratic) alone"
+            f"{path} has cells of the kinds {names}, expected linear or quadratic triangles, with 3 or 6 points, alone"
         )
     return np.concatenate([block.data for block in blocks])
 
@@ -213,6 +218,8 @@ def _displacement_name(path: Path, mesh: Any, name: str | None) -> str:
     """Return the name of the displacement field, which must have vectors with 2 or 3 components at the points."""
     vectors = [key for key, data in mesh.point_data.items() if np.ndim(data) == 2 and data.shape[1] in (2, 3)]
     chosen = [key for key in vectors if key == name or (name is None and key.lower() in DISPLACEMENT)]
+    if len(chosen) != 1 and name is None and len(vectors) == 1:
+        chosen = vectors
     if len(chosen) == 1:
         return chosen[0]
     if not vectors:

@@ -24,7 +24,7 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array, Points
-from study.bound.bounded import SHOWN, BoundedSolution, both_bounds, check_problem
+from study.bound.bounded import BoundedSolution, both_bounds, check_problem
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import squared_distances
 from study.bound.problem import BoundError
@@ -44,6 +44,11 @@ CLAMPED = 1e-9
 """A displacement on the clamped boundary counts as 0 up to this fraction of the largest displacement."""
 ROUNDING = 1e-12
 """A vertex counts as unmoved up to this distance, relative to the size of the mesh."""
+SCALED, IN_TIME, ALIKE, NEAR = 0.03, 0.1, 0.7, 0.02
+"""A displacement counts as a multiple of the solution if its factor differs from 1 by more than ``SCALED``, in time by
+more than ``IN_TIME``, because long time steps and penalties change the factor by some per cent; and if the relative
+distance that remains after division by this factor is below ``ALIKE``. A usual mistake explains the factor
+if the factors that it can have differ from it by less than ``NEAR``, relatively."""
 FLAT = 1e-12
 """A triangle counts as degenerate if its area divided by its squared diameter is below this number."""
 
@@ -94,8 +99,41 @@ def bounded_displacement(
     found = both_bounds(coarse, computed, refined, true_error(case, coarse, computed), progress)
     low, high = found.error
     ends = max(0.0, low - computed.offset), high + computed.offset
-    whole = f"the error of the displacement in the file lies in {interval(*ends, SHOWN)}"
-    return replace(found, remarks=(*computed.remarks, *found.remarks, *([whole] if computed.offset else [])))
+    remarks = [*suspicion(found, data), *computed.remarks, *found.remarks]
+    if computed.offset:
+        remarks.append(f"the error of the displacement in the file lies in {interval(*ends, 4)}")
+    if low == 0 and computed.degree == 2:
+        more = refined.refinements + 1
+        remarks.append(f"the lower end is 0, because ũ is hardly better than u_h of degree 2: try --refine {more}")
+    return replace(found, remarks=tuple(remarks))
+
+
+def suspicion(found: BoundedSolution, data: Data) -> list[str]:
+    """Return a list with a sentence if u_h is a multiple of the solution up to a small rest, and else an empty list.
+
+    The sentence asks for the mistake that usually gives this factor.
+    """
+    factor, rest = found.enclosure.factor
+    if not (abs(factor - 1) > (SCALED if isinstance(data, Static) else IN_TIME) and rest < ALIKE):
+        return []
+    stiff, side = abs(data.law.A.matrix[0, :2])
+    # Poisson's ratio if the law here means plane strain, and if it means plane stress.
+    strain, stress = side / (stiff + side), side / stiff
+    usual = {
+        "metres and millimetres?": [(1e3, 1e3), (1e-3, 1e-3)],
+        "pascals and megapascals?": [(1e6, 1e6), (1e-6, 1e-6)],
+        "loads in the opposite direction?": [(-1.0, -1.0)],
+        "plane stress there, and plane strain here?": [(1.0, 1 / (1 - strain**2))],
+        "plane strain there, and plane stress here?": [(1 - stress**2, 1.0)],
+    }
+    matches = (
+        name for name, ranges in usual.items() for ends in ranges if abs(np.clip(factor, *ends) / factor - 1) < NEAR
+    )
+    question = next(matches, "compare loads, stiffness and units.")
+    return [
+        f"the displacement is {float(f'{factor:.3g}'):g} times the one of this problem: {question} Divided by this "
+        f"factor it differs by {100 * rest:.2g} %"
+    ]
 
 
 def true_error(
@@ -418,20 +456,16 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     share = f"{offset:.3g} = {100 * offset / whole if whole else math.inf:.2g} % of the largest ‖u_h‖_V"
     if not nearest:
         raise BoundError(
-            f"u_h reaches {largest:.3g} on Γ1, {100 * largest / size:.2g} % of its largest component, and has to be 0 "
-            f"there. The nearest field that vanishes on Γ1 differs from it by {share}: with --nearest "
+            f"u_h reaches {largest:.3g} on a CLAMPED side, {100 * largest / size:.2g} % of its largest component, and "
+            f"has to be 0 there. The nearest field that vanishes there differs from it by {share}: with --nearest "
             "(nearest=True) the error of that field is enclosed, and the difference is added"
         )
     remark = (
-        f"u_h reaches {largest:.3g} on Γ1, so the bounds are those of the nearest field that vanishes there; it "
-        f"differs from u_h by at most {share}"
+        f"u_h reaches {largest:.3g} on a CLAMPED side, so the bounds are about the nearest field that vanishes there; "
+        f"it differs from u_h by at most {share}"
     )
-    # Bernstein coefficients are converted, because a ``GivenDisplacement`` stores values at the midpoints of edges.
-    nodal = projected.T.reshape(len(found.times), -1, 2)
-    vertices = mesh.p.shape[1]
-    of_ends = nodal[:, mesh.facets].sum(axis=1)
-    nodal = np.concatenate([nodal[:, :vertices], nodal[:, vertices:] / 2 + of_ends / 4], axis=1)
-    values = nodal.reshape(len(found.times), -1)
+    # A ``GivenDisplacement`` stores nodal values, and not Bernstein coefficients.
+    values = splu(sps.csc_array(on_refinement(mesh, 2, mesh))).solve(projected).T
     return replace(found, degree=2, nodes=values, remarks=(*found.remarks, remark), offset=offset)
 
 

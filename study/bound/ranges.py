@@ -239,12 +239,12 @@ KNOWN: dict[type, Callable[[Pair, int], Pair]] = {
 ORDERED: dict[type, Callable[[Array, Array], tuple[Flags, Flags]]] = {
     sp.Gt: lambda low, high: (high <= 0, low > 0),
     sp.Ge: lambda low, high: (high < 0, low >= 0),
-    sp.Lt: lambda low, high: (low >= 0, high < 0),
-    sp.Le: lambda low, high: (low > 0, high <= 0),
     sp.Eq: lambda low, high: ((low > 0) | (high < 0), (low == 0) & (high == 0)),
-    sp.Ne: lambda low, high: ((low == 0) & (high == 0), (low > 0) | (high < 0)),
 }
-"""For a relation x ∘ 0 and the range of x: whether it holds for no x, and whether it holds for all x of the range."""
+"""For a relation x ∘ 0 and the range of x: whether it holds for no x, and whether it holds for all x of the range.
+
+The other relations are reversed or negated ones.
+"""
 
 
 def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
@@ -381,11 +381,13 @@ class Boxes:
             value = np.full(self.count, float(formula))
             exact = isinstance(formula, sp.Float | sp.Rational) and sp.Rational(formula) == sp.Rational(value[0])
             return self._constant((value, value)).rounded(exact)
-        if isinstance(formula, sp.Max | sp.Min):
+        if isinstance(formula, sp.Min):
+            return self(-sp.Max(*(-part for part in formula.args)))
+        if isinstance(formula, sp.Max):
             first, *others = formula.args
-            return self._extremum(formula.func, first, formula.func(*others))
+            return self._maximum(first, sp.Max(*others))
         if isinstance(formula, sp.Abs):
-            return self._extremum(sp.Max, formula.args[0], -formula.args[0])
+            return self._maximum(formula.args[0], -formula.args[0])
         if type(formula) in PIECES:
             return self(PIECES[type(formula)](*formula.args))
         if isinstance(formula, sp.Piecewise):
@@ -405,18 +407,14 @@ class Boxes:
             found = self._product(found, delta) + self._constant(ends)
         return found.rounded(isinstance(formula, pos))
 
-    def _extremum(self, kind: type, first: sp.Expr, second: sp.Expr) -> Series:
-        """Return the series of Max(first, second) or Min(first, second).
-
-        Derivatives of order 1 exist on both sides of its kink.
-        """
+    def _maximum(self, first: sp.Expr, second: sp.Expr) -> Series:
+        """Return the series of Max(first, second); derivatives of order 1 exist on both sides of its kink."""
         a, b, difference = self(first), self(second), self(first - second)
-        never, always = ORDERED[sp.Ge if kind is sp.Max else sp.Le](*difference.values)
+        never, always = ORDERED[sp.Ge](*difference.values)
         found = self._union([(a, never, always), (b, always, ~always)], highest=1)
-        extremum = np.maximum if kind is sp.Max else np.minimum
         undecided = ~never & ~always
         for ends, one, other in ((found.low, a.low, b.low), (found.high, a.high, b.high)):
-            ends[0, undecided] = extremum(one[0], other[0])[undecided]
+            ends[0, undecided] = np.maximum(one[0], other[0])[undecided]
         return found
 
     def _piecewise(self, formula: sp.Piecewise) -> Series:
@@ -460,9 +458,11 @@ class Boxes:
         if condition in (sp.true, sp.false):
             holds = np.full(self.count, condition == sp.true)
             return ~holds, holds
-        if isinstance(condition, sp.Not):
-            never, always = self._truth(condition.args[0])
+        if isinstance(condition, sp.Not | sp.Ne):
+            never, always = self._truth(sp.Not(condition) if isinstance(condition, sp.Ne) else condition.args[0])
             return always, never
+        if isinstance(condition, sp.Lt | sp.Le):
+            return self._truth(condition.reversed)
         if isinstance(condition, sp.And | sp.Or):
             never_each, always_each = zip(*map(self._truth, condition.args), strict=True)
             some, every = np.logical_or.reduce, np.logical_and.reduce

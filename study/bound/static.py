@@ -90,5 +90,5 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     cells, zero, unknown = np.zeros(fine.mesh.t.shape[1]), np.zeros(1), np.full(1, math.nan)
     norm = max(0.0, size - y), size + y
     bounds = zero, np.array([d]), np.array([y]), unknown
-    found = Enclosure(computed.h, *bounds, (), d + y, cells, above, evidence, norm)
+    found = Enclosure(computed.h, *bounds, (), d + y, cells, above, evidence, norm, fine.products(v, u_h))
     return found, shares

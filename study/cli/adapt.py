@@ -11,16 +11,17 @@ import numpy as np
 import pandas as pd
 from matplotlib.tri import Triangulation
 
-from manufactured.static import Static
 from study.bound import adaptive, bounded
 from study.bound.adaptive import Stage
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
 from study.cli.common import tell_written
 from study.cli.options import FAILED, OK
+from study.cli.problem import contact_edges, draw_problem
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError, write_text
 from study.ledger.text import up
+from study.present.bounds import NORM, SHOWN, adaptive_text
 from study.present.drawing import draw_one
 from study.present.figures import adapted_mesh
 from study.run.executor import available, require
@@ -66,10 +67,10 @@ def do_adapt(options: argparse.Namespace) -> int:
             results.append(store.cached(f"adapted-{number}", cache_key, compute, path))
             rows = adaptive.table([one["row"] for one in results])
             table = write_text(store.directory / "adaptive.csv", rows.to_csv(index=False))
-            print(f"mesh {number}: {stage.cells} cells, bound {up(rows['bound'].iloc[-1], adaptive.SHOWN)}", flush=True)
+            print(f"mesh {number}: {stage.cells} cells, bound {up(rows['bound'].iloc[-1], SHOWN)}", flush=True)
             with np.load(path) as arrays:
                 following = adaptive.next_stage(stage, arrays["shares"], float(arrays["in_time"]))
-                edges, closed = adaptive.contact_edges(data, stage.mesh, arrays["u"][-1])
+                edges, closed = contact_edges(data, stage.mesh, arrays["u"][-1])
             reached = tolerance.reached(rows.iloc[-1])
             stopped = "" if reached else _limit(following, options.cells)
             if reached or stopped:
@@ -79,14 +80,16 @@ def do_adapt(options: argparse.Namespace) -> int:
         levels = store.directory / "levels.csv"
         uniform = pd.read_csv(levels) if levels.is_file() else pd.DataFrame()
         written = [table, *(adaptive.stage_file(store.directory, number) for number in range(len(results)))]
-        norm = bounded.norm_of(data)
-        error = norm if isinstance(data, Static) else f"max {norm}"
+        error = "max " * data.in_time + NORM[data.in_time]
         shown = Triangulation(*stage.mesh.p, stage.mesh.t.T)
         figure = adapted_mesh(name, norm=error, mesh=shown, edges=edges, closed=closed, rows=rows, uniform=uniform)
         written += draw_one(store.directory, figure)
+        with np.load(path) as arrays:
+            at_vertices = arrays["times"], arrays["u"]
+        written += draw_problem(store.directory, name, data, (stage.mesh.p, stage.mesh.t), at_vertices)
     tell_written(written)
     sentences = [*results[-1]["sentences"], *bounded.contact_sentences(data.body)]
-    print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, norm)) + "\n")
+    print("\n" + "\n".join(adaptive_text(name, rows, str(tolerance), stopped, sentences, data.in_time)) + "\n")
     return OK if reached and all(one["inside"] for one in results if case) else FAILED
 
 

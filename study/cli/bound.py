@@ -8,12 +8,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.self_proof import prove
-from manufactured.static import Static
+from manufactured.tensors import Array
 from study.bound import bounded
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
@@ -21,9 +22,11 @@ from study.cli.adapt import do_adapt
 from study.cli.common import tell_written, with_progress
 from study.cli.displacement import Displacement, displacements_in_files
 from study.cli.options import FAILED, OK
+from study.cli.problem import draw_problem
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError
 from study.ledger.text import folded
+from study.present.bounds import text
 from study.present.drawing import draw_one
 from study.present.figures import enclosure
 from study.run.executor import available, require
@@ -61,12 +64,13 @@ def do_bound(options: argparse.Namespace) -> int:
         written = bounded.write(store.directory, table, over_time)
         written += [file for one in displacements for file in one.files]
         no_figure = ""
-        if isinstance(data, Static):
+        if not data.in_time:
             no_figure = "the figure shows the bounds over time, and a static problem has no time"
         elif not table["level"].is_unique:
             no_figure = "the figure shows one mesh of each size, and two files have meshes of the same size"
         else:
             written += draw_one(store.directory, enclosure("enclosure", over_time, name))
+        written += draw_problem(store.directory, name, data, *displacements[-1].shown())
     tell_written(written)
     names = [one.file_name for one in displacements if one.file_name]
     if names and no_figure:
@@ -76,7 +80,7 @@ def do_bound(options: argparse.Namespace) -> int:
             print(folded(one.remark))
     sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
     last = pd.DataFrame(rows[-1]["series"])
-    print(f"\n{bounded.text(name, table, last, sentences, bounded.norm_of(data), names or None)}\n")
+    print(f"\n{text(name, table, last, sentences, data.in_time, names or None)}\n")
     return OK if case is None or all(row["inside"] for row in rows) else FAILED
 
 
@@ -109,6 +113,11 @@ def computed_displacements(
             return bounded.record(level, found)
 
         cache_key = of_problem(data, case, (family, level, scheme, steps, refined))
-        return Displacement(f"level-{level}", cache_key, compute, (file,))
+
+        def shown() -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+            with np.load(file) as arrays:
+                return (arrays["p"], arrays["t"]), (arrays["times"], arrays["u"])
+
+        return Displacement(f"level-{level}", cache_key, compute, (file,), shown)
 
     return directory, [displacement(level) for level in options.levels]

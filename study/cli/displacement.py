@@ -11,6 +11,7 @@ from typing import Any
 
 from manufactured.case import Case
 from manufactured.data import Data
+from manufactured.tensors import Array
 from study.bound import bounded, fields
 from study.bound.given import bounded_displacement, given
 from study.bound.trajectory import GivenDisplacement, Refined
@@ -29,6 +30,7 @@ class Displacement:
         key, cache_key: name and cache key of the result.
         compute: function that computes the displacement, unless it is given, and encloses its error.
         files: files that ``compute`` writes.
+        shown: function that returns mesh and displacements for the picture, as ``study.cli.problem`` takes them.
         file_name, remark: name of the file with the given displacement, and a line about its content; empty if the
             displacement is computed.
     """
@@ -36,7 +38,8 @@ class Displacement:
     key: str
     cache_key: str
     compute: Callable[[], dict[str, Any]]
-    files: tuple[Path, ...] = ()
+    files: tuple[Path, ...]
+    shown: Callable[[], tuple[tuple[Array, Array], tuple[Array, Array]]]
     file_name: str = ""
     remark: str = ""
 
@@ -66,7 +69,12 @@ def displacements_in_files(
         content = hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
         cache_key = of_problem(data, case, (content, u_h.steps, u_h.remarks, refined))
         remark = f"{path}: degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"
-        return Displacement(f"displacement-{number}", cache_key, compute, (), path.name, remark)
+
+        def shown() -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+            mesh, at_nodes = u_h.mesh, u_h.nodes.reshape(len(u_h.times), -1, 2)
+            return (mesh.p, mesh.t), (u_h.times, at_nodes[:, : mesh.p.shape[1]].swapaxes(1, 2))
+
+        return Displacement(f"displacement-{number}", cache_key, compute, (), shown, path.name, remark)
 
     directory = options.out / "-".join([name, *dict.fromkeys(path.stem for path, _ in read)])
     return directory, [displacement(number, *pair) for number, pair in enumerate(read)]

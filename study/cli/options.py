@@ -107,6 +107,15 @@ def _not_empty(kind: type, text: str) -> Any:
 JSON = option("--json", action="store_true", help="print as JSON")
 JOBS = option("--jobs", type=int, within=Range(1, "1 to 1024", 1024), default=os.cpu_count() or 1,
               help="number of processes (default: all cores)")  # fmt: skip
+SCOPE = (
+    " Served: plane polygons with straight sides, each clamped, free, loaded, or touching a rigid foundation without "
+    "friction; linear elasticity, and viscoelasticity with small strains; displacements that are linear or quadratic "
+    "on triangles (P1, P2). Not served: 3D and axisymmetry, friction, large strains, holes, sides that only roll, "
+    "displacements prescribed other than 0, quadrilaterals. Instead: give a curved side as the polygon of the mesh; "
+    "compute the whole of a symmetric body; state a rolling side as CONTACT if it is pressed all along; if all clamped "
+    "sides move alike and there is no contact, subtract their motion; compute again on triangles."
+)
+"""What ``study bound`` serves, what it does not serve, and what to do instead."""
 UNDECIDED = option(
     "--undecided",
     type=Path,
@@ -191,7 +200,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         *enclosed((8, 16), shorter=4),
         option("--displacement", nargs="+", type=Path, metavar="FILE",
                help="enclose the errors of displacements in files (.npz, .vtu and others) instead of computing one"),
-        option("--field", metavar="NAME", help="name of the displacement in the file (default: u or displacement)"),
+        option("--field", metavar="NAME",
+               help="name of the displacement in the file (default: u, displacement, or the only vector field)"),
         option("--nearest", action="store_true",
                help="if the displacement is not zero on the clamped part, bound the error of the nearest one that "
                "is"),
@@ -223,8 +233,9 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
                help="also write a mesh of the foundation, with this number of segments"),
         out("tasks", "--to"),
     ]),
-    "show": ("show", "solve a case on one mesh, draw images and an animation, and write files for ParaView", [
-        option("case", metavar=CASE, help="a case"),
+    "show": ("show", "draw a problem as it is stated; of a case also images and a film of its solution, and files for "
+             "ParaView", [
+        option("case", metavar=CASE, help="a case, or a problem"),
         option("--level", type=int, within=FROM_2, metavar="N", help="cells along a side (default 24, in 3D 9)"),
         option("--mp4", action="store_true",
                help="require animation.mp4: a missing ffmpeg is an error (without this option the film is then left "
@@ -268,7 +279,8 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action="version", version=f"study {version('signorini-study')}")
     commands = top.add_subparsers(required=True, metavar="COMMAND")
     for name, (module, help, options) in COMMANDS.items():
-        command = commands.add_parser(name, help=help, description=help[0].upper() + help[1:] + ".")
+        description = help[0].upper() + help[1:] + "." + SCOPE * (name == "bound")
+        command = commands.add_parser(name, help=help, description=description)
         interrupted = RESUMED if name in RESUMES else STARTS_AGAIN
         known, ranges = ["--help"], {}
         for one in options:

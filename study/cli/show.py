@@ -5,7 +5,8 @@ import argparse
 from manufactured.self_proof import prove
 from study.cli.common import progress_bar, tell_written
 from study.cli.options import OK
-from study.fem.naming import resolve
+from study.cli.problem import draw_problem
+from study.fem.naming import resolve_data
 from study.ledger.files import UsageError
 from study.ledger.text import folded
 from study.present.show import NO_FFMPEG, draw_show, find_ffmpeg
@@ -14,8 +15,12 @@ from study.run.store import Store
 
 
 def do_show(options: argparse.Namespace) -> int:
-    """Solve a case on one mesh, draw it, and write files for ParaView; return 0."""
-    case = resolve(options.case)
+    """Solve a case on one mesh, draw it, and write files for ParaView; or draw a problem as it is stated. Return 0."""
+    name, data, case = resolve_data(options.case)
+    if case is None:
+        with Store(options.out / name, written=(".",)).locked():
+            tell_written(draw_problem(options.out / name, name, data))
+        return OK
     level = LEVELS[case.solution.body.dim] if options.level is None else options.level
     if options.mp4 and not find_ffmpeg():
         raise UsageError(f"--mp4: {NO_FFMPEG}")

@@ -18,7 +18,7 @@ from test_terms import discretised, terms_of
 from manufactured import Case, Data, KelvinVoigt, Kind, isotropic, named, polygon, pos, static, t
 from manufactured.factor import x1, x2
 from study.bound import adaptive
-from study.bound.adaptive import Adapted, Stage, Tolerance, adapted, contact_edges, marked, next_stage
+from study.bound.adaptive import Adapted, Stage, adapted, marked, next_stage
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose
 from study.bound.remainders import GUARANTEED
@@ -26,7 +26,9 @@ from study.bound.static import compute_static, enclose_static
 from study.bound.terms import Majorant, Shares, part_that_changes
 from study.bound.trajectory import Refined, SmoothedInTime, compute
 from study.cli.main import main
+from study.cli.problem import contact_edges
 from study.fem.mesh import Unstructured, boundary_parts, facet_measures
+from study.present.bounds import adaptive_text
 from study.solve.tableau import MIDPOINT
 
 LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
@@ -114,7 +116,7 @@ def test_a_load_on_few_cells_gives_them_the_shares() -> None:
 def test_the_verdict_on_a_tolerance_is_about_the_last_mesh() -> None:
     numbers = {"mesh": 1, "cells": 8, "dofs": 9, "steps": 4, "order": 0.5, "in_time": 0.1, "error": np.nan}
     rows = pd.DataFrame([{**numbers, "bound": 0.4, "percent": 20.0}, {**numbers, "bound": 0.125, "percent": 5.0}])
-    first, *_ = adaptive.text("ramp", rows, Tolerance(6, percent=True), "", [])
+    first, *_ = adaptive_text("ramp", rows, "6 %", "", [])
     assert first.startswith("ramp: max")
     assert first.endswith("≤ 0.125, 5 % of u, ≤ 6 %, the tolerance is reached")
 
@@ -291,7 +293,7 @@ def test_memory_that_is_not_there_stops_with_the_reason(tmp_path, monkeypatch, c
 def test_a_table_shows_the_order_of_each_mesh_with_more_unknowns_than_the_one_before() -> None:
     same = {"cells": 1, "steps": 1, "percent": 1.0, "in_time": 0.5, "error": 1.0}
     rows = [same | {"mesh": n, "dofs": 4 ** min(n, 3), "bound": 2.0**-n} for n in (1, 2, 3, 4)]
-    shown = adaptive.text("x", adaptive.table(rows), Tolerance(0.1), "", [])
+    shown = adaptive_text("x", adaptive.table(rows), "0.1", "", [])
     heads, *lines = shown[shown.index("") + 1 :]
     end = heads.index("order") + len("order")
     assert [line[end - len("order") : end].strip() for line in lines[:4]] == ["", "0.50", "0.50", ""]

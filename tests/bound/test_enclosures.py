@@ -23,7 +23,7 @@ from manufactured.catalogue import NAMES
 from manufactured.data import Data
 from manufactured.tensors import Array
 from study.bound import terms
-from study.bound.bounded import _intervals, check_problem, levels
+from study.bound.bounded import check_problem, levels
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose, known_error
 from study.bound.problem import BoundError
@@ -31,6 +31,7 @@ from study.bound.terms import Majorant
 from study.bound.trajectory import Parabola, Refined, SmoothedInTime, Trajectory, compute, spline
 from study.fem.mesh import FAMILIES, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import Line, cell_rules
+from study.present.bounds import _intervals
 from study.solve.evolution import Scheme
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
 from study.statements.enclosure import eligible, measure, resolve_problem
@@ -290,7 +291,7 @@ def test_a_row_says_how_close_the_ends_came() -> None:
 
 
 def test_what_cannot_be_bounded_is_refused() -> None:
-    with pytest.raises(BoundError, match="initial gap; give a problem"):
+    with pytest.raises(BoundError, match="initial gap, and the bound serves CONTACT sides"):
         check_problem(Data.of(named("closing-gap").solution), None, Refined(0, 1))
     with pytest.raises(BoundError, match=r"rough-1.75: .* f_0 ∉ L²"):
         measure(resolve_problem("rough-1.75"), OneDiagonal(), 4, MIDPOINT, 4, SmoothedInTime())

@@ -14,7 +14,20 @@ import numpy as np
 import pytest
 from skfem import MeshTri
 
-from manufactured import Data, KelvinVoigt, Kind, isotropic, named, plane_stress, polygon, static, t, unit_square, x2
+from manufactured import (
+    Data,
+    KelvinVoigt,
+    Kind,
+    isotropic,
+    named,
+    plane_strain,
+    plane_stress,
+    polygon,
+    static,
+    t,
+    unit_square,
+    x2,
+)
 from manufactured.tensors import Array
 from study.bound.bounded import contact_sentences
 from study.bound.discretisation import Discretisation
@@ -22,8 +35,11 @@ from study.bound.enclosing import enclose, enclose_several
 from study.bound.fields import _together, read
 from study.bound.given import SINGLE, _check_cells, _on_boundary, bound_displacement, given
 from study.bound.problem import BoundError
-from study.bound.trajectory import Refined, on_refinement
+from study.bound.static import StaticDiscretisation, compute_static
+from study.bound.trajectory import Refined, compute, on_refinement
 from study.fem.mesh import MeshError, Shaken, Unstructured
+from study.solve.signorini import Signorini
+from study.solve.tableau import MIDPOINT
 
 KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
@@ -70,7 +86,7 @@ def test_sixteen_contact_sides_of_a_half_disk_are_called_a_curved_foundation() -
     angles = np.pi * (1 + np.linspace(0, 1, 17))
     disk = polygon(np.stack([np.cos(angles), np.sin(angles)], axis=1).tolist(), [Kind.CONTACT] * 16 + [Kind.CLAMPED])
     (sentence,) = contact_sentences(disk)
-    assert sentence.startswith("Γ3 has 16 sides that do not lie on one line")
+    assert sentence.startswith("The 16 CONTACT sides do not lie on one line")
     assert "a curved one" in sentence
     in_two = polygon([(0, 0), (1, 0), (2, 0), (1, 1)], [Kind.CONTACT, Kind.CONTACT, Kind.LOADED, Kind.CLAMPED])
     assert contact_sentences(in_two) == []
@@ -150,7 +166,11 @@ FAULTS: dict[str, tuple[str, Callable[[Array], Array], str]] = {
     "NaN": ("u", lambda u: with_value(u, (1, 3, 0), np.nan), r"1 numbers .* not finite, the first at t = 0.5, x = \("),
     "twice": ("triangles", lambda c: np.vstack([c, c[:1]]), "overlap or are listed twice|share a side n"),
     "flat": ("triangles", lambda c: np.vstack([c, c[:1][:, [0, 0, 1]]]), r"1 triangles have no area, .* near x = \("),
-    "not clamped": ("u", lambda u: u + 0.01, r"u_h reaches 0.01 on Γ1, 4.8 % of .* nearest field .* --nearest"),
+    "not clamped": (
+        "u",
+        lambda u: u + 0.01,
+        r"u_h reaches 0.01 on a CLAMPED side, 4.8 % of .* --nearest",
+    ),
     "no start": ("times", lambda at: at + 0.5, "initial time is missing: the first time is 0.5"),
     "too short": ("times", lambda at: at / 2, "the last time is 0.5, the problem ends at T = 1"),
     "no times": ("times", lambda at: at[:0], r"times has the shape \(0,\) .* expected at least one number"),
@@ -221,7 +241,7 @@ def test_the_nearest_field_that_vanishes_on_the_clamped_part_is_bounded() -> Non
     found = given(square(), **shifted, nearest=True)
     assert np.allclose(found.nodes[:, : field()["u"][0].size], given(square(), **field()).nodes, atol=1e-12)
     (remark,) = [remark for remark in found.remarks if "nearest" in remark]
-    assert "u_h reaches 0.06 on Γ1" in remark
+    assert "u_h reaches 0.06 on a CLAMPED side" in remark
     bent = field() | {"u": field()["u"] + 0.01 * field()["points"][:, :1] * field()["times"][:, None, None]}
     bounded = bound_displacement(square(), **bent, nearest=True, refine=0, shorter=1, steps=2)
     offset, ends = bounded.computed.offset, re.findall(r"lies in \[(.*), (.*)\]$", bounded.remarks[-1])
@@ -229,6 +249,71 @@ def test_the_nearest_field_that_vanishes_on_the_clamped_part_is_bounded() -> Non
     low, high = (float(end) for end in ends[0])
     assert low == pytest.approx(max(0.0, bounded.enclosure.lowest - offset), rel=1e-3)
     assert high == pytest.approx(bounded.enclosure.highest + offset, rel=1e-3)
+
+
+PLATE = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], KINDS)
+PLANE = {"stress": plane_stress(2.0, 0.3), "strain": plane_strain(2.0, 0.3)}
+
+
+@pytest.mark.parametrize(
+    ("here", "there", "factor", "question"),
+    [
+        ("stress", "stress", 1.0, ""),
+        ("stress", "stress", 1e3, "is 1000 times .*: metres and millimetres[?]"),
+        ("stress", "stress", 1e-6, "is 1e-06 times .*: pascals and megapascals[?]"),
+        ("stress", "stress", -1.0, "is -1 times .*: loads in the opposite direction[?]"),
+        ("stress", "stress", 1.5, "is 1.5 times .*: compare loads, stiffness and units"),
+        ("strain", "stress", 1.0, "is 1.0.* times .*: plane stress there, and plane strain here[?]"),
+        ("stress", "strain", 1.0, "is 0.9.* times .*: plane strain there, and plane stress here[?]"),
+    ],
+)
+@pytest.mark.parametrize("level", [2, 6])
+def test_the_usual_mistakes_are_named_by_the_factor_of_the_displacement_on_coarse_and_fine_meshes(
+    level: int, here: str, there: str, factor: float, question: str
+) -> None:
+    """The displacement solves the problem with the law ``there``, and is bounded for the one with the law ``here``."""
+    given_problem, problem = (static(PLATE, PLANE[law], (0, -1), {1: (1, 0)}) for law in (there, here))
+    coarse = Discretisation(given_problem, Shaken()(PLATE, level))
+    solution = compute_static(coarse)
+    u = factor * solution.space.nodal(solution.nodes[0]).T
+    found = bound_displacement(problem, coarse.mesh.p.T, coarse.mesh.t.T, None, u)
+    told = [remark for remark in found.remarks if "times the one of this problem" in remark]
+    assert len(told) == bool(question)
+    assert all(re.search(question, remark) for remark in told)
+
+
+@pytest.mark.parametrize(("factor", "named"), [(1.0, False), (1.05, False), (1000.0, True)])
+def test_in_time_a_factor_of_some_per_cent_may_come_from_long_steps_and_a_large_one_is_named(
+    factor: float, named: bool
+) -> None:
+    coarse = Discretisation(square(), Shaken()(square().body, 3))
+    solution = compute(coarse, MIDPOINT, 2)
+    u = factor * np.array([solution.space.nodal(values).T for values in solution.nodes])
+    arrays = {"points": coarse.mesh.p.T, "triangles": coarse.mesh.t.T, "times": solution.times, "u": u}
+    found = bound_displacement(square(), **arrays, refine=0, shorter=1)
+    assert any("metres and millimetres?" in remark for remark in found.remarks) == named
+    assert any("times the one" in remark for remark in found.remarks) == named
+
+
+def test_a_displacement_of_another_shape_is_called_no_multiple() -> None:
+    turned = bound_displacement(square(), **(field() | {"u": field()["u"][..., ::-1] * [1, -1]}), refine=0, shorter=1)
+    assert not any("times the one" in remark for remark in turned.remarks)
+
+
+def test_a_lower_end_of_zero_for_degree_2_says_which_refinement_to_take() -> None:
+    mesh, data = Shaken()(PLATE, 3), static(PLATE, PLANE["stress"], (0, -1), {1: (1, 0)})
+    fine = StaticDiscretisation(data, mesh)
+    u, _ = Signorini(fine.M, fine.displacements.N, fine.displacements.free_points)(fine.load(0.0))
+    coefficients = np.zeros(2 * fine.displacements.count)
+    coefficients[fine.displacements.free] = u
+    nodal = np.linalg.solve(on_refinement(mesh, 2, mesh).toarray(), coefficients).reshape(-1, 2)
+    triangles = np.vstack([mesh.t, mesh.p.shape[1] + mesh.t2f]).T
+    ends = {}
+    for refine in (0, 2):
+        found = bound_displacement(data, fine.displacements.nodes.T, triangles, None, nodal, refine=refine)
+        ends[refine], advice = found.error[0], [remark for remark in found.remarks if "--refine" in remark]
+        assert bool(advice) == (ends[refine] == 0)
+    assert ends[0] == 0 < ends[2]
 
 
 def test_penetration_is_reported_with_its_place() -> None:
@@ -377,7 +462,25 @@ def test_triangles_in_another_order_are_the_same_mesh() -> None:
     assert np.array_equal(found.triangles, HALVES)
 
 
-def test_a_field_of_another_name_is_a_displacement_only_if_that_is_said() -> None:
-    with pytest.raises(BoundError, match="its vector fields at points are velocity; choose one with --field NAME"):
-        _together(Path("u.vtu"), [(None, mesh(name="velocity"))], None)
-    assert _together(Path("u.vtu"), [(None, mesh(name="velocity"))], "velocity").u.shape == (1, 4, 2)
+def test_of_several_fields_of_other_names_the_displacement_has_to_be_named() -> None:
+    several = mesh(name="velocity")
+    several.point_data["depl"] = 1 + several.points
+    with pytest.raises(BoundError, match="fields at points are velocity, depl; choose one with --field NAME"):
+        _together(Path("u.vtu"), [(None, several)], None)
+    assert _together(Path("u.vtu"), [(None, several)], "depl").u.min() == 1
+    del several.point_data["velocity"]
+    assert _together(Path("u.vtu"), [(None, several)], None).u.min() == 1
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_lagrange_triangles_of_vtk_are_read_as_triangles_of_their_degree(degree: int, tmp_path: Path) -> None:
+    points, cells, name = CORNERS, np.array(HALVES), "triangle"
+    if degree == 2:
+        (points, cells), name = of_degree_2(points, cells), "triangle6"
+    fields = {}
+    for kind in (name, "VTK_LAGRANGE_TRIANGLE"):
+        path = tmp_path / f"{kind}.vtu"
+        solid = np.column_stack([points, 0 * points[:, 0]])
+        meshio.Mesh(solid, [(kind, cells)], point_data={"u": solid}).write(path)
+        fields[kind] = read(path)
+    assert np.array_equal(fields[name].triangles, fields["VTK_LAGRANGE_TRIANGLE"].triangles)

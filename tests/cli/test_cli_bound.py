@@ -61,6 +61,7 @@ def test_tables_are_printed_with_the_error_between_its_ends(finished) -> None:
     files = [Path(name) for name in " ".join(written.split()).split(", ")]
     assert all(file.is_file() for file in files)
     assert {file.parent for file in files} == {directory}
+    assert {"problem.png", "problem.svg"} <= {file.name for file in files}
 
 
 def test_the_tables_on_disk_enclose_the_error_and_the_order(finished) -> None:
@@ -115,7 +116,7 @@ def test_the_trajectory_is_on_disk_with_its_mesh_and_times(finished) -> None:
         (["corner", "--family", "one-diagonal", "--levels", "3"], "not a vertex of the mesh"),
         (["{}:infinite"], "f_0 is not finite at x = .* at t = 0"),
         (["{}:number"], "is a int, expected manufactured.Data or a manufactured.Case"),
-        (["{}:wrong_part"], "f2 is given on part 0, but the parts of Γ2 have the numbers"),
+        (["{}:wrong_part"], "f2 is given on part 0, but the LOADED parts have the numbers"),
         (["{}:missing"], "defines no 'missing'"),
     ],
 )
@@ -152,7 +153,7 @@ def test_a_static_problem_is_bounded_and_its_own_displacement_again_from_a_file(
     assert main(["bound", f"{static}:supported", "--levels", "2", "4", "--out", str(out)]) == 0
     printed = " ".join(capsys.readouterr().out.split())
     assert "supported: ‖u − u_h‖_G enclosed, solution unknown guaranteed" in printed
-    assert "Γ3 has 2 sides that do not lie on one line" in printed
+    assert "The 2 CONTACT sides do not lie on one line" in printed
     computed = pd.read_csv(out / "supported" / "levels.csv").set_index("level").loc[4]
     assert 0 < computed["percent_low"] < computed["percent_high"]
     with np.load(out / "supported" / "trajectory-4.npz") as found:

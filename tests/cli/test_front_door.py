@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -153,6 +154,23 @@ def test_help_names_what_there_is_in_80_columns_and_needs_nothing_that_takes_tim
     assert set(SCHEME_NAMES) == {scheme.name for scheme in SCHEMES}
     assert [*FAMILY_NAMES] == [*(family.name for family in FAMILIES), Alternating().name]
     assert Tolerance.relative == TOLERANCE
+
+
+def test_what_bounds_serve_is_said_before_anything_is_tried(capsys) -> None:
+    with pytest.raises(SystemExit):
+        main(["bound", "--help"])
+    before_options = " ".join(capsys.readouterr().out.partition("positional arguments")[0].split())
+    root = Path(__file__).parents[2]
+    pages = [(root / name).read_text("utf-8") for name in ("README.md", "docs/tutorials/bound.md")]
+    for text in (before_options, *pages):
+        for words in (
+            "straight sides",
+            "without friction|frictionless",
+            "clamped",
+            "triangles",
+            "not served|Not served",
+        ):
+            assert re.search(words, text), words
 
 
 def test_names_of_the_package_are_found_when_they_are_asked_for() -> None:

@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 import meshio
 import numpy as np
 import pytest
+from matplotlib.text import Annotation
 from PIL import Image
 
 from manufactured.colours import VERMILLION
@@ -15,6 +16,7 @@ from study.cli.main import main
 from study.fem.mesh import FAMILIES
 from study.fem.naming import resolve
 from study.ledger.pictures import STEPS
+from study.present import problem
 from study.present.picture import Picture
 from study.present.show import NO_FFMPEG, draw_show, mesh_of, write_mp4
 from study.run.showcase import EVERY, affordable_family, mesh_series, solve_showcase
@@ -154,3 +156,35 @@ def test_what_cannot_be_shown_is_refused(arguments, complaint: str, tmp_path: Pa
     assert main(command) == 2
     assert complaint.format(file=file) in capsys.readouterr().err
     assert [*tmp_path.iterdir()] == [file]
+
+
+CLIP = """
+from manufactured import Kind, plane_stress, polygon, static, x2
+
+kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED]
+body = polygon([(0, 0), (2, 0), (2, 1), (0, 1)], kinds)
+clip = static(body, plane_stress(E=200.0, nu=0.3), f0=(0, -7), f2={1: (3, 0), 2: (0, -5 * x2)})
+"""
+
+
+def test_a_problem_is_drawn_as_it_is_stated(tmp_path: Path, monkeypatch) -> None:
+    """Numbers of sides, largest loads, and arrows: those that push end at their side, those that pull start there."""
+    figures = []
+    draw = problem.draw_problem
+    monkeypatch.setattr(problem, "draw_problem", lambda picture: figures.append(draw(picture)) or figures[-1])
+    (tmp_path / "clip.py").write_text(CLIP)
+    assert main(["show", f"{tmp_path}/clip.py:clip", "--out", str(tmp_path)]) == 0
+    assert {"problem.png", "problem.svg", "problem.txt"} <= {path.name for path in (tmp_path / "clip").iterdir()}
+    (axes,) = figures[0].axes
+    texts = [text.get_text() for text in axes.texts]
+    assert {"0", "1", "2", "3", "$f_0$: 7", "5"} <= {*texts}
+    arrows = [text for text in axes.texts if isinstance(text, Annotation)]
+    ends = np.array([(arrow.xyann, arrow.xy) for arrow in arrows])
+    pulling, pushing = ends[ends[:, 0, 0] == 2], ends[np.isclose(ends[:, 1, 1], 1)]
+    assert len(pulling) == len(pushing) == 7
+    assert (pulling[:, 1, 0] > 2).all()
+    assert (pushing[:, 0, 1] > 1).all()
+    lengths = [np.linalg.norm(np.diff(some, axis=1), axis=2).max() for some in (pulling, pushing)]
+    assert lengths[0] / lengths[1] == pytest.approx(3 / 5)
+    labels = [text.get_text() for text in figures[0].legends[0].get_texts()]
+    assert labels == ["CLAMPED", "CONTACT", "load"]

@@ -1,0 +1,169 @@
+"""The picture of a problem: outline, numbers of sides, supports, contact, loads as arrows, mesh and displacement."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.tri import Triangulation
+
+from manufactured.colours import BLACK, BLUE, GREEN, VERMILLION
+from study.present.body import magnification
+from study.present.drawing import Drawing, caption, column_width, entry, legend
+from study.present.palette import FOUNDATION, FOUNDATION_EDGE
+from study.present.picture import Array
+
+BAND = 0.05
+"""Drawn thickness of supports, as a fraction of the longest side of the body."""
+ARROW = 0.2
+"""Length of the arrow of the largest traction, as a fraction of the longest side of the body."""
+NUMBER = 0.5
+"""Distance of the number of a side from the side, inside the body, in thicknesses of supports."""
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """One side of a plane body.
+
+    Attributes:
+        kind: CLAMPED, LOADED or CONTACT.
+        ends: the coordinates of both ends, (2, 2), one column for each end; the body lies to the left.
+        points: points on the side at which its traction is known, (2, n).
+        traction: the traction at these points, (2, n).
+    """
+
+    kind: str
+    ends: Array
+    points: Array
+    traction: Array
+
+    @property
+    def normal(self) -> Array:
+        """The outward unit normal, (2,)."""
+        along = self.ends[:, 1] - self.ends[:, 0]
+        return np.array([along[1], -along[0]]) / np.linalg.norm(along)
+
+
+@dataclass(frozen=True, eq=False)
+class ProblemPicture:
+    """What the picture of a problem shows.
+
+    Attributes:
+        name: the name of the problem.
+        sides: the sides in the order of their numbers.
+        middle: a point near the middle of the body, (2,).
+        force: the force on the volume there, (2,).
+        when: the time of loads and displacement, as text; empty for static problems.
+        vertices, cells: the mesh, (2, vertices) and (cells, 3); without cells no mesh is drawn.
+        displacement: the displacements of the vertices, (2, vertices).
+    """
+
+    name: str
+    sides: Sequence[Side]
+    middle: Array
+    force: Array
+    when: str
+    vertices: Array
+    cells: Array
+    displacement: Array
+
+    @property
+    def corners(self) -> Array:
+        """The corners of the body, (2, corners)."""
+        return np.array([side.ends[:, 0] for side in self.sides]).T
+
+    @property
+    def size(self) -> float:
+        """The longest side of the box around the body."""
+        return float(np.ptp(self.corners, axis=1).max())
+
+    @property
+    def factor(self) -> float:
+        """The factor by which the displacement is drawn too large."""
+        return magnification(self.vertices, self.displacement[None])
+
+    def drawing(self) -> Drawing:
+        """Return the figure ``problem``."""
+        moved = f", and the mesh moved by {self.factor:g} times its displacement" if len(self.cells) else ""
+        text = caption("problem_picture", name=self.name, moved=moved, when=self.when)
+        return Drawing("problem", partial(draw_problem, self), text, f"The problem {self.name}")
+
+
+def draw_problem(picture: ProblemPicture) -> Figure:
+    """Draw outline, supports, loads, the mesh and its displacement, if there is one."""
+    wide, high = np.ptp(picture.corners, axis=1)
+    shape = float(np.clip(high / wide, 0.4, 1.4))
+    figure = Figure(figsize=(1.4 * column_width(), 1.4 * column_width() * shape + 0.5), layout="constrained")
+    axes = figure.subplots()
+    handles: list[Artist] = []
+    if len(picture.cells):
+        x, y = picture.vertices
+        axes.triplot(Triangulation(x, y, picture.cells), color="0.8", lw=0.3, zorder=1)
+        x, y = picture.vertices + picture.factor * picture.displacement
+        axes.triplot(Triangulation(x, y, picture.cells), color=BLUE, lw=0.4, zorder=2)
+        handles.append(entry(f"displacement × {picture.factor:g}", color=BLUE, lw=0.8))
+    axes.fill(*picture.corners, facecolor="none", edgecolor=BLACK, lw=0.9, zorder=4)
+    for number, side in enumerate(picture.sides):
+        _draw_side(axes, side, number, picture.size)
+    _draw_loads(axes, picture)
+    axes.set_aspect("equal")
+    axes.margins(0.06)
+    axes.tick_params(length=2)
+    axes.set(xlabel="$x_1$", ylabel="$x_2$", title=f"{picture.name}{picture.when}")
+    present = {side.kind for side in picture.sides}
+    handles += [Patch(label=kind, **style) for kind, style in BANDS.items() if kind in present]
+    legend(figure, [*handles, entry("load", color=VERMILLION, marker=">")], 4)
+    return figure
+
+
+RIM: dict[str, Any] = {"edgecolor": FOUNDATION_EDGE, "linewidth": 0.4}
+BANDS = {"CLAMPED": RIM | {"hatch": "/////", "facecolor": "white"}, "CONTACT": RIM | {"facecolor": FOUNDATION}}
+"""Kind of a supported side ↦ the style of the band that is drawn outside of it."""
+
+
+def _draw_side(axes: Axes, side: Side, number: int, size: float) -> None:
+    """Draw the support of a side outside of the body, and its number inside."""
+    outward, middle = BAND * size * side.normal, side.ends.mean(axis=1)
+    if side.kind in BANDS:
+        band = np.hstack([side.ends, side.ends[:, ::-1] + outward[:, None]])
+        axes.fill(*band, zorder=3, **BANDS[side.kind])
+    box = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": GREEN, "linewidth": 0.6}
+    x, y = middle - NUMBER * outward
+    axes.text(x, y, str(number), color=GREEN, ha="center", va="center", bbox=box, zorder=6)
+
+
+def _draw_loads(axes: Axes, picture: ProblemPicture) -> None:
+    """Draw tractions as arrows with the size of the largest arrow on each side, and the force on the volume."""
+    sizes = [float(np.linalg.norm(side.traction, axis=0).max(initial=0.0)) for side in picture.sides]
+    style = {"color": VERMILLION, "arrowstyle": "-|>", "lw": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 7}
+    for side, largest in zip(picture.sides, sizes, strict=True):
+        if largest == 0:
+            continue
+        arrows = ARROW * picture.size / max(sizes) * side.traction
+        # An arrow that pushes ends at the side; an arrow that pulls starts there.
+        pushes = side.normal @ side.traction < 0
+        starts = np.where(pushes, side.points - arrows, side.points)
+        for start, arrow in zip(starts.T, arrows.T, strict=True):
+            axes.annotate("", tuple(start + arrow), tuple(start), arrowprops=style, zorder=5, annotation_clip=False)
+        axes.update_datalim(np.hstack([starts, starts + arrows]).T)
+        # Of equal arrows the middle one gets the label.
+        lengths = np.linalg.norm(side.traction, axis=0)
+        top = np.argmax((lengths >= 0.99 * largest) * (1 - np.linspace(-0.5, 0.5, len(lengths)) ** 2))
+        far = starts[:, top] if pushes[top] else (starts + arrows)[:, top]
+        _label(axes, far + BAND * picture.size * side.normal, f"{largest:.3g}")
+    weight = float(np.linalg.norm(picture.force))
+    if weight:
+        arrow = ARROW / 2 * picture.size / weight * picture.force
+        axes.annotate("", tuple(picture.middle + arrow), tuple(picture.middle), arrowprops=style, zorder=5)
+        _label(axes, picture.middle - arrow / 3, f"$f_0$: {weight:.3g}")
+
+
+def _label(axes: Axes, place: Array, text: str) -> None:
+    box = {"boxstyle": "round,pad=0.1", "facecolor": (1, 1, 1, 0.7), "edgecolor": "none"}
+    axes.text(place[0], place[1], text, color=VERMILLION, ha="center", va="center", bbox=box, zorder=6)
+    axes.update_datalim(place[None])
