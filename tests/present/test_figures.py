@@ -106,7 +106,8 @@ def test_every_caption_says_what_to_see_with_numbers(figures: dict[str, Drawing]
         assert "nan" not in drawing.caption, drawing.name
 
 
-@pytest.mark.filterwarnings("error::UserWarning")
+# Old versions of Matplotlib use names of pyparsing that are deprecated.
+@pytest.mark.filterwarnings("error::UserWarning", "ignore::DeprecationWarning")
 @pytest.mark.parametrize("level", [-1.0, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured: Path, level: float) -> None:
     solid, pressure = read_pictures(measured)[-1], max(level, 0.0)

@@ -130,8 +130,10 @@ def fewest_settings(statement: ListedNumbers, numbers: dict[Setting, pd.Series])
 def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(statement: ListedNumbers) -> None:
     """Every quantity on one setting in the plane; what is rounding on one machine is rounding on another."""
     committed = STATEMENT_NUMBERS[STATEMENT_NUMBERS["label"] == statement.label]
-    groups = committed.groupby(["case", "family", "level"])
-    everywhere = {Setting(*key): rows.set_index("quantity")["value"] for key, rows in groups}
+    everywhere = {
+        Setting(case, family, int(level)): rows.set_index("quantity")["value"]
+        for (case, family, level), rows in committed.groupby(["case", "family", "level"])
+    }
     assert {*everywhere} <= {*statement.planned(full())}
     numbers = {place: values for place, values in everywhere.items() if place.dim == 2}
     again = set[str]()
