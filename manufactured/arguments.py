@@ -21,7 +21,7 @@ T = TypeVar("T")
 Extended = Annotated[float, "may be infinite"]
 """The type of a real number that may be infinite."""
 
-ARRAYS: tuple[Any, ...] = (np.ndarray, NDArray)
+ARRAY_ORIGINS: tuple[Any, ...] = (np.ndarray, NDArray)
 """What an annotation of an array is made of: ``ndarray``, and since NumPy 2.5 also ``NDArray`` itself."""
 
 _hints = cache(lambda target: get_type_hints(target, include_extras=True))
@@ -133,7 +133,7 @@ def _as_type(value: Any, hint: Any, place: str) -> Any:
         return SCALARS[hint][1](value)
     if origin is Annotated:
         return _as_type(value, inner[0], place)
-    if origin in ARRAYS:
+    if origin in ARRAY_ORIGINS:
         return _array(value)
     if origin in (tuple, Sequence):
         entries = _entries(value)
@@ -277,7 +277,7 @@ def _phrase(hint: Any) -> str:
         return str(inner[1])
     if origin in (Union, UnionType):
         return " or ".join(map(_phrase, _options(hint)))
-    if origin in ARRAYS:
+    if origin in ARRAY_ORIGINS:
         return "an array of finite real numbers"
     if origin is tuple and Ellipsis not in inner:
         return f"a tuple or list of {len(inner)} entries"
