@@ -411,7 +411,7 @@ class Boxes:
         """Return the series of Max(first, second); derivatives of order 1 exist on both sides of its kink."""
         a, b, difference = self(first), self(second), self(first - second)
         never, always = ORDERED[sp.Ge](*difference.values)
-        found = self._union([(a, never, always), (b, always, ~always)], highest=1)
+        found = self._union([(a, never, always), (b, always, ~always)], self._smooth(first - second, kinks=1))
         undecided = ~never & ~always
         for ends, one, other in ((found.low, a.low, b.low), (found.high, a.high, b.high)):
             ends[0, undecided] = np.maximum(one[0], other[0])[undecided]
@@ -424,7 +424,16 @@ class Boxes:
             # One of the conditions holds everywhere, so the last branch is reached wherever no earlier one holds.
             value, never, _ = branches.pop()
             branches.append((value, never, ~never))
-        return self._union(branches, highest=0)
+        return self._union(branches, self._smooth(sp.Tuple(*(condition for _, condition in formula.args)), kinks=0))
+
+    def _smooth(self, change: sp.Basic, kinks: int) -> int:
+        """Return the highest order of the derivatives that exist where branches change.
+
+        Args:
+            change: what decides the branch. If it depends on none of the variables, no derivative sees a change.
+            kinks: the highest order if it depends on one of them.
+        """
+        return kinks if change.free_symbols & set(self.variables) else self.order
 
     def _union(self, branches: Sequence[tuple[Series, Flags, Flags]], highest: int) -> Series:
         """Return the series of a function that is equal to the first branch whose condition holds.

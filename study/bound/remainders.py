@@ -141,7 +141,8 @@ def _by_order(
     powers = np.array([np.prod(radii ** np.array(key)[:, None], axis=0) for key in boxes.keys])
     orders, found = np.array([sum(key) for key in boxes.keys]), []
     for series in (boxes(formula) for formula in formulas if formula != 0):
-        sizes = series.largest * powers
+        # Where a box has no width, nothing changes, even if there is no bound of the derivative.
+        sizes = np.where(powers == 0, 0.0, series.largest) * powers
         by_order = (sizes[orders == order].sum(axis=0) for order in range(1, ORDER + 1))
         found.append(np.array([(series.high[0] - series.low[0]) / 2, *by_order]))
     return [*found, np.zeros((ORDER + 1, count))]

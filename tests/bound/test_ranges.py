@@ -320,3 +320,10 @@ def test_factors_of_interpolation_are_one_plus_lebesgue_constants(factor: float,
     constant = sum(abs(BarycentricInterpolator(nodes, unit)(x)) for unit in np.eye(len(nodes))).max()
     assert 1 + constant <= factor <= 1 + 1.002 * constant
     assert factor == 1 + lebesgue(np.array(nodes))
+
+
+@pytest.mark.parametrize("end", [0.0, 0.5])
+@pytest.mark.parametrize("change", [sp.Piecewise((-5, x1 <= Rational(1, 2)), (-1, True)), sp.Max(x1 - x2, 0)])
+def test_what_changes_in_space_alone_has_no_error_of_interpolation_in_time(change: Expr, end: float) -> None:
+    sides = {variable: (np.array([0.0]), np.array([1.0])) for variable in (x1, x2)}
+    assert (in_time(sides, (change,), 0.0, end) == 0).all()
