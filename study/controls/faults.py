@@ -132,10 +132,9 @@ def elasticity_scaled(setup: Experiment, size: float) -> Experiment:
 def yield_radius(setup: Experiment, size: float) -> Experiment | None:
     """Solve with a convex set K in (3.3) whose radius is 1 + δ times as large."""
     G = setup.solution.law.G
-    plastic = G if isinstance(G, Yield) else None
-    if plastic is None:
+    if not isinstance(G, Yield):
         return None
-    larger = replace(plastic, convex=replace(plastic.convex, radius=(1 + size) * plastic.convex.radius))  # type: ignore[type-var]
+    larger = replace(G, convex=replace(G.convex, radius=(1 + size) * G.convex.radius))  # type: ignore[type-var]
     factor = means(setup.space, larger.factor)
     return solving(setup, remainder=remainder(setup.space, larger, factor))
 
@@ -285,20 +284,19 @@ def along_contact(setup: Experiment, name: str, size: float, first_only: bool = 
         return None
     tensor = law.A if name == "M" else law.G
     T = components(space, lambda part: part.frame[:, :1] if first_only else part.frame[:, :-1])
-    weights = tangential_areas(space, 1 if first_only else space.dim - 1)
+    weights = areas(space)[owners(space, 1 if first_only else space.dim - 1)]
     modulus = np.linalg.eigvalsh(tensor.reference)[-1]
     stiffness = T.T @ sps.diags_array(size * modulus * weights) @ T
     matrix = getattr(setup.problem, name)
     return solving(setup, **{name: sps.csc_array(matrix + stiffness)})
 
 
-def tangential_areas(space: Space, directions: int) -> Array:
-    """Return the areas of the rows of ``tangents``, (rows,)."""
+def owners(space: Space, directions: int) -> Array:
+    """Return for each tangential component at the vertices of Γ3 the row of N of the same vertex, (rows,)."""
     every = np.concatenate([numbers for _, numbers in space.contact])
-    single = np.array([(every == number).sum() == 1 for number in every])
+    single = np.flatnonzero([(every == number).sum() == 1 for number in every])
     ends = np.cumsum([0, *(len(numbers) for _, numbers in space.contact)])
-    share = areas(space)
-    parts = [share[a:b][single[a:b]] for a, b in pairwise(ends)]
+    parts = [single[(single >= a) & (single < b)] for a, b in pairwise(ends)]
     return np.concatenate([np.tile(part, directions) for part in parts])
 
 
@@ -309,8 +307,8 @@ class Frictional:
     to the foundation where it is in contact.
 
     Args:
-        S, N, x, gap: as for ``Signorini``.
-        tangents: the matrix T from displacements to their tangential components at the vertices of Γ3.
+        S, N, gap: as for ``Signorini``.
+        T: the matrix from displacements to their tangential components at the vertices of Γ3.
         owners: for each row of T, the row of N of the same vertex.
         friction: the coefficient μ.
     """
@@ -360,16 +358,10 @@ def bounded(W: Array, free: Array, bound: Array, start: Array) -> Array:
 
 def friction(setup: Experiment, size: float) -> Experiment:
     """Solve with Coulomb friction of the coefficient δ; δ = ∞ glues the body where it is in contact."""
-    space = setup.space
-    every = np.concatenate([numbers for _, numbers in space.contact])
-    owners = np.flatnonzero([(every == number).sum() == 1 for number in every])
-    starts = np.cumsum([0, *(len(numbers) for _, numbers in space.contact)])
-    parts = [owners[(owners >= a) & (owners < b)] for a, b in pairwise(starts)]
-    owner_rows = np.concatenate([np.tile(part, space.dim - 1) for part in parts])
-    T = tangents(space)
+    T, rows = tangents(setup.space), owners(setup.space, setup.space.dim - 1)
 
     def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> Frictional:
-        return Frictional(S, N, T, owner_rows, size, gap)
+        return Frictional(S, N, T, rows, size, gap)
 
     return solving(setup, solver=solver)
 
@@ -458,7 +450,7 @@ def tied(solver: Signorini, gap: Array) -> Array:
 def springs(setup: Experiment, size: float) -> Experiment:
     """Replace the foundation by springs that resist penetration; δ is their compliance.
 
-    A spring of an area has the stiffness of the largest modulus of G per unit length, divided by δ.
+    A spring of an area has the stiffness of the largest modulus of A per unit length, divided by δ.
     """
     space = setup.space
     modulus = np.linalg.eigvalsh(setup.solution.law.A.reference)[-1]
