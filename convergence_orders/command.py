@@ -14,7 +14,8 @@ from typing import Any
 from .columns import Options, Series, read_series
 from .judging import judge, names_of
 from .orders import OrderError, grid_convergence
-from .report import as_json, as_junit, as_markdown, as_text, exit_code, finite, plot, printable, recognised
+from .printing import printable
+from .report import as_json, as_junit, as_markdown, as_text, exit_code, finite, plot, recognised
 from .tables import MAX_BYTES
 
 USAGE, CLOSED = 2, 141

@@ -1,10 +1,8 @@
 """Writes the observed orders of tables as text, JSON, Markdown, JUnit XML and as a plot."""
 
 import importlib
-import json
 import math
 import os
-import re
 import textwrap
 from collections import Counter
 from dataclasses import asdict
@@ -17,6 +15,7 @@ import numpy as np
 from .columns import Series
 from .judging import Judged
 from .orders import FAILS, HIGHER, SKIPPED, UNDECIDED, OrderError, OrderResult
+from .printing import printable
 
 MOST_ROWS, MOST_COLUMNS = 24, 20
 """Largest numbers of rows of a column, and of columns and tables, that the report shows."""
@@ -63,18 +62,6 @@ def recognised(series: Series) -> list[str]:
     """Return lines that say how a table was read."""
     words = textwrap.shorten(series.recognised, 800, placeholder=" …")
     return textwrap.wrap(words, 80, subsequent_indent="    ")
-
-
-_INVISIBLE = re.compile(
-    "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ud800-\udfff\ufeff"
-    "\ufff9-\uffff\U000e0000-\U000e007f]"
-)
-"""Control characters, and characters that change the direction of text; XML permits few of them."""
-
-
-def printable(text: str) -> str:
-    """Return a text in which every character that a terminal obeys is written as in JSON."""
-    return _INVISIBLE.sub(lambda found: json.dumps(found[0])[1:-1], text)
 
 
 def _rows(result: OrderResult) -> list[str]:

@@ -87,7 +87,7 @@ INVISIBLE = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ud800-\udfff\ufeff"
     "\ufff9-\uffff\U000e0000-\U000e007f]"
 )
-"""Characters that command a terminal, are not seen or are not permitted in XML, as in ``study.ledger.printable``."""
+"""Characters that command a terminal, are not seen or may not stand in XML, as in ``convergence_orders.printing``."""
 NO_NUMBER = (
     (
         r"\*",

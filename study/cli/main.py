@@ -6,9 +6,28 @@ import os
 import sys
 from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout
+from typing import Any, TextIO
 
+from convergence_orders.printing import printable
 from study.cli.options import CLOSED, INTERRUPTED, USAGE, out_of_range, parser
-from study.ledger.printable import PrintableStream
+
+
+class PrintableStream:
+    """A text stream that writes printable texts into another stream.
+
+    Attributes:
+        stream: the other stream.
+        permitted: control characters that are written, such as the carriage return of progress bars.
+    """
+
+    def __init__(self, stream: TextIO, permitted: str = "") -> None:
+        self.stream, self.permitted = stream, permitted
+
+    def write(self, text: str) -> int:
+        return self.stream.write(printable(text, self.permitted))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.stream, name)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -10,9 +10,9 @@ from xml.etree import ElementTree
 import pandas as pd
 from tabulate import tabulate
 
+from convergence_orders.printing import printable
 from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, expected_orders, read_csv, read_rates
 from study.ledger.files import write_text
-from study.ledger.printable import printable
 from study.ledger.text import above, below, cell, is_narrow, significant, width
 from study.ledger.verdict import (
     BECAUSE,

@@ -20,13 +20,13 @@ from xml.etree import ElementTree
 import pandas as pd
 import pytest
 
+from convergence_orders.printing import printable
 from study.bound import bounded
 from study.cli import run
 from study.cli.main import CLOSED, INTERRUPTED, main
 from study.cli.options import RESUMED, STARTS_AGAIN, parser
 from study.ledger.datafiles import made_by
 from study.ledger.files import StoreError, UsageError, write_text, write_whole
-from study.ledger.printable import printable
 from study.ledger.verdict import FAILS, row
 from study.ledger.window import at_most
 from study.present.outcome import write_junit

@@ -2,7 +2,6 @@
 
 import json
 import re
-from typing import Any, TextIO
 
 INVISIBLE = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ud800-\udfff\ufeff"
@@ -25,21 +24,3 @@ def printable(text: str, permitted: str = "") -> str:
     'L2\\u001b[31m'
     """
     return INVISIBLE.sub(lambda found: found[0] if found[0] in permitted else json.dumps(found[0])[1:-1], text)
-
-
-class PrintableStream:
-    """A text stream that writes printable texts into another stream.
-
-    Attributes:
-        stream: the other stream.
-        permitted: control characters that are written, such as the carriage return of progress bars.
-    """
-
-    def __init__(self, stream: TextIO, permitted: str = "") -> None:
-        self.stream, self.permitted = stream, permitted
-
-    def write(self, text: str) -> int:
-        return self.stream.write(printable(text, self.permitted))
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.stream, name)
