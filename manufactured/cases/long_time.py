@@ -2,9 +2,9 @@
 
 The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
 
-    w = 20 (x − c)_+^4,   p = 20 (c − x)_+²,   ψ = c − x,   c(t) = 1/2 + cos(2πt/5)/4,   q(0) = −p(0)/3
+    w = 20 (x − c)_+^4,   p = 20 (c − x)_+²,   ψ = c − x,   c(t) = 1/2 + cos(2πt/5)/4,   q(0) = −2p(0)/5
 
-on the bottom of the unit square. Viscosity and elasticity are equal, A = G: τ ↦ 2τ + (tr τ) I, so that strains of
+on the bottom of the unit square. Viscosity and elasticity are equal, A = G: τ ↦ 2τ + (tr τ)/2 I, so that strains of
 earlier contact decay like e^{−t}.
 
 Predicted order 1: the front moves. The exponents of gap and pressure at the front, α = 4 > 7/2 and m = 2 > 3/2, give

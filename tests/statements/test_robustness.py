@@ -39,6 +39,7 @@ class Constants:
 
     gap: float = 1.0
     pressure: float = 1.0  # also a given strain at t = 0
+    slip: float = 1.0
     mode: float = 1.0  # amplitude of a singular field
     A: float = 1.0
     G: float = 1.0  # β of the law (3.3)
@@ -82,7 +83,7 @@ def tied(case: Case, by: Constants) -> Constants:
 
 FACTORIES = {
     *("yield-and-release", "yield-on-a-part", "natural-front", "rough-trace", "rough-1.75", "rough-2", "rough-2.25"),
-    *("re-entrant", "junction"),
+    *("re-entrant", "junction", "double-well"),
 }
 """Cases whose formulas are tied to the law or to smooth factors.
 
@@ -134,7 +135,8 @@ def other_factor(factor: Factor, by: Constants) -> Factor:
 
 
 def other_face(face: m.ContactFace, law: KelvinVoigt, body: m.Body, by: Constants) -> m.ContactFace:
-    gap, pressure, speed, place = map(Rational, (by.gap, by.pressure, by.speed, by.place))
+    gap, pressure, slip = map(Rational, (by.gap, by.pressure, by.slip))
+    speed, place = map(Rational, (by.speed, by.place))
     end = resting_end(face.part, body)
     moves = {t: speed * t, s: end + (s - end) / place, m.s1: m.s1 / place, m.s2: m.s2 / place}
 
@@ -142,17 +144,19 @@ def other_face(face: m.ContactFace, law: KelvinVoigt, body: m.Body, by: Constant
         return sympify(formula).subs(moves, simultaneous=True)
 
     old, w, level = face.strain, gap * moved(face.gap), moved(face.level)
+    z = tuple(slip * moved(formula) for formula in face.slip)
     rough = tuple(end + by.place * (c - end) for c in face.rough)
     profile = face.profile
     if profile.kinks:
         profile = m.layered(by.interface * profile.kinks[0], law.A.factor.high)
     if isinstance(old, m.Prescribed):
         ((T, strain),) = old.phases
-        return m.ContactFace(face.part, w, m.Prescribed(((T, pressure * moved(strain)),)), level, profile, rough)
+        prescribed = m.Prescribed(((T, pressure * moved(strain)),))
+        return m.ContactFace(face.part, w, prescribed, level, profile, rough, slip=z)
     start = getattr(old, "initial", None)
     initial = None if start is None else pressure * moved(start)
     p = pressure * moved(old.pressure)  # type: ignore[attr-defined]
-    return m.ContactFace.linear(face.part, law, body.T, w, p, level, initial, profile, rough)
+    return m.ContactFace.linear(face.part, law, body.T, w, p, level, initial, profile, rough, slip=z)
 
 
 def resting_end(part: m.Part, body: m.Body) -> float:
