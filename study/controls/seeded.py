@@ -50,7 +50,7 @@ def seeded(seed: int) -> Plan:
     """Return the plan of measurements for one seed: the quick study on random meshes with this seed.
 
     Cases whose solutions are not smooth are measured on the levels of the full study. The plan leaves out the
-    statements ``LEFT_OUT`` and the cases in ``SLOW``, which only the full study measures.
+    statements ``LEFT_OUT``.
     """
     base = replace(quick(), rough=full().rough, command="study seeds")
     scope = SeededScope(**vars(base), seed=seed)

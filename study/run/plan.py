@@ -25,7 +25,7 @@ from study.ledger.files import UsageError
 from study.run.fingerprint import fingerprint
 from study.statements import STATEMENTS
 from study.statements.shared.base import Setting, Statement
-from study.statements.shared.scope import SLOW, Levels, Scope
+from study.statements.shared.scope import Levels, Scope
 
 
 @dataclass(frozen=True)
@@ -172,8 +172,6 @@ NARROW = ("merging-patches", "layered")
 observed order depends on the mesh, so these cases begin with a finer level. Cases in 3D begin with n = 9 for the same
 reason. With n = 6, a contact zone in the form of a disc is three cells wide, and on one random mesh in twenty the
 observed order would lie outside its window."""
-FINEST = ("fixed-front-off-vertex", "advance-recede")
-"""Cases that the full study measures on one finer level than other cases."""
 
 
 def quick() -> Scope:
@@ -183,7 +181,7 @@ def quick() -> Scope:
     """
     return Scope(
         name="quick",
-        cases=tuple(name for name in NAMES if name not in SLOW),
+        cases=NAMES,
         plane=Levels((8, 16, 32)),
         rough=Levels((8, 16, 32, 64)),
         solid=Levels((9, 12, 15)),
@@ -205,11 +203,8 @@ def full() -> Scope:
         solid_equivalence=(3, 6),
         every_family=True,
         name="full",
-        cases=NAMES,
         own=(
-            ("long-time", Levels((8, 16, 32), (64,))),
-            ("cube-rough", Levels((9, 12, 18, 24))),
             *((name, Levels((16, 32, 64), (128,))) for name in NARROW),
-            *((name, Levels((8, 16, 32, 64), (128, 256))) for name in FINEST),
+            ("advance-recede", Levels((8, 16, 32, 64), (128, 256))),
         ),
     )

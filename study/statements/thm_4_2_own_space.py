@@ -76,7 +76,7 @@ from study.stresses.stress_space import StressSpace
 # *rough-trace* is like r^{5/4}, rougher than the front r^{3/2} of a natural contact problem. Its errors depend on the
 # position of the front in a cell, and multipliers have orders of 0.6 to 2.5 from level to level up to n = 64.
 CASES = (
-    *("full-contact", "fixed-front-on-vertex", "fixed-front-off-vertex", "advance-recede", "travelling-patch"),
+    *("full-contact", "advance-recede", "travelling-patch"),
     *("merging-patches", "load-w11", "anisotropic", "heterogeneous", "layered", "softening"),
     *("rotated", "corner", "hexagon", "natural-front", "re-entrant"),
 )

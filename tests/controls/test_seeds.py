@@ -33,7 +33,6 @@ from study.statements.fully_discrete import FullyDiscrete
 from study.statements.landings import Landings
 from study.statements.rollers import Rollers
 from study.statements.shared.base import Statement
-from study.statements.shared.scope import SLOW
 from study.statements.thm_4_2_own_space import OwnSpace
 from study.statements.uniqueness import OneTrajectory
 
@@ -141,7 +140,7 @@ def test_every_case_and_statement_that_the_ledger_judges_on_shaken_meshes_is_amo
         return {(job.statement, job.setting.case if of_cases(job.statement) else "") for job in jobs}
 
     everywhere = (job for job in Plan.of(full()).jobs if not isinstance(job.statement, LEFT_OUT))
-    shaken = [job for job in everywhere if job.setting.family == "shaken" and job.setting.case not in SLOW]
+    shaken = [job for job in everywhere if job.setting.family == "shaken"]
     assert not any(isinstance(job.statement, LEFT_OUT) for job in plan_of_three().jobs)
     # Nothing is claimed of these on shaken meshes.
     missing = {type(statement) for statement, _ in kinds(shaken) - kinds(plan_of_three().jobs)}

@@ -15,9 +15,6 @@ from study.solve.tableau import SCHEMES
 REGULAR = "one-diagonal", "unstructured"
 """Mesh families for statements that use one family for each case: the first that can mesh the body is used."""
 
-SLOW = ("long-time", "cube-rough")
-"""Cases of the catalogue that only the full study measures, because they take long."""
-
 
 def of_the_paper(cases: Iterable[Case]) -> list[Case]:
     """Return the cases without an initial gap, because the paper has no initial gap."""
