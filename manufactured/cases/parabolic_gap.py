@@ -2,7 +2,7 @@
 
 The initial gap g, the gap w, the contact pressure p, the slip z and the contact zone {ψ ≥ 0} are
 
-    g = 2 (x − 2/5)²,   w = 8 (1 + t) (−ψ)_+^4/(1/5 − ψ)³,   p = 500 ψ_+²,   z = t(1 + t) sin(2x + 1)/2,
+    g = 6 (x − 2/5)²,   w = 8 (1 + t) (−ψ)_+^4/(1/5 − ψ)³,   p = 500 ψ_+²,   z = t(1 + t) sin(2x + 1)/2,
     ψ = 1/16 + t(1 − t)/4 − (x − b(t))²,   b(t) = 9/20 + t/10
 
 on the bottom of the unit square. Viscosity and elasticity are equal, A = G: τ ↦ 2τ + (tr τ)/2 I. The paper does not
@@ -33,7 +33,7 @@ def case() -> Case:
     (part,) = body.of(Kind.CONTACT)
     level = Rational(1, 16) + t * (1 - t) / 4 - (s - Rational(9, 20) - t / 10) ** 2
     gap = 8 * (1 + t) * pos(-level, 4) / (Rational(1, 5) - level) ** 3
-    initial_gap, slip = 2 * (s - Rational(2, 5)) ** 2, t * (1 + t) * sin(2 * s + 1) / 2
+    initial_gap, slip = 6 * (s - Rational(2, 5)) ** 2, t * (1 + t) * sin(2 * s + 1) / 2
     data = part, law, body.T, gap, 500 * pos(level, 2), level
     face = ContactFace.linear(*data, initial_gap=initial_gap, slip=(slip,))
     return Case(

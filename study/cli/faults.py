@@ -5,10 +5,11 @@ import argparse
 import pandas as pd
 from tabulate import tabulate
 
+from manufactured.catalogue import NAMES
 from study.cli.common import progress_bar
 from study.cli.options import FAILED, OK
 from study.controls.faults import FAULTS
-from study.controls.matrix import cases_of_quick, measure_case
+from study.controls.matrix import measure_case
 from study.fem.naming import choose
 from study.ledger.datafiles import write_csv
 from study.ledger.faults import in_words, missed, summary
@@ -27,7 +28,7 @@ def do_faults(options: argparse.Namespace) -> int:
     """
     store = Store(options.out)
     store.check()
-    cases = options.case or cases_of_quick()
+    cases = options.case or NAMES
     names = [choose("fault", name, FAULTS).name for name in options.fault or [fault.name for fault in FAULTS]]
     cache_key = f"{of_everything()} {' '.join(names)}"
     rows: list[dict[str, object]] = []

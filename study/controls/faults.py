@@ -42,8 +42,8 @@ class Fault:
         equation: the equation or condition of the paper that the faulty program violates.
         change: makes the fault.
         sizes: the sizes δ that are tried, from large to small.
-        single: whether the fault concerns single vertices. Orders do not notice these faults, because a point has no
-            capacity; contact forces and the constraint itself do.
+        single: whether the fault concerns single vertices or cells. Orders need not notice these faults, because a
+            point has no capacity, and a missing cell changes u^h by O(h^{d/2}); contact forces and the constraint do.
     """
 
     name: str
@@ -544,9 +544,9 @@ FAULTS = (
         factor_fault(lambda space, f: 0 * f + space.volumes @ f / space.volumes.sum()),
     ),
     Fault("factors off by one cell", "(3.1), (3.2)", factor_fault(lambda space, f: np.roll(f, 1))),
-    Fault("yield radius too large", "(3.3)", yield_radius, (0.5, 0.05)),
+    Fault("yield radius too large", "(3.3)", yield_radius, (0.5,)),
     Fault("nonlinear part of G left out", "(3.2)", linear_part_only),
-    Fault("a cell missing", "(2.2)", cell_missing),
+    Fault("a cell missing", "(2.2)", cell_missing, single=True),
     Fault("f too large", "(3.7)", added_load(whole_load), (0.2, 0.02)),
     Fault("f_0 too large", "(2.2)", added_load(body_load), (0.2, 0.02)),
     Fault("f_2 too large", "(2.4)", added_load(traction_load), (0.2, 0.02)),
@@ -557,7 +557,7 @@ FAULTS = (
     Fault("every second vertex of Γ1 free", "(2.3)", partly_clamped),
     Fault("no contact", "(2.5) u_ν ≤ 0", unconstrained("all")),
     Fault("every second vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("every other")),
-    Fault("penetration of δ permitted", "(2.5) u_ν ≤ 0", relaxed, (0.1, 0.01)),
+    Fault("penetration of δ permitted", "(2.5) u_ν ≤ 0", relaxed, (0.1, 0.03)),
     Fault("first vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("first"), single=True),
     Fault("middle vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("middle"), single=True),
     Fault("last vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("last"), single=True),
@@ -569,7 +569,7 @@ FAULTS = (
         lambda setup, size: other_forces(lambda solver, gap: (1 + size) * Signorini.complementarity(solver, gap))(
             setup, size
         ),
-        (0.1, 0.02),
+        (0.5, 0.1),
     ),
     Fault("opposite faces in contact", "(2.5) σ_ν u_ν = 0", opposite_faces),
     Fault("glued on Γ3", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "reference", size), (1e6,)),
@@ -584,7 +584,7 @@ FAULTS = (
     Fault("initial gap left out", "(2.5) gap", gap_fault(lambda gap: 0 * gap)),
     Fault("initial gap reversed", "(2.5) gap", gap_fault(lambda gap: gap[::-1])),
     Fault("initial gap shifted", "(2.5) gap", gap_fault(lambda gap: np.roll(gap, 1))),
-    Fault("initial gap sorted", "(2.5) gap", gap_fault(np.sort)),
+    Fault("initial gap sorted downwards", "(2.5) gap", gap_fault(lambda gap: np.sort(gap)[::-1])),
     Fault("start at 0", "(2.6)", lambda setup, size: start_scaled(setup, -1.0)),
     Fault("start too large", "(2.6)", start_scaled, (0.2, 0.05)),
 )
