@@ -446,9 +446,11 @@ def test_a_lifting_does_not_reach_above_the_next_piece() -> None:
     assert np.abs(u[:, x[0] < 1 / 8]).max() > 0
 
 
-def test_the_theorem_raises_the_proved_order_only_where_the_trace_is_rough() -> None:
-    raised = {case.name for case in catalogue() if proved_order(case) > case.regularity.proved_order}
-    assert raised == {"rough-trace"}
+def test_theorems_raise_the_proved_order_only_of_a_rough_trace_and_of_a_junction() -> None:
+    orders = {case.name: (proved_order(case), case.regularity.proved_order) for case in catalogue()}
+    raised = {name: order for name, (order, source) in orders.items() if order > source}
+    assert raised == pytest.approx({"rough-trace": 1, "junction": 0.5})
+    assert proved_order(natural_motion()) == pytest.approx(0.6)
     assert all(proved_order(case) <= case.order for case in catalogue())
 
 
