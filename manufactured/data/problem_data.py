@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from operator import is_
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -53,11 +54,13 @@ class Data:
         lines: lines (direction, offset) across which f_0 or ε(u_0) is not smooth at any time, for quadrature.
         points: vertices of the body at which f_0 or ε(u_0) is singular.
         formulas_of: the source of the functions, by which equal data are recognised: an exact solution,
-            ``Expressions``, or None for functions of Python.
+            ``Expressions``, or None for functions of Python. It becomes None if ``dataclasses.replace`` changes the
+            body or a function, because the source no longer belongs to the functions.
         fronts: a function from a time to lines across which f_0 jumps or has kinks at this time only.
         force_modes: a function from points to f_0 as a sum of products of functions of x and of t; None if no such sum
             is known.
         in_time: whether the loads may depend on time.
+        made_with: the source with the body and the functions that belong to it; set when data are made.
     """
 
     in_time: ClassVar[bool] = True
@@ -73,6 +76,16 @@ class Data:
     formulas_of: object = None
     fronts: Callable[[float], tuple[Hyperplane, ...]] = no_fronts
     force_modes: Callable[[Points], ForceModes] | None = None
+    made_with: tuple[object, ...] = field(default=(), repr=False)
+
+    def __post_init__(self) -> None:
+        """Forget the source of functions that do not belong to it."""
+        functions = self.body_force, self.surface_load, self.start, self.initial, self.force_modes
+        current = (self.formulas_of, self.body, *functions)
+        if not self.made_with:
+            object.__setattr__(self, "made_with", current)
+        elif not all(map(is_, self.made_with, current)):
+            object.__setattr__(self, "formulas_of", None)
 
     @property
     def has_initial_gap(self) -> bool:

@@ -226,7 +226,7 @@ def _value_of(data: Data) -> object:
     formulas = data.formulas_of
     if any(_package(one) not in PROJECT for one in (type(data), *functions) if one):
         formulas = None
-    return by_value([type(data).__name__, data.body, data.law, data.lines, data.points, formulas or data.body_force])
+    return by_value([type(data).__name__, data.body, data.law, data.lines, data.points, formulas or functions])
 
 
 def _hash(values: list[object], code: str | None = None) -> str:

@@ -14,12 +14,13 @@ import pytest
 
 from manufactured import Case, catalogue, named
 from manufactured.catalogue import NAMES
+from manufactured.data import Data
 from study.cli.main import main
 from study.fem.mesh import FAMILIES, MeshError, OneDiagonal
 from study.fem.naming import resolve, resolve_data
 from study.ledger.files import UsageError
 from study.run import fingerprint as keys
-from study.run.fingerprint import COMPUTING, ROOT, fingerprint, of_everything, of_problem, problem
+from study.run.fingerprint import COMPUTING, ROOT, fingerprint, of_data, of_everything, of_problem, problem
 from study.run.plan import Plan, full, quick
 from study.run.store import Store
 from study.statements import STATEMENTS
@@ -339,6 +340,7 @@ own_law = replace(flat, name="mine", solution=replace(flat.solution, law=replace
 python = replace(data, formulas_of=None)
 own_load = replace(data, body_force=moved)
 own_class = OwnData(**vars(data))
+mixed = replace(data, body_force=Data.formulas(data.body, law, f0=(0, LOAD)).body_force)
 own_function = Data.formulas(data.body, law, f0=(0, implemented_function("f", lambda x: 3 * x)(t)))
 """
 
@@ -395,7 +397,7 @@ def test_the_key_of_a_problem_of_formulas_does_not_depend_on_words_or_on_other_p
         ("still", "nu=0.3", "nu=0.2"),
         ("gap", "closing-gap", "parabolic-gap"),
         ("gap", "pace=3", "pace=2"),
-        *((name, "", "") for name in ("python", "own_load", "own_class", "own_function", "own_law")),
+        *((name, "", "") for name in ("python", "own_load", "own_class", "own_function", "own_law", "mixed")),
     ],
 )
 def test_each_change_of_a_problem_changes_its_key_and_functions_of_a_user_have_a_new_key_in_each_run(
@@ -404,6 +406,18 @@ def test_each_change_of_a_problem_changes_its_key_and_functions_of_a_user_have_a
     """What a user's function computes may depend on files that nobody knows, so its results serve one run only."""
     assert old in MINE + HELPER
     assert key_of(name) != key_of(name, MINE.replace(old, new, 1), HELPER.replace(old, new, 1))
+
+
+@pytest.mark.parametrize("name", ["body_force", "surface_load", "start", "initial"])
+def test_a_function_of_another_problem_takes_the_formulas_away_and_changes_the_key(name: str) -> None:
+    case = named("ramp")
+    data, other = Data.of(case.solution), Data.of(case.solution)
+    mixed = replace(data, **{name: getattr(other, name)})
+    assert data.formulas_of is case.solution
+    assert mixed.formulas_of is None
+    assert of_data(replace(data)) == of_data(data) != of_data(mixed)
+    python = replace(data, formulas_of=None)
+    assert of_data(replace(python, **{name: getattr(other, name)})) != of_data(python)
 
 
 class Asked(BaseException):
