@@ -410,7 +410,7 @@ def test_each_change_of_a_problem_changes_its_key_and_functions_of_a_user_have_a
 
 @pytest.mark.parametrize("name", ["body_force", "surface_load", "start", "initial"])
 def test_a_function_of_another_problem_takes_the_formulas_away_and_changes_the_key(name: str) -> None:
-    case = named("ramp")
+    case = named("advance-recede")
     data, other = Data.of(case.solution), Data.of(case.solution)
     mixed = replace(data, **{name: getattr(other, name)})
     assert data.formulas_of is case.solution
