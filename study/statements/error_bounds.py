@@ -90,7 +90,7 @@ class ErrorBounds(ListedNumbers):
 
     label = "(5.20)–(5.21), (5.42)"
     claim = "‖u − u^h‖_{L∞(0,T;V)} ≤ c (‖u_0 − v_0^h‖_V + ‖u̇ − v̇^h‖_{L²(0,T;V)} + ‖R‖^{1/2}) + c ‖u_0 − u_0^h‖_V"
-    quick = grid(("full-contact", "advance-recede", "rough-1.75"), ("shaken",), (6, 12, 24))
+    quick = grid(("full-contact", "advance-recede"), ("shaken",), (6, 12, 24))
     full = (
         *grid((*EVOLVING, "rough-1.75"), ("one-diagonal",), (8, 16, 32)),
         *grid((*EVOLVING, "rough-1.75", *SOFTENING, "heterogeneous", "corner"), ("unstructured",), (8, 16, 32)),

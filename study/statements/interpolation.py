@@ -94,7 +94,7 @@ class InterpolationInV(ListedNumbers):
 
     def places(self, full: bool) -> list[Setting]:
         if not full:
-            return place(named("no-contact", "advance-recede"), EVERY, (8, 16, 32))
+            return place(named("advance-recede"), ("shaken",), (8, 16, 32))
         cases = first_with_each(lambda case: (body_of(case), law_of(case), case.regularity.smoothness > 1))
         cases = [case for case in cases if case.regularity.smoothness > 1]
         # Graded meshes are left out: their cells at singular points are much smaller than h, which changes the order.
