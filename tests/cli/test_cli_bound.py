@@ -91,17 +91,6 @@ def test_the_tables_on_disk_enclose_the_error_and_the_order(finished) -> None:
     assert ((levels["percent_low"] <= percent) & (0.999 * percent <= levels["percent_high"])).all()
 
 
-def test_the_trajectory_is_on_disk_with_its_mesh_and_times(finished) -> None:
-    for level, steps in ((3, 17), (4, 21)):
-        with np.load(finished[0] / f"trajectory-{level}.npz") as found:
-            p, cells, times, u = (found[name] for name in ("p", "t", "times", "u"))
-        assert (len(p), len(cells), cells.max()) == (2, 3, p.shape[1] - 1)
-        assert times == pytest.approx(np.linspace(0, 1, steps + 1))
-        assert u.shape == (steps + 1, 2, p.shape[1])
-        assert abs(u[:, :, np.isclose(p[1], 1)]).max() == 0 < abs(u[-1]).max()
-        assert u[:, 1, np.isclose(p[1], 0)].min() >= -1e-12
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import json
 import lzma
-import os
 import shutil
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 from xml.etree import ElementTree
 
 import common
 import contact_judge as judge
 import drive
-import faults
 import numpy as np
 import pytest
 import run_codes
@@ -29,7 +24,6 @@ from judged_codes import exported, read, task
 from study.cli.main import main
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
-from study.present.charts import codes_chart
 from study.run.tasks import frozen, march, with_foundation, write_task
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -71,19 +65,6 @@ def test_a_task_that_a_code_cannot_express_is_named_with_the_reason(directory: P
     assert (left["class"], left["reason"]) == ("not expressed", "no springs in this code")
 
 
-def test_a_variant_stops_at_its_finest_level_and_its_class_is_that_of_the_meshes_before(
-    directory: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (make,) = this_study.VARIANTS.values()
-    two = SimpleNamespace(CODE="c", VERSION="1", VARIANTS={"slow": make, "quick": make}, FINEST={"slow": 4})
-    monkeypatch.setitem(sys.modules, "two_variants", two)
-    drive.main("two_variants", str(directory), str(tmp_path))
-    rows = json.loads((tmp_path / "two_variants.json").read_text())
-    levels = {(row["variant"], row["case"]): row["levels"] for row in rows}
-    assert (levels["slow", "corner"], levels["quick", "corner"]) == ([4], [4, 8])
-    assert levels["slow", "cube-disc"] == levels["quick", "cube-disc"] == [2, 3]
-
-
 def test_a_class_that_is_not_the_committed_one_is_reported() -> None:
     _, committed = run_codes.read(RESULTS / "codes")
     rows = [dict(row) for row in committed]
@@ -114,17 +95,6 @@ def test_committed_classes_are_those_of_the_committed_errors(folder: str, grades
         assert classes[name] == judge.classify(list(rows["h"]), errors), name
         seen.add(classes[name])
     assert seen >= grades
-
-
-def test_the_caption_counts_what_the_order_does_not_see() -> None:
-    codes = Codes.read(RESULTS)
-    assert codes is not None
-    finest, classes = codes.errors.sort_values("level").groupby(KEY).last(), codes.classes.set_index(KEY)
-    passed = classes[(abs(classes["order_in_v"] - 1) <= 0.15) & classes["class"].isin(["stagnates", "wrong"])].index
-    worst = (finest["pressure"] / finest["best_pressure"])[passed].max()
-    caption = codes_chart(codes).caption
-    assert f"of {len(passed)} runs whose" in caption
-    assert f"up to {worst:.0f} times" in caption
 
 
 def test_results_without_other_codes_have_none_and_half_a_table_is_refused(tmp_path: Path) -> None:
@@ -245,27 +215,6 @@ def test_one_missing_answer_does_not_stop_the_judge_and_a_subset_leaves_it_out(p
     assert "--only corner is no case and no task; there are tasks of full-contact, layered" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("change", [lambda u: 1.5 * u, lambda u: u])
-def test_a_picture_has_the_mesh_and_the_forces_that_remain(change, place: Path, tmp_path: Path) -> None:
-    change_answer(place, change)
-    task_with(case="a<b")(place)
-    run(place, "--plot", str(tmp_path / "a.svg"))
-    mesh, face, arrows, dots = ElementTree.parse(tmp_path / "a.svg").getroot().findall("{*}path")
-    assert [one.get("d", "").count("M") for one in (mesh, face)] == [32, 4]
-    remaining = 0 if change(1) == 1 else 20
-    assert [one.get("d", "").count("M") for one in (arrows, dots)] == [remaining] * 2
-
-
-def test_a_reader_who_closes_the_pipe_causes_no_traceback(place: Path) -> None:
-    judge_file = str(RESULTS.parent / "examples" / "codes" / "contact_judge.py")
-    command = [sys.executable, judge_file, str(place / "tasks"), str(place / "answers"), "--json"]
-    reader, writer = os.pipe()
-    os.close(reader)
-    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
-    os.close(writer)
-    assert done.stderr == ""
-
-
 def test_exit_codes_and_tolerance(place: Path, capsys: Any) -> None:
     assert run(place) == 0
     change_answer(place, lambda u: 1.0001 * u)
@@ -372,12 +321,3 @@ def test_arrays_of_another_shape_are_refused_in_words(name: str, packed: Path) -
         judge.answer(task, lambda task: lambda load, stress: [change(u)])
     with pytest.raises(judge.TaskError, match=r"reported pressure of .*: steps, contact vertices"):
         judge.assess([task], {task.name: u}, {task.name: {"pressure": change(u)}})
-
-
-def test_loads_of_another_size_scale_the_gap_too(packed: Path) -> None:
-    (task,) = judge.read_tasks(packed)
-    gap = [0.5] * len(task.data["contact"][0]["vertices"])
-    pieces = [piece | {"gap": gap} for piece in task.data["contact"]]
-    scaled = judge.Task("gap", task.data | {"contact": pieces}).scaled(10)
-    assert np.array_equal(np.concatenate(scaled.gaps()), 10 * np.array(gap * len(pieces)))
-    assert faults.right(np.eye(1), np.array([2.0]), {}) == pytest.approx([2.0])

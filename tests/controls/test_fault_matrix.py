@@ -15,7 +15,7 @@ import pytest
 
 from study.cli.main import main
 from study.controls.contact_test import CHOSEN, DEFECTS, OF_THE_PROGRAM, contact_tests, defective, write_contact_test
-from study.controls.faults import FAULTS, Fault, Frictional, bounded, friction, tangents
+from study.controls.faults import FAULTS, Fault, Frictional, friction, tangents
 from study.controls.matrix import distance_of_solutions, measured_on, rows_of
 from study.fem.naming import resolve
 from study.ledger import faults
@@ -82,18 +82,6 @@ def test_friction_obeys_coulombs_law_at_every_vertex(mu: float) -> None:
     assert (shear * slides >= -1e-9 * size).all()
 
 
-def test_bounded_forces_minimise_the_energy() -> None:
-    rng = np.random.default_rng(0)
-    L = rng.standard_normal((6, 6))
-    W, free, bound = L @ L.T + np.eye(6), rng.standard_normal(6), rng.uniform(0, 0.3, 6)
-    forces = bounded(W, free, bound, np.zeros(6))
-    slope = W @ forces - free
-    assert (abs(forces) <= bound + 1e-12).all()
-    inside = abs(forces) < bound - 1e-9
-    assert slope[inside] == pytest.approx(0, abs=1e-9)
-    assert (slope * np.sign(forces))[~inside].max(initial=0.0) <= 1e-9
-
-
 def test_without_friction_the_frictional_solver_is_the_right_one() -> None:
     setup = experiment("corner", 8)
     solver = friction(setup, 0.0).solved.solver(setup.problem.M, setup.problem.N)
@@ -148,12 +136,6 @@ SEEN, UNSEEN = "order", ""
 )
 def test_a_fault_must_be_noticed_in_two_plane_cases_and_in_one_in_space(rows, lacking: str) -> None:
     assert faults.in_words(faults.missed(matrix(*rows))) == lacking
-
-
-def test_the_summary_counts_cases() -> None:
-    rows = [("f", 0.1, "a", 2, SEEN, ""), ("f", 0.1, "b", 2, UNSEEN, "force"), ("f", 0.1, "c", 2, UNSEEN, "")]
-    (line,) = faults.summary(matrix(*rows).assign(distance=[1.0, 1.0, 0.0])).to_dict("records")
-    assert (line["cases"], line["errors"], line["any_check"], line["invisible"]) == (3, 1, 2, 1)
 
 
 def test_the_command_writes_the_matrix_and_continues(monkeypatch, tmp_path, capsys) -> None:

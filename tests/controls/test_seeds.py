@@ -128,12 +128,6 @@ def test_a_seed_in_its_name_gives_other_shaken_meshes() -> None:
         family_named("shaken-x")
 
 
-def test_plans_of_two_seeds_measure_the_same_on_other_meshes() -> None:
-    three, four = plan_of_three().jobs, seeded(4).jobs
-    assert {job.setting.family for job in three} == {"shaken-3"}
-    assert [job.key for job in four] == [job.key.replace("shaken-3", "shaken-4") for job in three]
-
-
 def test_every_case_and_statement_that_the_ledger_judges_on_shaken_meshes_is_among_them() -> None:
     def kinds(jobs: Iterable[Job]) -> set[tuple[Statement, str]]:
         """Statements, and the cases of those that are about cases: on other meshes the others take fewer."""
@@ -227,11 +221,6 @@ def measurements(directory: Path, plan: Plan) -> tuple[Path, Plan]:
         execute(plan.jobs, Store(directory), Pool.of(processes), lambda _: None)
     collect(plan, Store(directory))
     return directory, plan
-
-
-@pytest.mark.slow
-def test_the_fingerprint_of_a_rule_is_that_of_every_seed(measured: tuple[Path, Plan], tmp_path: Path) -> None:
-    assert rules(*measurements(tmp_path, few(12))) == rules(*measured)
 
 
 def test_another_window_statistic_or_level_is_another_rule_of_these_rows_alone(

@@ -2,7 +2,6 @@
 
 import gzip
 import json
-import math
 import shutil
 import time
 from collections.abc import Callable
@@ -132,16 +131,6 @@ def test_numbers_decided_by_the_tolerance_of_a_solver_are_compared_by_magnitude(
     for directory, value in ((old, "1e-09"), (new, now)):
         write(directory, "equivalence.csv", "displacement_gap", 0, value)
     assert compared(old, new).differs == differs
-
-
-def test_numbers_are_equal_within_an_absolute_and_a_relative_part() -> None:
-    tolerance, nan, inf = Tolerance(relative=1e-4, absolute=1e-6), math.nan, math.inf
-    equal = [(1000.0, 1000.09), (0.0, 1e-6), (0.0, -0.0)]
-    unequal = [(1.0, 1.001), (1e308, -1e308), (inf, 1.0), (nan, 1.0), (inf, -inf)]
-    a, b = np.array([*equal, *unequal]).T
-    for first, second in ((a, b), (b, a)):
-        found = tolerance.equates(first, second, np.array(False))
-        assert found.tolist() == [True] * len(equal) + [False] * len(unequal)
 
 
 def test_changed_verdicts_come_first_in_words_and_in_json(old: Path, new: Path, capsys) -> None:

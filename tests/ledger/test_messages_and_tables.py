@@ -3,9 +3,6 @@
 import math
 import os
 import shutil
-import stat
-import subprocess
-import sys
 from fractions import Fraction
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,9 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study.ledger import schema
-from study.ledger.compare import Tolerance, as_text, compare, difference
+from study.ledger.compare import difference
 from study.ledger.datafiles import DataError, read_checked, read_table
-from study.ledger.files import StoreError, write_packed, write_text, write_whole
+from study.ledger.files import StoreError, write_text, write_whole
 from study.ledger.numbered import named
 from study.ledger.orders import RatesError, extrapolated_order, fit, limit, orders
 from study.ledger.text import cell, down, interval, power_of_ten, up
@@ -36,59 +33,6 @@ def test_only_a_full_disk_is_called_full(tmp_path: Path, monkeypatch: pytest.Mon
         write_whole(tmp_path / "a.csv", fails)
 
 
-DEVICES = {"null": 3, "full": 7}
-"""Names and minor numbers of character devices with the major number 1 on Linux. The tests never use those in /dev."""
-
-
-def device(place: Path, name: str) -> Path:
-    """Make a device in a directory, or skip the test."""
-    path = place / name
-    try:
-        os.mknod(path, stat.S_IFCHR | 0o600, os.makedev(1, DEVICES[name]))
-        path.read_bytes() if name == "null" else path.open("rb").close()
-    except (OSError, AttributeError):
-        pytest.skip("only root of Linux can make devices")
-    return path
-
-
-@pytest.mark.parametrize("write", [write_text, write_packed])
-def test_a_pipe_receives_the_content_and_remains(write, tmp_path: Path) -> None:
-    write(tmp_path / "expected", "two\nlines\n")
-    pipe = tmp_path / "pipe"
-    os.mkfifo(pipe)
-    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
-    write(pipe, "two\nlines\n")
-    assert os.read(reader, 1000) == (tmp_path / "expected").read_bytes()
-    os.close(reader)
-    assert pipe.is_fifo()
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["expected", "pipe"]
-
-
-@pytest.mark.parametrize("name", DEVICES)
-def test_a_device_is_written_and_remains(name: str, tmp_path: Path) -> None:
-    path = device(tmp_path, name)
-    if name == "null":
-        write_text(path, "text")
-    else:
-        with pytest.raises(StoreError, match="the disk is full"):
-            write_text(path, "text")
-    assert path.is_char_device()
-    assert [*tmp_path.iterdir()] == [path]
-
-
-@pytest.mark.parametrize("exists", [True, False])
-def test_a_link_is_followed_and_remains(exists: bool, tmp_path: Path) -> None:
-    (tmp_path / "there").mkdir()
-    target, link, second = tmp_path / "there" / "a.csv", tmp_path / "link", tmp_path / "second"
-    if exists:
-        target.write_text("old")
-    link.symlink_to(Path("there") / "a.csv")
-    second.symlink_to(link)
-    write_text(second, "new")
-    assert (link.is_symlink(), second.is_symlink(), target.read_text()) == (True, True, "new")
-    assert [*target.parent.iterdir()] == [target]
-
-
 def test_what_cannot_be_written_is_refused_and_left_alone(tmp_path: Path, monkeypatch) -> None:
     loop, folder, kept = tmp_path / "loop", tmp_path / "folder", tmp_path / "kept"
     loop.symlink_to(loop)
@@ -103,16 +47,6 @@ def test_what_cannot_be_written_is_refused_and_left_alone(tmp_path: Path, monkey
             write_text(path, "new")
     assert (loop.is_symlink(), folder.is_dir(), kept.read_text()) == (True, True, "old")
     assert len([*tmp_path.iterdir()]) == 3
-
-
-def test_the_standard_output_receives_the_content_between_what_is_printed(tmp_path: Path) -> None:
-    code = (
-        "from pathlib import Path; from study.ledger.files import write_text\n"
-        "print('before'); write_text(Path('/proc/self/fd/1'), 'file\\n'); print('after')"
-    )
-    with (tmp_path / "out").open("w") as out:
-        subprocess.run([sys.executable, "-c", code], stdout=out, check=True)
-    assert (tmp_path / "out").read_text() == "before\nfile\nafter\n"
 
 
 @pytest.mark.parametrize(
@@ -162,38 +96,6 @@ def test_the_first_difference_between_a_table_and_its_expected_text_is_told(tmp_
     assert said == f"{path}, line 2, column name: found …'{30 * 'a'}b', expected …'{30 * 'a'}c'"
 
 
-def written(directory: Path, **files: str) -> Path:
-    for name, text in files.items():
-        path = directory / "data" / name.replace("_", ".")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    return directory
-
-
-REPORT = """\
-verdicts: none changed
-
-cases.csv: differs
-  zone: 3 beyond tolerance
-    a: p → q
-    b: p → nothing
-    c: p → nothing
-  dimension: 2 beyond tolerance
-    b: 1 → 1.5, relative 3.3e-01
-    c: 1 → nothing
-  case: 1 beyond tolerance
-    c: c → nothing
-
-2 files: 1 identical, 0 within 1e-12 relative + 0, 1 differ, 0 left out"""
-
-
-def test_the_report_of_a_comparison_is_known_word_for_word(tmp_path: Path) -> None:
-    both = {"same_csv": "case,zone\na,b\n"}
-    old = written(tmp_path / "old", cases_csv="case,dimension,zone\na,1,p\nb,1,p\nc,1,p\n", **both)
-    new = written(tmp_path / "new", cases_csv="case,dimension,zone\na,1,q\nb,1.5,\n", **both)
-    assert as_text(compare(old, new, Tolerance())) == REPORT
-
-
 # Observed orders, rounded bounds, and numbers of the paper.
 
 
@@ -213,11 +115,6 @@ def test_the_limit_of_a_sequence_is_found_relative_to_its_finest_errors(p: float
     assert limit(H, 3 * H**p, p) == pytest.approx(0, abs=1e-9)
     finest = np.sqrt(np.prod((rest + 3 * H**p)[-2:]))
     assert limit(H, rest + 3 * H**p, p) >= rest / finest - 1e-9
-
-
-def test_a_constant_that_alternates_from_level_to_level_leaves_no_limit() -> None:
-    e = H**0.5 * np.where(np.arange(len(H)) % 2, 1.0, 1.3)
-    assert limit(H, e, 0.5) == pytest.approx(0, abs=1e-9)
 
 
 def test_orders_need_decreasing_sizes_and_positive_errors() -> None:
@@ -247,14 +144,6 @@ def test_a_power_of_ten_is_the_least_that_is_not_smaller(value: float) -> None:
     assert found == float(f"1e{round(math.log10(found))}")
     assert value <= found
     assert float(f"1e{round(math.log10(found)) - 1}") < value
-
-
-@pytest.mark.parametrize(
-    ("value", "found"), [(0.0, 1e-9), (1e-9, 1e-9), (1.1e-9, 1e-8), (1e-5, 1e-5), (3.0, 10.0), (math.inf, math.inf)]
-)
-def test_a_power_of_ten_has_a_least_value(value: float, found: float) -> None:
-    assert power_of_ten(value, 1e-9) == found
-    assert math.isnan(power_of_ten(math.nan, 1e-9))
 
 
 @pytest.mark.parametrize(

@@ -313,15 +313,3 @@ def test_numbers_lists_texts_and_names_mean_the_same_as_the_stored_form(target) 
     for name, value in CALLS[target].items():
         for form in in_other_forms(value) if target is not pos else ():
             assert content(call(target, CALLS[target] | {name: form})) == expected, (name, form)
-
-
-def test_a_vector_of_another_length_and_a_matrix_of_another_shape_are_refused() -> None:
-    for wrong in ([1.0, 2.0], [1.0] * 4, [[1.0]] * 3):
-        with pytest.raises(ValueError, match=r"lengths.* has to be|entries"):
-            box(wrong)
-    for wrong in (((0, 0, 0), *CORNERS[1:]), ((0,), *CORNERS[1:])):
-        with pytest.raises(ValueError, match=r"vertices\[0\] has to be a tuple or list of 2 entries"):
-            polygon(wrong, SIDES)
-    for corners in (np.zeros(2), np.zeros((2, 2, 2)), np.zeros((4, 2))):
-        with pytest.raises(ValueError, match="cannot have corners of the shape"):
-            Part("contact", corners)

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from on_floor import on_floor
 
-from manufactured import Case, Data, ExactSolution, named, prove, unit_square
-from manufactured.catalogue import catalogue
+from manufactured import Case, ExactSolution, named, prove
 from manufactured.factor import Factor, x1
 from manufactured.law import (
     Combined,
@@ -27,9 +26,6 @@ from manufactured.law import (
 from manufactured.no_potential import NAME, law_without_potential, no_potential
 from manufactured.symbols import pos, s, t
 from manufactured.tensors import dyad, full, identity, mandel, rotation
-from study.bound.problem import BoundError
-from study.certify.statement import statement
-from study.cli.main import main
 from study.fem.naming import resolve
 from study.solve.energy_balance import density
 
@@ -53,13 +49,6 @@ def test_a_mandel_vector_keeps_inner_products_and_turns_by_an_orthogonal_matrix(
         assert np.allclose(full(mandel(a)), a)
         assert np.allclose(rotation(frame) @ mandel(a), mandel(frame @ a @ frame.T))
         assert np.isclose(identity(dim) @ mandel(a), np.trace(a))
-
-
-@pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1), (0, 2, 1)])
-def test_renaming_axes_rounds_nothing(order: tuple[int, ...]) -> None:
-    turned = rotation(np.eye(3)[list(order)] * [1, -1, 1])
-    assert set(abs(turned).ravel()) == {0.0, 1.0}
-    assert np.array_equal(turned @ turned.T, np.eye(6))
 
 
 def test_the_constants_of_a_linear_operator_are_its_extreme_eigenvalues() -> None:
@@ -115,14 +104,6 @@ def on_coupled(matrix: np.ndarray) -> ExactSolution:
     return on_floor(law, t * pos(s - 0.5, 4), t * pos(0.5 - s, 2), 0.5 - s)
 
 
-def test_the_stress_at_rest_is_the_one_that_is_stated() -> None:
-    for case in catalogue():
-        G = case.solution.law.G
-        at_rest = G.at(np.zeros((G.dim, 1)))(np.zeros((len(G.at_rest), 1)))[:, 0]
-        np.testing.assert_array_equal(at_rest, G.at_rest)
-    assert named("double-well").solution.law.G.at_rest.any()
-
-
 @pytest.mark.parametrize("G", [COMBINED, SHEARED, *YIELDING])
 @given(q=st.floats(0.01, 30))
 def test_the_normal_response_is_the_nn_component_under_compression(G, q) -> None:
@@ -153,22 +134,6 @@ def test_the_normal_response_is_the_nn_component_under_compression(G, q) -> None
 def test_what_is_no_law_or_needs_a_prescribed_strain_is_refused(make, message: str) -> None:
     with pytest.raises(LawError, match=message):
         make()
-
-
-def test_neither_a_task_nor_a_certificate_serves_a_law_that_softens(tmp_path, capsys) -> None:
-    assert main(["export", "softening", "--levels", "4", "--to", str(tmp_path / "task")]) == 2
-    assert "a static problem with it need not have a solution" in " ".join(capsys.readouterr().err.split())
-    data = Data.formulas(unit_square(), named("softening").solution.law, f0=(0, 0))
-    with pytest.raises(BoundError, match="G softens, but certificates need a positive one"):
-        statement(data)
-
-
-def test_differences_may_grow_under_laws_that_soften_alone_and_no_faster_than_the_source_says() -> None:
-    growing = {case.name: case.solution.law.growth for case in catalogue() if case.solution.law.growth}
-    assert growing == pytest.approx({"softening": 1.0, "double-well": 0.5})
-    for name, rate in growing.items():
-        law = named(name).solution.law
-        assert rate <= law.G.lipschitz / law.A.ellipticity
 
 
 LITERAL = "softening", "travelling-patch", "corner"

@@ -92,22 +92,6 @@ def test_workflows_use_actions_of_a_fixed_major_version_and_may_write_nothing(wo
     assert used and all(re.fullmatch(r"actions/[a-z-]+@v\d+", action) for action in used)  # noqa: PT018
 
 
-def test_workflows_run_what_the_documentation_tells_to_run() -> None:
-    """Except benchmarks, which time the machine, and `make cluster`, which `make test` does as well."""
-    told = set(re.findall(r"\bmake ([a-z][a-z-]*)", RUN_THE_STUDY.read_text())) & TARGETS
-    run = {target for workflow in WORKFLOWS for words in commands(workflow) if words[0] == "make" for target in words}
-    assert {"test", "study", "full", "faults"} <= told
-    assert ["make", "tutorials"] in [*commands(WORKFLOWS[0])], "every page, also where that takes minutes"
-    assert {target for target in told - run if not target.startswith("bench")} <= {"cluster"}
-
-
-def test_the_nightly_job_runs_the_study_and_the_tests_with_the_least_and_the_newest_versions() -> None:
-    job = yaml.safe_load(WORKFLOWS[1].read_text())["jobs"]["versions"]
-    assert [one["resolution"] for one in job["strategy"]["matrix"]["include"]] == ["lowest-direct", "highest"]
-    typed = " ".join(str(step.get("run")) for step in job["steps"])
-    assert all(words in typed for words in ("--resolution ${{ matrix.resolution }}", "study run --quick", "pytest"))
-
-
 def test_the_versions_of_python_that_the_documentation_says_are_tested_are() -> None:
     told = re.search(r"3\.(\d+) to 3\.(\d+) are tested", RUN_THE_STUDY.read_text())
     assert told is not None

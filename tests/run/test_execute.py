@@ -12,10 +12,8 @@ import socket
 import subprocess
 import sys
 import time
-import weakref
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -29,7 +27,7 @@ from distributed import LocalCluster
 from study.bound.trajectory import Refined
 from study.cli import common
 from study.cli.main import main
-from study.ledger.files import StoreError, UsageError
+from study.ledger.files import UsageError
 from study.run.executor import (
     GIB,
     JobsError,
@@ -40,7 +38,6 @@ from study.run.executor import (
     execute,
     identity,
     refuse_too_large,
-    run_job,
     startable,
 )
 from study.run.fingerprint import versions
@@ -119,21 +116,6 @@ def test_the_most_expensive_jobs_go_first(tmp_path) -> None:
     jobs = [Toy("a", 1), Toy("b", 3), Toy("c", 2)]
     execute(jobs, Store(tmp_path), pool(executor, workers=1), ignore)
     assert [job.name for job in executor.order] == ["b", "c", "a"]
-
-
-class Circular:
-    """A job that refers to what it made from what it made."""
-
-    def run(self) -> dict[str, float]:
-        self.made = weakref.ref(made := Circular())
-        made.itself = made
-        return {}
-
-
-def test_a_large_process_does_not_keep_what_a_job_leaves_in_circles_of_references(monkeypatch) -> None:
-    monkeypatch.setattr("study.run.executor.CROWDED", 0.0)
-    assert run_job(job := Circular()) == {}
-    assert job.made() is None
 
 
 LARGE, LARGER, SMALL, TINY = Toy("large", 9, 6), Toy("larger", 8, 7), Toy("small", 7, 3), Toy("tiny", 1, 1)
@@ -313,14 +295,6 @@ def test_data_are_locked_exactly_where_they_are_there_and_may_be_written(tmp_pat
                 assert [*data.iterdir()] == found
 
 
-def test_data_that_may_be_written_are_not_left_unlocked_where_the_lock_may_not(tmp_path, monkeypatch) -> None:
-    data = Store(tmp_path).data
-    (data / ".lock").mkdir(parents=True)
-    monkeypatch.setattr(os, "access", lambda path, mode: path == data)
-    with pytest.raises(StoreError, match="lock"), Store(tmp_path).steady():
-        pass
-
-
 def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_one_writes_is_not(tmp_path) -> None:
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
@@ -383,16 +357,6 @@ def test_a_file_of_an_interrupted_result_is_not_taken_for_that_of_an_earlier_one
         store.cached("level-2", "bdf2", interrupted, file)
     store.cached("level-2", "midpoint", midpoint, file)
     assert file.read_text() == "midpoint"
-
-
-def test_a_job_file_that_may_not_be_read_is_refused_by_name(tmp_path, capsys, monkeypatch) -> None:
-    """Root may read all files: a link to itself is one that nobody can."""
-    path = Store(tmp_path).path(full_contact(2).key)
-    path.parent.mkdir(parents=True)
-    path.symlink_to(path)
-    arguments = ["run", "--case", "full-contact", "--levels", "2", "--jobs", "1", "--out", str(tmp_path)]
-    assert main(arguments) == 2
-    assert f"study: cannot read {path}: Too many levels" in capsys.readouterr().err
 
 
 MINE = """
@@ -492,57 +456,6 @@ def test_a_case_is_known_by_what_its_file_says_now_and_a_function_only_to_its_pr
         after = identity([f"{file}:mine"])
         assert {key for key in before if before[key] != after[key]} == {f"{file}:mine"}
         assert (identity([f"{file}:mine"]) == after) == known
-
-
-@contextmanager
-def dask_command(*words: str) -> Iterator[tuple[psutil.Process, str]]:
-    """A process of Dask with its children, and its address."""
-    command = [sys.executable, "-m", f"distributed.cli.{words[0]}", *words[1:], "--no-dashboard"]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
-        try:
-            assert process.stderr is not None
-            said = next(line for line in process.stderr if re.search(r"(Scheduler at|Registered to): +tcp", line))
-            Thread(target=process.stderr.read, daemon=True).start()
-            yield psutil.Process(process.pid), re.findall(r"tcp://\S+", said)[0]
-        finally:
-            os.killpg(process.pid, signal.SIGKILL)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("victim", ["one worker", "workers", "scheduler", "stopped scheduler"])
-def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_is_continued(victim, tmp_path) -> None:
-    store, jobs = Store(tmp_path), [full_contact(n) for n in range(32, 48)]
-    killed: list[float] = []
-    told = ""
-
-    def run(address: str, processes: dict[str, list[psutil.Process]]) -> None:
-        def kill_once(cost: float) -> None:
-            if cost and not killed:
-                killed.append(time.monotonic())
-                for process in processes[victim.removeprefix("stopped ")]:
-                    process.suspend() if victim.startswith("stopped") else process.kill()
-
-        with connected(address, ["full-contact"]) as two:
-            processes["one worker"] = [psutil.Process(two.executor.submit(os.getpid).result())]
-            execute(jobs, store, two, kill_once)
-
-    with (
-        dask_command("dask_scheduler", "--host", "127.0.0.1", "--port", "0") as (scheduler, address),
-        dask_command("dask_worker", address, "--nworkers", "2", "--nthreads", "1") as (nanny, _),
-    ):
-        try:
-            run(address, {"scheduler": [scheduler], "workers": [nanny, *nanny.children(recursive=True)]})
-        except JobsError as error:
-            told = str(error)
-    finished = results(tmp_path)
-    if victim == "one worker":
-        assert (told, len(finished)) == ("", len(jobs))
-    else:
-        assert time.monotonic() - killed[0] < 30
-        assert re.search(rf"{address} no longer answers.*the same command", told)
-    execute(jobs, store, pool(AtOnce()), ignore)
-    assert finished.items() <= results(tmp_path).items()
-    assert len(results(tmp_path)) == len(jobs)
 
 
 RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "3", "--jobs", "2", "--out"]

@@ -8,7 +8,6 @@ import pytest
 from measured_rows import verdicts
 
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
-from study.ledger.window import around
 from study.statements import enclosure
 from study.statements.enclosure import BoundedError, EnclosedError
 
@@ -60,8 +59,3 @@ def test_an_order_is_judged_where_nobody_knows_the_error() -> None:
     assert verdicts(BoundedError(), UNKNOWN.assign(trajectory="bound")) == verdicts(EnclosedError(), UNKNOWN[:1]) == {}
     (order,) = EnclosedError().judge(UNKNOWN.assign(expected_order=math.nan))
     assert (order.verdict, order.expected) == (REPORTED, enclosure.UNPREDICTED)
-
-
-@pytest.mark.parametrize(("span", "verdict"), [((0.86, 1.14), HOLDS), ((0.84, 1.02), UNDECIDED), ((1.16, 1.2), FAILS)])
-def test_the_whole_interval_of_an_order_must_lie_in_the_window_of_every_other_order(span, verdict: str) -> None:
-    assert enclosure.judge_interval(span, around(1, enclosure.ROOM)) == verdict

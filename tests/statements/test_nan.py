@@ -17,7 +17,7 @@ from study.ledger.check import Check
 from study.ledger.verdict import FAILS, HOLDS, CheckKind
 from study.ledger.window import at_most
 from study.solve import evolution
-from study.statements import edge_work, prop_5_4
+from study.statements import prop_5_4
 from study.statements.shared.norms import maximum, minimum
 
 MEASURING = [*Path(prop_5_4.__file__).parent.rglob("*.py"), *(Path(one.__file__) for one in (evolution, independent))]
@@ -76,10 +76,3 @@ def test_a_range_with_nan_in_one_family_does_not_hold(value: float, verdict: str
     check = Check("a", "a", quantities.values("value"), at_most(2.0), CheckKind.CLAIM)
     groups = {name: pd.DataFrame({"h": 1.0, "value": [1.0, last]}) for name, last in (("b", 1.0), ("c", value))}
     assert check.verdict(prop_5_4.FirstOrder(), "case", groups).verdict == verdict
-
-
-def test_the_number_of_edges_is_nan_if_one_level_is() -> None:
-    levels = pd.DataFrame({name: [3.0, 4.0] for name in edge_work.BRANCHES})
-    assert edge_work.BOTH_KINDS.value(levels) == 7.0
-    levels.loc[0, edge_work.BRANCHES[0]] = NAN
-    assert math.isnan(edge_work.BOTH_KINDS.value(levels))

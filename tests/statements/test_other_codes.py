@@ -72,14 +72,6 @@ def test_resultants_of_a_task_are_what_vertices_carry_of_the_exact_pressure(name
     assert task.resultants(time) == pytest.approx(expected, rel=1e-3)
 
 
-def test_pressures_of_a_task_belong_to_the_distances_of_vertices_from_the_first_corner_of_their_face() -> None:
-    task = Task(resolve("hexagon"), Unstructured(), 8)
-    for face, (part, vertices), found in zip(task.solution.faces, task.space.contact, task.pressures(0.5), strict=True):
-        s = np.linalg.norm(task.space.mesh.p[:, vertices] - part.corners[:, :1], axis=0)
-        assert found == pytest.approx(task.solution.on(face, s[None]).pressure(0.5))
-        assert np.ptp(found) > 0
-
-
 @pytest.mark.parametrize(
     ("name", "family", "level"),
     [
