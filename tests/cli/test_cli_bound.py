@@ -13,12 +13,9 @@ import pandas as pd
 import pytest
 import scipy.sparse as sps
 
-from manufactured import named
 from study.cli.main import main
 from study.cli.refusals import exit_code_and_message
-from study.fem.mesh import Shaken
 from study.fem.naming import resolve_data
-from study.fem.quadrature import cell_rules
 from study.ledger.files import UsageError, write_text
 from study.solve.factorisation import Cholesky
 from study.statements.shared import estimates
@@ -47,7 +44,7 @@ def finished(tmp_path_factory) -> tuple[Path, str]:
     return out / "advance-recede", "\n".join(printed)
 
 
-def test_tables_are_printed_with_the_error_between_its_ends(finished) -> None:
+def test_tables_are_printed_with_the_error_between_its_ends_and_all_ends_rounded_outwards(finished) -> None:
     directory, printed = finished
     assert "exact solution known" in printed
     assert re.search(r"t +lower +error +upper +% of u +upper/lower +from u_h alone", printed)
@@ -56,7 +53,19 @@ def test_tables_are_printed_with_the_error_between_its_ends(finished) -> None:
     assert len(rows) == 8
     assert all(float(low) <= float(error) <= float(high) for _, low, error, high, _ in rows)
     assert all(float(error) <= float(alone) for _, _, error, _, alone in rows)
-    assert len(re.findall(r"^ +[34] +\[[\d.]+, [\d.]+\] +\[[\d.]+, [\d.]+\]", printed, re.MULTILINE)) == 2
+    levels, series = (pd.read_csv(directory / name) for name in ("levels.csv", "enclosure.csv"))
+    finest = series[series["level"] == 4]
+    for time, low, _, high, alone in (map(float, row) for row in rows):
+        there = finest.iloc[abs(finest["time"] - time).argmin()]
+        assert low <= there["lower"] <= there["upper"] <= high
+        assert there["plain"] <= alone
+    lines = re.findall(r"^ +[34] +\[[\d.]+, [\d.]+\] +\[[\d.]+, [\d.]+\].*", printed, re.MULTILINE)
+    assert len(lines) == len(levels)
+    for line, row in zip(lines, levels.itertuples(), strict=True):
+        _, low, high, percent_low, percent_high, _, alone = map(float, re.findall(r"[\d.]+", line))
+        assert low <= row.lowest <= row.highest <= high
+        assert percent_low <= row.percent_low <= row.percent_high <= percent_high
+        assert row.plain <= alone
     (written,) = re.findall(r"^written: (.*?)\n\n", printed, re.DOTALL | re.MULTILINE)
     files = [Path(name) for name in " ".join(written.split()).split(", ")]
     assert all(file.is_file() for file in files)
@@ -80,15 +89,6 @@ def test_the_tables_on_disk_enclose_the_error_and_the_order(finished) -> None:
     assert np.allclose(series["upper"], both, atol=1e-8)
     assert np.allclose(series["lower"], np.maximum(series["distance"] - series["bound"], 0), atol=1e-8)
     assert (series.groupby("level")["time"].last() == 1).all()
-    # Per cent of the largest ‖u(t)‖_V, which the exact solution gives.
-    solution = named("advance-recede").solution
-    (rule,) = cell_rules(Shaken()(solution.body, 16), 6, [])
-    fields, A = solution.at(rule.points), solution.law.A.at(rule.points)
-    strains = [fields.strain(time) for time in np.linspace(0, 1, 21)]
-    largest = max(np.einsum("Inq,Inq,nq->", A(strain), strain, rule.weights) for strain in strains) ** 0.5
-    percent = 100 * levels["error"] / largest
-    assert ((levels["norm_low"] <= largest) & (0.999 * largest <= levels["norm_high"])).all()
-    assert ((levels["percent_low"] <= percent) & (0.999 * percent <= levels["percent_high"])).all()
 
 
 @pytest.mark.parametrize(
@@ -168,11 +168,6 @@ def test_a_static_body_without_contact_is_adapted_and_bounded_from_a_vtu_file(st
     printed = capsys.readouterr().out
     assert "weighted by the elasticity G" in printed
     assert "no figure" in printed
-    told = printed.split("\n\n", 1)[1]
-    assert "level" not in told
-    assert "t = " not in told
-    assert max(map(len, told.splitlines())) <= 110
-    assert max(map(len, told.strip().split("\n\n")[-1].splitlines())) <= 80
     plain = pd.read_csv(out / "hanging-mine" / "levels.csv")["plain"].iloc[0]
     assert plain == pytest.approx(rows["bound"].iloc[0], rel=1e-6)
 

@@ -145,10 +145,6 @@ def test_changed_verdicts_come_first_in_words_and_in_json(old: Path, new: Path, 
     assert (said["differs"], said["tolerance"]) == (True, {"relative": 1e-12, "absolute": 0.0})
     assert [(cell["old"], cell["new"]) for cell in said["verdicts"]] == [("holds", "fails")]
     assert [cell["relative"] for cell in said["differences"] if cell["file"] == "rates.csv"] == [None]
-    change(new, "claims.csv", lambda table: table.assign(verdict="undecided"))
-    comparison = compared(old, new)
-    assert as_text(comparison).count("→ undecided") == 20 + 3
-    assert f"and {told(comparison, 'claims.csv')['verdict'] - 20} more" in as_text(comparison)
 
 
 @pytest.mark.parametrize(
