@@ -206,7 +206,6 @@ TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
     "no gzip": (lambda: TEXT.encode(), "not a gzip file"),
     "a gzip file that ends early": (lambda: packed(TEXT)[:-9], "ends too early"),
     "a gzip file with a wrong sum": (lambda: packed(TEXT)[:-8] + b"\0" * 8, "not a gzip file"),
-    "two gzip members": (lambda: packed(TEXT) + packed(TEXT), "data after its certificate"),
     "bytes behind a gzip file": (lambda: packed(TEXT) + b"\0", "data after its certificate"),
     "no JSON": (lambda: packed("certificate"), "not a gzip file with JSON"),
     "text that is not ASCII": (lambda: packed(TEXT.replace("contact", "kontakt\u202e")), "not a gzip file with JSON"),
@@ -215,7 +214,6 @@ TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
     "a double that overflows": (lambda: packed(re.sub(r'"computed":\[\[0.0', '"computed":[[1e999', TEXT)), "is inf"),
     "a key twice": (lambda: packed(TEXT.replace('"m":', '"level":2,"m":')), "a key twice"),
     "an integer of many digits": (lambda: packed(TEXT.replace('"level":2', f'"level":{"9" * 10**6}')), "4300 digits"),
-    "an integer of some digits": (lambda: packed(TEXT.replace('"level":2', f'"level":{"9" * 4000}')), "is 9999"),
     "deep lists": (lambda: packed("[" * 10**5 + "]" * 10**5), "too deeply"),
     "many empty lists": (lambda: packed(f"[{','.join(['[]'] * 1_100_000)}]"), "more than 1048576 lists"),
 }

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import meshio
@@ -225,31 +223,3 @@ def test_more_triangles_than_can_be_factorised_are_refused_with_a_refinement_tha
     assert code == 1
     assert message == str(error.value)
     assert "--jobs" not in exit_code_and_message(MemoryError())[1]
-
-
-MEASURE = """
-import resource
-import study.cli.bound
-from manufactured.problems import ramp
-from manufactured import plane_stress, static, unit_square
-from study.bound.bounded import bounded_solution
-from study.bound.trajectory import Refined
-from study.fem.mesh import Unstructured
-from study.solve.tableau import MIDPOINT
-data = {"moving": ramp, "static": lambda: static(unit_square(), plane_stress(1.0, 0.3), (0, -1))}[%r]()
-mesh = Unstructured()(data.body, %d)
-bounded_solution(data, None, Unstructured(), %d, MIDPOINT, 4, Refined(%d, 2))
-print(mesh.t.shape[1], resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)
-"""
-"""Prints the number of cells and the largest resident memory of a process with all imports of the command, on Linux."""
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(sys.platform != "linux", reason="other systems count memory in other units")
-@pytest.mark.parametrize("kind", ["moving", "static"])
-@pytest.mark.parametrize(("level", "refinements"), [(16, 0), (48, 0), (8, 1), (24, 1), (8, 2)])
-def test_the_estimated_memory_is_one_to_two_times_the_measured_memory(kind: str, level: int, refinements: int) -> None:
-    program = MEASURE % (kind, level, level, refinements)
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    cells, peak = map(int, done.stdout.split())
-    assert 1 <= estimates.bound(cells, refinements) / peak <= 2

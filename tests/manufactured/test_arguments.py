@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import sympy as sp
 
-import manufactured
 from manufactured import (
     HERMITE,
     Body,
@@ -165,8 +164,6 @@ CALLS = {
     examine: {"solution": SOLUTION, "seed": 1, "points": 2, "times": 2},
 }
 """The public constructors and functions with correct arguments, each in the form in which it is stored."""
-RESULTS = {"Evaluation", "catalogue"}
-"""Public names without arguments of users."""
 OTHERS = {
     "a number": 3,
     "a text": "x y z",
@@ -240,16 +237,6 @@ def with_first_entry(value: object, wrong: object) -> object:
 
 def call(target, arguments: dict) -> object:
     return target(*arguments.values()) if target is pos else target(**arguments)
-
-
-def test_every_public_name_with_arguments_is_tried() -> None:
-    public = {name: getattr(manufactured, name) for name in manufactured.__all__}
-    errors = {name for name, value in public.items() if isinstance(value, type) and issubclass(value, Exception)}
-    tried = {target.__name__ for target in CALLS}
-    others = {"Kind", "Static"}  # an enumeration, and ``Data`` under another name
-    assert {name for name, value in public.items() if callable(value)} - errors - RESULTS - others <= tried | {
-        name for name in public if isinstance(public[name], sp.Basic)
-    }
 
 
 @pytest.mark.parametrize("target", CALLS, ids=lambda target: target.__qualname__)
