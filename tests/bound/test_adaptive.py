@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -15,7 +14,7 @@ from sympy import Rational
 
 from manufactured import Data, KelvinVoigt, Kind, isotropic, polygon, pos, static, t
 from manufactured.factor import x1, x2
-from study.bound.adaptive import Stage, adapted, marked, next_stage
+from study.bound.adaptive import Stage, marked, next_stage
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose
 from study.bound.static import compute_static, enclose_static
@@ -71,19 +70,6 @@ def test_shares_of_a_static_bound_belong_to_cells_alone_and_add_up_to_the_bound(
     assert shares.time == 0
     assert shares.cells.sum() == pytest.approx(enclosure.highest)
     assert shares.cells.min() >= 0
-
-
-def test_what_comes_after_the_largest_bound_has_no_share_in_it() -> None:
-    data = wedge(**PROBLEMS["rolling"])
-    discretisation = Discretisation(data, Unstructured()(data.body, 2))
-    found = enclose(discretisation, compute(discretisation, MIDPOINT, 3), SmoothedInTime())
-    early = replace(found, between=np.where(np.arange(found.between.size) == 0, 2 * found.highest, found.between))
-    louder = [replace(one, shares=10 * one.shares) for one in found.intervals[1:]]
-    other = replace(early, intervals=(found.intervals[0], *louder))
-    one, same = (enclosure.shares(discretisation.moduli) for enclosure in (early, other))
-    assert one.total == pytest.approx(2 * found.highest)
-    assert same.time == pytest.approx(one.time)
-    assert same.cells == pytest.approx(one.cells)
 
 
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=8), st.floats(0.05, 1))
@@ -145,28 +131,6 @@ def test_time_is_refined_where_it_has_the_share_and_space_where_cells_have_it() 
 
 
 # ---- the tolerance
-
-
-@pytest.mark.slow
-def test_the_bracket_has_the_best_order_in_unknowns_on_adapted_meshes_and_not_on_others() -> None:
-    """The corner's exponent 0.54 allows N^{−0.27} on meshes that are refined everywhere."""
-    corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
-    body = polygon(corners, [CONTACT, LOADED, LOADED, LOADED, CLAMPED, LOADED])
-    data = Data.formulas(body, LAW, f0=(0, -t), f2={1: (2 * t, 0)})
-    orders = []
-    for everywhere in (False, True):
-        stage, points = first_stage(data, 2, 8), []
-        while stage.cells < 2500:
-            found = adapted(data, None, stage, MIDPOINT)
-            points.append((found.computed.space.dofs, found.enclosure.highest))
-            cells = np.ones(stage.cells) if everywhere else found.shares.cells
-            following = next_stage(stage, cells, 0.0)
-            mesh = stage.mesh.refined()
-            stage = Stage(mesh.p, mesh.t, stage.steps) if everywhere else following
-        unknowns, bounds = np.log(np.array(points)[-4:]).T
-        orders.append(-np.polyfit(unknowns, bounds, 1)[0])
-    assert orders[0] == pytest.approx(0.5, abs=0.05)
-    assert orders[1] < 0.36
 
 
 # ---- the command

@@ -21,7 +21,7 @@ from manufactured.catalogue import NAMES
 from manufactured.data import Data
 from manufactured.tensors import Array
 from study.bound import terms
-from study.bound.bounded import check_problem, levels
+from study.bound.bounded import check_problem
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose, known_error
 from study.bound.problem import BoundError
@@ -206,16 +206,3 @@ def test_what_cannot_be_bounded_is_refused() -> None:
     nodes.append((1.0, 3 * nodes[-1][1]))
     with pytest.raises(BoundError, match="equally spaced in time"):
         list(Majorant(discretisation)(spline(nodes), 1.0))
-
-
-def test_orders_are_enclosed_since_the_first_level_and_since_the_previous_one() -> None:
-    """E = (1, 1/2, 1/8) at h = (1, 1/2, 1/4): the order is 3/2 over all levels and 2 on the last pair."""
-    ends = [(0.9, 1.1), (0.45, 0.55), (0.11, 0.14)]
-    rest = {"dofs": 1, "error": math.nan, "plain": 1.0, "percent_low": 1.0, "percent_high": 2.0, "kind": "guaranteed"}
-    numbers = ({"level": 2**i, "h": 0.5**i, "steps": 2**i} for i in range(3))
-    rows = [rest | each | {"lowest": low, "highest": high} for each, (low, high) in zip(numbers, ends, strict=True)]
-    table = levels(rows).set_index("level")
-    for name, first in (("order", 0), ("pair", 1)):
-        low, high = (math.log2(a / b) / (2 - first) for a, b in ((ends[first][0], 0.14), (ends[first][1], 0.11)))
-        assert table.loc[4, [f"{name}_low", f"{name}_high"]].tolist() == pytest.approx([low, high])
-    assert table.loc[1, ["order_low", "pair_low"]].isna().all()

@@ -37,7 +37,6 @@ from study.certify.statement import statement
 from study.certify.witnesses import value_of
 from study.cli.main import main
 from study.fem.mesh import OneDiagonal, Unstructured
-from study.fem.naming import resolve_data
 from study.solve.tableau import MIDPOINT
 
 ROOT = Path(__file__).parents[2]
@@ -181,23 +180,6 @@ def test_the_command_writes_certificates_and_checks_them(name: str, capsys: Any,
     assert main(["certify", f"{EXAMPLES / 'problems.py'}:{name}", *options]) == 0
     assert capsys.readouterr().out.count("cells, h = ") == 2
     assert (tmp_path / name / "certificate-3.json.gz").is_file()
-
-
-def test_the_same_command_after_an_edit_of_the_problem_keeps_no_result_of_the_earlier_one(
-    capsys: Any, tmp_path
-) -> None:
-    text, file, out = (EXAMPLES / "problems.py").read_text(), tmp_path / "mine.py", tmp_path / "square"
-    options = ["--steps", "2", "--refine", "0", "--shorter", "1", "--out", str(tmp_path)]
-    for command in ("certify", "bound"):
-        found = []
-        for problem, levels in ((text, ["2", "3"]), (text.replace("def bracket(", "def square("), ["2"])):
-            file.write_text(problem)
-            resolve_data.cache_clear()
-            assert main([command, f"{file}:square", "--levels", *levels, *options]) == 0
-            found.append({path.name: path.read_bytes() for path in out.iterdir() if path.is_file()})
-        assert f"removed from {out}: results of other data" in capsys.readouterr().err
-        assert any("3" in name for name in found[0])
-        assert not any("3" in name or found[0].get(name) == content for name, content in found[1].items())
 
 
 def test_more_refinements_than_the_checker_accepts_are_refused(capsys: Any, tmp_path: Path) -> None:

@@ -88,21 +88,6 @@ def test_values_of_another_type_are_refused_wherever_they_stand(part: str, certi
         around[key] = right
 
 
-FREE = {"force", "loads", "start"}
-
-
-@pytest.mark.parametrize("part", [part for part in json.loads(TEXT) if part not in ("format", "level", "m")])
-def test_lists_with_a_value_more_or_less_are_refused_with_a_reason(part: str, certificate: Any) -> None:
-    """Formulas of loads may have any number of terms, and u_h any number of times."""
-    for *path, key in places(certificate[part], (part,)):
-        around = at(certificate, tuple(path))
-        right = around[key]
-        if isinstance(right, list) and right and key != "computed" and not FREE & {*path, key}:
-            for around[key] in (right[:-1], [*right, right[-1]], []):
-                assert "the check ended with" not in refusal(certificate), (path, key)
-        around[key] = right
-
-
 def test_every_key_has_to_be_there_and_no_other(certificate: Any) -> None:
     objects = [path for path in places(certificate) if isinstance(at(certificate, path), dict)]
     assert len(objects) == 9
@@ -221,7 +206,6 @@ TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
     "no gzip": (lambda: TEXT.encode(), "not a gzip file"),
     "a gzip file that ends early": (lambda: packed(TEXT)[:-9], "ends too early"),
     "a gzip file with a wrong sum": (lambda: packed(TEXT)[:-8] + b"\0" * 8, "not a gzip file"),
-    "two gzip members": (lambda: packed(TEXT) + packed(TEXT), "data after its certificate"),
     "bytes behind a gzip file": (lambda: packed(TEXT) + b"\0", "data after its certificate"),
     "no JSON": (lambda: packed("certificate"), "not a gzip file with JSON"),
     "text that is not ASCII": (lambda: packed(TEXT.replace("contact", "kontakt\u202e")), "not a gzip file with JSON"),
@@ -230,7 +214,6 @@ TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
     "a double that overflows": (lambda: packed(re.sub(r'"computed":\[\[0.0', '"computed":[[1e999', TEXT)), "is inf"),
     "a key twice": (lambda: packed(TEXT.replace('"m":', '"level":2,"m":')), "a key twice"),
     "an integer of many digits": (lambda: packed(TEXT.replace('"level":2', f'"level":{"9" * 10**6}')), "4300 digits"),
-    "an integer of some digits": (lambda: packed(TEXT.replace('"level":2', f'"level":{"9" * 4000}')), "is 9999"),
     "deep lists": (lambda: packed("[" * 10**5 + "]" * 10**5), "too deeply"),
     "many empty lists": (lambda: packed(f"[{','.join(['[]'] * 1_100_000)}]"), "more than 1048576 lists"),
 }

@@ -225,12 +225,6 @@ def test_rows_that_were_changed_are_noticed(own: Path, checked, monkeypatch) -> 
         assert f"{column}: 1 beyond tolerance" in said
 
 
-def test_a_case_whose_file_is_gone_cannot_be_measured_again(own: Path, checked) -> None:
-    (own.parent / "pocket.py").unlink()
-    said = checked("--again", "1", "--out", str(own), code=2)
-    assert "--again needs the files of all cases; the files of pocket no longer exist" in said
-
-
 def test_a_seed_without_rows_to_draw_is_refused(checked) -> None:
     assert "--seed chooses the rows of --again: give --again N with it" in checked("--seed", "1")
 
@@ -238,11 +232,8 @@ def test_a_seed_without_rows_to_draw_is_refused(checked) -> None:
 def test_a_sample_is_repeated_by_its_seed_and_its_expected_time_is_bounded() -> None:
     jobs: list[Any] = [SimpleNamespace(cost=1e6 * second) for second in np.geomspace(0.01, 300, 500)]
     drawn = [draw_jobs(jobs, 5, seed) for seed in range(400)]
-    assert drawn[3] == draw_jobs(jobs, 5, 3)
-    assert drawn[3] != drawn[4]
-    assert all(len({job.cost for job in sample}) == 5 for sample in drawn)
+    assert drawn[3] == draw_jobs(jobs, 5, 3) != drawn[4]
     costs = np.maximum([job.cost for job in jobs], LEAST_COST)
     bound = 5 * len(jobs) / (1 / costs).sum() / 1e6
     mean = np.mean([expected_seconds(sample) for sample in drawn])
     assert 0.6 * bound < mean < 1.6 * bound < 0.16 * 5 * costs.mean() / 1e6
-    assert len(draw_jobs(jobs, 10**6, 0)) == len(jobs)

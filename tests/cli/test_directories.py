@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import io
 import json
 import os
 import re
@@ -18,7 +17,6 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from convergence_orders.printing import printable
 from study.bound import bounded
 from study.cli import run
 from study.cli.main import CLOSED, INTERRUPTED, main
@@ -188,38 +186,6 @@ def test_an_empty_name_is_refused(command: str, tmp_path: Path, monkeypatch, cap
             main([name if word == "{}" else word for word in command.split()])
         assert "got an empty text, expected a name" in capsys.readouterr().err
     assert [*tmp_path.iterdir()] == []
-
-
-ESCAPES = "L2\x1bc\x9b1m\u202e"
-"""A name that would clear a terminal, change its colour and turn the direction of the text."""
-
-
-@pytest.mark.parametrize("output", [[], ["--json"], ["--values"], ["--columns", "none"]])
-def test_names_of_columns_cannot_command_the_terminal(output: list[str], tmp_path: Path, capsys) -> None:
-    (tmp_path / "t.csv").write_text(f"h,{ESCAPES}\n.4,.16\n.2,.04\n.1,.01\n", encoding="utf-8")
-    main(["rates", str(tmp_path / "t.csv"), *output])
-    printed = capsys.readouterr()
-    main(["rates", str(tmp_path / ESCAPES)])
-    assert r"\u001bc\u009b1m\u202e" in capsys.readouterr().err
-    assert printed.out + printed.err == printable(printed.out + printed.err) != ""
-    if output == ["--json"]:
-        json.loads(printed.out)
-
-
-@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8"])
-@pytest.mark.parametrize("arguments", [["cases"], ["cases", "--json"], ["rates", "none.csv"]])
-def test_an_output_with_few_letters_ends_no_command(encoding: str, arguments: list[str], monkeypatch) -> None:
-    streams = [io.TextIOWrapper(io.BytesIO(), encoding=encoding) for _ in range(2)]
-    monkeypatch.setattr("sys.stdout", streams[0])
-    monkeypatch.setattr("sys.stderr", streams[1])
-    assert main(arguments) == (2 if arguments[0] == "rates" else 0)
-    for stream in streams:
-        stream.flush()
-    text = streams[0].buffer.getvalue().decode(encoding)  # type: ignore[attr-defined]
-    if "--json" in arguments:
-        assert any("Γ" in entry["summary"] for entry in json.loads(text))
-    elif arguments == ["cases"]:
-        assert ("\\u0393" in text) == (encoding != "utf-8")
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no /dev/full")

@@ -6,7 +6,6 @@ import os
 import shlex
 import subprocess
 import sys
-from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -14,8 +13,8 @@ import pytest
 import manufactured
 from study.cli.main import main
 from study.cli.options import FAMILIES as FAMILY_NAMES
-from study.cli.options import OK, TOLERANCE, USAGE, parser
 from study.cli.options import SCHEMES as SCHEME_NAMES
+from study.cli.options import TOLERANCE, parser
 from study.cli.run import on_finer_meshes, scope_from_options
 from study.fem.mesh import FAMILIES, Alternating
 from study.ledger.compare import Tolerance
@@ -150,23 +149,6 @@ def test_names_of_the_package_are_found_when_they_are_asked_for() -> None:
     assert {*manufactured.__all__} < {*dir(manufactured)}
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         manufactured.nothing  # noqa: B018
-
-
-@pytest.mark.parametrize(
-    ("arguments", "code", "printed"),
-    [
-        *((f"rates errors.csv --expected {value}", USAGE, "argument --expected") for value in ("nan", "inf", "one")),
-        ("--version", OK, f"study {version('signorini-study')}\n"),
-    ],
-)
-def test_the_parser_prints_the_version_and_refuses_an_expected_order_that_is_no_number(
-    arguments: str, code: int, printed: str, capsys
-) -> None:
-    with pytest.raises(SystemExit) as stopped:
-        main(arguments.split())
-    assert stopped.value.code == code
-    shown = capsys.readouterr()
-    assert printed in shown.out + shown.err
 
 
 @pytest.mark.parametrize(

@@ -164,9 +164,7 @@ ANSWER = "answers/full-contact-one-diagonal-frozen-4"
 DAMAGE: dict[str, tuple[Callable[[Path], Any], str]] = {
     "word in the sums": (put("SHA256SUMS", "mine\n", "a"), "SHA256SUMS, line 2: stands 'mine'"),
     "deleted task": (lambda place: next(place.glob("tasks/*.xz")).unlink(), "which is missing"),
-    "no tasks": (lambda place: [path.unlink() for path in place.glob("tasks/*")], "holds no *.json.xz"),
     "JSON list": (put("a.json", "[1, 2]"), "a holds a JSON list"),
-    "no JSON": (put("a.json", "{"), "a.json is no JSON"),
     "task that unpacks to 300 MiB": (
         lambda place: (place / "tasks" / "a.json.xz").write_bytes(lzma.compress(bytes(300 << 20), preset=0)),
         "unpacks to more than",
@@ -175,8 +173,6 @@ DAMAGE: dict[str, tuple[Callable[[Path], Any], str]] = {
     "key missing": (lambda place: change_task(place, lambda data: data.pop("clamped") and None), "lacks the key 'clam"),
     "other version": (task_with(version=3), "contact-task 3, expected contact-task 1 or 2"),
     "vertex that is not there": (task_with(cells=[[0, 1, 999]]), "is no task"),
-    "no steps": (task_with(steps=[], judge=[]), "0 steps"),
-    "scale of zero": (task_with(scale=0), "the scale 0.0"),
     "no contact": (task_with(contact=[]), "is no task"),
     "law of another shape": (task_with(law={"A": {"matrix": [[1.0]], "factor": 1}}), "lacks the key 'G'"),
     "no answer": (lambda place: next(place.glob("answers/*/u.txt")).unlink(), "u.txt is missing, expected"),

@@ -22,7 +22,7 @@ from judged_codes import doctored, exported, judged, task
 from study.cli.main import main
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
-from study.run.tasks import frozen, with_foundation, write_task
+from study.run.tasks import frozen, write_task
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.experiment import Experiment
 
@@ -178,17 +178,6 @@ def test_two_scales_show_what_is_not_homogeneous() -> None:
     both = [exported("advance-recede", times=(0.55,), scale=scale) for scale in (1.0, 1e-4)]
     assert judged(ours.make, *both).invariance < 1e-10
     assert judged(doctored(lambda task, u: u + 0.01 * u**2), *both).invariance > 1e-3
-
-
-@pytest.mark.parametrize("case", ["rotated", "corner"])
-def test_the_foundation_lies_under_the_face_and_covers_it(case: str) -> None:
-    data = with_foundation(frozen(task(case), (0.55,)), 5)
-    for piece, slab in zip(data["contact"], data["foundation"], strict=True):
-        face, points = data["vertices"][np.unique(piece["facets"])], slab["vertices"]
-        assert ((points - face[0]) @ piece["normal"]).min() == pytest.approx(0, abs=1e-12)
-        corners = points[slab["cells"]]
-        assert (np.linalg.det(corners[:, 1:] - corners[:, :1]) > 0).all()
-        assert np.ptp(points[np.unique(slab["facets"])], axis=0).max() > np.ptp(face, axis=0).max()
 
 
 @pytest.mark.parametrize("scale", [1.0, 10.0])

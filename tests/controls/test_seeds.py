@@ -16,7 +16,7 @@ from scipy import stats
 from study.cli import seeds
 from study.cli.main import main
 from study.controls.rules import rules
-from study.controls.seeded import LEFT_OUT, seeded
+from study.controls.seeded import seeded
 from study.fem.mesh import Shaken
 from study.fem.naming import family_named, resolve
 from study.ledger.datafiles import DataError
@@ -26,15 +26,8 @@ from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 from study.ledger.window import at_most
 from study.run.executor import Pool, Processes, execute
 from study.run.judgement import collect
-from study.run.plan import Job, Plan, full
+from study.run.plan import Plan
 from study.run.store import Store
-from study.statements.contact_work import WorkOfContact
-from study.statements.fully_discrete import FullyDiscrete
-from study.statements.half_derivative import NodalErrors
-from study.statements.landings import Landings
-from study.statements.rollers import Rollers
-from study.statements.shared.base import Statement
-from study.statements.thm_4_2_own_space import OwnSpace
 from study.statements.uniqueness import OneTrajectory
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -126,20 +119,6 @@ def test_a_seed_in_its_name_gives_other_shaken_meshes() -> None:
     assert not np.array_equal(three, own)
     with pytest.raises(UsageError, match="unknown mesh family 'shaken-x'"):
         family_named("shaken-x")
-
-
-def test_every_case_and_statement_that_the_ledger_judges_on_shaken_meshes_is_among_them() -> None:
-    def kinds(jobs: Iterable[Job]) -> set[tuple[Statement, str]]:
-        """Statements, and the cases of those that are about cases: on other meshes the others take fewer."""
-        of_cases = lambda statement: statement.of_every_case or isinstance(statement, OwnSpace)  # noqa: E731
-        return {(job.statement, job.setting.case if of_cases(job.statement) else "") for job in jobs}
-
-    everywhere = (job for job in Plan.of(full()).jobs if not isinstance(job.statement, LEFT_OUT))
-    shaken = [job for job in everywhere if job.setting.family == "shaken"]
-    assert not any(isinstance(job.statement, LEFT_OUT) for job in plan_of_three().jobs)
-    # Nothing is claimed of these on shaken meshes.
-    missing = {type(statement) for statement, _ in kinds(shaken) - kinds(plan_of_three().jobs)}
-    assert missing == {FullyDiscrete, Landings, NodalErrors, Rollers, WorkOfContact}
 
 
 def few(seed: int) -> Plan:

@@ -9,7 +9,6 @@ from skfem import Basis, BilinearForm, ElementTetP1, ElementTriP1, ElementVector
 from skfem.helpers import ddot, sym_grad, trace
 
 from manufactured import Body, BodyError, Kind, Part, box, isotropic, named, polygon, unit_square
-from manufactured.exact.domain import require_inside
 from manufactured.tensors import Array
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm, load_from_forces
@@ -24,10 +23,9 @@ from study.fem.mesh import (
     boundary_parts,
     cell_volumes,
 )
-from study.fem.quadrature import Line, cell_rules, facet_rule, placed, simplex_rule
+from study.fem.quadrature import Line, cell_rules, facet_rule, simplex_rule
 from study.fem.space import Space
 from study.statements.shared.meshes import body_of, first_with_each, fits, spacing
-from study.statements.shared.scope import serving
 
 CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
 SKEW = np.array([[1.2, 0.3, 0.1], [0.0, 0.9, 0.2], [-0.2, 0.0, 1.1]])
@@ -96,11 +94,6 @@ def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed(
     sample = body.sample(rng, 6000)
     assert body.contains(sample).all()
     assert np.allclose(sample.mean(axis=1), [5 / 6, 5 / 6, 1 / 2], atol=0.03)
-    triangle = face(LOADED, (1, 0, 0), (0, 2, 0), (0, 0, 3))
-    points = triangle.sample(rng, 6000)
-    assert triangle.contains(points, 1e-12).all()
-    assert np.allclose(points.mean(axis=1), [1 / 3, 2 / 3, 1], atol=0.05)
-    assert np.allclose(points[0] + points[1] / 2 + points[2] / 3, 1)
 
 
 @pytest.mark.parametrize(
@@ -341,7 +334,7 @@ def smallest_angle(corners: Array) -> float:
 
 
 @pytest.mark.parametrize(("body", "n"), [(unit_square(), 24), (box(), 9)], ids=["square", "cube"])
-def test_vertices_are_moved_evenly_up_to_the_amplitude_and_on_the_boundary_along_it(body: Body, n: int) -> None:
+def test_vertices_are_moved_evenly_up_to_the_amplitude_and_stay_on_the_boundary(body: Body, n: int) -> None:
     """Uniform on ± a in each direction: the largest is close to a, the mean square a²/3, directions are independent."""
     dim = body.dim
     plain, shaken = OneDiagonal()(body, n).p, Shaken()(body, n).p
@@ -351,12 +344,7 @@ def test_vertices_are_moved_evenly_up_to_the_amplitude_and_on_the_boundary_along
     assert (abs(moved).max(axis=1) > 0.98).all()
     assert np.mean(moved**2, axis=1) == pytest.approx(1 / 3, abs=6 / np.sqrt(moved.size))
     assert abs(np.corrcoef(moved) - np.eye(dim)).max() < 6 / np.sqrt(moved.shape[1])
-    assert (abs(moved).max(axis=0) > 1e-3).all()
-    for axis, side in product(range(dim), (0, 1)):
-        on = plain[axis] == side
-        assert abs(shaken[axis, on] - side).max() <= 1e-15
-        others = np.delete((shaken - plain)[:, on], axis, axis=0) * n
-        assert np.sqrt(np.mean(others**2)) > 0.3 * Shaken().amplitude
+    assert (np.sort(shaken[plain == 0]), np.sort(shaken[plain == 1])) == (pytest.approx(0), pytest.approx(1))
 
 
 SHAPES = (*(case.name for case in first_with_each(body_of)), "layered")
@@ -377,15 +365,3 @@ def test_no_cell_is_close_to_degenerate(name: str) -> None:
                 assert volumes.min() > 0.2 * volumes.mean(), (family.name, n)
             else:
                 assert smallest_angle(mesh.p[:, mesh.t]) > family.least_angle, (family.name, n)
-
-
-@pytest.mark.parametrize("name", ["rotated", "hexagon", "re-entrant", "layered", "cube-two-faces"])
-def test_vertices_and_points_of_quadrature_lie_in_the_body_whatever_rounding_does(name: str) -> None:
-    case = named(name)
-    body = case.solution.body
-    barycentric, _ = simplex_rule(body.dim, 4)
-    for family in serving(case):
-        mesh = family(body, 7)
-        require_inside(body, mesh.p)
-        require_inside(body, placed(mesh.p, mesh.t, barycentric))
-        require_inside(body, np.mean(mesh.p[:, mesh.facets], axis=1))

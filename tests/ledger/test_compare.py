@@ -145,10 +145,6 @@ def test_changed_verdicts_come_first_in_words_and_in_json(old: Path, new: Path, 
     assert (said["differs"], said["tolerance"]) == (True, {"relative": 1e-12, "absolute": 0.0})
     assert [(cell["old"], cell["new"]) for cell in said["verdicts"]] == [("holds", "fails")]
     assert [cell["relative"] for cell in said["differences"] if cell["file"] == "rates.csv"] == [None]
-    change(new, "claims.csv", lambda table: table.assign(verdict="undecided"))
-    comparison = compared(old, new)
-    assert as_text(comparison).count("→ undecided") == 20 + 3
-    assert f"and {told(comparison, 'claims.csv')['verdict'] - 20} more" in as_text(comparison)
 
 
 @pytest.mark.parametrize(
@@ -217,16 +213,11 @@ def test_a_damaged_file_is_refused_by_name_with_how_to_mend_it(old, new, name, c
         compare(new, new, Tolerance())
 
 
-def test_exit_codes_tell_equal_from_different_from_unusable_and_nothing_is_written(old, new, capsys) -> None:
+def test_exit_codes_tell_equal_from_different_and_nothing_is_written(old, new) -> None:
     before = {path for path in old.parent.rglob("*") if path.name != ".lock"}
     both = ["compare", str(old), str(new)]
     assert main(both) == 0
     upper = float(pd.read_csv(new / "data" / "bounds.csv")["upper"][0])
     write(new, "bounds.csv", "upper", 0, str(upper * (1 + 3e-6)))
     assert [main(both), main([*both, "--tolerance", "1e-5"]), main([*both, "--absolute", "1"])] == [1, 0, 0]
-    capsys.readouterr()
-    for missing in (new / "data", old / "none"):
-        assert main(["compare", str(old), str(missing)]) == 2
-        out, err = capsys.readouterr()
-        assert (out, f"study: {missing} has no data/*.csv, expected the directory " in err) == ("", True)
     assert {path for path in old.parent.rglob("*") if path.name != ".lock"} == before

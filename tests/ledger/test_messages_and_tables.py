@@ -133,9 +133,11 @@ def test_a_number_rounded_down_is_not_larger_and_one_rounded_up_not_smaller(valu
     assert above - below <= Fraction(10) ** (1 - digits) * max(abs(below), abs(above))
 
 
-def test_an_interval_grows() -> None:
+def test_an_interval_grows_and_has_no_crossed_ends() -> None:
     assert interval(0.857705, 1.02904, 4) == "[0.8577, 1.03]"
     assert interval(-0.12345, 0.25, 3) == "[-0.124, 0.25]"
+    with pytest.raises(ValueError, match=r"from 0\.3252 to 0\.3071 has crossed ends"):
+        interval(0.3252, 0.3071, 4)
 
 
 @given(value=st.floats(1e-30, 1e30))

@@ -29,14 +29,6 @@ def test_a_turned_body_has_the_errors_of_the_unturned_one(name: str, rounding: f
         assert same[quantity] == pytest.approx(one[quantity], rel=rounding), quantity
 
 
-def test_an_interface_that_leaves_a_body_with_a_re_entrant_corner_is_refused() -> None:
-    corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
-    kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
-    with pytest.raises(BodyError, match="leaves the body"):
-        polygon(corners, kinds, interfaces=[((2, 0.9), (0.9, 2))])
-    assert polygon(corners, kinds, interfaces=[((1, 1), (0, 0))]).measure == pytest.approx(3)
-
-
 def square(**options: Any) -> Body:
     return polygon([(0, 0), (1, 0), (1, 1), (0, 1)], SIDES, **options)
 

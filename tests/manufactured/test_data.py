@@ -30,7 +30,6 @@ from manufactured.catalogue import NAMES
 from manufactured.data import Data, LoadError
 from manufactured.file_names import file_name_fault
 from manufactured.problems import problems
-from manufactured.tensors import traction
 from study.bound.bounded import check_bound
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
@@ -48,21 +47,14 @@ def data(f0=(0, 0), **others) -> Data:
     return Data.formulas(SQUARE, LAW, f0=f0, **others)
 
 
-def test_data_of_an_exact_solution_are_its_fields_and_those_of_formulas_their_values() -> None:
-    solution, rng = named("full-contact").solution, np.random.default_rng(1)
-    right, x = solution.body.parts[RIGHT], rng.random((2, 30))
-    fields, on_side, y = solution.at(x), solution.body.parts[RIGHT].sample(rng, 10), rng.random(10)
-    found = Data.of(solution)
+def test_data_of_formulas_are_their_values() -> None:
+    rng = np.random.default_rng(1)
+    x, y = rng.random((2, 30)), rng.random(10)
     made = data((x1 * t, x2), f2={RIGHT: (x2 * t, x1)}, u0=(0, x1 * (1 - x2**2)))
     sides = np.array([np.ones(10), y])
     for time in (0.4, 1.0):
-        assert np.array_equal(found.body_force(x)(time), fields.body_force(time))
-        traction_there = traction(solution.at(on_side).stress(time), right.normal)
-        assert found.surface_load(right, on_side)(time) == pytest.approx(traction_there)
         assert made.body_force(x)(time) == pytest.approx(np.array([x[0] * time, x[1]]))
         assert made.surface_load(SQUARE.parts[RIGHT], sides)(time) == pytest.approx(np.array([y * time, sides[0]]))
-    assert np.array_equal(found.start(x), fields.displacement(0.0))
-    assert np.array_equal(found.initial(x), fields.strain(0.0))
     assert made.start(x) == pytest.approx(np.array([0 * x[0], x[0] * (1 - x[1] ** 2)]))
     shear = (1 - x[1] ** 2) / np.sqrt(2)
     assert made.initial(x) == pytest.approx(np.array([0 * shear, -2 * x[0] * x[1], shear]))

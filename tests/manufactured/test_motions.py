@@ -67,10 +67,8 @@ FRONT = sp.Rational(1, 2) + t * (1 - t) / 3 - s**2
         (1 + t) * pos(FRONT, 4) / (2 - FRONT) ** 2 + t * pos(-FRONT, 3),
         pos(FRONT - sp.Rational(1, 8), 5) * sp.exp(-FRONT) + pos(1 - pos(FRONT, 2), 3) * s,
         pos(sp.sin(3 * s) - t, 4) * (sp.sin(3 * s) - t),
-        pos(2 * s - t, 3) / (1 + (2 * s - t) ** 2) ** sp.Rational(9, 8),
-        sp.atan(3 * s) * 2 ** (s * t) + sp.sqrt(2) * sp.tan(s) - sp.tanh(s + t) ** 3,
     ],
-    ids=["and its negative", "inside a front", "of one term", "linear", "without a front"],
+    ids=["and its negative", "inside a front", "of one term"],
 )
 def test_derivatives_of_functions_of_a_front_are_those_of_the_formula_in_place_and_time(formula: sp.Expr) -> None:
     places, time = np.linspace(0, 1, 41), 0.37

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks import curved, fine_levels, growth, report
+from benchmarks import fine_levels, growth, report
 
 
 def test_tables_name_the_machine_but_no_host_and_no_path(tmp_path: Path) -> None:
@@ -28,21 +28,6 @@ def test_a_level_of_the_growth_table_is_measured(solver: str) -> None:
     assert all(value > 0 for name, value in row.items() if name != "solver")
     dofs = np.array([1e3, 4e3, 16e3])
     assert growth.exponent(dofs, 3e-5 * dofs**1.17) == pytest.approx(1.17)
-
-
-@pytest.mark.slow
-def test_on_a_curved_face_exact_normals_give_the_smaller_distance_to_the_interpolant() -> None:
-    coarse, fine = curved.errors(8, 0), curved.errors(16, 0)
-    assert all(1.5 < before["error"] / after["error"] < 2.5 for before, after in zip(coarse, fine, strict=True))
-    exact, averaged = fine
-    assert exact["distance"] == 0 < averaged["distance"] < averaged["error"]
-
-
-@pytest.mark.slow
-def test_numbers_on_finer_meshes_are_measured_again_on_the_coarsest() -> None:
-    committed = pd.read_csv(fine_levels.FILE).set_index("level").loc[16]
-    for name, value in {**fine_levels.natural_front(16), **fine_levels.rollers(16)}.items():
-        assert value == pytest.approx(committed[name], rel=1e-4), name
 
 
 def test_nodal_errors_near_the_front_are_those_of_a_program_with_another_quadrature() -> None:

@@ -87,13 +87,6 @@ def test_a_command_without_a_package_says_how_to_install_it(command, lacking, so
     assert capsys.readouterr().err == f"study: {LACKING.format(lacking, source)}\n"
 
 
-def test_study_orders_without_its_package_says_how_to_install_it(monkeypatch) -> None:
-    monkeypatch.setitem(sys.modules, "convergence_orders", None)
-    monkeypatch.delitem(sys.modules, "study.orders", raising=False)
-    with pytest.raises(ModuleNotFoundError, match=r"python -m pip install \./convergence_orders"):
-        importlib.import_module("study.orders")
-
-
 def test_everything_that_says_what_this_is_says_the_same() -> None:
     cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     deposited = json.loads((ROOT / ".zenodo.json").read_text(encoding="utf-8"))

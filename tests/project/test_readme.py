@@ -10,11 +10,10 @@ from changed import overridden
 from pages import README, ROOT, SITE, Page
 
 from manufactured.colours import VERMILLION
-from study.ledger.datafiles import DataError, read_csv
+from study.ledger.datafiles import DataError
 from study.present.full_run import FullRun
 from study.present.pages import badges, main, misprints, refresh, verdicts_in_words
 from study.statements.prop_5_3 import LIMIT
-from study.statements.prop_5_4 import NOT_AT_START
 
 
 def page(name: str) -> Page:
@@ -73,16 +72,6 @@ def test_the_badges_say_what_is_so_and_are_red_where_a_row_fails_and_a_defect_go
     assert " 1 fail</title>" in found["ledger.svg"]
     assert ": 0 of " in found["defects.svg"]
     assert all(f'fill="{VERMILLION}"' in found[f"{name}.svg"] for name in ("ledger", "defects"))
-
-
-def test_the_cases_it_names_for_an_error_largest_at_the_start_are_those_of_the_data() -> None:
-    rates = read_csv(ROOT / "results", "rates.csv", ["claim", "case", "error", "initial_error"])
-    rates = rates[rates["claim"] == "Prop. 5.4"]
-    found = set(rates.loc[rates["initial_error"] >= NOT_AT_START * rates["error"], "case"])
-    (named,) = re.findall(
-        r"In three cases, \*(\S+)\*, \*(\S+)\* and \*(\S+)\*, the error is largest at \$t = 0\$", VERDICTS
-    )
-    assert found == set(named)
 
 
 def test_windows_it_names_in_its_text_are_those_of_the_program() -> None:

@@ -22,6 +22,7 @@ from study.run.provenance import Complete
 from study.solve import solver_choice
 from study.solve.tableau import MIDPOINT
 from study.statements import STATEMENTS
+from study.statements.contact_force import ContactForce
 from study.statements.enclosure import BOUNDED, KEY, PARTS, Bounds
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4 import FirstOrder, RateSetting
@@ -155,6 +156,15 @@ def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_one
     again = statement.run(setting)
     for column, relative in {**dict.fromkeys(OF_SECOND, 1e-6), "displacement": 1e-2, "multipliers": 1e-2}.items():
         assert again[column] == pytest.approx(row[column], rel=relative), column
+
+
+def test_contact_forces_measured_again_agree_with_the_committed_ones() -> None:
+    """On a body with two contact faces."""
+    committed = pd.read_csv(RESULTS / "data" / "contact.csv").query("case == 'corner'")
+    row = committed.sort_values("level").iloc[0]
+    assert len(resolve(row["case"]).solution.faces) == 2
+    again = ContactForce().run(Setting(row["case"], row["family"], int(row["level"])))
+    assert again == pytest.approx(row[[*again]].to_dict(), rel=1e-5, abs=1e-9)
 
 
 def test_every_column_of_the_committed_tables_has_a_unit_and_a_meaning() -> None:

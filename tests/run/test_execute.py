@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import pickle
-import random
 import re
 import signal
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, replace
-from multiprocessing.process import BaseProcess
 from pathlib import Path
 from threading import Thread, Timer
 from typing import Any
@@ -24,8 +20,6 @@ import psutil
 import pytest
 from distributed import LocalCluster
 
-from study.bound.trajectory import Refined
-from study.cli import common
 from study.cli.main import main
 from study.ledger.files import UsageError
 from study.run.executor import (
@@ -44,12 +38,10 @@ from study.run.fingerprint import versions
 from study.run.judgement import collect
 from study.run.plan import Job, Plan, quick
 from study.run.store import Store
-from study.statements.enclosure import BoundSetting, EnclosedError
 from study.statements.prop_5_4 import FirstOrder, RateSetting
 from study.statements.shared.base import Setting
 from study.statements.shared.scope import Levels, Scope
 from study.statements.thm_4_2 import SameMesh
-from study.statements.thm_4_2_own_space import OwnSpace
 
 
 def ignore(cost: float) -> None: ...
@@ -234,19 +226,12 @@ for job in pickle.load(sys.stdin.buffer):
     print(open('/proc/self/status').read())
 """
 """Prints the largest resident size of its process after each of some jobs."""
-EVERY = [
-    Job(FirstOrder(), RateSetting("cube-disc", "shaken", 9, "midpoint", 2)),
-    Job(FirstOrder(), RateSetting("cube-disc", "one-diagonal", 18, "midpoint", 2)),
-    Job(SameMesh(), Setting("cube-disc", "one-diagonal", 6)),
-    Job(OwnSpace(), Setting("full-contact", "shaken", 16)),
-    Job(EnclosedError(), BoundSetting("full-contact", "shaken", 8, "midpoint", Refined(1, 1))),
-]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is no /proc")
 @pytest.mark.parametrize(
     "job",
-    [full_contact(48), *(pytest.param(job, marks=pytest.mark.slow) for job in EVERY)],
+    [full_contact(48), pytest.param(Job(SameMesh(), Setting("cube-disc", "one-diagonal", 6)), marks=pytest.mark.slow)],
     ids=lambda job: job.key,
 )
 def test_no_job_takes_more_memory_than_estimated_nor_much_less(job: Job) -> None:
@@ -264,10 +249,8 @@ def test_no_job_takes_more_memory_than_estimated_nor_much_less(job: Job) -> None
     [
         ("0::/job", "", {"job/memory.max": "max", "job/memory.current": "5", "memory.max": "1000"}
          | {"memory.current": "700", "memory.stat": "anon 600\ninactive_file 50"}, 350),
-        ("4:memory:/job\n1:cpu:/", "memory/job/memory.", {"limit_in_bytes": "2000", "usage_in_bytes": "500"}
-         | {"stat": "total_inactive_file 100"}, 1600),
     ],
-    ids=["version 2", "version 1"],
+    ids=["version 2"],
 )  # fmt: skip
 def test_memory_is_what_the_tightest_control_group_allows(tmp_path, line, prefix, files, expected: int) -> None:
     """Below another root lie the files of a Linux system that are read."""
@@ -417,23 +400,6 @@ def test_workers_with_several_threads_are_refused() -> None:
 
 
 @pytest.mark.slow
-def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(cluster, tmp_path, monkeypatch) -> None:
-    (tmp_path / "mine.py").write_text(MINE)
-    monkeypatch.chdir(tmp_path)
-    # Figures are drawn here from the data in any case.
-    monkeypatch.setattr("study.cli.common.draw_figures", lambda *arguments, **options: [])
-    run = ["run", "--case", "mine.py:mine", "--levels", "2", "4", "--jobs", "2"]
-    codes = {main([*run, "--out", "processes"]), main([*run, "--out", "cluster", "--cluster", cluster])}
-    assert len(codes) == 1
-    by_processes, by_cluster = (
-        {str(path.relative_to(out)): path.read_bytes() for path in out.rglob("*") if path.is_file()}
-        for out in (tmp_path / "processes", tmp_path / "cluster")
-    )
-    assert "data/jobs/rates__mine__criss-cross__midpoint__00004.json" in by_processes
-    assert by_cluster == by_processes
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "value", "told"),
     [("versions", {**versions(), "numpy": "another"}, r"numpy [\d.]+"), ("code_hash", "another", r"code \w+")],
@@ -456,86 +422,3 @@ def test_a_case_is_known_by_what_its_file_says_now_and_a_function_only_to_its_pr
         after = identity([f"{file}:mine"])
         assert {key for key in before if before[key] != after[key]} == {f"{file}:mine"}
         assert (identity([f"{file}:mine"]) == after) == known
-
-
-RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "3", "--jobs", "2", "--out"]
-
-
-def started(out: Path) -> BaseProcess:
-    """The command in a process group of its own, forked so that nothing is imported again."""
-    process = multiprocessing.get_context("fork").Process(target=command, args=(out,))
-    process.start()
-    return process
-
-
-def command(out: Path) -> None:
-    """``study run`` without figures and without the proofs of the cases, which write no results and take long."""
-    os.setsid()
-    with open(os.devnull, "w") as nowhere:
-        for stream in (1, 2):
-            os.dup2(nowhere.fileno(), stream)
-    common.draw_figures = lambda *arguments, **options: []  # type: ignore[assignment]
-    Plan.check = lambda *arguments: None  # type: ignore[method-assign, assignment]
-    os._exit(main([*RUN, str(out)]))
-
-
-def written(out: Path) -> dict[str, bytes]:
-    """The data of a command that came to verdicts: levels as coarse as these do not carry every one of them."""
-    assert (out / "data" / "claims.csv").exists()
-    return {str(path.relative_to(out)): path.read_bytes() for path in out.glob("data/**/*") if path.is_file()}
-
-
-@pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """The files that an undisturbed run writes."""
-    out: Path = tmp_path_factory.mktemp("undisturbed")
-    run = started(out)
-    run.join()
-    assert run.exitcode in (0, 1)
-    return written(out)
-
-
-def gone(process: psutil.Process) -> bool:
-    return not process.is_running() or process.status() == psutil.STATUS_ZOMBIE
-
-
-def results(out: Path) -> dict[Path, int]:
-    """The files of finished jobs and when they were written."""
-    return {path: path.stat().st_mtime_ns for path in out.glob("data/jobs/*.json")}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3), ids="seed {}".format)
-def test_a_killed_worker_and_a_killed_run_change_no_byte_of_what_the_command_writes_in_the_end(
-    seed: int, undisturbed: dict[str, bytes], tmp_path: Path
-) -> None:
-    """Nothing of the run may live on when it is killed, and what was finished is not done again."""
-    total, moment = sum("jobs" in name for name in undisturbed), random.Random(seed)
-    kept: dict[Path, int] = {}
-    for victim in ("worker", "run", "run"):
-        run = started(tmp_path)
-        # At least one job more than there are: nothing works before that but imports.
-        jobs = len(kept) + 1 + moment.randrange(total // 5)
-        while len(results(tmp_path)) < jobs and run.exitcode is None:
-            time.sleep(0.005)
-        time.sleep(moment.uniform(0, 0.05))
-        leader = psutil.Process(run.pid)
-        workers = [worker for worker in leader.children(recursive=True) if not gone(worker)]
-        assert workers, "the run was over before its moment came"
-        if victim == "worker":
-            workers[0].send_signal(signal.SIGKILL)
-            while len(results(tmp_path)) <= jobs and run.exitcode is None:
-                time.sleep(0.005)
-        leader.send_signal(signal.SIGKILL)
-        run.join()
-        deadline = time.monotonic() + 20
-        while not all(map(gone, workers)):
-            assert time.monotonic() < deadline, [worker for worker in workers if not gone(worker)]
-            time.sleep(0.05)
-        assert kept.items() <= results(tmp_path).items()
-        kept = results(tmp_path)
-    last = started(tmp_path)
-    last.join()
-    assert last.exitcode in (0, 1)
-    assert written(tmp_path) == undisturbed
-    assert kept.items() <= results(tmp_path).items()

@@ -9,16 +9,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from manufactured import Kind, box
-from manufactured.body import Body, Part
 from manufactured.catalogue import NAMES
-from study.fem.mesh import MeshError, Skin, boundary_parts
+from study.fem.mesh import Skin
 from study.fem.naming import resolve
 from study.ledger.pictures import FINE, STEPS
 from study.present.picture import Picture
 from study.solve.motion import Motion
 from study.statements import pictures
-from study.statements.pictures import mesh_for, record
+from study.statements.pictures import record
 
 Array = NDArray[np.float64]
 SOLIDS = [
@@ -76,25 +74,3 @@ def test_displacement_gap_and_pressure_are_those_of_the_motion_at_the_vertices(c
         moved = space.nodal(frame.u)[:, Skin.of(space.mesh).vertices]
         # Three digits of the largest displacement at any time: a tenth of a pixel.
         np.testing.assert_allclose(picture.displacement[instant], moved, atol=0.51 * largest / STEPS)
-
-
-def cut(share: float) -> Body:
-    """The unit cube with Γ1 on a share of its top only."""
-    others = [part for part in box().parts if part.kind is not Kind.CLAMPED]
-    clamped = np.array([(0, 0, 1), (share, 0, 1), (share, 1, 1), (0, 1, 1)])
-    loaded = np.array([(share, 0, 1), (1, 0, 1), (1, 1, 1), (share, 1, 1)])
-    return Body((*others, Part(Kind.CLAMPED, clamped.T), Part(Kind.LOADED, loaded.T)))
-
-
-@pytest.mark.parametrize(("share", "level"), [(1 / 3, 9), (1 / 5, 10), (1 / 4, 12)])
-def test_the_mesh_of_a_picture_fits_the_parts_of_a_solid(share: float, level: int) -> None:
-    family, found = mesh_for(cut(share))
-    assert found == level
-    boundary_parts(family(cut(share), found), cut(share))
-
-
-def test_a_solid_that_no_moderate_mesh_fits_is_refused_by_its_first_mesh() -> None:
-    body = cut(1 / 23)
-    family, level = mesh_for(body)
-    with pytest.raises(MeshError, match="not a vertex of the mesh"):
-        boundary_parts(family(body, level), body)

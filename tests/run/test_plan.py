@@ -10,9 +10,10 @@ from functools import cache
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
-from manufactured import Case, catalogue, named
+from manufactured import Case, catalogue, named, unit_square
 from manufactured.catalogue import NAMES
 from manufactured.data import Data
 from study.cli.main import main
@@ -388,22 +389,39 @@ BOUND = {"levels": "2", "family": "one-diagonal", "scheme": "midpoint", "steps":
 OTHERS = {"levels": "3", "family": "criss-cross", "scheme": "bdf2", "steps": "5", "refine": "1", "shorter": "1"}
 
 
+@pytest.fixture
+def asked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+    """Returns the cache key that a command asks for first."""
+
+    def ask(store: Store, key: str, fingerprint: str, *others: object) -> None:
+        raise Asked(fingerprint)
+
+    def asked(problem: str, options: dict[str, str], *command: str) -> str:
+        words = [word for name, value in options.items() for word in (f"--{name}", value)]
+        with pytest.raises(Asked) as found:
+            main(["bound", problem, *words, *command, "--out", str(tmp_path)])
+        return str(found.value)
+
+    monkeypatch.setattr(Store, "cached", ask)
+    return asked
+
+
 @pytest.mark.parametrize(
     ("option", "command"),
     [*((option, ()) for option in BOUND), *((option, ("--adapt", "0.1")) for option in [*BOUND][:4])],
 )
-def test_each_option_of_study_bound_changes_the_key(
-    option: str, command: tuple[str, ...], tmp_path, monkeypatch
-) -> None:
-    def ask(store: Store, key: str, fingerprint: str, *others: object) -> None:
-        raise Asked(fingerprint)
+def test_each_option_of_study_bound_changes_the_key(option: str, command: tuple[str, ...], asked) -> None:
+    before = asked("ramp", BOUND, *command)
+    assert asked("ramp", BOUND, *command) == before != asked("ramp", BOUND | {option: OTHERS[option]}, *command)
 
-    def asked(options: dict[str, str]) -> str:
-        words = [word for name, value in options.items() for word in (f"--{name}", value)]
-        with pytest.raises(Asked) as found:
-            main(["bound", "ramp", *words, *command, "--out", str(tmp_path)])
-        return str(found.value)
 
-    monkeypatch.setattr(Store, "cached", ask)
-    assert asked(BOUND) == asked(BOUND)
-    assert asked(BOUND | {option: OTHERS[option]}) != asked(BOUND)
+def test_each_array_of_a_displacement_changes_its_key(tmp_path: Path, asked) -> None:
+    mesh = OneDiagonal()(unit_square(), 2)
+    arrays = {"points": mesh.p.T, "triangles": mesh.t.T, "times": np.array([0.0, 0.5, 1.0]), "u": np.zeros((3, 9, 2))}
+    inside = np.prod(mesh.p * (1 - mesh.p), axis=0)[:, None]
+    changes = {"points": mesh.p.T + inside, "times": np.array([0.0, 0.4, 1.0]), "u": arrays["u"] + inside}
+    keys = set()
+    for changed in ({}, *({name: value} for name, value in changes.items())):
+        np.savez(tmp_path / "mine.npz", **arrays | changed)
+        keys.add(asked("full-contact", {"displacement": str(tmp_path / "mine.npz"), "refine": "0"}))
+    assert len(keys) == 4

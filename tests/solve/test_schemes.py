@@ -243,12 +243,6 @@ def test_both_bounds_hold_for_steps_of_any_size_and_the_one_with_the_solution_is
         assert bound <= bounds.by_data(nodes) * (1 + 1e-9)
 
 
-def test_equal_steps_are_those_of_the_scheme() -> None:
-    problem, *_ = random_problem(5)
-    states = backward_euler(problem, np.linspace(0, 1, 17).tolist())
-    assert states == pytest.approx(path(problem, BACKWARD_EULER, 16), abs=1e-9)
-
-
 def euclidean(w):
     return w
 

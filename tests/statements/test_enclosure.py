@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pandas as pd
-import pytest
 from measured_rows import verdicts
 
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
@@ -39,17 +38,6 @@ def test_one_error_outside_on_one_mesh_fails() -> None:
         for end in ("above", "below"):
             found = verdicts(EnclosedError(), bounds("enclosure", **{end: [value, 0.9]}))
             assert [key for key, verdict in found.items() if verdict == FAILS] == [end]
-
-
-@pytest.mark.parametrize(("wide_at", "verdict"), [((), HOLDS), ((1,), FAILS), ((0,), HOLDS)])
-def test_ends_are_close_where_it_was_announced(wide_at: tuple[int, ...], verdict: str) -> None:
-    upper, lower = (
-        [wide if level in wide_at else near for level in (0, 1)] for wide, near in ((1.2, 1.01), (0.8, 0.99))
-    )
-    found = verdicts(
-        EnclosedError(), bounds("enclosure", (8, enclosure.CHECKED_LEVEL), enclosure.CHECKED, upper=upper, lower=lower)
-    )
-    assert (found["tight-above"], found["tight-below"]) == (verdict, verdict)
 
 
 def test_an_order_is_judged_where_nobody_knows_the_error() -> None:

@@ -9,7 +9,6 @@ import pytest
 from manufactured.multiscale import ROLLERS, rollers
 from study.fem.naming import resolve
 from study.ledger.files import UsageError
-from study.ledger.orders import orders
 from study.ledger.verdict import FAILS, HOLDS, REPORTED
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
@@ -65,16 +64,6 @@ def test_both_sides_of_the_bound_are_ordered_and_contact_costs_nothing_as_a_trac
     assert 0 < found["E_h"] <= found["error"] < found["right side"]
     assert found["M_h"] > found["J_h"] > 0
     assert replace(coarse, contact=coarse.linear).excess().max() == 0 < coarse.excess().max() - 0.01
-
-
-@pytest.mark.slow
-def test_orders_of_the_excess_tell_equal_neighbourhoods_from_alternating_ones() -> None:
-    """Each lies in its own window and outside the other."""
-    for family, mine, other in ((own.PLAIN[0], own.EQUAL, own.HALF), (own.ALTERNATING, own.HALF, own.EQUAL)):
-        excess = np.array([trajectories(family, n).excess().max() for n in (8, 16, 32)])
-        found = orders(1 / np.array([8, 16, 32]), excess).mean()
-        assert mine.contains(found)
-        assert not other.contains(found)
 
 
 def predicted(kind: str, family: str, n: int) -> float:

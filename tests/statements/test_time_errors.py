@@ -6,62 +6,15 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-import scipy.sparse as sps
-from hypothesis import given
-from hypothesis import strategies as st
 from measured_rows import measured, verdicts, wrong_values
-from random_examples import COSTLY
 
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED
-from study.solve.evolution import SemiDiscrete
-from study.solve.gradient_flow import GradientFlow
-from study.solve.paths import furthest, interpolated, last, oscillation, path
+from study.solve.paths import furthest, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
 from study.statements import landings
 from study.statements.backward_euler import BackwardEuler
 from study.statements.landings import Landings, solution_of_two_unknowns, two_unknowns
 from study.statements.shared.base import Setting, grid
-
-FINE = 1024
-
-
-def random_flow(seed: int, n: int = 4) -> SemiDiscrete:
-    """A gradient flow with n unknowns: any M > 0, G ≥ 0, cone, start in it, and a load that turns."""
-    rng = np.random.default_rng(seed)
-    roots = rng.standard_normal((2, n, n))
-    M, G = roots[0] @ roots[0].T + 0.1 * np.eye(n), 10 ** rng.uniform(-2, 1) * roots[1] @ roots[1].T
-    amplitude, phase, frequency = rng.standard_normal((2, n)) * 3, rng.uniform(0, 6, n), rng.uniform(0, 20, n)
-    u0 = np.where(rng.random(n) < 0.5, 0.0, rng.random(n))
-
-    def load(t: float) -> np.ndarray:
-        return amplitude[0] + amplitude[1] * np.sin(frequency * t + phase)
-
-    return SemiDiscrete(sps.csc_array(M), sps.csc_array(G), None, sps.csr_array(-np.eye(n)), load, u0, 1.0)
-
-
-def flow_of(problem: SemiDiscrete) -> GradientFlow:
-    return GradientFlow(problem, np.array([problem.load(t) for t in np.arange(FINE + 1) / FINE]))
-
-
-@COSTLY
-@given(seed=st.integers(0, 2**32))
-def test_all_bounds_hold_for_any_gradient_flow_and_the_one_with_the_solution_is_the_smaller(seed: int) -> None:
-    """At the nodes, between them, and for the piecewise constant function."""
-    problem = random_flow(seed)
-    flow, fine = flow_of(problem), path(problem, BACKWARD_EULER, FINE)
-    room = flow.a_priori(FINE)
-    for steps in (1, 2, 8, 32):
-        states = path(problem, BACKWARD_EULER, steps)
-        bound = flow.a_posteriori(states)
-        assert furthest(problem, fine, interpolated(states, FINE)) <= bound + room
-        assert bound <= flow.a_priori(steps) * (1 + 1e-9)
-        assert (
-            max(furthest(problem, fine, side) for side in last(states, FINE)) <= flow.piecewise_constant(steps) + room
-        )
-        left = furthest(problem, fine, interpolated(fine[:: FINE // steps], FINE))
-        jump = oscillation(problem, fine, steps)
-        assert left <= jump / steps / 4 * (1 + 1e-9)
-        assert jump <= 2 * flow.fastest * (1 + 1e-9)
 
 
 @pytest.fixture(scope="module")
