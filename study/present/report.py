@@ -32,7 +32,7 @@ from study.present.tables import BOUNDS, EQUIVALENCE, FAULTS, LEDGER, RATES, STR
 CHECKS = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
 HIGHEST_ORDER, STRIP = 1.5, 150
 """The largest order on the strip that shows the orders of a case, and the width of the strip in SVG units."""
-FRAME_STEP, FRAME_DPI, ZONE_DPI, QUALITY = 2, 120, 160, 40
+FRAME_STEP, FRAME_DPI, ZONE_DPI, QUALITY = 2, 110, 160, 35
 """Animations show every second time; dots per inch of their images and of contact zones; WebP quality, 0 to 100."""
 WEB = Output("web")
 

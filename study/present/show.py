@@ -167,8 +167,10 @@ def _film_axes(picture: Picture, dpi: int, upright: bool = False) -> tuple[Figur
     faces = len(picture.faces)
     aspect = min(BodyScale(picture).aspect, 1.2)
     if upright:
-        heights = 3.2 * aspect, (2.4 if picture.polygons else 1.1) * faces
-        figure = Figure(figsize=(column_width(), 1.6 + sum(heights)), dpi=dpi)
+        # In inches. In 3D there is one more colour bar, and the legend has a single column.
+        face, keys = (2.4, 2.6) if picture.polygons else (1.1, 1.6)
+        heights = 3.2 * aspect, face * faces
+        figure = Figure(figsize=(column_width(), keys + sum(heights)), dpi=dpi)
         grid = figure.add_gridspec(2, 1, height_ratios=heights)
     else:
         height = max(0.45 * page_width() * aspect, 1.2 * faces)
