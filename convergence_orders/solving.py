@@ -52,10 +52,10 @@ class ConvergenceTable:
         Raises:
             OrderError: no column is a mesh size or a time step.
         """
-        size = self._read().size_name if len(self) else None
+        size = self._read().size if len(self) else None
         if size is None:
             raise OrderError(f"no column is a mesh size; there are {', '.join(self.columns)}: add h=… to each row")
-        return check_orders(size, self.columns, expected, dim=self.dim, **options)
+        return check_orders(size.name, self.columns, expected, dim=self.dim, **options)
 
     def assert_order(self, at_least: Mapping[str, float] | None = None, tolerance: float = 0.15,
                      floor: float = 0.0, max_error: Mapping[str, float] | None = None,
@@ -81,7 +81,7 @@ class ConvergenceTable:
         columns = [
             [name, *(f"{value:.6g}" for value in values)]
             for name, values in self.columns.items()
-            if name not in table.error_names
+            if name not in {column.name for column in table.errors}
         ]
         h = table.size.numbers if table.size else np.full(len(self), math.nan)
         if table.size and table.size.role in ("count", "total"):

@@ -1,8 +1,7 @@
 """Cuts a text into tables: finds rows, columns and names in the forms in which people paste tables.
 
-These forms are understood: JSON; lists ``name = [1, 2, 3]`` and ``name: 1, 2, 3``; ``label 51: 0.1, 101: 0.02`` lines;
-columns separated by pipes, ``&``, tabs, semicolons, commas or blanks, with a header of one or two rows; the same with
-one line for each quantity; ``name = value`` lines. What a column means is decided in ``columns.py``.
+A text is JSON; or lists ``name = [1, 2, 3]`` and ``name: 1, 2, 3``; or lines whose cells are separated by pipes, ``&``,
+tabs, semicolons, commas or blanks; or lines ``name = value``. What a column means is decided in ``columns.py``.
 """
 
 import csv
@@ -10,15 +9,15 @@ import json
 import re
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
-from .cells import MISSING, NUMBER, SIZES, TEXT, kind_of, role, to_number
+from .cells import SIZES, kind_of, role, to_number
 from .orders import OrderError
 
 MAX_BYTES = 8_000_000
-MAX_ROWS = 100_000
-MAX_CELL = 2_000
+MAX_LINES, MAX_CELL = 100_000, 2_000
 EXAMPLE = "expected a header such as 'h,error' and one line for each mesh, for example '0.5,0.1', '0.25,0.025'"
 
 
@@ -55,35 +54,35 @@ def read_tables(data: bytes | str) -> list[Table]:
     text = decode(data) if isinstance(data, bytes) else data
     if not text.strip():
         raise OrderError(f"it is empty; {EXAMPLE}")
-    for cut in (_json, _lists, _separated, _records):
-        if tables := cut(text):
+    if tables := _json(text):
+        return tables
+    lines = _lines(text)
+    for cut in (_lists, _grids, _records):
+        if tables := cut(lines):
             return [replace(table, names=[_norms(name) for name in table.names]) for table in tables]
-    first = next((line.strip() for line in text.splitlines() if re.search(r"\d", line)), "")
+    first = next((line.text.strip() for line in lines if re.search(r"\d", line.text)), "")
     said = f"the first line with a number is '{shorten(first)}'" if first else "no line with numbers"
     raise OrderError(f"no table was recognised, {said}; {EXAMPLE}")
 
 
 def decode(data: bytes) -> str:
-    """Return the text in bytes that are encoded in UTF-8, UTF-16 or Windows-1252.
+    """Return the text in bytes that are encoded in UTF-8, UTF-16 with its mark, or Windows-1252.
 
     Raises:
         OrderError: there are more than 8 MB, or the bytes are not text.
     """
     if len(data) > MAX_BYTES:
         raise OrderError(f"it has more than 8 MB; {EXAMPLE}")
-    zeros = data[::2].count(0) - data[1::2].count(0)
-    wide = len(data) > 3 and abs(zeros) > 0.4 * len(data)
-    encodings = ["utf-16-be" if zeros > 0 else "utf-16-le"] if wide else ["utf-8-sig", "cp1252"]
-    for encoding in ["utf-16"] if data[:2] in (b"\xff\xfe", b"\xfe\xff") else encodings:
+    wide = data[:2] in (b"\xff\xfe", b"\xfe\xff")
+    for encoding in ["utf-16"] if wide else ["utf-8-sig", "cp1252"]:
         try:
             text = data.decode(encoding)
         except UnicodeDecodeError:
             continue
-        control = re.search(r"[\0-\x08\x0e-\x1a\x1c-\x1f]", text)
-        if control is None:
-            return text
-        line = text.count("\n", 0, control.start()) + 1
-        raise OrderError(f"line {line} contains {control[0]!r}: a binary file? Save the table as text in UTF-8")
+        if control := re.search(r"[\0-\x08\x0e-\x1a\x1c-\x1f]", text):
+            line = text.count("\n", 0, control.start()) + 1
+            raise OrderError(f"line {line} contains {control[0]!r}: a binary file? Save the table as text in UTF-8")
+        return text
     raise OrderError("it is not text but binary: save the table as text in UTF-8")
 
 
@@ -97,207 +96,214 @@ def shorten(text: str, width: int = 60) -> str:
     return text if len(text) <= width else text[: width - 1] + "…"
 
 
-# Rows of cells.
+# Lines without the signs of LaTeX, Markdown and programs.
 
 _RULED = r"(?:\\(?:[a-z]*(?:rule|line)|rowcolor|addlinespace)(?:\{[^{}\n]*\}|\[[^]\n]*\]|\([^)\n]*\))*[ \t]*)"
+_ROW_END = r"(?:\\\\(?:\[[^]\n]*\])?|\\tabularnewline|[ \t]\\)[ \t]*"
 _BRACED = r"\{((?:[^{}\n]|\{(?:[^{}\n]|\{[^{}\n]*\})*\}){0,200})\}"
-_SPANNED = r"\\multicolumn\{%s\}\{(?:[^{}\n]|\{[^{}\n]*\}){0,80}\}" + _BRACED
-GAP, SKIPPED = "\x1e", "\x1d"
-"""Signs behind a line with a rule below it, and in place of a line that belongs to the layout."""
-_CLEANED: list[tuple[str, Any]] = [
+_SPANNED = re.compile(r"\\multicolumn\{([1-8])\}\{(?:[^{}\n]|\{[^{}\n]*\}){0,80}\}" + _BRACED)
+_VARIABLES = re.compile(r'(?m)^\s*VARIABLES\s*=\s*"(.*)"')
+_COMPUTED = re.compile(r"(\S+) \((?:computed|numerical)\),? +(\S+) \((?:analytical|exact|reference)\)")
+GAP = "\x1e"
+"""Sign behind a line with a rule below it."""
+_CLEANED: list[tuple[str, str]] = [
     (r"\x1b\[[0-9;]*[A-Za-z]|[\u200b\ufeff]", ""),
     (r"\r\n|\r", "\n"),
     (r"[│┃║┆]", "|"),
     (r"\b(?:(?:np\.|numpy\.)?float\d*|tensor|array)\(([^()\[\]]*)\)", r"\1"),
     (r"(?m)^\s*\[\d+,\]", "      "),
-    (r'(?m)^\s*VARIABLES\s*=\s*"(.*)"', lambda line: re.sub(r'"[, ]+"', "\t", line[1])),
-    (r'(?m)^\s*ZONE\s+T\s*=\s*"([^"]*)"', r"\1"),
-    (r"&[ \t]*\n(.*)\n", r"& \1\n" + SKIPPED + "\n"),
-    (r"(?m)^[ \t]*(?:\\(?:begin|end|label|centering|small|tabcolsep)|```|@f|\.\. code).*$", SKIPPED),
+    (r"(?m)^(?:[ \t]*[>*](?:[ \t]|$))+", ""),
+    (r'(?m)^\s*ZONE\s+T\s*=\s*"([^"\n]*)"', r"\1"),
+    (r"&[ \t]*\n(.*)\n", r"& \1\n\n"),
+    (r"(?m)^[ \t]*(?:\\(?:begin|end|label|centering|small|tabcolsep)|```|@f|\.\. code).*$", ""),
     (r"(?m)^[ \t]*\\caption\{(.*)\}", r"\1"),
-    (rf"(?m)(?:\\\\(?:\[[^]\n]*\])?|\\tabularnewline|[ \t]\\)[ \t]*{_RULED}+$", GAP),
-    (r"(?m)(?:\\\\(?:\[[^]\n]*\])?|\\tabularnewline|[ \t]\\)[ \t]*$", ""),
+    (rf"(?m){_ROW_END}{_RULED}+$", GAP),
+    (rf"(?m){_ROW_END}$", ""),
     (rf"(?m)^(?:[\s|+:=_#*~.─━═┼╪┌┐└┘├┤┬┴╞╡╤╧╭╮╯╰╌╍-]|{_RULED})*$", ""),
     (rf"(?m)^[ \t]*{_RULED}+", ""),
     (rf"\\multirow(?:\[\w+\])?\{{[^{{}}\n]*\}}\{{[^{{}}\n]*\}}{_BRACED}", r"\1"),
-    *[(_SPANNED % count, r"\1" + " &" * (count - 1)) for count in range(1, 9)],
     (r"\\\|", "‖"),
     (r"\|\|(?=[^|\n]*[^|\n\d.\s][^|\n]*\|\|)([^|\n]+)\|\|", r"¦¦\1¦¦"),
 ]
 """Patterns and the texts that replace them, one after the other; none of them changes the number of lines."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of a text: its number, its text without the sign of a comment, and what stands around it.
+
+    Attributes:
+        gap: whether a blank line or a rule is above it.
+        comment: whether the line is a comment.
+    """
+
+    number: int
+    text: str
+    gap: bool
+    comment: bool
+
+
+def _lines(text: str) -> list[Line]:
+    """Return the lines that may belong to a table.
+
+    Raises:
+        OrderError: the text has too many lines, or a cell is too long.
+    """
+    if text.count("\n") > MAX_LINES:
+        raise OrderError(f"it has more than {MAX_LINES} lines: a table of errors has one line for each mesh; {EXAMPLE}")
+    if long := re.search(rf"(?<![^\s,;|&])[^\s,;|&]{{{MAX_CELL},}}", text):
+        raise OrderError(f"it has a cell of {len(long[0])} characters; {EXAMPLE}")
+    for pattern, replacement in _CLEANED:
+        text = re.sub(pattern, replacement, text)
+    text = _SPANNED.sub(lambda found: found[2] + " &" * (int(found[1]) - 1), text)
+    text = _VARIABLES.sub(lambda found: re.sub(r'"[, ]+"', "\t", found[1]), text)
+    text = _COMPUTED.sub(_difference, text)
+    lines: list[Line] = []
+    gap = False
+    for number, line in enumerate(text.split("\n"), start=1):
+        filled = re.search(r"\w", line)
+        if filled:
+            bare = re.sub(r"^\s*(?:#+|%+|//|!)[ \t]*(?=\S)", "", line)
+            lines.append(Line(number, bare.rstrip(GAP), gap, bare != line))
+        gap = line.endswith(GAP) or not filled
+    return lines
+
+
+def _difference(found: re.Match[str]) -> str:
+    """Return the error of a computed value beside an exact one."""
+    computed, exact = to_number(found[1]), to_number(found[2])
+    return found[0] if computed is None or exact is None else f"{abs(computed - exact):.9g}"
+
+
+# Grids: rows of cells below a header.
+
 _FORMS = {
     "|": "columns separated by |",
     "&": "LaTeX rows",
     "\t": "columns separated by tabs",
     ";": "columns separated by semicolons",
+    ",": "CSV",
+    " ": "columns separated by blanks",
 }
-_FORMS |= {",": "CSV", " ": "columns separated by blanks"}
 """Separator ↦ the form of a table in words; the first separator that divides lines into cells with numbers is taken."""
 _WITHIN_NUMBER = re.compile(r"(?<=[\d.])\s+(%(?!\S)|(?:±|\+/-|\\pm|x|×|\\times|\\cdot|·)\s*(?=\d))")
+_ASSIGNED = re.compile(r"(?<=\S) *(=+) *(?=\S)|(?<=[^\s\d]:) +(?=[-+.\d])")
 _SUMMARY = re.compile(
     r"(?i)\W*(?:mean|average|avg|overall|total|fit|fitted|slope|eoc|rate|order|median|min|max|theo\w*|expected)\b"
 )
-_UNIT = re.compile(
-    r"(?i)u?int\d*|float\d*\??|[fiu]\d+|<\w+>|str(?:ing)?|double|real|bool|\[.*\]|\(.*\)|[-–—1%]?|[kcmµ]?m|m?s|[kMG]?Pa|deg|°"
-)
-LETTERS = {NUMBER: "9", MISSING: "-", TEXT: "a"}
+_UNIT = re.compile(r"(?i)u?int\d*|float\d*\??|[fiu]\d+|<\w+>|str(?:ing)?|double|real|\[.*\]|\(.*\)|[-–—1%]?|[kcmµ]?m|m?s")
 
 
-@dataclass
 class Row:
     """A line that is divided into cells.
 
     Attributes:
-        number: the line number.
-        text: the line without the sign of a comment.
+        line: the line.
         cells: the cells.
         places: beginning and end of each cell.
-        gap: whether a blank line or a rule is above it.
-        comment: whether the line is a comment.
         kinds: what the cells contain, one letter for each: 9 for a number, - for a missing number, a for other text.
     """
 
-    number: int
-    text: str
-    cells: list[str]
-    places: list[tuple[int, int]]
-    gap: bool
-    comment: bool
-    kinds: str = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.kinds = "".join(LETTERS[kind_of(cell)] for cell in self.cells)
+    def __init__(self, line: Line, sign: str) -> None:
+        self.line = line
+        if sign == " ":
+            # ``h = 1/2`` and ``h: 0.5`` are one cell. A bar or comma between blanks is no cell.
+            joined = _WITHIN_NUMBER.sub(lambda found: found[1].strip(), line.text)
+            found = [cell for cell in re.finditer(r"\S+", _ASSIGNED.sub(r"\1", joined)) if cell[0] not in "|,"]
+            self.cells = [cell[0] for cell in found]
+            self.places = [cell.span() for cell in found]
+        else:
+            text = line.text.strip("\n " if sign == "\t" else None)
+            text = re.sub(r"^\||\|$", "", text) if sign == "|" else text
+            cells = next(csv.reader([text], delimiter=sign, skipinitialspace=True), [])
+            self.cells = [cell.strip() for cell in cells]
+            self.places = [(k, k + 1) for k in range(len(cells))]
+        self.kinds = "".join(map(kind_of, self.cells))
 
     @property
     def is_data(self) -> bool:
         """Whether the line may be a row of a table: at least half of its cells are numbers or missing."""
-        filled = sum(map(bool, self.cells))
-        pairs = self.text.count("=") > 1
-        return "9" in self.kinds and filled > 1 and filled >= 2 * self.kinds.count("a") and not (self.comment or pairs)
+        filled = len(self.cells) - self.cells.count("")
+        enough = "9" in self.kinds and filled > 1 and filled >= 2 * self.kinds.count("a")
+        return enough and not self.line.comment and self.line.text.count("=") < 2
+
+    def cut(self, width: int) -> None:
+        """Leave out the cells behind the first ones."""
+        self.cells, self.places, self.kinds = self.cells[:width], self.places[:width], self.kinds[:width]
 
 
-def _lines(text: str) -> Iterator[tuple[int, str, bool, bool]]:
-    """Yield number and text of the lines that may belong to a table, whether a gap is above, and if it is a comment.
-
-    Raises:
-        OrderError: the text has too many lines, or a cell is too long.
-    """
-    if text.count("\n") > MAX_ROWS:
-        raise OrderError(f"it has more than {MAX_ROWS} lines: a table of errors has one line for each mesh; {EXAMPLE}")
-    if long := re.search(rf"(?<![^\s,;|&])[^\s,;|&]{{{MAX_CELL},}}", text):
-        raise OrderError(f"it has a cell of {len(long[0])} characters; {EXAMPLE}")
-    for pattern, replacement in _CLEANED:
-        text = re.sub(pattern, replacement, text)
-    lines = text.split("\n")
-    quoted = len(re.findall(r"(?m)^\s*[>*](?:\s|$)", text)) > len(lines) / 2
-    gap = False
-    for number, line in enumerate(lines, start=1):
-        line = re.sub(r"^\s*(?:[>*](?:\s|$))+", "", line) if quoted else line
-        if re.search(r"\w", line):
-            bare = re.sub(r"^\s*(?:#+|%+|//|!)[ \t]*(?=\S)", "", line)
-            yield number, bare.rstrip(GAP), gap, bare != line
-        gap = line.endswith(GAP) or (gap if line == SKIPPED else not re.search(r"\w", line))
-
-
-def _row(line: tuple[int, str, bool, bool], separator: str) -> Row:
-    number, text, gap, comment = line
-    if separator == " ":
-        # ``h = 1/2`` and ``h: 0.5`` are one cell. A bar or comma between blanks is no cell.
-        joined = _WITHIN_NUMBER.sub(lambda found: found[1].strip(), text)
-        joined = re.sub(r"(?<=\S) *(=+) *(?=\S)|(?<=[^\s\d]:) +(?=[-+.\d])", r"\1", joined)
-        found = [cell for cell in re.finditer(r"\S+", joined) if cell[0] not in "|,"]
-        return Row(number, text, [cell[0] for cell in found], [cell.span() for cell in found], gap, comment)
-    if separator in ",;":
-        quoted = '"' in text and len(text) < MAX_CELL
-        reader = csv.reader([text.strip()], delimiter=separator, skipinitialspace=True)
-        cells = next(reader, []) if quoted else text.strip().split(separator)
-    elif separator == "&":
-        cells = re.split(r"(?<!\\)&", text)
-    else:
-        cells = re.sub(r"^\s*\||\|\s*$", "", text).strip("\n ").split(separator)
-    cells = [cell.strip() for cell in cells]
-    return Row(number, text, cells, [(k, k + 1) for k in range(len(cells))], gap, comment)
-
-
-def _separated(text: str) -> list[Table]:
+def _grids(lines: list[Line]) -> list[Table]:
     """Return the tables whose cells are separated by a sign or by blanks."""
-    lines = list(_lines(text))
-    found = {separator: [_row(line, separator) for line in lines] for separator in _FORMS}
-    scores = {sign: sum(row.kinds.count("9") for row in rows if row.is_data) for sign, rows in found.items()}
-    sign = next(
-        (sign for sign in "|&\t;" if 2 * scores[sign] > max(scores.values())),
-        "," if scores[","] >= max(scores[" "], 1) else " ",
-    )
-    if scores[sign]:
-        return _blocks(found[sign], sign)
-    numbers = [row for row in found[" "] if row.kinds == "9"]
-    if not numbers or len(lines) > len(numbers) + 1:
-        return []
-    breaks = frozenset(k for k, row in enumerate(numbers) if k and row.gap)
-    name = next((row.text.strip() for row in found[" "] if row.kinds != "9"), "error")
-    return [Table("one column", [name], [row.cells for row in numbers], [row.number for row in numbers], breaks)]
+    rows = {sign: [Row(line, sign) for line in lines] for sign in _FORMS}
+    scores = {sign: sum(row.kinds.count("9") for row in rows[sign] if row.is_data) for sign in _FORMS}
+    plain = "," if scores[","] >= scores[" "] else " "
+    sign = next((sign for sign in "|&\t;" if 2 * scores[sign] > max(scores.values())), plain)
+    return _blocks(rows[sign], sign) if scores[sign] else []
 
 
 def _blocks(rows: list[Row], sign: str) -> list[Table]:
-    """Return the tables in the lines of a text. A table is a block of rows with a header above it."""
+    """Return the tables in the rows of a text. A table is a block of rows with a header above it."""
     first = Counter(row.kinds[0] for row in rows if row.is_data)
     named = first["a"] > first["9"]
     tables: list[Table] = []
     above: list[Row] = []
     block: list[Row] = []
+    starts: list[int] = []
     between: list[Row] = []
-    gap = False
-    for row, following in zip(rows, [*rows[1:], rows[-1]], strict=True):
-        model = block[0] if block else None
-        data = row.is_data or (
-            model is not None and sign != " " and "9" in row.kinds and len(row.cells) == len(model.cells)
-        )
-        # A line such as "Table 1" above a header is a caption, and "Elapsed 12.3" below rows of numbers ends the table.
-        if sign == " " and row.kinds[0] == "a":
-            data = data and (model.kinds[0] == "a" if model else "9" in following.kinds)
-        elif sign == " " and row.kinds[0] == "9" and "a" in row.kinds and not data and not row.comment:
-            data = _cut_remark(row, model)
+    for row, following in pairwise([*rows, rows[-1]]):
+        comment = row.line.comment
         sums_up = not named and _SUMMARY.match(row.cells[0] or " ".join(row.cells))
-        if data and not sums_up and not row.comment:
+        if not sums_up and not comment and _is_data(row, following, block[0] if block else None, sign):
+            if block and (row.line.gap or not all(other.line.comment for other in between)):
+                starts.append(len(block))
             block.append(row)
-            row.gap, gap, between = row.gap or gap, False, []
-        elif model and (sums_up or (row.comment and row.kinds != "a" * len(model.cells))):
-            gap = gap or not row.comment
+            between = []
+        elif block and (sums_up or (comment and row.kinds != "a" * len(block[0].cells))):
             between.append(row)
         else:
-            tables += _table(above, block, tables, sign)
-            above, block, between = [*between, row] if block else [*above, row], [], []
-    return tables + _table(above, block, tables, sign)
+            tables += _table(above, block, starts, tables, sign)
+            above = [*between, row] if block else [*above, row]
+            block, starts, between = [], [], []
+    return tables + _table(above, block, starts, tables, sign)
 
 
-def _cut_remark(row: Row, model: Row | None) -> bool:
-    """Remove words behind the numbers of a row, and return whether enough numbers remain.
+def _is_data(row: Row, following: Row, model: Row | None, sign: str) -> bool:
+    """Return whether a line is a row of a table; words behind the numbers of a row are cut off.
 
     Parameters:
-        row: a line that begins with a number and consists mainly of words.
+        row, following: the line and the next one.
         model: the first row of the table above the line.
+        sign: the sign that separates cells.
 
     Raises:
         OrderError: the line has words where the table has numbers. The computation on this mesh may have failed, so the
             line must not be left out.
     """
+    if sign != " ":
+        return row.is_data or (model is not None and "9" in row.kinds and len(row.cells) == len(model.cells))
+    if row.kinds[0] == "a":
+        # A line such as "Table 1" above a header is a caption, and "Elapsed 12.3" below rows of numbers is no row.
+        return row.is_data and (model.kinds[0] == "a" if model else "9" in following.kinds)
+    if row.is_data or "a" not in row.kinds:
+        return row.is_data
     width = row.kinds.index("a")
     if model and model.kinds[0] == "9" and width < len(model.cells):
         raise OrderError(
-            f"line {row.number}, '{shorten(row.text.strip())}', begins like a row of the table, but has words where "
-            "numbers are expected: write the numbers, or nan if the computation failed, or # in front of the line"
+            f"line {row.line.number}, '{shorten(row.line.text.strip())}', begins like a row of the table, but has words "
+            "where numbers are expected: write the numbers, or nan if the computation failed, or # in front of the line"
         )
     if width > 1:
-        row.cells, row.places, row.kinds = row.cells[:width], row.places[:width], row.kinds[:width]
+        row.cut(width)
     return width > 1
 
 
-def _table(above: list[Row], block: list[Row], before: list[Table], sign: str) -> list[Table]:
+def _table(above: list[Row], block: list[Row], starts: list[int], before: list[Table], sign: str) -> list[Table]:
     """Return the table that consists of a block of rows, in a list; the list is empty if it is not a table.
 
     Parameters:
         above: the lines above the block; the nearest one with a name for each column is the header.
         block: the rows.
+        starts: indices of the rows with a gap above.
         before: tables above the block. If the block has no header, it gets the header of the last one.
         sign: the sign that separates cells.
     """
@@ -313,15 +319,15 @@ def _table(above: list[Row], block: list[Row], before: list[Table], sign: str) -
         return []
     if not names:
         example = shorten(sign.join(["h", *["error"] * (len(rows[0]) - 1)]).replace("\t", " "))
+        line = block[0].line
         raise OrderError(
-            f"the table that begins in line {block[0].number}, '{shorten(block[0].text.strip())}', has {len(rows[0])} "
+            f"the table that begins in line {line.number}, '{shorten(line.text.strip())}', has {len(rows[0])} "
             f"columns, but no line above names them: add a header such as '{example}'"
         )
-    captions = [row.text.strip() for row in above if row not in header and re.search(r"\w", row.text)]
+    captions = [row.line.text.strip() for row in above if row not in header]
     captions = [text for text in captions if not _SUMMARY.match(text) and text[0] not in "\\@."]
-    breaks = frozenset(k for k, row in enumerate(block) if k and row.gap)
-    lines = [row.number for row in block]
-    return [Table(_FORMS[sign], names, rows, lines, breaks, shorten(captions[-1], 100) if captions else "")]
+    lines = [row.line.number for row in block]
+    return [Table(_FORMS[sign], names, rows, lines, frozenset(starts), shorten("".join(captions[-1:]), 100))]
 
 
 def _aligned(block: list[Row], sign: str) -> list[list[str]]:
@@ -332,29 +338,27 @@ def _aligned(block: list[Row], sign: str) -> list[list[str]]:
     usual = Counter(len(row.cells) for row in block).most_common(1)[0][0]
     for row in block:
         # Words behind the numbers of a row are a remark.
-        if sign == " " and len(row.cells) > usual and set(row.kinds[usual:]) == {"a"}:
-            row.cells, row.places = row.cells[:usual], row.places[:usual]
-    lengths = [len(row.cells) for row in block]
-    width = max(lengths) if sign == " " else usual
-    model = block[lengths.index(width)].places
+        if sign == " " and set(row.kinds[usual:]) == {"a"}:
+            row.cut(usual)
+    width = max(len(row.cells) for row in block) if sign == " " else usual
+    model = next(row.places for row in block if len(row.cells) >= width)
     rows = []
     for row in block:
-        cells = (
-            [*row.cells, *[""] * (width - len(row.cells))] if sign in "\t&|" or len(row.cells) == width else row.cells
-        )
-        if len(cells) < width and sign == " ":
-            columns = [_overlapping(place, model) for place in row.places]
-            words = dict(zip(columns, row.cells, strict=True))
-            cells = [words.get(k, "") for k in range(width)] if len(words) == len(columns) else cells
+        cells = row.cells
+        if sign == " ":
+            words = dict(zip([_nearest(place, model) for place in row.places], cells, strict=True))
+            cells = [words.get(k, "") for k in range(width)] if len(words) == len(cells) < width else cells
+        elif sign in "\t&|":
+            cells = cells + [""] * (width - len(cells))
         if len(cells) < width or any(cells[width:]):
             hint = "; decimal commas? Then separate columns by semicolons" if sign == "," else ""
-            text = shorten(row.text.strip())
-            raise OrderError(f"line {row.number}: {len(row.cells)} entries, expected {width}: '{text}'{hint}")
+            text = shorten(row.line.text.strip())
+            raise OrderError(f"line {row.line.number}: {len(row.cells)} entries, expected {width}: '{text}'{hint}")
         rows.append(cells[:width])
     return rows
 
 
-def _overlapping(place: tuple[int, int], model: list[tuple[int, int]]) -> int:
+def _nearest(place: tuple[int, int], model: list[tuple[int, int]]) -> int:
     """Return the index of the place in ``model`` that shares most characters with a place, or is nearest to it."""
     shared = [min(place[1], end) - max(place[0], start) for start, end in model]
     return shared.index(max(shared))
@@ -363,20 +367,18 @@ def _overlapping(place: tuple[int, int], model: list[tuple[int, int]]) -> int:
 def _header(above: list[Row], block: list[Row], rows: list[list[str]], sign: str) -> tuple[list[str], list[Row]]:
     """Return the names of columns in the nearest header above a table, and its lines; empty lists without a header."""
     units = [row for row in above if all(map(_UNIT.fullmatch, row.cells))]
-    for k, row in reversed([*enumerate(above)]):
-        names = [] if row in units else _names(row, block, rows, sign)
-        if not names or any(name and not re.search(r"[^\W\d_]|[#‖¦|]", name) for name in names):
-            continue
-        upper = above[k - 1] if k and row.number - above[k - 1].number <= 2 else None
-        if upper and (joined := _joined(upper, row, names, sign)):
-            return joined, [row, upper, *units]
-        return names, [row, *units]
+    lines = [row for row in above if row not in units]
+    for upper, row in reversed([*pairwise([None, *lines])]):
+        names = _names(row, block, rows, sign)
+        if names and all(re.search(r"[^\W\d_]|[#‖¦|]", name) for name in names if name):
+            grouped = _grouped(upper, names, sign) if upper and row.line.number - upper.line.number <= 2 else []
+            return grouped or names, [row, *units, *([upper] if upper and grouped else [])]
     return [], []
 
 
-def _headings(text: str) -> list[re.Match[str]]:
+def _headings(text: str) -> list[str]:
     """Return the headings in a line that are separated by two or more blanks; single bars or commas do not count."""
-    return list(re.finditer(r"\S+(?: \S+)*", re.sub(r"(?<!\S)[|,](?!\S)|\t", " ", text)))
+    return re.findall(r"\S+(?: \S+)*", re.sub(r"(?<!\S)[|,](?!\S)|\t", " ", text))
 
 
 def _names(row: Row, block: list[Row], rows: list[list[str]], sign: str) -> list[str]:
@@ -385,25 +387,22 @@ def _names(row: Row, block: list[Row], rows: list[list[str]], sign: str) -> list
     A name may be missing for columns of orders, whose first cell is missing, and for the first column if it only counts
     the rows.
     """
-    width, words = len(rows[0]), row.text.split()
-    wide = [heading[0] for heading in _headings(row.text)]
+    width = len(rows[0])
     if sign != " ":
         cells = [*row.cells, *[""] * (width - len(row.cells))]
-        if len(row.cells) > 1 and not any(cells[width:]):
-            return cells[:width]
-        return next((names for names in (wide, words) if len(names) == width), [])
+        return [] if len(row.cells) < 2 or any(cells[width:]) else cells[:width]
     counts = [to_number(cells[0]) for cells in rows]
     index = len(rows) > 1 and counts in ([*range(len(rows))], [*range(1, len(rows) + 1)])
-    named = [k for k in range(width) if len(rows) < 2 or kind_of(rows[0][k]) != MISSING]
-    options = [range(width), range(int(index and row.text[0].isspace()), width), named, named[int(index) :]]
-    for names in (wide, [], words):
-        columns = next((columns for columns in options if len(columns) == len(names)), None)
-        if columns:
-            known = dict(zip(columns, names, strict=True))
-            return [known.get(k, "") for k in range(width)]
-        if not names and len(wide) > 1 and (placed := _placed(row, block, named)):
+    every = [*range(width)]
+    named = [k for k in every if len(rows) < 2 or kind_of(rows[0][k]) != "-"]
+    for names in (_headings(row.line.text), [], row.line.text.split()):
+        if not names and (placed := _placed(row, block, named)):
             return placed
-    return ["", *words] if index and len(words) == width - 1 else []
+        for columns in (every, named, every[index:], named[index:]):
+            if len(columns) == len(names):
+                known = dict(zip(columns, names, strict=True))
+                return [known.get(k, "") for k in every]
+    return []
 
 
 def _placed(row: Row, block: list[Row], named: list[int]) -> list[str]:
@@ -413,59 +412,47 @@ def _placed(row: Row, block: list[Row], named: list[int]) -> list[str]:
         row, block: the header and the rows below it.
         named: indices of the columns that need a name; the columns of orders to the right of each need none.
     """
+    if len(_headings(row.line.text)) < 2:
+        return []
     width = max(len(other.cells) for other in block)
     ends = [max(other.places[k][1] for other in block if len(other.cells) == width) for k in range(width)]
-    regions = [(ends[k - 1] if k else 0, ends[after - 1]) for k, after in zip(named, [*named[1:], width], strict=True)]
+    regions = [(ends[k - 1] if k else 0, ends[after - 1]) for k, after in pairwise([*named, width])]
     names = [""] * width
-    for word in re.finditer(r"\S+", row.text):
-        k = named[_overlapping(word.span(), regions)]
+    for word in re.finditer(r"\S+", row.line.text):
+        k = named[_nearest(word.span(), regions)]
         names[k] = f"{names[k]} {word[0]}".strip()
     return names if all(names[k] for k in named) else []
 
 
-def _joined(upper: Row, row: Row, names: list[str], sign: str) -> list[str]:
-    """Return the names of columns from a header of two rows; an empty list if it is no such header.
+def _grouped(upper: Row, names: list[str], sign: str) -> list[str]:
+    """Return names of columns that are joined with the headings above them; empty if the columns form no groups.
 
-    Each heading in the upper row spans several columns, and is joined with the names below it. Either the columns form
-    groups with the same names, one below each heading, or a heading begins above the first name of its columns.
+    The names to the right of some columns must be repeated once for each heading, as in ``error order error order``.
     """
-    if sign == " ":
-        above = [(heading[0], heading.start(), heading.end()) for heading in _headings(upper.text)]
-        below = [heading.span() for heading in _headings(row.text)]
-        below = below if len(below) == len(names) else row.places
-    else:
-        above = [(cell, *place) for cell, place in zip(upper.cells, upper.places, strict=True) if cell]
-        below = row.places[: len(names)]
-    repeated = len(set(names)) < len(names) == len(below)
-    if not repeated or not 1 < len(above) <= len(names) <= 1000:
-        return []
-    groups: list[list[int]] = [[]]
-    for k, name in enumerate(names):
-        if names.count(name) > 1 or role(name) not in (*SIZES, "level"):
-            groups += [[]] if name in [names[j] for j in groups[-1]] else []
-            groups[-1].append(k)
-    centred = len(groups) == len(above) and all(
-        below[group[0]][0] <= (start + end) / 2 <= below[group[-1]][1]
-        for (_, start, end), group in zip(above, groups, strict=True)
-    )
-    if centred:
-        labels = {k: heading for (heading, *_), group in zip(above, groups, strict=True) for k in group}
-    elif all(any(abs(start - left) < 2 for left, _ in below) for _, start, _ in above):
-        near = int(sign == " ")
-        labels = {k: text for text, start, _ in above for k, (left, _) in enumerate(below) if start <= left + near}
-    else:
-        return []
-    # The heading replaces a name such as ``error``. But a heading such as h is joined with the name, because an error
-    # of a quantity h must not be taken as the mesh size.
-    pairs = [(labels.get(k, ""), name) for k, name in enumerate(names)]
-    is_error = re.compile(r"(?i)err(?:or)?s?|e")
-    return [
-        label if label and is_error.fullmatch(name) and role(label) not in SIZES else f"{label} {name}".strip()
-        for label, name in pairs
-    ]
+    for start in range(len(names) - 1):
+        headings = _headings(upper.line.text) if sign == " " else [*filter(None, upper.cells[start:])]
+        size, rest = divmod(len(names) - start, max(len(headings), 1))
+        if len(headings) < 2 or rest or names[start:] != names[start : start + size] * len(headings):
+            continue
+        joined = [_join(headings[k // size], name) for k, name in enumerate(names[start:])]
+        left = [name or cell for name, cell in zip(names[:start], upper.cells, strict=False)]
+        return left + joined
+    return []
 
 
-# Tables with one line for each quantity.
+def _join(heading: str, name: str) -> str:
+    """Return the name of a column below a heading.
+
+    The heading replaces a name such as ``error``. But a heading such as h is joined with the name, because an error of
+    a quantity h must not be taken as the mesh size.
+    """
+    if role(name) in SIZES:
+        return name
+    is_error = re.fullmatch(r"(?i)err(?:or)?s?|e", name)
+    return heading if is_error and role(heading) not in SIZES else f"{heading} {name}".strip()
+
+
+# Tables with one line or one list for each quantity.
 
 
 def _across(above: list[Row], block: list[Row]) -> Table | None:
@@ -476,13 +463,13 @@ def _across(above: list[Row], block: list[Row]) -> Table | None:
         if found is None or found[2].count("9") < 2:
             return None
         columns[" ".join(row.cells[: found.end(1)]).strip(" :=")] = row.cells[found.end(1) :]
-    form, number, length = "one line for each quantity", block[0].number, max(map(len, columns.values()))
+    form, number, length = "one line for each quantity", block[0].line.number, max(map(len, columns.values()))
     if any(role(name) in SIZES for name in columns):
         return _from_columns(form, columns, number)
-    sizes = [re.fullmatch(r"\$?(\w+) *= *(.+?)\$?", cell) for cell in above[-1].cells if cell] if above else []
-    if len(sizes) == length and (first := sizes[0]) and all(sizes):
-        columns = {first[1]: [size[2] for size in sizes if size]} | columns
-        caption = next((row.text.strip() for row in above[-2::-1]), "")
+    sizes = [cell.strip("$").partition("=") for cell in above[-1].cells if cell] if above else []
+    if len(sizes) == length and all(number for _, _, number in sizes):
+        columns = {sizes[0][0].strip(): [number for _, _, number in sizes]} | columns
+        caption = next((row.line.text.strip() for row in above[-2::-1]), "")
         return replace(_from_columns(form + ", sizes in the header", columns, number), caption=caption)
     if length % 2 and all(map(_orders_between, columns.values())):
         # The AMReX library prints errors and orders in turn: error order error order error.
@@ -495,8 +482,8 @@ def _across(above: list[Row], block: list[Row]) -> Table | None:
 def _orders_between(values: list[str]) -> bool:
     """Return whether errors and orders stand in turn, and all orders are right for halved mesh sizes."""
     numbers = [to_number(cell) or 0.0 for cell in values]
-    pairs = zip(numbers[::2], numbers[1::2], numbers[2::2], strict=False)
-    return all(not fine or (abs(p) < 99 and abs(coarse / fine / 2**p - 1) < 0.02) for coarse, p, fine in pairs)
+    triples = zip(numbers[::2], numbers[1::2], numbers[2::2], strict=False)
+    return all(not fine or (abs(p) < 99 and abs(coarse / fine / 2**p - 1) < 0.02) for coarse, p, fine in triples)
 
 
 def _from_columns(form: str, columns: dict[str, list[str]], number: int = 1) -> Table:
@@ -518,8 +505,6 @@ def _from_columns(form: str, columns: dict[str, list[str]], number: int = 1) -> 
     return Table(form, list(columns), rows, [number] * length)
 
 
-# Lists, size: error pairs, name = value lines, and JSON.
-
 _LIST = re.compile(
     r"(?P<name>[^\[\](){}=:\n]{1,80}?)[ \t]*[=:]\s*(?:[\w.]{1,40}\(?)?[\[({](?P<values>[^\[\](){}]*)[\])}]|"
     r"(?m:^)[ \t]*(?P<bare>[^\[\](){}=:\n]{0,40}[^\W\d][^\[\](){}=:\n]{0,40})[=:][ \t]*"
@@ -528,38 +513,40 @@ _LIST = re.compile(
 _PAIR = re.compile(r"(?<![\w.])(\d[\d.]*(?:[eE][-+]?\d+)?)\s*:\s*([-+]?[\d.]+(?:[eEdD][-+]?\d+)?)(?![\w:])")
 
 
-def _lists(text: str) -> list[Table]:
+def _lists(lines: list[Line]) -> list[Table]:
     """Return the tables whose columns are lists.
 
     They have the form ``name = [1, 2, 3]``, ``name: 1, 2, 3`` or ``label 51: 0.1, 101: 0.02``. A second list of mesh
     sizes begins another table. A heading such as ``Q1:`` is joined with the names below it.
     """
-    bare = "\n".join(line for _, line, *_ in _lines(text))
     groups: list[dict[str, list[str]]] = [{}]
-    for line in bare.split("\n"):
-        pairs = _PAIR.findall(line)
+    for line in lines:
+        pairs = _PAIR.findall(line.text)
         if len(pairs) > 1:
             sizes, values = map(list, zip(*pairs, strict=True))
-            if groups[-1].get("", sizes) != sizes:
-                groups.append({})
-            groups[-1][""] = sizes
-            groups[-1][_PAIR.split(line)[0].strip(" \t,:;-{(=") or f"errors {len(groups[-1])}"] = values
-    found = [] if groups[0] else list(_LIST.finditer(bare))
-    for one in found:
-        name = (one["name"] or one["bare"]).strip(" \t,\"'")
-        above = re.findall(r"(?m)^ *([^=:\n]{1,60}):[ \t]*$", bare[: one.start() + 1]) if one["bare"] else []
-        values = re.split(r"[,;\s]+", (one["values"] or one["row"]).strip(" ,;\n\t"))
+            _add(groups, "n", sizes)
+            _add(groups, _PAIR.split(line.text)[0].strip(" \t,:;-{("), values)
+    text = "\n".join(line.text for line in lines)
+    for found in [] if groups[0] else _LIST.finditer(text):
+        name, bare, row = found["name"], found["bare"], found["values"] or found["row"] or ""
+        above = re.findall(r"(?m)^ *([^=:\n]{1,60}):[ \t]*$", text[: found.start() + 1]) if bare else []
+        values = re.split(r"[,;\s]+", row.strip(" ,;\n\t"))
         kinds = [kind_of(value) for value in values]
-        lengths = list(map(len, groups[-1].values()))
-        if len(values) < 2 or NUMBER not in kinds or (TEXT in kinds and len(values) not in lengths):
-            continue
-        name = " ".join([*above[-1:], name])
-        if name in groups[-1] and role(name) in SIZES:
-            groups.append({})
-        groups[-1][f"{name} ({len(lengths) + 1})" if name in groups[-1] else name] = values
-    alone = len(found) == 1 and found[0][0].strip() == bare.strip(" ;\n")
-    form = "lists" if found else "size: error pairs"
-    return [_from_columns(form, columns) for columns in groups if len(columns) > 1 or (alone and columns)]
+        # A word in a list of numbers is a failure; a list of words is none of numbers.
+        fits = "a" not in kinds or len(values) in map(len, groups[-1].values())
+        if len(values) > 1 and "9" in kinds and fits:
+            _add(groups, " ".join([*above[-1:], (name or bare).strip(" \t,\"'")]), values)
+    return [_from_columns("lists", columns) for columns in groups if len(columns) > 1]
+
+
+def _add(groups: list[dict[str, list[str]]], name: str, values: list[str]) -> None:
+    """Add a list to the last table, or begin another table if it has sizes that differ from those of the last one."""
+    last = groups[-1]
+    if name in last and role(name) in SIZES:
+        if last[name] == values:
+            return
+        groups.append({})
+    groups[-1][f"{name} ({len(last) + 1})" if name in groups[-1] else name] = values
 
 
 _VALUE = re.compile(
@@ -568,42 +555,33 @@ _VALUE = re.compile(
 """Matches a value with its sign = or :. It may have a decimal comma, a power of ten or a per cent sign."""
 
 
-_DIFFERENCE = re.compile(
-    r"(?P<a>[-+.\d]\S*)\s*\((?:computed|numerical)\),?\s*(?P<b>[-+.\d]\S*)\s*\((?:analytical|exact|reference)\)"
-)
-
-
-def _difference(found: re.Match[str]) -> str:
-    """Return the error of a computed value beside an exact one."""
-    computed, exact = to_number(found["a"]), to_number(found["b"])
-    return found[0] if computed is None or exact is None else f"{abs(computed - exact):.9g}"
-
-
-def _records(text: str) -> list[Table]:
+def _records(lines: list[Line]) -> list[Table]:
     """Return the table in lines ``name = value``; a name that occurs again begins the next row."""
-    records: list[dict[str, str]] = []
+    records: list[dict[str, str]] = [{}]
     numbers: list[int] = []
-    for number, line, *_ in _lines(text):
-        end = 0
-        line = re.sub(r"=\s*[^\W\d]\w*\s*(?==)", "", _DIFFERENCE.sub(_difference, line))
-        for found in _VALUE.finditer(line):
-            key = re.split(r"[,;]", line[end : found.start()])[-1].strip(" \t*-\"'{[:")
+    for line in lines:
+        # In ``nx = ny = 8`` the first name is taken.
+        text, end = re.sub(r"=\s*[^\W\d]\w*\s*(?==)", "", line.text), 0
+        for found in _VALUE.finditer(text):
+            key = re.split(r"[,;]", text[end : found.start()])[-1].strip(" \t*-\"'{[:")
             end, value = found.end(), found["value"].strip("*|`}]")
             if len(key) > 80 or key[-1:] in "<>!" or not re.search(r"[^\W\d]", key):
                 continue
             # Logging programs write the date and INFO in front of the name.
             key = key.split()[-1] if role(key) == "unknown" and role(key.split()[-1]) in SIZES else key
-            if not records or (key in records[-1] and kind_of(value) != TEXT):
+            if key in records[-1] and kind_of(value) != "a":
                 records.append({})
-                numbers.append(number)
+            numbers += [line.number] * (len(records) - len(numbers))
             records[-1].setdefault(key, value)
     counts = Counter(key for record in records for key in record)
     names = [key for key, times in counts.items() if times > 1 and times >= len(records) - 1]
-    if not any(kind_of(record.get(name, "")) == NUMBER for record in records for name in names):
-        return []
     rows = [[record.get(name, "") for name in names] for record in records]
     filled = [k for k, row in enumerate(rows) if any(row)]
-    return [Table("name = value lines", names, [rows[k] for k in filled], [numbers[k] for k in filled])]
+    table = Table("name = value lines", names, [rows[k] for k in filled], [numbers[k] for k in filled])
+    return [table] if any(kind_of(cell) == "9" for row in rows for cell in row) else []
+
+
+# JSON.
 
 
 def _json(text: str) -> list[Table]:
@@ -615,26 +593,26 @@ def _json(text: str) -> list[Table]:
 
 
 def _json_tables(data: Any, caption: str) -> Iterator[Table]:
+    entries = dict(enumerate(data)) if isinstance(data, list) else data if isinstance(data, dict) else {}
     if isinstance(data, list):
-        objects = [dict(_flat(entry)) for entry in data if isinstance(entry, dict)]
+        objects = [dict(_flat(entry, "")) for entry in data]
         names = [name for name in (objects or [{}])[0] if all(name in entry for entry in objects)]
         columns = {name: [entry[name] for entry in objects] for name in names}
     else:
-        flat = isinstance(data, dict) and any(isinstance(entry, list) for entry in data.values())
-        columns = {name: entry for name, entry in _flat(data) if isinstance(entry, list) and flat}
-    cells = {name: [str(value) for value in column] for name, column in columns.items() if not _nested(column)}
+        columns = dict(_flat(data, "")) if any(isinstance(entry, list) for entry in entries.values()) else {}
+    cells = {name: [str(cell) for cell in column] for name, column in columns.items() if _is_flat(column)}
     if len(cells) > 1:
         yield replace(_from_columns("JSON", cells), caption=caption)
-        return
-    for name, entry in enumerate(data) if isinstance(data, list) else data.items() if isinstance(data, dict) else ():
-        yield from _json_tables(entry, f"{caption} {name}".strip())
+    else:
+        for name, entry in entries.items():
+            yield from _json_tables(entry, f"{caption} {name}".strip())
 
 
-def _nested(column: list[Any]) -> bool:
-    return any(isinstance(value, dict | list) for value in column)
+def _is_flat(column: Any) -> bool:
+    return isinstance(column, list) and not any(isinstance(cell, dict | list) for cell in column)
 
 
-def _flat(entry: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+def _flat(entry: Any, prefix: str) -> Iterator[tuple[str, Any]]:
     """Yield the entries of an object and of the objects in it; their names are joined by blanks."""
     for name, value in entry.items() if isinstance(entry, dict) else ():
         if isinstance(value, dict):
