@@ -263,16 +263,11 @@ class Columns:
 
     def _wanted(self) -> list[Column]:
         """Return the columns that the user names as columns of errors; names may contain commas."""
-        rest, wanted = f"{self.options.columns},", []
-        by_length = sorted(self.columns, key=lambda column: -len(column.name))
-        while rest:
-            column = next((column for column in by_length if rest.startswith(f"{column.name},")), None)
-            if column is None:
-                names = ", ".join(column.name for column in self.columns)
-                raise OrderError(f"there is no column {rest.partition(',')[0]}; there are {names}")
-            wanted.append(column)
-            rest = rest[len(column.name) + 1 :]
-        return wanted
+        known = {column.name: column for column in self.columns}
+        name = "|".join(map(re.escape, sorted(known, key=len, reverse=True)))
+        if not re.fullmatch(f"(?:(?:{name})(?:,(?=.)|$))+", self.options.columns):
+            raise OrderError(f"--columns {self.options.columns}: expected some of the columns {', '.join(known)}")
+        return [known[found] for found in re.findall(f"({name})(?:,|$)", self.options.columns)]
 
     def _tells_apart(self, column: Column) -> bool:
         """Return whether sizes are repeated, but not within the rows with the same whole number in a column."""
@@ -365,13 +360,11 @@ class Columns:
     def _labels(self) -> dict[str, list[str]]:
         """Return the columns whose entries tell several series apart; an entry may span the empty cells below it."""
         labels: dict[str, list[str]] = {}
-        spans = True
-        for column in self.columns:
+        for k, column in enumerate(self.columns):
             cells = column.cells
-            spans = spans and column not in self.errors
-            if column is self.size or column in self.errors or all(map(_STATUS.fullmatch, cells)):
+            if column in (self.size, *self.errors) or all(map(_STATUS.fullmatch, cells)):
                 continue
-            spanned = spans and cells[0] and "" in cells
+            spanned = k == 0 and cells[0] and "" in cells
             if spanned:
                 cells = [next(cell for cell in cells[k::-1] if cell) for k in range(len(cells))]
             words = column.role in ("text", "degree") and len(set(cells)) < len(cells)
@@ -423,9 +416,9 @@ class Columns:
             if column.role == "degree":
                 raise OrderError(f"column {column.name} has degrees: {DEGREES}")
         names = ", ".join(column.name for column in self.columns)
-        seen = f"the only size is the level in column {levels.name}" if levels else f"no column is a mesh size; seen: {names}"
         raise OrderError(
-            f"{seen}. Give --ratio 2 if each mesh is twice as fine as the one above, or --in NAME for the column of sizes"
+            f"no column is a mesh size; seen: {names}. Give --ratio 2 if each mesh is twice as fine as the one above, "
+            "or --in NAME for the column of sizes"
         )
 
     def _converted(self, column: Column, confirmed: dict[str, int]) -> tuple[list[float], str]:
@@ -497,16 +490,15 @@ class Columns:
         return f"the printed orders {printed} are not the computed ones {computed}"
 
     def _check_sizes(self, h: list[float], column: Column) -> None:
-        lines, cells = self.table.lines, column.cells
-        for k, value in enumerate(h):
-            if not (0 < value < math.inf and column.numbers[k] > 0):
-                raise OrderError(f"line {lines[k]}: {column.name} = {cells[k]}, but sizes must be positive and finite")
+        places = [
+            f"line {line}: {column.name} = {cell}" for line, cell in zip(self.table.lines, column.cells, strict=True)
+        ]
+        for place, value, number in zip(places, h, column.numbers, strict=True):
+            if not (0 < value < math.inf and number > 0):
+                raise OrderError(f"{place}, but sizes must be positive and finite")
         for i, j in pairwise(np.argsort(h, kind="stable")):
             if h[j] - h[i] <= SAME_SIZE * h[i]:
-                raise OrderError(
-                    f"line {lines[j]}: {column.name} = {cells[j]} is already in line {lines[i]}, "
-                    "expected another size on every mesh: remove one of the rows"
-                )
+                raise OrderError(f"{places[j]} is the size in line {self.table.lines[i]}: remove one of the rows")
 
     def _check(self, column: Column) -> None:
         """Raise an error if a cell of a column of errors is empty, negative or no number, or if it has logarithms."""
@@ -514,14 +506,11 @@ class Columns:
         if _LOGARITHM.match(name) and not signed:
             raise OrderError(f"column {name} holds logarithms: give the mesh sizes and the errors themselves")
         for cell, number, line in zip(column.cells, column.numbers, self.table.lines, strict=True):
-            if number < 0 and not signed:
-                raise OrderError(f"line {line}: {name} = {cell}, but errors must not be negative: give absolute values")
-            if math.isnan(number) and (is_missing(cell) or kind_of(cell) == "a"):
-                others = ",".join(other.name for other in self.errors if other is not column)
-                what = f"is '{cell}', not a number" if cell.strip() else "is missing"
-                advice = f", or leave the column out: --columns '{others}'" if 0 < len(others) < 80 else ""
+            no_number = math.isnan(number) and kind_of(cell) != "9"
+            if no_number or (number < 0 and not signed):
                 raise OrderError(
-                    f"line {line}: the entry of {name} {what}: write a number there, or delete the line{advice}"
+                    f"line {line}: {name} is '{cell}', expected a number that is not negative: write a number there, "
+                    "delete the line, or name the columns of errors with --columns"
                 )
 
 

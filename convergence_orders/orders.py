@@ -232,19 +232,19 @@ def order_of_differences(fine: float, coarse: float, quotient: float, sign: floa
     return low
 
 
-def limit_and_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float]:
-    """Fit a + C h^p to the errors on the three finest meshes, and return the limit a and the order p.
+def limit_and_order(h: ArrayLike, values: ArrayLike) -> tuple[float, float]:
+    """Fit a + C h^p to the values on the three finest meshes, and return the limit a and the order p.
 
-    Both are NaN if there is no fit with a positive p.
+    If the values oscillate, the signs of the differences from a alternate (Celik et al.). The limit is NaN if there is
+    no fit with a positive p.
     """
     coarse, fine = np.diff(-np.log(np.asarray(h, dtype=float)[-3:])).tolist()
-    e1, e2, e3 = np.asarray(errors, dtype=float)[-3:].tolist()
-    if not (e1 > e2 > e3 or e1 < e2 < e3) or max(e1, e3) > 1e200:
+    finest, changes = float(np.asarray(values)[-1]), np.diff(np.asarray(values, dtype=float)[-3:])
+    if not changes.all():
         return math.nan, math.nan
-    p = order_of_differences(fine, coarse, math.log((e1 - e2) / (e2 - e3)))
-    if not 0 < p * fine < 700:
-        return math.nan, math.nan
-    return e3 - (e2 - e3) / math.expm1(p * fine), p
+    first, second = np.log(np.abs(changes)).tolist()
+    p = order_of_differences(fine, coarse, first - second, 1.0 if np.sign(changes).sum() else -1.0)
+    return (finest + float(changes[1]) / math.expm1(p * fine) if 0 < p * fine < 700 else math.nan), p
 
 
 def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = None, at_least: float | None = None,
@@ -278,8 +278,8 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
     order, low, high, extrapolated, limit = math.nan, -math.inf, math.inf, math.nan, math.nan
     if len(judged) > 1 and judged.min() > 0 and judged.max() < math.inf:
         order, low, high = fitted_order(x, judged)
-        if len(judged) > 2:
-            extrapolated, limit = extrapolated_order(x, judged), limit_and_order(x, judged)[0]
+        extrapolated = extrapolated_order(x, judged)
+        limit = limit_and_order(x, judged)[0] if len(judged) > 2 and np.diff(judged).max() < 0 else limit
     numbers = [tuple(column.tolist()) for column in (sizes, e, consecutive_orders(sizes, e))]
     told = verdict if expectation.judges or verdict == SKIPPED else None
     fits = order, low, high, extrapolated, limit
@@ -379,7 +379,7 @@ def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis |
     the orders p of both fits must agree. A negative limit is that of errors C (h^p − H^p) against a reference solution
     that was computed on a mesh of size H.
     """
-    if len(e) < 4:
+    if len(e) < 4 or np.diff(e[-4:]).max() >= 0:
         return None
     changes = np.diff(consecutive_orders(h, e)[-3:])
     (before, p_before), (limit, p) = limit_and_order(h[-4:-1], e[-4:-1]), limit_and_order(h, e)
@@ -517,22 +517,18 @@ def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:
     sizes, phi = real_numbers(h, "h"), real_numbers(values, "values")
     if len(sizes) != len(phi) or len(sizes) < 3:
         raise OrderError(f"{len(phi)} values on {len(sizes)} meshes: expected one value on each of three meshes")
-    fine_first = np.argsort(sizes)
-    sizes, phi = sizes[fine_first], phi[fine_first]
-    if not (sizes[0] > 0 and np.diff(sizes).min() > 0 and np.isfinite(phi).all()):
+    coarse_first = np.argsort(-sizes)
+    sizes, phi = sizes[coarse_first], phi[coarse_first]
+    if not (sizes[-1] > 0 and np.diff(sizes).max() < 0 and np.isfinite(phi).all()):
         raise OrderError("mesh sizes must be positive and distinct, and values finite")
-    finest, fine_step, coarse_step = float(phi[0]), *np.diff(phi)[:2].tolist()
-    if fine_step == 0 or coarse_step == 0:
-        return GridConvergence("equal values", extrapolated=finest, index=math.nan if fine_step else 0.0)
-    fine, coarse = np.diff(np.log(sizes))[:2]
-    monotone = (fine_step > 0) == (coarse_step > 0)
-    quotient = math.log(abs(coarse_step)) - math.log(abs(fine_step))
-    p = order_of_differences(fine, coarse, quotient, 1.0 if monotone else -1.0)
-    if not math.isfinite(p):
+    (limit, p), finest, changes = limit_and_order(sizes, phi), float(phi[-1]), np.diff(phi[-3:])
+    if not changes.all():
+        return GridConvergence("equal values", extrapolated=finest, index=math.nan if changes[1] else 0.0)
+    monotone = np.sign(changes).sum() != 0
+    if not math.isfinite(limit):
         # Values that turn on finer meshes after an extremum do not diverge.
-        turns = not monotone or (phi[-1] - phi[1]) * fine_step < 0
-        turned = len(phi) > 3 and turns and abs(fine_step) < np.ptp(phi)
+        turns = not monotone or (phi[0] - phi[-2]) * changes[1] > 0
+        turned = len(phi) > 3 and turns and abs(changes[1]) < np.ptp(phi)
         return GridConvergence("not monotone" if turned else "diverging" if p < 0 else "undecided")
-    difference = fine_step / math.expm1(p * fine)
-    index = SAFETY * abs(difference / finest) if finest else math.nan
-    return GridConvergence("monotone" if monotone else "oscillating", p, finest - difference, float(index))
+    index = SAFETY * abs(limit / finest - 1) if finest else math.nan
+    return GridConvergence("monotone" if monotone else "oscillating", p, limit, index)

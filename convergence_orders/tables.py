@@ -1,7 +1,7 @@
 """Cuts a text into tables: finds rows, columns and names in the forms in which people paste tables.
 
-A text is JSON; or lists ``name = [1, 2, 3]`` and ``name: 1, 2, 3``; or lines whose cells are separated by pipes, ``&``,
-tabs, semicolons, commas or blanks; or lines ``name = value``. What a column means is decided in ``columns.py``.
+A text is JSON, or lists ``name = [1, 2, 3]`` and ``name: 1, 2, 3``, or lines whose cells are separated by pipes, ``&``,
+tabs, semicolons, commas or blanks, or lines ``name = value``. What a column means is decided in ``columns.py``.
 """
 
 import csv
@@ -10,7 +10,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import count, pairwise, repeat
 from typing import Any
 
 from .cells import SIZES, kind_of, role, to_number
@@ -113,6 +113,7 @@ _CLEANED: list[tuple[str, str]] = [
     (r"\b(?:(?:np\.|numpy\.)?float\d*|tensor|array)\(([^()\[\]]*)\)", r"\1"),
     (r"(?m)^\s*\[\d+,\]", "      "),
     (r"(?m)^(?:[ \t]*[>*](?:[ \t]|$))+", ""),
+    (r"=[ \t]*[^\W\d]\w*[ \t]*(?==)", ""),
     (r'(?m)^\s*ZONE\s+T\s*=\s*"([^"\n]*)"', r"\1"),
     (r"&[ \t]*\n(.*)\n", r"& \1\n\n"),
     (r"(?m)^[ \t]*(?:\\(?:begin|end|label|centering|small|tabcolsep)|```|@f|\.\. code).*$", ""),
@@ -187,11 +188,12 @@ _FORMS = {
 }
 """Separator ↦ the form of a table in words; the first separator that divides lines into cells with numbers is taken."""
 _WITHIN_NUMBER = re.compile(r"(?<=[\d.])\s+(%(?!\S)|(?:±|\+/-|\\pm|x|×|\\times|\\cdot|·)\s*(?=\d))")
-_ASSIGNED = re.compile(r"(?<=\S) *(=+) *(?=\S)|(?<=[^\s\d]:) +(?=[-+.\d])")
 _SUMMARY = re.compile(
     r"(?i)\W*(?:mean|average|avg|overall|total|fit|fitted|slope|eoc|rate|order|median|min|max|theo\w*|expected)\b"
 )
-_UNIT = re.compile(r"(?i)u?int\d*|float\d*\??|[fiu]\d+|<\w+>|str(?:ing)?|double|real|\[.*\]|\(.*\)|[-–—1%]?|[kcmµ]?m|m?s")
+_UNIT = re.compile(
+    r"(?i)u?int\d*|float\d*\??|[fiu]\d+|<\w+>|str(?:ing)?|double|real|\[.*\]|\(.*\)|[-–—1%]?|[kcmµ]?m|m?s"
+)
 
 
 class Row:
@@ -200,24 +202,23 @@ class Row:
     Attributes:
         line: the line.
         cells: the cells.
-        places: beginning and end of each cell.
+        places: beginning and end of each cell, if blanks separate the cells.
         kinds: what the cells contain, one letter for each: 9 for a number, - for a missing number, a for other text.
     """
 
     def __init__(self, line: Line, sign: str) -> None:
         self.line = line
+        self.places: list[tuple[int, int]] = []
         if sign == " ":
-            # ``h = 1/2`` and ``h: 0.5`` are one cell. A bar or comma between blanks is no cell.
+            # A bar or comma between blanks is no cell.
             joined = _WITHIN_NUMBER.sub(lambda found: found[1].strip(), line.text)
-            found = [cell for cell in re.finditer(r"\S+", _ASSIGNED.sub(r"\1", joined)) if cell[0] not in "|,"]
+            found = list(re.finditer(r"(?![|,](?!\S))\S+", joined))
             self.cells = [cell[0] for cell in found]
             self.places = [cell.span() for cell in found]
         else:
-            text = line.text.strip("\n " if sign == "\t" else None)
-            text = re.sub(r"^\||\|$", "", text) if sign == "|" else text
-            cells = next(csv.reader([text], delimiter=sign, skipinitialspace=True), [])
+            text = re.sub(r"^\s*\||\|\s*$", "", line.text) if sign == "|" else line.text.strip("\n ")
+            (cells,) = csv.reader([text], delimiter=sign, skipinitialspace=True)
             self.cells = [cell.strip() for cell in cells]
-            self.places = [(k, k + 1) for k in range(len(cells))]
         self.kinds = "".join(map(kind_of, self.cells))
 
     @property
@@ -225,54 +226,52 @@ class Row:
         """Whether the line may be a row of a table: at least half of its cells are numbers or missing."""
         filled = len(self.cells) - self.cells.count("")
         enough = "9" in self.kinds and filled > 1 and filled >= 2 * self.kinds.count("a")
-        return enough and not self.line.comment and self.line.text.count("=") < 2
+        return enough and not self.line.comment and len(re.findall(r"=|:\s", self.line.text)) < 2
 
     def cut(self, width: int) -> None:
         """Leave out the cells behind the first ones."""
-        self.cells, self.places, self.kinds = self.cells[:width], self.places[:width], self.kinds[:width]
+        self.cells, self.kinds = self.cells[:width], self.kinds[:width]
 
 
 def _grids(lines: list[Line]) -> list[Table]:
     """Return the tables whose cells are separated by a sign or by blanks."""
     rows = {sign: [Row(line, sign) for line in lines] for sign in _FORMS}
     scores = {sign: sum(row.kinds.count("9") for row in rows[sign] if row.is_data) for sign in _FORMS}
-    plain = "," if scores[","] >= scores[" "] else " "
-    sign = next((sign for sign in "|&\t;" if 2 * scores[sign] > max(scores.values())), plain)
-    return _blocks(rows[sign], sign) if scores[sign] else []
+    sign = next((sign for sign in _FORMS if 2 * scores[sign] > max(scores.values())), "")
+    return _blocks(rows[sign], sign) if sign else []
 
 
 def _blocks(rows: list[Row], sign: str) -> list[Table]:
     """Return the tables in the rows of a text. A table is a block of rows with a header above it."""
+    # Where rows begin with words, "mean" may be the name of a row. Elsewhere it begins a line that sums up a column.
     first = Counter(row.kinds[0] for row in rows if row.is_data)
     named = first["a"] > first["9"]
     tables: list[Table] = []
     above: list[Row] = []
     block: list[Row] = []
-    starts: list[int] = []
-    between: list[Row] = []
+    breaks: list[int] = []
     for row, following in pairwise([*rows, rows[-1]]):
-        comment = row.line.comment
         sums_up = not named and _SUMMARY.match(row.cells[0] or " ".join(row.cells))
-        if not sums_up and not comment and _is_data(row, following, block[0] if block else None, sign):
-            if block and (row.line.gap or not all(other.line.comment for other in between)):
-                starts.append(len(block))
+        left_out = row.line.comment or sums_up
+        if not left_out and _is_data(row, following, block, sign):
+            if row.line.gap or (block and above and above[-1].line.number > block[-1].line.number):
+                breaks.append(len(block))
             block.append(row)
-            between = []
-        elif block and (sums_up or (comment and row.kinds != "a" * len(block[0].cells))):
-            between.append(row)
+        elif block and left_out and row.kinds.strip("a"):
+            above.append(row)
         else:
-            tables += _table(above, block, starts, tables, sign)
-            above = [*between, row] if block else [*above, row]
-            block, starts, between = [], [], []
-    return tables + _table(above, block, starts, tables, sign)
+            tables += _table(above, block, breaks, tables, sign)
+            above = [row] if block else [*above, row]
+            block, breaks = [], []
+    return tables + _table(above, block, breaks, tables, sign)
 
 
-def _is_data(row: Row, following: Row, model: Row | None, sign: str) -> bool:
+def _is_data(row: Row, following: Row, block: list[Row], sign: str) -> bool:
     """Return whether a line is a row of a table; words behind the numbers of a row are cut off.
 
     Parameters:
         row, following: the line and the next one.
-        model: the first row of the table above the line.
+        block: the rows of the table above the line.
         sign: the sign that separates cells.
 
     Raises:
@@ -280,54 +279,52 @@ def _is_data(row: Row, following: Row, model: Row | None, sign: str) -> bool:
             line must not be left out.
     """
     if sign != " ":
-        return row.is_data or (model is not None and "9" in row.kinds and len(row.cells) == len(model.cells))
-    if row.kinds[0] == "a":
+        return row.is_data or (bool(block) and "9" in row.kinds and len(row.cells) == len(block[0].cells))
+    model = block[0].kinds if block else following.kinds
+    width = row.kinds.find("a")
+    if width < 0 or row.is_data:
         # A line such as "Table 1" above a header is a caption, and "Elapsed 12.3" below rows of numbers is no row.
-        return row.is_data and (model.kinds[0] == "a" if model else "9" in following.kinds)
-    if row.is_data or "a" not in row.kinds:
-        return row.is_data
-    width = row.kinds.index("a")
-    if model and model.kinds[0] == "9" and width < len(model.cells):
+        return row.is_data and (width != 0 or (model[0] == "a" and "9" in model))
+    if block and model[0] == "9" and 0 < width < len(model):
         raise OrderError(
-            f"line {row.line.number}, '{shorten(row.line.text.strip())}', begins like a row of the table, but has words "
-            "where numbers are expected: write the numbers, or nan if the computation failed, or # in front of the line"
+            f"line {row.line.number}, '{shorten(row.line.text.strip())}', begins like a row of the table, but has "
+            "words where numbers are expected: write the numbers, or nan if the computation failed, or # in front of the line"
         )
     if width > 1:
         row.cut(width)
     return width > 1
 
 
-def _table(above: list[Row], block: list[Row], starts: list[int], before: list[Table], sign: str) -> list[Table]:
+def _table(above: list[Row], block: list[Row], breaks: list[int], before: list[Table], sign: str) -> list[Table]:
     """Return the table that consists of a block of rows, in a list; the list is empty if it is not a table.
 
     Parameters:
         above: the lines above the block; the nearest one with a name for each column is the header.
         block: the rows.
-        starts: indices of the rows with a gap above.
+        breaks: indices of the rows with a gap above.
         before: tables above the block. If the block has no header, it gets the header of the last one.
         sign: the sign that separates cells.
     """
     if not block:
         return []
-    if across := _across(above, block):
+    if across := _across(block):
         return [across]
     rows = _aligned(block, sign)
     names, header = _header(above, block, rows, sign)
     if not names and before and len(before[-1].names) == len(rows[0]):
         names = before[-1].names
-    if not names and len(block) < 2 and above:
+    if not names and len(block) < 2:
         return []
     if not names:
-        example = shorten(sign.join(["h", *["error"] * (len(rows[0]) - 1)]).replace("\t", " "))
         line = block[0].line
         raise OrderError(
             f"the table that begins in line {line.number}, '{shorten(line.text.strip())}', has {len(rows[0])} "
-            f"columns, but no line above names them: add a header such as '{example}'"
+            "columns, but no line above names them: add a header such as 'h error'"
         )
     captions = [row.line.text.strip() for row in above if row not in header]
     captions = [text for text in captions if not _SUMMARY.match(text) and text[0] not in "\\@."]
     lines = [row.line.number for row in block]
-    return [Table(_FORMS[sign], names, rows, lines, frozenset(starts), shorten("".join(captions[-1:]), 100))]
+    return [Table(_FORMS[sign], names, rows, lines, frozenset(breaks), shorten("".join(captions[-1:]), 100))]
 
 
 def _aligned(block: list[Row], sign: str) -> list[list[str]]:
@@ -336,25 +333,21 @@ def _aligned(block: list[Row], sign: str) -> list[list[str]]:
     If columns are separated by blanks, the position of the other cells shows which cell of a line is empty.
     """
     usual = Counter(len(row.cells) for row in block).most_common(1)[0][0]
+    width = usual
     for row in block:
         # Words behind the numbers of a row are a remark.
-        if sign == " " and set(row.kinds[usual:]) == {"a"}:
+        if set(row.kinds[usual:]) <= {"a" if sign == " " else "-"}:
             row.cut(usual)
-    width = max(len(row.cells) for row in block) if sign == " " else usual
-    model = next(row.places for row in block if len(row.cells) >= width)
+        width = max(width, len(row.cells))
+    model = next(row.places for row in block if len(row.cells) == width)
     rows = []
     for row in block:
-        cells = row.cells
-        if sign == " ":
-            words = dict(zip([_nearest(place, model) for place in row.places], cells, strict=True))
-            cells = [words.get(k, "") for k in range(width)] if len(words) == len(cells) < width else cells
-        elif sign in "\t&|":
-            cells = cells + [""] * (width - len(cells))
-        if len(cells) < width or any(cells[width:]):
-            hint = "; decimal commas? Then separate columns by semicolons" if sign == "," else ""
+        places = map(_nearest, row.places, repeat(model)) if sign == " " and len(row.cells) < width else count()
+        cells = dict(zip(places, row.cells, strict=False))
+        if len(cells) < len(row.cells) or (len(cells) < width and sign in ",;") or (width > usual and sign != " "):
             text = shorten(row.line.text.strip())
-            raise OrderError(f"line {row.line.number}: {len(row.cells)} entries, expected {width}: '{text}'{hint}")
-        rows.append(cells[:width])
+            raise OrderError(f"line {row.line.number}: {len(row.cells)} entries, expected {usual}: '{text}'")
+        rows.append([cells.get(k, "") for k in range(width)])
     return rows
 
 
@@ -378,7 +371,7 @@ def _header(above: list[Row], block: list[Row], rows: list[list[str]], sign: str
 
 def _headings(text: str) -> list[str]:
     """Return the headings in a line that are separated by two or more blanks; single bars or commas do not count."""
-    return re.findall(r"\S+(?: \S+)*", re.sub(r"(?<!\S)[|,](?!\S)|\t", " ", text))
+    return re.findall(r"\S+(?: \S+)*", re.sub(r"(?<!\S)[|,](?!\S)", " ", text))
 
 
 def _names(row: Row, block: list[Row], rows: list[list[str]], sign: str) -> list[str]:
@@ -395,11 +388,9 @@ def _names(row: Row, block: list[Row], rows: list[list[str]], sign: str) -> list
     index = len(rows) > 1 and counts in ([*range(len(rows))], [*range(1, len(rows) + 1)])
     every = [*range(width)]
     named = [k for k in every if len(rows) < 2 or kind_of(rows[0][k]) != "-"]
-    for names in (_headings(row.line.text), [], row.line.text.split()):
-        if not names and (placed := _placed(row, block, named)):
-            return placed
+    for names in (_headings(row.line.text), _placed(row, block, named), row.line.text.split()):
         for columns in (every, named, every[index:], named[index:]):
-            if len(columns) == len(names):
+            if len(columns) == len(names) > 1:
                 known = dict(zip(columns, names, strict=True))
                 return [known.get(k, "") for k in every]
     return []
@@ -412,78 +403,69 @@ def _placed(row: Row, block: list[Row], named: list[int]) -> list[str]:
         row, block: the header and the rows below it.
         named: indices of the columns that need a name; the columns of orders to the right of each need none.
     """
-    if len(_headings(row.line.text)) < 2:
-        return []
     width = max(len(other.cells) for other in block)
-    ends = [max(other.places[k][1] for other in block if len(other.cells) == width) for k in range(width)]
-    regions = [(ends[k - 1] if k else 0, ends[after - 1]) for k, after in pairwise([*named, width])]
-    names = [""] * width
+    ends = [0, *(max(other.places[k][1] for other in block if len(other.cells) == width) for k in range(width))]
+    regions = [(ends[k], ends[after]) for k, after in pairwise([*named, width])]
+    names = [""] * len(named)
     for word in re.finditer(r"\S+", row.line.text):
-        k = named[_nearest(word.span(), regions)]
+        k = _nearest(word.span(), regions)
         names[k] = f"{names[k]} {word[0]}".strip()
-    return names if all(names[k] for k in named) else []
+    return names if all(names) and len(_headings(row.line.text)) > 1 else []
 
 
 def _grouped(upper: Row, names: list[str], sign: str) -> list[str]:
     """Return names of columns that are joined with the headings above them; empty if the columns form no groups.
 
     The names to the right of some columns must be repeated once for each heading, as in ``error order error order``.
+    A heading replaces a name such as ``error``. But a heading such as h is joined with the name, because an error of a
+    quantity h must not be taken as the mesh size.
     """
-    for start in range(len(names) - 1):
+    for start in range(len(names)):
         headings = _headings(upper.line.text) if sign == " " else [*filter(None, upper.cells[start:])]
-        size, rest = divmod(len(names) - start, max(len(headings), 1))
-        if len(headings) < 2 or rest or names[start:] != names[start : start + size] * len(headings):
-            continue
-        joined = [_join(headings[k // size], name) for k, name in enumerate(names[start:])]
-        left = [name or cell for name, cell in zip(names[:start], upper.cells, strict=False)]
-        return left + joined
+        group = names[start : start + (len(names) - start) // max(len(headings), 1)]
+        if len(headings) > 1 and names[start:] == group * len(headings):
+            left = [name or cell for name, cell in zip(names[:start], upper.cells, strict=False)]
+            full = [(heading, name) for heading in headings for name in group]
+            return left + [
+                name
+                if role(name) in SIZES
+                else heading
+                if re.fullmatch(r"(?i)err(?:or)?s?|e", name) and role(heading) not in SIZES
+                else f"{heading} {name}".strip()
+                for heading, name in full
+            ]
     return []
-
-
-def _join(heading: str, name: str) -> str:
-    """Return the name of a column below a heading.
-
-    The heading replaces a name such as ``error``. But a heading such as h is joined with the name, because an error of
-    a quantity h must not be taken as the mesh size.
-    """
-    if role(name) in SIZES:
-        return name
-    is_error = re.fullmatch(r"(?i)err(?:or)?s?|e", name)
-    return heading if is_error and role(heading) not in SIZES else f"{heading} {name}".strip()
 
 
 # Tables with one line or one list for each quantity.
 
 
-def _across(above: list[Row], block: list[Row]) -> Table | None:
+def _across(block: list[Row]) -> Table | None:
     """Return the table with one line for each quantity and one column for each mesh; None if it is no such table."""
     columns: dict[str, list[str]] = {}
     for row in block:
-        found = re.fullmatch(r"(a+-*)([9-]*)", row.kinds)
-        if found is None or found[2].count("9") < 2:
+        width = len(row.kinds) - len(row.kinds.lstrip("a"))
+        name = " ".join(row.cells[:width]).strip(" :=")
+        columns[name] = row.cells[width:]
+        if not width or "a" in row.kinds[width:] or len(columns[name]) < 2:
             return None
-        columns[" ".join(row.cells[: found.end(1)]).strip(" :=")] = row.cells[found.end(1) :]
-    form, number, length = "one line for each quantity", block[0].line.number, max(map(len, columns.values()))
+    number = block[0].line.number
     if any(role(name) in SIZES for name in columns):
-        return _from_columns(form, columns, number)
-    sizes = [cell.strip("$").partition("=") for cell in above[-1].cells if cell] if above else []
-    if len(sizes) == length and all(number for _, _, number in sizes):
-        columns = {sizes[0][0].strip(): [number for _, _, number in sizes]} | columns
-        caption = next((row.line.text.strip() for row in above[-2::-1]), "")
-        return replace(_from_columns(form + ", sizes in the header", columns, number), caption=caption)
-    if length % 2 and all(map(_orders_between, columns.values())):
-        # The AMReX library prints errors and orders in turn: error order error order error.
-        for name, values in list(columns.items()):
-            columns |= {name: values[::2], f"order of {name}": ["", *values[1::2]]}
-        return _from_columns(form + ", orders between the errors", columns, number)
-    return None
+        return _from_columns("one line for each quantity", columns, number)
+    if not all(map(_orders_between, columns.values())):
+        return None
+    # The AMReX library prints errors and orders in turn: error order error order error.
+    for name, values in list(columns.items()):
+        columns |= {name: values[::2], f"order of {name}": ["", *values[1::2]]}
+    return _from_columns("one line for each quantity, orders between the errors", columns, number)
 
 
 def _orders_between(values: list[str]) -> bool:
     """Return whether errors and orders stand in turn, and all orders are right for halved mesh sizes."""
     numbers = [to_number(cell) or 0.0 for cell in values]
     triples = zip(numbers[::2], numbers[1::2], numbers[2::2], strict=False)
-    return all(not fine or (abs(p) < 99 and abs(coarse / fine / 2**p - 1) < 0.02) for coarse, p, fine in triples)
+    right = [not fine or (abs(p) < 99 and abs(coarse / fine / 2**p - 1) < 0.02) for coarse, p, fine in triples]
+    return len(values) % 2 == 1 and all(right)
 
 
 def _from_columns(form: str, columns: dict[str, list[str]], number: int = 1) -> Table:
@@ -505,54 +487,45 @@ def _from_columns(form: str, columns: dict[str, list[str]], number: int = 1) -> 
     return Table(form, list(columns), rows, [number] * length)
 
 
-_LIST = re.compile(
-    r"(?P<name>[^\[\](){}=:\n]{1,80}?)[ \t]*[=:]\s*(?:[\w.]{1,40}\(?)?[\[({](?P<values>[^\[\](){}]*)[\])}]|"
-    r"(?m:^)[ \t]*(?P<bare>[^\[\](){}=:\n]{0,40}[^\W\d][^\[\](){}=:\n]{0,40})[=:][ \t]*"
-    r"(?P<row>[-+.\d]\S*(?:,[ \t]+[-+.\d][^\s,]*)+)"
+_NUMBER = r"[-+.\d][^\s,;:=]*(?:,\d[^\s,;=:]*)*(?:\s*(?:%|(?:[xX×·*]|\\times|\\cdot)\s*10[^\s,;=:]*))?"
+_NAMED = re.compile(
+    r"(?P<name>[^\[\]{},;=:\n]{1,80}?)[ \t]*[=:][ \t]*"
+    r"(?:(?:[\w.]{1,40}\(?)?[\[({](?P<list>[^\[\](){}]*)[\])}]|"
+    rf"(?P<row>{_NUMBER}(?:,[ \t]+{_NUMBER})*(?![^\s,;])|[^\s,;=:]+))"
 )
-_PAIR = re.compile(r"(?<![\w.])(\d[\d.]*(?:[eE][-+]?\d+)?)\s*:\s*([-+]?[\d.]+(?:[eEdD][-+]?\d+)?)(?![\w:])")
+"""Matches a name, the sign = or :, and a list in brackets, numbers with commas between them, or one value."""
+_PAIRS = re.compile(r"(?m)^(?P<name>[^:\n]{0,60}?)(?P<pairs>(?:[ ,]+\d[\d.]*: ?[\d.eE+-]+){2,})$")
 
 
 def _lists(lines: list[Line]) -> list[Table]:
     """Return the tables whose columns are lists.
 
     They have the form ``name = [1, 2, 3]``, ``name: 1, 2, 3`` or ``label 51: 0.1, 101: 0.02``. A second list of mesh
-    sizes begins another table. A heading such as ``Q1:`` is joined with the names below it.
+    sizes begins another table.
     """
-    groups: list[dict[str, list[str]]] = [{}]
-    for line in lines:
-        pairs = _PAIR.findall(line.text)
-        if len(pairs) > 1:
-            sizes, values = map(list, zip(*pairs, strict=True))
-            _add(groups, "n", sizes)
-            _add(groups, _PAIR.split(line.text)[0].strip(" \t,:;-{("), values)
-    text = "\n".join(line.text for line in lines)
-    for found in [] if groups[0] else _LIST.finditer(text):
-        name, bare, row = found["name"], found["bare"], found["values"] or found["row"] or ""
-        above = re.findall(r"(?m)^ *([^=:\n]{1,60}):[ \t]*$", text[: found.start() + 1]) if bare else []
-        values = re.split(r"[,;\s]+", row.strip(" ,;\n\t"))
+    text = _PAIRS.sub(_as_lists, "\n".join(line.text for line in lines))
+    tables: list[dict[str, list[str]]] = [{}]
+    for found in _NAMED.finditer(text):
+        name = found["name"].strip(" \t\"'")
+        row = re.split(r",\s+", found["row"] or "")
+        values = re.split(r"[,;\s]+", found["list"].strip(" ,;\n\t")) if found["list"] else row
         kinds = [kind_of(value) for value in values]
+        last = tables[-1]
         # A word in a list of numbers is a failure; a list of words is none of numbers.
-        fits = "a" not in kinds or len(values) in map(len, groups[-1].values())
-        if len(values) > 1 and "9" in kinds and fits:
-            _add(groups, " ".join([*above[-1:], (name or bare).strip(" \t,\"'")]), values)
-    return [_from_columns("lists", columns) for columns in groups if len(columns) > 1]
+        fits = "a" not in kinds or len(values) in map(len, last.values())
+        if len(values) < 2 or "9" not in kinds or not fits or (role(name) in SIZES and last.get(name) == values):
+            continue
+        if name in last and role(name) in SIZES:
+            last = {}
+            tables.append(last)
+        last[f"{name} ({len(last) + 1})" if name in last else name] = values
+    return [_from_columns("lists", columns) for columns in tables if len(columns) > 1]
 
 
-def _add(groups: list[dict[str, list[str]]], name: str, values: list[str]) -> None:
-    """Add a list to the last table, or begin another table if it has sizes that differ from those of the last one."""
-    last = groups[-1]
-    if name in last and role(name) in SIZES:
-        if last[name] == values:
-            return
-        groups.append({})
-    groups[-1][f"{name} ({len(last) + 1})" if name in groups[-1] else name] = values
-
-
-_VALUE = re.compile(
-    r"[=:]\s*(?P<value>[^\s,;=:]+(?:,\d[^\s,;=:]*)*(?:\s*(?:%|(?:[xX×·*]|\\times|\\cdot)\s*10[^\s,;=:]*))?)(?=[\s,;]|:\s|$)"
-)
-"""Matches a value with its sign = or :. It may have a decimal comma, a power of ten or a per cent sign."""
+def _as_lists(found: re.Match[str]) -> str:
+    """Return two lists, of sizes and of errors, for ``label 51: 0.1, 101: 0.02``."""
+    sizes, errors = zip(*re.findall(r"(\S+): ?([^\s,]+)", found["pairs"]), strict=True)
+    return f"n = [{', '.join(sizes)}]\n{found['name']} = [{', '.join(errors)}]"
 
 
 def _records(lines: list[Line]) -> list[Table]:
@@ -560,62 +533,49 @@ def _records(lines: list[Line]) -> list[Table]:
     records: list[dict[str, str]] = [{}]
     numbers: list[int] = []
     for line in lines:
-        # In ``nx = ny = 8`` the first name is taken.
-        text, end = re.sub(r"=\s*[^\W\d]\w*\s*(?==)", "", line.text), 0
-        for found in _VALUE.finditer(text):
-            key = re.split(r"[,;]", text[end : found.start()])[-1].strip(" \t*-\"'{[:")
-            end, value = found.end(), found["value"].strip("*|`}]")
-            if len(key) > 80 or key[-1:] in "<>!" or not re.search(r"[^\W\d]", key):
-                continue
+        for found in _NAMED.finditer(line.text):
+            name, value = found["name"].strip(" \t*-\"'"), (found["row"] or "").strip("*|`")
             # Logging programs write the date and INFO in front of the name.
-            key = key.split()[-1] if role(key) == "unknown" and role(key.split()[-1]) in SIZES else key
-            if key in records[-1] and kind_of(value) != "a":
+            name = name.split()[-1] if role(name.split()[-1]) in SIZES and role(name) == "unknown" else name
+            if name in records[-1] and kind_of(value) != "a":
                 records.append({})
             numbers += [line.number] * (len(records) - len(numbers))
-            records[-1].setdefault(key, value)
-    counts = Counter(key for record in records for key in record)
-    names = [key for key, times in counts.items() if times > 1 and times >= len(records) - 1]
+            records[-1].setdefault(name, value)
+    counts = Counter(name for record in records for name in record)
+    names = [name for name, times in counts.items() if times > 1 and times >= len(records) - 1]
     rows = [[record.get(name, "") for name in names] for record in records]
-    filled = [k for k, row in enumerate(rows) if any(row)]
-    table = Table("name = value lines", names, [rows[k] for k in filled], [numbers[k] for k in filled])
-    return [table] if any(kind_of(cell) == "9" for row in rows for cell in row) else []
-
-
-# JSON.
+    return [Table("name = value lines", names, rows, numbers)] if names else []
 
 
 def _json(text: str) -> list[Table]:
-    """Return the tables in JSON: lists of objects, or objects whose entries are lists of equal length."""
+    """Return the tables in JSON: numbers with the same name are a column, in lists of objects or objects of lists."""
+    columns: dict[tuple[str, ...], list[str]] = {}
     try:
-        return list(_json_tables(json.loads(text), ""))
+        for path, value in _leaves(json.loads(text), ()):
+            columns.setdefault(path, []).append(value)
     except (ValueError, RecursionError):
         return []
+    return list(_json_tables({path: column for path, column in columns.items() if path and len(column) > 1}, ""))
 
 
-def _json_tables(data: Any, caption: str) -> Iterator[Table]:
-    entries = dict(enumerate(data)) if isinstance(data, list) else data if isinstance(data, dict) else {}
-    if isinstance(data, list):
-        objects = [dict(_flat(entry, "")) for entry in data]
-        names = [name for name in (objects or [{}])[0] if all(name in entry for entry in objects)]
-        columns = {name: [entry[name] for entry in objects] for name in names}
+def _leaves(data: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Yield the names of the objects around each number or text, and the number or text."""
+    if isinstance(data, dict):
+        for name, entry in data.items():
+            yield from _leaves(entry, (*path, name))
+    elif isinstance(data, list):
+        for entry in data:
+            yield from _leaves(entry, path)
     else:
-        columns = dict(_flat(data, "")) if any(isinstance(entry, list) for entry in entries.values()) else {}
-    cells = {name: [str(cell) for cell in column] for name, column in columns.items() if _is_flat(column)}
-    if len(cells) > 1:
-        yield replace(_from_columns("JSON", cells), caption=caption)
-    else:
-        for name, entry in entries.items():
-            yield from _json_tables(entry, f"{caption} {name}".strip())
+        yield path, str(data)
 
 
-def _is_flat(column: Any) -> bool:
-    return isinstance(column, list) and not any(isinstance(cell, dict | list) for cell in column)
-
-
-def _flat(entry: Any, prefix: str) -> Iterator[tuple[str, Any]]:
-    """Yield the entries of an object and of the objects in it; their names are joined by blanks."""
-    for name, value in entry.items() if isinstance(entry, dict) else ():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{name} ")
-        else:
-            yield f"{prefix}{name}", value
+def _json_tables(columns: dict[tuple[str, ...], list[str]], caption: str) -> Iterator[Table]:
+    """Yield a table for each object that has a column; the names of the objects around it are its caption."""
+    if any(len(path) == 1 for path in columns):
+        table = _from_columns("JSON", {" ".join(path): column for path, column in columns.items()})
+        yield replace(table, caption=caption)
+        return
+    for first in dict.fromkeys(path[0] for path in columns):
+        inner = {path[1:]: column for path, column in columns.items() if path[0] == first}
+        yield from _json_tables(inner, f"{caption} {first}".strip())
