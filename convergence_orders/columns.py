@@ -197,7 +197,7 @@ def _column(name: str, full_name: str, cells: list[str], comma: bool) -> Column:
         # Orders are missing on the coarsest mesh or nearly equal, and degrees are whole. An error of the pressure p is
         # none of these. Comparisons with NaN are false.
         kind = "order" if filled[0] or 0.5 <= numbers.max() <= 2 * numbers.min() else "unknown"
-        kind = "degree" if not filled[0] and not (numbers % 1).any() else kind
+        kind = "degree" if not filled[0] and not (numbers[filled] % 1).any() else kind
     elif kind == "other" and re.fullmatch("(?i)cg|gmres|mesh|grid", name) and (numbers % 1 > 0).all():
         # Iterations are whole, so that a column named after an element or a mesh may have errors.
         kind = "unknown"

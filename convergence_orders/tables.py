@@ -103,7 +103,7 @@ _ROW_END = r"(?:\\\\(?:\[[^]\n]*\])?|\\tabularnewline|[ \t]\\)[ \t]*"
 _BRACED = r"\{((?:[^{}\n]|\{(?:[^{}\n]|\{[^{}\n]*\})*\}){0,200})\}"
 _SPANNED = re.compile(r"\\multicolumn\{([1-8])\}\{(?:[^{}\n]|\{[^{}\n]*\}){0,80}\}" + _BRACED)
 _VARIABLES = re.compile(r'(?m)^\s*VARIABLES\s*=\s*"(.*)"')
-_COMPUTED = re.compile(r"(\S+) \((?:computed|numerical)\),? +(\S+) \((?:analytical|exact|reference)\)")
+_COMPUTED = re.compile(r"(?<!\S)(\S{1,30}) \((?:computed|numerical)\),? +(\S+) \((?:analytical|exact|reference)\)")
 GAP = "\x1e"
 """Sign behind a line with a rule below it."""
 _CLEANED: list[tuple[str, str]] = [
@@ -288,7 +288,7 @@ def _is_data(row: Row, following: Row, block: list[Row], sign: str) -> bool:
     if block and model[0] == "9" and 0 < width < len(model):
         raise OrderError(
             f"line {row.line.number}, '{shorten(row.line.text.strip())}', begins like a row of the table, but has "
-            "words where numbers are expected: write the numbers, or nan if the computation failed, or # in front of the line"
+            "words where numbers are expected: write the numbers, or nan if the computation failed, or # before the line"
         )
     if width > 1:
         row.cut(width)
@@ -513,7 +513,7 @@ def _lists(lines: list[Line]) -> list[Table]:
         last = tables[-1]
         # A word in a list of numbers is a failure; a list of words is none of numbers.
         fits = "a" not in kinds or len(values) in map(len, last.values())
-        if len(values) < 2 or "9" not in kinds or not fits or (role(name) in SIZES and last.get(name) == values):
+        if len(values) < 2 or "9" not in kinds or not fits:
             continue
         if name in last and role(name) in SIZES:
             last = {}
