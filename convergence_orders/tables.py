@@ -288,7 +288,7 @@ def _is_data(row: Row, following: Row, block: list[Row], sign: str) -> bool:
     if block and model[0] == "9" and 0 < width < len(model):
         raise OrderError(
             f"line {row.line.number}, '{shorten(row.line.text.strip())}', begins like a row of the table, but has "
-            "words where numbers are expected: write the numbers, or nan if the computation failed, or # before the line"
+            "words where numbers are expected: write the numbers, or nan if the computation failed, or # before it"
         )
     if width > 1:
         row.cut(width)
@@ -489,7 +489,7 @@ def _from_columns(form: str, columns: dict[str, list[str]], number: int = 1) -> 
 
 _NUMBER = r"[-+.\d][^\s,;:=]*(?:,\d[^\s,;=:]*)*(?:\s*(?:%|(?:[xX×·*]|\\times|\\cdot)\s*10[^\s,;=:]*))?"
 _NAMED = re.compile(
-    r"(?P<name>[^\[\]{},;=:\n]{1,80}?)[ \t]*[=:][ \t]*"
+    r"(?<![^\s\[\]{},;=:])(?P<name>[^\[\]{},;=:\n]{1,80}?)[ \t]*[=:][ \t]*"
     r"(?:(?:[\w.]{1,40}\(?)?[\[({](?P<list>[^\[\](){}]*)[\])}]|"
     rf"(?P<row>{_NUMBER}(?:,[ \t]+{_NUMBER})*(?![^\s,;])|[^\s,;=:]+))"
 )
