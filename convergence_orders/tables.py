@@ -17,7 +17,7 @@ from .cells import SIZES, kind_of, role, to_number
 from .orders import OrderError
 
 MAX_BYTES = 8_000_000
-MAX_LINES, MAX_CELL = 100_000, 2_000
+MAX_LINES, MAX_LINE, MAX_CELL = 100_000, 130_000, 2_000
 EXAMPLE = "expected a header such as 'h,error' and one line for each mesh, for example '0.5,0.1', '0.25,0.025'"
 
 
@@ -152,6 +152,8 @@ def _lines(text: str) -> list[Line]:
     """
     if text.count("\n") > MAX_LINES:
         raise OrderError(f"it has more than {MAX_LINES} lines: a table of errors has one line for each mesh; {EXAMPLE}")
+    if max(map(len, text.split("\n"))) > MAX_LINE:
+        raise OrderError(f"it has a line of more than {MAX_LINE} characters; {EXAMPLE}")
     if long := re.search(rf"(?<![^\s,;|&])[^\s,;|&]{{{MAX_CELL},}}", text):
         raise OrderError(f"it has a cell of {len(long[0])} characters; {EXAMPLE}")
     for pattern, replacement in _CLEANED:
