@@ -322,8 +322,8 @@ def test_errors_without_names_are_refused_in_words() -> None:
         (H, [10**400, 3, 2, 1], 2, "u must be real numbers .*, got list: int too large"),
         (H, [[1, 2], [3]], 2, "u must be real numbers .*, got list: "),
         (np.ma.masked_less(H, 0.1), SQUARES, 2, "mesh sizes must be positive and finite, got .*nan"),
-        (H, SQUARES, "2", "the expected order must be one positive number, got '2'"),
-        (H, SQUARES, -2, "the expected order must be one positive number, got -2"),
+        (H, SQUARES, "2", "expected must be one positive number, got '2'"),
+        (H, SQUARES, -2, "expected must be one positive number, got -2"),
     ],
 )
 def test_what_is_no_number_is_refused_in_words(h, errors, wish, said: str) -> None:
