@@ -33,7 +33,8 @@ def case() -> Case:
     (part,) = body.of(Kind.CONTACT)
     c = Rational(-1, 6) + 5 * t / 6
     gap = 2 * pos(s - c, 4) / (Rational(1, 4) + (s - c) ** 2)
-    initial_gap, slip = (2 + s) / 5, t * (1 + t) * sin(2 * s + 1) / 2
+    initial_gap = (2 + s) / 5
+    slip = t * (1 + t) * sin(2 * s + 1) / 2
     data = part, law, body.T, gap, 40 * pos(c - s, 2), c - s
     face = ContactFace.linear(*data, initial_gap=initial_gap, slip=(slip,))
     return Case(

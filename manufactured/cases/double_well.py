@@ -46,17 +46,16 @@ def case(
     gap: Expr = ONE,
     pressure: Expr = ONE,
     slip: Expr = ONE,
-    speed: Expr = ONE,
-    place: Expr = ONE,
 ) -> Case:
     """Return the case, optionally with another law, whose G does not couple normal strains while it softens.
 
     The other arguments are factors that multiply constants of the formulas.
     """
-    body, time = unit_square(), speed * t
+    body = unit_square()
     (part,) = body.of(Kind.CONTACT)
-    c = place * (Rational(5, 24) + time / 2)
-    w, z = 5 * gap * (1 + 24 * time * (1 - time)) * pos(s - c, 4), 3 * slip * time * (1 + s / 2 - s**2 / 4)
+    c = Rational(5, 24) + t / 2
+    w = 5 * gap * (1 + 24 * t * (1 - t)) * pos(s - c, 4)
+    z = 3 * slip * t * (1 + s / 2 - s**2 / 4)
     assert isinstance(law.G, Combined)
     (a, a_ss), (g, _) = (face_moduli(tensor, part.frame)[0, [0, 2]] for tensor in (law.A, law.G.linear))
     by_slip = z.diff(s, t) * Float(a_ss / g) * (exp(-Float(g / a) * t) - 1)

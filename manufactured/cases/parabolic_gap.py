@@ -33,7 +33,8 @@ def case() -> Case:
     (part,) = body.of(Kind.CONTACT)
     level = Rational(1, 16) + t * (1 - t) / 4 - (s - Rational(9, 20) - t / 10) ** 2
     gap = 8 * (1 + t) * pos(-level, 4) / (Rational(1, 5) - level) ** 3
-    initial_gap, slip = 6 * (s - Rational(2, 5)) ** 2, t * (1 + t) * sin(2 * s + 1) / 2
+    initial_gap = 6 * (s - Rational(2, 5)) ** 2
+    slip = t * (1 + t) * sin(2 * s + 1) / 2
     data = part, law, body.T, gap, 500 * pos(level, 2), level
     face = ContactFace.linear(*data, initial_gap=initial_gap, slip=(slip,))
     return Case(

@@ -28,11 +28,11 @@ from manufactured.symbols import pos, s, t
 LAW = not_proportional()
 
 
-def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE, place: Expr = ONE) -> Case:
-    """Return the case, optionally with another linear law and with factors for gap, pressure and place."""
+def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE) -> Case:
+    """Return the case, optionally with another linear law and with factors for gap and pressure."""
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
-    c = place * Rational(1, 3)
+    c = Rational(1, 3)
     w = 60 * gap * t * pos(s - c, Rational(7, 4)) * (1 - s) ** 2
     p = 200 * pressure * t * pos(c - s, Rational(3, 4)) * s**2
     face = ContactFace.linear(part, law, body.T, w, p, c - s, rough=(float(c),))

@@ -29,22 +29,21 @@ from manufactured.symbols import pos, s, t
 LAW = KelvinVoigt(isotropic(1, 0.5), Yield(6.0, FrobeniusBall(0.5)), "(3.3), Frobenius ball")
 
 
-def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE, speed: Expr = ONE) -> Case:
+def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE) -> Case:
     """Return the case, optionally with another law (3.3).
 
-    ``gap``, ``pressure`` and ``speed`` are factors that multiply constants of the formulas.
+    ``gap`` and ``pressure`` are factors that multiply constants of the formulas.
     """
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
-    release = RELEASE / speed
     rise = Float(edge(law, part)) * pressure * (Rational(3, 2) + 2 * s * (1 - s))
-    strain = pressed_and_released(law, part, Float(0), rise, release)
-    w = 8 * gap * pos(t - release, 2) * (1 + 4 * s * (1 - s))
-    slip = 3 * t / 2 + pos(release - t, 2) * (s + s**2) / 2
+    strain = pressed_and_released(law, part, Float(0), rise, RELEASE)
+    w = 8 * gap * pos(t - RELEASE, 2) * (1 + 4 * s * (1 - s))
+    slip = 3 * t / 2 + pos(RELEASE - t, 2) * (s + s**2) / 2
     return Case(
         name="yield-and-release",
         summary="law (3.3) yields under full contact of a face that slips, then the whole face is released",
-        solution=ExactSolution(body, law, (ContactFace(part, w, strain, release - t, slip=(slip,)),)),
+        solution=ExactSolution(body, law, (ContactFace(part, w, strain, RELEASE - t, slip=(slip,)),)),
         regularity=Regularity(),
         order=1,
         reason="w and q smooth in space, u̇ Lipschitz in time: (5.36) and order 1 by Prop. 5.4, G only Lipschitz",

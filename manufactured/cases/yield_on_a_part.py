@@ -30,20 +30,20 @@ from manufactured.symbols import pos, s, t
 LAW = KelvinVoigt(isotropic(1, 0.5), Yield(8.0, DeviatoricBall(0.1)), "(3.3), deviatoric ball")
 
 
-def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE, speed: Expr = ONE, place: Expr = ONE) -> Case:
+def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE) -> Case:
     """Return the case, optionally with another law (3.3).
 
     The other arguments are factors that multiply constants of the formulas.
     """
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
-    release, c = RELEASE / speed, place * Rational(3, 5)
+    c = Rational(3, 5)
     rise = 3 * pressure * pos(c - s, 2)
     slip = 3 * t / 2 + s**2 / 4
-    loaded = pressed_and_released(law, part, Float(edge(law, part)), rise, release)
+    loaded = pressed_and_released(law, part, Float(edge(law, part)), rise, RELEASE)
     strain = Prescribed(tuple((end, slip.diff(s) + q) for end, q in loaded.phases))
-    w = 15 * gap * t**2 * pos(s - c, 3) + 4 * gap * pos(t - release, 2)
-    released = pos(t - release, 0)
+    w = 15 * gap * t**2 * pos(s - c, 3) + 4 * gap * pos(t - RELEASE, 2)
+    released = pos(t - RELEASE, 0)
     level = (c - s) * (1 - released) - released
     return Case(
         name="yield-on-a-part",

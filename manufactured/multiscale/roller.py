@@ -89,7 +89,8 @@ def roller(name: str, width: Expr, push: int = 1, slope: Expr = SLOPE) -> Case:
 def standing(name: str, width: Expr) -> Case:
     """Return the case of a standing patch with the half-width ℓ = ``width``, which comes into contact twice."""
     xi = s - MIDDLE
-    place, bump = xi / width, pos(1 - (xi / width) ** 2, 4)
+    place = xi / width
+    bump = pos(1 - (xi / width) ** 2, 4)
     since = [(t - start) / width for start in LANDINGS]
     fading = [exp(start - t) for start in LANDINGS]
     lifted = prod([step(-z) + step(z - 1) for z in since])

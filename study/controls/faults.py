@@ -203,7 +203,8 @@ def tangential_load(setup: Experiment, time: float) -> Array:
 
 def late(setup: Experiment, size: float) -> Experiment:
     """Take the load of the time t − δT, and of t = 0 before."""
-    right, delay = setup.problem.load, size * setup.problem.T
+    right = setup.problem.load
+    delay = size * setup.problem.T
     return solving(setup, load=lambda time: right(max(time - delay, 0.0)))
 
 
@@ -224,7 +225,8 @@ class Loosened(Space):
 
 def partly_clamped(setup: Experiment, size: float) -> Experiment:
     """Hold only every second vertex of Γ1; the load of the free vertices has no reaction of Γ1."""
-    solution, space = setup.solution, Loosened(setup.space.mesh, setup.space.body)
+    solution = setup.solution
+    space = Loosened(setup.space.mesh, setup.space.body)
     v_norm = ErrorNorm(solution, space)
 
     def load(time: float) -> Array:
@@ -322,8 +324,10 @@ class Frictional:
         self.normal = Signorini(S, N)
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
-        solver, m = self.both, self.m
-        W, y = solver.W, solver.factor.forward(b)
+        solver = self.both
+        m = self.m
+        W = solver.W
+        y = solver.factor.forward(b)
         free = y[solver.contact] @ solver.Y - self.gap
         pressure, shear = np.zeros(m), np.zeros(len(free) - m)
         for _ in range(100):
@@ -358,7 +362,8 @@ def bounded(W: Array, free: Array, bound: Array, start: Array) -> Array:
 
 def friction(setup: Experiment, size: float) -> Experiment:
     """Solve with Coulomb friction of the coefficient δ; δ = ∞ glues the body where it is in contact."""
-    T, rows = tangents(setup.space), owners(setup.space, setup.space.dim - 1)
+    T = tangents(setup.space)
+    rows = owners(setup.space, setup.space.dim - 1)
 
     def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> Frictional:
         return Frictional(S, N, T, rows, size, gap)
