@@ -28,7 +28,7 @@ def missed(matrix: pd.DataFrame) -> dict[str, str]:
 
     By the order or the size of the error, every fault must be noticed at its smallest size in two plane cases. In space
     only the largest size is tried, because the meshes are coarser, and must be noticed in one case. For a fault at
-    single vertices or cells, any check may notice it.
+    single vertices or cells, or of contact forces only, any check may notice it.
 
     Parameters:
         matrix: the table ``faults.csv``.
