@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -127,8 +126,8 @@ def test_contact_that_differs_in_the_first_step_is_named(cause: str, steps: int)
 
 
 CLAMPS = {
-    "component 1 is zero and component 2 is not, at all 5 vertices": faults.first_component_held,
-    "u is not zero at 2 of 5 vertices": faults.misread(lambda task: {"clamped": task.clamped[::2]}),
+    "component 2 is not zero at 5 vertices": faults.first_component_held,
+    "u is not zero at 2 vertices": faults.misread(lambda task: {"clamped": task.clamped[::2]}),
 }
 
 
@@ -138,7 +137,7 @@ def test_a_body_that_is_not_held_on_the_clamped_part_is_wrong_and_the_line_says_
     assert found.verdict == "wrong"
     assert f"On Γ1 {words}" in found.cause
     assert "of n = 4" in found.cause
-    assert "is not held" in found.why
+    assert "is not held" in found.cause
     assert "Most likely" not in found.cause
 
 
@@ -146,8 +145,7 @@ def test_a_body_that_is_not_held_on_the_clamped_part_is_wrong_and_the_line_says_
 def test_a_singular_matrix_is_called_singular_and_its_consequences_are_left_out(case: str) -> None:
     found = judged(faults.first_component_held, exported(case, 4))
     assert found.verdict == "wrong"
-    assert "component 2 is not held. The matrix is singular or nearly so" in found.cause
-    assert "moved rigidly" not in found.cause
+    assert "component 2 is not held, the matrix is singular or nearly so" in found.cause
     assert judge.notes(found) == [found.cause]
 
 
@@ -172,14 +170,14 @@ def test_a_single_value_that_is_no_displacement_is_named_and_no_singular_matrix(
     u[1, 3, 0] = value
     (found,) = judge.assess([task], {task.name: u})
     assert (found.verdict, "singular" in found.cause) == ("wrong", False)
-    assert f"has 1 of {u.size} values that are not numbers or too large: {name}" in found.cause
+    assert f"has values that are not numbers or too large (1): {name}" in found.cause
 
 
 def test_vertices_in_another_order_are_not_said_with_certainty_to_be_not_held() -> None:
     task, u, *_ = reported()
     (found,) = judge.assess([task], {task.name: u[:, ::-1]})
     assert found.verdict == "wrong"
-    assert "u is perhaps not held, or the vertices are in another order" in found.cause
+    assert "perhaps u is not held, or the vertices are in another order" in found.cause
 
 
 @pytest.mark.parametrize(
@@ -215,11 +213,11 @@ def projected_gauss_seidel(W: np.ndarray, free: np.ndarray, _: dict) -> np.ndarr
     return lam
 
 
-def test_a_solver_that_stops_early_is_named_and_an_undecided_code_is_told_to_mend_it_first() -> None:
+def test_a_solver_that_stops_early_is_named_and_its_code_is_undecided() -> None:
     noise = next(fault for fault in faults.FAULTS if fault.name.startswith("solver stopped"))
     found = judged(noise.make, exported("layered", 4), exported("layered"))
     assert found.verdict == "undecided"
-    assert found.why.endswith("3 meshes are needed; first reduce the tolerance of the solver")
+    assert "Perhaps: the solver stops too early" in found.cause
     found = judged(faults.in_contact(projected_gauss_seidel), exported("layered"))
     assert found.verdict == "undecided"
     assert "Perhaps: the iterations for contact stop too early" in found.cause
@@ -229,10 +227,10 @@ def test_a_certain_cause_is_wrong_on_two_meshes_and_a_consistent_method_is_not()
     tasks = exported("corner"), exported("corner", 4)
     found = judged(FAULTS["vertices never released"].make, *tasks)
     assert found.verdict == "wrong"
-    assert found.why.startswith("vertices in contact are never released")
-    where, line = judge.notes(found)
+    assert found.why == "the cause below is certain"
+    where, line, *_ = judge.notes(found)
     assert "contact forces pull at" in where
-    assert line.startswith("(equations with this fault reproduce the answer up to ")
+    assert line.startswith("Most likely: vertices in contact are never released")
     found = judged(faults.springs(lambda task: 30 / task.data["h"]), *tasks)
     assert found.verdict == "undecided"
     assert "order of the distance" in found.why
@@ -249,7 +247,7 @@ def test_a_certain_fault_is_wrong_on_three_meshes_although_the_distance_falls() 
     found = judged(faults.misread(half), *tasks)
     assert found.order_of_distance > judge.FALLS
     assert found.verdict == "wrong"
-    assert "the constraint is forgotten at 3 vertices" in found.why
+    assert "the constraint is forgotten at 3 vertices" in found.cause
     assert judged(FAULTS["mean gap of each facet"].make, *tasks).verdict == "consistent"
 
 
@@ -261,20 +259,6 @@ def test_the_last_line_names_the_cause_that_explains_most_cases() -> None:
     assert line.startswith("2 of 3 cases: vertices in contact are never released")
     assert line.endswith("; junction cannot show it")
     assert judge.summary(found[:1]) == []
-
-
-def test_the_last_line_leaves_out_numbers_that_differ() -> None:
-    tasks = [exported(case, n) for case, n in (("layered", 4), ("anisotropic", 8), ("rotated", 4))]
-    one, two, three = judge.assess(
-        tasks, {t.name: judge.answer(t, faults.misread(faults.without(0.25))) for t in tasks}
-    )
-    three = replace(three, causes={})
-    assert one.causes != two.causes
-    (line,) = judge.summary([one, two, three])
-    assert line == "2 of 3 cases: the constraint is forgotten at some vertex; it does not explain rotated"
-    assert judge.without_numbers("contact is by springs of stiffness 3.2e+01, C_11") == (
-        "contact is by springs of stiffness …, C_11"
-    )
 
 
 @pytest.mark.slow
@@ -309,6 +293,11 @@ SHOWN: dict[str, tuple[Any, str]] = {
     "the displacements are written with 4 digits": (
         faults.changed(lambda task, u, _: np.array([float(f"{x:.3e}") for x in u.ravel()]).reshape(u.shape)),
         "layered",
+    ),
+    "the mesh is mirrored in x": (lambda task: this_study.make(task.moved(task.vertices * [-1, 1])), "layered"),
+    "the vertices of the answer are in another order: sorted": (
+        faults.changed(lambda task, u, _: u[np.lexsort(task.vertices.T)]),
+        "rotated",
     ),
     "the load at 8 vertices": (faults.balance_with(lambda task, b: b * (task.vertices[:, :1] < 0.9)), "corner"),
     "the stiffness of 1 cell (5 at": (
@@ -364,7 +353,7 @@ WHERE = {
         "vertices (all on Γ3 where contact forces act), in all 3 steps, all along ±(1, 0): ",
     ),
     "last step not solved": ("layered", "(9 inside, 6 on Γ2, 5 on Γ3), in step 3 alone: "),
-    "`factor` forgotten": ("layered", "at 10 of 25 vertices (6 inside, 4 on Γ2, within [0, 1] × [0.5, 0.75]), in all"),
+    "`factor` forgotten": ("layered", "at 10 of 25 vertices (6 inside, 4 on Γ2, from (0, 0.5) to (1, 0.75)), in all"),
     "a pressure on Γ3 before contact": ("corner", "on Γ3, contact forces act where the gap is open at "),
     "contact forces halved": ("corner", "the body enters the foundation at "),
     "springs of 30, not scaled with *h*": ("corner", "; u_ν − gap ↦ force over area: "),
@@ -414,7 +403,7 @@ def test_no_class_is_consistent_while_a_fault_fits_better_than_a_vanishing_dista
 REPORTED = {
     "agrees": lambda r: r,
     "has the reversed sign": lambda r: -r,
-    "is 0.5 times the right one": lambda r: r / 2,
+    "is halved": lambda r: r / 2,
     "not all are numbers": lambda r: r * np.nan,
 }
 OTHERS: dict[str, Any] = {
@@ -448,8 +437,7 @@ def test_a_wrong_report_shows_in_the_line_of_the_class_and_names_its_mesh() -> N
     (found,) = judge.assess([task], {task.name: u}, {task.name: {"pressure": lam / one_facet}})
     assert "exact for P1" in judge.table([found])
     assert ", fails: wrong reported pressure" in judge.table([found]).splitlines()[1]
-    assert "n = 4: reported pressure: differs by " in judge.table([found])
-    assert "it takes the area of one facet at each vertex, where two meet" in found.reports[0].sentence
+    assert "n = 4: reported pressure: it takes the area of one facet at each vertex, where" in judge.table([found])
 
 
 @pytest.mark.parametrize("sentence", OTHERS)
