@@ -18,7 +18,7 @@ from manufactured.tensors import Array
 from study.bound.continuity import require_continuous_start
 from study.bound.discretisation import Discretisation, refuse_unserved
 from study.bound.enclosing import Enclosure, enclose, known_error, order_interval, relative
-from study.bound.problem import BoundError
+from study.bound.problem import BoundError, require_ordered
 from study.bound.static import compute_static, enclose_static
 from study.bound.trajectory import Computed, DiscreteSolution, Refined, SmoothedInTime, compute
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
@@ -69,6 +69,7 @@ class BoundedSolution:
     def _sharpest(self, ends: Callable[[Enclosure], tuple[float, float]]) -> tuple[float, float]:
         """Return the intersection of the intervals that follow from both bounds; each of the intervals is valid."""
         lows, highs = zip(*(ends(bound) for bound in (self.enclosure, self.plain) if bound), strict=True)
+        require_ordered(max(lows), min(highs))
         return max(lows), min(highs)
 
     @property

@@ -19,7 +19,7 @@ import numpy as np
 from manufactured.case import Case
 from manufactured.tensors import Array, Hyperplane, Points, Tensors
 from study.bound.discretisation import Discretisation
-from study.bound.problem import SMALLEST, Moduli, require_finite, require_visible
+from study.bound.problem import SMALLEST, Moduli, require_finite, require_ordered, require_visible
 from study.bound.remainders import Evidence
 from study.bound.terms import Interval, Majorant, Shares
 from study.bound.trajectory import Computed, DiscreteSolution, Parabola, Trajectory, spline
@@ -81,6 +81,8 @@ class Enclosure:
         require_finite({f"the {name} of the enclosure": getattr(self, name) for name in names})
         if not np.isnan(self.error).all():
             require_finite({"the known error": self.error})
+        require_ordered(self.lower, self.upper)
+        require_ordered(*self.norm)
 
     @property
     def highest(self) -> float:

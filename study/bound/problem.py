@@ -214,6 +214,16 @@ def require_finite(quantities: Mapping[str, Array | float]) -> None:
             )
 
 
+def require_ordered(low: Array | float, high: Array | float) -> None:
+    """Refuse intervals whose ends are crossed: their bounds contradict each other.
+
+    Raises:
+        BoundError: a lower end is above its upper end.
+    """
+    if np.any(np.greater(low, high)):
+        raise BoundError(f"the interval from {low} to {high} has crossed ends: this is a defect of the program")
+
+
 def require_visible(data: Data, highest: float, sampled: bool) -> None:
     """Refuse an error bound so small that squares of nonzero data may have underflowed to 0.
 

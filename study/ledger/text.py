@@ -66,6 +66,8 @@ def above(value: float, decimals: int) -> str:
 
 def interval(low: float, high: float, digits: int) -> str:
     """Return the interval [low, high] as text, with both ends rounded outwards to a number of significant digits."""
+    if low > high:
+        raise ValueError(f"the interval from {low:g} to {high:g} has crossed ends: this is a defect of the program")
     return f"[{down(low, digits)}, {up(high, digits)}]"
 
 

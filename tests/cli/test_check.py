@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,61 +16,12 @@ import pytest
 
 from study.cli import check
 from study.cli.main import main
-from study.ledger.datafiles import DataError, nested_keys, planned_keys, read_uncompressed, write_csv
-from study.ledger.files import write_packed, write_text
-from study.present import tables
-from study.present.pages import expected_texts
+from study.ledger.datafiles import DataError, nested_keys, planned_keys, write_csv
 from study.run.check import LEAST_COST, draw_jobs, expected_seconds, planned_jobs, verify
 from study.run.judgement import verdicts
-from study.run.provenance import Expectation, compare_sums, read_provenance
+from study.run.provenance import compare_sums
 
-ROOT = Path(__file__).parents[2]
 Edit = Callable[[Path], None]
-
-
-@contextmanager
-def restored(directory: Path) -> Iterator[Path]:
-    """Yield a directory whose files have their present contents again afterwards."""
-    before = {path: path.read_bytes() for path in directory.rglob("*") if path.is_file()}
-    yield directory
-    for path in {path for path in directory.rglob("*") if path.is_file()} - {*before}:
-        path.unlink()
-    for path, content in before.items():
-        if not path.is_file() or path.read_bytes() != content:
-            path.write_bytes(content)
-
-
-@pytest.fixture(scope="module")
-def copy_with_codes(made: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The small run with the committed results of other codes, which passes."""
-    directory: Path = tmp_path_factory.mktemp("run") / "results"
-    shutil.copytree(made / "results", directory, ignore=shutil.ignore_patterns("jobs", "figures"))
-    shutil.copytree(ROOT / "results" / "codes", directory / "codes")
-    assert main(["check", "--out", str(directory)]) == 0
-    return directory
-
-
-@pytest.fixture(scope="module")
-def copy_of_committed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the committed run, with the README and the pyproject.toml above it."""
-    directory: Path = tmp_path_factory.mktemp("committed")
-    shutil.copytree(ROOT / "results", directory / "results", ignore=shutil.ignore_patterns("jobs", "quick"))
-    for name in ("README.md", "pyproject.toml"):
-        shutil.copy(ROOT / name, directory)
-    return directory / "results"
-
-
-@pytest.fixture
-def committed(copy_of_committed: Path) -> Iterator[Path]:
-    """A copy of the committed run that may be edited."""
-    with restored(copy_of_committed.parent):
-        yield copy_of_committed
-
-
-@pytest.fixture(scope="module")
-def committed_texts(copy_of_committed: Path) -> dict[Path, tuple[str, str]]:
-    """What ``study check`` expects in the tables, captions, badges and README of the committed run."""
-    return expected_texts(copy_of_committed)
 
 
 def rewritten(change: Callable[[pd.DataFrame], pd.DataFrame], name: str) -> Edit:
@@ -103,18 +52,6 @@ def times(factor: float) -> Callable[[str], str]:
 
 def to(value: str) -> Callable[[str], str]:
     return lambda cell: value
-
-
-def shortened(name: str, number: int) -> Edit:
-    """Delete one line of a file, counted from 0."""
-
-    def change_it(directory: Path) -> None:
-        path = directory / name
-        lines = read_uncompressed(path).decode().splitlines(keepends=True)
-        write = write_packed if path.suffix == ".gz" else write_text
-        write(path, "".join([*lines[:number], *lines[number + 1 :]]))
-
-    return change_it
 
 
 def twice(name: str, row: int = 1) -> Edit:
@@ -206,107 +143,6 @@ def test_the_command_refuses_what_one_of_its_parts_refuses(part: str, own: Path,
     assert f"study: {part} says no" in refusal(own)
 
 
-ERRORS = "../codes/errors.csv"
-CODES: dict[str, tuple[Edit, str]] = {
-    "a word for an error of a code": cell(ERRORS, "error", to("small"), "found 'small'", rows=1),
-    "a row of a code twice": (twice(ERRORS), r"errors.csv, line \d+: the row series 1, level .* is also in line 3"),
-}
-
-
-@pytest.mark.parametrize("name", CODES)
-def test_an_edit_of_the_results_of_other_codes_is_refused(name: str, copy_with_codes: Path) -> None:
-    change, message = CODES[name]
-    with restored(copy_with_codes / "codes"):
-        change(copy_with_codes)
-        assert_refused(verify, copy_with_codes, rf"(?s){message}.*`make codes")
-
-
-def tables_as_written(directory: Path) -> None:
-    """The part of ``study check`` that compares tables with what would be written now."""
-    texts = tables.texts(directory).items()
-    check.compare_texts({path: (text, "study tables") for path, text in texts if path.is_file()})
-
-
-def misreported(directory: Path) -> None:
-    """Change the first number in the headline of the README."""
-    path = directory.parent / "README.md"
-    head, mark, tail = path.read_text(encoding="utf-8").partition("<!-- headline -->")
-    path.write_text(head + mark + re.sub(r"\d+", "7", tail, count=1), encoding="utf-8")
-
-
-COMMITTED: dict[str, tuple[Edit, str]] = {
-    "a table": (shortened("tables/rates.md", 0), r"rates.md, line 1: found .*, expected .*: .*`study tables --out"),
-    "a number of a picture": (shortened("data/pictures/hexagon.json.gz", 0), r"hexagon.json.gz was changed after the"),
-    "a line of the faults deleted": (shortened("data/faults.csv", 40), r"tables/faults.\w+, line \d+"),
-    "a number of the README": (misreported, r"README.md, line \d+: found .*: .*`make pages` writes the file again"),
-}
-OTHER_PARTS: dict[str, Part] = {
-    "a number of a picture": compare_sums,
-    "a line of the defects deleted": tables_as_written,
-}
-"""Parts of ``study check`` that refuse an edit, other than ``verify`` and the comparison of texts for readers."""
-TEXTS = ("a table", "a number of the README")
-
-
-@pytest.fixture(scope="module")
-def expectation(copy_of_committed: Path) -> Expectation:
-    """What the plan of the committed run and the catalogue predict."""
-    return Expectation(read_provenance(copy_of_committed), copy_of_committed)
-
-
-QUICK = ("a number of a picture",)
-"""Edits of which each is refused by another comparison; the nightly job tries all."""
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in COMMITTED]
-)
-def test_an_edit_of_the_committed_run_is_refused(
-    name: str, committed: Path, expectation: Expectation, request: pytest.FixtureRequest, monkeypatch
-) -> None:
-    """Texts for readers follow from data: those of the unedited run are compared with the edited file."""
-    change, message = COMMITTED[name]
-    part = OTHER_PARTS.get(name, verify)
-    if name in TEXTS:
-        # Of the unedited run; they take seconds to write.
-        texts = request.getfixturevalue("committed_texts")
-        part = lambda _: check.compare_texts(texts)  # noqa: E731
-    # No edit is one of provenance.json, and the plan takes most of the time.
-    monkeypatch.setattr("study.run.check.Expectation", lambda *_: expectation)
-    change(committed)
-    assert_refused(part, committed, message)
-
-
-@pytest.mark.slow
-def test_the_committed_run_passes_and_every_file_is_compared_or_named(
-    committed: Path, committed_texts: dict[Path, tuple[str, str]], expectation: Expectation, refusal, monkeypatch
-) -> None:
-    """A file of an unknown kind is named, too."""
-    # Texts and predictions are those that the command makes, made once for all tests.
-    monkeypatch.setattr(check, "expected_texts", lambda _: committed_texts)
-    monkeypatch.setattr("study.run.check.Expectation", lambda *_: expectation)
-    write_text(committed / "new" / "kind.dat", "?")
-    told = " ".join(refusal(committed, code=0).split())
-    cases = len(pd.read_csv(committed / "data" / "cases.csv"))
-    assert re.search(
-        r"catalogue of commit \w+: \d+ rows in \d files belong to the \d+ planned measurements; "
-        rf"the predictions of {cases} cases agree with the definitions of the cases; \d+ verdicts and \d+ files agree "
-        "with the texts that this version writes",
-        told,
-    )
-    named = {word.rstrip(";") for word in told.partition("not checked")[2].split()}
-    in_part = {word.rstrip(";") for word in told.partition("checked in part")[2].partition("not checked")[0].split()}
-    everything = {path.name for path in committed.rglob("*") if path.is_file() and path.name != ".lock"}
-    assert {"kind.dat", "growth.csv", "hexagon.gif", "problem.pdf", "random.csv"} <= named
-    some = {"faults.csv", "provenance.json", "classes.csv", "errors.csv", "seeds.csv"}
-    assert some <= in_part
-    compared = everything - named - in_part
-    some = {"claims.csv", "rates.csv", "hexagon.json.gz", "ledger.svg", "growth.txt"}
-    assert some <= compared
-    suffixes = {Path(name).suffix for name in compared}
-    assert suffixes == {".csv", ".gz", ".svg", ".txt", ".md", ".tex"}
-
-
 def test_errors_that_fit_each_other_and_miss_the_claim_fail(own: Path, refusal) -> None:
     path = own / "data" / RATES
     table = pd.read_csv(path)
@@ -370,17 +206,6 @@ def checked(told) -> Callable[..., str]:
     return partial(told, "check", "--jobs", "1")
 
 
-@pytest.mark.slow
-def test_rows_measured_again_agree_and_the_seed_is_printed(own: Path, checked) -> None:
-    before = {path: path.read_bytes() for path in own.rglob("*.csv")}
-    said = checked("--again", "2", "--out", str(own), code=0)
-    seed = re.search(r"measured again: 2 of (\d+) measurements, drawn with --seed (\d+)", " ".join(said.split()))
-    assert seed
-    assert "all numbers agree within 1e-05 relative + 1e-09" in said
-    assert f"drawn with --seed {seed[2]}," in checked("--again", "2", "--seed", seed[2], "--out", str(own), code=0)
-    assert {path: path.read_bytes() for path in own.rglob("*.csv")} == before
-
-
 def test_rows_that_were_changed_are_noticed(own: Path, checked, monkeypatch) -> None:
     """Without checksums, only a measurement shows these changes, in the first rows."""
     changes = {"rates.csv": ("quadrature_change", 1.001), "equivalence.csv": ("steps", 2.0)}
@@ -400,12 +225,6 @@ def test_rows_that_were_changed_are_noticed(own: Path, checked, monkeypatch) -> 
         assert f"{column}: 1 beyond tolerance" in said
 
 
-def test_a_case_whose_file_is_gone_cannot_be_measured_again(own: Path, checked) -> None:
-    (own.parent / "pocket.py").unlink()
-    said = checked("--again", "1", "--out", str(own), code=2)
-    assert "--again needs the files of all cases; the files of pocket no longer exist" in said
-
-
 def test_a_seed_without_rows_to_draw_is_refused(checked) -> None:
     assert "--seed chooses the rows of --again: give --again N with it" in checked("--seed", "1")
 
@@ -413,17 +232,8 @@ def test_a_seed_without_rows_to_draw_is_refused(checked) -> None:
 def test_a_sample_is_repeated_by_its_seed_and_its_expected_time_is_bounded() -> None:
     jobs: list[Any] = [SimpleNamespace(cost=1e6 * second) for second in np.geomspace(0.01, 300, 500)]
     drawn = [draw_jobs(jobs, 5, seed) for seed in range(400)]
-    assert drawn[3] == draw_jobs(jobs, 5, 3)
-    assert drawn[3] != drawn[4]
-    assert all(len({job.cost for job in sample}) == 5 for sample in drawn)
+    assert drawn[3] == draw_jobs(jobs, 5, 3) != drawn[4]
     costs = np.maximum([job.cost for job in jobs], LEAST_COST)
     bound = 5 * len(jobs) / (1 / costs).sum() / 1e6
     mean = np.mean([expected_seconds(sample) for sample in drawn])
     assert 0.6 * bound < mean < 1.6 * bound < 0.16 * 5 * costs.mean() / 1e6
-    assert len(draw_jobs(jobs, 10**6, 0)) == len(jobs)
-
-
-def test_every_measurement_with_rows_in_a_table_can_be_drawn(own: Path) -> None:
-    jobs = planned_jobs(own)
-    assert {job.statement.file.name for job in jobs} == {"rates.csv", "equivalence.csv", "contact.csv"}
-    assert {job.key for job in draw_jobs(jobs, len(jobs), 1)} == {job.key for job in jobs}

@@ -19,11 +19,11 @@ from manufactured.catalogue import OTHER_NAMES
 from study.cli.common import ProgressBar, code_of, progress_bar
 from study.cli.main import main
 from study.fem.naming import outside_the_catalogue, resolve
-from study.ledger.files import StoreError, UsageError, write_text
+from study.ledger.files import UsageError, write_text
 from study.ledger.verdict import FAILS, HOLDS, MISSED, UNDECIDED, Verdict
 from study.present.outcome import ledger_text
 from study.run.judgement import claims, verdicts
-from study.run.store import FORMAT, Store
+from study.run.store import FORMAT
 
 HEAD = """
 from dataclasses import replace
@@ -120,18 +120,6 @@ def spoil(data: Path, change: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("damage", "message"),
-    [
-        (lambda data: (data / "equivalence.csv").write_text(""), "equivalence.csv is not a table"),
-        (lambda data: spoil(data, lambda t: t[t["family"] == "one-diagonal"]), "rates.csv was changed after the run"),
-    ],
-)
-def test_damaged_or_incomplete_data_never_pass(own: Path, told, damage, message: str) -> None:
-    damage(own / "data")
-    assert message in told("check", "--out", str(own))
-
-
-@pytest.mark.parametrize(
     ("change", "message"),
     [
         ({"discrete_error": 0.0}, "fails: Prop. 5.4, pocket: order of ‖Π^h u − u^h‖_V, superclose"),
@@ -147,15 +135,6 @@ def test_what_misses_a_claim_is_told_with_the_reason(own: Path, change: dict[str
     assert message in " ".join(ledger_text(claims(verdicts(own))).split())
 
 
-@pytest.mark.parametrize("name", ["rates", "statements", "cases"])
-def test_a_data_file_that_ends_within_a_line_is_refused_by_name(own: Path, told, name: str) -> None:
-    path = own / "data" / f"{name}.csv"
-    whole = path.read_bytes()
-    for length in (len(whole) - 1, len(whole) // 2):
-        path.write_bytes(whole[:length].rstrip(b"\n"))
-        assert f"{path} is truncated" in told("check", "--out", str(own))
-
-
 def test_a_second_run_computes_only_what_is_missing_and_gives_the_same_data(made: Path, told, monkeypatch) -> None:
     data = made / "results" / "data"
     before = {path: path.read_bytes() for path in data.rglob("*") if path.is_file()}
@@ -168,17 +147,6 @@ def test_a_second_run_computes_only_what_is_missing_and_gives_the_same_data(made
     told(*command, "--out", f"{made}/results", code=0)
     assert {path: path.read_bytes() for path in data.rglob("*") if path.is_file()} == before
     assert {path: path.stat().st_mtime_ns for path in untouched} == untouched
-
-
-def test_a_job_file_of_another_format_is_refused(tmp_path: Path) -> None:
-    store = Store(tmp_path)
-    store.save("a", "x", {"v": 1})
-    assert store.load("a", "x") == {"v": 1}
-    assert store.load("a", "y") is None
-    text = store.path("a").read_text().replace(f'"format": {FORMAT}', '"format": 99')
-    store.path("a").write_text(text)
-    with pytest.raises(StoreError, match="format 99"):
-        store.load("a", "x")
 
 
 COLUMNS = "label,key,case,family,reason\n"
@@ -233,20 +201,8 @@ def left_after(bar: ProgressBar, seconds: float) -> str:
     return str(bar.format_dict["left"])
 
 
-def test_no_time_is_shown_before_a_tenth_is_done(bar: ProgressBar) -> None:
-    bar.update(9)
-    assert left_after(bar, 30) == "?"
-
-
 def test_the_remaining_time_follows_from_the_mean_speed_although_the_last_job_was_slow(bar: ProgressBar) -> None:
     bar.update(40)
     bar._time = lambda: 10.0
     bar.update(10)
     assert left_after(bar, 42) == "00:42"
-
-
-def test_stored_results_do_not_count_for_the_speed(bar: ProgressBar) -> None:
-    notify = bar.notify_after_stored()
-    notify(80)
-    notify(10)
-    assert left_after(bar, 20) == "00:20"

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import meshio
@@ -13,12 +11,9 @@ import pandas as pd
 import pytest
 import scipy.sparse as sps
 
-from manufactured import named
 from study.cli.main import main
 from study.cli.refusals import exit_code_and_message
-from study.fem.mesh import Shaken
 from study.fem.naming import resolve_data
-from study.fem.quadrature import cell_rules
 from study.ledger.files import UsageError, write_text
 from study.solve.factorisation import Cholesky
 from study.statements.shared import estimates
@@ -47,7 +42,7 @@ def finished(tmp_path_factory) -> tuple[Path, str]:
     return out / "advance-recede", "\n".join(printed)
 
 
-def test_tables_are_printed_with_the_error_between_its_ends(finished) -> None:
+def test_tables_are_printed_with_the_error_between_its_ends_and_all_ends_rounded_outwards(finished) -> None:
     directory, printed = finished
     assert "exact solution known" in printed
     assert re.search(r"t +lower +error +upper +% of u +upper/lower +from u_h alone", printed)
@@ -56,7 +51,19 @@ def test_tables_are_printed_with_the_error_between_its_ends(finished) -> None:
     assert len(rows) == 8
     assert all(float(low) <= float(error) <= float(high) for _, low, error, high, _ in rows)
     assert all(float(error) <= float(alone) for _, _, error, _, alone in rows)
-    assert len(re.findall(r"^ +[34] +\[[\d.]+, [\d.]+\] +\[[\d.]+, [\d.]+\]", printed, re.MULTILINE)) == 2
+    levels, series = (pd.read_csv(directory / name) for name in ("levels.csv", "enclosure.csv"))
+    finest = series[series["level"] == 4]
+    for time, low, _, high, alone in (map(float, row) for row in rows):
+        there = finest.iloc[abs(finest["time"] - time).argmin()]
+        assert low <= there["lower"] <= there["upper"] <= high
+        assert there["plain"] <= alone
+    lines = re.findall(r"^ +[34] +\[[\d.]+, [\d.]+\] +\[[\d.]+, [\d.]+\].*", printed, re.MULTILINE)
+    assert len(lines) == len(levels)
+    for line, row in zip(lines, levels.itertuples(), strict=True):
+        _, low, high, percent_low, percent_high, _, alone = map(float, re.findall(r"[\d.]+", line))
+        assert low <= row.lowest <= row.highest <= high
+        assert percent_low <= row.percent_low <= row.percent_high <= percent_high
+        assert row.plain <= alone
     (written,) = re.findall(r"^written: (.*?)\n\n", printed, re.DOTALL | re.MULTILINE)
     files = [Path(name) for name in " ".join(written.split()).split(", ")]
     assert all(file.is_file() for file in files)
@@ -80,26 +87,6 @@ def test_the_tables_on_disk_enclose_the_error_and_the_order(finished) -> None:
     assert np.allclose(series["upper"], both, atol=1e-8)
     assert np.allclose(series["lower"], np.maximum(series["distance"] - series["bound"], 0), atol=1e-8)
     assert (series.groupby("level")["time"].last() == 1).all()
-    # Per cent of the largest ‖u(t)‖_V, which the exact solution gives.
-    solution = named("advance-recede").solution
-    (rule,) = cell_rules(Shaken()(solution.body, 16), 6, [])
-    fields, A = solution.at(rule.points), solution.law.A.at(rule.points)
-    strains = [fields.strain(time) for time in np.linspace(0, 1, 21)]
-    largest = max(np.einsum("Inq,Inq,nq->", A(strain), strain, rule.weights) for strain in strains) ** 0.5
-    percent = 100 * levels["error"] / largest
-    assert ((levels["norm_low"] <= largest) & (0.999 * largest <= levels["norm_high"])).all()
-    assert ((levels["percent_low"] <= percent) & (0.999 * percent <= levels["percent_high"])).all()
-
-
-def test_the_trajectory_is_on_disk_with_its_mesh_and_times(finished) -> None:
-    for level, steps in ((3, 17), (4, 21)):
-        with np.load(finished[0] / f"trajectory-{level}.npz") as found:
-            p, cells, times, u = (found[name] for name in ("p", "t", "times", "u"))
-        assert (len(p), len(cells), cells.max()) == (2, 3, p.shape[1] - 1)
-        assert times == pytest.approx(np.linspace(0, 1, steps + 1))
-        assert u.shape == (steps + 1, 2, p.shape[1])
-        assert abs(u[:, :, np.isclose(p[1], 1)]).max() == 0 < abs(u[-1]).max()
-        assert u[:, 1, np.isclose(p[1], 0)].min() >= -1e-12
 
 
 @pytest.mark.parametrize(
@@ -179,11 +166,6 @@ def test_a_static_body_without_contact_is_adapted_and_bounded_from_a_vtu_file(st
     printed = capsys.readouterr().out
     assert "weighted by the elasticity G" in printed
     assert "no figure" in printed
-    told = printed.split("\n\n", 1)[1]
-    assert "level" not in told
-    assert "t = " not in told
-    assert max(map(len, told.splitlines())) <= 110
-    assert max(map(len, told.strip().split("\n\n")[-1].splitlines())) <= 80
     plain = pd.read_csv(out / "hanging-mine" / "levels.csv")["plain"].iloc[0]
     assert plain == pytest.approx(rows["bound"].iloc[0], rel=1e-6)
 
@@ -241,31 +223,3 @@ def test_more_triangles_than_can_be_factorised_are_refused_with_a_refinement_tha
     assert code == 1
     assert message == str(error.value)
     assert "--jobs" not in exit_code_and_message(MemoryError())[1]
-
-
-MEASURE = """
-import resource
-import study.cli.bound
-from manufactured.problems import ramp
-from manufactured import plane_stress, static, unit_square
-from study.bound.bounded import bounded_solution
-from study.bound.trajectory import Refined
-from study.fem.mesh import Unstructured
-from study.solve.tableau import MIDPOINT
-data = {"moving": ramp, "static": lambda: static(unit_square(), plane_stress(1.0, 0.3), (0, -1))}[%r]()
-mesh = Unstructured()(data.body, %d)
-bounded_solution(data, None, Unstructured(), %d, MIDPOINT, 4, Refined(%d, 2))
-print(mesh.t.shape[1], resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)
-"""
-"""Prints the number of cells and the largest resident memory of a process with all imports of the command, on Linux."""
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(sys.platform != "linux", reason="other systems count memory in other units")
-@pytest.mark.parametrize("kind", ["moving", "static"])
-@pytest.mark.parametrize(("level", "refinements"), [(16, 0), (48, 0), (8, 1), (24, 1), (8, 2)])
-def test_the_estimated_memory_is_one_to_two_times_the_measured_memory(kind: str, level: int, refinements: int) -> None:
-    program = MEASURE % (kind, level, level, refinements)
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    cells, peak = map(int, done.stdout.split())
-    assert 1 <= estimates.bound(cells, refinements) / peak <= 2

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import errno
-import io
 import json
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -15,27 +13,20 @@ import time
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import pandas as pd
 import pytest
 
-from convergence_orders.printing import printable
 from study.bound import bounded
 from study.cli import run
 from study.cli.main import CLOSED, INTERRUPTED, main
 from study.cli.options import RESUMED, STARTS_AGAIN, parser
-from study.ledger.datafiles import made_by
-from study.ledger.files import StoreError, UsageError, write_text, write_whole
-from study.ledger.verdict import FAILS, row
-from study.ledger.window import at_most
-from study.present.outcome import write_junit
+from study.ledger.files import StoreError, UsageError, write_text
 from study.run.executor import Processes
 from study.run.plan import Plan
 from study.run.provenance import commit, provenance, read_provenance
 from study.run.store import Store
 from study.run.tasks import TaskStore
-from study.statements.korn import Korn
 from study.statements.shared.scope import Scope
 
 COARSE = ["--steps", "2", "--refine", "0", "--shorter", "1"]
@@ -57,15 +48,6 @@ def test_files_that_the_study_did_not_write_are_never_overwritten(command: str, 
     assert everything(tmp_path) == before
 
 
-def test_figures_of_other_data_do_not_overwrite_the_files_of_somebody_else(made: Path, tmp_path, told) -> None:
-    command = f"figures --data {made}/results --only orders --format svg --jobs 1 --out".split()
-    for _ in range(2):
-        told(*command, str(tmp_path / "new"), code=0)
-    write_text(tmp_path / "mine" / "figures" / "orders.svg", "mine")
-    assert "orders.svg was not written by a study" in told(*command, str(tmp_path / "mine"))
-    assert list(everything(tmp_path / "mine").values()) == [b"mine"]
-
-
 SQUARE = f"{Path(__file__).parents[2]}/examples/certificates/problems.py:square"
 OWNED = [
     (["bound", "ramp", "--levels", "4", *COARSE], "ramp"),
@@ -82,15 +64,6 @@ def test_a_folder_of_somebody_else_is_left_alone(command: list[str], folder: str
     mine = tmp_path / folder / "notes.txt"
     assert f"{mine} was not written by a study" in told(*command, "--out", str(tmp_path))
     assert list(everything(tmp_path)) == [mine]
-
-
-def test_other_files_beside_those_of_the_study_are_no_hindrance(tmp_path: Path) -> None:
-    write_text(tmp_path / "src" / "mine.py", "")
-    write_text(tmp_path / "README.md", "")
-    Store(tmp_path).check()
-    with Store(tmp_path).locked():
-        write_text(tmp_path / "data" / "rates.csv", "ours")
-    Store(tmp_path).check()
 
 
 def test_a_bound_resumes_with_the_levels_that_are_not_done(tmp_path, capsys, monkeypatch) -> None:
@@ -140,15 +113,6 @@ def test_two_commands_on_one_directory_are_refused_by_name_until_the_first_one_e
     assert f"another run works on {tmp_path / folder}: wait until it ends, or give another directory with" in said
     with store(tmp_path / folder).locked():
         pass
-
-
-def test_a_command_may_lock_a_directory_twice_and_an_export_removes_its_lock(tmp_path: Path) -> None:
-    store = TaskStore(tmp_path)
-    with store.locked(), store.locked():
-        assert store.lock.exists()
-    with store.locked():
-        pass
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_record_of_a_run_names_the_commit_and_whether_the_code_was_changed_since(tmp_path, monkeypatch) -> None:
@@ -224,60 +188,6 @@ def test_an_empty_name_is_refused(command: str, tmp_path: Path, monkeypatch, cap
     assert [*tmp_path.iterdir()] == []
 
 
-ESCAPES = "L2\x1bc\x9b1m\u202e"
-"""A name that would clear a terminal, change its colour and turn the direction of the text."""
-
-
-@pytest.mark.parametrize("output", [[], ["--json"], ["--values"], ["--columns", "none"]])
-def test_names_of_columns_cannot_command_the_terminal(output: list[str], tmp_path: Path, capsys) -> None:
-    (tmp_path / "t.csv").write_text(f"h,{ESCAPES}\n.4,.16\n.2,.04\n.1,.01\n", encoding="utf-8")
-    main(["rates", str(tmp_path / "t.csv"), *output])
-    printed = capsys.readouterr()
-    main(["rates", str(tmp_path / ESCAPES)])
-    assert r"\u001bc\u009b1m\u202e" in capsys.readouterr().err
-    assert printed.out + printed.err == printable(printed.out + printed.err) != ""
-    if output == ["--json"]:
-        json.loads(printed.out)
-
-
-def test_reports_with_control_characters_are_well_formed(tmp_path: Path) -> None:
-    (tmp_path / "t.csv").write_text(f"h,{ESCAPES}\n.4,.16\n.2,.04\n.1,.01\n", encoding="utf-8")
-    files = {form: tmp_path / f"report.{form}" for form in ("junit", "markdown")}
-    options = [word for form, file in files.items() for word in (f"--{form}", str(file))]
-    main(["rates", str(tmp_path / "t.csv"), "--expected", "2", *options])
-    files["checks"] = tmp_path / "checks.xml"
-    write_junit(files["checks"], [row(Korn(), "order", "a", at_most(1.0), (0.5, (0.5, 0.5), FAILS), ESCAPES)])
-    for form, file in files.items():
-        text = file.read_text(encoding="utf-8")
-        assert text == printable(text)
-        assert r"L2\u001bc" in text
-        if form != "markdown":
-            ElementTree.parse(file)
-
-
-def test_a_window_system_that_matplotlib_does_not_know_is_not_used(tmp_path: Path) -> None:
-    (tmp_path / "t.csv").write_text("h,e\n.4,.16\n.2,.04\n.1,.01\n")
-    words = [sys.executable, "-m", "study", "rates", str(tmp_path / "t.csv"), "--plot", str(tmp_path / "p.png")]
-    subprocess.run(words, env=os.environ | {"MPLBACKEND": "nonsense"}, check=True, stdout=subprocess.DEVNULL)
-    assert (tmp_path / "p.png").read_bytes().startswith(b"\x89PNG")
-
-
-@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8"])
-@pytest.mark.parametrize("arguments", [["cases"], ["cases", "--json"], ["rates", "none.csv"]])
-def test_an_output_with_few_letters_ends_no_command(encoding: str, arguments: list[str], monkeypatch) -> None:
-    streams = [io.TextIOWrapper(io.BytesIO(), encoding=encoding) for _ in range(2)]
-    monkeypatch.setattr("sys.stdout", streams[0])
-    monkeypatch.setattr("sys.stderr", streams[1])
-    assert main(arguments) == (2 if arguments[0] == "rates" else 0)
-    for stream in streams:
-        stream.flush()
-    text = streams[0].buffer.getvalue().decode(encoding)  # type: ignore[attr-defined]
-    if "--json" in arguments:
-        assert any("Γ" in entry["summary"] for entry in json.loads(text))
-    elif arguments == ["cases"]:
-        assert ("\\u0393" in text) == (encoding != "utf-8")
-
-
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no /dev/full")
 def test_a_full_disk_behind_the_output_is_said_in_words() -> None:
     with open("/dev/full", "w") as full:
@@ -318,16 +228,6 @@ def test_levels_can_be_added_to_a_directory(tmp_path: Path, capsys: pytest.Captu
     assert shorter.own == ()
 
 
-def test_hints_for_repair_name_the_command_that_made_the_directory(tmp_path, told) -> None:
-    planned(tmp_path, "--case", "corner", "--levels", "8", "16", "32", "--step", "0.1")
-    line = f"study run --case corner --levels 8 16 32 --step 0.1 --out {tmp_path}"
-    assert made_by(tmp_path) == line
-    assert f".csv is missing: make it with `{line}`" in told("check", "--out", str(tmp_path))
-    assert made_by(tmp_path / "none") == f"study run --out {tmp_path / 'none'}"
-    write_text(tmp_path / "a b" / "data" / "provenance.json", json.dumps({"plan": "full"}))
-    assert made_by(tmp_path / "a b") == f"study run --full --out '{tmp_path}/a b'"
-
-
 WORDS = [("error", "small"), ("error", "nan"), ("order", "steep"), ("error", "")]
 
 
@@ -355,21 +255,6 @@ def test_a_plain_run_in_a_fresh_clone_leaves_the_committed_results_alone(tmp_pat
     monkeypatch.setattr("study.run.plan.Plan.check", lambda *_: None)
     assert told("run") == "study: it would write in results/quick\n"
     assert (tmp_path / "results" / "data" / "provenance.json").read_text() == "{}"
-
-
-def test_no_more_processes_are_started_than_there_is_work(tmp_path, told, monkeypatch) -> None:
-    started: list[int] = []
-
-    def counted(jobs: int) -> Processes:
-        started.append(jobs)
-        raise UsageError("here they would start")
-
-    monkeypatch.setattr("study.cli.run.Processes", counted)
-    small = ["--case", "full-contact", "--levels", "2", "4", "8", "--out", str(tmp_path)]
-    told("run", *small, "--jobs", "1024")
-    told("run", *small, "--jobs", "2")
-    assert 2 < started[0] < 40
-    assert started[1] == 2
 
 
 SLIVER = """
@@ -434,58 +319,3 @@ def test_a_disk_that_cannot_be_written_is_named_by_every_command(
     said = told(*command.split(), "--out", str(out))
     assert "cannot write" in said
     assert says in said
-
-
-def wrapped(part: Path) -> None:
-    """As a library that meets a full disk again while it cleans up."""
-    try:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-    except OSError:
-        raise ValueError("cannot close the archive") from None
-
-
-def test_a_full_disk_behind_another_error_is_called_a_full_disk(tmp_path) -> None:
-    with pytest.raises(StoreError, match="the disk is full"):
-        write_whole(tmp_path / "file", wrapped)
-    assert [*tmp_path.iterdir()] == []
-
-
-@pytest.mark.parametrize(
-    ("command", "code", "says"),
-    [
-        pytest.param("cases", 0, "full-contact", marks=pytest.mark.slow),  # compiles SymPy without docstrings
-        pytest.param("rates examples/errors.csv", 0, "converges with order", marks=pytest.mark.slow),
-        pytest.param("compare results results", 0, "identical", marks=pytest.mark.slow),
-        ("check", 2, "study: python -OO removes docstrings, and pyamg, which this command needs, cannot be imported"),
-    ],
-)
-def test_python_without_docstrings_runs_a_command_or_ends_with_a_sentence(command: str, code: int, says: str) -> None:
-    study = [sys.executable, "-OO", "-m", "study", *command.split()]
-    done = subprocess.run(study, cwd=Path(__file__).parents[2], capture_output=True, text=True, check=False)
-    assert done.returncode == code
-    assert says in done.stdout + done.stderr
-    assert "Traceback" not in done.stderr
-
-
-SHOWN = ["cases", "check --out results", "tables --out results", "report --out results", "compare results results"]
-SHOWN += ["run --case {}/pocket.py:pocket --levels 8 16 32 --out results"]
-
-
-@pytest.mark.slow
-def test_what_is_printed_fits_80_columns_and_ends_with_a_summary(made: Path, tmp_path, capsys, monkeypatch) -> None:
-    shutil.copytree(made / "results", tmp_path / "results", ignore=shutil.ignore_patterns("figures"))
-    figures = sorted(path.relative_to(made) for path in (made / "results" / "figures").iterdir())
-    monkeypatch.setattr("study.cli.common.draw_figures", lambda *arguments: figures)
-    monkeypatch.setenv("COLUMNS", "80")
-    monkeypatch.chdir(tmp_path)
-    printed = ""
-    for shown in SHOWN:
-        assert main(shown.format(made).split()) == 0
-        printed = capsys.readouterr().out
-        assert [line for line in printed.splitlines() if len(line) > 80] == []
-    last = printed.strip().splitlines()
-    counted = r"(\d+) hold, 0 fail, 0 undecided, 0 missed"
-    concluded = r"no statement was contradicted, \1 checks confirmed their claims; observed orders .*\."
-    assert re.search(rf"{counted}.* Conclusion: {concluded}$", " ".join(last))
-    assert sum("written: " in line for line in last) == 1
-    assert len(last) < 64, "a screen and the reported rows of the case"

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import os
-import re
 import shlex
 import subprocess
 import sys
-from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 
 import manufactured
-from manufactured import Data, KelvinVoigt, LawError, isotropic, unit_square
 from study.cli.main import main
 from study.cli.options import FAMILIES as FAMILY_NAMES
-from study.cli.options import OK, TOLERANCE, USAGE, parser
 from study.cli.options import SCHEMES as SCHEME_NAMES
+from study.cli.options import TOLERANCE, parser
 from study.cli.run import on_finer_meshes, scope_from_options
 from study.fem.mesh import FAMILIES, Alternating
 from study.ledger.compare import Tolerance
@@ -131,17 +128,6 @@ def test_a_case_that_cannot_be_measured_is_refused_with_what_to_change(lines: st
     assert said in told("run", "--case", f"{path}:mine", "--levels", "4", "8", "16", "--out", str(tmp_path / "out"))
 
 
-@pytest.mark.parametrize("face", [LINEAR.format("pos(-z, 4)", "pos(z, 3)", "z"), PRESCRIBED.format("0", "0")])
-def test_a_law_of_another_dimension_than_the_body_is_refused_in_words(face: str, tmp_path, told) -> None:
-    words = "the law solid acts in dimension 3, the body has dimension 2; give its tensors that dimension, such as iso"
-    path = tmp_path / "mine.py"
-    path.write_text(OWN.format(face=face, of=", dim=3"), encoding="utf-8")
-    assert words in told("run", "--case", f"{path}:mine", "--out", str(tmp_path / "out"))
-    solid = KelvinVoigt(isotropic(1, 1, dim=3), isotropic(1, 1, dim=3), "solid")
-    with pytest.raises(LawError, match=words):
-        Data.formulas(unit_square(), solid, f0=(0, 0))
-
-
 def test_help_names_what_there_is_in_80_columns_and_needs_nothing_that_takes_time() -> None:
     asked = (
         "import sys; from study.cli.options import parser; parser().print_help(); print(*sys.modules, file=sys.stderr)"
@@ -156,23 +142,6 @@ def test_help_names_what_there_is_in_80_columns_and_needs_nothing_that_takes_tim
     assert Tolerance.relative == TOLERANCE
 
 
-def test_what_bounds_serve_is_said_before_anything_is_tried(capsys) -> None:
-    with pytest.raises(SystemExit):
-        main(["bound", "--help"])
-    before_options = " ".join(capsys.readouterr().out.partition("positional arguments")[0].split())
-    root = Path(__file__).parents[2]
-    pages = [(root / name).read_text("utf-8") for name in ("README.md", "docs/tutorials/bound.md")]
-    for text in (before_options, *pages):
-        for words in (
-            "straight sides",
-            "without friction|frictionless",
-            "clamped",
-            "triangles",
-            "not served|Not served",
-        ):
-            assert re.search(words, text), words
-
-
 def test_names_of_the_package_are_found_when_they_are_asked_for() -> None:
     asked = "import manufactured.catalogue, sys; print('sympy' in sys.modules); from manufactured import *; print(pos)"
     printed = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True).stdout
@@ -180,23 +149,6 @@ def test_names_of_the_package_are_found_when_they_are_asked_for() -> None:
     assert {*manufactured.__all__} < {*dir(manufactured)}
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         manufactured.nothing  # noqa: B018
-
-
-@pytest.mark.parametrize(
-    ("arguments", "code", "printed"),
-    [
-        *((f"rates errors.csv --expected {value}", USAGE, "argument --expected") for value in ("nan", "inf", "one")),
-        ("--version", OK, f"study {version('signorini-study')}\n"),
-    ],
-)
-def test_the_parser_prints_the_version_and_refuses_an_expected_order_that_is_no_number(
-    arguments: str, code: int, printed: str, capsys
-) -> None:
-    with pytest.raises(SystemExit) as stopped:
-        main(arguments.split())
-    assert stopped.value.code == code
-    shown = capsys.readouterr()
-    assert printed in shown.out + shown.err
 
 
 @pytest.mark.parametrize(
@@ -254,27 +206,3 @@ def test_finer_meshes_are_one_line_to_copy(file: Path) -> None:
     line = on_finer_meshes(options, scope_from_options(options), options.out)
     assert line == (f"study run --case {file}:front --levels 16 32 64 --step 0.01 --out 'build/a case-finer'")
     assert parser().parse_args(shlex.split(line)[1:]).levels == [16, 32, 64]
-
-
-FIRST = {
-    "run": {"plan": "quick", "case": None, "levels": None, "scheme": "midpoint", "step": None, "cluster": None},
-    "run --quick --case a b --case f.py:c": {"plan": "quick", "case": ["a", "b", "f.py:c"]},
-    "run --full --levels 8 16 --scheme bdf2 --step 0.1 --jobs 3 --cluster tcp://h:1 --out d": dict(
-        plan="full", levels=[8, 16], scheme="bdf2", step=0.1, jobs=3, cluster="tcp://h:1", out=Path("d")
-    ),
-    "compare a b --tolerance 1e-6 --absolute 1e-9 --json": {"tolerance": 1e-6, "absolute": 1e-9, "json": True},
-    # A number of seeds was asked for then; today it may be, and they are fresh ones.
-    "seeds --seeds 20": {"seeds": 20, "out": Path("results")},
-    "bound f.py:w": dict(problem="f.py:w", levels=[8, 16], family="unstructured", scheme="midpoint", steps=None)
-    | dict(refine=1, shorter=4, out=Path("bounds")),
-}
-"""Commands of the first round, before there was a documentation site, and what they meant.
-
-One default is another: a ``run`` without ``--full`` and ``--out`` went to ``results``, over the committed data.
-"""
-
-
-@pytest.mark.parametrize("command", FIRST)
-def test_commands_of_the_first_round_mean_what_they_meant(command: str) -> None:
-    options = vars(parser().parse_args(command.split()))
-    assert {name: options[name] for name in FIRST[command]} == FIRST[command]

@@ -14,14 +14,12 @@ import pandas as pd
 import pytest
 
 from study.cli.main import main
-from study.controls.contact_test import CHOSEN, DEFECTS, OF_THE_PROGRAM, contact_tests, defective, write_contact_test
-from study.controls.faults import FAULTS, Fault, Frictional, bounded, friction, tangents
+from study.controls.contact_test import CHOSEN, DEFECTS, OF_THE_PROGRAM, contact_tests, defective
+from study.controls.faults import FAULTS, Fault, Frictional, friction, tangents
 from study.controls.matrix import distance_of_solutions, measured_on, rows_of
 from study.fem.naming import resolve
 from study.ledger import faults
-from study.present.outcome import contact_test_text
 from study.run.plan import Plan, quick
-from study.run.store import Store
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import Setting
@@ -82,18 +80,6 @@ def test_friction_obeys_coulombs_law_at_every_vertex(mu: float) -> None:
     assert (shear * slides >= -1e-9 * size).all()
 
 
-def test_bounded_forces_minimise_the_energy() -> None:
-    rng = np.random.default_rng(0)
-    L = rng.standard_normal((6, 6))
-    W, free, bound = L @ L.T + np.eye(6), rng.standard_normal(6), rng.uniform(0, 0.3, 6)
-    forces = bounded(W, free, bound, np.zeros(6))
-    slope = W @ forces - free
-    assert (abs(forces) <= bound + 1e-12).all()
-    inside = abs(forces) < bound - 1e-9
-    assert slope[inside] == pytest.approx(0, abs=1e-9)
-    assert (slope * np.sign(forces))[~inside].max(initial=0.0) <= 1e-9
-
-
 def test_without_friction_the_frictional_solver_is_the_right_one() -> None:
     setup = experiment("corner", 8)
     solver = friction(setup, 0.0).solved.solver(setup.problem.M, setup.problem.N)
@@ -148,12 +134,6 @@ SEEN, UNSEEN = "order", ""
 )
 def test_a_fault_must_be_noticed_in_two_plane_cases_and_in_one_in_space(rows, lacking: str) -> None:
     assert faults.in_words(faults.missed(matrix(*rows))) == lacking
-
-
-def test_the_summary_counts_cases() -> None:
-    rows = [("f", 0.1, "a", 2, SEEN, ""), ("f", 0.1, "b", 2, UNSEEN, "force"), ("f", 0.1, "c", 2, UNSEEN, "")]
-    (line,) = faults.summary(matrix(*rows).assign(distance=[1.0, 1.0, 0.0])).to_dict("records")
-    assert (line["cases"], line["errors"], line["any_check"], line["invisible"]) == (3, 1, 2, 1)
 
 
 def test_the_command_writes_the_matrix_and_continues(monkeypatch, tmp_path, capsys) -> None:
@@ -230,35 +210,6 @@ def cases(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def plan_of(reference: str) -> Plan:
     scope = replace(quick(), cases=(reference,), plane=Levels((4, 8, 16)), every_family=False, statements=False)
     return Plan.of(scope)
-
-
-def outcome(reference: str, directory: Path) -> tuple[pd.DataFrame, str]:
-    """The rows of ``contact-test.csv``, and what a run prints about them."""
-    plan, store = plan_of(reference), Store(directory)
-    (jobs,) = contact_tests(plan)
-    for job in (*jobs, *(job for defect in DEFECTS for job in defective(jobs, defect))):
-        store.save(job.key, job.fingerprint(), dict(job.run()))
-    (path,) = write_contact_test([jobs], store)
-    return pd.read_csv(path, keep_default_na=False), " ".join(contact_test_text(directory).split())
-
-
-@pytest.mark.slow
-def test_a_front_under_a_large_pressure_notices_both_defects(cases: Path, tmp_path: Path) -> None:
-    rows, text = outcome(f"{cases}:good", tmp_path)
-    assert (rows["noticed"] > 0).all()
-    places = rows.set_index("defect").loc["every second vertex of Γ3 free", "noticed_by"]
-    assert "contact force, order-pressure" in places
-    assert "weak" not in text
-    assert "contact forces scaled: by contact force" in text
-
-
-@pytest.mark.slow
-def test_a_small_pressure_on_a_narrow_patch_is_a_weak_test_with_advice(cases: Path, tmp_path: Path) -> None:
-    rows, text = outcome(f"{cases}:weak", tmp_path)
-    assert (rows["noticed"] == 0).all()
-    assert (rows["holding"] > 0).all()
-    assert text.startswith("weak test of contact: weak, unstructured meshes, n = 4 8 16")
-    assert "larger pressure relative to moduli and gap, a contact zone that is wider in cells, or finer levels" in text
 
 
 def test_only_cases_of_users_that_touch_are_tested(cases: Path) -> None:

@@ -16,7 +16,7 @@ from scipy import stats
 from study.cli import seeds
 from study.cli.main import main
 from study.controls.rules import rules
-from study.controls.seeded import LEFT_OUT, seeded
+from study.controls.seeded import seeded
 from study.fem.mesh import Shaken
 from study.fem.naming import family_named, resolve
 from study.ledger.datafiles import DataError
@@ -26,15 +26,8 @@ from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 from study.ledger.window import at_most
 from study.run.executor import Pool, Processes, execute
 from study.run.judgement import collect
-from study.run.plan import Job, Plan, full
+from study.run.plan import Plan
 from study.run.store import Store
-from study.statements.contact_work import WorkOfContact
-from study.statements.fully_discrete import FullyDiscrete
-from study.statements.landings import Landings
-from study.statements.rollers import Rollers
-from study.statements.shared.base import Statement
-from study.statements.shared.scope import SLOW
-from study.statements.thm_4_2_own_space import OwnSpace
 from study.statements.uniqueness import OneTrajectory
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -128,26 +121,6 @@ def test_a_seed_in_its_name_gives_other_shaken_meshes() -> None:
         family_named("shaken-x")
 
 
-def test_plans_of_two_seeds_measure_the_same_on_other_meshes() -> None:
-    three, four = plan_of_three().jobs, seeded(4).jobs
-    assert {job.setting.family for job in three} == {"shaken-3"}
-    assert [job.key for job in four] == [job.key.replace("shaken-3", "shaken-4") for job in three]
-
-
-def test_every_case_and_statement_that_the_ledger_judges_on_shaken_meshes_is_among_them() -> None:
-    def kinds(jobs: Iterable[Job]) -> set[tuple[Statement, str]]:
-        """Statements, and the cases of those that are about cases: on other meshes the others take fewer."""
-        of_cases = lambda statement: statement.of_every_case or isinstance(statement, OwnSpace)  # noqa: E731
-        return {(job.statement, job.setting.case if of_cases(job.statement) else "") for job in jobs}
-
-    everywhere = (job for job in Plan.of(full()).jobs if not isinstance(job.statement, LEFT_OUT))
-    shaken = [job for job in everywhere if job.setting.family == "shaken" and job.setting.case not in SLOW]
-    assert not any(isinstance(job.statement, LEFT_OUT) for job in plan_of_three().jobs)
-    # Nothing is claimed of these on shaken meshes.
-    missing = {type(statement) for statement, _ in kinds(shaken) - kinds(plan_of_three().jobs)}
-    assert missing == {FullyDiscrete, Landings, Rollers, WorkOfContact}
-
-
 def few(seed: int) -> Plan:
     """Two quick settings of each of two statements in place of all."""
     every = plan_of_three()
@@ -227,11 +200,6 @@ def measurements(directory: Path, plan: Plan) -> tuple[Path, Plan]:
         execute(plan.jobs, Store(directory), Pool.of(processes), lambda _: None)
     collect(plan, Store(directory))
     return directory, plan
-
-
-@pytest.mark.slow
-def test_the_fingerprint_of_a_rule_is_that_of_every_seed(measured: tuple[Path, Plan], tmp_path: Path) -> None:
-    assert rules(*measurements(tmp_path, few(12))) == rules(*measured)
 
 
 def test_another_window_statistic_or_level_is_another_rule_of_these_rows_alone(

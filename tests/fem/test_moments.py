@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from manufactured.catalogue import NAMES
-from manufactured.law import LawError, Linear
+from manufactured.law import Linear
 from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules, shared_lines
 from study.fem.mesh import FAMILIES
 from study.fem.naming import resolve
@@ -44,12 +44,6 @@ def test_the_modes_of_a_force_sum_to_f_0(name: str) -> None:
             amplitudes = part.amplitudes(np.array([0.1, time]), rate)[:, part.places, 1]
             found[:, part.points] += np.einsum("kd,kn,kn->dn", part.tensors, part.shapes, amplitudes)
     assert abs(found - expected).max() <= 1e-12 * max(abs(expected).max(), size)
-
-
-def test_a_law_that_yields_has_no_modes_of_a_force() -> None:
-    solution = resolve("yield-on-a-part").solution
-    with pytest.raises(LawError, match="linear A and G only; take body_force"):
-        solution.at(np.array([[0.5], [0.5]])).force_modes()
 
 
 @pytest.mark.parametrize(

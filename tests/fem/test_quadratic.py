@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from manufactured import Body, Kind, named, polygon, unit_square, x1, x2
+from manufactured import Kind, named, polygon, unit_square
 from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.data import Data
 from manufactured.problems import problems
@@ -18,7 +18,6 @@ from study.bound.trajectory import prolongation
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured
 from study.fem.mesh import barycentric as barycentric_of
 from study.fem.quadratic import Quadratic
-from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.stresses.composite import bernstein
 
@@ -120,14 +119,6 @@ def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body
     assert np.allclose(space.strain_at(v, some, x[:, some]), expected[:, some], atol=1e-10)
 
 
-@pytest.mark.parametrize("body", BODIES)
-def test_functions_vanish_on_the_clamped_part_and_nowhere_else(body: str) -> None:
-    space = quadratic(body)
-    coefficients = space.coefficients(np.random.default_rng(3).normal(size=space.dofs))
-    for part, edges in zip(space.body.parts, space.parts, strict=True):
-        assert (abs(coefficients[space.on_edges(edges)]).max() == 0) == (part.kind is CLAMPED)
-
-
 # ---- P1 in degree 2
 
 
@@ -177,34 +168,3 @@ def test_the_form_is_the_integral_of_the_products_of_strains(body: str) -> None:
     assert v @ (found.M @ u) == pytest.approx(integral, rel=1e-11)
     stress = np.einsum("IJ,Jcq->Icq", A, V.strain(u))
     assert v @ V.functional(stress) == pytest.approx(integral, rel=1e-11)
-
-
-@pytest.mark.parametrize("body", BODIES)
-def test_normal_moments_are_integrals_of_the_trace_with_the_polynomials_of_stresses(body: str) -> None:
-    found, rng = discretisation(body), np.random.default_rng(7)
-    v = rng.normal(size=found.displacements.dofs)
-    x, w = np.polynomial.legendre.leggauss(8)
-    x, w = (x + 1) / 2, w / 2
-    lengths = np.concatenate([found.stresses.lengths[edges] for _, edges in found.stresses.on(CONTACT)])
-    trace = on_contact(found.displacements, v, x)
-    expected = np.einsum("eq,iq,q,e->ei", trace, bernstein(found.stresses.degree, np.array([1 - x, x])), w, lengths)
-    assert np.allclose(found.normal_moments(v), expected, atol=1e-13)
-
-
-def test_loads_act_as_the_integrals_of_polynomial_formulas() -> None:
-    """f_0 of degree 2 and f_2 of degree 3 are their own projections; the load is integrated independently."""
-    body: Body = unit_square()
-    f0, f2 = (1 + x1 * x2, x1 - 3 * x2**2), {1: (x2**3, 2 - x2), 3: (x2, x2**2)}
-    data = Data.formulas(body, not_proportional(), f0=f0, f2=f2)
-    found = Discretisation(data, Shaken()(body, 3))
-    V, rng = found.displacements, np.random.default_rng(2)
-    v = rng.normal(size=V.dofs)
-    barycentric, weights = folded_gauss(6)
-    X, Y = np.einsum("dvc,vq->dcq", found.mesh.p[:, found.mesh.t], barycentric)
-    u = values(V, v, barycentric)
-    expected = np.einsum("cq,q,c->", u[0] * (1 + X * Y) + u[1] * (X - 3 * Y**2), weights, V.volumes)
-    for side, load in ((1, lambda y: np.array([y**3, 2 - y])), (3, lambda y: np.array([y, y**2]))):
-        rule = facet_rule(found.mesh, V.parts[side], body.parts[side], (), 6)
-        trace = np.einsum("aed,aeq->deq", V.coefficients(v)[V.on_edges(rule.facets)], bernstein(2, rule.shapes))
-        expected += np.sum(trace * load(body.parts[side].point(rule.s)[1]) * rule.weights)
-    assert found.load(0.0) @ v == pytest.approx(expected, rel=1e-11)

@@ -9,13 +9,11 @@ from skfem import Basis, BilinearForm, ElementTetP1, ElementTriP1, ElementVector
 from skfem.helpers import ddot, sym_grad, trace
 
 from manufactured import Body, BodyError, Kind, Part, box, isotropic, named, polygon, unit_square
-from manufactured.exact.domain import require_inside
 from manufactured.tensors import Array
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm, load_from_forces
 from study.fem.mesh import (
     FAMILIES,
-    Alternating,
     CrissCross,
     Graded,
     MeshError,
@@ -25,15 +23,9 @@ from study.fem.mesh import (
     boundary_parts,
     cell_volumes,
 )
-from study.fem.quadrature import Line, cell_rules, facet_rule, placed, simplex_rule
+from study.fem.quadrature import Line, cell_rules, facet_rule, simplex_rule
 from study.fem.space import Space
-from study.solve.tableau import MIDPOINT
-from study.statements.contact_force import Forces
-from study.statements.pictures import contact_weights
-from study.statements.shared.base import Setting
-from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import body_of, first_with_each, fits, spacing
-from study.statements.shared.scope import serving
 
 CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
 SKEW = np.array([[1.2, 0.3, 0.1], [0.0, 0.9, 0.2], [-0.2, 0.0, 1.1]])
@@ -94,19 +86,6 @@ def test_the_volume_follows_from_the_divergence_theorem(body: Body, volume: floa
     assert np.allclose(sum(part.measure * part.normal for part in body.parts), 0)
 
 
-def test_local_axes_of_a_face_are_right_handed_and_x_and_y_at_the_bottom() -> None:
-    body = box((2.0, 3.0, 1.0))
-    (bottom,) = body.of(CONTACT)
-    assert np.allclose(bottom.frame, np.eye(3))
-    assert np.allclose(bottom.coordinates(np.array([0.3, 0.4, 0.7]))[0], [0.3, 0.4])
-    for part in (*body.parts, *skewed().parts):
-        assert np.allclose(part.frame.T @ part.frame, np.eye(3))
-        assert np.linalg.det(part.frame) == pytest.approx(1)
-        assert np.allclose(part.point(part.outline), part.corners)
-        assert np.allclose(part.outline[:, 0], 0)
-        assert part.outline[1].min() >= -1e-12
-
-
 def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed() -> None:
     rng, body = np.random.default_rng(1), prism()
     x = rng.uniform(-0.5, 2.5, (3, 4000))
@@ -115,11 +94,6 @@ def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed(
     sample = body.sample(rng, 6000)
     assert body.contains(sample).all()
     assert np.allclose(sample.mean(axis=1), [5 / 6, 5 / 6, 1 / 2], atol=0.03)
-    triangle = face(LOADED, (1, 0, 0), (0, 2, 0), (0, 0, 3))
-    points = triangle.sample(rng, 6000)
-    assert triangle.contains(points, 1e-12).all()
-    assert np.allclose(points.mean(axis=1), [1 / 3, 2 / 3, 1], atol=0.05)
-    assert np.allclose(points[0] + points[1] / 2 + points[2] / 3, 1)
 
 
 @pytest.mark.parametrize(
@@ -144,14 +118,6 @@ def test_wrong_faces_and_bodies_are_refused(make, message: str) -> None:
 
 
 # ---- meshes
-
-
-def test_every_tetrahedron_of_a_kuhn_mesh_has_the_diagonal_of_its_cube() -> None:
-    mesh = OneDiagonal()(box(), 3)
-    corners = mesh.p[:, mesh.t]
-    assert np.allclose(np.ptp(corners, axis=1), 1 / 3)
-    sides = np.linalg.norm(corners[:, :, None] - corners[:, None], axis=0).max(axis=(0, 1))
-    assert np.allclose(sides, np.sqrt(3) / 3)
 
 
 def test_shaken_vertices_slide_along_edges_and_along_lines_where_the_condition_or_the_material_changes() -> None:
@@ -327,28 +293,6 @@ def test_constraints_are_v_dot_nu_on_every_face_and_twice_where_two_faces_meet(f
     assert len(np.intersect1d(space.contact[0][1], space.contact[1][1])) == both
 
 
-def test_the_weights_of_contact_vertices_cover_a_face_except_next_to_gamma_1() -> None:
-    body = BODIES["slab"]
-    space = Space(Shaken()(body, 4), body)
-    (left, at_left), (bottom, _) = space.contact
-    of_left, of_bottom = np.split(contact_weights(space), [len(at_left)])
-    assert np.isclose(of_bottom.sum(), bottom.measure)
-    assert of_left.sum() < left.measure
-    assert (space.mesh.p[2, at_left] < 0.5).all()
-
-
-@pytest.mark.parametrize("name", ["corner", "hexagon", "cube-disc"])
-def test_the_members_of_k_h_do_not_penetrate_between_vertices_and_all_others_do(name: str) -> None:
-    """K^h = V^h ∩ K: v_ν ≤ 0 at the vertices of Γ3 and on all of Γ3 are the same condition for linear v."""
-    setup = Experiment.at(Setting(name, serving(named(name))[0].name, 4), MIDPOINT, 2)
-    forces, N, rng = Forces(setup), setup.space.N, np.random.default_rng(0)
-    v = rng.standard_normal(setup.space.dofs)
-    inward = v - np.linalg.pinv(N.toarray()) @ np.maximum(N @ v, 0)
-    assert (N @ inward).max() < 1e-12
-    assert forces.penetration(inward) < 1e-12
-    assert forces.penetration(v) > 0.1
-
-
 # ---- loads and the leading term of the interpolation error, by independent formulas
 
 
@@ -390,7 +334,7 @@ def smallest_angle(corners: Array) -> float:
 
 
 @pytest.mark.parametrize(("body", "n"), [(unit_square(), 24), (box(), 9)], ids=["square", "cube"])
-def test_vertices_are_moved_evenly_up_to_the_amplitude_and_on_the_boundary_along_it(body: Body, n: int) -> None:
+def test_vertices_are_moved_evenly_up_to_the_amplitude_and_stay_on_the_boundary(body: Body, n: int) -> None:
     """Uniform on ± a in each direction: the largest is close to a, the mean square a²/3, directions are independent."""
     dim = body.dim
     plain, shaken = OneDiagonal()(body, n).p, Shaken()(body, n).p
@@ -400,22 +344,7 @@ def test_vertices_are_moved_evenly_up_to_the_amplitude_and_on_the_boundary_along
     assert (abs(moved).max(axis=1) > 0.98).all()
     assert np.mean(moved**2, axis=1) == pytest.approx(1 / 3, abs=6 / np.sqrt(moved.size))
     assert abs(np.corrcoef(moved) - np.eye(dim)).max() < 6 / np.sqrt(moved.shape[1])
-    assert (abs(moved).max(axis=0) > 1e-3).all()
-    for axis, side in product(range(dim), (0, 1)):
-        on = plain[axis] == side
-        assert abs(shaken[axis, on] - side).max() <= 1e-15
-        others = np.delete((shaken - plain)[:, on], axis, axis=0) * n
-        assert np.sqrt(np.mean(others**2)) > 0.3 * Shaken().amplitude
-
-
-def test_two_levels_and_two_seeds_are_moved_otherwise() -> None:
-    def shifts(family: Shaken, n: int) -> Array:
-        """Return the shifts of the inner vertices of level 8, divided by the width of a cell."""
-        moved = family(unit_square(), n).p - OneDiagonal()(unit_square(), n).p
-        return n * moved.reshape(2, n + 1, n + 1)[:, :: n // 8, :: n // 8][:, 1:-1, 1:-1].ravel()
-
-    for another in (shifts(Shaken(), 16), shifts(Shaken(seed=1), 8)):
-        assert abs(np.corrcoef(shifts(Shaken(), 8), another)[0, 1]) < 0.5
+    assert (shaken[plain == 0], shaken[plain == 1]) == (pytest.approx(0), pytest.approx(1))
 
 
 SHAPES = (*(case.name for case in first_with_each(body_of)), "layered")
@@ -436,24 +365,3 @@ def test_no_cell_is_close_to_degenerate(name: str) -> None:
                 assert volumes.min() > 0.2 * volumes.mean(), (family.name, n)
             else:
                 assert smallest_angle(mesh.p[:, mesh.t]) > family.least_angle, (family.name, n)
-
-
-@pytest.mark.parametrize("name", ["rotated", "hexagon", "re-entrant", "layered", "cube-two-faces"])
-def test_vertices_and_points_of_quadrature_lie_in_the_body_whatever_rounding_does(name: str) -> None:
-    case = named(name)
-    body = case.solution.body
-    barycentric, _ = simplex_rule(body.dim, 4)
-    for family in serving(case):
-        mesh = family(body, 7)
-        require_inside(body, mesh.p)
-        require_inside(body, placed(mesh.p, mesh.t, barycentric))
-        require_inside(body, np.mean(mesh.p[:, mesh.facets], axis=1))
-
-
-@pytest.mark.parametrize("n", [4, 5])
-def test_alternating_diagonals_give_vertices_of_the_boundary_two_and_four_cells_in_turn(n: int) -> None:
-    mesh = Alternating()(unit_square(), n)
-    assert cell_volumes(mesh) == pytest.approx(0.5 / n**2)
-    floor = np.flatnonzero(mesh.p[1] == 0)[1:-1]
-    counts = np.bincount(mesh.t.ravel())[floor[np.argsort(mesh.p[0, floor])]]
-    assert counts.tolist() == [(2, 4)[i % 2] for i in range(n - 1)]

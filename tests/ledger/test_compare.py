@@ -2,7 +2,6 @@
 
 import gzip
 import json
-import math
 import shutil
 import time
 from collections.abc import Callable
@@ -134,16 +133,6 @@ def test_numbers_decided_by_the_tolerance_of_a_solver_are_compared_by_magnitude(
     assert compared(old, new).differs == differs
 
 
-def test_numbers_are_equal_within_an_absolute_and_a_relative_part() -> None:
-    tolerance, nan, inf = Tolerance(relative=1e-4, absolute=1e-6), math.nan, math.inf
-    equal = [(1000.0, 1000.09), (0.0, 1e-6), (0.0, -0.0)]
-    unequal = [(1.0, 1.001), (1e308, -1e308), (inf, 1.0), (nan, 1.0), (inf, -inf)]
-    a, b = np.array([*equal, *unequal]).T
-    for first, second in ((a, b), (b, a)):
-        found = tolerance.equates(first, second, np.array(False))
-        assert found.tolist() == [True] * len(equal) + [False] * len(unequal)
-
-
 def test_changed_verdicts_come_first_in_words_and_in_json(old: Path, new: Path, capsys) -> None:
     write(new, "rates.csv", "order", 3, "")
     write(new, "claims.csv", "verdict", place(new, "claims.csv", label="Prop. 5.4", case="full-contact"), "fails")
@@ -156,10 +145,6 @@ def test_changed_verdicts_come_first_in_words_and_in_json(old: Path, new: Path, 
     assert (said["differs"], said["tolerance"]) == (True, {"relative": 1e-12, "absolute": 0.0})
     assert [(cell["old"], cell["new"]) for cell in said["verdicts"]] == [("holds", "fails")]
     assert [cell["relative"] for cell in said["differences"] if cell["file"] == "rates.csv"] == [None]
-    change(new, "claims.csv", lambda table: table.assign(verdict="undecided"))
-    comparison = compared(old, new)
-    assert as_text(comparison).count("→ undecided") == 20 + 3
-    assert f"and {told(comparison, 'claims.csv')['verdict'] - 20} more" in as_text(comparison)
 
 
 @pytest.mark.parametrize(
@@ -228,16 +213,11 @@ def test_a_damaged_file_is_refused_by_name_with_how_to_mend_it(old, new, name, c
         compare(new, new, Tolerance())
 
 
-def test_exit_codes_tell_equal_from_different_from_unusable_and_nothing_is_written(old, new, capsys) -> None:
+def test_exit_codes_tell_equal_from_different_and_nothing_is_written(old, new) -> None:
     before = {path for path in old.parent.rglob("*") if path.name != ".lock"}
     both = ["compare", str(old), str(new)]
     assert main(both) == 0
     upper = float(pd.read_csv(new / "data" / "bounds.csv")["upper"][0])
     write(new, "bounds.csv", "upper", 0, str(upper * (1 + 3e-6)))
     assert [main(both), main([*both, "--tolerance", "1e-5"]), main([*both, "--absolute", "1"])] == [1, 0, 0]
-    capsys.readouterr()
-    for missing in (new / "data", old / "none"):
-        assert main(["compare", str(old), str(missing)]) == 2
-        out, err = capsys.readouterr()
-        assert (out, f"study: {missing} has no data/*.csv, expected the directory " in err) == ("", True)
     assert {path for path in old.parent.rglob("*") if path.name != ".lock"} == before

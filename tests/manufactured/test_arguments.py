@@ -1,14 +1,9 @@
 """Arguments of another type: they are converted with the right meaning, or refused with a sentence."""
 
-import inspect
-from dataclasses import fields, is_dataclass
-from fractions import Fraction
-
 import numpy as np
 import pytest
 import sympy as sp
 
-import manufactured
 from manufactured import (
     HERMITE,
     Body,
@@ -169,8 +164,6 @@ CALLS = {
     examine: {"solution": SOLUTION, "seed": 1, "points": 2, "times": 2},
 }
 """The public constructors and functions with correct arguments, each in the form in which it is stored."""
-RESULTS = {"Evaluation", "catalogue"}
-"""Public names without arguments of users."""
 OTHERS = {
     "a number": 3,
     "a text": "x y z",
@@ -246,27 +239,6 @@ def call(target, arguments: dict) -> object:
     return target(*arguments.values()) if target is pos else target(**arguments)
 
 
-def content(value: object) -> object:
-    """Return a value as nested tuples that can be compared, with the types of all numbers."""
-    if is_dataclass(value) and not isinstance(value, type):
-        return type(value), tuple(content(getattr(value, field.name)) for field in fields(value))
-    if isinstance(value, np.ndarray):
-        return value.dtype, value.tolist()
-    if isinstance(value, tuple | list):
-        return type(value), tuple(map(content, value))
-    return type(value), "function" if inspect.isfunction(value) else value
-
-
-def test_every_public_name_with_arguments_is_tried() -> None:
-    public = {name: getattr(manufactured, name) for name in manufactured.__all__}
-    errors = {name for name, value in public.items() if isinstance(value, type) and issubclass(value, Exception)}
-    tried = {target.__name__ for target in CALLS}
-    others = {"Kind", "Static"}  # an enumeration, and ``Data`` under another name
-    assert {name for name, value in public.items() if callable(value)} - errors - RESULTS - others <= tried | {
-        name for name in public if isinstance(public[name], sp.Basic)
-    }
-
-
 @pytest.mark.parametrize("target", CALLS, ids=lambda target: target.__qualname__)
 def test_an_argument_of_another_type_is_refused_with_its_name(target) -> None:
     for name, value in CALLS[target].items():
@@ -276,52 +248,3 @@ def test_an_argument_of_another_type_is_refused_with_its_name(target) -> None:
                 if not permitted(given, other, target, name):
                     with pytest.raises(ValueError, match=SPEAKING.get(target, name)):
                         print(f"{other} for {name} gives", call(target, CALLS[target] | {name: changed}))
-
-
-def in_other_forms(value: object) -> list[object]:
-    """Return other forms of a value that mean the same."""
-    if isinstance(value, Kind):
-        return [value.name, value.name.lower(), value.value]
-    if isinstance(value, bool):
-        return [np.bool_(value)]
-    if isinstance(value, int):
-        return [np.int64(value), np.uint8(value), float(value), sp.Integer(value), Fraction(value)]
-    if isinstance(value, float):
-        exact = sp.Rational(value)
-        return [np.float64(value), np.float32(value), np.array(value), exact, sp.Float(value), Fraction(value)]
-    if isinstance(value, complex):
-        return [np.complex128(value)]
-    if isinstance(value, str):
-        return [np.str_(value)]
-    if isinstance(value, np.ndarray):
-        return [
-            value.tolist(),
-            value.astype(np.float32),
-            value.astype(object),
-        ]
-    if isinstance(value, dict):
-        return [{np.int64(key): list(entry) for key, entry in value.items()}]
-    if isinstance(value, tuple):
-        first = [in_other_forms(entry)[:1] or [entry] for entry in value]
-        return [list(value), [form for (form,) in first]]
-    return [str(value)] if isinstance(value, sp.Expr) and not value.is_number else []
-
-
-@pytest.mark.parametrize("target", CALLS, ids=lambda target: target.__qualname__)
-def test_numbers_lists_texts_and_names_mean_the_same_as_the_stored_form(target) -> None:
-    expected = content(call(target, CALLS[target]))
-    for name, value in CALLS[target].items():
-        for form in in_other_forms(value) if target is not pos else ():
-            assert content(call(target, CALLS[target] | {name: form})) == expected, (name, form)
-
-
-def test_a_vector_of_another_length_and_a_matrix_of_another_shape_are_refused() -> None:
-    for wrong in ([1.0, 2.0], [1.0] * 4, [[1.0]] * 3):
-        with pytest.raises(ValueError, match=r"lengths.* has to be|entries"):
-            box(wrong)
-    for wrong in (((0, 0, 0), *CORNERS[1:]), ((0,), *CORNERS[1:])):
-        with pytest.raises(ValueError, match=r"vertices\[0\] has to be a tuple or list of 2 entries"):
-            polygon(wrong, SIDES)
-    for corners in (np.zeros(2), np.zeros((2, 2, 2)), np.zeros((4, 2))):
-        with pytest.raises(ValueError, match="cannot have corners of the shape"):
-            Part("contact", corners)

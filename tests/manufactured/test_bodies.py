@@ -3,13 +3,11 @@
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pytest
 from changed import turned
 
 from manufactured import Body, BodyError, Kind, examine, named, polygon, unit_square
 from study.fem.mesh import OneDiagonal
-from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import measure
 from study.statements.shared.experiment import Experiment
@@ -29,22 +27,6 @@ def test_a_turned_body_has_the_errors_of_the_unturned_one(name: str, rounding: f
     one, same = (measure(Experiment.of(item, OneDiagonal(), 8, MIDPOINT, 8)).row() for item in (solution, other))
     for quantity in ("error", "interpolation_error", "discrete_error"):
         assert same[quantity] == pytest.approx(one[quantity], rel=rounding), quantity
-
-
-def test_a_vertex_between_two_pieces_of_one_line_is_no_corner_and_has_one_constraint() -> None:
-    body = polygon([(0, 0), (0.5, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, *SIDES])
-    assert np.array_equal(body.vertices, [[0, 0.5, 1, 1, 0], [0, 0, 0, 1, 1]])
-    assert np.array_equal(body.corners, [[0, 1, 1, 0], [0, 0, 1, 1]])
-    constraints = Space(OneDiagonal()(body, 8), body).N
-    assert constraints.shape[0] == np.linalg.matrix_rank(constraints.toarray()) == 9
-
-
-def test_an_interface_that_leaves_a_body_with_a_re_entrant_corner_is_refused() -> None:
-    corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
-    kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
-    with pytest.raises(BodyError, match="leaves the body"):
-        polygon(corners, kinds, interfaces=[((2, 0.9), (0.9, 2))])
-    assert polygon(corners, kinds, interfaces=[((1, 1), (0, 0))]).measure == pytest.approx(3)
 
 
 def square(**options: Any) -> Body:

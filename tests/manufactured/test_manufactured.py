@@ -1,7 +1,6 @@
 """The continuous problem: contact data, initial gaps, labels and the self-proof of every case."""
 
 import math
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -36,14 +35,9 @@ from manufactured import (
     s,
     t,
 )
-from manufactured.case import INITIAL_GAP
-from manufactured.cases.laws import proportional
 from manufactured.catalogue import NAMES
 from manufactured.exact import Fields
 from manufactured.exact.solution import FaceFields
-from manufactured.face_strain.fronts import real_roots, within
-from manufactured.self_proof import interior
-from manufactured.self_proof.contact_zone import _grid, signs
 from manufactured.self_proof.finding import ROUND_OFF, Finding, worst
 
 
@@ -53,18 +47,6 @@ def test_every_case_satisfies_the_problem_to_round_off(name: str, seed: int) -> 
     findings = examine(named(name).solution, seed)
     assert all(finding.passes for finding in findings), "\n".join(map(str, findings))
     assert max(finding.defect for finding in findings if finding.tolerance == ROUND_OFF) < 1e-10
-
-
-@given(st.lists(st.sampled_from([0.125, 0.25, 0.5, 0.75]), min_size=3, max_size=5), st.sampled_from([-1.0, 3.0]))
-def test_a_motion_keeps_its_sign_between_its_times_also_where_it_only_touches(roots, scale) -> None:
-    """Of double and triple roots rounding decides whether there is one, not on which side of it the sign is which."""
-    motion = scale * np.poly(roots)
-    times = np.array([0.0, *np.sort(real_roots(motion[:, None], 1.0)[:, 0]), 1.0])
-    for place in np.linspace(0.01, 0.99, 50):
-        if min(abs(place - root) for root in roots) > 1e-3:
-            piece = np.searchsorted(times, place)
-            looked_at = within(times[piece - 1], times[piece])
-            assert (np.polyval(motion, looked_at) > 0) == (np.polyval(motion, place) > 0)
 
 
 def with_face(name: str = "advance-recede", **changes) -> ExactSolution:
@@ -190,15 +172,6 @@ def test_the_exponent_is_that_of_the_least_smooth_front_on_the_face(gap: sp.Expr
         labelled(gap, Regularity(gap=1.75))
 
 
-def test_fronts_of_a_strain_that_cancel_in_a_sum_are_seen_all_the_same() -> None:
-    rough = pos(HALF - s, 2)
-    label = Regularity(pressure=2)
-    assert labelled(sp.Integer(0), label, rough, initial=-rough).regularity == label
-    strain = Prescribed(((0.5, -t * rough), (1.0, t * rough)))
-    with pytest.raises(CaseError, match="formulas say fixed front, α = inf, m = 2"):
-        replace(named("full-contact"), solution=with_face("full-contact", strain=strain))
-
-
 def test_a_front_that_stays_and_is_rougher_than_a_moving_one_has_no_label() -> None:
     """(2.75, moving) would say u̇ ∈ H^{1+s} for s < 1/4 only, but u̇ ∈ H²."""
     gap = pos(s - HALF - t / 4, 4) + pos(s - HALF, sp.Rational(11, 4))
@@ -244,32 +217,6 @@ def test_a_part_that_is_rough_on_the_face_and_no_truncated_power_is_refused(form
 )
 def test_powers_and_logarithms_that_are_smooth_on_the_face_are_accepted(formula: sp.Expr) -> None:
     assert labelled(formula, Regularity()).proposition == "Prop. 5.4"
-
-
-@COSTLY
-@given(st.integers(-15, 25), st.sampled_from([3 * HALF, sp.Rational(7, 4), -HALF, sp.Integer(-1)]), st.booleans())
-def test_a_power_is_accepted_exactly_if_its_base_has_no_zero_on_the_closed_face(tenths, exponent, moves) -> None:
-    """The base s − c in absolute value above 0, c = c_0 + t/10."""
-    start = sp.Rational(tenths, 10)
-    end = start + (sp.Rational(1, 10) if moves else 0)
-    base = s - start - (t / 10 if moves else 0)
-    gap = (base if start < 0 else -base) ** exponent
-    if end < 0 or start > 1:
-        assert labelled(gap, Regularity()).proposition == "Prop. 5.4"
-    else:
-        with pytest.raises(CaseError, match="not known to be smooth"):
-            labelled(gap, Regularity())
-
-
-def test_powers_in_space_are_read_on_the_faces_of_solids() -> None:
-    case = named("cube-disc")
-    (face,) = case.solution.faces
-    s1, s2 = face.variables
-    smooth = with_face("cube-disc", gap=face.gap * sp.sqrt(1 + s1 * s2))
-    assert replace(case, solution=smooth).regularity == case.regularity
-    for extra in (s2 ** (5 * HALF), sp.sqrt(2 - s1 - s2)):
-        with pytest.raises(CaseError, match="not known to be smooth"):
-            replace(case, solution=with_face("cube-disc", gap=face.gap * extra))
 
 
 def with_gap(g: sp.Expr, name: str = "parabolic-gap") -> Case:
@@ -320,11 +267,6 @@ def test_a_case_needs_a_predicted_order_that_its_exponents_give_and_a_reason(sta
         Case("mine", "", rough.solution, rough.regularity, **stated)
 
 
-def test_no_statement_of_the_paper_is_about_a_gap_other_than_zero() -> None:
-    assert {named(name).proposition for name in ("closing-gap", "parabolic-gap", "cube-bowl")} == {INITIAL_GAP}
-    assert with_gap(sp.Integer(0)).proposition == "Prop. 5.4"
-
-
 def test_a_gap_that_is_open_where_contact_meets_the_clamp_is_no_solution() -> None:
     """u = 0 on Γ1, so g = w where Γ3 ends at Γ1."""
     with pytest.raises(SelfProofError, match=r"\(2\.3\)"):
@@ -335,15 +277,7 @@ def test_a_gap_that_is_open_where_contact_meets_the_clamp_is_no_solution() -> No
 # Every condition of the self-proof can fail, and what is not a number fails it.
 
 
-LAYERS, PATCH = named("layered-unmet").solution, named("travelling-patch").solution
-
-
-@pytest.mark.parametrize(("name", "apart"), [("hexagon", 0.01), ("cube-disc", 0.03)])
-def test_the_conditions_on_gamma_3_are_looked_at_all_along_it(name: str, apart: float) -> None:
-    for face in named(name).solution.faces:
-        points, (low, high) = _grid(face.part), (face.part.outline.min(axis=1), face.part.outline.max(axis=1))
-        for places, a, b in zip(points, low, high, strict=True):
-            assert np.diff(np.sort([a, *places, b])).max() <= apart * (b - a)
+PATCH = named("travelling-patch").solution
 
 
 def off_by_a_millionth(values: np.ndarray) -> np.ndarray:
@@ -378,40 +312,9 @@ def test_a_damaged_field_violates_its_condition(monkeypatch, where, name, condit
     assert any(condition in finding.condition for finding in refusal.value.findings)
 
 
-def test_each_numbered_condition_is_examined_where_it_has_something_to_say() -> None:
-    numbers = {re.match(r"\([\d.]+\)", finding.condition)[0] for finding in examine(LAYERS)}
-    assert numbers == {"(2.1)", "(2.2)", "(2.3)", "(2.4)", "(2.5)", "(2.6)", "(2.9)", "(2.10)", "(3.1)", "(3.2)"}
-    said = [finding.condition for finding in examine(LAYERS)]
-    for words in ("Div σ + f_0", "σν continuous", "u(t) = u_0 + ∫u̇ dt", "σ_τ = 0", "u_ν ≤ g", "σ_ν ≤ 0", "w > 0 off"):
-        assert any(words in one for one in said), words
-
-
-@pytest.mark.parametrize(("share", "passes"), [(1e-16, True), (1e-12, False)], ids=["rounding", "more"])
-def test_a_pull_where_nothing_is_pressed_is_rounding_of_the_stresses_or_a_violation(monkeypatch, share, passes) -> None:
-    right = FaceFields.pressure
-    monkeypatch.setattr(FaceFields, "pressure", lambda on, time: right(on, time) - share * on.stress_scale())
-    signs_of_p = [
-        one for one in signs(named("no-contact").solution) if one.condition.startswith(("(2.5) σ_ν ≤ 0", "(2.5) p = 0"))
-    ]
-    assert [one.passes for one in signs_of_p] == 2 * [passes]
-
-
 @pytest.mark.parametrize("defect", [math.nan, math.inf])
 def test_what_is_no_number_passes_nothing(defect: float) -> None:
     assert not Finding("(2.2)", defect, 1e-9, (0.0,), 0.0).passes
     x, scale = np.zeros((2, 2)), np.ones((1, 2))
     assert not worst("(2.2)", x, np.zeros(1), np.array([[0.0, defect]]), scale).passes
     assert not worst("(2.2)", x, np.zeros(1), np.array([[0.0, 1e-8]]), np.array([[defect, 1.0]])).passes
-
-
-def test_the_integral_of_the_velocity_is_fine_enough_for_a_long_time_and_hides_no_wrong_velocity(monkeypatch) -> None:
-    """Contact that comes and goes ten times until T = 20."""
-    c, right = sp.Rational(1, 2) + sp.cos(sp.pi * t) / 4, Fields.velocity
-    solution = on_floor(proportional(0.2), 20 * pos(s - c, 4), 20 * pos(c - s, 2), c - s, T=20.0)
-    x = solution.body.sample(np.random.default_rng(0), 20)
-    assert interior.history(solution, x).passes
-    with monkeypatch.context() as patch:
-        patch.setattr(interior, "MOST", interior.PANELS)
-        assert not interior.history(solution, x).passes
-    monkeypatch.setattr(Fields, "velocity", lambda fields, time: 1.001 * right(fields, time))
-    assert not interior.history(solution, x).passes

@@ -11,7 +11,6 @@ from sympy import Abs, Integer, Rational, cos, expand, sin
 from manufactured import (
     Body,
     Case,
-    CaseError,
     ContactFace,
     DeviatoricBall,
     ExactSolution,
@@ -33,7 +32,6 @@ from manufactured import (
     layered,
     named,
     polygon,
-    pos,
     prove,
     s,
     s1,
@@ -46,20 +44,16 @@ from manufactured import (
 from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.catalogue import NAMES, catalogue
 from manufactured.contact.contact_face import VARIABLES
-from manufactured.contact.lifting_terms import strain_terms
 from manufactured.face_strain import Coupled
 from manufactured.face_strain.strain_on_face import relaxation_rate
 from manufactured.factor import layers
-from manufactured.multiscale import FadingFace, StripFace, multiscale, rollers
+from manufactured.multiscale import StripFace, multiscale, rollers
 from manufactured.natural_motion import PLACE, natural_motion
 from manufactured.proved import proved_order
 from manufactured.self_proof import examine
 from manufactured.singular import TravellingField
 from manufactured.tensors import mandel, traction
-from study.fem.error_norm import ErrorNorm
-from study.fem.mesh import Shaken
 from study.fem.naming import resolve
-from study.fem.space import Space
 
 POINTS = np.random.default_rng(0).uniform(0.05, 0.95, (2, 50))
 FIELDS = "displacement", "velocity", "strain", "strain_rate"
@@ -89,16 +83,6 @@ def test_williams_fields_need_no_force_where_nothing_cuts_them_off(name: str) ->
     plain = replace(solution, faces=(replace(face, field=replace(face.field, depth=None)),))
     fields = plain.at(POINTS)
     assert abs(fields.body_force(0.7)).max() < 1e-10 * abs(fields.stress(0.7)).max() / 0.05
-
-
-def test_the_sides_of_the_re_entrant_corner_are_free_of_traction_near_it() -> None:
-    """Where the cut-off is flat: at distances ≪ R."""
-    (mode,) = named("re-entrant").solution.others
-    r = np.array([1e-6, 1e-5])
-    for along, normal in ((np.array([1.0, 0.0]), np.array([0.0, 1.0])), (np.array([0.0, 1.0]), np.array([1.0, 0.0]))):
-        fields = mode.at(np.ones((2, 1)) + along[:, None] * r)
-        stress = isotropic(1, 1)(fields.strain(1.0))
-        assert abs(traction(stress, normal)).max() < 1e-6 * abs(stress).max()
 
 
 def test_a_law_that_couples_nn_with_sn_needs_a_shear_on_the_face() -> None:
@@ -155,28 +139,6 @@ def test_under_every_linear_law_a_face_can_slip_without_friction(name: str) -> N
     np.testing.assert_allclose(u, z, atol=1e-12)
 
 
-def test_under_a_law_that_couples_strains_the_body_can_start_with_any_normal_strain() -> None:
-    solution = on_floor(coupled(2), 0, 30 * (1 + t), initial=-s / 2, slip=SLIP[2])
-    prove(solution, "initial strain")
-    q, r = solution.faces[0].strain.at(np.array([[0.2, 0.8]]))(0.0, False, 0)
-    np.testing.assert_allclose([q[0,], r[0,]], [[-0.1, -0.4], [0, 0]], atol=1e-12)
-
-
-def test_the_stress_of_slip_in_the_face_and_the_slip_in_the_strain_are_needed(monkeypatch) -> None:
-    """Under a law that couples ss with sn, where the slip also needs a shear for σ_τ = 0."""
-    plane = with_slip(replace(named("advance-recede").solution, law=coupled(2)))
-    (face,) = plane.faces
-    half = [replace(mode, slip_stress=mode.slip_stress / 2) for mode in face.strain.modes]
-    with pytest.raises(SelfProofError, match=r"(?s)σ_τ = 0.*p = −σ_ν"):
-        prove(replace(plane, faces=(replace(face, strain=replace(face.strain, modes=tuple(half))),)), "half the stress")
-    monkeypatch.setattr(
-        "manufactured.contact.contact_face.strain_terms",
-        lambda n, deep, tangential: strain_terms(n, deep, tuple(name for name in tangential if name != "f")),
-    )
-    with pytest.raises(SelfProofError, match=r"\(2.10\) ε\(u\) = sym ∇u"):
-        prove(plane, "slip not in the strain")
-
-
 @pytest.mark.parametrize("convex", [FrobeniusBall, DeviatoricBall])
 @pytest.mark.parametrize("body", [unit_square(), box()], ids=["square", "cube"])
 def test_under_the_law_3_3_the_whole_face_can_slip_while_it_is_pressed(convex: type, body: Body) -> None:
@@ -192,25 +154,6 @@ def test_under_the_law_3_3_the_whole_face_can_slip_while_it_is_pressed(convex: t
 def test_a_slip_with_a_wrong_number_of_components_or_with_a_kink_is_refused(slip: tuple, told: str) -> None:
     with pytest.raises(FormulaError, match=told):
         on_floor(not_proportional(), 0, 3 + s, slip=slip)
-
-
-def test_a_front_of_the_slip_lowers_the_regularity() -> None:
-    """With z ~ (s − c)_+³, ε_ss and with it q have the exponent 2 at the fixed front c."""
-    solution = on_floor(not_proportional(), 0, 3 + s, slip=(t * pos(s - Rational(1, 3), 3),))
-    Case("slip", "slips", solution, Regularity(pressure=2), order=1, reason="test")
-    with pytest.raises(CaseError, match=r"Regularity\(pressure=2.0\)"):
-        Case("slip", "slips", solution, Regularity(), order=1, reason="test")
-
-
-def test_the_landing_jumps_in_velocity_but_not_in_load() -> None:
-    solution = named("lift-and-land").solution
-    space = Space(Shaken()(solution.body, 6), solution.body)
-    v_norm = ErrorNorm(solution, space)
-    before, after = 0.7 - 1e-9, 0.7 + 1e-9
-    fields = solution.at(POINTS)
-    jump = fields.velocity(after) - fields.velocity(before)
-    assert abs(jump).max() > 0.5
-    assert abs(v_norm.load(after) - v_norm.load(before)).max() < 1e-6 * abs(v_norm.load(after)).max()
 
 
 def test_a_lifting_without_a_kink_at_an_interface_is_refused() -> None:
@@ -235,15 +178,6 @@ def test_bounds_of_a_factor_that_do_not_hold_are_found() -> None:
     law = KelvinVoigt(isotropic(1, 1, factor=Factor(1 + x2, 1.0, 1.5)), isotropic(1, 1), "wrong bounds")
     with pytest.raises(SelfProofError, match=r"\(3.1\) bounds of the factor"):
         prove(on_floor(law, 0, 3 + s), "wrong bounds")
-
-
-def test_a_case_with_layers_needs_one_power_more_of_its_pressure() -> None:
-    """u_s ~ ∇_s q in the upper layer: with m = 2 the stress σ_ss would jump across the moving front."""
-    case = named("layered")
-    (face,) = case.solution.faces
-    rougher = replace(face, strain=replace(face.strain, pressure=150 * pos(Rational(1, 4) + t / 2 - s, 2)))
-    with pytest.raises(CaseError, match="correct the label"):
-        replace(case, solution=replace(case.solution, faces=(rougher,)), regularity=Regularity(4, 2, moving=True))
 
 
 @pytest.mark.parametrize(
@@ -285,17 +219,6 @@ def test_exponents_of_no_solution_in_h_1_or_of_no_contact_face_are_refused(label
         Regularity(**label)
 
 
-def test_a_twin_is_the_same_body_in_another_position() -> None:
-    """Or a case would be compared with itself: the same distances between corners, not the same corners."""
-    twins = [case for case in map(named, NAMES) if case.twin]
-    assert twins
-    for case in twins:
-        own, twin = (one.solution.body.vertices for one in (case, named(case.twin)))
-        distances = [np.linalg.norm(corners[:, :, None] - corners[:, None], axis=0) for corners in (own, twin)]
-        assert distances[0] == pytest.approx(distances[1])
-        assert abs(own - twin).max() > 0.1
-
-
 CASE = natural_motion()
 (FACE,) = CASE.solution.faces
 RECEDING = natural_motion(Rational(7, 10) - 2 * t / 5)
@@ -305,24 +228,6 @@ def test_the_natural_front_that_advances_is_an_exact_solution_and_one_that_reced
     assert [finding for finding in examine(CASE.solution) if not finding.passes] == []
     (finding,) = (finding for finding in examine(RECEDING.solution) if not finding.passes)
     assert "σ_ν ≤ 0" in finding.condition
-
-
-def test_a_field_that_does_not_move_is_that_of_the_natural_front() -> None:
-    resting, natural = natural_motion(Rational(2, 5)).solution, named("natural-front").solution
-    x = np.array([[0.1, 0.41, 0.8], [0.2, 0.01, 0.6]])
-    scale = (1 / 4 + 0.5) / (1 / 4 + 2 * 0.5)
-    np.testing.assert_allclose(resting.at(x).displacement(0.5), scale * natural.at(x).displacement(0.5), rtol=1e-12)
-
-
-def test_forces_and_their_rates_are_square_integrable_at_the_front() -> None:
-    """f_0 ~ r^{1/2} and its rate ~ r^{−1/2}: (3.4) as it is printed, while the stress is ~ r^{−1/2} itself."""
-    c, angle = float(PLACE.subs(t, 0.5)), 0.7
-    sizes = []
-    for r in (1e-3, 1e-5):
-        fields = CASE.solution.at([[c + r * np.cos(angle)], [r * np.sin(angle)]])
-        rate = fields.body_force(0.5 + 1e-30j).imag / 1e-30
-        sizes.append([np.linalg.norm(value) for value in (fields.body_force(0.5), rate, fields.stress(0.5))])
-    assert np.log10(np.divide(*sizes)) / 2 == pytest.approx([0.5, -0.5, -0.5], abs=0.03)
 
 
 def test_a_field_with_a_cut_off_of_the_distance_does_not_travel() -> None:
@@ -350,15 +255,6 @@ def test_the_gradient_has_the_strain_as_its_symmetric_part_and_all_else_is_what_
         assert np.array_equal(getattr(found, quantity), getattr(fields, quantity)(TIME)), quantity
     (*_, part) = body.of(Kind.LOADED)
     assert np.array_equal(found.surface_load(part), traction(found.stress, part.normal))
-
-
-def test_the_gradient_is_the_difference_of_displacements() -> None:
-    case, step = named("advance-recede"), 1e-6
-    x = case.solution.body.sample(np.random.default_rng(5), 5)
-    found = evaluate(case.solution, x, TIME).gradient
-    for j in range(2):
-        moved = [evaluate(case, x + sign * step * np.eye(2)[:, [j]], TIME).displacement for sign in (1, -1)]
-        assert np.allclose(found[:, j], (moved[0] - moved[1]) / (2 * step), atol=1e-7)
 
 
 BRACKET = named("re-entrant").solution
@@ -399,17 +295,6 @@ def test_a_wrong_shape_says_which_shape_is_wanted(x: object, told: str) -> None:
         evaluate(BRACKET, x, 0.5)
 
 
-def test_an_initial_gap_given_as_the_gap_is_led_to_initial_gap() -> None:
-    law = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
-    zone = Rational(1, 16) - (s - Rational(1, 2)) ** 2
-    solution = on_floor(law, (s - Rational(1, 2)) ** 2 / 2, 100 * t * pos(zone, 2), zone)
-    advice = r"give it as `initial_gap` of ContactFace\.linear"
-    with pytest.raises(CaseError, match=f"the pressure has a front and the gap has none.*{advice}"):
-        Case("bowl", "initial gap", solution, Regularity(gap=2, pressure=2), order=1, reason="test")
-    with pytest.raises(SelfProofError, match=f"(?s)on the stated zone.*{advice}"):
-        prove(Case("bowl", "initial gap", solution, Regularity(pressure=2), order=1, reason="test").solution, "bowl")
-
-
 # Cases with contact at many scales, and rollers, with details of the widths that they state.
 
 
@@ -431,26 +316,6 @@ def test_every_train_is_an_exact_solution(number: int, j: int) -> None:
     assert [finding for finding in examine(alone(multiscale()[number], j)) if not finding.passes] == []
 
 
-def test_every_train_has_twice_the_patches_of_the_one_before() -> None:
-    for case in multiscale():
-        counts = []
-        for face in case.solution.faces:
-            s = np.linspace(0, face.part.measure, 20_001)[1:-1]
-            touching = face.level_jet(s[None], 0.5)[(0,)] >= 0
-            counts.append(int(np.sum(touching[1:] & ~touching[:-1])))
-        growth = np.divide(counts[3:], counts[2:-1])
-        assert growth == pytest.approx(2, rel=0.2)
-
-
-def test_a_lifting_does_not_reach_above_the_next_piece() -> None:
-    solution = multiscale()[0].solution
-    face = solution.faces[0]
-    x = np.array([np.linspace(0, 1, 201), np.full(201, 1e-3)])
-    u = face.at(x).displacement(1.0)
-    assert np.abs(u[:, x[0] > 1 / 8]).max() == 0
-    assert np.abs(u[:, x[0] < 1 / 8]).max() > 0
-
-
 def test_the_theorem_raises_the_proved_order_only_where_the_trace_is_rough() -> None:
     raised = {case.name for case in catalogue() if proved_order(case) > case.regularity.proved_order}
     assert raised == {"rough-trace"}
@@ -467,48 +332,3 @@ def test_every_roller_is_an_exact_solution(kind: int, level: int) -> None:
     case = rollers(level)[kind]
     found = [finding for finding in examine(case.solution) if not finding.passes]
     assert [finding for finding in found if not finding.condition.startswith(HISTORY)] == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", [0, 3])
-def test_displacements_of_rollers_are_integrals_of_their_velocities(kind: int) -> None:
-    solution = rollers(16)[kind].solution
-    fields = solution.at(np.array([[0.2, 0.5, 0.55], [0.0, 0.03, 0.2]]))
-    ends = np.linspace(0, solution.body.T, 3001)
-    total = np.trapezoid([fields.velocity(time) for time in ends], ends, axis=0)
-    change = fields.displacement(solution.body.T) - fields.displacement(0.0)
-    assert total == pytest.approx(change, abs=1e-5 * abs(change).max())
-    assert abs(change).max() > 1e-3
-
-
-def test_a_roller_of_half_the_width_has_half_the_patch_and_leaves_the_same_strain_behind() -> None:
-    wide, narrow = (rollers(level)[0].solution.faces[0] for level in (16, 32))
-    s = np.linspace(0, 1, 40_001)[None]
-    touching = [np.mean(face.level_jet(s, 0.35)[(0,)] >= 0) for face in (wide, narrow)]
-    assert touching == pytest.approx([1 / 8, 1 / 16], abs=1e-3)
-    assert isinstance(wide, FadingFace)
-    assert isinstance(narrow, FadingFace)
-    behind = np.array([[0.1, 0.2, 0.3]])
-    left = [rollers(level)[0].solution.at(np.vstack([behind[0], 0 * behind[0]])).strain(0.35) for level in (16, 32)]
-    assert left[0] == pytest.approx(left[1])
-    assert left[0][1] == pytest.approx(-np.exp(behind[0] - 0.5))
-
-
-def test_a_roller_fades_above_a_depth_that_grows_with_the_distance_from_it() -> None:
-    solution = rollers(32)[0].solution
-    under, behind = np.vstack([np.full(2, 0.47), [0.04, 0.05]]), np.vstack([np.full(2, 0.1), [0.27, 0.29]])
-    for places in (under, behind):
-        u = abs(solution.at(places).displacement(0.35)).max(axis=0)
-        assert u[0] > 0
-        assert u[1] == 0
-
-
-def test_points_of_a_roller_that_share_a_place_along_the_face_have_the_fields_that_each_has_alone() -> None:
-    solution = rollers(8)[0].solution
-    grid = np.array(np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 0.6, 13), indexing="ij"))
-    together = solution.at(grid)
-    for i, x in enumerate(np.moveaxis(grid, 1, 0)):
-        alone = solution.at(x)
-        for name in ("displacement", "strain", "strain_rate", "strain_gradient"):
-            here, own = getattr(together, name)(0.41), getattr(alone, name)(0.41)
-            np.testing.assert_allclose(here[..., i, :], own, rtol=1e-13, atol=1e-13 * abs(here).max())

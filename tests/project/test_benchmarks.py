@@ -2,18 +2,13 @@
 
 import json
 import platform
-import sys
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks import compare, curved, fine_levels, growth, report
-from benchmarks.peers import problem as exchange
-from study.solve.tableau import BACKWARD_EULER
-
-PYTHON = "/usr/bin/python3"
+from benchmarks import fine_levels, growth, report
 
 
 def test_tables_name_the_machine_but_no_host_and_no_path(tmp_path: Path) -> None:
@@ -33,49 +28,6 @@ def test_a_level_of_the_growth_table_is_measured(solver: str) -> None:
     assert all(value > 0 for name, value in row.items() if name != "solver")
     dofs = np.array([1e3, 4e3, 16e3])
     assert growth.exponent(dofs, 3e-5 * dofs**1.17) == pytest.approx(1.17)
-
-
-@pytest.mark.slow
-def test_programs_that_are_installed_solve_the_same_problem(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    problem = compare.export(8, tmp_path / "problem.npz")
-    given = exchange.load(tmp_path / "problem.npz")
-    assert abs(given.S - (problem.M / given.k + problem.reference)).max() < 1e-12 * abs(given.S).max()
-    ours = compare.run(compare.OURS, tmp_path / "problem.npz", 60, PYTHON)
-    states = list(BACKWARD_EULER.march(problem, compare.STEPS))[1:]
-    assert compare.distance(problem.M, np.array([state.u for state in states]), ours.u) < 1e-12
-
-    installed = [peer for peer in compare.PEERS if peer.installed(PYTHON)]
-    assert {"scikit-fem, naive active set", "SciPy, condensed once", "Clarabel"} <= {peer.name for peer in installed}
-    for peer in installed:
-        line = compare.row(peer, [compare.run(peer, tmp_path / "problem.npz", 60, PYTHON)], [ours], problem, 8)
-        assert (line["remark"], line["agreement"] <= compare.AGREEMENT, line["ratio"] > 0) == ("", True, True), line
-
-    other = compare.Run(ours.u * (1 + 2 * compare.AGREEMENT), {"seconds": 1.0})
-    line = compare.row(compare.PEERS[0], [other], [ours], problem, 8)
-    assert (line["remark"], "ratio" in line) == ("disagrees: not compared", False)
-    monkeypatch.setattr(compare, "HERE", tmp_path)
-    for script, remark in (
-        ("import time; time.sleep(60)", "stopped after 1 s"),
-        ("exit('no memory')", "failed: no memory"),
-    ):
-        (tmp_path / "peer.py").write_text(script)
-        failed = compare.run(compare.Peer("peer", "peer.py", ()), tmp_path / "problem.npz", 0.6, sys.executable)
-        assert failed.remark == remark
-
-
-@pytest.mark.slow
-def test_on_a_curved_face_exact_normals_give_the_smaller_distance_to_the_interpolant() -> None:
-    coarse, fine = curved.errors(8, 0), curved.errors(16, 0)
-    assert all(1.5 < before["error"] / after["error"] < 2.5 for before, after in zip(coarse, fine, strict=True))
-    exact, averaged = fine
-    assert exact["distance"] == 0 < averaged["distance"] < averaged["error"]
-
-
-@pytest.mark.slow
-def test_numbers_on_finer_meshes_are_measured_again_on_the_coarsest() -> None:
-    committed = pd.read_csv(fine_levels.FILE).set_index("level").loc[16]
-    for name, value in {**fine_levels.natural_front(16), **fine_levels.rollers(16)}.items():
-        assert value == pytest.approx(committed[name], rel=1e-4), name
 
 
 def test_nodal_errors_near_the_front_are_those_of_a_program_with_another_quadrature() -> None:

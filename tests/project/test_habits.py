@@ -33,7 +33,6 @@ from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
 
 ROOT = Path(__file__).parents[2]
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 WORKFLOWS = [*sorted((ROOT / ".github" / "workflows").glob("*.yml")), ROOT / "examples" / "convergence-check.yml"]
 RUN_THE_STUDY = ROOT / "docs" / "how-to" / "run-the-study.md"
 TYPED = [ROOT / "README.md", RUN_THE_STUDY, ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md"]
@@ -90,30 +89,6 @@ def test_workflows_use_actions_of_a_fixed_major_version_and_may_write_nothing(wo
     assert yaml.safe_load(workflow.read_text())["permissions"] == {"contents": "read"}
     used = [str(step["uses"]) for step in steps(workflow) if "uses" in step]
     assert used and all(re.fullmatch(r"actions/[a-z-]+@v\d+", action) for action in used)  # noqa: PT018
-
-
-def test_workflows_run_what_the_documentation_tells_to_run() -> None:
-    """Except benchmarks, which time the machine, and `make cluster`, which `make test` does as well."""
-    told = set(re.findall(r"\bmake ([a-z][a-z-]*)", RUN_THE_STUDY.read_text())) & TARGETS
-    run = {target for workflow in WORKFLOWS for words in commands(workflow) if words[0] == "make" for target in words}
-    assert {"test", "study", "full", "faults"} <= told
-    assert ["make", "tutorials"] in [*commands(WORKFLOWS[0])], "every page, also where that takes minutes"
-    assert {target for target in told - run if not target.startswith("bench")} <= {"cluster"}
-
-
-def test_the_nightly_job_runs_the_study_and_the_tests_with_the_least_and_the_newest_versions() -> None:
-    job = yaml.safe_load(WORKFLOWS[1].read_text())["jobs"]["versions"]
-    assert [one["resolution"] for one in job["strategy"]["matrix"]["include"]] == ["lowest-direct", "highest"]
-    typed = " ".join(str(step.get("run")) for step in job["steps"])
-    assert all(words in typed for words in ("--resolution ${{ matrix.resolution }}", "study run --quick", "pytest"))
-
-
-def test_the_versions_of_python_that_the_documentation_says_are_tested_are() -> None:
-    told = re.search(r"3\.(\d+) to 3\.(\d+) are tested", RUN_THE_STUDY.read_text())
-    assert told is not None
-    tested = yaml.safe_load(WORKFLOWS[0].read_text())["jobs"]["tests"]["strategy"]["matrix"]["python"]
-    assert tested == [f"3.{minor}" for minor in range(int(told[1]), int(told[2]) + 1)]
-    assert PROJECT["requires-python"] == f">={tested[0]}"
 
 
 # The example for other projects.
@@ -198,7 +173,6 @@ def test_a_tree_that_is_heavier_than_recorded_fails_and_limits_only_go_down(tmp_
     assert module["compare"](weights, limits, record=True) == 0
     recorded = tomllib.loads(limits.read_text())
     assert recorded == weights
-    for name, weight in weights.items():
-        assert module["compare"]({**weights, name: weight + 0.1}, limits, record=True) == 1
+    assert module["compare"](weights | {"tests": 1.1}, limits, record=True) == 1
     assert tomllib.loads(limits.read_text()) == recorded
     assert module["compare"]({"study/new per line": 5.6}, limits, record=False) == 1

@@ -8,13 +8,10 @@ import re
 import subprocess
 import sys
 import tomllib
-from importlib.metadata import distributions, metadata
 from pathlib import Path
 
 import pytest
 import yaml
-from packaging.specifiers import SpecifierSet
-from packaging.utils import canonicalize_name
 
 import manufactured
 from study.cli.main import LACKING, main
@@ -46,17 +43,6 @@ def test_the_base_is_numpy_and_sympy_the_study_needs_forty_packages_and_each_pac
     assert set(PINS["runtime"]).isdisjoint({"pytest", "ruff", "mypy", "sphinx", "distributed", "selenium"})
     versions = {(package, version) for pins in PINS.values() for package, version in pins.items()}
     assert len(versions) == len({package for package, _ in versions})
-
-
-def test_every_pinned_package_runs_on_the_oldest_python_that_the_project_names() -> None:
-    oldest = PROJECT["requires-python"].removeprefix(">=") + ".0"
-    # Some pins are for other systems or versions of Python, and are not installed.
-    installed = {(canonicalize_name(found.name), found.version) for found in distributions()}
-    pinned = {pin for pins in PINS.values() for pin in pins.items()}
-    needed = {package: metadata(package).get("Requires-Python") for package, _ in pinned & installed}
-    if len(needed) <= 0.9 * len(pinned):
-        pytest.skip("other versions than the pinned ones are installed")
-    assert [package for package, versions in needed.items() if oldest not in SpecifierSet(versions or "")] == []
 
 
 def test_manufactured_imports_nothing_else() -> None:
@@ -101,21 +87,6 @@ def test_a_command_without_a_package_says_how_to_install_it(command, lacking, so
     assert capsys.readouterr().err == f"study: {LACKING.format(lacking, source)}\n"
 
 
-def test_study_orders_without_its_package_says_how_to_install_it(monkeypatch) -> None:
-    monkeypatch.setitem(sys.modules, "convergence_orders", None)
-    monkeypatch.delitem(sys.modules, "study.orders", raising=False)
-    with pytest.raises(ModuleNotFoundError, match=r"python -m pip install \./convergence_orders"):
-        importlib.import_module("study.orders")
-
-
-def test_the_wheel_says_that_its_packages_are_typed_and_has_the_texts_of_statements_without_a_measurement() -> None:
-    for package in ("manufactured", "study"):
-        assert "py.typed" in PYPROJECT["tool"]["setuptools"]["package-data"][package]
-        assert (ROOT / package / "py.typed").is_file()
-    assert "*.toml" in PYPROJECT["tool"]["setuptools"]["package-data"]["study.statements"]
-    assert [path.name for path in ROOT.glob("study/statements/**/*.toml")] == ["unmeasured.toml"]
-
-
 def test_everything_that_says_what_this_is_says_the_same() -> None:
     cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     deposited = json.loads((ROOT / ".zenodo.json").read_text(encoding="utf-8"))
@@ -128,12 +99,3 @@ def test_everything_that_says_what_this_is_says_the_same() -> None:
     assert " ".join(cited["abstract"].split()) == deposited["description"]
     assert cited["keywords"] == PROJECT["keywords"] == deposited["keywords"]
     assert cited["authors"] == PROJECT["authors"] == deposited["creators"] == [{"name": holder}]
-
-
-def test_the_citation_of_the_paper_is_the_one_in_the_article() -> None:
-    (paper,) = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))["references"]
-    assert [author["family-names"] for author in paper["authors"]] == ["Barboteu", "Han", "Sofonea"]
-    entry = (ROOT / "paper" / "references.bib").read_text().partition(paper["title"])[2].partition("@")[0]
-    printed = {"number": paper["issue"], "pages": f"{paper['start']}--{paper['end']}"}
-    for key, value in {**printed, "volume": paper["volume"], "year": paper["year"]}.items():
-        assert f"{key} = {{{value}}}" in entry

@@ -120,6 +120,11 @@ def test_the_commands_of_a_page_end_with_success(page: Page, run: Callable[[Page
     expect(page.printed("sh"), "".join(run(page, line) for line in page.typed if line in (*programs, *studies)))
 
 
+def test_the_bound_of_the_readme_is_the_one_that_its_example_prints(run: Callable[[Page, str], str]) -> None:
+    (said,) = [text for text in README.printed("sh") if "from u_h alone" in text]
+    expect([said], "".join(run(README, line) for line in README.typed if "displacement" in line))
+
+
 def test_the_commands_of_the_table_are_those_of_the_program() -> None:
     (page,) = [page for page in SITE if page.name == "docs/reference/commands.md"]
     (commands,) = [action for action in parser()._actions if action.choices]
@@ -204,20 +209,6 @@ def gallery() -> ModuleType:
     return extension("gallery")
 
 
-@pytest.mark.parametrize(
-    ("formula", "drawn"),
-    [
-        (r"(1, \tfrac12)", "<mn>1</mn><mn>2</mn></mfrac><mostretchy"),
-        (r"\tilde\sigma_\nu", '<msub><mover><mi>σ</mi><mostretchy="false">~</mo></mover><mi>ν</mi></msub>'),
-        (r"\lVert u\rVert_V", '<mi>u</mi><msub><mostretchy="false">‖</mo><mi>V</mi></msub>'),
-        (r"\sum_{i=1}^{n} a_i", "<munderover><mo"),
-    ],
-)
-def test_a_formula_is_drawn_as_it_is_written(formula: str, drawn: str) -> None:
-    mathml = extension("mathml").mathml
-    assert drawn in re.sub(r"\s", "", mathml(formula, as_block=True))
-
-
 def test_the_formulas_of_a_case_can_be_drawn_and_none_is_left_in_letters_of_a_keyboard(gallery: ModuleType) -> None:
     for case in catalogue():
         _, _, text = gallery.formulas(case)
@@ -226,16 +217,3 @@ def test_the_formulas_of_a_case_can_be_drawn_and_none_is_left_in_letters_of_a_ke
         for formula in found:
             assert tex2mathml(formula), case.name
         assert re.findall(r"^    |[\^]|_\{", re.sub(r"\$.+?\$|``.*?``", "", text), re.MULTILINE) == [], case.name
-
-
-@pytest.mark.parametrize(
-    ("written", "latex"),
-    [
-        ("w = 8 (−ψ)_+^4/(1/5 − ψ)³", "w = 8 (-ψ)_+^4/(1/5 - ψ)^3"),
-        ("p = a Q̇ + A_nnnn θ̇", r"p = a \dot{Q} + A_{nnnn} \dot{θ}"),
-        ("|Γ3,2| − x^{−1/2}", "|Γ_{3,2}| - x^{-1/2}"),
-        ("Re(a z^α) cos λω", r"\operatorname{Re}(a z^α) \operatorname{cos} λω"),
-    ],
-)
-def test_a_formula_becomes_latex(written: str, latex: str, gallery: ModuleType) -> None:
-    assert sys.modules["formulas"].latex(written) == latex

@@ -4,18 +4,16 @@ import re
 from copy import copy
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 from changed import overridden
 from pages import README, ROOT, SITE, Page
 
 from manufactured.colours import VERMILLION
-from study.ledger.datafiles import DataError, read_claims, read_csv
+from study.ledger.datafiles import DataError
 from study.present.full_run import FullRun
 from study.present.pages import badges, main, misprints, refresh, verdicts_in_words
 from study.statements.prop_5_3 import LIMIT
-from study.statements.prop_5_4 import NOT_AT_START
 
 
 def page(name: str) -> Page:
@@ -23,7 +21,7 @@ def page(name: str) -> Page:
     return found
 
 
-RESULTS, VERDICTS = page("explanation/results").text, page("explanation/verdicts").text
+VERDICTS = page("explanation/verdicts").text
 
 
 @pytest.fixture(scope="module")
@@ -74,63 +72,6 @@ def test_the_badges_say_what_is_so_and_are_red_where_a_row_fails_and_a_defect_go
     assert " 1 fail</title>" in found["ledger.svg"]
     assert ": 0 of " in found["defects.svg"]
     assert all(f'fill="{VERMILLION}"' in found[f"{name}.svg"] for name in ("ledger", "defects"))
-
-
-def test_the_orders_at_their_head_are_those_of_the_errors_measured() -> None:
-    """Computed here from ``rates.csv`` alone, not from the verdicts.
-
-    On irregular meshes they are orders in the leading term of the interpolation error.
-    """
-    rates = read_csv(
-        ROOT / "results", "rates.csv", ["claim", "case", "family", "h", "error", "predicted_interpolation"]
-    )
-    irregular = rates["family"].isin(["shaken", "unstructured"])
-    rates["h"] = rates["h"].where(~irregular, rates["predicted_interpolation"])
-    rates = rates[rates["claim"] == "Prop. 5.4"].sort_values("h", ascending=False)
-    limits, orders = [], []
-    for _, rows in rates.groupby(["case", "family"]):
-        h = rows["h"].to_numpy()
-        found = np.diff(np.log(rows["error"])) / np.diff(np.log(h))
-        middle = np.sqrt(h[1:] * h[:-1])
-        # The line through the last two orders, at h = 0.
-        limits.append(np.polyfit(middle[-2:], found[-2:], 1)[1])
-        orders += list(found)
-    (row,) = re.findall(
-        r"observed orders (\S+) to (\S+) extrapolated to h → 0, (\S+) to (\S+) between consecutive meshes", RESULTS
-    )
-    shown = [float(value) for value in row]
-    assert shown == pytest.approx([min(limits), max(limits), min(orders), max(orders)], abs=0.01)
-    assert shown[0] <= min(limits) <= max(limits) <= shown[1]
-    assert shown[2] <= min(orders) <= max(orders) <= shown[3]
-    numbers = (ROOT / "results" / "article" / "numbers.tex").read_text(encoding="utf-8")
-    for name, value in zip(("orderLevelMin", "orderLevelMax"), row[2:], strict=True):
-        assert rf"\newcommand{{\{name}}}{{{value}}}" in numbers, "the papers say the same"
-
-
-def test_what_its_head_says_is_at_most_so_large_is_not_larger_and_hardly_smaller() -> None:
-    strains = read_csv(ROOT / "results", "equivalence.csv", ["stress_gap", "stress_bound"])
-    claims = read_claims(ROOT / "results")
-    shares = claims.loc[(claims["label"] == "bound") & (claims["key"] == "above"), "high"]
-    limits = claims.loc[(claims["label"] == "Prop. 5.3") & (claims["key"] == "limit"), "high"]
-    bound, gap = strains["stress_bound"].max(), strains["stress_gap"].max()
-    for text, largest, digit in (
-        (r"at most (\S+), by its duality gap", bound, bound / 10),
-        (r"the stresses differ by at most (\S+) \|", gap, gap / 10),
-        (r"error / bound at most (\S+)\. In the second half", shares.max(), 1e-3),
-        (r"the errors are \S+ % to (\S+) % of the errors on", 100 * limits.max(), 1),
-    ):
-        (shown,) = map(float, re.findall(text, RESULTS))
-        assert largest <= shown < largest + digit, text
-
-
-def test_the_cases_it_names_for_an_error_largest_at_the_start_are_those_of_the_data() -> None:
-    rates = read_csv(ROOT / "results", "rates.csv", ["claim", "case", "error", "initial_error"])
-    rates = rates[rates["claim"] == "Prop. 5.4"]
-    found = set(rates.loc[rates["initial_error"] >= NOT_AT_START * rates["error"], "case"])
-    (named,) = re.findall(
-        r"In three cases, \*(\S+)\*, \*(\S+)\* and \*(\S+)\*, the error is largest at \$t = 0\$", VERDICTS
-    )
-    assert found == set(named)
 
 
 def test_windows_it_names_in_its_text_are_those_of_the_program() -> None:

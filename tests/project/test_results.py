@@ -12,7 +12,6 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from manufactured.catalogue import NAMES
 from study.fem.naming import resolve
 from study.ledger.datafiles import read_claims
 from study.ledger.schema import COUNT, TABLES, TEXT
@@ -23,6 +22,7 @@ from study.run.provenance import Complete
 from study.solve import solver_choice
 from study.solve.tableau import MIDPOINT
 from study.statements import STATEMENTS
+from study.statements.contact_force import ContactForce
 from study.statements.enclosure import BOUNDED, KEY, PARTS, Bounds
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4 import FirstOrder, RateSetting
@@ -158,6 +158,15 @@ def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_one
         assert again[column] == pytest.approx(row[column], rel=relative), column
 
 
+def test_contact_forces_measured_again_agree_with_the_committed_ones() -> None:
+    """On a body with two contact faces."""
+    committed = pd.read_csv(RESULTS / "data" / "contact.csv").query("case == 'corner'")
+    row = committed.sort_values("level").iloc[0]
+    assert len(resolve(row["case"]).solution.faces) == 2
+    again = ContactForce().run(Setting(row["case"], row["family"], int(row["level"])))
+    assert again == pytest.approx(row[[*again]].to_dict(), rel=1e-5, abs=1e-9)
+
+
 def test_every_column_of_the_committed_tables_has_a_unit_and_a_meaning() -> None:
     for path in RESULTS.glob("data/*.csv"):
         described = TABLES[path.name].columns
@@ -172,16 +181,6 @@ def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tm
     again, committed = (read_claims(directory).set_index([*ROW_KEY]) for directory in (tmp_path, RESULTS))
     pd.testing.assert_frame_equal(again.loc[committed.index], committed, rtol=1e-6)
     assert committed["verdict"].isin((HOLDS, *UNCLAIMED)).all()
-
-
-def test_the_committed_run_has_every_case_reaches_level_256_and_has_its_tables_and_figures_over_all_cases() -> None:
-    assert set(RATES["case"]) <= set(NAMES)
-    finest = RATES.groupby(["dim", "case"])["level"].max()
-    assert (finest.max() >= 256, finest.loc[2].min() >= 64, finest.loc[3].min() >= 18) == (True, True, True)
-    for name in ("rates", "ledger", "equivalence", "stresses", "bounds", "faults"):
-        assert (RESULTS / "tables" / f"{name}.md").is_file()
-    for name in ("collapsed", "convergence", "effectivity", "growth", "problem"):
-        assert {".pdf", ".txt"} <= {path.suffix for path in (RESULTS / "figures").glob(f"{name}.*")}
 
 
 def test_every_row_without_a_claim_says_why_there_is_none() -> None:

@@ -9,16 +9,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from manufactured import Kind, box
-from manufactured.body import Body, Part
 from manufactured.catalogue import NAMES
-from study.fem.mesh import MeshError, Skin, Unstructured, boundary_parts
+from study.fem.mesh import Skin
 from study.fem.naming import resolve
 from study.ledger.pictures import FINE, STEPS
 from study.present.picture import Picture
 from study.solve.motion import Motion
 from study.statements import pictures
-from study.statements.pictures import mesh_for, record
+from study.statements.pictures import record
 
 Array = NDArray[np.float64]
 SOLIDS = [
@@ -76,55 +74,3 @@ def test_displacement_gap_and_pressure_are_those_of_the_motion_at_the_vertices(c
         moved = space.nodal(frame.u)[:, Skin.of(space.mesh).vertices]
         # Three digits of the largest displacement at any time: a tenth of a pixel.
         np.testing.assert_allclose(picture.displacement[instant], moved, atol=0.51 * largest / STEPS)
-
-
-@pytest.mark.parametrize("case", SOLIDS)
-def test_facets_cover_a_contact_face_and_the_exact_zone_is_known_on_their_quarters(case: str) -> None:
-    motion, picture = solved(case)
-    for face, exact in zip(picture.polygons, motion.solution.faces, strict=True):
-        flat = np.vstack([face.s, 0 * face.s[0]])
-        fine = np.vstack([face.facets.refined(face.s), np.zeros(face.level.shape[1])])
-        for x, triangles in ((flat, face.facets.corners), (fine, face.facets.quarters)):
-            assert abs(vectors(x, triangles)[:, 2]).sum() == pytest.approx(exact.part.measure, rel=1e-3)
-            # No triangle is turned over by cutting it.
-            assert len(set(np.sign(vectors(x, triangles)[:, 2]))) == 1
-        np.testing.assert_array_equal(picture.cells[:, face.facets.cells], face.nodes[face.facets.corners])
-        fields = motion.solution.on(exact, fine[:2])
-        for n, time in enumerate(picture.times):
-            np.testing.assert_allclose(face.level[n], fields.level(time), atol=2e-3)
-            np.testing.assert_array_equal(face.inside[n], fields.level(time)[: len(face.nodes)] >= 0)
-            np.testing.assert_allclose(face.gap_exact[n], fields.gap(time)[: len(face.nodes)], atol=1e-3)
-
-
-def test_lines_of_exact_values_do_not_stop_at_nodes() -> None:
-    solution = resolve("advance-recede").solution
-    picture = Picture(json.loads(json.dumps(record("", Motion.of(solution, Unstructured(), 4, 4), 1))))
-    (face,), (exact,) = picture.segments, solution.faces
-    assert len(face.line) > 10 * len(face.s)
-    assert (face.line[0], face.line[-1]) == (face.s.min(), face.s.max())
-    fields = solution.on(exact, face.line[None])
-    for n, time in enumerate(picture.times):
-        for values, fine in ((fields.gap(time), face.line_gap), (fields.pressure(time), face.line_pressure)):
-            np.testing.assert_allclose(fine[n], values, atol=abs(fine).max() / FINE)
-
-
-def cut(share: float) -> Body:
-    """The unit cube with Γ1 on a share of its top only."""
-    others = [part for part in box().parts if part.kind is not Kind.CLAMPED]
-    clamped = np.array([(0, 0, 1), (share, 0, 1), (share, 1, 1), (0, 1, 1)])
-    loaded = np.array([(share, 0, 1), (1, 0, 1), (1, 1, 1), (share, 1, 1)])
-    return Body((*others, Part(Kind.CLAMPED, clamped.T), Part(Kind.LOADED, loaded.T)))
-
-
-@pytest.mark.parametrize(("share", "level"), [(1 / 3, 9), (1 / 5, 10), (1 / 4, 12)])
-def test_the_mesh_of_a_picture_fits_the_parts_of_a_solid(share: float, level: int) -> None:
-    family, found = mesh_for(cut(share))
-    assert found == level
-    boundary_parts(family(cut(share), found), cut(share))
-
-
-def test_a_solid_that_no_moderate_mesh_fits_is_refused_by_its_first_mesh() -> None:
-    body = cut(1 / 23)
-    family, level = mesh_for(body)
-    with pytest.raises(MeshError, match="not a vertex of the mesh"):
-        boundary_parts(family(body, level), body)

@@ -10,9 +10,10 @@ from functools import cache
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
-from manufactured import Case, catalogue, named
+from manufactured import Case, catalogue, named, unit_square
 from manufactured.catalogue import NAMES
 from manufactured.data import Data
 from study.cli.main import main
@@ -20,7 +21,7 @@ from study.fem.mesh import FAMILIES, MeshError, OneDiagonal
 from study.fem.naming import resolve, resolve_data
 from study.ledger.files import UsageError
 from study.run import fingerprint as keys
-from study.run.fingerprint import COMPUTING, ROOT, fingerprint, of_data, of_everything, of_problem, problem
+from study.run.fingerprint import ROOT, fingerprint, of_data, of_everything, of_problem, problem
 from study.run.plan import Plan, full, quick
 from study.run.store import Store
 from study.statements import STATEMENTS
@@ -28,7 +29,6 @@ from study.statements.contact_work import WorkOfContact
 from study.statements.enclosure import resolve_problem
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.initial_gap import InitialGap
-from study.statements.korn import Korn
 from study.statements.landings import Landings
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting
@@ -74,14 +74,6 @@ def test_the_full_study_uses_every_family_that_can_mesh_a_body_and_the_quick_one
     assert {setting.family for setting in rates("quick")} == {f.name for f in FAMILIES}
 
 
-def test_the_quick_study_measures_a_case_on_the_families_it_names_and_a_twin_on_those_of_its_twin() -> None:
-    assert {case.twin for case in catalogue()} - {""} <= set(NAMES)
-    found = {name: {one.family for one in rates("quick") if one.case == name} for name in scope("quick").cases}
-    for case in scope("quick").resolved():
-        assert found[case.name] == set(case.families or [scope("quick").families_of(case)[0].name])
-        assert found[case.name] == found[case.twin or case.name]
-
-
 @pytest.mark.parametrize("name", SCOPES)
 def test_a_case_added_to_the_catalogue_changes_no_measurement_of_another_case(
     name: str, monkeypatch: pytest.MonkeyPatch
@@ -124,24 +116,6 @@ def test_every_body_and_every_law_is_measured_in_one_case(feature: Callable[[Cas
     assert set(measured) == {feature(case) for case in catalogue()}
 
 
-def test_both_formulations_are_compared_on_one_family_of_a_case_in_the_quick_study_and_on_all_in_the_full_one() -> None:
-    for name in SCOPES:
-        mine = [job.setting for job in plan(name).jobs if isinstance(job.statement, SameMesh)]
-        for case in scope(name).of_the_paper().resolved():
-            found = {setting.family for setting in mine if setting.case == case.name}
-            serving = {family.name for family in scope(name).families_of(case)}
-            assert found <= serving
-            assert len(found) == (1 if name == "quick" else len(serving)), case.name
-
-
-def test_cases_with_levels_of_their_own_have_those_unless_levels_are_asked_for() -> None:
-    own = {name: levels.on_regular for name, levels in scope("full").own}
-    for setting in rates("full"):
-        assert setting.level in own.get(setting.case, (*range(6, 129),))
-    asked = replace(scope("full"), plane=Levels((4, 8)), own=())
-    assert asked.levels_of(resolve("layered")).on_regular == (4, 8)
-
-
 FULL_ONLY = {FullyDiscrete(), WorkOfContact(), Landings(), Rollers()}
 """Left to the full study: nothing is claimed of them on meshes as coarse as those of the quick one."""
 
@@ -182,12 +156,6 @@ def test_what_is_measured_is_judged_by_a_statement_of_the_list_and_the_others_me
 def test_a_case_alone_is_measured_by_the_statements_about_every_case() -> None:
     alone = Plan.of(replace(quick(), cases=("full-contact",), statements=False))
     assert {job.statement for job in alone.jobs} == {FirstOrder(), SameMesh(), Pictures()}
-
-
-def test_a_measurement_becomes_one_row_per_quantity() -> None:
-    rows = [row for _, row in Korn().records(Setting("a", "f", 8), {"h": 0.1, "p": 1.0, "q": 2.0})]
-    place = {"label": "(2.17)", "case": "a", "family": "f", "level": 8, "h": 0.1}
-    assert rows == [{**place, "quantity": name, "value": value} for name, value in (("p", 1.0), ("q", 2.0))]
 
 
 ROUGH = """
@@ -281,13 +249,6 @@ def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_n
         assert (after[0] != before[0]) == (module in COMPUTE), module
         assert after[1] != before[1]
         before = after
-
-
-def test_all_packages_below_the_statements_are_part_of_the_key() -> None:
-    hashed = {path.relative_to(ROOT).parts[:2] for pattern in COMPUTING for path in ROOT.glob(pattern)}
-    packages = "fem solve stresses bound statements ledger"
-    assert {package for top, package in hashed if top == "study"} == set(packages.split())
-    assert "manufactured" in {top for top, _ in hashed}
 
 
 def test_other_versions_of_libraries_change_the_key(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -410,7 +371,7 @@ def test_each_change_of_a_problem_changes_its_key_and_functions_of_a_user_have_a
 
 @pytest.mark.parametrize("name", ["body_force", "surface_load", "start", "initial"])
 def test_a_function_of_another_problem_takes_the_formulas_away_and_changes_the_key(name: str) -> None:
-    case = named("ramp")
+    case = named("advance-recede")
     data, other = Data.of(case.solution), Data.of(case.solution)
     mixed = replace(data, **{name: getattr(other, name)})
     assert data.formulas_of is case.solution
@@ -428,22 +389,39 @@ BOUND = {"levels": "2", "family": "one-diagonal", "scheme": "midpoint", "steps":
 OTHERS = {"levels": "3", "family": "criss-cross", "scheme": "bdf2", "steps": "5", "refine": "1", "shorter": "1"}
 
 
+@pytest.fixture
+def asked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+    """Returns the cache key that a command asks for first."""
+
+    def ask(store: Store, key: str, fingerprint: str, *others: object) -> None:
+        raise Asked(fingerprint)
+
+    def asked(problem: str, options: dict[str, str], *command: str) -> str:
+        words = [word for name, value in options.items() for word in (f"--{name}", value)]
+        with pytest.raises(Asked) as found:
+            main(["bound", problem, *words, *command, "--out", str(tmp_path)])
+        return str(found.value)
+
+    monkeypatch.setattr(Store, "cached", ask)
+    return asked
+
+
 @pytest.mark.parametrize(
     ("option", "command"),
     [*((option, ()) for option in BOUND), *((option, ("--adapt", "0.1")) for option in [*BOUND][:4])],
 )
-def test_each_option_of_study_bound_changes_the_key(
-    option: str, command: tuple[str, ...], tmp_path, monkeypatch
-) -> None:
-    def ask(store: Store, key: str, fingerprint: str, *others: object) -> None:
-        raise Asked(fingerprint)
+def test_each_option_of_study_bound_changes_the_key(option: str, command: tuple[str, ...], asked) -> None:
+    before = asked("ramp", BOUND, *command)
+    assert asked("ramp", BOUND, *command) == before != asked("ramp", BOUND | {option: OTHERS[option]}, *command)
 
-    def asked(options: dict[str, str]) -> str:
-        words = [word for name, value in options.items() for word in (f"--{name}", value)]
-        with pytest.raises(Asked) as found:
-            main(["bound", "ramp", *words, *command, "--out", str(tmp_path)])
-        return str(found.value)
 
-    monkeypatch.setattr(Store, "cached", ask)
-    assert asked(BOUND) == asked(BOUND)
-    assert asked(BOUND | {option: OTHERS[option]}) != asked(BOUND)
+def test_each_array_of_a_displacement_changes_its_key(tmp_path: Path, asked) -> None:
+    mesh = OneDiagonal()(unit_square(), 2)
+    arrays = {"points": mesh.p.T, "triangles": mesh.t.T, "times": np.array([0.0, 0.5, 1.0]), "u": np.zeros((3, 9, 2))}
+    inside = np.prod(mesh.p * (1 - mesh.p), axis=0)[:, None]
+    changes = {"points": mesh.p.T + inside, "times": np.array([0.0, 0.4, 1.0]), "u": arrays["u"] + inside}
+    keys = set()
+    for changed in ({}, *({name: value} for name, value in changes.items())):
+        np.savez(tmp_path / "mine.npz", **arrays | changed)
+        keys.add(asked("full-contact", {"displacement": str(tmp_path / "mine.npz"), "refine": "0"}))
+    assert len(keys) == 4

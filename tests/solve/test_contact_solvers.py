@@ -12,7 +12,7 @@ import scipy.sparse as sps
 from hypothesis import given
 from hypothesis import strategies as st
 from random_examples import COSTLY
-from scipy.sparse.linalg import LinearOperator, cg, splu
+from scipy.sparse.linalg import LinearOperator, cg
 
 from manufactured import Kind, named, polygon, s
 from manufactured.tensors import Array
@@ -20,7 +20,7 @@ from study.fem.error_norm import gaps_at_vertices
 from study.fem.mesh import CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space, form
 from study.solve import signorini
-from study.solve.factorisation import Cholesky, nested_dissection
+from study.solve.factorisation import Cholesky
 from study.solve.multigrid import COARSEST, Multigrid, MultigridError
 from study.solve.paths import furthest, path
 from study.solve.signorini import Signorini
@@ -85,37 +85,6 @@ def test_the_condensed_solve_satisfies_the_optimality_conditions(matrices: Matri
         solution = solve(b)
         require_optimal(S, N, b, solution, 1e-12, 1e-11)
         assert solution[1].any()
-
-
-def test_several_right_sides_are_solved_as_each_of_them(matrices: Matrices) -> None:
-    S, N = matrices
-    together, one_by_one = Signorini(S, N), Signorini(S, N)
-    several = np.random.default_rng(3).standard_normal((3, S.shape[0]))
-    u, multipliers = together(several)
-    alone = [one_by_one(b) for b in several]
-    assert close(u, np.array([v for v, _ in alone]), 1e-12)
-    assert close(multipliers, np.array([forces for _, forces in alone]), 1e-12)
-    assert close(together.factor(several), np.array([together.factor(b) for b in several]), 1e-12)
-
-
-@pytest.mark.parametrize(
-    ("name", "family", "n"),
-    [
-        ("full-contact", OneDiagonal(), 40),
-        ("re-entrant", Graded(), 24),
-        pytest.param("cube-two-faces", Shaken(), 12, marks=pytest.mark.slow),
-    ],
-)
-def test_dissection_fills_about_as_little_as_minimum_degree(name: str, family: MeshFamily, n: int) -> None:
-    """Entries of L in both orders."""
-    solution = named(name).solution
-    space = Space(family(solution.body, n), solution.body)
-    S, options = form(space, solution.law.A), {"diag_pivot_thresh": 0, "options": {"SymmetricMode": True}}
-    order = nested_dissection(S, space.free_points)
-    assert (np.sort(order) == np.arange(S.shape[0])).all()
-    ours = splu(sps.csc_matrix(S[order][:, order]), permc_spec="NATURAL", **options)
-    other = splu(sps.csc_matrix(S), permc_spec="MMD_AT_PLUS_A", **options)
-    assert ours.L.nnz <= 1.5 * other.L.nnz
 
 
 def with_one_negative_pivot(place: int) -> np.ndarray:
@@ -258,17 +227,6 @@ def test_iterations_grow_slowly_with_what_is_held_and_hardly_without(name: str, 
     assert iterations(name, 2 * n, None) <= 1.2 * iterations(name, n, None)
     for every in (3, 1):
         assert iterations(name, 2 * n, every) <= 2**0.5 * iterations(name, n, every)
-
-
-@pytest.mark.parametrize("setting", LARGE, ids=lambda setting: f"{setting[0]}-{setting[1].name}")
-def test_the_cycle_is_symmetric_and_positive_on_what_is_free(setting) -> None:
-    S, N, x = large_matrices(*setting)
-    solve = Multigrid(S, N, x, EXACT)
-    solve.hold(np.arange(N.shape[0]) % 2 == 0)
-    r, s = solve.free * np.random.default_rng(1).standard_normal((2, S.shape[0]))
-    assert r @ solve.cycle(s) == pytest.approx(s @ solve.cycle(r), rel=1e-10)
-    assert r @ solve.cycle(r) > 0
-    assert (solve.cycle(r)[solve.free == 0] == 0).all()
 
 
 def test_the_same_matrix_gives_the_same_solution_to_the_bit() -> None:

@@ -16,12 +16,12 @@ from hypothesis import strategies as st
 from manufactured import named, unit_square
 from manufactured.law import Indefinite, KelvinVoigt, isotropic, isotropic_matrix
 from study.fem.error_norm import ErrorNorm
-from study.fem.mesh import FAMILIES, OneDiagonal, Shaken
+from study.fem.mesh import OneDiagonal, Shaken
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.solve.euler_bounds import EulerBounds, backward_euler
 from study.solve.evolution import EvolutionError, SemiDiscrete
-from study.solve.fixed_point import MEMORY, FixedPointError, fixed_point
+from study.solve.fixed_point import FixedPointError, fixed_point
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, path
 from study.solve.steps import StepsError, rate_steps, stress_steps
@@ -171,15 +171,6 @@ def test_a_scheme_converges_in_time_with_its_order(name: str, scheme, low: float
     assert low <= np.log2(errors[0] / errors[1]) / 2 <= high
 
 
-@pytest.mark.parametrize("family", [f for f in FAMILIES if f.serves(unit_square())], ids=lambda f: f.name)
-def test_a_midpoint_step_of_a_nonlinear_law_takes_at_most_six_solves_on_the_coarsest_mesh_of_its_sweep(family) -> None:
-    """There steps are longest. Backward Euler and BDF2 take more: the share of G in a step is twice as large."""
-    case = named("yield-and-release")
-    setup = Experiment.of(case.solution, family, 8, MIDPOINT, rate_steps(case.solution.body.T, 8, case.pace))
-    solves = [state.iterations for state in setup.scheme.march(setup.problem, setup.steps)][1:]
-    assert max(solves) <= 6
-
-
 def test_a_fixed_point_that_does_not_settle_says_so() -> None:
     problem = Experiment.of(named("yield-and-release").solution, OneDiagonal(), 4, MIDPOINT, 4).problem
     stiff = replace(problem, remainder=lambda v: 50 * problem.M @ v)
@@ -246,24 +237,6 @@ def test_both_bounds_hold_for_steps_of_any_size_and_the_one_with_the_solution_is
         assert bound <= bounds.by_data(nodes) * (1 + 1e-9)
 
 
-def test_equal_steps_are_those_of_the_scheme() -> None:
-    problem, *_ = random_problem(5)
-    states = backward_euler(problem, np.linspace(0, 1, 17).tolist())
-    assert states == pytest.approx(path(problem, BACKWARD_EULER, 16), abs=1e-9)
-
-
-@pytest.mark.parametrize(("kind", "gamma"), [("rotation", 0.0), ("growth", 2.0)])
-def test_half_of_kappa_t_is_attained_for_short_steps(kind: str, gamma: float) -> None:
-    """‖u(T) − U_N‖/k → e^{γT} κT/2 ‖z‖, part (iii) of the theorem."""
-    kappa, start, one = 2.0, np.array([1.0, 0.0]), sps.csc_array(np.eye(2))
-    turn = kappa * np.array([[0.0, 1.0], [-1.0, 0.0]])
-    reference, rest = (0 * one, turn.__matmul__) if kind == "rotation" else (-kappa * one, None)
-    problem = SemiDiscrete(one, reference, rest, sps.csr_array((0, 2)), lambda t: 0 * start, start, 1.0, growth=gamma)
-    exact = np.array([math.cos(kappa), math.sin(kappa)]) if kind == "rotation" else math.exp(kappa) * start
-    error = np.linalg.norm(path(problem, BACKWARD_EULER, 1024)[-1] - exact)
-    assert error * 1024 == pytest.approx(math.exp(gamma) * kappa**2 / 2, rel=0.01)
-
-
 def euclidean(w):
     return w
 
@@ -286,31 +259,6 @@ def test_what_is_returned_is_an_image_as_near_to_the_fixed_point_as_was_asked(se
     assert np.linalg.norm(found - exact) <= 100 * 1e-9 * np.linalg.norm(exact)
     assert found is images[-1]
     assert taken == len(images)
-
-
-@given(
-    diagonal=st.lists(st.floats(0, 0.8), min_size=1, max_size=6),
-    sizes=st.lists(st.floats(-8, 0), min_size=6, max_size=6),
-)
-def test_parts_of_very_different_size_and_contraction_do_not_end_it_early(diagonal, sizes) -> None:
-    """The slow part may be a millionth of the rest, and the first quotients see the rest only."""
-    slope = np.array(diagonal)
-    shift = 10 ** np.array(sizes[: len(diagonal)])
-    found, _ = fixed_point(lambda v: slope * v + shift, np.zeros(len(slope)), euclidean, 1e-9, 200)
-    exact = shift / (1 - slope)
-    assert np.linalg.norm(found - exact) <= 1000 * 1e-9 * np.linalg.norm(exact)
-
-
-@given(seed=st.integers(0, 10**6), size=st.integers(1, MEMORY))
-def test_an_affine_map_in_as_many_dimensions_as_are_remembered_takes_two_images_more(seed, size) -> None:
-    """One more image than dimensions makes as many differences; they show the fixed point, and its image ends it."""
-    rng = np.random.default_rng(seed)
-    turned = np.linalg.qr(rng.normal(size=(size, size)))[0]
-    matrix = turned @ np.diag(np.linspace(0.2, 0.7, size)) @ turned.T
-    shift = rng.normal(size=size)
-    found, taken = fixed_point(lambda v: matrix @ v + shift, np.zeros(size), euclidean, 1e-8, 50)
-    np.testing.assert_allclose(found, np.linalg.solve(np.eye(size) - matrix, shift), atol=1e-7)
-    assert taken <= size + 2
 
 
 def test_a_start_at_the_fixed_point_takes_one_image_and_what_does_not_settle_or_is_no_number_is_refused() -> None:

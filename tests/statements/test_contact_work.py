@@ -13,19 +13,15 @@ from study.fem.naming import resolve
 from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.statements.contact_work import (
-    FACE_RULE,
-    TIME_NODES,
     Resolved,
     TotalWork,
     WorkOfContact,
     pressing_on,
-    shaken,
     vertices_on,
 )
 from study.statements.edge_work import BRANCHES, C_0, EQUAL, OF_ALL, OVERALL, WORK, EdgeWork, beta, supremum
 from study.statements.shared.base import Setting, grid
 from study.statements.shared.meshes import space_of
-from study.statements.shared.norms import midpoints
 
 GRID = "one-diagonal"
 RHO = 0.05, 0.25, 0.5
@@ -57,18 +53,6 @@ def contact_sets() -> Iterator[Array]:
 @pytest.mark.parametrize("rho", RHO)
 def test_no_pressure_and_no_gap_exceed_the_bound_on_an_edge_and_some_are_not_small(rho: float) -> None:
     assert 0.02 < max(supremum(touching, rho) for touching in contact_sets()) <= 1
-
-
-@pytest.mark.parametrize("points", [0, 1, FIRST[0].size - 1, FIRST[0].size])
-def test_an_edge_whose_panels_are_all_of_one_kind_does_no_work(points: int) -> None:
-    """A pressure or a velocity vanishes on all of it; a panel is of the kind of most of its points."""
-    assert supremum(np.arange(FIRST[0].size) < points, 0.5) == 0
-
-
-def test_a_bound_of_another_power_of_the_contact_set_is_exceeded(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Were β proportional to the square of |N| or |C|, whichever is smaller, small sets would exceed it."""
-    monkeypatch.setattr("study.statements.edge_work.beta", lambda part: C_0 * np.minimum(part, 1 - part) ** 2)
-    assert max(supremum(touching, 0.5) for touching in contact_sets()) > 1
 
 
 def verdict_of(verdicts: list[Verdict], key: str) -> set[str]:
@@ -130,37 +114,9 @@ def coarse() -> Resolved:
     return Resolved(resolve("trains").solution, space_of(Setting("trains", "shaken", 16)))
 
 
-def test_functions_of_the_space_are_the_same_on_the_refined_mesh(coarse: Resolved) -> None:
-    space, fine = coarse.space, coarse.v_norm.space
-    # Linear and zero on Γ1 = {y = 1}.
-    linear, exact = (each.interpolate(np.array([[1.0], [3.0]]) * (1 - each.mesh.p[1])) for each in (space, fine))
-    assert coarse.inclusion @ linear == pytest.approx(exact)
-    some = np.random.default_rng(1).normal(size=space.dofs)
-    one, other = (
-        np.sum(each.volumes * each.strain(v) ** 2) for each, v in ((space, some), (fine, coarse.inclusion @ some))
-    )
-    assert one == pytest.approx(other)
-
-
 def test_the_work_is_the_same_through_the_load_and_on_the_face(coarse: Resolved) -> None:
     """R grows like t², whose midpoint rule with eight nodes is known."""
     solution, space = coarse.solution, coarse.space
     at_end = -pressing_on(coarse)(1.0) @ space.interpolate(solution.at(space.mesh.p).displacement(1.0))
     expected = at_end * np.mean(((np.arange(8) + 0.5) / 8) ** 2)
     assert TotalWork(solution)(vertices_on(space)) == pytest.approx(expected, rel=1e-3)
-
-
-def test_the_work_for_many_sets_of_vertices_is_that_of_interpolants_for_each(coarse: Resolved) -> None:
-    solution, total = coarse.solution, TotalWork(coarse.solution)
-    rng, times = np.random.default_rng(5), midpoints(1.0, TIME_NODES)
-    sets = [shaken(vertices_on(coarse.space), rng) for _ in range(3)]
-    expected = np.zeros(len(sets))
-    for j, face in enumerate(solution.faces):
-        place, weights = (face.part.measure * values for values in FACE_RULE)
-        for time in times:
-            pressure = solution.on(face, place[None]).stated_pressure(time) * weights / TIME_NODES
-            nodal = [face.gap_jet(vertices[j][None], time)[(0,)] for vertices in sets]
-            expected += [pressure @ np.interp(place, v[j], w) for v, w in zip(sets, nodal, strict=True)]
-    assert min(expected) > 1e-5
-    np.testing.assert_allclose(total([np.array(each) for each in zip(*sets, strict=True)]), expected, rtol=1e-12)
-    np.testing.assert_allclose([total(vertices) for vertices in sets], expected, rtol=1e-12)

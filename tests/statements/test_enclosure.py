@@ -4,11 +4,9 @@ import math
 
 import numpy as np
 import pandas as pd
-import pytest
 from measured_rows import verdicts
 
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
-from study.ledger.window import around
 from study.statements import enclosure
 from study.statements.enclosure import BoundedError, EnclosedError
 
@@ -42,17 +40,6 @@ def test_one_error_outside_on_one_mesh_fails() -> None:
             assert [key for key, verdict in found.items() if verdict == FAILS] == [end]
 
 
-@pytest.mark.parametrize(("wide_at", "verdict"), [((), HOLDS), ((1,), FAILS), ((0,), HOLDS)])
-def test_ends_are_close_where_it_was_announced(wide_at: tuple[int, ...], verdict: str) -> None:
-    upper, lower = (
-        [wide if level in wide_at else near for level in (0, 1)] for wide, near in ((1.2, 1.01), (0.8, 0.99))
-    )
-    found = verdicts(
-        EnclosedError(), bounds("enclosure", (8, enclosure.CHECKED_LEVEL), enclosure.CHECKED, upper=upper, lower=lower)
-    )
-    assert (found["tight-above"], found["tight-below"]) == (verdict, verdict)
-
-
 def test_an_order_is_judged_where_nobody_knows_the_error() -> None:
     assert verdicts(EnclosedError(), UNKNOWN) == {"order": HOLDS}
     assert verdicts(EnclosedError(), UNKNOWN.assign(expected_order=1.5)) == {"order": FAILS}
@@ -60,8 +47,3 @@ def test_an_order_is_judged_where_nobody_knows_the_error() -> None:
     assert verdicts(BoundedError(), UNKNOWN.assign(trajectory="bound")) == verdicts(EnclosedError(), UNKNOWN[:1]) == {}
     (order,) = EnclosedError().judge(UNKNOWN.assign(expected_order=math.nan))
     assert (order.verdict, order.expected) == (REPORTED, enclosure.UNPREDICTED)
-
-
-@pytest.mark.parametrize(("span", "verdict"), [((0.86, 1.14), HOLDS), ((0.84, 1.02), UNDECIDED), ((1.16, 1.2), FAILS)])
-def test_the_whole_interval_of_an_order_must_lie_in_the_window_of_every_other_order(span, verdict: str) -> None:
-    assert enclosure.judge_interval(span, around(1, enclosure.ROOM)) == verdict

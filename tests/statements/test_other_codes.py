@@ -13,11 +13,11 @@ from manufactured.body import Kind
 from manufactured.tensors import full
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve
-from study.ledger.codes import FROZEN, MARCH, MARCHES, MESH, NOT_EXPRESSED, Codes
+from study.ledger.codes import FROZEN, MARCH, MESH, NOT_EXPRESSED
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.run.judgement import joined
-from study.statements.other_codes import MARCHED, OURS, PEERS, OtherCodes, Peer
-from study.statements.shared.base import LISTED, Setting, grid
+from study.statements.other_codes import OURS, PEERS, OtherCodes, Peer
+from study.statements.shared.base import LISTED, grid
 from study.statements.shared.tasks import Task
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -70,14 +70,6 @@ def test_resultants_of_a_task_are_what_vertices_carry_of_the_exact_pressure(name
         shapes = np.interp(fine, s[there], np.isin(there, free).astype(float))
         expected.append(np.trapezoid(task.solution.on(face, fine[None]).pressure(time) * shapes, fine))
     assert task.resultants(time) == pytest.approx(expected, rel=1e-3)
-
-
-def test_pressures_of_a_task_belong_to_the_distances_of_vertices_from_the_first_corner_of_their_face() -> None:
-    task = Task(resolve("hexagon"), Unstructured(), 8)
-    for face, (part, vertices), found in zip(task.solution.faces, task.space.contact, task.pressures(0.5), strict=True):
-        s = np.linalg.norm(task.space.mesh.p[:, vertices] - part.corners[:, :1], axis=0)
-        assert found == pytest.approx(task.solution.on(face, s[None]).pressure(0.5))
-        assert np.ptp(found) > 0
 
 
 @pytest.mark.parametrize(
@@ -146,12 +138,3 @@ def test_codes_that_nobody_ran_are_said_to_be_missing(tmp_path: Path) -> None:
         (only,) = OtherCodes().judge(rows)
         assert (only.key, only.verdict) == ("none", REPORTED)
         assert "make codes" in only.expected
-
-
-def test_the_meshes_of_the_full_study_are_those_that_other_codes_ran_on() -> None:
-    ran, marched = (
-        {Setting(*mesh) for mesh in Codes.read(RESULTS, *files).errors[MESH].itertuples(index=False)}
-        for files in ((), (MARCHES,))
-    )
-    assert marched == MARCHED
-    assert {setting for setting in ran if setting.case != "nearly-incompressible"} == set(OtherCodes.full)

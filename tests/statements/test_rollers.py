@@ -9,8 +9,7 @@ import pytest
 from manufactured.multiscale import ROLLERS, rollers
 from study.fem.naming import resolve
 from study.ledger.files import UsageError
-from study.ledger.orders import orders
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
+from study.ledger.verdict import FAILS, HOLDS, REPORTED
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
 from study.solve.tableau import MIDPOINT
@@ -60,46 +59,11 @@ def test_the_problem_on_contact_is_problem_5_1_with_all_unknowns_eliminated_off_
     assert coarse.excess().max() == pytest.approx(np.sqrt(np.sum(away * (on.M @ away.T).T, axis=1).max()))
 
 
-def test_forces_add_up_to_the_pressure_on_the_whole_face(coarse: own.Trajectories) -> None:
-    """∫ p = 3 ∫_0^1 e^{−ℓz} H'(z) dz while the roller is on the face, a little less than 3."""
-    total = coarse.forces.sum(axis=1)
-    assert total[coarse.steps // 2] == pytest.approx(total[coarse.steps // 2 + 5], rel=1e-3)
-    assert 2.5 < total[coarse.steps // 2] < 3
-
-
-def test_errors_near_a_patch_are_taken_at_the_vertices_near_it_in_the_second_half(coarse: own.Trajectories) -> None:
-    at, second = coarse.on.at, range(coarse.steps // 2, coarse.steps + 1)
-    (_, vertices), (face,) = at.space.contact[0], at.solution.faces
-    s = face.part.coordinates(at.space.mesh.p[:, vertices])[0][0]
-    off = {n: abs(coarse.projected[n] + coarse.on.gap(n * coarse.k)) for n in second}
-    everywhere = own.nodal_error_near_patch(coarse, np.ptp(s))
-    assert everywhere == pytest.approx(max(off[n].max() for n in second))
-    assert 0 < own.nodal_error_near_patch(coarse, 0.05) < everywhere
-
-
 def test_both_sides_of_the_bound_are_ordered_and_contact_costs_nothing_as_a_traction(coarse: own.Trajectories) -> None:
     found = own.sides(coarse)
     assert 0 < found["E_h"] <= found["error"] < found["right side"]
     assert found["M_h"] > found["J_h"] > 0
     assert replace(coarse, contact=coarse.linear).excess().max() == 0 < coarse.excess().max() - 0.01
-
-
-def test_the_error_is_orthogonal_to_the_distance_from_the_projection(coarse: own.Trajectories) -> None:
-    on, at, n = coarse.on, coarse.on.at, coarse.steps // 2
-    sample, best, found = at.v_norm.sample(n * coarse.k), on.projected(n * coarse.k), coarse.displacement(n)
-    error, least = (at.v_norm.distance(sample, at.inclusion @ v) for v in (found, best))
-    away = found - best
-    assert error**2 == pytest.approx(least**2 + away @ (on.M @ away))
-
-
-@pytest.mark.slow
-def test_orders_of_the_excess_tell_equal_neighbourhoods_from_alternating_ones() -> None:
-    """Each lies in its own window and outside the other."""
-    for family, mine, other in ((own.PLAIN[0], own.EQUAL, own.HALF), (own.ALTERNATING, own.HALF, own.EQUAL)):
-        excess = np.array([trajectories(family, n).excess().max() for n in (8, 16, 32)])
-        found = orders(1 / np.array([8, 16, 32]), excess).mean()
-        assert mine.contains(found)
-        assert not other.contains(found)
 
 
 def predicted(kind: str, family: str, n: int) -> float:
@@ -157,15 +121,3 @@ def test_the_predicted_behaviour_holds_in_every_row() -> None:
 def test_every_row_about_rollers_can_fail(wrong, places: set[tuple[str, str]]) -> None:
     found = verdicts(data(**wrong))
     assert {place for place, verdict in found.items() if verdict == FAILS} == places
-
-
-@pytest.mark.parametrize(
-    ("family", "keys"),
-    [(own.PLAIN[1], {"order-equal"}), (own.ALTERNATING, {"order-alternating"}), (own.SEEDS[3], {"order-shaken"})],
-)
-def test_nothing_is_decided_without_a_family_of_meshes_nor_on_two_levels(family: str, keys: set[str]) -> None:
-    rows = data()
-    found = verdicts(rows[(rows["family"] != family) | ~rows["case"].str.startswith(own.ROLLER)])
-    assert {key for (case, key), verdict in found.items() if case == own.ROLLER and verdict == UNDECIDED} == keys
-    found = verdicts(rows.query(f"level <= {own.HALVED}"))
-    assert {found[own.ROLLER, key] for key in ("order-equal", "order-shaken", "step")} == {UNDECIDED}

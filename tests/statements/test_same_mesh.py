@@ -12,7 +12,7 @@ from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.solve.stress_problem import StressProblem, StressState
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.thm_4_2 import Gaps, gaps, magnitudes
+from study.statements.thm_4_2 import Gaps, gaps
 
 STEPS = 4
 Change = Callable[[int, StressState], StressState]
@@ -61,17 +61,6 @@ def test_the_bounds_are_those_of_the_proof_for_the_duality_gaps_of_the_steps(nam
         assert now.stress_bound == pytest.approx(np.sqrt(largest[0] / k + largest[1]) * R / size_s, rel=1e-9)
 
 
-def test_an_error_as_large_as_the_bound_for_one_step_is_seen() -> None:
-    """In the norms of the proof ‖C^{1/2} Δε‖² = gap makes ‖Δu‖_V at most k^{1/2} gap^{1/2}."""
-    displacements, stresses = both()
-    law, space, k = stresses.law, stresses.space, displacements.T / STEPS
-    d = 1e-4 * np.random.default_rng(0).standard_normal(space.dofs)
-    strain = space.strain(d)
-    gap = float(np.einsum("In,In,n->", law.A(strain) / k + law.G(strain), strain, space.volumes))
-    now = found(lambda n, state: replace(state, u=state.u + d * (n == 1), gap=gap * (n == 1)))
-    assert 0.5 < now.displacement_gap / now.displacement_bound < 1
-
-
 @pytest.mark.parametrize("step", [None, *range(1, STEPS + 1)])
 @pytest.mark.parametrize(
     ("what", "seen_by"),
@@ -90,22 +79,3 @@ def test_no_step_is_left_out(step: int | None, what: str, seen_by: set[str]) -> 
 
     seen = {name for name, value in found(off)._asdict().items() if value > 1e-6}
     assert seen == (seen_by if step else set())
-
-
-@pytest.mark.parametrize(
-    ("gap", "bound", "rounded"),
-    [
-        (3e-13, 4.6e-8, (1e-9, 1e-7)),
-        (1.2e-8, 3e-8, (1e-7, 1e-7)),
-        (3e-8, 2e-8, (3e-8, 2e-8)),
-        (np.nan, 2e-8, (np.nan, 2e-8)),
-    ],
-    ids=["small", "within", "beyond", "no number"],
-)
-def test_gaps_and_bounds_are_powers_of_ten_and_a_gap_beyond_its_bound_stays(gap, bound, rounded) -> None:
-    others = dict.fromkeys(("admissibility", "energy_gap", "membership"), 3e-16)
-    ends = {"displacement_gap": gap, "displacement_bound": bound, "stress_gap": 1e-9, "stress_bound": 2e-9}
-    found = magnitudes(others | ends)
-    assert (found["displacement_gap"], found["displacement_bound"]) == pytest.approx(rounded, rel=1e-12, nan_ok=True)
-    assert (found["stress_gap"], found["stress_bound"]) == (1e-9, 1e-8)
-    assert {name: found[name] for name in others} == others

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -11,14 +10,11 @@ from measured_rows import invented, verdicts
 
 from manufactured import named
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED
-from study.solve.factorisation import Cholesky
 from study.solve.tableau import BACKWARD_EULER, SCHEMES
-from study.statements import norms_in_time
 from study.statements.error_bounds import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted
 from study.statements.fully_discrete import COUNTS, FullyDiscrete
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.norms import dual_norm
 from study.statements.wellposed import fastest, perturbations, quotients
 
 
@@ -44,16 +40,6 @@ def test_growth_beyond_omega_exceeds_the_bound() -> None:
     damping = np.exp(-omega * np.array([state.time for state in trajectory[1:]]))
     quotient = [quotients(problem, trajectory, other) * damping for other in perturbations(problem, found.space)]
     assert np.max(quotient) > 1.1
-
-
-def test_loads_change_by_a_tenth_of_their_size_their_size_and_ten_times_their_size_and_starts_stay_in_K() -> None:
-    found = setup("corner", 4, 1, "unstructured")
-    problem, riesz = found.problem, Cholesky(found.problem.M)
-    size = max(dual_norm(problem.load(float(t)), riesz) for t in np.linspace(0, problem.T, 9))
-    others = list(perturbations(problem, found.space))
-    forces = [dual_norm(other.force, riesz) / size for other in others]
-    assert forces == pytest.approx([*[0.1] * 4, 0, *[1.0] * 4, 0, *[10.0] * 4, 0])
-    assert max((problem.N @ other.start).max() for other in others) <= 1e-12
 
 
 # (5.20)–(5.21), (5.42).
@@ -107,18 +93,3 @@ def test_fits_recover_the_orders_and_compare_them_with_the_prediction() -> None:
         assert found[f"{name}-time-in-k"].observed == pytest.approx(q, abs=1e-6)
         assert found[f"{name}-time-in-h"].observed == pytest.approx(0, abs=1e-6)
         assert found[f"{name}-error-in-h"].observed == pytest.approx(1, abs=1e-6)
-
-
-@pytest.mark.parametrize("node", [1, 2, 4])
-def test_the_norm_of_the_traction_is_that_at_the_time_when_it_is_largest(node: int, monkeypatch) -> None:
-    """(1, 1) on the boundary of the unit square, five times as much at one of five times."""
-    body = named("full-contact").solution.body
-
-    def at(points: np.ndarray) -> SimpleNamespace:
-        size = {node * body.T / 4: 5}
-        return SimpleNamespace(surface_load=lambda part, time: np.full(points.shape, size.get(time, 1.0)))
-
-    case = SimpleNamespace(solution=SimpleNamespace(body=body, at=at))
-    monkeypatch.setattr(norms_in_time, "resolve", lambda name: case)
-    found = norms_in_time.TractionInTime().run(Setting("full-contact", "one-diagonal", 2))
-    assert found["norm"] == pytest.approx(5 * math.sqrt(2 * 4))

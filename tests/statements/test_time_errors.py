@@ -1,100 +1,20 @@
 """O(h + k) for backward Euler with its constants, and what second-order schemes lose at landings."""
 
 import math
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
-import scipy.sparse as sps
-from hypothesis import given
-from hypothesis import strategies as st
 from measured_rows import measured, verdicts, wrong_values
-from random_examples import COSTLY
 
-from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED, UNCLAIMED
-from study.solve.evolution import SemiDiscrete
-from study.solve.gradient_flow import GradientFlow
-from study.solve.paths import furthest, interpolated, last, oscillation, path
+from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED
+from study.solve.paths import furthest, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
 from study.statements import landings
 from study.statements.backward_euler import BackwardEuler
 from study.statements.landings import Landings, solution_of_two_unknowns, two_unknowns
 from study.statements.shared.base import Setting, grid
-from study.statements.shared.meshes import space_of
-
-FINE = 1024
-
-
-def random_flow(seed: int, n: int = 4) -> SemiDiscrete:
-    """A gradient flow with n unknowns: any M > 0, G ≥ 0, cone, start in it, and a load that turns."""
-    rng = np.random.default_rng(seed)
-    roots = rng.standard_normal((2, n, n))
-    M, G = roots[0] @ roots[0].T + 0.1 * np.eye(n), 10 ** rng.uniform(-2, 1) * roots[1] @ roots[1].T
-    amplitude, phase, frequency = rng.standard_normal((2, n)) * 3, rng.uniform(0, 6, n), rng.uniform(0, 20, n)
-    u0 = np.where(rng.random(n) < 0.5, 0.0, rng.random(n))
-
-    def load(t: float) -> np.ndarray:
-        return amplitude[0] + amplitude[1] * np.sin(frequency * t + phase)
-
-    return SemiDiscrete(sps.csc_array(M), sps.csc_array(G), None, sps.csr_array(-np.eye(n)), load, u0, 1.0)
-
-
-def rod(load: float) -> SemiDiscrete:
-    """One unknown u ≥ 0 that is pulled with the force load · t."""
-    one = sps.csc_array(np.eye(1))
-    return SemiDiscrete(one, 0 * one, None, sps.csr_array(-np.eye(1)), lambda t: np.full(1, load * t), np.zeros(1), 1.0)
-
-
-def flow_of(problem: SemiDiscrete) -> GradientFlow:
-    return GradientFlow(problem, np.array([problem.load(t) for t in np.arange(FINE + 1) / FINE]))
-
-
-@COSTLY
-@given(seed=st.integers(0, 2**32))
-def test_all_bounds_hold_for_any_gradient_flow_and_the_one_with_the_solution_is_the_smaller(seed: int) -> None:
-    """At the nodes, between them, and for the piecewise constant function."""
-    problem = random_flow(seed)
-    flow, fine = flow_of(problem), path(problem, BACKWARD_EULER, FINE)
-    room = flow.a_priori(FINE)
-    for steps in (1, 2, 8, 32):
-        states = path(problem, BACKWARD_EULER, steps)
-        bound = flow.a_posteriori(states)
-        assert furthest(problem, fine, interpolated(states, FINE)) <= bound + room
-        assert bound <= flow.a_priori(steps) * (1 + 1e-9)
-        assert (
-            max(furthest(problem, fine, side) for side in last(states, FINE)) <= flow.piecewise_constant(steps) + room
-        )
-        left = furthest(problem, fine, interpolated(fine[:: FINE // steps], FINE))
-        jump = oscillation(problem, fine, steps)
-        assert left <= jump / steps / 4 * (1 + 1e-9)
-        assert jump <= 2 * flow.fastest * (1 + 1e-9)
-
-
-def test_a_jump_of_the_velocity_amid_a_step_attains_the_bound_and_one_that_is_steady_half_of_it() -> None:
-    """The velocity of t² on the grid differs by 1/FINE less than 2."""
-    t = np.arange(FINE + 1)[:, None] / FINE
-    for states, share in ((np.maximum(t - 1 / 2, 0.0), 1.0), (t**2, 1 / 2)):
-        left = furthest(rod(0), states, interpolated(states[::FINE], FINE))
-        assert left == pytest.approx(share * oscillation(rod(0), states, 1) / 4, rel=2 / FINE)
-
-
-def test_a_step_is_held_from_the_left_and_seen_from_the_right() -> None:
-    left, right = last(np.array([[0.0], [1.0], [5.0]]), 4)
-    assert left.ravel().tolist() == [0, 1, 1, 5, 5]
-    assert right.ravel().tolist() == [1, 1, 5, 5, 5]
-
-
-def test_the_constants_are_not_vacuous_for_a_rod_that_is_pulled_away_from_its_stop() -> None:
-    pulled = rod(1)
-    states = path(pulled, BACKWARD_EULER, 8)
-    error = furthest(pulled, path(pulled, BACKWARD_EULER, FINE), interpolated(states, FINE))
-    assert error > flow_of(pulled).a_posteriori(states) / 3
-
-
-def test_the_first_velocity_u_0_plus_is_zero_where_nothing_pulls_an_unknown_off() -> None:
-    assert flow_of(two_unknowns()).start == pytest.approx([0.0, -1.0])
 
 
 @pytest.fixture(scope="module")
@@ -127,15 +47,6 @@ def test_every_row_about_backward_euler_can_fail(in_time: pd.DataFrame, quantity
     assert verdicts(BackwardEuler(), wrong_values(in_time, quantity, change))[key] == FAILS
 
 
-def test_a_scheme_that_sees_the_load_of_another_time_is_not_within_the_bounds() -> None:
-    """Half the load of the right time and half of one an eighth later: of order 0."""
-    problem = random_flow(3)
-    late = replace(problem, load=lambda t: (problem.load(t) + problem.load(t + 1 / 8)) / 2)
-    states = path(late, BACKWARD_EULER, 512)
-    error = furthest(problem, path(problem, BACKWARD_EULER, FINE), interpolated(states, FINE))
-    assert error > flow_of(problem).a_posteriori(states)
-
-
 def error_over_k(scheme, steps: int) -> float:
     problem, exact = two_unknowns(), solution_of_two_unknowns(np.arange(steps + 1) / steps)
     return steps * furthest(problem, path(problem, scheme, steps), exact)
@@ -156,27 +67,6 @@ def test_two_unknowns_leave_bdf2_the_order_one_whatever_the_place_of_the_landing
     left = 17 / 80 * (1 - 2 * theta) if theta <= 13 / 30 else (26 * theta - 9) / 80
     assert error_over_k(BDF2, steps) == pytest.approx(math.sqrt(2) * left, rel=1e-6)
     assert left >= 17 / 600
-
-
-@pytest.mark.parametrize(
-    ("orders", "outcome"), [((1, 1), "met"), ((1.5, 1), "wrong"), ((1, 1.5), "wrong"), ((2, 2), "wrong")]
-)
-def test_an_order_in_k_of_three_halves_is_noticed_on_every_level(orders: tuple[float, ...], outcome: str) -> None:
-    rule = landings.order_of(MIDPOINT, "rolling", landings.LAST, landings.LEFT)
-    levels = pd.DataFrame([{f"rolling midpoint {n}": n**-q for n in landings.LAST} for q in orders])
-    found = rule.verdict(Landings(), "any", {"any": levels.assign(level=["8", "16"], h=[1 / 8, 1 / 16])})
-    assert found.verdict == (REPORTED if outcome == "met" else MISSED)
-    assert f"({outcome})" in found.expected
-
-
-def test_the_moving_load_is_a_wave_of_normal_traction_along_the_face() -> None:
-    space = space_of(Setting("travelling-patch", "one-diagonal", 16))
-    (part, vertices), load = space.contact[0], landings.rolling(space)
-    forces = space.N @ load(0.3)
-    s = np.linalg.norm(space.mesh.p[:, vertices] - part.corners[:, :1], axis=0) / part.measure
-    wave = 1 - 5 * np.sin(2 * np.pi * (2 * s - 1.2))
-    assert forces[2:-2] == pytest.approx(wave[2:-2] * part.measure / 16)
-    assert load(0.55) == pytest.approx(load(0.3)), "the wave repeats after a quarter of the time unit"
 
 
 def test_landings_are_judged_and_a_scheme_without_loss_would_be_noticed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,10 +7,10 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
-from skfem import Basis, ElementTriP4, ElementVector, MeshTri
+from skfem import Basis, ElementTriP4, ElementVector
 from sympy import Expr
 
-from manufactured import catalogue, isotropic, t, unit_square, x2
+from manufactured import isotropic, t, unit_square, x2
 from manufactured.body import Kind
 from manufactured.data import Data, no_fronts
 from manufactured.exact import ExactSolution
@@ -19,16 +19,13 @@ from manufactured.regularity import Regularity
 from manufactured.tensors import Array, full
 from study.fem.mesh import FAMILIES, MeshError, MeshFamily, OneDiagonal, Shaken, Unstructured, cell_volumes
 from study.fem.naming import resolve
-from study.fem.quadrature import Line, sliced_rule
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, Tableau
 from study.statements.thm_4_2_own_space import (
     QUANTITIES,
-    Exact,
     OwnSpace,
     checks_of,
     inadmissible,
-    norm_in_q,
     predicted,
 )
 from study.stresses.composite import alfeld_split, bernstein, composite, indices
@@ -201,14 +198,6 @@ def test_a_stress_of_least_energy_satisfies_the_variational_inequality(name: str
     assert (pressure < 1e-6 * pressure.max()).any()
 
 
-def test_a_stress_without_contact_balances_its_loads_and_leaves_the_foundation_alone() -> None:
-    _, loads, equilibrium, _ = stress_at(resolve("corner").solution, Shaken(), 1)
-    free = equilibrium.balance(loads)
-    assert abs(equilibrium.pressure(free)).max() <= 1e-9 * abs(free.values).max()
-    doubled = equilibrium.balance(2.0 * loads)
-    assert doubled.values == pytest.approx(2 * free.values, abs=1e-9 * abs(free.values).max())
-
-
 def test_what_cannot_be_posed_is_refused() -> None:
     with pytest.raises(ValueError, match="needs a degree of 1 or more, got 0"):
         composite(0)
@@ -242,18 +231,6 @@ def judged(orders, regularity: Regularity, levels=3, family="one-diagonal", **ch
     return {v.key: v.verdict for v in found if v.verdict != REPORTED}
 
 
-def test_a_case_is_judged_by_its_regularity_and_each_mesh_family_by_itself() -> None:
-    """Graded meshes regain the order that the corner takes from others."""
-    corner = predicted(resolve("re-entrant").regularity, "graded")
-    graded = table({name: orders.low for name, orders in corner.items()} | {"pressure": 1.0}, family="graded")
-    rows = pd.concat([graded, graded.assign(family="unstructured")], ignore_index=True).assign(case="re-entrant")
-    rows["best"] = rows["stress"]
-    found = {(v.family, v.key): v.verdict for v in OwnSpace().judge(rows.sample(frac=1, random_state=0))}
-    keys = {key for _, key in found}
-    assert {key: found["graded", key] for key in keys if found["graded", key] != HOLDS} == {"ratio": REPORTED}
-    assert found["unstructured", "order-stress"] == FAILS
-
-
 def test_predicted_orders_hold_and_every_other_one_fails() -> None:
     assert set(judged(SMOOTH, Regularity()).values()) == {HOLDS}
     for name in QUANTITIES:
@@ -268,13 +245,6 @@ def test_predicted_orders_hold_and_every_other_one_fails() -> None:
         assert [failed for failed, verdict in found.items() if verdict == FAILS] == [key]
     alone = judged(SMOOTH, Regularity(), levels=1)
     assert {verdict for key, verdict in alone.items() if key.startswith("order")} == {UNDECIDED}
-
-
-def test_random_meshes_leave_room_for_chance_where_an_order_comes_from_edges_alone() -> None:
-    for name, verdict in (("pressure", HOLDS), ("primal_displacement", HOLDS), ("stress", FAILS), ("strain", FAILS)):
-        orders = SMOOTH | {name: 2.4}
-        assert judged(orders, Regularity())[f"order-{name}"] == FAILS
-        assert judged(orders, Regularity(), family="shaken-7")[f"order-{name}"] == verdict
 
 
 FRONT, CORNER = {"gap": 4, "pressure": 2, "moving": True}, {"corner": 0.5445}
@@ -296,32 +266,6 @@ FRONT, CORNER = {"gap": 4, "pressure": 2, "moving": True}, {"corner": 0.5445}
 def test_predicted_orders_follow_the_regularity(regularity, family: str, quantity: str, low: float) -> None:
     """A corner off Γ3 costs the pressure no half order."""
     assert predicted(Regularity(**regularity), family)[quantity].low == pytest.approx(low)
-
-
-def test_every_order_that_is_predicted_to_be_positive_has_a_window_above_zero() -> None:
-    """The pressure of a case not in H^{3/2} is not predicted."""
-    for case, family in product(catalogue(), ("shaken", "graded")):
-        found = predicted(case.regularity, family)
-        assert all(orders.window().low > 0 for orders in found.values()), case.name
-        assert set(QUANTITIES) - set(found) <= {"pressure"}
-        assert "pressure" in found or case.regularity.smoothness < 0.65
-    stuck = SMOOTH | dict.fromkeys(("stress", "primal_stress"), 0.5445) | {"pressure": 0.0}
-    assert judged(stuck, Regularity(**FRONT, **CORNER))["order-pressure"] == FAILS
-
-
-def test_measured_quantities_vanish_for_what_is_exact() -> None:
-    """Projections of u onto the edges, the exact pressure and strain, give zero; another time does not."""
-    solution = resolve("full-contact").solution
-    space = StressSpace(Shaken()(solution.body, 4), solution.body)
-    exact = Exact(solution, space)
-    strain = solution.at(space.points).strain(0.5)
-    assert norm_in_q(exact.inside.strain(0.5) - strain, space) == 0
-    assert norm_in_q(exact.inside.strain(0.4) - strain, space) > 0
-    vertices = solution.at(space.mesh.p).displacement(0.5)
-    apart = exact.mean_square(exact.moments(0.5) - exact.moments_of(vertices))
-    assert 0 < apart < 0.1 * exact.mean_square(exact.moments(0.5))
-    error, best, size = exact.stress(0.5, solution.at(space.points).stress(0.5))
-    assert 0.5 * best < error < 2 * best < 0.1 * size
 
 
 @pytest.mark.parametrize(
@@ -347,14 +291,6 @@ def test_a_traction_that_no_admissible_stress_has_is_measured(kind: Kind, tracti
 
 
 # P f_0 where f_0 jumps along fronts that move.
-
-
-def test_cells_cut_along_two_parallel_lines_integrate_what_bends_at_both_exactly() -> None:
-    """∫ (x_1 − c)_+ over the triangle (0,0), (1,0), (0,1) is (1 − c)³/6."""
-    mesh, cuts = MeshTri(), (0.25, 0.5)
-    rule = sliced_rule(mesh, np.array([0]), [Line((1.0, 0.0), c) for c in cuts], 2)
-    found = [np.sum(np.maximum(rule.points[0] - c, 0) * rule.weights) for c in cuts]
-    assert found == pytest.approx([(1 - c) ** 3 / 6 for c in cuts], rel=1e-12)
 
 
 def fluxes(solution: ExactSolution, corners: Array, fronts: list[float], time: float) -> Array:
@@ -390,20 +326,3 @@ def test_the_mean_of_f0_is_the_flux_of_the_stress_on_cells_that_moving_fronts_cr
     # A rule of high degree, so that what is smooth is exact but for its last digits.
     assert error(data) < 1e-4
     assert error(replace(data, fronts=no_fronts)) > 100 * error(data)
-
-
-@pytest.mark.parametrize(
-    ("name", "degree"), [("advance-recede", 1), ("corner", 2), ("heterogeneous", 1), ("layered", 2), ("re-entrant", 1)]
-)
-def test_loads_from_modes_are_those_evaluated_point_by_point(name: str, degree: int) -> None:
-    solution = resolve(name).solution
-    family = next(family for family in FAMILIES if family.serves(solution.body))
-    space, data = StressSpace(family(solution.body, 4), solution.body, degree), Data.of(solution)
-    told, other = ProjectedLoads(data, space), ProjectedLoads(replace(data, force_modes=None, formulas_of=None), space)
-    for time in (0.4 * solution.body.T, solution.body.T):
-        found, expected = told(time), other(time)
-        assert abs(found.force - expected.force).max() <= 1e-12 * abs(expected.force).max()
-        np.testing.assert_allclose(told.at(time).loads.surface, expected.surface, rtol=1e-12, atol=1e-12)
-        left, right = told.at(time).left_out, other.at(time).left_out
-        for name in ("low_order", "high_order", "on_edges"):
-            np.testing.assert_allclose(getattr(left, name), getattr(right, name), rtol=1e-9, atol=1e-12)
