@@ -59,7 +59,7 @@ def _orders(text: str) -> float | dict[str, float]:
     """
     if re.fullmatch(_NUMBER, text):
         return _finite(text)
-    if not re.fullmatch(f"(?:.+?={_NUMBER}(?:,(?=.)|$))+", text):
+    if not re.fullmatch(f"(?:(?!{_NUMBER},).+?={_NUMBER}(?:,(?=.)|$))+", text):
         raise argparse.ArgumentTypeError(f"got '{text}', expected a number such as 2, or names such as L2=2,H1=1")
     return {name.strip(): _finite(number) for name, number in re.findall(f"(.+?)=({_NUMBER})(?:,|$)", text)}
 
