@@ -10,8 +10,8 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .checks import assert_order as assert_order
-    from .checks import check_orders as check_orders
+    from .judging import assert_order as assert_order
+    from .judging import check_orders as check_orders
     from .orders import GridConvergence as GridConvergence
     from .orders import OrderError as OrderError
     from .orders import OrderResult as OrderResult
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .solving import ConvergenceTable as ConvergenceTable
     from .solving import refine_until_settled as refine_until_settled
 
-_HOMES = {"assert_order": "checks", "check_orders": "checks", "OrderError": "orders", "OrderResult": "orders"}
+_HOMES = {"assert_order": "judging", "check_orders": "judging", "OrderError": "orders", "OrderResult": "orders"}
 _HOMES |= {"GridConvergence": "orders", "grid_convergence": "orders", "observed_orders": "orders"}
 _HOMES |= {"ConvergenceTable": "solving", "refine_until_settled": "solving"}
 """Public name ↦ the module that defines it."""

@@ -5,6 +5,7 @@ import io
 import json
 import math
 import os
+import re
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -54,21 +55,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _orders(text: str) -> float | dict[str, float]:
     """Return the expected orders in a text: a number for ``2``, and a dictionary for ``L2=2,H1=1``.
 
-    Names of columns may contain commas. A comma separates two entries only after a number.
+    Names of columns may contain commas and the sign =. A comma separates two entries only after a number.
     """
-    orders: dict[str, float] = {}
-    name = ""
-    for part in text.split(","):
-        name += part
-        before, _, number = name.rpartition("=")
-        try:
-            orders[before.strip()] = _finite(number)
-            name = ""
-        except ValueError:
-            name += ","
-    if name or ("" in orders and "," in text):
+    if re.fullmatch(_NUMBER, text):
+        return _finite(text)
+    if not re.fullmatch(f"(?:(?!{_NUMBER},).+?={_NUMBER}(?:,(?=.)|$))+", text):
         raise argparse.ArgumentTypeError(f"got '{text}', expected a number such as 2, or names such as L2=2,H1=1")
-    return orders if "=" in text else orders[""]
+    return {name.strip(): _finite(number) for name, number in re.findall(f"(.+?)=({_NUMBER})(?:,|$)", text)}
 
 
 def _finite(text: str) -> float:
@@ -85,6 +78,7 @@ def _name(text: str) -> Path:
 
 
 EXPECTED = "P|NAME=P,..."
+_NUMBER = r"[ ]*[-+]?[\d.]+(?:[eE][-+]?\d+)?[ ]*"
 ARGUMENTS: dict[str, dict[str, object]] = {
     "file": {"type": _name, "metavar": "FILE", "help": "a table of errors as text; - reads standard input"},
     "--expected": {"type": _orders, "metavar": EXPECTED, "help": "expected order; lower and higher orders fail"},
@@ -140,21 +134,18 @@ def run(options: argparse.Namespace) -> int:
 
 def _values(tables: list[Series], as_json: bool) -> str:
     """Return the order, the extrapolated value and the grid convergence index of each column of values, as text."""
-    results = {
-        names_of(series, name)[0]: grid_convergence(series.h, values)
+    entries = [
+        {"name": names_of(series, name)[0]} | asdict(grid_convergence(series.h, values))
         for series in tables
         for name, values in series.errors.items()
-    }
+    ]
     if as_json:
-        entries = [{"name": name} | asdict(result) for name, result in results.items()]
         return _dumps(finite(entries))
     lines = []
-    for name, result in results.items():
-        line = f"{name}: {result.kind}"
-        if math.isfinite(result.order):
-            line += f", order {result.order:.2f}, extrapolated {result.extrapolated:.6g}"
-            line += f", GCI {result.index:.2%} on the finest mesh" if math.isfinite(result.index) else ""
-        lines.append(line)
+    for entry in entries:
+        order = ", order {order:.2f}, extrapolated {extrapolated:.6g}, GCI {index:.2%} on the finest mesh"
+        known = math.isfinite(entry["order"])
+        lines.append(f"{entry['name']}: {entry['kind']}" + (order.format(**entry) if known else ""))
     for series in tables:
         lines += ["", *(line.replace("errors:", "values:", 1) for line in recognised(series))]
     return "\n".join(lines)

@@ -1,11 +1,14 @@
-"""Compares the observed orders of the columns of tables with the orders that are expected of them."""
+"""Checks of observed orders: of the columns of tables, in the command, in Python programs and in tests."""
 
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from .columns import Series
-from .orders import OrderError, OrderResult, observed_orders
+from numpy.typing import ArrayLike
+
+from .columns import Options, Series, series_of
+from .orders import HOLDS, TOLERANCE, OrderError, OrderResult, observed_orders, real_numbers
+from .tables import Table
 
 Wish = float | Mapping[Any, float] | None
 """A number for all columns, or name of a column ↦ number."""
@@ -32,36 +35,114 @@ def judge(tables: list[Series], options: Mapping[str, float], **wishes: Wish) ->
     Raises:
         OrderError: something is expected of a column that does not exist or was left out.
     """
-    columns = {name for series in tables for name in series.errors}
-    known = {key for series in tables for name in series.errors for key in names_of(series, name)}
-    ignored = {name: kind for series in tables for name, kind in series.ignored.items()}
-
-    def in_full(part: str) -> str:
-        matching = [name for name in columns if part.lower() in name.lower()]
-        return matching[0] if part not in known | ignored.keys() and len(matching) == 1 else part
-
-    given: dict[str, dict[str, float]] = {}
-    for kind, wish in wishes.items():
-        if wish is not None:
-            by_name = wish if isinstance(wish, Mapping) else {"": wish}
-            given[kind] = {in_full(str(name)): number for name, number in by_name.items()}
-    if unknown := {name for wish in given.values() for name in wish} - known:
-        left = "".join(
-            f"; {name} was left out ({ignored[name]}): name all columns of errors with --columns"
-            for name in unknown & ignored.keys()
-        )
-        names = ", ".join(dict.fromkeys(names_of(series, name)[0] for series in tables for name in series.errors))
-        raise OrderError(
-            f"an order is expected of {', '.join(sorted(unknown))}, but the columns of errors are {names}{left}"
-        )
-
-    def result(series: Series, name: str, errors: list[float]) -> OrderResult:
-        keys = names_of(series, name)
+    columns = [(series, name, names_of(series, name)) for series in tables for name in series.errors]
+    given = {kind: _by_full_name(wish, columns, tables) for kind, wish in wishes.items() if wish is not None}
+    results: dict[int, list[OrderResult]] = {}
+    for series, name, keys in columns:
         own: dict[str, Any] = {
             kind: next((wish[key] for key in keys if key in wish), None) for kind, wish in given.items()
         }
-        found = observed_orders(series.h, errors, name=keys[0], **options, **own)
-        remark = series.remarks.get(name, "")
-        return replace(found, sentence=f"{found.sentence}; {remark}") if remark else found
+        result = observed_orders(series.h, series.errors[name], name=keys[0], **options, **own)
+        sentence = "; ".join(filter(None, [result.sentence, series.remarks.get(name)]))
+        results.setdefault(id(series), []).append(replace(result, sentence=sentence))
+    return [(series, results[id(series)]) for series in tables]
 
-    return [(series, [result(series, *column) for column in series.errors.items()]) for series in tables]
+
+def _by_full_name(
+    wish: float | Mapping[Any, float], columns: list[tuple[Series, str, tuple[str, ...]]], tables: list[Series]
+) -> dict[str, float]:
+    """Return what is expected by the full names of columns or cases; "" stands for all columns.
+
+    Raises:
+        OrderError: a name is no column of errors.
+    """
+    names = {name for _, name, _ in columns}
+    known = {key for *_, keys in columns for key in keys}
+    ignored = {name: kind for series in tables for name, kind in series.ignored.items()}
+    found = {}
+    for part, number in wish.items() if isinstance(wish, Mapping) else [("", wish)]:
+        full = str(part)
+        matching = [name for name in names if full.lower() in name.lower()]
+        if full not in known | ignored.keys() and len(matching) == 1:
+            full = matching[0]
+        if full not in known:
+            left_out = f"; {full} was left out ({ignored[full]}): use --columns" if full in ignored else ""
+            every = ", ".join(dict.fromkeys(keys[0] for *_, keys in columns))
+            raise OrderError(f"an order is expected of {full}, but the columns of errors are {every}{left_out}")
+        found[full] = number
+    return found
+
+
+def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_least: Wish = None,
+                 tolerance: float = TOLERANCE, floor: float = 0.0, max_error: Wish = None,
+                 columns: str = "", dim: int | None = None) -> dict[str, OrderResult]:  # fmt: skip
+    """Compute and judge the observed orders of several columns of errors.
+
+    The same columns are judged as by the command for a table with these columns: columns of orders, numbers of cells,
+    times and words are left out, and a column such as the degree divides the rows into series.
+
+    Parameters:
+        h: mesh sizes, (levels,), or the name of their column in ``errors``.
+        errors: a dictionary or a DataFrame, name of a column ↦ errors, (levels,); or a Series, which is one column.
+        expected: expected order: one number for all columns, or name of a column ↦ number.
+        at_least: smallest accepted order: one number for all columns, or name of a column ↦ number.
+        tolerance: accepted difference from ``expected``.
+        floor: the largest accepted limit of the errors; by default, errors must tend to 0.
+        max_error: largest accepted error on the finest mesh: one number, or name of a column ↦ number.
+        columns: names of the columns of errors, separated by commas; by default they are recognised.
+        dim: dimension of the meshes, if their sizes are numbers of cells or unknowns.
+
+    Returns:
+        Name of a column ↦ observed orders and verdict.
+
+    Raises:
+        OrderError: ``errors`` has no names, ``h`` or a name in ``expected`` or ``at_least`` is no column, or a column
+            has no orders, as described in ``observed_orders``.
+    """
+    if hasattr(errors, "to_frame"):
+        errors = errors.to_frame()
+    if not hasattr(errors, "keys"):
+        raise OrderError("errors must be a dictionary or a DataFrame, name ↦ errors; for one list use observed_orders")
+    table = {str(name): errors[name] for name in errors}
+    size = h if isinstance(h, str) else "h" if "h" not in table else "mesh size"
+    if not isinstance(h, str):
+        table = {size: h} | table
+    cells = {name: _cells(column, name) for name, column in table.items()}
+    if len(set(map(len, cells.values()))) > 1:
+        lengths = ", ".join(f"{name} {len(column)}" for name, column in cells.items())
+        raise OrderError(f"columns of different lengths ({lengths}): give one error for each mesh")
+    rows = [list(row) for row in zip(*cells.values(), strict=True)]
+    given = Table("Python", list(cells), rows, list(range(1, len(rows) + 1)))
+    tables = series_of([given], Options(dim, size, columns=columns))
+    options = {"tolerance": tolerance, "floor": floor}
+    judged = judge(tables, options, expected=expected, at_least=at_least, max_error=max_error)
+    return {result.name: result for _, results in judged for result in results}
+
+
+def _cells(column: Any, name: str) -> list[str]:
+    """Return the entries of a column as text."""
+    if any(isinstance(entry, str) for entry in (column if hasattr(column, "__len__") else ())):
+        return [str(entry) for entry in column]
+    return [repr(value) for value in real_numbers(column, name).tolist()]
+
+
+def assert_order(h: ArrayLike, errors: ArrayLike, expected: float | None = None, at_least: float | None = None,
+                 tolerance: float = TOLERANCE, name: str = "", **options: Any) -> OrderResult:  # fmt: skip
+    """Assert, in a test, that errors have the expected order of convergence, and return the observed orders.
+
+    Parameters:
+        h, errors: mesh sizes and errors, (levels,).
+        expected, at_least: expected order, or smallest accepted order; one of them or ``max_error`` is needed.
+        tolerance: accepted difference from ``expected``.
+        name: name of the errors, for messages.
+        options: ``floor`` and ``max_error``, as in ``observed_orders``.
+
+    Raises:
+        AssertionError: the errors do not have the expected order; the message describes the observed orders.
+        OrderError: no order is expected, or the errors have no orders, as described in ``observed_orders``.
+    """
+    result = observed_orders(h, errors, expected, at_least, tolerance, name, **options)
+    if not result.expectation.judges:
+        raise OrderError("assert_order got no order, expected one: give expected=P or at_least=P")
+    assert result.verdict == HOLDS, f"{name}: {result.conclusion}".removeprefix(": ")
+    return result

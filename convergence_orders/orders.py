@@ -59,15 +59,11 @@ class Expectation:
     def __post_init__(self) -> None:
         if self.expected is not None and self.at_least is not None:
             raise OrderError("give an expected order or a lower limit of the order, not both")
-        names = ["expected order", "least order", "tolerance", "floor", "largest error"]
-        values = [self.expected, self.at_least, self.tolerance, self.floor or None, self.max_error]
-        for name, value in zip(names, values, strict=True):
-            try:
-                is_positive = value is None or 0 < float(np.float64(value)) < math.inf
-            except (TypeError, ValueError, OverflowError):
-                is_positive = False
-            if not is_positive or isinstance(value, str):
-                raise OrderError(f"the {name} must be one positive number, got {value!r}")
+        for name, value in vars(self).items():
+            number = np.asarray(1.0 if value is None or (name == "floor" and value == 0) else value)
+            is_real = number.shape == () and number.dtype.kind in "iuf"
+            if not (is_real and 0 < number < math.inf):
+                raise OrderError(f"{name} must be one positive number, got {value!r}")
 
     @property
     def window(self) -> tuple[float, float] | None:
@@ -236,19 +232,19 @@ def order_of_differences(fine: float, coarse: float, quotient: float, sign: floa
     return low
 
 
-def limit_and_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float]:
-    """Fit a + C h^p to the errors on the three finest meshes, and return the limit a and the order p.
+def limit_and_order(h: ArrayLike, values: ArrayLike) -> tuple[float, float]:
+    """Fit a + C h^p to the values on the three finest meshes, and return the limit a and the order p.
 
-    Both are NaN if there is no fit with a positive p.
+    If the values oscillate, the signs of the differences from a alternate (Celik et al.). The limit is NaN if there is
+    no fit with a positive p.
     """
-    x = np.log(np.asarray(h, dtype=float)[-3:])
-    e1, e2, e3 = map(float, np.asarray(errors, dtype=float)[-3:])
-    if not (e1 > e2 > e3 or e1 < e2 < e3) or max(e1, e3) > 1e200:
+    coarse, fine = np.diff(-np.log(np.asarray(h, dtype=float)[-3:])).tolist()
+    finest, changes = float(np.asarray(values)[-1]), np.diff(np.asarray(values, dtype=float)[-3:])
+    if not changes.all():
         return math.nan, math.nan
-    p = order_of_differences(x[1] - x[2], x[0] - x[1], math.log((e1 - e2) / (e2 - e3)))
-    if not math.isfinite(p) or p * (x[1] - x[2]) > 700:
-        return math.nan, math.nan
-    return e3 - (e2 - e3) / math.expm1(p * (x[1] - x[2])), p
+    first, second = np.log(np.abs(changes)).tolist()
+    p = order_of_differences(fine, coarse, first - second, 1.0 if np.sign(changes).sum() else -1.0)
+    return (finest + float(changes[1]) / math.expm1(p * fine) if 0 < p * fine < 700 else math.nan), p
 
 
 def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = None, at_least: float | None = None,
@@ -272,7 +268,7 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
     expectation = Expectation(expected, at_least, tolerance, floor, max_error)
     sizes, e = _coarse_first(h, errors, name)
     first, last, kind, sentence, verdict = _diagnose(sizes, e, expectation)
-    if (sizes > 1).all() and (sizes % 1 == 0).all() and len(e) > 1 and (np.diff(e) > 0).all():
+    if sizes.min() > 1 and not (sizes % 1).any() and len(e) > 1 and (np.diff(e) > 0).all():
         sentence += "; h seems to be the number n of cells: give h = 1/n"
     if max_error is not None and not e[-1] <= max_error:
         verdict, sentence = FAILS, f"{sentence}; the error on the finest mesh is {e[-1]:.3g}"
@@ -280,15 +276,14 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
         verdict = HOLDS
     x, judged = sizes[first:last], e[first:last]
     order, low, high, extrapolated, limit = math.nan, -math.inf, math.inf, math.nan, math.nan
-    if len(judged) > 1 and (judged > 0).all() and np.isfinite(judged).all():
+    if len(judged) > 1 and judged.min() > 0 and judged.max() < math.inf:
         order, low, high = fitted_order(x, judged)
-        if len(judged) > 2:
-            extrapolated, limit = extrapolated_order(x, judged), limit_and_order(x, judged)[0]
-    return OrderResult(
-        name, tuple(sizes.tolist()), tuple(e.tolist()), tuple(consecutive_orders(sizes, e).tolist()), order, low, high,
-        extrapolated, limit, first, last, kind, sentence, verdict if expectation.judges or verdict == SKIPPED else None,
-        expectation,
-    )  # fmt: skip
+        extrapolated = extrapolated_order(x, judged)
+        limit = limit_and_order(x, judged)[0] if len(judged) > 2 and np.diff(judged).max() < 0 else limit
+    numbers = [tuple(column.tolist()) for column in (sizes, e, consecutive_orders(sizes, e))]
+    told = verdict if expectation.judges or verdict == SKIPPED else None
+    fits = order, low, high, extrapolated, limit
+    return OrderResult(name, *numbers, *fits, first, last, kind, sentence, told, expectation)
 
 
 def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Array]:
@@ -298,15 +293,15 @@ def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Ar
         OrderError: an error or a mesh size cannot be used, or a mesh size is repeated.
     """
     sizes, e = real_numbers(h, "h"), real_numbers(errors, name or "errors")
-    if sizes.shape != e.shape or not len(e):
+    if len(sizes) != len(e) or not len(e):
         raise OrderError(f"{len(sizes)} sizes and {len(e)} errors: expected one error for each mesh")
-    if not (np.isfinite(sizes).all() and (sizes > 0).all()):
+    if not (np.isfinite(sizes).all() and sizes.min() > 0):
         raise OrderError(f"mesh sizes must be positive and finite, got {sizes.tolist()[:10]}")
     if (e < 0).any():
-        raise OrderError(f"{name or 'error'} = {e[e < 0][0]:g}: errors must not be negative; give absolute values")
+        raise OrderError(f"{name or 'error'} = {np.nanmin(e):g}: errors must not be negative; give absolute values")
     coarse_first = np.argsort(-sizes)
     sizes, e = sizes[coarse_first], e[coarse_first]
-    repeated = sizes[:-1][-np.diff(sizes) < SAME_SIZE * sizes[1:]]
+    repeated = sizes[1:][-np.diff(sizes) < SAME_SIZE * sizes[1:]]
     if repeated.size:
         raise OrderError(f"the mesh size {repeated[0]:.12g} occurs twice: give one error for each mesh")
     return sizes, e
@@ -343,18 +338,15 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
         return Diagnosis(0, n, "not finite", words, FAILS)
     if not e.any():
         return Diagnosis(0, n, "exactly zero", "the error is exactly zero on all meshes: nothing to judge", SKIPPED)
-    if (e == 0).any():
-        stop = int(np.argmax(e == 0))
-        words = f"is exactly zero from h = {h[stop]:.5g} on"
-        if e[stop:].any():
-            words = f"is exactly zero for h = {h[stop]:.5g}, but not on all finer meshes (is this value right?)"
+    if not e.all():
+        stop = int(np.argmin(e != 0))
+        finer = ", but not on all finer meshes (is this value right?)" if e[stop:].any() else ""
+        words = f"is exactly zero for h = {h[stop]:.5g}{finer}"
         return _above(h, e, stop, 0.0, "exactly zero", words, expectation)
-    orders = consecutive_orders(h, e)
     if n < 3:
-        grows = n == 2 and orders[0] < -STALLED
-        words = f"the error grows (order {orders[0]:.2f}); " if grows else ""
-        words += "1 mesh" if n == 1 else "2 meshes"
-        words += ", a verdict needs three" + (f"; order {orders[0]:.2f}" if n == 2 else "")
+        orders = consecutive_orders(h, e)
+        grows = "the error grows; " if (orders < -STALLED).any() else ""
+        words = f"{grows}a verdict needs three meshes; order {_text(orders) or 'none'}"
         return Diagnosis(0, n, "grows" if grows else "fewer than three meshes", words, UNDECIDED)
     return _stalled(h, e, expectation) or _tends_to_limit(h, e, expectation) or _trend(h, e, expectation)
 
@@ -366,7 +358,7 @@ def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
     stall = int(moving[-1]) + 1 if moving.size else 0
     first, verdict = _judge(h, e, expectation)
     # Small orders may be as expected. But errors that do not fall at all stagnate, even if the tolerance includes 0.
-    falls_as_expected = verdict == HOLDS and (orders[first:] > 0).all()
+    falls_as_expected = verdict == HOLDS and orders[first:].min() > 0
     if (stall == n - 1 or falls_as_expected) and e[-1] < e[0]:
         return None
     floor, start = float(np.median(e[stall:])), f"from h = {h[stall]:.5g} on"
@@ -375,17 +367,9 @@ def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
     if e[-1] > 2 * e[stall] or (e[-1] >= 1.01 * e[0] and (stall == n - 1 or orders[-1] < -STALLED)):
         words = f"the error grows as h decreases: orders {_text(orders)}; it does not converge"
         return Diagnosis(0, n, "grows", words, FAILS)
-    equal = ", errors are equal" if (np.diff(e[stall:]) == 0).any() else ""
-    reason = "another error dominates (a floor)"
-    if stall == 0:
-        values = "values of a quantity (--values), not errors?"
-        reason = f"are these orders or {values}" if 0.3 < floor < 20 else f"{reason}; or are these {values}"
-    level = (
-        f"between {e[stall:].min():.2g} and {e[stall:].max():.2g}"
-        if np.ptp(e[stall:]) > 0.1 * floor
-        else f"at {floor:.2g}"
-    )
-    return _above(h, e, stall, floor, "floor", f"stagnates {level} {start}{equal}: {reason}", expectation)
+    question = "" if stall else "; or are these orders or values of a quantity (--values), not errors?"
+    words = f"stagnates at about {floor:.2g} {start}: another error dominates (a floor){question}"
+    return _above(h, e, stall, floor, "floor", words, expectation)
 
 
 def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
@@ -395,28 +379,28 @@ def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis |
     the orders p of both fits must agree. A negative limit is that of errors C (h^p − H^p) against a reference solution
     that was computed on a mesh of size H.
     """
-    n, orders = len(e), consecutive_orders(h, e)
-    if n < 4:
+    if len(e) < 4 or np.diff(e[-4:]).max() >= 0:
         return None
-    (before, p_before), (limit, p) = (limit_and_order(h[k : k + 3], e[k : k + 3]) for k in (n - 4, n - 3))
-    agree = abs(p_before - p) < 0.02 + 0.1 * abs(orders[-3] - orders[-1])
+    changes = np.diff(consecutive_orders(h, e)[-3:])
+    (before, p_before), (limit, p) = limit_and_order(h[-4:-1], e[-4:-1]), limit_and_order(h, e)
+    agree = abs(p_before - p) < 0.02 + 0.1 * abs(changes.sum())
     # Terms of higher order in h also change the orders. But then the fitted limits tend to 0 from mesh to mesh.
     exceeds_0 = abs(limit) > max(0.02 * e[-1], UNCERTAIN * abs(limit - before))
     if not (exceeds_0 and agree):
         return None
-    if limit < 0 and orders[-1] > orders[-2] > orders[-3]:
+    quoted = _text(consecutive_orders(h, e))
+    low, high = expectation.window or (p, p)
+    if limit < 0 and changes.min() > 0 and low <= p <= high:
         reference = h[-1] * (-limit / (e[-1] - limit)) ** (1 / p)
         words = (
-            f"orders rise from mesh to mesh ({_text(orders)}) as those of C (h^p − H^p) with p = {p:.2f}, H = "
+            f"orders rise from mesh to mesh ({quoted}) as those of C (h^p − H^p) with p = {p:.2f}, H = "
             f"{reference:.3g}: an error against a solution computed with h = {reference:.3g}? Take a finer reference"
         )
-        low, high = expectation.window or (p, p)
-        # Finer meshes would not help, so that this is no question of the asymptotic range.
-        return Diagnosis(0, n, "computed reference", words, UNDECIDED) if low <= p <= high else None
-    if not (before > 0 and orders[-1] < orders[-2] < orders[-3]):
-        return None
-    words = f"orders fall from mesh to mesh ({_text(orders)}): the error tends to {limit:.2g}, not to 0"
-    return _above(h, e, n, limit, "orders falling", words, expectation)
+        return Diagnosis(0, len(e), "computed reference", words, UNDECIDED)
+    if before > 0 and limit > 0 and changes.max() < 0:
+        words = f"orders fall from mesh to mesh ({quoted}): the error tends to {limit:.2g}, not to 0"
+        return _above(h, e, len(e), limit, "orders falling", words, expectation)
+    return None
 
 
 def _above(h: Array, e: Array, stall: int, floor: float, kind: str, words: str, expectation: Expectation) -> Diagnosis:
@@ -447,20 +431,17 @@ def _above(h: Array, e: Array, stall: int, floor: float, kind: str, words: str, 
 def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
     """Return the index of the first mesh from which on all orders are as expected, and the verdict.
 
-    If no order is expected, it is the first mesh from which on the orders hardly change, and the verdict is
-    *undecided*.
+    If no order is expected, it is the first mesh of the orders that sentences quote, and the verdict is *undecided*.
     """
     orders, n = consecutive_orders(h, e), len(e)
     if expectation.window is None:
-        fine_first = orders[::-1]
-        spread = np.maximum.accumulate(fine_first) - np.minimum.accumulate(fine_first)
-        return n - 1 - int(np.sum(spread <= 2 * expectation.tolerance)), UNDECIDED
+        return max(n - 1 - QUOTED, 0), UNDECIDED
     low, high = expectation.window
     outside = np.flatnonzero((orders < low) | (orders > high))
     first = int(outside[-1]) + 1 if outside.size else 0
     extrapolated = extrapolated_order(h, e)
     # Two orders suffice if the extrapolated order is as expected, too. If two errors are equal, it is meaningless.
-    two_suffice = low <= extrapolated <= high and (np.diff(e) != 0).all()
+    two_suffice = low <= extrapolated <= high and np.diff(e).all()
     if n - 1 - first >= 3 or (n - 1 - first == 2 and two_suffice):
         return first, HOLDS
     previous, last = orders[-2:]
@@ -473,49 +454,25 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
     return max(n - 3, 0), verdict
 
 
-def _odd_row(h: Array, e: Array, tolerance: float) -> int | None:
-    """Return the index of the one error, neither first nor last, without which all orders agree; None if there is none.
-
-    With a wrong error in the middle, one order is too low and the next one too high. At least five errors are needed,
-    so that three orders remain.
-    """
-    if len(e) < 5 or np.ptp(consecutive_orders(h, e)) <= 4 * tolerance:
-        return None
-    without = [np.ptp(consecutive_orders(np.delete(h, j), np.delete(e, j))) for j in range(1, len(e) - 1)]
-    best = int(np.argmin(without))
-    return best + 1 if without[best] <= tolerance else None
-
-
 def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     """Return the diagnosis of errors that decrease up to the finest mesh."""
     first, verdict = _judge(h, e, expectation)
-    orders, tolerance = consecutive_orders(h, e), expectation.tolerance
-    previous, last = orders[-2:]
-    before = orders[-3] if len(orders) > 2 else -math.inf
-    drops = last < previous - 2 * tolerance and previous > before - tolerance and len(orders) > 2
-    slowing = previous - last < 0.8 * (before - previous)
-    kind = "converges"
+    orders, step = consecutive_orders(h, e), 2 * expectation.tolerance
+    change = np.diff(orders)
     # The fitted order lies within the orders that are quoted.
     quoted = slice(max(first, len(e) - QUOTED - 1), None)
+    kind = "converges"
     sentence = f"converges with order {fitted_order(h[quoted], e[quoted])[0]:.2f} (orders {_text(orders[first:])})"
-    if (odd := _odd_row(h, e, tolerance)) is None and (orders < -STALLED).any():
+    if orders.min() < -STALLED:
         kind = "pre-asymptotic"
         sentence = f"errors rise and fall: orders {_text(orders)}; no convergence is visible yet"
-    elif odd is not None:
-        without = _text(consecutive_orders(np.delete(h, odd), np.delete(e, odd)))
-        kind = "pre-asymptotic"
-        sentence = f"the error for h = {h[odd]:.5g} does not fit: orders {_text(orders)}, without it {without}"
-    elif drops:
+    elif len(change) > 1 and change[-1] < -step and change[-2] > -step / 2:
         kind = "orders falling"
         sentence = f"the order drops on the finest mesh: {_text(orders)}; another error may dominate there"
-    elif last < previous < before and not slowing and before - last > 0.04:
+    elif len(change) > 1 and change[-2:].max() < 0 and change[-1] < 0.8 * change[-2] and change[-2:].sum() < -0.04:
         kind, sentence = "orders falling", f"orders fall from mesh to mesh: {_text(orders)}"
-    elif abs(last - previous) > 2 * tolerance:
-        word = "orders rising" if last > previous else "orders not settled"
-        kind, sentence = "pre-asymptotic", f"pre-asymptotic, {word}: {_text(orders)}; take finer meshes"
-    equal = np.flatnonzero(np.diff(e) == 0)
-    if equal.size:
-        sentence += f"; the errors for h = {h[equal[-1]]:.5g} and {h[equal[-1] + 1]:.5g} are equal (one mesh twice?)"
+    elif abs(change[-1]) > step:
+        kind, sentence = "pre-asymptotic", f"pre-asymptotic, orders not settled: {_text(orders)}; take finer meshes"
     if verdict == HIGHER:
         kind = "higher than expected"
         sentence = f"orders {_text(orders)} are higher than expected: superconvergence, or another error? {sentence}"
@@ -557,26 +514,21 @@ def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:
     Raises:
         OrderError: there are fewer than three meshes, or mesh sizes are not positive and distinct.
     """
-    sizes, phi = (np.asarray(entries, dtype=float) for entries in (h, values))
-    if sizes.shape != phi.shape or len(sizes) < 3:
-        raise OrderError(
-            f"{len(phi)} values on {len(sizes)} meshes: expected one value on each of three meshes or more"
-        )
-    fine_first = np.argsort(sizes)
-    sizes, phi = sizes[fine_first], phi[fine_first]
-    if not (sizes[0] > 0 and (np.diff(sizes) > 0).all() and np.isfinite(phi).all()):
+    sizes, phi = real_numbers(h, "h"), real_numbers(values, "values")
+    if len(sizes) != len(phi) or len(sizes) < 3:
+        raise OrderError(f"{len(phi)} values on {len(sizes)} meshes: expected one value on each of three meshes")
+    coarse_first = np.argsort(-sizes)
+    sizes, phi = sizes[coarse_first], phi[coarse_first]
+    if not (sizes[-1] > 0 and np.diff(sizes).max() < 0 and np.isfinite(phi).all()):
         raise OrderError("mesh sizes must be positive and distinct, and values finite")
-    f1, e21, e32 = float(phi[0]), *map(float, np.diff(phi)[:2])
-    if e21 == 0 or e32 == 0:
-        return GridConvergence("equal values", extrapolated=f1, index=math.nan if e21 else 0.0)
-    fine, coarse = np.diff(np.log(sizes))[:2]
-    sign = math.copysign(1.0, e21) * math.copysign(1.0, e32)
-    p = order_of_differences(fine, coarse, math.log(abs(e32)) - math.log(abs(e21)), sign)
-    if not math.isfinite(p):
+    (limit, p), finest, changes = limit_and_order(sizes, phi), float(phi[-1]), np.diff(phi[-3:])
+    if not changes.all():
+        return GridConvergence("equal values", extrapolated=finest, index=math.nan if changes[1] else 0.0)
+    monotone = np.sign(changes).sum() != 0
+    if not math.isfinite(limit):
         # Values that turn on finer meshes after an extremum do not diverge.
-        turns = np.sign(phi[-1] - phi[1]) == -np.sign(e21) or (sign < 0 and len(phi) > 3)
-        turned = len(phi) > 3 and turns and abs(e21) < np.ptp(phi)
+        turns = not monotone or (phi[0] - phi[-2]) * changes[1] > 0
+        turned = len(phi) > 3 and turns and abs(changes[1]) < np.ptp(phi)
         return GridConvergence("not monotone" if turned else "diverging" if p < 0 else "undecided")
-    difference = e21 / math.expm1(p * fine)
-    index = SAFETY * abs(difference / f1) if f1 else math.nan
-    return GridConvergence("monotone" if sign > 0 else "oscillating", p, f1 - difference, float(index))
+    index = SAFETY * abs(limit / finest - 1) if finest else math.nan
+    return GridConvergence("monotone" if monotone else "oscillating", p, limit, index)

@@ -4,7 +4,6 @@ import importlib
 import math
 import os
 import textwrap
-from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -16,9 +15,6 @@ from .columns import Series
 from .judging import Judged
 from .orders import FAILS, HIGHER, SKIPPED, UNDECIDED, OrderError, OrderResult
 from .printing import printable
-
-MOST_ROWS, MOST_COLUMNS = 24, 20
-"""Largest numbers of rows of a column, and of columns and tables, that the report shows."""
 
 
 def exit_code(judged: Judged) -> int:
@@ -45,35 +41,21 @@ def as_text(judged: Judged) -> str:
     It has a conclusion for each column of errors. Then it has for each table how the table was read, and all orders.
     """
     lines: list[str] = []
-    every = results_of(judged)
-    for result in every[:MOST_COLUMNS]:
+    for result in results_of(judged):
         lines += textwrap.wrap(f"{result.name}: {result.conclusion}", 80, subsequent_indent="    ")
-    if len(every) > MOST_COLUMNS:
-        counts = Counter(result.verdict or result.kind for result in every)
-        lines.append(f"all {len(every)} columns: " + ", ".join(f"{n} {word}" for word, n in counts.items()))
-    for series, results in judged[:MOST_COLUMNS]:
+    for series, results in judged:
         lines += ["", *textwrap.wrap(series.caption, 80), *recognised(series)]
-        for result in results[:MOST_COLUMNS]:
-            lines += ["", result.name[:80], *_rows(result)]
+        for result in results:
+            lines += ["", result.name[:80], f"  {'h':>12} {'error':>12} {'order':>8}"]
+            orders = ("", *(f"{order:.3f}" for order in result.orders))
+            for h, error, order in zip(result.h, result.errors, orders, strict=True):
+                lines.append(f"  {h:12.5g} {error:12.5g} {order:>8}".rstrip())
     return "\n".join(lines)
 
 
 def recognised(series: Series) -> list[str]:
     """Return lines that say how a table was read."""
-    words = textwrap.shorten(series.recognised, 800, placeholder=" …")
-    return textwrap.wrap(words, 80, subsequent_indent="    ")
-
-
-def _rows(result: OrderResult) -> list[str]:
-    """Return lines with the mesh sizes, errors and orders of a column.
-
-    Of a long column, only the first and the last rows are returned.
-    """
-    orders = ("", *(f"{order:.3f}" for order in result.orders))
-    rows = [f"  {h:12.5g} {e:12.5g} {p:>8}".rstrip() for h, e, p in zip(result.h, result.errors, orders, strict=True)]
-    if len(rows) > MOST_ROWS:
-        rows[4 : 4 - MOST_ROWS] = [f"  … {len(rows) - MOST_ROWS} rows left out"]
-    return [f"  {'h':>12} {'error':>12} {'order':>8}", *rows]
+    return textwrap.wrap(series.recognised, 80, subsequent_indent="    ")
 
 
 def as_json(judged: Judged) -> list[dict[str, Any]]:
@@ -111,17 +93,14 @@ def as_junit(judged: Judged) -> str:
 
     An order that is lower or higher than expected is a failure, and so is an undecided verdict.
     """
-    every = results_of(judged)
-    failed = [result for result in every if result.verdict in (FAILS, HIGHER, UNDECIDED)]
-    suite = ElementTree.Element(
-        "testsuite", name="convergence-orders", tests=str(len(every)), failures=str(len(failed))
-    )
-    for result in every:
+    suite = ElementTree.Element("testsuite", name="convergence-orders")
+    tags = dict.fromkeys((FAILS, HIGHER, UNDECIDED), "failure") | dict.fromkeys((None, SKIPPED), "skipped")
+    for result in results_of(judged):
         case = ElementTree.SubElement(suite, "testcase", classname="orders", name=printable(result.name))
-        if result in failed:
-            ElementTree.SubElement(case, "failure", message=printable(result.conclusion))
-        elif result.verdict in (None, SKIPPED):
-            ElementTree.SubElement(case, "skipped", message=printable(result.conclusion))
+        if tag := tags.get(result.verdict):
+            ElementTree.SubElement(case, tag, message=printable(result.conclusion))
+    suite.set("tests", str(len(suite)))
+    suite.set("failures", str(len(suite.findall("*/failure"))))
     return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True)
 
 
@@ -143,24 +122,18 @@ def plot(judged: Judged, file: Path) -> None:
         figures = importlib.import_module("matplotlib.figure")
     except ImportError:
         raise OrderError("--plot needs Matplotlib: python -m pip install matplotlib") from None
-    figure = figures.Figure(figsize=(6.4, 4.4), layout="constrained")
-    axes = figure.add_subplot(xscale="log", yscale="log", ylabel="error")
-    axes.set_xlabel("time step Δt" if all(series.size.startswith("Δt") for series, _ in judged) else "mesh size h")
-    for k, result in enumerate(results_of(judged)[:MOST_COLUMNS]):
-        h, errors, colour = np.array(result.h), np.array(result.errors), f"C{k % 10}"
-        positive = (errors > 0) & np.isfinite(errors)
+    figure = figures.Figure(layout="constrained")
+    axes = figure.add_subplot(xscale="log", yscale="log", xlabel="mesh size h or time step", ylabel="error")
+    for result in results_of(judged):
+        h, errors = np.array(result.h), np.array(result.errors)
+        shown = (errors > 0) & np.isfinite(errors)
         # Matplotlib would read dollar signs in names as the start of a formula.
         label = f"{result.name}: order {result.order:.2f}".replace("$", r"\$")
-        axes.plot(h[positive], errors[positive], "os^Dv"[k % 5], color=colour, markersize=5, label=label)
-        if not math.isfinite(result.order):
-            continue
-        judged_rows = slice(result.first, result.last)
-        scaled = h[judged_rows] / np.exp(np.log(h[judged_rows]).mean())
-        centre = np.exp(np.log(errors[judged_rows]).mean())
-        axes.plot(h[judged_rows], centre * scaled**result.order, color=colour, linewidth=1.2)
-        if wanted := result.expectation.expected or result.expectation.at_least:
+        (line,) = axes.plot(h[shown], errors[shown], "o-", label=label)
+        wanted = result.expectation.expected or result.expectation.at_least
+        if wanted and shown.any():
             # The expected line is shifted below the errors, so that both lines are visible if they are parallel.
-            axes.plot(h[judged_rows], 0.6 * centre * scaled**wanted, "--", color=colour, linewidth=1)
-    axes.grid(True, color="0.9")
-    axes.legend(title="dashed: expected order, shifted", fontsize=8, frameon=False)
+            finest = int(np.flatnonzero(shown)[-1])
+            axes.plot(h, 0.6 * errors[finest] * (h / h[finest]) ** wanted, "--", color=line.get_color())
+    axes.legend(title="dashed: expected order, shifted")
     figure.savefig(file, dpi=150)

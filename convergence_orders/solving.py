@@ -1,7 +1,5 @@
 """Collects errors while a program solves on finer and finer meshes; prints and judges their orders."""
 
-import csv
-import io
 import math
 import time
 from collections.abc import Callable, Mapping
@@ -9,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from .checks import check_orders
 from .columns import Columns, Options
+from .judging import check_orders
 from .orders import FAILS, HOLDS, UNDECIDED, OrderError, OrderResult, consecutive_orders
 from .tables import Table
 
@@ -41,10 +39,10 @@ class ConvergenceTable:
     def __len__(self) -> int:
         return len(next(iter(self.columns.values()), []))
 
-    @np.errstate(all="ignore")
     def _read(self) -> Columns:
         rows = [[f"{value:.17g}" for value in row] for row in zip(*self.columns.values(), strict=True)]
-        return Columns(Table("Python", list(self.columns), rows, list(range(len(rows)))), Options(self.dim))
+        with np.errstate(all="ignore"):
+            return Columns(Table("Python", list(self.columns), rows, list(range(len(rows)))), Options(self.dim))
 
     def check(self, expected: Mapping[str, float] | float | None = None, **options: Any) -> dict[str, OrderResult]:
         """Compute and judge the observed orders of all columns; the options are those of ``check_orders``.
@@ -52,10 +50,10 @@ class ConvergenceTable:
         Raises:
             OrderError: no column is a mesh size or a time step.
         """
-        size = self._read().size_name if len(self) else None
+        size = self._read().size if len(self) else None
         if size is None:
             raise OrderError(f"no column is a mesh size; there are {', '.join(self.columns)}: add h=… to each row")
-        return check_orders(size, self.columns, expected, dim=self.dim, **options)
+        return check_orders(size.name, self.columns, expected, dim=self.dim, **options)
 
     def assert_order(self, at_least: Mapping[str, float] | None = None, tolerance: float = 0.15,
                      floor: float = 0.0, max_error: Mapping[str, float] | None = None,
@@ -78,18 +76,17 @@ class ConvergenceTable:
     def cells(self) -> list[list[str]]:
         """Return the names and the cells of the table, with a column of orders beside each column of errors."""
         table = self._read()
-        columns = [
-            [name, *(f"{value:.6g}" for value in values)]
-            for name, values in self.columns.items()
-            if name not in table.error_names
-        ]
         h = table.size.numbers if table.size else np.full(len(self), math.nan)
         if table.size and table.size.role in ("count", "total"):
             h = h ** (-1 / (self.dim or 1))
-        for column in table.errors:
-            orders = [f"{order:.2f}" for order in consecutive_orders(h, column.numbers)]
-            columns += [[column.name, *(f"{e:.3e}" for e in column.numbers)], ["order", "-", *orders]]
-        return [list(row) for row in zip(*columns, strict=False)]
+        others, errors = [], []
+        for column in table.columns:
+            if column in table.errors:
+                orders = ["order", "-", *(f"{order:.2f}" for order in consecutive_orders(h, column.numbers))]
+                errors += [[column.name, *(f"{error:.3e}" for error in column.numbers)], orders]
+            else:
+                others.append([column.name, *(f"{value:.6g}" for value in column.numbers)])
+        return [list(row) for row in zip(*others, *errors, strict=False)]
 
     def __str__(self) -> str:
         cells = self.cells()
@@ -103,17 +100,14 @@ class ConvergenceTable:
 
     def to_csv(self) -> str:
         """Return the table as comma-separated values, without rounding and without orders."""
-        stream = io.StringIO()
-        csv.writer(stream, lineterminator="\n").writerows(
-            [list(self.columns), *zip(*self.columns.values(), strict=True)]
-        )
-        return stream.getvalue()
+        rows = [self.columns, *zip(*self.columns.values(), strict=True)]
+        return "".join(",".join(map(str, row)) + "\n" for row in rows)
 
     def to_latex(self) -> str:
         """Return the table as a LaTeX tabular."""
-        header, *rows = (" & ".join(row).replace("_", r"\_") + r" \\" for row in self.cells())
-        lines = [rf"\begin{{tabular}}{{{'r' * len(self.cells()[0])}}}", r"\hline", header, r"\hline", *rows]
-        return "\n".join([*lines, r"\hline", r"\end{tabular}", ""])
+        header, *rows = (" & ".join(row).replace("_", r"\_") + " \\\\\n" for row in self.cells())
+        begin = rf"\begin{{tabular}}{{*{{{header.count('&') + 1}}}{{r}}}}"
+        return f"{begin}\n\\hline\n{header}\\hline\n{''.join(rows)}\\hline\n\\end{{tabular}}\n"
 
 
 def refine_until_settled(

@@ -311,8 +311,8 @@ def test_errors_without_names_are_refused_in_words() -> None:
         (H, [10**400, 3, 2, 1], 2, "u must be real numbers .*, got list: int too large"),
         (H, [[1, 2], [3]], 2, "u must be real numbers .*, got list: "),
         (np.ma.masked_less(H, 0.1), SQUARES, 2, "mesh sizes must be positive and finite, got .*nan"),
-        (H, SQUARES, "2", "the expected order must be one positive number, got '2'"),
-        (H, SQUARES, -2, "the expected order must be one positive number, got -2"),
+        (H, SQUARES, "2", "expected must be one positive number, got '2'"),
+        (H, SQUARES, -2, "expected must be one positive number, got -2"),
     ],
 )
 def test_what_is_no_number_is_refused_in_words(h, errors, wish, said: str) -> None:
@@ -357,7 +357,7 @@ def test_masked_numbers_are_missing() -> None:
 def test_columns_of_pandas_are_judged_or_refused_by_name() -> None:
     table = pd.DataFrame({"h": H, "L2": SQUARES, "note": ["fine"] * 4})
     assert check_orders(H, table["L2"], {"L2": 2})["L2"].verdict == "holds"
-    with pytest.raises(OrderError, match="there is no column hh of mesh sizes; there are h, L2, note"):
+    with pytest.raises(OrderError, match="hh: there is no such column; there are h, L2, note"):
         check_orders("hh", table, 2)
     assert list(check_orders("h", table, 2)) == ["L2"]
 
