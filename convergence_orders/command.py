@@ -39,10 +39,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         code = run(parser.parse_args(arguments))
         sys.stdout.flush()
-    except BrokenPipeError:
+    except OSError as error:
         # Python would fail to write the rest of the output at its end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-        return CLOSED
+        if isinstance(error, BrokenPipeError):
+            return CLOSED
+        print(f"convergence-orders: cannot write the output: {error}", file=sys.stderr)
+        return USAGE
     return code
 
 

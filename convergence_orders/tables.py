@@ -363,7 +363,8 @@ def _header(above: list[Row], block: list[Row], rows: list[list[str]], sign: str
     """Return the names of columns in the nearest header above a table, and its lines; empty lists without a header."""
     units = [row for row in above if all(map(_UNIT.fullmatch, row.cells))]
     lines = [row for row in above if row not in units]
-    for upper, row in reversed([*pairwise([None, *lines])]):
+    for number, row in reversed([*enumerate(lines)]):
+        upper = lines[number - 1] if number else None
         names = _names(row, block, rows, sign)
         if names and all(re.search(r"[^\W\d_]|[#‖¦|]", name) for name in names if name):
             grouped = _grouped(upper, names, sign) if upper and row.line.number - upper.line.number <= 2 else []
