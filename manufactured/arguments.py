@@ -175,9 +175,15 @@ def _entries(value: Any) -> list[Any]:
 
 def _scalar(value: Any, kinds: str = "iufO") -> Any:
     """Return a value whose NumPy type is one of the given kinds and that is no array."""
-    entry = np.asarray(value)
-    _require(entry.ndim == 0 and entry.dtype.kind in kinds)
+    entry = _unmasked(value)
+    _require(entry.ndim == 0 and entry.dtype.kind in kinds and not isinstance(entry.item(), bool))
     return entry.item()
+
+
+def _unmasked(value: Any) -> Any:
+    """Return a value as an array without masked entries, which NumPy would replace by the numbers behind the mask."""
+    _require(not np.ma.is_masked(value))
+    return np.asarray(value)
 
 
 def _extended(value: Any) -> float:
@@ -215,7 +221,7 @@ def _text(value: Any) -> str:
 
 
 def _array(value: Any) -> Any:
-    given = value if isinstance(value, np.ndarray) else np.array(value, dtype=object)
+    given = _unmasked(value) if isinstance(value, np.ndarray) else np.array(value, dtype=object)
     _require(given.ndim > 0)
     exact = given if given.dtype.kind in "iuf" else np.vectorize(_number, otypes=[float])(given)
     numbers = np.asarray(exact, dtype=float)

@@ -32,6 +32,12 @@ class ProfileError(ValueError):
     """Raised if a profile violates a condition at y = 0 and would therefore change the contact data."""
 
 
+def _require_increasing(*depths: float) -> None:
+    """Raise ProfileError unless depths are positive and increase."""
+    if not all(np.diff(depths, prepend=0.0) > 0):
+        raise ProfileError(f"depths have to be positive and to increase, got {', '.join(map(str, depths))}")
+
+
 @lru_cache
 def _derived(pieces: tuple[tuple[float, ...], ...], derivative: int) -> list[tuple[float, ...]]:
     """Return the coefficients of a derivative of each of the given polynomials."""
@@ -59,6 +65,11 @@ class Piecewise:
 
     ends: tuple[float, ...]
     pieces: tuple[tuple[float, ...], ...]
+
+    def __post_init__(self) -> None:
+        _require_increasing(*self.ends)
+        if len(self.ends) != len(self.pieces):
+            raise ProfileError(f"each piece needs an end, got {len(self.pieces)} pieces and the ends {self.ends}")
 
     def __call__(self, y: Array, derivative: int = 0) -> Array:
         """Return the function, or its derivative of the given order, at depths y, (...) → (...)."""
@@ -137,6 +148,7 @@ def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
         depth: ℓ, the depth beyond which the displacement is zero.
         phi: the coefficients of a polynomial φ with φ(0) = 1, φ'(0) = 0, φ(1) = 0, lowest power first.
     """
+    _require_increasing(depth)
     b = tuple(coefficient / depth**k for k, coefficient in enumerate(phi))
     d = (0.0, *b)
     ends = (depth,)
@@ -181,6 +193,7 @@ def layered(interface: float, ratio: float, depth: float = 1.0) -> Profile:
         ratio: κ, how many times as stiff and viscous the upper layer is as the layer at the face.
         depth: ℓ.
     """
+    _require_increasing(interface, depth)
     y0, rest = interface, depth - interface
     gamma = -ratio / (2 * y0 * rest + ratio * y0**2)
     delta = -(rest + ratio * y0) / (2 * y0 * rest + ratio * y0**2)

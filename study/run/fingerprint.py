@@ -37,14 +37,13 @@ COMPUTING = (
     "manufactured/**/*.py",
     *(f"study/{package}/**/*.py" for package in ("fem", "solve", "stresses", "bound", "statements")),
     "study/ledger/pictures.py",
+    "study/ledger/text.py",
 )
-"""The modules on which results depend. The last one rounds the numbers of pictures."""
+"""The modules on which results depend. The last two round the numbers of pictures and of measurements."""
 SINGLE = ("manufactured/cases/*.py", "study/statements/*.py")
 """The modules of single cases and statements. A result depends only on its own case, its own statement and imports."""
 LISTS = ("manufactured/catalogue.py", "manufactured/colours.py", "manufactured/html.py", "manufactured/body/html.py")
 """Modules that list the cases, name colours or draw pictures in notebooks. No result depends on them."""
-ROUNDED_TEXT = "study/ledger/text.py"
-"""The module that rounds the bounds in the sentences that are stored with them."""
 VALUES = (bool, int, float, complex, str, type(None), tuple, list, np.ndarray)
 """Types outside this project that are hashed by value, besides numbers of NumPy and formulas of SymPy."""
 PROJECT = ("manufactured", "study")
@@ -74,7 +73,7 @@ def of_problem(data: Data, case: Case | None, setting: Iterable[object]) -> str:
         case: the case with the exact solution of the problem; None if the exact solution is unknown.
         setting: everything else on which the result depends: numbers, texts, arrays and dataclasses of these.
     """
-    return _hash([_value_of(data), by_value(case), by_value(list(setting))], code_hash((*COMPUTING, ROUNDED_TEXT)))
+    return _hash([_value_of(data), by_value(case), by_value(list(setting))], code_hash())
 
 
 def of_data(data: Data) -> str:

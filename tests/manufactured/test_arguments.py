@@ -183,6 +183,8 @@ OTHERS = {
     "a relation": s < 1,
     "a symbol": sp.Symbol("foreign"),
     "a time difference": np.timedelta64(1, "s"),
+    "a masked number": np.ma.masked,
+    "a boolean as an object": np.array(True, dtype=object),
 }
 NUMBERS = {"a number", "infinity"}
 
@@ -248,3 +250,22 @@ def test_an_argument_of_another_type_is_refused_with_its_name(target) -> None:
                 if not permitted(given, other, target, name):
                     with pytest.raises(ValueError, match=SPEAKING.get(target, name)):
                         print(f"{other} for {name} gives", call(target, CALLS[target] | {name: changed}))
+
+
+def test_a_masked_array_is_refused_because_its_masked_numbers_are_missing() -> None:
+    with pytest.raises(ValueError, match="matrix has to be an array"):
+        Linear(np.ma.array(MATRIX, mask=MATRIX > 2))
+
+
+@pytest.mark.parametrize(
+    "make", [cutoff, slab, lambda depth: layered(0.5, 2.0, depth), lambda end: Piecewise((end,), ((1.0,),))]
+)
+@pytest.mark.parametrize("depth", [0.0, -1.0])
+def test_a_depth_that_is_not_positive_is_refused(make, depth: float) -> None:
+    with pytest.raises(ValueError, match="depths have to be positive"):
+        make(depth)
+
+
+def test_layered_profiles_need_an_interface_above_the_depth() -> None:
+    with pytest.raises(ValueError, match="to increase"):
+        layered(1.0, 2.0, 1.0)

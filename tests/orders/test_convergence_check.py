@@ -138,6 +138,12 @@ def test_the_action_fails_without_an_expectation_and_shows_no_old_report(options
     assert not (project / "github_step_summary").exists()
 
 
+def test_the_action_fails_if_an_option_ends_the_command_before_it_judges(project: Path) -> None:
+    (project / "errors.csv").write_text("h,L2\n.4,.16\n.2,.04\n.1,.01\n")
+    assert act(project, TABLE="errors.csv", OPTIONS="--expected 2 --help").returncode == 2
+    assert (project / "github_output").read_text() == "code=2\n"
+
+
 OWN_STUDY = """
 import sys
 

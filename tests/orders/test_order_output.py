@@ -3,6 +3,8 @@
 import itertools
 import json
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
@@ -255,6 +257,15 @@ def test_names_with_terminal_escapes_are_printed_without_them(tmp_path, capsys) 
         assert not set(printed) & set("\x1b\x00")
     ElementTree.parse(tmp_path / "j")
     assert "\x1b" not in (tmp_path / "m").read_text()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no /dev/full")
+def test_a_full_disk_behind_the_output_is_said_in_words() -> None:
+    command = [sys.executable, "-m", "convergence_orders", str(Path(__file__).parents[2] / "examples/errors.csv")]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+    assert done.stderr.startswith("convergence-orders: cannot write the output: ")
 
 
 def test_a_broken_solver_fails_the_assertion() -> None:
