@@ -539,7 +539,8 @@ def _records(lines: list[Line]) -> list[Table]:
         for found in _NAMED.finditer(line.text):
             name, value = found["name"].strip(" \t*-\"'"), (found["row"] or "").strip("*|`")
             # Logging programs write the date and INFO in front of the name.
-            name = name.split()[-1] if role(name.split()[-1]) in SIZES and role(name) == "unknown" else name
+            words = name.split()
+            name = words[-1] if words and role(words[-1]) in SIZES and role(name) == "unknown" else name
             if name in records[-1] and kind_of(value) != "a":
                 records.append({})
             numbers += [line.number] * (len(records) - len(numbers))
