@@ -1,6 +1,7 @@
 """The command ``convergence-orders``: computes the observed orders of any table of errors, and judges them."""
 
 import argparse
+import errno
 import io
 import json
 import math
@@ -23,10 +24,13 @@ USAGE, CLOSED = 2, 141
 """Exit codes if the table or an option is not understood, and if nobody reads the output."""
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command with the given arguments, by default those of the command line; return the exit code."""
+def main(arguments: Sequence[str] | None = None, name: str = "convergence-orders") -> int:
+    """Run the command with the given arguments, by default those of the command line; return the exit code.
+
+    ``name`` stands in the messages.
+    """
     parser = argparse.ArgumentParser(
-        prog="convergence-orders",
+        prog=name,
         allow_abbrev=False,
         description="Compute the observed orders of a table of errors, and compare them with the orders you expect.",
         epilog="Exit code: 0 all orders hold, 1 an order is wrong, 2 the table is not understood, 3 undecided.",
@@ -44,7 +48,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         if isinstance(error, BrokenPipeError):
             return CLOSED
-        print(f"convergence-orders: cannot write the output: {error}", file=sys.stderr)
+        full = error.errno == errno.ENOSPC
+        reason = f"the disk is full ({error.strerror}); free space there" if full else error.strerror
+        print(f"{name.split()[0]}: cannot write the output: {reason}", file=sys.stderr)
         return USAGE
     return code
 
@@ -62,7 +68,7 @@ def _orders(text: str) -> float | dict[str, float]:
     """
     if re.fullmatch(_NUMBER, text):
         return _finite(text)
-    if not re.fullmatch(f"(?:.+?={_NUMBER}(?:,(?=.)|$))+", text):
+    if not re.fullmatch(f"(?:(?!{_NUMBER},).+?={_NUMBER}(?:,(?=.)|$))+", text):
         raise argparse.ArgumentTypeError(f"got '{text}', expected a number such as 2, or names such as L2=2,H1=1")
     return {name.strip(): _finite(number) for name, number in re.findall(f"(.+?)=({_NUMBER})(?:,|$)", text)}
 

@@ -16,7 +16,7 @@ Judged = list[tuple[Series, list[OrderResult]]]
 """List of pairs: a series of meshes, and the observed orders of its columns of errors."""
 
 
-def names_of(series: Series, name: str) -> tuple[str, str, str, str]:
+def names_of(series: Series, name: str) -> tuple[str, ...]:
     """Return the names by which an expectation of a column is looked up: with its case, alone, the case, and ""."""
     return f"{name} ({series.label})" if series.label else name, name, series.label, ""
 
@@ -35,7 +35,9 @@ def judge(tables: list[Series], options: Mapping[str, float], **wishes: Wish) ->
     Raises:
         OrderError: something is expected of a column that does not exist or was left out.
     """
-    columns = [(series, name, names_of(series, name)) for series in tables for name in series.errors]
+    columns: list[tuple[Series, str, tuple[str, ...]]] = [
+        (series, name, names_of(series, name)) for series in tables for name in series.errors
+    ]
     given = {kind: _by_full_name(wish, columns, tables) for kind, wish in wishes.items() if wish is not None}
     results: dict[int, list[OrderResult]] = {}
     for series, name, keys in columns:

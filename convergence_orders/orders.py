@@ -280,10 +280,10 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
         order, low, high = fitted_order(x, judged)
         extrapolated = extrapolated_order(x, judged)
         limit = limit_and_order(x, judged)[0] if len(judged) > 2 and np.diff(judged).max() < 0 else limit
-    numbers = [tuple(column.tolist()) for column in (sizes, e, consecutive_orders(sizes, e))]
+    all_h, all_e, all_p = (tuple(column.tolist()) for column in (sizes, e, consecutive_orders(sizes, e)))
     told = verdict if expectation.judges or verdict == SKIPPED else None
     fits = order, low, high, extrapolated, limit
-    return OrderResult(name, *numbers, *fits, first, last, kind, sentence, told, expectation)
+    return OrderResult(name, all_h, all_e, all_p, *fits, first, last, kind, sentence, told, expectation)
 
 
 def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Array]:

@@ -363,7 +363,8 @@ def _header(above: list[Row], block: list[Row], rows: list[list[str]], sign: str
     """Return the names of columns in the nearest header above a table, and its lines; empty lists without a header."""
     units = [row for row in above if all(map(_UNIT.fullmatch, row.cells))]
     lines = [row for row in above if row not in units]
-    for upper, row in reversed([*pairwise([None, *lines])]):
+    for number, row in reversed([*enumerate(lines)]):
+        upper = lines[number - 1] if number else None
         names = _names(row, block, rows, sign)
         if names and all(re.search(r"[^\W\d_]|[#‖¦|]", name) for name in names if name):
             grouped = _grouped(upper, names, sign) if upper and row.line.number - upper.line.number <= 2 else []
@@ -538,7 +539,8 @@ def _records(lines: list[Line]) -> list[Table]:
         for found in _NAMED.finditer(line.text):
             name, value = found["name"].strip(" \t*-\"'"), (found["row"] or "").strip("*|`")
             # Logging programs write the date and INFO in front of the name.
-            name = name.split()[-1] if role(name.split()[-1]) in SIZES and role(name) == "unknown" else name
+            words = name.split()
+            name = words[-1] if words and role(words[-1]) in SIZES and role(name) == "unknown" else name
             if name in records[-1] and kind_of(value) != "a":
                 records.append({})
             numbers += [line.number] * (len(records) - len(numbers))

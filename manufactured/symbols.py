@@ -7,6 +7,7 @@ time ``t``. ``compiled`` makes NumPy functions of them and of their derivatives,
 from functools import lru_cache
 from itertools import product
 
+import numpy as np
 import sympy as sp
 
 from manufactured.tensors import Array
@@ -47,7 +48,8 @@ class pos(sp.Function):  # type: ignore[misc]
 
     def __new__(cls, x: sp.Expr | float, a: sp.Expr | float, **options: bool) -> sp.Expr:
         try:
-            given = [sp.sympify(value, strict=True) for value in (x, a)]
+            real = not any(isinstance(value, complex) or np.ma.is_masked(value) for value in (x, a))
+            given = [sp.sympify(value, strict=True) for value in (x, a)] if real else []
         except (sp.SympifyError, TypeError):
             given = []
         if not given or any(not isinstance(value, sp.Expr) or value.has(*NOT_REAL) for value in given):

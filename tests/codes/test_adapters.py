@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import json
 import lzma
+import os
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from xml.etree import ElementTree
 
 import common
 import contact_judge as judge
 import drive
+import faults
 import numpy as np
 import pytest
 import run_codes
@@ -24,6 +29,7 @@ from judged_codes import exported, read, task
 from study.cli.main import main
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
+from study.present.charts import codes_chart
 from study.run.tasks import frozen, march, with_foundation, write_task
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -65,6 +71,19 @@ def test_a_task_that_a_code_cannot_express_is_named_with_the_reason(directory: P
     assert (left["class"], left["reason"]) == ("not expressed", "no springs in this code")
 
 
+def test_a_variant_stops_at_its_finest_level_and_its_class_is_that_of_the_meshes_before(
+    directory: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (make,) = this_study.VARIANTS.values()
+    two = SimpleNamespace(CODE="c", VERSION="1", VARIANTS={"slow": make, "quick": make}, FINEST={"slow": 4})
+    monkeypatch.setitem(sys.modules, "two_variants", two)
+    drive.main("two_variants", str(directory), str(tmp_path))
+    rows = json.loads((tmp_path / "two_variants.json").read_text())
+    levels = {(row["variant"], row["case"]): row["levels"] for row in rows}
+    assert (levels["slow", "corner"], levels["quick", "corner"]) == ([4], [4, 8])
+    assert levels["slow", "cube-disc"] == levels["quick", "cube-disc"] == [2, 3]
+
+
 def test_a_class_that_is_not_the_committed_one_is_reported() -> None:
     _, committed = run_codes.read(RESULTS / "codes")
     rows = [dict(row) for row in committed]
@@ -95,6 +114,17 @@ def test_committed_classes_are_those_of_the_committed_errors(folder: str, grades
         assert classes[name] == judge.classify(list(rows["h"]), errors), name
         seen.add(classes[name])
     assert seen >= grades
+
+
+def test_the_caption_counts_what_the_order_does_not_see() -> None:
+    codes = Codes.read(RESULTS)
+    assert codes is not None
+    finest, classes = codes.errors.sort_values("level").groupby(KEY).last(), codes.classes.set_index(KEY)
+    passed = classes[(abs(classes["order_in_v"] - 1) <= 0.15) & classes["class"].isin(["stagnates", "wrong"])].index
+    worst = (finest["pressure"] / finest["best_pressure"])[passed].max()
+    caption = codes_chart(codes).caption
+    assert f"of {len(passed)} runs whose" in caption
+    assert f"up to {worst:.0f} times" in caption
 
 
 def test_results_without_other_codes_have_none_and_half_a_table_is_refused(tmp_path: Path) -> None:
@@ -162,9 +192,11 @@ def unpacked_as_well(place: Path) -> None:
 
 ANSWER = "answers/full-contact-one-diagonal-frozen-4"
 DAMAGE: dict[str, tuple[Callable[[Path], Any], str]] = {
-    "word in the sums": (put("SHA256SUMS", "mine\n", "a"), "SHA256SUMS, line 2: stands 'mine'"),
-    "deleted task": (lambda place: next(place.glob("tasks/*.xz")).unlink(), "which is missing"),
+    "word in the sums": (put("SHA256SUMS", "mine\n", "a"), "SHA256SUMS has 'mine'"),
+    "deleted task": (lambda place: next(place.glob("tasks/*.xz")).unlink(), "expected a sum and a file that is here"),
+    "no tasks": (lambda place: [path.unlink() for path in place.glob("tasks/*")], "holds no *.json.xz"),
     "JSON list": (put("a.json", "[1, 2]"), "a holds a JSON list"),
+    "no JSON": (put("a.json", "{"), "a.json is no JSON"),
     "task that unpacks to 300 MiB": (
         lambda place: (place / "tasks" / "a.json.xz").write_bytes(lzma.compress(bytes(300 << 20), preset=0)),
         "unpacks to more than",
@@ -173,11 +205,16 @@ DAMAGE: dict[str, tuple[Callable[[Path], Any], str]] = {
     "key missing": (lambda place: change_task(place, lambda data: data.pop("clamped") and None), "lacks the key 'clam"),
     "other version": (task_with(version=3), "contact-task 3, expected contact-task 1 or 2"),
     "vertex that is not there": (task_with(cells=[[0, 1, 999]]), "is no task"),
+    "no steps": (task_with(steps=[], judge=[]), "0 steps"),
+    "scale of zero": (task_with(scale=0), "the scale 0.0"),
     "no contact": (task_with(contact=[]), "is no task"),
     "law of another shape": (task_with(law={"A": {"matrix": [[1.0]], "factor": 1}}), "lacks the key 'G'"),
-    "no answer": (lambda place: next(place.glob("answers/*/u.txt")).unlink(), "u.txt is missing, expected"),
-    "short answer": (put(f"{ANSWER}/u.txt", "1 2 3"), "has 1 line of 3 numbers, expected plain text: 1 line of 50"),
-    "short report": (put(f"{ANSWER}/forces.txt", "1"), "forces.txt has 1 line of 1 number, expected"),
+    "no answer": (lambda place: next(place.glob("answers/*/u.txt")).unlink(), "u.txt is missing or cannot be read"),
+    "short answer": (
+        put(f"{ANSWER}/u.txt", "1 2 3"),
+        "u.txt, line 1, has 3 numbers, expected plain text: for each step (1 in all)",
+    ),
+    "short report": (put(f"{ANSWER}/forces.txt", "1"), "forces.txt, line 1, has 1 numbers, expected"),
 }
 
 
@@ -209,6 +246,26 @@ def test_one_missing_answer_does_not_stop_the_judge_and_a_subset_leaves_it_out(p
     assert run(place, "--only", "full-*") == run(place, "--only", "full-contact") == 0
     assert run(place, "--only", "corner") == 2
     assert "--only corner is no case and no task; there are tasks of full-contact, layered" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("change", [lambda u: 1.5 * u, lambda u: u])
+def test_a_picture_has_the_mesh_and_the_forces_that_remain(change, place: Path, tmp_path: Path) -> None:
+    change_answer(place, change)
+    run(place, "--plot", str(tmp_path / "a.svg"))
+    mesh, face, arrows, dots = ElementTree.parse(tmp_path / "a.svg").getroot().findall("{*}path")
+    assert [one.get("d", "").count("M") for one in (mesh, face)] == [32, 4]
+    remaining = 0 if change(1) == 1 else 20
+    assert [one.get("d", "").count("M") for one in (arrows, dots)] == [remaining] * 2
+
+
+def test_a_reader_who_closes_the_pipe_causes_no_traceback(place: Path) -> None:
+    judge_file = str(RESULTS.parent / "examples" / "codes" / "contact_judge.py")
+    command = [sys.executable, judge_file, str(place / "tasks"), str(place / "answers"), "--json"]
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(writer)
+    assert done.stderr == ""
 
 
 def test_exit_codes_and_tolerance(place: Path, capsys: Any) -> None:
@@ -297,7 +354,7 @@ def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tm
 
 
 WRONG_ARRAYS: dict[str, tuple[Any, str]] = {
-    "transposed": (lambda u: np.swapaxes(u, 1, 2), "(1, 2, 25), expected (1, 25, 2): steps, vertices, components; it"),
+    "transposed": (lambda u: np.swapaxes(u, 1, 2), "(1, 2, 25), expected (1, 25, 2): steps, vertices, components"),
     "without the steps": (lambda u: u[0], "has the shape (25, 2), expected (1, 25, 2)"),
     "words": (lambda u: "many", "is no array of numbers"),
     "lists of other lengths": (lambda u: [[1.0], [1.0, 2.0]], "is no array of numbers"),
@@ -317,3 +374,12 @@ def test_arrays_of_another_shape_are_refused_in_words(name: str, packed: Path) -
         judge.answer(task, lambda task: lambda load, stress: [change(u)])
     with pytest.raises(judge.TaskError, match=r"reported pressure of .*: steps, contact vertices"):
         judge.assess([task], {task.name: u}, {task.name: {"pressure": change(u)}})
+
+
+def test_loads_of_another_size_scale_the_gap_too(packed: Path) -> None:
+    (task,) = judge.read_tasks(packed)
+    gap = [0.5] * len(task.data["contact"][0]["vertices"])
+    pieces = [piece | {"gap": gap} for piece in task.data["contact"]]
+    scaled = judge.Task("gap", task.data | {"contact": pieces}).scaled(10)
+    assert np.array_equal(np.concatenate(scaled.gaps()), 10 * np.array(gap * len(pieces)))
+    assert faults.right(np.eye(1), np.array([2.0]), {}) == pytest.approx([2.0])

@@ -3,6 +3,7 @@
 import math
 import os
 import shutil
+import stat
 from fractions import Fraction
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,7 +16,7 @@ from hypothesis import strategies as st
 from study.ledger import schema
 from study.ledger.compare import difference
 from study.ledger.datafiles import DataError, read_checked, read_table
-from study.ledger.files import StoreError, write_text, write_whole
+from study.ledger.files import StoreError, write_packed, write_text, write_whole
 from study.ledger.numbered import named
 from study.ledger.orders import RatesError, extrapolated_order, fit, limit, orders
 from study.ledger.text import cell, down, interval, power_of_ten, up
@@ -31,6 +32,59 @@ def test_only_a_full_disk_is_called_full(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.setattr(shutil, "disk_usage", lambda path: SimpleNamespace(free=0))
     with pytest.raises(StoreError, match="the disk is full"):
         write_whole(tmp_path / "a.csv", fails)
+
+
+DEVICES = {"null": 3, "full": 7}
+"""Names and minor numbers of character devices with the major number 1 on Linux. The tests never use those in /dev."""
+
+
+def device(place: Path, name: str) -> Path:
+    """Make a device in a directory, or skip the test."""
+    path = place / name
+    try:
+        os.mknod(path, stat.S_IFCHR | 0o600, os.makedev(1, DEVICES[name]))
+        path.read_bytes() if name == "null" else path.open("rb").close()
+    except (OSError, AttributeError):
+        pytest.skip("only root of Linux can make devices")
+    return path
+
+
+@pytest.mark.parametrize("write", [write_text, write_packed])
+def test_a_pipe_receives_the_content_and_remains(write, tmp_path: Path) -> None:
+    write(tmp_path / "expected", "two\nlines\n")
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write(pipe, "two\nlines\n")
+    assert os.read(reader, 1000) == (tmp_path / "expected").read_bytes()
+    os.close(reader)
+    assert pipe.is_fifo()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["expected", "pipe"]
+
+
+@pytest.mark.parametrize("name", DEVICES)
+def test_a_device_is_written_and_remains(name: str, tmp_path: Path) -> None:
+    path = device(tmp_path, name)
+    if name == "null":
+        write_text(path, "text")
+    else:
+        with pytest.raises(StoreError, match="the disk is full"):
+            write_text(path, "text")
+    assert path.is_char_device()
+    assert [*tmp_path.iterdir()] == [path]
+
+
+@pytest.mark.parametrize("exists", [True, False])
+def test_a_link_is_followed_and_remains(exists: bool, tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    target, link, second = tmp_path / "there" / "a.csv", tmp_path / "link", tmp_path / "second"
+    if exists:
+        target.write_text("old")
+    link.symlink_to(Path("there") / "a.csv")
+    second.symlink_to(link)
+    write_text(second, "new")
+    assert (link.is_symlink(), second.is_symlink(), target.read_text()) == (True, True, "new")
+    assert [*target.parent.iterdir()] == [target]
 
 
 def test_what_cannot_be_written_is_refused_and_left_alone(tmp_path: Path, monkeypatch) -> None:

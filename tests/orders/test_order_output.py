@@ -368,7 +368,7 @@ def test_masked_numbers_are_missing() -> None:
 def test_columns_of_pandas_are_judged_or_refused_by_name() -> None:
     table = pd.DataFrame({"h": H, "L2": SQUARES, "note": ["fine"] * 4})
     assert check_orders(H, table["L2"], {"L2": 2})["L2"].verdict == "holds"
-    with pytest.raises(OrderError, match="there is no column hh of mesh sizes; there are h, L2, note"):
+    with pytest.raises(OrderError, match="hh: there is no such column; there are h, L2, note"):
         check_orders("hh", table, 2)
     assert list(check_orders("h", table, 2)) == ["L2"]
 

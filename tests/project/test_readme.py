@@ -21,7 +21,7 @@ def page(name: str) -> Page:
     return found
 
 
-RESULTS, VERDICTS = page("explanation/results").text, page("explanation/verdicts").text
+VERDICTS = page("explanation/verdicts").text
 
 
 @pytest.fixture(scope="module")

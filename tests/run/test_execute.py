@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import pickle
+import random
 import re
 import signal
 import socket
 import subprocess
 import sys
+import time
+import weakref
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from threading import Thread, Timer
 from typing import Any
@@ -20,8 +26,10 @@ import psutil
 import pytest
 from distributed import LocalCluster
 
+from study.bound.trajectory import Refined
+from study.cli import common
 from study.cli.main import main
-from study.ledger.files import UsageError
+from study.ledger.files import StoreError, UsageError
 from study.run.executor import (
     GIB,
     JobsError,
@@ -32,16 +40,19 @@ from study.run.executor import (
     execute,
     identity,
     refuse_too_large,
+    run_job,
     startable,
 )
 from study.run.fingerprint import versions
 from study.run.judgement import collect
 from study.run.plan import Job, Plan, quick
 from study.run.store import Store
+from study.statements.enclosure import BoundSetting, EnclosedError
 from study.statements.prop_5_4 import FirstOrder, RateSetting
 from study.statements.shared.base import Setting
 from study.statements.shared.scope import Levels, Scope
 from study.statements.thm_4_2 import SameMesh
+from study.statements.thm_4_2_own_space import OwnSpace
 
 
 def ignore(cost: float) -> None: ...
@@ -108,6 +119,21 @@ def test_the_most_expensive_jobs_go_first(tmp_path) -> None:
     jobs = [Toy("a", 1), Toy("b", 3), Toy("c", 2)]
     execute(jobs, Store(tmp_path), pool(executor, workers=1), ignore)
     assert [job.name for job in executor.order] == ["b", "c", "a"]
+
+
+class Circular:
+    """A job that refers to what it made from what it made."""
+
+    def run(self) -> dict[str, float]:
+        self.made = weakref.ref(made := Circular())
+        made.itself = made
+        return {}
+
+
+def test_a_large_process_does_not_keep_what_a_job_leaves_in_circles_of_references(monkeypatch) -> None:
+    monkeypatch.setattr("study.run.executor.CROWDED", 0.0)
+    assert run_job(job := Circular()) == {}
+    assert job.made() is None
 
 
 LARGE, LARGER, SMALL, TINY = Toy("large", 9, 6), Toy("larger", 8, 7), Toy("small", 7, 3), Toy("tiny", 1, 1)
@@ -226,12 +252,19 @@ for job in pickle.load(sys.stdin.buffer):
     print(open('/proc/self/status').read())
 """
 """Prints the largest resident size of its process after each of some jobs."""
+EVERY = [
+    Job(FirstOrder(), RateSetting("cube-disc", "shaken", 9, "midpoint", 2)),
+    Job(FirstOrder(), RateSetting("cube-disc", "one-diagonal", 18, "midpoint", 2)),
+    Job(SameMesh(), Setting("cube-disc", "one-diagonal", 6)),
+    Job(OwnSpace(), Setting("full-contact", "shaken", 16)),
+    Job(EnclosedError(), BoundSetting("full-contact", "shaken", 8, "midpoint", Refined(1, 1))),
+]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is no /proc")
 @pytest.mark.parametrize(
     "job",
-    [full_contact(48), pytest.param(Job(SameMesh(), Setting("cube-disc", "one-diagonal", 6)), marks=pytest.mark.slow)],
+    [full_contact(48), *(pytest.param(job, marks=pytest.mark.slow) for job in EVERY)],
     ids=lambda job: job.key,
 )
 def test_no_job_takes_more_memory_than_estimated_nor_much_less(job: Job) -> None:
@@ -249,8 +282,10 @@ def test_no_job_takes_more_memory_than_estimated_nor_much_less(job: Job) -> None
     [
         ("0::/job", "", {"job/memory.max": "max", "job/memory.current": "5", "memory.max": "1000"}
          | {"memory.current": "700", "memory.stat": "anon 600\ninactive_file 50"}, 350),
+        ("4:memory:/job\n1:cpu:/", "memory/job/memory.", {"limit_in_bytes": "2000", "usage_in_bytes": "500"}
+         | {"stat": "total_inactive_file 100"}, 1600),
     ],
-    ids=["version 2"],
+    ids=["version 2", "version 1"],
 )  # fmt: skip
 def test_memory_is_what_the_tightest_control_group_allows(tmp_path, line, prefix, files, expected: int) -> None:
     """Below another root lie the files of a Linux system that are read."""
@@ -276,6 +311,14 @@ def test_data_are_locked_exactly_where_they_are_there_and_may_be_written(tmp_pat
             patch.setattr(os, "access", lambda path, mode, answer=writable: answer)
             with Store(tmp_path).steady():
                 assert [*data.iterdir()] == found
+
+
+def test_data_that_may_be_written_are_not_left_unlocked_where_the_lock_may_not(tmp_path, monkeypatch) -> None:
+    data = Store(tmp_path).data
+    (data / ".lock").mkdir(parents=True)
+    monkeypatch.setattr(os, "access", lambda path, mode: path == data)
+    with pytest.raises(StoreError, match="lock"), Store(tmp_path).steady():
+        pass
 
 
 def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_one_writes_is_not(tmp_path) -> None:
@@ -342,6 +385,16 @@ def test_a_file_of_an_interrupted_result_is_not_taken_for_that_of_an_earlier_one
     assert file.read_text() == "midpoint"
 
 
+def test_a_job_file_that_may_not_be_read_is_refused_by_name(tmp_path, capsys, monkeypatch) -> None:
+    """Root may read all files: a link to itself is one that nobody can."""
+    path = Store(tmp_path).path(full_contact(2).key)
+    path.parent.mkdir(parents=True)
+    path.symlink_to(path)
+    arguments = ["run", "--case", "full-contact", "--levels", "2", "--jobs", "1", "--out", str(tmp_path)]
+    assert main(arguments) == 2
+    assert f"study: cannot read {path}: Too many levels" in capsys.readouterr().err
+
+
 MINE = """
 from dataclasses import replace
 from manufactured import named
@@ -400,6 +453,23 @@ def test_workers_with_several_threads_are_refused() -> None:
 
 
 @pytest.mark.slow
+def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(cluster, tmp_path, monkeypatch) -> None:
+    (tmp_path / "mine.py").write_text(MINE)
+    monkeypatch.chdir(tmp_path)
+    # Figures are drawn here from the data in any case.
+    monkeypatch.setattr("study.cli.common.draw_figures", lambda *arguments, **options: [])
+    run = ["run", "--case", "mine.py:mine", "--levels", "2", "4", "--jobs", "2"]
+    codes = {main([*run, "--out", "processes"]), main([*run, "--out", "cluster", "--cluster", cluster])}
+    assert len(codes) == 1
+    by_processes, by_cluster = (
+        {str(path.relative_to(out)): path.read_bytes() for path in out.rglob("*") if path.is_file()}
+        for out in (tmp_path / "processes", tmp_path / "cluster")
+    )
+    assert "data/jobs/rates__mine__criss-cross__midpoint__00004.json" in by_processes
+    assert by_cluster == by_processes
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "value", "told"),
     [("versions", {**versions(), "numpy": "another"}, r"numpy [\d.]+"), ("code_hash", "another", r"code \w+")],
@@ -422,3 +492,137 @@ def test_a_case_is_known_by_what_its_file_says_now_and_a_function_only_to_its_pr
         after = identity([f"{file}:mine"])
         assert {key for key in before if before[key] != after[key]} == {f"{file}:mine"}
         assert (identity([f"{file}:mine"]) == after) == known
+
+
+@contextmanager
+def dask_command(*words: str) -> Iterator[tuple[psutil.Process, str]]:
+    """A process of Dask with its children, and its address."""
+    command = [sys.executable, "-m", f"distributed.cli.{words[0]}", *words[1:], "--no-dashboard"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
+        try:
+            assert process.stderr is not None
+            said = next(line for line in process.stderr if re.search(r"(Scheduler at|Registered to): +tcp", line))
+            Thread(target=process.stderr.read, daemon=True).start()
+            yield psutil.Process(process.pid), re.findall(r"tcp://\S+", said)[0]
+        finally:
+            os.killpg(process.pid, signal.SIGKILL)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("victim", ["one worker", "workers", "scheduler", "stopped scheduler"])
+def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_is_continued(victim, tmp_path) -> None:
+    store, jobs = Store(tmp_path), [full_contact(n) for n in range(32, 48)]
+    killed: list[float] = []
+    told = ""
+
+    def run(address: str, processes: dict[str, list[psutil.Process]]) -> None:
+        def kill_once(cost: float) -> None:
+            if cost and not killed:
+                killed.append(time.monotonic())
+                for process in processes[victim.removeprefix("stopped ")]:
+                    process.suspend() if victim.startswith("stopped") else process.kill()
+
+        with connected(address, ["full-contact"]) as two:
+            processes["one worker"] = [psutil.Process(two.executor.submit(os.getpid).result())]
+            execute(jobs, store, two, kill_once)
+
+    with (
+        dask_command("dask_scheduler", "--host", "127.0.0.1", "--port", "0") as (scheduler, address),
+        dask_command("dask_worker", address, "--nworkers", "2", "--nthreads", "1") as (nanny, _),
+    ):
+        try:
+            run(address, {"scheduler": [scheduler], "workers": [nanny, *nanny.children(recursive=True)]})
+        except JobsError as error:
+            told = str(error)
+    finished = results(tmp_path)
+    if victim == "one worker":
+        assert (told, len(finished)) == ("", len(jobs))
+    else:
+        assert time.monotonic() - killed[0] < 30
+        assert re.search(rf"{address} no longer answers.*the same command", told)
+    execute(jobs, store, pool(AtOnce()), ignore)
+    assert finished.items() <= results(tmp_path).items()
+    assert len(results(tmp_path)) == len(jobs)
+
+
+RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "3", "--jobs", "2", "--out"]
+
+
+def started(out: Path) -> BaseProcess:
+    """The command in a process group of its own, forked so that nothing is imported again."""
+    process = multiprocessing.get_context("fork").Process(target=command, args=(out,))
+    process.start()
+    return process
+
+
+def command(out: Path) -> None:
+    """``study run`` without figures and without the proofs of the cases, which write no results and take long."""
+    os.setsid()
+    with open(os.devnull, "w") as nowhere:
+        for stream in (1, 2):
+            os.dup2(nowhere.fileno(), stream)
+    common.draw_figures = lambda *arguments, **options: []  # type: ignore[assignment]
+    Plan.check = lambda *arguments: None  # type: ignore[method-assign, assignment]
+    os._exit(main([*RUN, str(out)]))
+
+
+def written(out: Path) -> dict[str, bytes]:
+    """The data of a command that came to verdicts: levels as coarse as these do not carry every one of them."""
+    assert (out / "data" / "claims.csv").exists()
+    return {str(path.relative_to(out)): path.read_bytes() for path in out.glob("data/**/*") if path.is_file()}
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """The files that an undisturbed run writes."""
+    out: Path = tmp_path_factory.mktemp("undisturbed")
+    run = started(out)
+    run.join()
+    assert run.exitcode in (0, 1)
+    return written(out)
+
+
+def gone(process: psutil.Process) -> bool:
+    return not process.is_running() or process.status() == psutil.STATUS_ZOMBIE
+
+
+def results(out: Path) -> dict[Path, int]:
+    """The files of finished jobs and when they were written."""
+    return {path: path.stat().st_mtime_ns for path in out.glob("data/jobs/*.json")}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3), ids="seed {}".format)
+def test_a_killed_worker_and_a_killed_run_change_no_byte_of_what_the_command_writes_in_the_end(
+    seed: int, undisturbed: dict[str, bytes], tmp_path: Path
+) -> None:
+    """Nothing of the run may live on when it is killed, and what was finished is not done again."""
+    total, moment = sum("jobs" in name for name in undisturbed), random.Random(seed)
+    kept: dict[Path, int] = {}
+    for victim in ("worker", "run", "run"):
+        run = started(tmp_path)
+        # At least one job more than there are: nothing works before that but imports.
+        jobs = len(kept) + 1 + moment.randrange(total // 5)
+        while len(results(tmp_path)) < jobs and run.exitcode is None:
+            time.sleep(0.005)
+        time.sleep(moment.uniform(0, 0.05))
+        leader = psutil.Process(run.pid)
+        workers = [worker for worker in leader.children(recursive=True) if not gone(worker)]
+        assert workers, "the run was over before its moment came"
+        if victim == "worker":
+            workers[0].send_signal(signal.SIGKILL)
+            while len(results(tmp_path)) <= jobs and run.exitcode is None:
+                time.sleep(0.005)
+        leader.send_signal(signal.SIGKILL)
+        run.join()
+        deadline = time.monotonic() + 20
+        while not all(map(gone, workers)):
+            assert time.monotonic() < deadline, [worker for worker in workers if not gone(worker)]
+            time.sleep(0.05)
+        assert kept.items() <= results(tmp_path).items()
+        kept = results(tmp_path)
+    last = started(tmp_path)
+    last.join()
+    assert last.exitcode in (0, 1)
+    assert written(tmp_path) == undisturbed
+    assert kept.items() <= results(tmp_path).items()
