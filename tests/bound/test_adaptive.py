@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -10,18 +12,23 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sympy import Rational
+from sympy import Rational, exp
+from test_terms import discretised, terms_of
 
-from manufactured import Data, KelvinVoigt, Kind, isotropic, polygon, pos, static, t
+from manufactured import Case, Data, KelvinVoigt, Kind, isotropic, named, polygon, pos, static, t
 from manufactured.factor import x1, x2
-from study.bound.adaptive import Stage, marked, next_stage
+from study.bound import adaptive
+from study.bound.adaptive import Adapted, Stage, adapted, marked, next_stage
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose
+from study.bound.remainders import GUARANTEED
 from study.bound.static import compute_static, enclose_static
-from study.bound.terms import part_that_changes
+from study.bound.terms import Majorant, Shares, part_that_changes
 from study.bound.trajectory import Refined, SmoothedInTime, compute
 from study.cli.main import main
+from study.cli.problem import contact_edges
 from study.fem.mesh import Unstructured, boundary_parts, facet_measures
+from study.present.bounds import adaptive_text
 from study.solve.tableau import MIDPOINT
 
 LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
@@ -37,6 +44,14 @@ def wedge(**load) -> Data:
 def first_stage(data: Data, level: int = 2, steps: int = 4) -> Stage:
     mesh = Unstructured()(data.body, level)
     return Stage(mesh.p, mesh.t, steps)
+
+
+def stages(data: Data, count: int, first: Stage, case: Case | None = None) -> Iterator[tuple[Stage, Adapted]]:
+    stage = first
+    for _ in range(count):
+        found = adapted(data, case, stage, MIDPOINT)
+        yield stage, found
+        stage = next_stage(stage, found.shares.cells, found.shares.time)
 
 
 # ---- shares
@@ -72,6 +87,40 @@ def test_shares_of_a_static_bound_belong_to_cells_alone_and_add_up_to_the_bound(
     assert shares.cells.min() >= 0
 
 
+def test_what_comes_after_the_largest_bound_has_no_share_in_it() -> None:
+    data = wedge(**PROBLEMS["rolling"])
+    discretisation = Discretisation(data, Unstructured()(data.body, 2))
+    found = enclose(discretisation, compute(discretisation, MIDPOINT, 3), SmoothedInTime())
+    early = replace(found, between=np.where(np.arange(found.between.size) == 0, 2 * found.highest, found.between))
+    louder = [replace(one, shares=10 * one.shares) for one in found.intervals[1:]]
+    other = replace(early, intervals=(found.intervals[0], *louder))
+    one, same = (enclosure.shares(discretisation.moduli) for enclosure in (early, other))
+    assert one.total == pytest.approx(2 * found.highest)
+    assert same.time == pytest.approx(one.time)
+    assert same.cells == pytest.approx(one.cells)
+
+
+def test_a_load_on_few_cells_gives_them_the_shares() -> None:
+    place = np.array([1.5, 0.3])
+    bump = exp(-20 * ((x1 - place[0]) ** 2 + (x2 - place[1]) ** 2))
+    data = wedge(f0=(0, -50 * t * bump))
+    (stage, _), (last, found) = stages(data, 2, first_stage(data))
+    mesh, shares = last.mesh, found.shares
+    middles = mesh.p[:, mesh.t].mean(axis=1)
+    near = np.linalg.norm(middles - place[:, None], axis=0) < 0.5
+    volumes = abs(np.linalg.det(np.moveaxis(mesh.p[:, mesh.t[1:]] - mesh.p[:, mesh.t[:1]], 2, 0)))
+    assert shares.cells[near].sum() / shares.cells.sum() > 1.5 * volumes[near].sum() / volumes.sum()
+    assert stage.cells < mesh.t.shape[1]
+
+
+def test_the_verdict_on_a_tolerance_is_about_the_last_mesh() -> None:
+    numbers = {"mesh": 1, "cells": 8, "dofs": 9, "steps": 4, "order": 0.5, "in_time": 0.1, "error": np.nan}
+    rows = pd.DataFrame([{**numbers, "bound": 0.4, "percent": 20.0}, {**numbers, "bound": 0.125, "percent": 5.0}])
+    first, *_ = adaptive_text("ramp", rows, "6 %", "", [])
+    assert first.startswith("ramp: max")
+    assert first.endswith("≤ 0.125, 5 % of u, ≤ 6 %, the tolerance is reached")
+
+
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=8), st.floats(0.05, 1))
 def test_marked_cells_are_the_fewest_that_have_a_part(shares: list[float], part: float) -> None:
     values = np.array(shares)
@@ -93,6 +142,19 @@ def test_what_changes_within_a_piece_is_that_of_time() -> None:
     # 1 + θ: the variance is 1/12, the mean square 7/3.
     assert share([1.0, 1.5, 2.0]) == pytest.approx(1 / 28)
     assert share([0.0, 0.0, 0.0]) == 0
+
+
+def test_the_shares_of_cells_and_of_time_are_linear_in_the_part_that_changes(monkeypatch) -> None:
+    d = discretised((t**3, 0))
+    terms = terms_of(d)
+
+    def shares(part: float) -> Shares:
+        monkeypatch.setattr("study.bound.terms.part_that_changes", lambda _, squares: np.full_like(squares, part))
+        return Majorant(d)._interval(terms, 0.0).shares
+
+    none, quarter, all_of_it = shares(0.0), shares(0.25), shares(1.0)
+    assert quarter.cells == pytest.approx(0.75 * none.cells + 0.25 * all_of_it.cells)
+    assert quarter.time == pytest.approx(0.75 * none.time + 0.25 * all_of_it.time)
 
 
 # ---- meshes and steps
@@ -130,7 +192,48 @@ def test_time_is_refined_where_it_has_the_share_and_space_where_cells_have_it() 
     assert only_space.cells == both.cells > only_time.cells == stage.cells
 
 
+def test_edges_of_the_foundation_are_in_contact_where_nothing_opens() -> None:
+    data = wedge(f0=(0, 0))
+    mesh = Unstructured()(data.body, 4)
+    normal = next(part.normal for part in data.body.parts if part.kind is CONTACT)
+    open_right = -np.outer(normal, np.maximum(mesh.p[0] - 1.0, 0.0))
+    ends, closed = contact_edges(data, mesh, open_right)
+    assert (closed == (ends[0].max(axis=0) <= 1.0 + 1e-12)).all()
+    assert 0 < closed.sum() < len(closed)
+
+
 # ---- the tolerance
+
+
+def test_no_error_is_above_a_tolerance_that_is_reached() -> None:
+    case, bounds = named("advance-recede"), []
+    data = Data.of(case.solution)
+    for _, found in stages(data, 2, first_stage(data, 2, 2), case):
+        assert found.enclosure.error.max() <= found.enclosure.highest
+        bounds.append(found.enclosure.highest)
+    assert bounds[1] < bounds[0]
+
+
+@pytest.mark.slow
+def test_the_bracket_has_the_best_order_in_unknowns_on_adapted_meshes_and_not_on_others() -> None:
+    """The corner's exponent 0.54 allows N^{−0.27} on meshes that are refined everywhere."""
+    corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+    body = polygon(corners, [CONTACT, LOADED, LOADED, LOADED, CLAMPED, LOADED])
+    data = Data.formulas(body, LAW, f0=(0, -t), f2={1: (2 * t, 0)})
+    orders = []
+    for everywhere in (False, True):
+        stage, points = first_stage(data, 2, 8), []
+        while stage.cells < 2500:
+            found = adapted(data, None, stage, MIDPOINT)
+            points.append((found.computed.space.dofs, found.enclosure.highest))
+            cells = np.ones(stage.cells) if everywhere else found.shares.cells
+            following = next_stage(stage, cells, 0.0)
+            mesh = stage.mesh.refined()
+            stage = Stage(mesh.p, mesh.t, stage.steps) if everywhere else following
+        unknowns, bounds = np.log(np.array(points)[-4:]).T
+        orders.append(-np.polyfit(unknowns, bounds, 1)[0])
+    assert orders[0] == pytest.approx(0.5, abs=0.05)
+    assert orders[1] < 0.36
 
 
 # ---- the command
@@ -141,6 +244,35 @@ SQUARE = f"{Path(__file__).parents[2]}/examples/certificates/problems.py:square"
 
 def adapt(out: Path, *options: str) -> int:
     return main(["bound", SQUARE, "--levels", "2", "--steps", "4", "--out", str(out), *options])
+
+
+@pytest.mark.slow
+def test_a_tolerance_is_reached_and_a_smaller_one_goes_on_from_there(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    assert adapt(tmp_path / "out", "--adapt", "0.15") == 0
+    printed = capsys.readouterr().out
+    assert "≤ 0.15, the tolerance is reached" in printed
+    assert "guaranteed" in printed
+    table = printed.partition("\n\n")[2]
+    assert max(map(len, table.splitlines())) <= 80
+    directory = tmp_path / "out" / "square"
+    rows = pd.read_csv(directory / "adaptive.csv")
+    assert rows["bound"].iloc[-1] <= 0.15 < rows["bound"].iloc[-2]
+    assert (rows["kind"] == GUARANTEED).all()
+    assert (directory / "adaptive.png").stat().st_size > 1000
+    with np.load(directory / f"adapted-{len(rows) - 1}.npz") as found:
+        assert found["t"].shape == (3, rows["cells"].iloc[-1])
+        total = found["shares"].sum() + found["in_time"]
+        assert (total, found["in_time"] / total) == pytest.approx(rows[["bound", "in_time"]].iloc[-1], abs=1e-4)
+
+    before, calls = adaptive.adapted, []
+    monkeypatch.setattr(adaptive, "adapted", lambda *given: calls.append(given) or before(*given))
+    assert adapt(tmp_path / "out", "--adapt", "0.15") == 0
+    assert not calls
+    assert adapt(tmp_path / "out", "--adapt", "0.11") == 0
+    again = pd.read_csv(directory / "adaptive.csv")
+    assert len(calls) == len(again) - len(rows) > 0
+    pd.testing.assert_frame_equal(again[: len(rows)], rows)
 
 
 def test_a_limit_stops_with_the_reason_and_keeps_what_there_is(tmp_path, capsys) -> None:
@@ -156,3 +288,12 @@ def test_memory_that_is_not_there_stops_with_the_reason(tmp_path, monkeypatch, c
     monkeypatch.setattr("study.cli.adapt.available", lambda: 0.5 * 2.0**30)
     assert adapt(tmp_path / "out", "--adapt", "1e-6") == 1
     assert "GiB of memory" in capsys.readouterr().out
+
+
+def test_a_table_shows_the_order_of_each_mesh_with_more_unknowns_than_the_one_before() -> None:
+    same = {"cells": 1, "steps": 1, "percent": 1.0, "in_time": 0.5, "error": 1.0}
+    rows = [same | {"mesh": n, "dofs": 4 ** min(n, 3), "bound": 2.0**-n} for n in (1, 2, 3, 4)]
+    shown = adaptive_text("x", adaptive.table(rows), "0.1", "", [])
+    heads, *lines = shown[shown.index("") + 1 :]
+    end = heads.index("order") + len("order")
+    assert [line[end - len("order") : end].strip() for line in lines[:4]] == ["", "0.50", "0.50", ""]

@@ -15,14 +15,17 @@ from test_terms import BODY, LAW
 from manufactured import Data, Kind, unit_square
 from manufactured.body import Body
 from manufactured.problems import problems
+from manufactured.symbols import t
 from manufactured.tensors import Array
-from study.bound import enclosing
+from study.bound import enclosing, problem
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import Enclosure
+from study.bound.enclosing import Enclosure, enclose
 from study.bound.problem import load_constants
 from study.bound.remainders import Evidence
-from study.bound.trajectory import Parabola
+from study.bound.trajectory import Parabola, SmoothedInTime, compute
 from study.fem.mesh import OneDiagonal, Unstructured
+from study.solve.tableau import MIDPOINT
+from study.stresses.oscillation import cell_constants, loaded_sides
 
 P2 = ElementVector(ElementTriP2())
 
@@ -67,6 +70,30 @@ def test_load_constants_are_above_the_suprema_on_a_fine_mesh_and_close(body: Bod
         assert 1 <= constant / supremum < most
 
 
+def test_load_constants_contain_what_projections_of_loads_leave_out(monkeypatch) -> None:
+    """C² is a sum: with twice the constant c of the rest of a load, C² grows by 3c². No supremum is close enough."""
+
+    def constants_of() -> np.ndarray:
+        found = load_constants.__wrapped__(BODY, LAW.A)
+        return np.array([found.volume, found.surface]) ** 2
+
+    before, largest = constants_of(), []
+
+    def doubled(*args):
+        largest.append(cell_constants(*args[:2], 1).max())  # the rest of loads that are linear on every cell
+        return 2 * cell_constants(*args)
+
+    def doubled_sides(*args):
+        sides = list(loaded_sides(*args))
+        largest.append(np.concatenate([constants for *_, constants in sides]).max())
+        return [(*rest, 2 * constants) for *rest, constants in sides]
+
+    monkeypatch.setattr(problem, "cell_constants", doubled)
+    monkeypatch.setattr(problem, "loaded_sides", doubled_sides)
+    assert constants_of() - before == pytest.approx(3 * np.array(largest) ** 2)
+    assert (3 * np.array(largest) ** 2 > 1e-3 * before).all()
+
+
 # ---- the ends
 
 
@@ -75,10 +102,20 @@ def test_both_ends_of_an_enclosure_differ_from_the_distance_by_the_bound() -> No
     times, distance, bound = np.array([0.25, 0.5, 1.0]), np.array([2.0, 1.0, 0.25]), np.array([0.5, 2.0, 0.25])
     rest = np.full(3, math.nan), (), 1.0, np.zeros(1), np.array([2.75, 3.5, 1.0]), Evidence(()), (4.0, 5.0)
     found = Enclosure(0.5, times, distance, bound, *rest, np.eye(2))
+    assert found.relative == (1.5 / 5, 3.5 / 4)
+    assert replace(found, norm=(0.0, 5.0)).relative == (1.5 / 5, math.inf)
+    assert replace(found, distance=bound, norm=(0.0, 0.0)).relative == (0.0, math.inf)
     assert found.lower.tolist() == [1.5, 0.0, 0.0]
     assert found.upper.tolist() == [2.5, 3.0, 0.5]
     assert (found.lowest, found.highest) == (1.5, 3.5)
     assert replace(found, start=4.0).highest == 4.0
+
+
+def test_between_knots_the_bound_inside_an_interval_and_the_distance_both_count(monkeypatch) -> None:
+    d = Discretisation(Data.formulas(BODY, LAW, (0, t), {}, (0, 0)), OneDiagonal()(BODY, 2))
+    monkeypatch.setattr(enclosing, "largest_distance", lambda *arguments: 7.0)
+    found = enclose(d, compute(d, MIDPOINT, 2), SmoothedInTime())
+    assert found.between == pytest.approx([one.inside + 7 for one in found.intervals], rel=1e-14)
 
 
 def on_a_square() -> tuple[Discretisation, Array]:

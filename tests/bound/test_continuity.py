@@ -20,11 +20,15 @@ LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
 CIRCLE = x1**2 + x2**2
 JUMPS = {
     "Heaviside": Heaviside(x1 - Rational(1, 3)),
+    "sign": sp.sign(x1 - x2),
     "Piecewise": Piecewise((1, CIRCLE < 0.3), (0, True)),
     "pos(x, 0)": pos(x1 - 0.3, 0),
+    "narrow band": Piecewise((1, (x1 > 0.33) & (x1 < 0.330001)), (0, True)),
     "band with Max": Piecewise((1, (sp.Max(x1 - 0.3302, 0) <= 0) & (sp.Max(0.3301 - x1, 0) <= 0)), (0, True)),
     "small": sin(3 * x1) + x2 + Heaviside(x1 - 0.4) / 1000,
+    "on a part of a line": Heaviside(x1 - 0.5) * sp.Max(x2 - 0.9, 0),
     "pole": 1 / (x1 - 0.3),
+    "singular point": 1 / ((x1 - 0.3) ** 2 + (x2 - 0.4) ** 2),
     "negative power": pos(x1 - 0.3, Rational(-1, 4)),
     "without ranges": sp.atan(x1) * Heaviside(x1 - 0.3),
     "floor": sp.floor(3 * x1),
@@ -36,6 +40,7 @@ CONTINUOUS = {
     "Piecewise": Piecewise((1 - CIRCLE, CIRCLE < 1), (0, True)),
     "product with a jump": (x1 - 0.3) * Heaviside(x1 - 0.3) + sin(x1 - x2) * sp.sign(x1 - x2),
     "power": pos(x1 - 0.3, Rational(6, 10)),
+    "steep": sp.tanh(10**6 * (x1 - 0.5)),
     "a jump on the boundary": Heaviside(x1),
     "without ranges": sp.atan(5 * x1),
 }

@@ -7,21 +7,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise, product
 
 import numpy as np
 import pytest
 import sympy as sp
+from hypothesis import given
+from hypothesis import strategies as st
 from sympy import Expr
 
-from manufactured import Case, ExactSolution, KelvinVoigt, named, t, unit_square, x2
+from manufactured import Case, ExactSolution, KelvinVoigt, Linear, named, t, unit_square, x2
 from manufactured.cases.laws import not_proportional
 from manufactured.catalogue import NAMES
 from manufactured.data import Data
 from manufactured.tensors import Array
 from study.bound import terms
-from study.bound.bounded import check_problem
+from study.bound.bounded import check_problem, levels
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose, known_error
 from study.bound.problem import BoundError
@@ -29,8 +31,9 @@ from study.bound.terms import Majorant
 from study.bound.trajectory import Parabola, Refined, SmoothedInTime, Trajectory, compute, spline
 from study.fem.mesh import FAMILIES, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import Line, cell_rules
+from study.present.bounds import _intervals
 from study.solve.evolution import Scheme
-from study.solve.tableau import MIDPOINT, SCHEMES
+from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
 from study.statements.enclosure import eligible, measure, resolve_problem
 
 GAPS = ("closing-gap", "parabolic-gap")
@@ -125,6 +128,23 @@ def test_a_refined_mesh_encloses_the_error_more_tightly() -> None:
     assert plain < finer < 1
 
 
+@pytest.mark.parametrize("trajectory", TRAJECTORIES, ids=lambda trajectory: trajectory.name)
+@pytest.mark.parametrize("name", ["no-contact", "advance-recede"])
+def test_a_load_that_is_left_out_puts_errors_outside(name: str, trajectory: Trajectory) -> None:
+    """f_2 is left out of u_h and of the bound alike, so that they agree with each other."""
+    case = named(name)
+    data = replace(Data.of(case.solution), formulas_of=None)
+    without = replace(data, surface_load=lambda part, x: lambda time: np.zeros_like(x))
+    for given_data, holds in ((data, True), (without, False)):
+        discretisation = Discretisation(given_data, OneDiagonal()(case.solution.body, 4))
+        computed, true = compute(discretisation, MIDPOINT, 4), distance(discretisation, case.solution)
+        found = enclose(discretisation, computed, trajectory)
+        pieces = spline(trajectory.nodes(discretisation, computed))
+        errors = np.array([true(piece.b, piece.end) for piece in pieces])
+        largest = (errors / found.bound).max()
+        assert largest <= 1 if holds else largest > 1.2
+
+
 # ---- problems whose solution the spaces contain
 
 
@@ -156,11 +176,17 @@ class Patch:
 
 
 PATCHES = [Patch("full contact", (0.0, -1.0, 1.0)), Patch("no contact", (1.0, 0.0, -1.0))]
+ORTHOTROPIC = KelvinVoigt(
+    Linear(np.array([[4.0, 0.5, 0.0], [0.5, 2.0, 0.0], [0.0, 0.0, 1.5]])),
+    Linear(np.array([[3.0, 1.0, 0.0], [1.0, 6.0, 0.0], [0.0, 0.0, 2.0]])),
+    "orthotropic",
+)
 
 
+@pytest.mark.parametrize("law", [not_proportional(), ORTHOTROPIC], ids=lambda law: law.name)
 @pytest.mark.parametrize("patch", PATCHES, ids=lambda patch: patch.name)
-def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(patch: Patch) -> None:
-    data = patch.data(1 + t + 3 * t**2 / 2, not_proportional())
+def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(patch: Patch, law: KelvinVoigt) -> None:
+    data = patch.data(1 + t + 3 * t**2 / 2, law)
     data.check()
     discretisation = Discretisation(data, Unstructured()(data.body, 3))
     v = patch.coefficients(discretisation)
@@ -179,6 +205,59 @@ def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(patch: 
 # ---- the spline and u_h
 
 
+@pytest.mark.parametrize(("patch", "family"), [(PATCHES[0], OneDiagonal()), (PATCHES[1], Unstructured())])
+def test_the_enclosure_is_the_error_itself_for_a_solution_of_degree_2_that_grows_linearly(patch, family) -> None:
+    """From the data alone: Problem 5.1 in degree 2 finds the solution, and nothing is left to bound."""
+    data = patch.data(1 + 2 * t, not_proportional())
+    discretisation = Discretisation(data, family(data.body, 3))
+    computed = compute(discretisation, BACKWARD_EULER, 2)
+    found = enclose(discretisation, computed, Refined(0, 2))
+    v, u_h = patch.coefficients(discretisation), computed.on(discretisation)
+    errors = [discretisation.norm((1 + 2 * time) * v - u_h(time)) for time in found.times]
+    # The root of what rounding leaves of c.
+    assert (found.upper - found.lower).max() <= 1e-5 * found.upper.max()
+    assert found.upper == pytest.approx(errors, rel=1e-5)
+    assert min(errors) > 0.01
+
+
+@given(
+    st.lists(st.floats(0.1, 2), min_size=1, max_size=6),
+    st.lists(st.floats(0, 1), min_size=1, max_size=5),
+    st.integers(0, 999),
+)
+def test_a_spline_is_continuous_with_its_velocity_and_starts_and_ends_in_its_nodes(lengths, shares, seed) -> None:
+    times = np.concatenate([[0.0], np.cumsum(lengths)]).tolist()
+    values = np.random.default_rng(seed).normal(size=(len(times), 4))
+    pieces = list(spline(zip(times, values, strict=True)))
+    knots = [times[0], *((a + b) / 2 for a, b in pairwise(times)), times[-1]]
+    assert [(piece.a, piece.b) for piece in pieces] == list(pairwise(knots))
+    ends = np.array([values[0], *((a + b) / 2 for a, b in pairwise(values)), values[-1]])
+    assert np.allclose([piece.start for piece in pieces], ends[:-1])
+    assert np.allclose([piece.end for piece in pieces], ends[1:])
+    for piece, share in product(pieces, shares):
+        k = piece.b - piece.a
+        time, step = piece.a + share * k, 1e-6 * k
+        difference = (piece.at(time + step) - piece.at(time - step)) / (2 * step)
+        rate = (1 - share) * piece.rate(end=False) + share * piece.rate(end=True)
+        assert np.allclose(difference, rate, atol=1e-6 * (1 + abs(rate).max()))
+        # The polar form is symmetric, and affine in both times.
+        middle = (piece.blossom(piece.a, time) + piece.blossom(piece.b, time)) / 2
+        assert np.allclose(middle, piece.blossom(time, (piece.a + piece.b) / 2))
+    # With equal steps the velocity at inner knots is the difference quotient.
+    for before, after, (left, right) in zip(values, values[1:], pairwise(spline(enumerate(values))), strict=False):
+        assert np.allclose([left.rate(end=True), right.rate(end=False)], after - before)
+
+
+def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_their_nodes() -> None:
+    case = named("travelling-patch")
+    discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 3))
+    for scheme in SCHEMES:
+        computed = compute(discretisation, scheme, 4)
+        assert (computed.space.N @ computed.nodes.T).max() <= 1e-12
+        assert np.allclose([computed.at(j / 4) for j in range(5)], computed.nodes, atol=1e-9)
+        assert np.allclose(computed.at(0.3), 0.8 * computed.nodes[1] + 0.2 * computed.nodes[2])
+
+
 def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by_one(monkeypatch) -> None:
     case, found = named("yield-and-release"), []
     for most in (1, 4):
@@ -194,6 +273,23 @@ def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by
 # ---- rows and refusals
 
 
+def test_a_row_says_how_close_the_ends_came() -> None:
+    case = named("advance-recede")
+    row, found = measure(resolve_problem(case.name), Shaken(), 3, MIDPOINT, 3, Refined(0, 2))
+    assert row["error"] == found.error.max()
+    assert row["above"] == pytest.approx((found.error / found.upper).max())
+    assert row["below"] == pytest.approx((found.lower / found.error).max())
+    late = found.times >= 0.5
+    assert row["upper"] == pytest.approx((found.upper / found.error)[late].max())
+    assert row["lowest"] <= row["error"] <= row["highest"]
+    assert found.contains
+    assert not replace(found, error=found.upper * 1.001).contains
+    assert not replace(found, error=found.lower * 0.999).contains
+    parts = row["residual"] + row["oscillation"] + row["bending"]
+    assert parts > 0
+    assert found.bound.max() <= parts + math.sqrt(2 * row["contact"]) + found.intervals[0].at_a
+
+
 def test_what_cannot_be_bounded_is_refused() -> None:
     with pytest.raises(BoundError, match="initial gap, and the bound serves CONTACT sides"):
         check_problem(Data.of(named("closing-gap").solution), None, Refined(0, 1))
@@ -206,3 +302,21 @@ def test_what_cannot_be_bounded_is_refused() -> None:
     nodes.append((1.0, 3 * nodes[-1][1]))
     with pytest.raises(BoundError, match="equally spaced in time"):
         list(Majorant(discretisation)(spline(nodes), 1.0))
+
+
+def test_orders_are_enclosed_since_the_first_level_and_since_the_previous_one() -> None:
+    """E = (1, 1/2, 1/8) at h = (1, 1/2, 1/4): the order is 3/2 over all levels and 2 on the last pair."""
+    ends = [(0.9, 1.1), (0.45, 0.55), (0.11, 0.14)]
+    rest = {"dofs": 1, "error": math.nan, "plain": 1.0, "percent_low": 1.0, "percent_high": 2.0, "kind": "guaranteed"}
+    numbers = ({"level": 2**i, "h": 0.5**i, "steps": 2**i} for i in range(3))
+    rows = [rest | each | {"lowest": low, "highest": high} for each, (low, high) in zip(numbers, ends, strict=True)]
+    table = levels(rows).set_index("level")
+    for name, first in (("order", 0), ("pair", 1)):
+        low, high = (math.log2(a / b) / (2 - first) for a, b in ((ends[first][0], 0.14), (ends[first][1], 0.11)))
+        assert table.loc[4, [f"{name}_low", f"{name}_high"]].tolist() == pytest.approx([low, high])
+    assert table.loc[1, ["order_low", "pair_low"]].isna().all()
+    lines = _intervals(table.reset_index(), known=False)
+    assert [line.count("[") for line in lines] == [0, 2, 2, 2, 0, 0, 2, 2, 0, 0]
+    assert max(map(len, lines)) <= 80
+    assert lines[-1].endswith("with steps that follow the mesh")
+    assert _intervals(table.reset_index().head(2).assign(steps=4), known=False)[-1].endswith("same steps on every mesh")

@@ -25,17 +25,20 @@ from manufactured import (
     polygon,
     static,
     t,
+    unit_square,
     x2,
 )
 from manufactured.tensors import Array
+from study.bound.bounded import contact_sentences
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose, enclose_several
 from study.bound.fields import _together, read
-from study.bound.given import bound_displacement, given
+from study.bound.given import SINGLE, _check_cells, _on_boundary, bound_displacement, given
 from study.bound.problem import BoundError
-from study.bound.static import compute_static
-from study.bound.trajectory import Refined, compute
+from study.bound.static import StaticDiscretisation, compute_static
+from study.bound.trajectory import Refined, compute, on_refinement
 from study.fem.mesh import MeshError, Shaken, Unstructured
+from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
 
 KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
@@ -79,6 +82,16 @@ def test_the_known_error_of_any_displacement_on_an_irregular_mesh_with_unequal_s
     assert not found.plain or one.error.max() <= found.plain.highest
 
 
+def test_sixteen_contact_sides_of_a_half_disk_are_called_a_curved_foundation() -> None:
+    angles = np.pi * (1 + np.linspace(0, 1, 17))
+    disk = polygon(np.stack([np.cos(angles), np.sin(angles)], axis=1).tolist(), [Kind.CONTACT] * 16 + [Kind.CLAMPED])
+    (sentence,) = contact_sentences(disk)
+    assert sentence.startswith("The 16 CONTACT sides do not lie on one line")
+    assert "a curved one" in sentence
+    in_two = polygon([(0, 0), (1, 0), (2, 0), (1, 1)], [Kind.CONTACT, Kind.CONTACT, Kind.LOADED, Kind.CLAMPED])
+    assert contact_sentences(in_two) == []
+
+
 def test_displacements_on_one_mesh_share_the_better_displacement_and_its_bound() -> None:
     data, arrays = square(), field()
     given_ones = [given(data, **(arrays | {"u": factor * arrays["u"]})) for factor in (1.0, -2.0)]
@@ -101,6 +114,22 @@ def field() -> dict[str, Array]:
     times = np.array([0.0, 0.5, 1.0])
     u = times[:, None, None] * (1 - mesh.p.T[None, :, 1:]) * np.array([0.1, 0.2])
     return {"points": mesh.p.T, "triangles": mesh.t.T, "times": times, "u": u}
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_polynomials_of_the_degree_of_u_h_are_the_same_on_a_refinement(degree: int) -> None:
+    mesh = Shaken()(unit_square(), 3)
+    fine = mesh.refined(2)
+
+    def values(x: np.ndarray) -> np.ndarray:
+        return np.array([(1 + x[0] - 3 * x[1]) ** degree, (2 + x[0] + x[1]) ** degree])
+
+    nodes = mesh.p if degree == 1 else np.hstack([mesh.p, mesh.p[:, mesh.facets].mean(axis=1)])
+    found = (on_refinement(mesh, degree, fine) @ values(nodes).T.ravel()).reshape(-1, 2).T
+    corners, middle = found[:, fine.facets], found[:, fine.p.shape[1] :]
+    np.testing.assert_allclose(found[:, : fine.p.shape[1]], values(fine.p), atol=1e-12)
+    at_middle = middle / 2 + corners.sum(axis=1) / 4
+    np.testing.assert_allclose(at_middle, values(fine.p[:, fine.facets].mean(axis=1)), atol=1e-12)
 
 
 def test_arrays_of_other_shapes_mean_the_same() -> None:
@@ -172,6 +201,18 @@ def test_triangles_too_thin_for_double_precision_are_refused_with_their_place(as
         bound_displacement(data, mesh.p.T, mesh.t.T, times, np.zeros((len(times), 12, 2)))
 
 
+@pytest.mark.parametrize("size", [0.01, 1, 100])
+def test_vertices_are_moved_to_a_side_from_a_distance_relative_to_the_size_of_the_body(size: int) -> None:
+    body = polygon([(0, 0), (size, 0), (size, size), (0, size)], KINDS)
+    p = size * np.array([[0.4, 0.6], [0.5 * SINGLE, 2 * SINGLE]])
+    assert np.abs(_on_boundary(body, p)[1] / (size * SINGLE)).tolist() == pytest.approx([0, 2], abs=1e-6)
+
+
+def test_a_small_cell_far_from_another_one_has_an_area() -> None:
+    corner = np.array([[0, 1, 0], [0, 0, 1]])
+    _check_cells(MeshTri(np.hstack([1e-7 * corner, 1 + 1e-7 * corner]), np.arange(6).reshape(2, 3).T))
+
+
 def test_curved_triangles_and_a_single_time_are_refused() -> None:
     arrays = field()
     points, six = of_degree_2(arrays["points"], arrays["triangles"])
@@ -191,10 +232,16 @@ def test_a_static_problem_takes_one_time_only() -> None:
 
 def test_the_nearest_field_that_vanishes_on_the_clamped_part_is_bounded() -> None:
     """The distance that is stated leads from its interval to one of the displacement itself."""
-    shifted = field() | {"u": field()["u"] + 0.06 * field()["times"][:, None, None]}
+    rigid = field() | {"u": np.full_like(field()["u"], 0.2) * field()["times"][:, None, None]}
+    found = given(square(), **rigid, nearest=True)
+    # A rigid motion has no strain: 0 is nearest.
+    assert abs(found.nodes).max() <= 1e-14
+    assert found.offset == pytest.approx(0, abs=1e-7)
+    shifted = field() | {"u": field()["u"] + 0.3 * rigid["u"]}
     found = given(square(), **shifted, nearest=True)
     assert np.allclose(found.nodes[:, : field()["u"][0].size], given(square(), **field()).nodes, atol=1e-12)
-    assert any("u_h reaches 0.06 on a CLAMPED side" in remark for remark in found.remarks if "nearest" in remark)
+    (remark,) = [remark for remark in found.remarks if "nearest" in remark]
+    assert "u_h reaches 0.06 on a CLAMPED side" in remark
     bent = field() | {"u": field()["u"] + 0.01 * field()["points"][:, :1] * field()["times"][:, None, None]}
     bounded = bound_displacement(square(), **bent, nearest=True, refine=0, shorter=1, steps=2)
     offset, ends = bounded.computed.offset, re.findall(r"lies in \[(.*), (.*)\]$", bounded.remarks[-1])
@@ -246,6 +293,27 @@ def test_in_time_a_factor_of_some_per_cent_may_come_from_long_steps_and_a_large_
     found = bound_displacement(square(), **arrays, refine=0, shorter=1)
     assert any("metres and millimetres?" in remark for remark in found.remarks) == named
     assert any("times the one" in remark for remark in found.remarks) == named
+
+
+def test_a_displacement_of_another_shape_is_called_no_multiple() -> None:
+    turned = bound_displacement(square(), **(field() | {"u": field()["u"][..., ::-1] * [1, -1]}), refine=0, shorter=1)
+    assert not any("times the one" in remark for remark in turned.remarks)
+
+
+def test_a_lower_end_of_zero_for_degree_2_says_which_refinement_to_take() -> None:
+    mesh, data = Shaken()(PLATE, 3), static(PLATE, PLANE["stress"], (0, -1), {1: (1, 0)})
+    fine = StaticDiscretisation(data, mesh)
+    u, _ = Signorini(fine.M, fine.displacements.N, fine.displacements.free_points)(fine.load(0.0))
+    coefficients = np.zeros(2 * fine.displacements.count)
+    coefficients[fine.displacements.free] = u
+    nodal = np.linalg.solve(on_refinement(mesh, 2, mesh).toarray(), coefficients).reshape(-1, 2)
+    triangles = np.vstack([mesh.t, mesh.p.shape[1] + mesh.t2f]).T
+    ends = {}
+    for refine in (0, 2):
+        found = bound_displacement(data, fine.displacements.nodes.T, triangles, None, nodal, refine=refine)
+        ends[refine], advice = found.error[0], [remark for remark in found.remarks if "--refine" in remark]
+        assert bool(advice) == (ends[refine] == 0)
+    assert ends[0] == 0 < ends[2]
 
 
 def test_penetration_is_reported_with_its_place() -> None:
@@ -311,6 +379,8 @@ def test_files_of_other_programs_are_read(suffix: str, form: str, degree: int, t
         ("bomb.npz", None, "bomb.npz has .* bytes and unpacks to 100000776 bytes, .* write it by numpy.savez"),
         ("locked.npz", None, "locked.npz is encrypted: write it by numpy.savez"),
         ("broken.npz", None, "broken.npz cannot be read"),
+        ("strange.xdmf", None, "strange.xdmf cannot be read: ReadError"),
+        ("moved.xdmf", None, r"moved.xdmf has another mesh at t = 1.0 than before"),
     ],
 )
 def test_files_without_a_displacement_are_refused(tmp_path: Path, name: str, field_name, message: str) -> None:
@@ -333,13 +403,32 @@ def test_files_without_a_displacement_are_refused(tmp_path: Path, name: str, fie
     np.savez_compressed(tmp_path / "broken.npz", **field())
     whole = (tmp_path / "broken.npz").read_bytes()
     (tmp_path / "broken.npz").write_bytes(whole[:120] + bytes(40) + whole[160:])
+    item = '<DataItem DataType="{}" Dimensions="{}" Format="XML">{}</DataItem>'
+    geometry = '<Geometry GeometryType="XY">' + item.format("Float", "3 2", "0 0 1 0 0 {}") + "</Geometry>"
+    topology = '<Topology TopologyType="Triangle">' + item.format("Int", "1 3", "0 1 2") + "</Topology>"
+    u = '<Attribute Name="u" Center="Node">' + item.format("Float", "3 2", "0 0 0 0 0 0") + "</Attribute>"
+    for file, first, second in (
+        ("moved.xdmf", geometry.format(1) + topology, geometry.format(2) + topology),
+        ("strange.xdmf", geometry.format(1) + topology, "<Geometry/>"),
+    ):
+        steps = "".join(
+            f'<Grid GridType="Uniform"><Time Value="{time}"/>{content}{u}</Grid>'
+            for time, content in enumerate((first, second))
+        )
+        series = f'<Grid GridType="Collection" CollectionType="Temporal">{steps}</Grid>'
+        (tmp_path / file).write_text(f'<Xdmf Version="3.0"><Domain>{series}</Domain></Xdmf>')
     with pytest.raises(BoundError, match=message):
         read(tmp_path / name, field_name)
 
 
-def test_a_file_that_needs_a_missing_package_says_which(tmp_path: Path, monkeypatch) -> None:
+@pytest.mark.parametrize("series", [True, False])
+def test_a_file_that_needs_a_missing_package_says_which(series: bool, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    path = write(tmp_path / "mine.xdmf", field(), form="HDF")
+    path, arrays = tmp_path / "mine.xdmf", field()
+    if series:
+        write(path, arrays, form="HDF")
+    else:
+        meshio.Mesh(arrays["points"], [("triangle", arrays["triangles"])], {"u": arrays["u"][0]}).write(path)
     monkeypatch.setitem(sys.modules, "h5py", None)
     with pytest.raises(BoundError, match=r"mine\.xdmf needs the package h5py: install it"):
         read(path)
@@ -366,6 +455,11 @@ def mesh(points: Array = CORNERS, triangles: list[list[int]] = HALVES, name: str
 def test_a_mesh_or_a_field_that_changes_between_two_times_is_refused(later: SimpleNamespace, message: str) -> None:
     with pytest.raises(BoundError, match=message):
         _together(Path("u.pvd"), [(0.0, mesh()), (1.0, later)], None)
+
+
+def test_triangles_in_another_order_are_the_same_mesh() -> None:
+    found = _together(Path("u.pvd"), [(0.0, mesh()), (1.0, mesh(triangles=[[2, 3, 0], [1, 2, 0]]))], None)
+    assert np.array_equal(found.triangles, HALVES)
 
 
 def test_of_several_fields_of_other_names_the_displacement_has_to_be_named() -> None:

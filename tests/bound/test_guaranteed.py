@@ -17,12 +17,13 @@ from benchmarks.trials.random_problems import ENCLOSED, TIMES, outcome
 from manufactured import FrobeniusBall, KelvinVoigt, Linear, Yield, isotropic, named, pos, t, unit_square
 from manufactured.data import Data
 from manufactured.factor import layers, x1, x2
+from manufactured.problems import problems
 from study.bound.bounded import bounded_solution
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, order_interval
 from study.bound.remainders import ESTIMATED, GUARANTEED
 from study.bound.trajectory import Refined
-from study.fem.mesh import OneDiagonal
+from study.fem.mesh import OneDiagonal, Unstructured
 from study.solve.tableau import MIDPOINT
 
 LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
@@ -83,6 +84,13 @@ def test_a_load_that_samples_do_not_see_is_enclosed_and_its_place_is_named(data,
     assert f"f_0 is seen poorly {place}" in enclosure.evidence.poorly_seen
 
 
+def test_remainders_of_smooth_data_fall_faster_than_the_error() -> None:
+    data = Data.formulas(unit_square(), LAW, f0=(0, -10 * t * sin(2 * pi * x1) * x2))
+    coarse, fine = (sum(one.missed for one in enclosed(data, n, n).intervals) for n in (3, 6))
+    assert coarse / fine > 8
+    assert enclosed(Data.formulas(unit_square(), LAW, f0=(0, -10 * t * x2)), 2, 2).evidence.poorly_seen == ""
+
+
 # ---- what is not guaranteed says so
 
 
@@ -109,6 +117,14 @@ def of_law(A, G) -> Data:
 def test_what_is_sampled_is_called_estimated_with_the_reason(data: Data, reason: str) -> None:
     evidence = Discretisation(data, OneDiagonal()(data.body, 4)).sampling
     assert any(reason in one for one in evidence.reasons)
+
+
+def test_a_kink_without_lines_is_guaranteed_by_a_lower_order() -> None:
+    enclosure = enclosed(Data.formulas(SQUARE, LAW, f0=(0, -5 * pos(x1 - x2 - t / 3, 1))), 2, 2)
+    assert enclosure.evidence.kind == GUARANTEED != ESTIMATED
+    assert sum(one.missed for one in enclosure.intervals) > 0
+    (wedge,) = (problem.data for problem in problems() if problem.name == "ramp")
+    assert Discretisation(wedge, Unstructured()(wedge.body, 2)).sampling.reasons == ()
 
 
 ERRORS = st.floats(1e-6, 1e3)

@@ -5,11 +5,15 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
 from benchmarks.trials import random_problems, record, stiff
+from manufactured.problems import ramp
+from study.fem.naming import family_named
 from study.present.pages import put
+from study.run.tasks import march, plain
 
 ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "examples" / "bounds"))
@@ -37,6 +41,13 @@ def test_a_fixed_penalty_is_proved_to_have_an_order_below_one_and_codes_that_are
     assert (right["order_high"] - right["order_low"]).max() < 0.3
 
 
+def test_the_bound_with_default_settings_is_at_most_a_quarter_above_the_error() -> None:
+    """Predicted: with one refinement less, y, a twentieth of d at two refinements, is 2^{3/2} to 4 times as large."""
+    middle = BOUNDS[BOUNDS["level"] == judge_codes.DEFAULT]
+    assert (middle["default_high"] >= middle["lowest"]).all()
+    assert (middle["default_high"] / middle["lowest"]).max() < 1.25
+
+
 @pytest.mark.parametrize(
     ("page", "name", "table", "remedy"),
     [
@@ -61,6 +72,37 @@ def test_proved_intervals_of_codes_lie_in_those_in_double_precision() -> None:
     assert (PROVED["proved_high"] <= PROVED["highest"]).all()
 
 
+def test_a_certificate_of_a_code_needs_the_mesh_of_the_proof(tmp_path: Path) -> None:
+    proof = certify_codes.checker.load(ROOT / "examples" / "certificates" / "wedge-4.json.gz")
+    checker = certify_codes.checker
+    points = certify_codes.in_doubles(checker.Mesh.of(proof["mesh"], checker.Problem(proof["problem"])))
+    u = np.array(proof["computed"]).reshape(len(proof["computed"]), -1, 2)
+    arrays = {"points": points.p.T, "triangles": points.t.T, "times": np.linspace(0, 1, len(u)), "u": 2 * u}
+    np.savez(tmp_path / "doubled.npz", **arrays)
+    found = certify_codes.in_place(proof, tmp_path / "doubled.npz")
+    assert np.array_equal(found["computed"], 2 * np.array(proof["computed"]))
+    assert found["stress"] is proof["stress"]
+    wrong = {"points": points.p.T + 1e-3, "triangles": points.t.T[:-1], "times": np.linspace(0, 1, len(u)) ** 2}
+    for name, message in {"points": "vertices", "triangles": "triangles", "times": "time steps"}.items():
+        np.savez(tmp_path / "wrong.npz", **arrays | {name: wrong[name]})
+        with pytest.raises(certify_codes.BoundError, match=message):
+            certify_codes.in_place(proof, tmp_path / "wrong.npz")
+
+
+def test_the_march_that_codes_get_is_the_problem_of_the_study() -> None:
+    """Static steps of the exported march, solved by condensation, give the displacement of the study."""
+    import this_study
+    from contact_judge import Task, answer
+
+    data, level = ramp(), 4
+    task = judge_codes.task("ramp", data, family_named("one-diagonal")(data.body, level), level)
+    exported = Task("ramp", plain(march(task, level)))
+    u = answer(exported, this_study.make)
+    _, states = task.march(level)
+    expected = [task.space.nodal(state.u).T for state in states]
+    assert abs(u - expected[1:]).max() <= 1e-10 * abs(u).max()
+
+
 # ---- random trials
 
 
@@ -74,6 +116,15 @@ def test_no_error_on_record_lies_outside() -> None:
     assert (inside["error"] <= inside["high"] * 1.01).all()
 
 
+def test_they_are_as_rough_as_it_is_said() -> None:
+    assert RANDOM["width"].min() < 0.02
+    assert RANDOM["periods"].max() > 50
+    assert set(RANDOM["family"]) == {"one-diagonal", "shaken", "unstructured"}
+    assert RANDOM["slope"].nunique() == 3
+    assert (RANDOM["zone"] == 1).mean() > 0.5
+    assert (RANDOM["blind"] == random_problems.OUTSIDE).sum() > 0
+
+
 def test_effectivities_are_bounded_for_all_materials_and_were_not_before() -> None:
     assert list(EFFECTIVITY["trial"]) == sorted(stiff.trials())
     wide = stiff.wide(EFFECTIVITY)
@@ -81,3 +132,11 @@ def test_effectivities_are_bounded_for_all_materials_and_were_not_before() -> No
     assert wide["plain"].max() < 3
     assert wide["plain_before"].max() > 100
     assert (wide[["enclosure", "plain"]] >= 1).all(axis=None)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("trial", ["G 10000 10000", "A 1 1"])
+def test_the_record_is_what_the_program_gives(trial: str) -> None:
+    (kept,) = EFFECTIVITY[EFFECTIVITY["trial"] == trial].itertuples()
+    found = dict(zip(("low", "high", "plain"), stiff.bounds(trial, stiff.USUAL), strict=True))
+    assert {name: getattr(kept, name) for name in found} == pytest.approx(found, rel=1e-3)

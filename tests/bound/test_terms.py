@@ -31,14 +31,15 @@ from manufactured import (
     pos,
     t,
 )
+from manufactured.body import Part
 from manufactured.factor import Factor, x1, x2
-from manufactured.tensors import Array
+from manufactured.tensors import Array, Points
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose
-from study.bound.growth import Sizes, Step, grow, kernel
+from study.bound.growth import Sizes, Step, grow, kernel, largest_square, mean_square
 from study.bound.problem import load_constants, moduli
 from study.bound.remainders import CUBIC, PARABOLA
-from study.bound.terms import Majorant, Terms
+from study.bound.terms import QUADRATIC, Majorant, Terms
 from study.bound.trajectory import Parabola, SmoothedInTime, compute
 from study.fem.mesh import OneDiagonal
 from study.solve.tableau import MIDPOINT
@@ -143,12 +144,46 @@ def rest(which: str) -> Values:
     return value, d.sampling.missed(d.oscillation, 0.0, 0.5).everywhere
 
 
+def residual(which: str) -> Values:
+    """ũ = t (x_1, 0) without load: ρ = −(2 + 2t) in σ_11, and the square of it over A."""
+    d = discretised()
+    v = quadratic(d, lambda x, y: (x + y) / 2)
+    step = terms_of(d, Parabola(0.0, 0.5, 0 * v, v / 4, v / 2)).step()
+    nodes, weights = np.polynomial.legendre.leggauss(5)
+    values = {"mean": float(weights / 2 @ ((2 + (nodes + 1) / 2) ** 2 / 2)), "largest": 3**2 / 2}
+    return float(getattr(step, which).residual.sum()), values[which]
+
+
 def oscillation(which: str) -> Values:
     """f_0 = x_1⁴ at all times: the mean square of η_T is 41/30 of it, and the largest value (5/4)² of it."""
     d = discretised((0, x1**4))
     cells = d.oscillation(d.snapshot(0.1).left_out) + d.sampling.missed(d.oscillation, 0.0, 0.5).cells
     value = float(getattr(terms_of(d).step(), which).oscillation.sum())
     return value, {"mean": 41 / 30, "largest": 1.5625}[which] * float(cells @ cells)
+
+
+def contact(which: str) -> Values:
+    """ũ = (1 + 2t) (0, x_1 (2 − x_1)) opens Γ3, f_0 presses the body on it: c = ∫ σ̃_ν ũ_ν by quadrature."""
+    d = discretised((0, -20 * (1 + t)))
+    # Bernstein coefficients of x (2 − x).
+    v = quadratic(d, lambda x, y: x + y - x * y, 1)
+    majorant, piece = Majorant(d), Parabola(0.0, 0.5, v, 1.5 * v, 2 * v)
+    (found,) = majorant.terms([piece])
+    ends = majorant.knots([0.0, 0.5], np.array([v, 2 * v]), np.array([2 * v, 2 * v]))
+    a, m, b = (d.snapshot(time).loads for time in (0.0, 0.25, 0.5))
+    target = d.viscous(2 * v) + d.elastic(1.5 * v)
+    middle = -d.equilibrium.pressure(d.nearest_stress(2.0 * m + (-0.5) * (a + b), target, 1.5 * v))
+    (edges,) = (edges for _, edges in d.stresses.on(Kind.CONTACT))
+    nodes, weights = np.polynomial.legendre.leggauss(6)
+    s, w = (nodes + 1) / 2, weights / 2
+    shapes = np.array([(1 - s) ** 3, 3 * s * (1 - s) ** 2, 3 * s**2 * (1 - s), s**3])
+    of_edges = d.mesh.p[0, d.mesh.facets[:, edges]]
+    x = of_edges[0, :, None] + np.outer(of_edges[1] - of_edges[0], s)
+    normal = np.array([ends.normal[0], middle, ends.normal[1]]) @ shapes
+    works = np.einsum("ieq,eq,q->i", normal, -x * (2 - x), w) * EDGE
+    products = np.outer(works, [1.0, 1.5, 2.0])
+    values = {"mean": float(np.tensordot(QUADRATIC, products, axes=2)), "largest": float(products.max())}
+    return getattr(found.step(), which).contact, values[which]
 
 
 def curvature(which: str) -> Values:
@@ -161,13 +196,26 @@ def curvature(which: str) -> Values:
     return rest, beta * 2 * (1.5 - 1.1) / {"mean": 3, "largest": 2}[which] / math.sqrt(2)
 
 
+def stepped(**sizes: float) -> Values:
+    """One step from y = 0 without elasticity, of one term alone: k r, √(2 k c), k η or k rest."""
+    k, found = 0.5, {"residual": 0.0, "oscillation": 0.0, "contact": 0.0, "rest": 0.0} | sizes
+    residual, oscillation = (np.full(4, found[name] ** 2 / 4) for name in ("residual", "oscillation"))
+    size = Sizes(residual[None], oscillation, found["contact"], found["rest"])
+    expected = k * (found["residual"] + found["oscillation"] + found["rest"]) + math.sqrt(2 * k * found["contact"])
+    return grow(0.0, np.zeros(1), Step(k, size, size))[0], expected
+
+
 STEP: dict[str, Callable[[], Values]] = {
     "bending": bending,
     "largest bending": largest_bending,
     **{
         f"{term.__name__}, {which}": lambda term=term, which=which: term(which)
-        for term in (rest, oscillation, curvature)
+        for term in (rest, residual, oscillation, contact, curvature)
         for which in ("mean", "largest")
+    },
+    **{
+        f"step by {term}": lambda term=term: stepped(**{term: 2.0})
+        for term in ("residual", "oscillation", "contact", "rest")
     },
 }
 
@@ -199,6 +247,61 @@ def test_a_term_has_the_value_that_is_computed_by_hand(name: str) -> None:
 
 
 # ---- a problem in which σ̃ obeys the law at all times that are sampled: y is one term
+
+
+YIELDING = KelvinVoigt(isotropic(1, 0), Yield(3.0, FrobeniusBall(0.5)), "(3.3)")
+
+
+def pulled(traction: Callable[[float], float]) -> Discretisation:
+    """The unit square of a yielding material, held at its left side and pulled at its right one."""
+
+    def surface(part: Part, x: Points) -> Callable[[float], Array]:
+        return lambda time: np.array([np.full(x.shape[1:], traction(time) * (part == BODY.parts[1])), 0 * x[0]])
+
+    none = np.zeros_like, lambda x: np.zeros((3, *x.shape[1:]))
+    return Discretisation(Data(BODY, YIELDING, lambda x: lambda time: 0 * x, surface, *none), OneDiagonal()(BODY, N))
+
+
+def test_the_residual_bounds_an_error_that_no_other_term_sees() -> None:
+    """ũ = (t x_1, 0) in one piece. σ̃ is linear in time and obeys the law (3.3) at both ends, which has a kink between.
+
+    The solution is (e x_1, 0) with A_11 ė + G(e)_11 = A_11 + t G(1)_11. The curvature of Gε(ũ) in time is part of the
+    residual.
+    """
+    viscous = YIELDING.A.matrix[0, 0]
+
+    def elastic(e: float) -> float:
+        return float(YIELDING.G(np.array([[e], [0.0], [0.0]]))[0, 0])
+
+    d = pulled(lambda time: viscous + time * elastic(1.0))
+    v = quadratic(d, lambda x, y: (x + y) / 2)
+    ((_, found),) = Majorant(d)([Parabola(0.0, 1.0, 0 * v, v / 2, v)], 0.0)
+    solved = solve_ivp(lambda time, e: [1 + (time * elastic(1.0) - elastic(e[0])) / viscous], (0, 1), [0.0], rtol=1e-8)
+    off = abs(solved.y[0] - solved.t) * d.norm(v)
+    assert off[-1] > 0.01
+    assert found.contact + found.oscillation + found.bending + found.missed <= 1e-9 * off[-1]
+    assert found.at_b >= off[-1]
+    assert found.inside >= off.max()
+
+
+@pytest.mark.parametrize("size", [0.01, 1.0, 10.0], ids=["within K", "partly beyond", "beyond"])
+def test_between_knots_g_leaves_its_parabola_by_no_more_than_the_curvature_and_within_k_by_nothing(size: float) -> None:
+    d = pulled(lambda time: 0.0)
+    majorant, weights = Majorant(d), d.stresses.weights
+    rng = np.random.default_rng(7)
+    piece = Parabola(0.0, 1.0, *size * rng.standard_normal((3, len(d.displacements.free))))
+    both = np.array([piece.start, piece.end])
+    knots = majorant.knots([piece.a, piece.b], both, 0 * both)
+    control, (curvature,) = majorant._elastic([piece], piece.control[None], knots)
+    compliance, missed = np.linalg.inv(YIELDING.A.matrix), 0.0
+    for x, weight in zip(*np.polynomial.legendre.leggauss(20), strict=True):
+        x = (1 + x) / 2
+        shapes = (1 - x) ** 2, 2 * x * (1 - x), x**2
+        parts = knots.elastic[:, 0], control[:, 0], knots.elastic[:, 1]
+        off = d.elastic(piece.at(x)) - sum(shape * part for shape, part in zip(shapes, parts, strict=True))
+        missed += weight / 2 * np.sqrt(np.einsum("Icq,IJ,Jcq,cq->", off, compliance, off, weights))
+    assert missed <= curvature
+    assert (curvature > 0) == (missed > 0) == (size > 0.1)
 
 
 seeds = st.integers(0, 10**6)
@@ -239,6 +342,37 @@ def test_a_step_bounds_the_error_at_its_end_and_within(seed: int) -> None:
     assert at_b <= inside * (1 + 1e-12)
 
 
+@given(seeds)
+def test_short_steps_are_bounded_closely(seed: int) -> None:
+    """Where the residual points along the error and nothing is stiff: |e| + k |r|, but for k²."""
+    g, r, _, _ = random_step(seed, 0.1)
+    g, k = np.minimum(g, 1.0), 1e-3
+    e = 3 * r / np.linalg.norm(r)
+    step = constant(k, r, 1e-3)
+    assert grow(3.0, g, step)[0] == pytest.approx(worst(g, r, e, step)[-1], rel=3e-3)
+
+
+K = 0.01
+
+
+@pytest.mark.parametrize(
+    ("y", "moduli_", "residual", "least", "most"),
+    [
+        # In a stiff direction the residual adds a square, elsewhere itself.
+        (1.0, (1, 1, 1e6), (0, 0, 1), np.exp(-K), 1 + 1e-6),
+        (1.0, (1, 1, 1e6), (1, 0, 0), np.exp(-K) + 0.99 * K, 1 + K),
+        # Stiff in all directions and much stiffer in that of the residual: damped and taken up at once.
+        (1.0, (100, 100, 1e8), (0, 0, 1e4), np.exp(-100 * K), 1.3 * np.exp(-100 * K)),
+        # From no error at all, also where a first iteration would take no part of the residual.
+        (0.0, (1, 1, 1e6), (0, 0, 1), 0.98 * np.sqrt(K / 2e6), 1.02 * np.sqrt(K / 2e6)),
+    ],
+    ids=["stiff", "soft", "all stiff", "no error"],
+)
+def test_elasticity_takes_up_a_residual_in_a_stiff_direction(y, moduli_, residual, least, most) -> None:
+    at_b, _ = grow(y, np.array(moduli_, dtype=float), constant(K, np.array(residual, dtype=float)))
+    assert least <= at_b <= most
+
+
 @pytest.mark.parametrize("stiffness", [1e2, 1e4, 1e6])
 def test_what_a_long_step_of_stiff_elasticity_leaves_is_the_error_at_rest(stiffness: float) -> None:
     """|r|/g from the residual, √(c/g) from contact, and what is no part of a cell over g: not the integrals."""
@@ -253,6 +387,20 @@ def test_negative_moduli_let_the_error_grow() -> None:
     assert grow(1.0, np.array([-2.0, 1.0, 1.0]), still) == pytest.approx((np.exp(1.0), np.exp(1.0)))
     assert kernel(0.0, 0.25) == 0.25
     assert kernel(1e-9, 0.25) == pytest.approx(0.25)
+
+
+@given(seeds)
+def test_the_mean_square_of_a_parabola_is_bounded_by_three_norms(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    a, m, b = rng.normal(size=(3, 4))
+    x, w = np.polynomial.legendre.leggauss(5)
+    x = (x + 1) / 2
+    values = np.outer((1 - x) * (1 - 2 * x), a) + np.outer(4 * x * (1 - x), m) + np.outer(x * (2 * x - 1), b)
+    exact = float(w / 2 @ np.sum(values**2, axis=1))
+    norms = [np.array([np.linalg.norm(v)]) for v in (a, m, b)]
+    assert exact <= mean_square(*norms)[0] * (1 + 1e-12)
+    assert mean_square(*(np.ones(1) for _ in range(3)))[0] == pytest.approx(41 / 30)
+    assert (values**2).sum(axis=1).max() <= largest_square(*norms)[0] * (1 + 1e-12)
 
 
 LAWS = [
@@ -285,3 +433,8 @@ def test_moduli_of_a_material_that_varies_take_the_worst_of_both_factors() -> No
         local = np.sum(law.G.at(x)(np.broadcast_to(strain, (3, 9))) * strain, axis=0)
         assert (local >= A.factor(x) * (found.values @ parts**2) - 1e-12).all()
     assert found.values.min() == pytest.approx(-2 / 3 * 4)
+
+
+def test_the_norm_of_residuals_is_that_of_viscosity_where_nothing_is_stiff() -> None:
+    law = KelvinVoigt(isotropic(1, 0.5), isotropic(1e-9, 1e-9), "soft")
+    assert moduli(law).compliance(3.0) == pytest.approx(3 * np.linalg.inv(law.A.matrix))

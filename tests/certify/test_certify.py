@@ -10,6 +10,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from sympy import Rational, sin, sqrt
 
@@ -28,15 +29,17 @@ from manufactured import (
     x1,
 )
 from manufactured.factor import layers, x2
+from manufactured.law import Linear as Tensor
 from study.bound.bounded import bounded_solution
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.certify import certified, checker
 from study.certify.certified import check_certifiable, make_certificate, write
-from study.certify.statement import statement
+from study.certify.statement import in_doubles, rational, rational_mesh, statement, voigt
 from study.certify.witnesses import value_of
 from study.cli.main import main
-from study.fem.mesh import OneDiagonal, Unstructured
+from study.fem.mesh import MeshFamily, OneDiagonal, Shaken, Unstructured
+from study.fem.naming import resolve_data
 from study.solve.tableau import MIDPOINT
 
 ROOT = Path(__file__).parents[2]
@@ -47,6 +50,11 @@ CERTIFICATES = [
     for path in sorted(EXAMPLES.glob("*.json.gz"))
 ]
 """One is checked by the quick tests; `make certificates-check` checks all of them."""
+
+
+def test_it_has_the_size_that_is_claimed_for_it() -> None:
+    weigh = runpy.run_path(str(ROOT / ".ci" / "weight.py"))["weigh"]
+    assert weigh(Path(checker.__file__).read_text()).lines <= 830
 
 
 def test_a_copy_of_the_file_checks_a_certificate_without_any_package(tmp_path: Path) -> None:
@@ -125,21 +133,12 @@ TWO_FACES = polygon([(0, 0), (2, 0), (3, 1), (3, 2), (0, 2)], [CONTACT, CONTACT,
 IRRATIONAL = polygon([(0, 0), (1, -(0.3**0.5)), (1, 1), (0, 1)], [CONTACT, LOADED, LOADED, CLAMPED])
 
 
-def pushed(body: Body) -> Data:
-    return Data.formulas(body, LAW, f0=(0, 0), f2={2: (-t, -2 * t)})
-
-
-ACCURATE = {"two faces that meet": pushed(TWO_FACES), "irrational slope": pushed(IRRATIONAL)}
-
-
-@pytest.mark.parametrize("data", [*ACCURATE.values(), PROBLEMS["bracket"]], ids=[*ACCURATE, "start, not isotropic"])
-def test_slopes_a_start_and_other_materials_cost_no_accuracy(data: Data) -> None:
-    refined = Refined(0, 1)
+@pytest.mark.parametrize("body", [TWO_FACES, IRRATIONAL], ids=["two faces that meet", "irrational slope"])
+def test_faces_of_contact_cost_no_accuracy(body: Body) -> None:
+    data, refined = Data.formulas(body, LAW, f0=(0, 0), f2={2: (-t, -2 * t)}), Refined(0, 1)
     found = checker.verified(make_certificate(data, Unstructured(), 3, MIDPOINT, 2, refined))
     computed = bounded_solution(data, None, Unstructured(), 3, MIDPOINT, 2, refined).enclosure
-    assert [float(x) for x in (found.low, found.high)] == pytest.approx(
-        [computed.lowest, computed.highest], abs=0.01 * computed.highest
-    )
+    assert [float(x) for x in (found.low, found.high)] == pytest.approx([computed.lowest, computed.highest], rel=0.01)
 
 
 def formulas(f0: Any = (0, 0), law: KelvinVoigt = LAW, **more: Any) -> Data:
@@ -174,6 +173,11 @@ def test_what_is_not_served_is_refused_in_words_before_it_is_computed(name: str)
         check_certifiable(data)
 
 
+def test_cases_are_refused_by_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert main(["certify", "full-contact", "--out", str(tmp_path)]) == 2
+    assert "certificates support data that are formulas" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("name", ["bracket", pytest.param("wedge", marks=pytest.mark.slow)])
 def test_the_command_writes_certificates_and_checks_them(name: str, capsys: Any, tmp_path: Path) -> None:
     options = ["--levels", "2", "3", "--steps", "2", "--refine", "0", "--shorter", "1", "--out", str(tmp_path)]
@@ -182,9 +186,34 @@ def test_the_command_writes_certificates_and_checks_them(name: str, capsys: Any,
     assert (tmp_path / name / "certificate-3.json.gz").is_file()
 
 
+def test_the_same_command_after_an_edit_of_the_problem_keeps_no_result_of_the_earlier_one(
+    capsys: Any, tmp_path
+) -> None:
+    text, file, out = (EXAMPLES / "problems.py").read_text(), tmp_path / "mine.py", tmp_path / "square"
+    options = ["--steps", "2", "--refine", "0", "--shorter", "1", "--out", str(tmp_path)]
+    for command in ("certify", "bound"):
+        found = []
+        for problem, levels in ((text, ["2", "3"]), (text.replace("def bracket(", "def square("), ["2"])):
+            file.write_text(problem)
+            resolve_data.cache_clear()
+            assert main([command, f"{file}:square", "--levels", *levels, *options]) == 0
+            found.append({path.name: path.read_bytes() for path in out.iterdir() if path.is_file()})
+        assert f"removed from {out}: results of other data" in capsys.readouterr().err
+        assert any("3" in name for name in found[0])
+        assert not any("3" in name or found[0].get(name) == content for name, content in found[1].items())
+
+
 def test_more_refinements_than_the_checker_accepts_are_refused(capsys: Any, tmp_path: Path) -> None:
     assert main(["certify", f"{EXAMPLES / 'problems.py'}:square", "--refine", "9", "--out", str(tmp_path)]) == 2
     assert "--refine 9: a certificate allows at most 8 refinements" in capsys.readouterr().err
+
+
+def test_doubles_are_read_as_the_fractions_that_are_meant() -> None:
+    assert (rational(0.8), rational(1 / 3)) == (Fraction(4, 5), Fraction(1, 3))
+    assert rational(3**0.5) == Fraction(3**0.5)
+    root = 2**0.5
+    matrix = voigt(Tensor(np.array([[3, 1, 0.3 * root], [1, 2, 0], [0.3 * root, 0, 2 * 0.7]])).matrix)
+    assert (matrix[0][2], matrix[2][2]) == (Fraction(3, 10), Fraction(7, 10))
 
 
 def test_loads_are_read_as_they_are() -> None:
@@ -193,3 +222,11 @@ def test_loads_are_read_as_they_are() -> None:
     for place in ((0.5, 1.0, 0.25), (1.75, 0.0, 0.5), (0.0, 0.5, 1.0)):
         wanted = float(push.subs(dict(zip((x1, x2, t), place, strict=True))))
         assert value_of(formula, tuple(map(Fraction, place))) == pytest.approx(wanted, abs=1e-14)
+
+
+@pytest.mark.parametrize("family", [OneDiagonal(), Shaken(), Unstructured()], ids=lambda family: family.name)
+def test_meshes_are_those_of_the_families_up_to_a_little(family: MeshFamily) -> None:
+    data = PROBLEMS["wedge"]
+    mesh = family(data.body, 4)
+    exact = checker.Mesh.of(rational_mesh(mesh, data.body), checker.Problem(statement(data)))
+    assert abs(in_doubles(exact).p - mesh.p).max() < 0.02

@@ -101,12 +101,45 @@ def test_semidefinite_matrices_are_known(matrix: list[list[Any]]) -> None:
 # Polynomials
 
 
+def value(p: Poly, x: Q, y: Q, s: Q) -> Q:
+    return sum((c * x**i * y**j * s**k for (i, j, k), c in p.items()), Q(0))
+
+
+def test_polynomials_are_added_multiplied_and_composed() -> None:
+    p, q = X * X * 3 - Y * S + ONE * 2, X * Y - S * Q(1, 2)
+    x, y, s = place = Q(2), Q(-3), Q(5)
+    assert value(p, *place) == 12 + 15 + 2
+    assert value(p + q, *place) == 29 - 6 - Q(5, 2)
+    assert value(p - q, *place) == 29 + 6 + Q(5, 2)
+    assert value(p * q, *place) == 29 * (-6 - Q(5, 2))
+    assert p - p == Poly()
+    assert value(p(q), *place) == value(p, value(q, *place), y, s)
+    assert value(p(q, X), *place) == value(p, value(q, *place), x, s)
+    assert value(p(q, X, Y), *place) == value(p, value(q, *place), x, y)
+    assert (p.slope(0), (p * Y).slope(1)) == (X * 6, X * X * 3 - Y * S * 2 + ONE * 2)
+    assert p.size() == 6
+
+
 def test_means_and_integrals_are_those_of_monomials() -> None:
     for i, j, k in product(range(5), repeat=3):
         p = math.prod([X] * i + [Y] * j + [S] * k, start=ONE)
         over_s = Q(1 + (-1) ** k, 2 * (k + 1))
         assert j or checker.mean(p) == Q(1 + (-1) ** i, 2 * (i + 1)) * over_s
         assert checker.on_triangle(p) == Q(math.factorial(i) * math.factorial(j), math.factorial(i + j + 2)) * over_s
+
+
+def test_bernstein_polynomials_are_those_of_textbooks() -> None:
+    assert checker.bernstein(2, X) == [ONE - X * 2 + X * X, X * 2 - X * X * 2, X * X]
+    assert checker.total(checker.bernstein(3, X)) == ONE
+    # Shares are 30 times the integrals of their products.
+    for a, b in product(range(3), repeat=2):
+        p, q = (checker.bernstein(2, checker.UNIT_S)[n] for n in (a, b))
+        assert 30 * checker.mean(p * q) == checker.SHARES[a][b]
+    # Modes are orthogonal, and have resultants and moments only where they may.
+    modes = [checker.combination(checker.bernstein(3, checker.UNIT_X), mode) for mode in checker.MODES]
+    assert all((checker.mean(modes[a] * modes[b]) == 0) == (a != b) for a, b in product(range(4), repeat=2))
+    assert [checker.mean(p) for p in modes] == [1, 0, 0, 0]
+    assert [checker.mean(p * X) != 0 for p in modes] == [False, True, False, False]
 
 
 HALF = Q(1, 2)
@@ -127,6 +160,14 @@ KINKS: list[tuple[Poly, int, Poly | None]] = [
 def test_a_kink_is_seen_where_its_sign_may_change(g: Poly, q: int, wanted: Poly | None) -> None:
     p = X * 3 + ONE
     assert Term(p, g, q).plain() == (None if wanted is None else p * wanted)
+
+
+def test_the_size_of_a_term_is_its_supremum_for_these_and_its_degree_counts_the_power() -> None:
+    sizes = [(X + ONE * HALF, 2, 4 * Q(9, 4)), (X - ONE * HALF, 2, 4 * Q(1, 4)), (X * S * 2 - ONE, 1, 4), (X, 0, 4)]
+    for g, q, size in sizes:
+        assert Term(X * 3 + ONE, g, q).size() == size
+    terms = Term(X * Y, S * S + X, 3), Term(X * Y, Poly(), 0), Term(Poly(), Poly(), 0)
+    assert [term.degree() for term in terms] == [8, 2, 0]
 
 
 @pytest.mark.parametrize("scale", [Q(1), Q(1, 3 * 2**45)], ids=str)

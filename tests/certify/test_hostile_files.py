@@ -7,6 +7,8 @@ import json
 import math
 import os
 import re
+import subprocess
+import sys
 import time
 import tracemalloc
 from collections.abc import Callable, Iterator
@@ -88,6 +90,28 @@ def test_values_of_another_type_are_refused_wherever_they_stand(part: str, certi
         around[key] = right
 
 
+def test_a_mesh_may_have_three_sides_and_not_fewer() -> None:
+    sides = [[0, 1], [1, 2], [2, 0]]
+    checker.conform(sides, checker.MESH["sides"], "sides")
+    with pytest.raises(checker.RefusedError, match="sides"):
+        checker.conform(sides[:2], checker.MESH["sides"], "sides")
+
+
+FREE = {"force", "loads", "start"}
+
+
+@pytest.mark.parametrize("part", [part for part in json.loads(TEXT) if part not in ("format", "level", "m")])
+def test_lists_with_a_value_more_or_less_are_refused_with_a_reason(part: str, certificate: Any) -> None:
+    """Formulas of loads may have any number of terms, and u_h any number of times."""
+    for *path, key in places(certificate[part], (part,)):
+        around = at(certificate, tuple(path))
+        right = around[key]
+        if isinstance(right, list) and right and key != "computed" and not FREE & {*path, key}:
+            for around[key] in (right[:-1], [*right, right[-1]], []):
+                assert "the check ended with" not in refusal(certificate), (path, key)
+        around[key] = right
+
+
 def test_every_key_has_to_be_there_and_no_other(certificate: Any) -> None:
     objects = [path for path in places(certificate) if isinstance(at(certificate, path), dict)]
     assert len(objects) == 9
@@ -142,6 +166,10 @@ def twice(number: str) -> str:
 
 def plus(changes: dict[int, int]) -> Callable[[list[int]], list[int]]:
     return lambda column: [x + changes.get(n, 0) for n, x in enumerate(column)]
+
+
+def stated(data: Any) -> checker.Mesh:
+    return checker.Mesh.of(data["mesh"], checker.Problem(data["problem"]))
 
 
 def squeezed(column: list[int]) -> list[int]:
@@ -200,12 +228,36 @@ def test_what_is_tampered_with_is_refused(name: str, certificate: Any) -> None:
     assert re.search(message, refusal(certificate))
 
 
+def move_a_vertex(data: Any) -> None:
+    mesh = stated(data)
+    inner = next(v for v in range(len(mesh.points)) if not any(v in edge for edge in mesh.boundary))
+    data["displacement"]["nodes"][1][2 * inner] += 2**36
+
+
+CLAIMS = {
+    "another load": edit("problem", "loads", "1", 0, 0, 0, 0, 0, to="-3"),
+    "another force": edit("problem", "force", 1, 0, 0, 0, 0, by=twice),
+    "another start": edit("problem", "start", 1, to=[["1/10", 0, 0], ["-1/10", 0, 1]]),
+    "a traction moved": edit("stress", "tractions", 3, 40, by=lambda x: x + 2**34),
+    "an inner number moved": edit("stress", "inner", 3, 40, by=lambda x: x + 2**12),
+    "ũ moved": move_a_vertex,
+}
+
+
+@pytest.mark.parametrize("claim", CLAIMS, ids=str)
+def test_witnesses_of_something_else_prove_less(claim: str, certificate: Any, plain: checker.Enclosure) -> None:
+    """They stay true: an interval is wider, by what they do not fit."""
+    CLAIMS[claim](certificate)
+    assert checker.verified(certificate).last > plain.last
+
+
 # Files that are no certificates
 
 TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
     "no gzip": (lambda: TEXT.encode(), "not a gzip file"),
     "a gzip file that ends early": (lambda: packed(TEXT)[:-9], "ends too early"),
     "a gzip file with a wrong sum": (lambda: packed(TEXT)[:-8] + b"\0" * 8, "not a gzip file"),
+    "two gzip members": (lambda: packed(TEXT) + packed(TEXT), "data after its certificate"),
     "bytes behind a gzip file": (lambda: packed(TEXT) + b"\0", "data after its certificate"),
     "no JSON": (lambda: packed("certificate"), "not a gzip file with JSON"),
     "text that is not ASCII": (lambda: packed(TEXT.replace("contact", "kontakt\u202e")), "not a gzip file with JSON"),
@@ -214,6 +266,7 @@ TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
     "a double that overflows": (lambda: packed(re.sub(r'"computed":\[\[0.0', '"computed":[[1e999', TEXT)), "is inf"),
     "a key twice": (lambda: packed(TEXT.replace('"m":', '"level":2,"m":')), "a key twice"),
     "an integer of many digits": (lambda: packed(TEXT.replace('"level":2', f'"level":{"9" * 10**6}')), "4300 digits"),
+    "an integer of some digits": (lambda: packed(TEXT.replace('"level":2', f'"level":{"9" * 4000}')), "is 9999"),
     "deep lists": (lambda: packed("[" * 10**5 + "]" * 10**5), "too deeply"),
     "many empty lists": (lambda: packed(f"[{','.join(['[]'] * 1_100_000)}]"), "more than 1048576 lists"),
 }
@@ -235,6 +288,25 @@ def test_a_bomb_takes_little_memory(tmp_path: Path) -> None:
     tracemalloc.stop()
 
 
+def test_texts_are_limited_by_their_files_and_at_all(monkeypatch: pytest.MonkeyPatch, made: Any) -> None:
+    monkeypatch.setattr(checker, "SMALL", 10)
+    assert checker.load(EXAMPLE) == made
+    for name, value in (("PACKING", 2), ("UNPACKED", len(TEXT) - 1), ("LISTS", TEXT.count("[") - 1)):
+        with monkeypatch.context() as patch:
+            patch.setattr(checker, name, value)
+            with pytest.raises(checker.RefusedError, match="more than"):
+                checker.load(EXAMPLE)
+
+
+def test_a_big_file_is_not_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "big.json.gz"
+    with path.open("wb") as file:
+        file.truncate(checker.PACKED + 1)
+    code, out, _ = checked(path, capsys)
+    assert code == 1
+    assert f"the file has more than {checker.PACKED} bytes" in out
+
+
 def test_what_is_no_file_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     fifo = tmp_path / "pipe"
     os.mkfifo(fifo)
@@ -246,6 +318,24 @@ def test_what_is_no_file_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "'\\x00' is not a file" in capsys.readouterr().err
     assert checker.main([]) == 2
     assert capsys.readouterr().err.startswith("no file was given\nusage: python checker.py")
+
+
+def test_a_file_that_cannot_be_read_is_named(tmp_path, capsys, monkeypatch) -> None:
+    def load(path: Path) -> Any:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(checker, "load", load)
+    assert checker.main([str(EXAMPLE)]) == 2
+    assert capsys.readouterr().err == f"{EXAMPLE} cannot be read: Permission denied\n"
+
+
+def test_a_reader_who_ends_early_does_not_make_a_certificate_refused() -> None:
+    command = [sys.executable, checker.__file__, str(EXAMPLE)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as check:
+        assert check.stdout and check.stderr  # noqa: PT018
+        check.stdout.close()
+        assert check.stderr.read() == ""
+    assert check.returncode == 141
 
 
 def test_names_of_files_do_not_reach_the_screen_as_they_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
