@@ -175,6 +175,8 @@ def _from_file(reference: str) -> Any:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
+    writes_none = sys.dont_write_bytecode
+    sys.dont_write_bytecode = True  # so that no folder __pycache__ appears beside the file
     try:
         spec.loader.exec_module(module)
         if not hasattr(module, name):
@@ -191,6 +193,8 @@ def _from_file(reference: str) -> Any:
             f"the case {reference} cannot be read: running {file} raises {type(error).__name__}: {error}; correct "
             "the file"
         ) from error
+    finally:
+        sys.dont_write_bytecode = writes_none
 
 
 def _none_named(file: str, name: str, module: ModuleType) -> str:

@@ -87,7 +87,10 @@ class Equilibrium:
         self.space = space
         # Tensors at points are stored component by component, because ``act`` is then several times faster.
         self.compliance = np.moveaxis(np.moveaxis(compliance, (-2, -1), (0, 1)).copy(), (0, 1), (-2, -1))
-        stiffness = np.linalg.inv(space.gram(compliance))
+        try:
+            stiffness = np.linalg.inv(space.gram(compliance))
+        except np.linalg.LinAlgError as error:
+            raise MeshError(_too_thin(space.mesh, compliance)) from error
         # The tractions of each basis function, with one row for each component on each side: (cells, 3 sides · n · 2,
         # p).
         R = space.tractions.reshape(space.cells, -1, stiffness.shape[-1])
