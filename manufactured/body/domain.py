@@ -15,6 +15,8 @@ SLENDER = 1000.0
 
 The constant of Korn's inequality grows with this ratio.
 """
+HELD = 1e-3
+"""Rollers hold a body if their conditions, for lengths relative to its size, have singular values above this number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,17 +26,18 @@ class Body:
 
     Attributes:
         parts: the parts of the boundary ∂Ω; in 2D in counter-clockwise order, each starting at the end of the previous
-            part.
+            part. The parts of each hole follow in clockwise order.
         T: the final time.
         refine: vertices of Ω towards which graded meshes refine, such as re-entrant corners and ends of Γ1.
         interfaces: segments of the kind ``Kind.INTERFACE`` that cut a polygon Ω from boundary to boundary. The material
             changes along them, and every mesh must contain them as edges.
 
     Raises:
-        BodyError: there are fewer than d + 1 parts, gaps between parts, or inward normals; there is no clamped part Γ1
-            (Korn's inequality (2.17) needs meas Γ1 > 0); T ≤ 0; the body is too thin; a point of ``refine`` is not a
-            vertex; or an interface does not cut Ω. A body may have no contact part Γ3: ``study bound`` serves it, but
-            an ``ExactSolution`` needs Γ3.
+        BodyError: there are fewer than d + 1 parts, gaps between parts, or inward normals; a rigid motion is possible,
+            because there is neither a clamped part Γ1 nor rollers that exclude it (Korn's inequality (2.17) needs meas
+            Γ1 > 0 or such rollers); a roller is not parallel to an axis; T ≤ 0; the body is too thin; a point of
+            ``refine`` is not a vertex; or an interface does not cut Ω. A body may have no contact part Γ3: ``study
+            bound`` serves it, but an ``ExactSolution`` needs Γ3.
     """
 
     parts: tuple[Part, ...]
@@ -59,6 +62,16 @@ class Body:
         apart = np.linalg.norm(corners[:, :, None] - corners[:, None, :], axis=0)
         first = (apart <= ROUNDING * apart.max()).argmax(axis=1)
         return corners[:, first == np.arange(len(first))]
+
+    @cached_property
+    def loops(self) -> list[tuple[Part, ...]]:
+        """The parts of the outline of a polygon, then those of each hole, in their order."""
+        found, first = [], 0
+        for number, part in enumerate(self.parts, start=1):
+            if np.allclose(part.end, self.parts[first].start):
+                found.append(self.parts[first:number])
+                first = number
+        return found
 
     @cached_property
     def measure(self) -> float:
@@ -111,10 +124,7 @@ def check(body: Body) -> None:
     """Raise BodyError if the parts do not form a body of the contact problem; ``Body`` lists the conditions."""
     _check_parts(body)
     _check_closed(body)
-    if not body.of(Kind.CLAMPED):
-        raise BodyError(
-            "no side of the body is CLAMPED, so it could move without deforming: give one of its sides the kind CLAMPED"
-        )
+    _check_held(body)
     across = float(np.ptp(body.vertices, axis=1).max())
     if across**body.dim > SLENDER * body.measure:
         raise BodyError(
@@ -145,14 +155,44 @@ def _check_parts(body: Body) -> None:
             f"got {len(body.parts)} in {body.dim if body.parts else 'no'} dimensions"
         )
     if body.dim == 2:
+        closing = [loop[-1] for loop in body.loops]
         for i, (part, after) in enumerate(zip(body.parts, body.parts[1:] + body.parts[:1], strict=True)):
-            if not np.allclose(part.end, after.start):
+            if part not in closing and not np.allclose(part.end, after.start):
                 ends, starts = part.end.tolist(), after.start.tolist()
                 raise BodyError(f"part {i} ends at {ends} but the next starts at {starts}")
+        for hole in body.loops[1:]:
+            if sum(part.vector @ part.start for part in hole) >= 0:
+                raise BodyError(
+                    f"the hole that starts at {hole[0].start.tolist()} is listed counter-clockwise: list it clockwise"
+                )
     if body.measure <= 0:
         raise BodyError(
             f"the parts enclose {'the area' if body.dim == 2 else 'the volume'} {body.measure:.6g}; "
             "list corners counter-clockwise, in 3D seen from outside"
+        )
+
+
+def _check_held(body: Body) -> None:
+    """Refuse bodies that can move without deforming, and rollers that are not parallel to an axis.
+
+    A rigid motion of the plane is a + b (−x_2, x_1). Rollers exclude it if the conditions at their ends determine the
+    three numbers.
+    """
+    rollers, size = body.of(Kind.ROLLER), float(np.ptp(body.vertices, axis=1).max())
+    for part in rollers:
+        if np.sort(abs(part.normal))[-2] > ROUNDING:
+            raise BodyError(
+                f"the ROLLER side from {part.start.tolist()} to {part.end.tolist()} is not parallel to an axis: turn "
+                "the coordinates such that all ROLLER sides are"
+            )
+    if body.of(Kind.CLAMPED):
+        return
+    ends = [(part.normal, (x - body.vertices[:, 0]) / size) for part in rollers for x in part.corners.T]
+    rows = [(*normal, normal[1] * x[0] - normal[0] * x[1]) for normal, x in ends]
+    if body.dim != 2 or not rows or np.linalg.matrix_rank(rows, tol=HELD) < 3:
+        raise BodyError(
+            "no side of the body is CLAMPED, so it could move without deforming: give one of its sides the kind CLAMPED"
+            ", or give sides in both directions the kind ROLLER"
         )
 
 

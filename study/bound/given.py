@@ -10,7 +10,6 @@ and its time steps have equal length.
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sps
@@ -30,7 +29,6 @@ from study.bound.enclosing import squared_distances
 from study.bound.problem import BoundError
 from study.bound.trajectory import GivenDisplacement, Refined, on_refinement
 from study.fem.mesh import MeshError, boundary_parts, cell_volumes
-from study.fem.quadratic import Quadratic
 from study.ledger.text import interval
 from study.solve.steps import require_steps
 
@@ -424,46 +422,38 @@ def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
     ]
 
 
-class _Unclamped(Quadratic):
-    """Displacements of degree 2 that need not vanish on the clamped boundary Γ1."""
-
-    @cached_property
-    def free(self) -> Array:
-        return np.arange(self.dim * self.count)
-
-
 def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDisplacement:
-    """Return a displacement that vanishes on the clamped boundary Γ1.
+    """Return a displacement with the prescribed values on CLAMPED and ROLLER sides, which are 0 by default.
 
-    If the displacement ``found`` vanishes on Γ1 up to round-off, it is returned. Otherwise, if ``nearest`` is true, the
-    result is the field nearest to ``found`` in ‖·‖_V among all fields that vanish on Γ1. If ``nearest`` is false,
+    If the displacement ``found`` has these values up to round-off, it is returned. Otherwise, if ``nearest`` is true,
+    the result is the field nearest to ``found`` in ‖·‖_V among all fields with these values. If ``nearest`` is false,
     BoundError is raised.
     """
     mesh, size = found.mesh, float(abs(found.nodes).max())
-    clamped = Quadratic(mesh, found.body)
-    fixed = np.setdiff1d(np.arange(2 * clamped.count), clamped.free)
+    space = Discretisation(data, mesh)
+    V = space.displacements
+    fixed = np.setdiff1d(np.arange(2 * V.count), V.free)
     coefficients = on_refinement(mesh, found.degree, mesh) @ found.nodes.T
-    largest = float(abs(coefficients[fixed]).max(initial=0.0))
+    beyond = coefficients - V.prescribed[:, None]
+    largest = float(abs(beyond[fixed]).max(initial=0.0))
     if largest <= CLAMPED * size:
         return found
-    # u_h does not vanish on Γ1, so the matrix of (Aε(v), ε(w))_Q is needed for displacements without this constraint.
-    V = _Unclamped(mesh, found.body)
-    M = V.form(data.law.A.matrix, data.law.A.factor(V.points))
-    projected, free = np.zeros_like(coefficients), clamped.free
-    projected[free] = splu(sps.csc_array(M[free][:, free])).solve((M @ coefficients)[free])
-    difference = coefficients - projected
-    offset, whole = (math.sqrt(max(np.einsum("it,it->t", v, M @ v).max(), 0.0)) for v in (difference, coefficients))
+    difference = beyond.copy()
+    difference[V.free] -= splu(space.M).solve((space.unheld_matrix @ beyond)[V.free])
+    projected = coefficients - difference
+    squares = (np.einsum("it,it->t", v, space.unheld_matrix @ v).max() for v in (difference, coefficients))
+    offset, whole = (math.sqrt(max(square, 0.0)) for square in squares)
     share = f"{offset:.3g} = {100 * offset / whole if whole else math.inf:.2g} % of the largest ‖u_h‖_V"
+    kinds = " or ".join(kind.name for kind in (Kind.CLAMPED, Kind.ROLLER) if found.body.of(kind))
+    wanted = "as prescribed" if V.prescribed.any() else "0"
+    what = f"u_h {'differs by' if V.prescribed.any() else 'reaches'} {largest:.3g} on a {kinds} side"
     if not nearest:
         raise BoundError(
-            f"u_h reaches {largest:.3g} on a CLAMPED side, {100 * largest / size:.2g} % of its largest component, and "
-            f"has to be 0 there. The nearest field that vanishes there differs from it by {share}: with --nearest "
+            f"{what}, {100 * largest / size:.2g} % of its largest component, and "
+            f"has to be {wanted} there. The nearest field that is differs from it by {share}: with --nearest "
             "(nearest=True) the error of that field is enclosed, and the difference is added"
         )
-    remark = (
-        f"u_h reaches {largest:.3g} on a CLAMPED side, so the bounds are about the nearest field that vanishes there; "
-        f"it differs from u_h by at most {share}"
-    )
+    remark = f"{what}, so the bounds are about the nearest field that is {wanted} there; it differs from u_h by {share}"
     # A ``GivenDisplacement`` stores nodal values, and not Bernstein coefficients.
     values = splu(sps.csc_array(on_refinement(mesh, 2, mesh))).solve(projected).T
     return replace(found, degree=2, nodes=values, remarks=(*found.remarks, remark), offset=offset)

@@ -428,7 +428,8 @@ class Unstructured(MeshFamily):
 
     def cells(self, body: Body, n: int) -> int:
         boundary, *others = self.points(body, n)
-        return int(boundary.shape[1] + 2 * sum(points.shape[1] for points in others) - 2)
+        inner = sum(points.shape[1] for points in others)
+        return int(boundary.shape[1] + 2 * inner + 2 * (len(body.loops) - 2))
 
     def __call__(self, body: Body, n: int) -> Mesh:
         boundary, inside, free = self.points(body, n)
