@@ -29,6 +29,7 @@ from study.bound.enclosing import squared_distances
 from study.bound.problem import BoundError
 from study.bound.trajectory import GivenDisplacement, Refined, on_refinement
 from study.fem.mesh import MeshError, boundary_parts, cell_volumes
+from study.fem.quadratic import Quadratic
 from study.ledger.text import interval
 from study.solve.steps import require_steps
 
@@ -185,7 +186,7 @@ def given(
     points, triangles, times, u = _arrays(points, triangles, np.zeros(1) if times is None else times, u)
     if isinstance(data, Static):
         if len(times) > 1:
-            raise BoundError(f"the problem is static, and u_h has {len(times)} times: give one of them")
+            raise BoundError(f"the problem is static, and u_h has {len(times)} times: choose one by --step")
         times, u = np.array([0.0, data.body.T]), np.concatenate([u, u])
     times = _checked_times(times, data.body.T)
     points, triangles, u, remarks = _joined(points, triangles, u)
@@ -402,23 +403,21 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
 
 def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
     """Return a list with a sentence that says how far u_h penetrates the foundation; empty if it does not."""
+    space = Quadratic(found.mesh, found.body)
     values, worst = found.nodes.reshape(len(found.times), -1, 2), (0.0, 0, 0)
-    for part, edges in zip(found.body.parts, boundary_parts(found.mesh, found.body), strict=True):
-        if part.kind is Kind.CONTACT:
-            on = np.unique(found.mesh.facets[:, edges])
-            if found.degree == 2:
-                on = np.concatenate([on, found.mesh.p.shape[1] + edges])
-            normal = values[:, on] @ part.normal
-            place = divmod(int(normal.argmax()), len(on))
-            worst = max(worst, (float(normal[place]), place[0], int(on[place[1]])))
+    for part in found.body.of(Kind.CONTACT):
+        on = space.numbers_on(part)
+        on = on[on < values.shape[1]]
+        normal = values[:, on] @ part.normal
+        place = divmod(int(normal.argmax()), len(on))
+        worst = max(worst, (float(normal[place]), place[0], int(on[place[1]])))
     depth, time, node = worst
     if depth <= CLAMPED * abs(found.nodes).max():
         return []
-    x = np.hstack([found.mesh.p, found.mesh.p[:, found.mesh.facets].mean(axis=1)])
     share, when = 100 * depth / abs(found.nodes).max(), f"t = {found.times[time]:.4g}, " if moving else ""
     return [
         f"u_h penetrates the foundation at its nodes by up to {depth:.3g}, {share:.2g} % of its largest component, at "
-        f"{when}x = {_shown(x[:, node])}"
+        f"{when}x = {_shown(space.nodes[:, node])}"
     ]
 
 

@@ -45,7 +45,6 @@ from study.fem.space import Space, form
 from study.solve.signorini import Signorini
 from study.solve.solver_choice import contact_solver
 
-
 ROUNDING = 1e-11
 """Relative rounding error of ‖ũ‖² that the interval of ‖u‖ allows for."""
 

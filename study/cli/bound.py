@@ -44,8 +44,8 @@ def do_bound(options: argparse.Namespace) -> int:
     """
     if options.displacement and options.adapt is not None:
         raise UsageError("--adapt computes the displacements itself: give --adapt or --displacement, not both")
-    if not options.displacement and (options.field or options.nearest):
-        raise UsageError("--field and --nearest need a file: give it with --displacement FILE")
+    if not options.displacement and (options.field or options.nearest or options.step is not None):
+        raise UsageError("--field, --step and --nearest need a file: give it with --displacement FILE")
     if options.adapt is not None:
         return do_adapt(options)
     name, data, case = resolve_data(options.problem)

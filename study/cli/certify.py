@@ -31,6 +31,8 @@ def do_certify(options: argparse.Namespace) -> int:
         raise UsageError(f"{name} is a static problem, for which there are no certificates: take `study bound`")
     if not data.body.of(Kind.CONTACT):
         raise UsageError(f"{name} has no contact side, for which there are no certificates: take `study bound`")
+    if data.body.of(Kind.ROLLER):
+        raise UsageError(f"{name} has a ROLLER side, for which there are no certificates: take `study bound`")
     check_certifiable(data)
     if options.refine > checker.REFINEMENTS:
         raise UsageError(f"--refine {options.refine}: a certificate allows at most {checker.REFINEMENTS} refinements")

@@ -31,16 +31,18 @@ class Side:
     """One side of a plane body.
 
     Attributes:
-        kind: CLAMPED, LOADED or CONTACT.
+        kind: CLAMPED, LOADED, CONTACT or ROLLER.
         ends: the coordinates of both ends, (2, 2), one column for each end; the body lies to the left.
         points: points on the side at which its traction is known, (2, n).
         traction: the traction at these points, (2, n).
+        moved: the size of the displacement that is prescribed on the side; 0 if there is none.
     """
 
     kind: str
     ends: Array
     points: Array
     traction: Array
+    moved: float = 0.0
 
     @property
     def normal(self) -> Array:
@@ -107,7 +109,6 @@ def draw_problem(picture: ProblemPicture) -> Figure:
         x, y = picture.vertices + picture.factor * picture.displacement
         axes.triplot(Triangulation(x, y, picture.cells), color=BLUE, lw=0.4, zorder=2)
         handles.append(entry(f"displacement × {picture.factor:g}", color=BLUE, lw=0.8))
-    axes.fill(*picture.corners, facecolor="none", edgecolor=BLACK, lw=0.9, zorder=4)
     for number, side in enumerate(picture.sides):
         _draw_side(axes, side, number, picture.size)
     _draw_loads(axes, picture)
@@ -122,19 +123,25 @@ def draw_problem(picture: ProblemPicture) -> Figure:
 
 
 RIM: dict[str, Any] = {"edgecolor": FOUNDATION_EDGE, "linewidth": 0.4}
-BANDS = {"CLAMPED": RIM | {"hatch": "/////", "facecolor": "white"}, "CONTACT": RIM | {"facecolor": FOUNDATION}}
+BANDS = {
+    "CLAMPED": RIM | {"hatch": "/////", "facecolor": "white"},
+    "CONTACT": RIM | {"facecolor": FOUNDATION},
+    "ROLLER": RIM | {"hatch": "oo", "facecolor": "white"},
+}
 """Kind of a supported side ↦ the style of the band that is drawn outside of it."""
 
 
 def _draw_side(axes: Axes, side: Side, number: int, size: float) -> None:
     """Draw the support of a side outside of the body, and its number inside."""
     outward, middle = BAND * size * side.normal, side.ends.mean(axis=1)
+    axes.plot(*side.ends, color=BLACK, lw=0.9, zorder=4)
     if side.kind in BANDS:
         band = np.hstack([side.ends, side.ends[:, ::-1] + outward[:, None]])
         axes.fill(*band, zorder=3, **BANDS[side.kind])
     box = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": GREEN, "linewidth": 0.6}
     x, y = middle - NUMBER * outward
-    axes.text(x, y, str(number), color=GREEN, ha="center", va="center", bbox=box, zorder=6)
+    label = f"{number}: u ≤ {side.moved:.3g}" if side.moved else str(number)
+    axes.text(x, y, label, color=GREEN, ha="center", va="center", bbox=box, zorder=6)
 
 
 def _draw_loads(axes: Axes, picture: ProblemPicture) -> None:
