@@ -28,7 +28,7 @@ from study.bound.trajectory import Refined
 from study.fem.mesh import Unstructured
 from study.solve.tableau import MIDPOINT
 
-COUNT, LEVEL, FINER = 200, 3, 3
+COUNT, LEVEL, FINER = 200, 2, 3
 MU, LAM = 1.0, 1.5
 SLACK = 1e-6
 """Relative slack for the quadrature of the reference and for rounding."""
@@ -57,7 +57,7 @@ def random_problem(seed: int) -> tuple[Data, tuple[bool, bool, bool]]:
     body = polygon(corners, kinds, holes=holes)
     loads = [i for i, part in enumerate(body.parts) if part.kind is Kind.LOADED and rng.random() < 0.5]
     a = np.round(rng.normal(size=20), 3)
-    wave = a[6] * sp.sin(float(a[7]) * x1 + x2) if rng.random() < 0.3 else 0
+    wave = a[6] * sp.sin(float(a[7]) * x1 + x2) if rng.random() < 0.2 else 0
     f0 = (a[0] + a[1] * x2 + wave, a[2] * x1)
     f2 = {i: (a[3] + a[4] * x1 * x2, a[5]) for i in loads}
     return static(body, isotropic(MU, LAM), f0, f2, prescribed(body, a, moved)), features

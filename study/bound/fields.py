@@ -90,7 +90,9 @@ def _one_step(path: Path, field: Field, step: int) -> Field:
     """Return the displacement of one load step, without times."""
     count = len(field.u) if np.ndim(field.u) == 3 else 1
     if not -count <= step < count:
-        raise BoundError(f"{path} has {count} load steps: --step may be 0 to {count - 1}, or -1 for the last, got {step}")
+        raise BoundError(
+            f"{path} has {count} load steps, so --step is 0 to {count - 1} or -1, the last; got {step}"
+        )
     return replace(field, times=None, u=field.u[step] if np.ndim(field.u) == 3 else field.u)
 
 

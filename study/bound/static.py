@@ -127,5 +127,8 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
         square, rest = size**2, (2 * missed.everywhere + ROUNDING * size) * size
         norm = math.sqrt(max(0.0, square - rest)), math.sqrt(square + y**2 + rest)
     bounds = zero, np.array([d]), np.array([y]), unknown
-    found = Enclosure(computed.h, *bounds, (), d + y, cells, above, evidence, norm, products)
+    distances = fine.squares(fine.elastic(v) - fine.elastic(u_h))
+    # A refinement lists the parts of all cells in the order of the cells, again and again.
+    on_cells = distances.reshape(-1, coarse.mesh.t.shape[1]).sum(axis=0)
+    found = Enclosure(computed.h, *bounds, (), d + y, cells, above, evidence, norm, products, on_cells)
     return found, shares

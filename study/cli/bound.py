@@ -22,13 +22,14 @@ from study.cli.adapt import do_adapt
 from study.cli.common import tell_written, with_progress
 from study.cli.displacement import Displacement, displacements_in_files
 from study.cli.options import FAILED, OK
-from study.cli.problem import draw_problem
+from study.cli.problem import OUTPUT, draw_problem
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError
 from study.ledger.text import folded
 from study.present.bounds import text
 from study.present.drawing import draw_one
 from study.present.figures import enclosure
+from study.present.problem import error_map
 from study.run.executor import available, require
 from study.run.fingerprint import of_data, of_problem
 from study.run.store import Store
@@ -70,7 +71,10 @@ def do_bound(options: argparse.Namespace) -> int:
             no_figure = "the figure shows one mesh of each size, and two files have meshes of the same size"
         else:
             written += draw_one(store.directory, enclosure("enclosure", over_time, name))
-        written += draw_problem(store.directory, name, data, *displacements[-1].shown())
+        mesh, over_time_shown = displacements[-1].shown()
+        written += draw_problem(store.directory, name, data, mesh, over_time_shown)
+        if any(rows[-1]["on_cells"]):
+            written += draw_one(store.directory, error_map(name, *mesh, rows[-1]["on_cells"]), OUTPUT)
     tell_written(written)
     names = [one.file_name for one in displacements if one.file_name]
     if names and no_figure:

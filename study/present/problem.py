@@ -96,6 +96,31 @@ class ProblemPicture:
         return Drawing("problem", partial(draw_problem, self), text, f"The problem {self.name}")
 
 
+def error_map(name: str, vertices: Array, cells: Array, squares: Sequence[float]) -> Drawing:
+    """Return the figure ``cells``: a map of ‖ũ − u_h‖², per area, on the cells of a mesh.
+
+    Parameters:
+        name: the name of the problem.
+        vertices, cells: the mesh, (2, vertices) and (3, cells).
+        squares: the squared distances on the cells.
+    """
+    title = f"Where the error of {name} arises"
+    return Drawing("cells", partial(_draw_map, vertices, cells, np.array(squares)), caption("cells", name=name), title)
+
+
+def _draw_map(vertices: Array, cells: Array, squares: Array) -> Figure:
+    figure = Figure(figsize=(1.4 * column_width(), column_width()), layout="constrained")
+    axes = figure.subplots()
+    corners = vertices[:, cells[1:]] - vertices[:, cells[:1]]
+    areas = abs(np.linalg.det(np.moveaxis(corners, 2, 0))) / 2
+    density = np.sqrt(squares / areas)
+    drawn = axes.tripcolor(Triangulation(*vertices, cells.T), density, cmap="viridis", edgecolors="0.6", linewidth=0.2)
+    figure.colorbar(drawn, ax=axes, label=r"$(\Vert\tilde u - u_h\Vert_T^2/|T|)^{1/2}$")
+    axes.set_aspect("equal")
+    axes.set(xlabel="$x_1$", ylabel="$x_2$")
+    return figure
+
+
 def draw_problem(picture: ProblemPicture) -> Figure:
     """Draw outline, supports, loads, the mesh and its displacement, if there is one."""
     wide, high = np.ptp(picture.corners, axis=1)
