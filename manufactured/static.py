@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import sympy as sp
@@ -100,22 +101,19 @@ def _moved(body: Body, u: Mapping[int, Formulas]) -> Body:
 def _check_corner(body: Body, corner: Points) -> None:
     """Refuse displacements that differ at a common corner of two parts, or that press a contact side there."""
     reach = ROUNDING * float(np.ptp(body.vertices, axis=1).max())
-    here = [part for part in body.parts if part.contains(corner, reach).all()]
-    size = max(abs(part.displacement).max() for part in body.parts if part.displacement is not None)
-    for part in here:
-        for other in here:
-            if part.kind not in (Kind.CLAMPED, Kind.ROLLER) or other.kind is Kind.LOADED:
-                continue
-            jump = (part.prescribed(corner) - other.prescribed(corner))[:, 0]
-            # Where a roller meets another side, only components that both of them prescribe have to agree.
-            for side in (part, other):
-                if side.kind is not Kind.CLAMPED:
-                    jump = (side.normal @ jump) * side.normal
-            if abs(jump).max() > ROUNDING * size:
-                raise FormulaError(
-                    f"the displacements prescribed on two sides differ by {abs(jump).max():.3g} at their common corner "
-                    f"{corner[:, 0].tolist()}: let them agree there; a CONTACT side counts as 0 along its normal"
-                )
+    here = [part for part in body.parts if part.kind is not Kind.LOADED and part.contains(corner, reach).all()]
+    size = max(abs(part.prescribed(part.corners)).max() for part in body.parts)
+    for part, other in combinations(here, 2):
+        jump = (part.prescribed(corner) - other.prescribed(corner))[:, 0]
+        # Sides that are not clamped prescribe the normal component only.
+        for side in (part, other):
+            if side.kind is not Kind.CLAMPED:
+                jump = (side.normal @ jump) * side.normal
+        if abs(jump).max() > ROUNDING * size:
+            raise FormulaError(
+                f"the displacements prescribed on two sides differ by {abs(jump).max():.3g} at their common corner "
+                f"{corner[:, 0].tolist()}: let them agree there; a CONTACT side counts as 0 along its normal"
+            )
 
 
 @checked(LawError)

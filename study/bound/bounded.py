@@ -114,14 +114,7 @@ def check_problem(data: Data, steps: int | None, refined: Refined) -> None:
         LoadError: no solution can exist for the data.
     """
     if steps is not None:
-        if steps < 1:
-            raise BoundError(f"--steps must be 1 or more, got {steps}")
         require_steps(steps * refined.shorter)
-    if refined.refinements < 0 or refined.shorter < 1:
-        raise BoundError(
-            "ũ needs 0 or more refinements and 1 or more steps in one of u_h, "
-            f"got {refined.refinements} and {refined.shorter}"
-        )
     refuse_unserved(data)
     data.check()
     require_continuous_start(data)
@@ -226,9 +219,9 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
         guaranteed; ``on_cells``: for static problems ‖ũ − u_h‖² on every cell.
     """
     enclosure, sentences = found.enclosure, [*found.enclosure.evidence.sentences, *found.remarks]
-    squares = np.sort(enclosure.on_cells)[::-1]
+    squares = np.sort(enclosure.on_cells)
     if squares.any():
-        share = squares[: math.ceil(len(squares) / WORST)].sum() / squares.sum()
+        share = squares[-math.ceil(len(squares) / WORST) :].sum() / squares.sum()
         sentences.append(f"the worst tenth of the triangles has {100 * share:.0f} % of ‖ũ − u_h‖², as cells.png shows")
     row = {
         "level": level,

@@ -208,13 +208,11 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
     """Convert the arrays to shapes (n, 2), (cells, 3 or 6), (k,), (k, n, 2); raise BoundError if one is invalid."""
     for name, array in (("points", points), ("times", times), ("u", u)):
         kind = np.asarray(array).dtype
-        if np.size(array) == 0 or kind.kind not in "iufc":
+        if np.size(array) == 0 or kind.kind not in "iuf":
             raise BoundError(
-                f"{name} has the shape {np.shape(array)} and the type {kind}, expected at least one number"
+                f"{name} has the shape {np.shape(array)} and the type {kind}, expected one real number or more"
             )
-        if np.iscomplexobj(array) and np.imag(array).any():
-            raise BoundError(f"{name} has complex numbers, expected real ones")
-    points, times, u = (np.real(array).astype(float) for array in (points, np.atleast_1d(times), u))
+    points, times, u = (np.asarray(array, dtype=float) for array in (points, np.atleast_1d(times), u))
     triangles = np.asarray(triangles)
     if triangles.ndim != 2 or triangles.shape[1] not in (3, 6) or not np.issubdtype(triangles.dtype, np.integer):
         raise BoundError(
@@ -241,10 +239,10 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
             if name == "u":
                 where = f" at t = {times[first[0]]:.6g}, x = {_shown(points[first[1], :2])}"
             raise BoundError(f"{name} has {(~np.isfinite(array)).sum()} numbers that are not finite, the first{where}")
-    if triangles.size == 0 or triangles.min() < 0 or triangles.max() >= len(points):
+    least, most = triangles.min(initial=len(points)), triangles.max(initial=-1)
+    if least < 0 or not least <= most < len(points):
         raise BoundError(
-            f"triangles have point numbers from {triangles.min(initial=0)} to {triangles.max(initial=0)}, expected "
-            f"0 to {len(points) - 1}; numbers start at 0"
+            f"triangles have point numbers from {least} to {most}, expected 0 to {len(points) - 1}; numbers start at 0"
         )
     return points[:, :2], triangles.astype(np.int64), times, u[..., :2]
 
@@ -443,7 +441,7 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     squares = (np.einsum("it,it->t", v, space.unheld_matrix @ v).max() for v in (difference, coefficients))
     offset, whole = (math.sqrt(max(square, 0.0)) for square in squares)
     share = f"{offset:.3g} = {100 * offset / whole if whole else math.inf:.2g} % of the largest ‖u_h‖_V"
-    kinds = " or ".join(kind.name for kind in (Kind.CLAMPED, Kind.ROLLER) if found.body.of(kind))
+    kinds = "CLAMPED or ROLLER" if found.body.of(Kind.ROLLER) else "CLAMPED"
     wanted = "as prescribed" if V.prescribed.any() else "0"
     what = f"u_h {'differs by' if V.prescribed.any() else 'reaches'} {largest:.3g} on a {kinds} side"
     if not nearest:

@@ -183,7 +183,7 @@ KNOWN: dict[type, Callable[[Pair, int], Pair]] = {
     sp.sin: lambda u, j: _of_cosine(u, j, 3),
 }
 """For each function of one variable, how to compute the range of its Taylor coefficient of a given order."""
-WRITTEN: dict[type, Callable[..., sp.Expr]] = PIECES | {
+IN_OTHERS: dict[type, Callable[..., sp.Expr]] = PIECES | {
     sp.sinh: lambda x: sp.exp(x) / 2 - sp.exp(-x) / 2,
     sp.cosh: lambda x: sp.exp(x) / 2 + sp.exp(-x) / 2,
     sp.tanh: lambda x: 1 - 2 / (sp.exp(2 * x) + 1),
@@ -218,7 +218,7 @@ def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
     if type(formula) in KNOWN:
         return [KNOWN[type(formula)](u, j) for j in range(order + 1)]
     if not formula.is_Pow and not isinstance(formula, pos):
-        names = ", ".join(sorted(kind.__name__ for kind in (*KNOWN, *WRITTEN, sp.Piecewise, pos)))
+        names = ", ".join(sorted(kind.__name__ for kind in (*KNOWN, *IN_OTHERS, sp.Piecewise, pos)))
         raise RangeError(f"{formula} has no known range of its derivatives; known are powers and {names}")
     if not formula.args[1].is_number:
         raise RangeError(f"{formula} has an exponent that is no number; give it a number")
@@ -345,8 +345,8 @@ class Boxes:
             return self._maximum(first, sp.Max(*others))
         if isinstance(formula, sp.Abs):
             return self._maximum(formula.args[0], -formula.args[0])
-        if type(formula) in WRITTEN:
-            return self(WRITTEN[type(formula)](*formula.args))
+        if type(formula) in IN_OTHERS:
+            return self(IN_OTHERS[type(formula)](*formula.args))
         if isinstance(formula, sp.Piecewise):
             return self._piecewise(formula)
         if formula.is_Pow and not formula.exp.is_number:
@@ -435,8 +435,6 @@ class Boxes:
             if isinstance(condition, sp.And):
                 return some(never_each), every(always_each)
             return every(never_each), some(always_each)
-        if isinstance(condition, sp.Xor | sp.ITE | sp.Implies | sp.Equivalent):
-            return self._truth(sp.to_nnf(condition, simplify=False))
         if not isinstance(condition, Relational) or not isinstance(condition.lhs, sp.Expr):
             raise RangeError(f"{condition} in a Piecewise is no inequality; write it with <, ≤, >, ≥, Eq or Ne")
         difference = self(condition.lhs - condition.rhs)

@@ -83,9 +83,9 @@ def enclosed(levels: tuple[int, ...], shorter: int) -> list[Option]:
         option("--levels", nargs="+", type=int, default=list(levels), metavar="N", help=increasing),
         option("--family", default="unstructured", help=f"meshes: {', '.join(FAMILIES)} (default unstructured)"),
         option("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEMES)} (default midpoint)"),
-        option("--steps", type=int, metavar="N", help="time steps of the displacement on every level"),
-        option("--refine", type=int, default=1, metavar="R", help=refine),
-        option("--shorter", type=int, default=shorter, metavar="Q", help=steps),
+        option("--steps", type=int, within=POSITIVE, metavar="N", help="time steps of the displacement on every level"),
+        option("--refine", type=int, within=FROM_0, default=1, metavar="R", help=refine),
+        option("--shorter", type=int, within=POSITIVE, default=shorter, metavar="Q", help=steps),
     ]
 
 
