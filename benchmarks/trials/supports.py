@@ -38,7 +38,8 @@ def random_problem(seed: int) -> Data:
     """Return a random problem with the features whose turn it is."""
     rng, features = np.random.default_rng([67, seed]), FEATURES[seed % 4]
     wide, tall = rng.uniform(0.8, 2.5, 2)
-    corners = [(0, 0), (wide, 0), (wide + rng.uniform(-0.3, 0.3), tall), (0, tall)]
+    upper = wide + rng.uniform(-0.3, 0.3)
+    corners = [(0, 0), (wide, 0), (upper, tall), (0, tall)]
     kinds, holes = [Kind.CLAMPED, Kind.LOADED, Kind.LOADED, Kind.LOADED], []
     if "r" in features:
         kinds[0] = kinds[3] = Kind.ROLLER
@@ -50,16 +51,19 @@ def random_problem(seed: int) -> Data:
         middle = rng.uniform(0.4, 0.55, 2) * (wide, tall)
         angles = -(rng.uniform(0, 0.6, 5) + np.arange(5)) * 2 * np.pi / 5
         reach = rng.uniform(0.15, 0.25) * min(wide, tall)
-        holes = [(middle + reach * np.array([np.cos(angles), np.sin(angles)]).T, [Kind.LOADED] * 5)]
+        around = np.array([np.cos(angles), np.sin(angles)]).T
+        holes = [(middle + reach * around, [Kind.LOADED] * 5)]
     body = polygon(corners, kinds, holes=holes)
     loaded = [i for i, part in enumerate(body.parts) if part.kind is Kind.LOADED and rng.random() < 0.5]
     a = rng.normal(size=20).round(3)
     wave = a[6] * sp.sin(float(a[7]) * x1 + x2) if rng.random() < 0.2 else 0
-    traction = a[3] + a[4] * x1 * x2, a[5]
-    motion = a[8] + a[9] * x1 + a[10] * x2, a[11] + a[12] * x1 + a[13] * x2
-    held = [i for i, part in enumerate(body.parts) if part.kind is not Kind.LOADED and "p" in features]
     f0 = a[0] + a[1] * x2 + wave, a[2] * x1
-    return static(body, isotropic(MU, LAM), f0, dict.fromkeys(loaded, traction), dict.fromkeys(held, motion))
+    f2 = dict.fromkeys(loaded, (a[3] + a[4] * x1 * x2, a[5]))
+    if "p" not in features:
+        return static(body, isotropic(MU, LAM), f0, f2)
+    motion = a[8] + a[9] * x1 + a[10] * x2, a[11] + a[12] * x1 + a[13] * x2
+    held = [i for i, part in enumerate(body.parts) if part.kind is not Kind.LOADED]
+    return static(body, isotropic(MU, LAM), f0, f2, dict.fromkeys(held, motion))
 
 
 def reference(data: Data, found: BoundedSolution) -> tuple[float, float]:
@@ -84,7 +88,8 @@ def reference(data: Data, found: BoundedSolution) -> tuple[float, float]:
                 u[dofs] = part.prescribed(basis.doflocs[:, dofs])[component]
                 fixed.append(dofs)
     K = linear_elasticity(LAM, MU).assemble(basis)
-    u = solve(*condense(K, load, x=u, D=np.unique(np.concatenate(fixed))))
+    held = np.unique(np.concatenate(fixed))
+    u = solve(*condense(K, load, x=u, D=held))
     difference = u.copy()
     difference[basis.nodal_dofs] -= nodal.T
     difference[basis.facet_dofs] -= nodal[mesh.facets].mean(axis=0).T

@@ -178,7 +178,8 @@ class Displacements(MeshedBody, ABC):
         If a function belongs to two parts with the same normal, it is listed for the first part only, so that ``N`` has
         no equal rows.
         """
-        held = self._held[0].reshape(-1, self.dim)
+        held = np.ones((self.count, self.dim), dtype=bool)
+        held.ravel()[self.free] = False
         found: list[tuple[Part, Array]] = []
         for part in self.body.of(Kind.CONTACT):
             same = [numbers for other, numbers in found if np.allclose(other.normal, part.normal)]

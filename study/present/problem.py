@@ -104,8 +104,12 @@ def error_map(name: str, vertices: Array, cells: Array, squares: Sequence[float]
         vertices, cells: the mesh, (2, vertices) and (3, cells).
         squares: the squared distances on the cells.
     """
-    title = f"Where the error of {name} arises"
-    return Drawing("cells", partial(_draw_map, vertices, cells, np.array(squares)), caption("cells", name=name), title)
+    text = (
+        f"{name}: distance of u_h from the better displacement ũ on each triangle, in the energy norm, divided by the "
+        "root of the area. It estimates where the error arises; the error of a single triangle is not bounded."
+    )
+    draw = partial(_draw_map, vertices, cells, np.array(squares))
+    return Drawing("cells", draw, text, f"Where the error of {name} arises")
 
 
 def _draw_map(vertices: Array, cells: Array, squares: Array) -> Figure:
