@@ -34,8 +34,6 @@ INSIDE = 1e-12
 """Penetration of the foundation up to this fraction of the largest displacement counts as round-off."""
 EQUAL = 1e-9
 """Time steps count as equal if their relative difference is at most this number."""
-WORST = 10
-"""The text says how much the worst cells contribute: one out of this number."""
 SMALLER = 0.95
 """An observed order is computed from two meshes only if the ratio of their mesh sizes is at most this number."""
 ON_LINE = 1e-9
@@ -218,11 +216,7 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
         whether the error lies in the enclosure, if it is known; ``sentences``: texts that say whether the bounds are
         guaranteed; ``on_cells``: for static problems ‖ũ − u_h‖² on every cell.
     """
-    enclosure, sentences = found.enclosure, [*found.enclosure.evidence.sentences, *found.remarks]
-    squares = np.sort(enclosure.on_cells)
-    if squares.any():
-        share = squares[-math.ceil(len(squares) / WORST) :].sum() / squares.sum()
-        sentences.append(f"the worst tenth of the triangles has {100 * share:.0f} % of ‖ũ − u_h‖², as cells.png shows")
+    enclosure = found.enclosure
     row = {
         "level": level,
         "h": enclosure.h,
@@ -242,7 +236,7 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
         "row": row,
         "series": series(level, found).to_dict("list"),
         "inside": enclosure.contains and (found.plain is None or found.plain.contains),
-        "sentences": sentences,
+        "sentences": [*enclosure.evidence.sentences, *found.remarks],
         "on_cells": enclosure.on_cells.tolist(),
     }
 

@@ -513,7 +513,7 @@ class Problem:
         self._check_polygon()
         self._check_law()
         for part, side in enumerate(self.sides):
-            require(not side.load or side.kind == "loaded", f"f_2 is given on part {part}, which is not of Γ2")
+            require(not side.load or side.kind == "loaded", f"f_2 is given on part {part}, which is not LOADED")
             self._check_start(side)
 
     @property
@@ -543,10 +543,10 @@ class Problem:
     def _check_start(self, side: Side) -> None:
         """Refuse an initial displacement that is not 0 on a clamped side, or may penetrate the foundation."""
         u = [p(*between(side.start, side.end)) for p in self.start]
-        require(side.kind != "clamped" or not any(u), "u_0 does not vanish on Γ1")
+        require(side.kind != "clamped" or not any(u), "u_0 does not vanish on the CLAMPED sides")
         if side.kind == "contact":
             normal = u[0] * side.normal[0] + u[1] * side.normal[1]
-            require(never_positive(normal), "u_0ν ≤ 0 on Γ3 cannot be shown")
+            require(never_positive(normal), "u_0ν ≤ 0 on the CONTACT sides cannot be shown")
 
 
 # Meshes of the polygon.
@@ -687,7 +687,7 @@ def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
         for v in edge if side.kind != "clamped" else ():
             across = [dot(side.normal, field[v][k : k + 2]) * unit for k in range(3)]
             left = [[-across[i + j] - least * (i == j) for j in (0, 1)] for i in (0, 1)]
-            require(semidefinite(left), "the tensor field does not prove the constant of loads on Γ2")
+            require(semidefinite(left), "the tensor field does not prove the constant of loads on LOADED sides")
     return root(1 / mu), root(1 / kappa)
 
 
@@ -1125,7 +1125,7 @@ class Computed:
         rows, denominator = common([[Q(x) for x in u] for u in data])
         self.T, self.bits = problem.T, denominator.bit_length() + refinements
         clamped = [v for edge, side in mesh.boundary.items() for v in edge if side.kind == "clamped"]
-        require(not any(u[2 * v] or u[2 * v + 1] for u in rows for v in clamped), "u_h does not vanish on Γ1")
+        require(not any(u[2 * v] or u[2 * v + 1] for u in rows for v in clamped), "u_h does not vanish on the CLAMPED sides")
         for _ in range(refinements):
             rows, mesh = [mesh.middles(u, 2) for u in rows], mesh.refined()
         self.values = [mesh.middles(u, 2) for u in rows]
@@ -1193,7 +1193,7 @@ class Certificate:
         require(all(len(v) == size for v in self.nodes), "ũ has another size")
         for edge, side in self.mesh.boundary.items():
             places = [v[2 * n : 2 * n + 2] for v in self.nodes for n in self.mesh.nodes_of(edge)]
-            require(side.kind != "clamped" or not any(map(any, places)), "ũ does not vanish on Γ1")
+            require(side.kind != "clamped" or not any(map(any, places)), "ũ does not vanish on the CLAMPED sides")
             apart = side.kind != "contact" or all(dot(place, side.normal) <= 0 for place in places)
             require(apart, "ũ_ν > 0 on Γ3: ũ is not in K")
 

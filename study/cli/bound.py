@@ -26,7 +26,7 @@ from study.cli.problem import OUTPUT, draw_problem
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError
 from study.ledger.text import folded
-from study.present.bounds import text
+from study.present.bounds import text, worst_tenth
 from study.present.drawing import draw_one
 from study.present.figures import enclosure
 from study.present.problem import error_map
@@ -83,6 +83,8 @@ def do_bound(options: argparse.Namespace) -> int:
         if one.remark:
             print(folded(one.remark))
     sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
+    if any(rows[-1]["on_cells"]):
+        sentences.append(worst_tenth(rows[-1]["on_cells"]))
     last = pd.DataFrame(rows[-1]["series"])
     print(f"\n{text(name, table, last, sentences, data.in_time, names or None)}\n")
     return OK if case is None or all(row["inside"] for row in rows) else FAILED

@@ -56,6 +56,16 @@ def text(
     return "\n".join([*lines, *over, *_intervals(table, known, in_time, names)])
 
 
+def worst_tenth(squares: Sequence[float]) -> str:
+    """Return a sentence on how much the worst tenth of the triangles contributes to ‖ũ − u_h‖².
+
+    Args:
+        squares: ‖ũ − u_h‖² on every triangle.
+    """
+    share = sum(sorted(squares)[-math.ceil(len(squares) / 10) :]) / sum(squares)
+    return f"the worst tenth of the triangles has {100 * share:.0f} % of ‖ũ − u_h‖², as cells.png shows"
+
+
 def adaptive_text(
     name: str, rows: pd.DataFrame, tolerance: str, stopped: str, sentences: Sequence[str], in_time: bool = True
 ) -> list[str]:

@@ -201,7 +201,7 @@ TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
     "the element does not balance": (edit("element", "columns", 40, by=squeezed), "does not balance"),
     "u_h has nodes inside halves of pieces of ũ": (edit("computed", by=lambda u: [*u, u[-1]]), "u_h has a node inside"),
     "f_0 with a kink": (edit("problem", "force", 1, 0, 2, to=1), "f_0 with kinks"),
-    "f_2 on Γ3": (edit("problem", "loads", by=lambda x: {"0": x["1"]}), "which is not of Γ2"),
+    "f_2 on Γ3": (edit("problem", "loads", by=lambda x: {"0": x["1"]}), "which is not LOADED"),
     "f_2 on a part that is not there": (edit("problem", "loads", "7", to=[[], []]), "a side that does not exist"),
     "time does not run": (edit("problem", "T", to="0"), "T is not positive"),
     # Sizes.
