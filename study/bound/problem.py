@@ -168,7 +168,7 @@ def _coarse_stresses(body: Body) -> StressSpace:
         with suppress(MeshError):
             return StressSpace(family(body, level), body, DEGREE)
     raise BoundError(
-        f"no mesh of level {LEVELS[-1]} or coarser fits the body, so the work of its loads cannot be bounded: leave out "
+        f"no mesh of level {LEVELS[-1]} or coarser fits the body, so the work of loads cannot be bounded: leave out "
         "small holes, or give loads that are polynomials of degree 3"
     )
 

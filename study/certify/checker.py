@@ -1125,7 +1125,9 @@ class Computed:
         rows, denominator = common([[Q(x) for x in u] for u in data])
         self.T, self.bits = problem.T, denominator.bit_length() + refinements
         clamped = [v for edge, side in mesh.boundary.items() for v in edge if side.kind == "clamped"]
-        require(not any(u[2 * v] or u[2 * v + 1] for u in rows for v in clamped), "u_h does not vanish on the CLAMPED sides")
+        require(
+            not any(u[2 * v] or u[2 * v + 1] for u in rows for v in clamped), "u_h does not vanish on the CLAMPED sides"
+        )
         for _ in range(refinements):
             rows, mesh = [mesh.middles(u, 2) for u in rows], mesh.refined()
         self.values = [mesh.middles(u, 2) for u in rows]

@@ -162,7 +162,7 @@ REFUSED: dict[str, tuple[Data, str]] = {
     # The checker would refuse these.
     "a high degree": (formulas((0, x1**11)), "no certificate can be made of this problem: .*integer from 0 to 10"),
     "a high power": (loaded(pos(x2 - t, 11)), "no certificate can .*integer from 0 to 10"),
-    "u_0 in the foundation": (formulas(u0=(0, (x2 - 1) * x1)), "no certificate can .*u_0ν ≤ 0 on the CONTACT sides cannot be shown"),
+    "u_0 in the foundation": (formulas(u0=(0, (x2 - 1) * x1)), "no certificate can .*u_0ν ≤ 0 on the CONTACT sides"),
 }
 
 
