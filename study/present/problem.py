@@ -167,9 +167,9 @@ def _draw_side(axes: Axes, side: Side, number: int, size: float) -> None:
     if side.kind in BANDS:
         band = np.hstack([side.ends, side.ends[:, ::-1] + outward[:, None]])
         axes.fill(*band, zorder=3, **BANDS[side.kind])
-    box = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": GREEN, "linewidth": 0.6}
     x, y = middle - NUMBER * outward
-    label = f"{number}: u ≤ {side.moved:.3g}" if side.moved else str(number)
+    label, frame = (f"{number}: |u| ≤ {side.moved:.3g}", "round") if side.moved else (str(number), "circle")
+    box = {"boxstyle": f"{frame},pad=0.15", "facecolor": "white", "edgecolor": GREEN, "linewidth": 0.6}
     axes.text(x, y, label, color=GREEN, ha="center", va="center", bbox=box, zorder=6)
 
 
