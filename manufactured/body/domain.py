@@ -73,6 +73,11 @@ class Body:
                 first = number
         return found
 
+    @property
+    def is_moved(self) -> bool:
+        """Whether displacements are prescribed on parts of the boundary."""
+        return any(part.displacement is not None for part in self.parts)
+
     @cached_property
     def measure(self) -> float:
         """The area (2D) or volume (3D) of the body, computed from its boundary as ∫ x·ν / d."""

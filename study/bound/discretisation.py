@@ -244,7 +244,10 @@ class Discretisation:
 
 
 def refuse_unserved(data: Data) -> None:
-    """Raise BoundError if the body is not plane, if there is an initial gap, or if a size is extreme."""
+    """Raise BoundError if the body is not plane, if there is an initial gap, or if a size is extreme.
+
+    Displacements that are prescribed in a problem in time are refused, too.
+    """
     if data.body.dim != 2:
         raise BoundError(
             f"the bound rests on composite triangles, the body has dimension {data.body.dim}; give a plane body"
@@ -255,6 +258,8 @@ def refuse_unserved(data: Data) -> None:
             "the problem has an initial gap, and the bound serves CONTACT sides that touch the foundation at the "
             "start: give a problem without a gap"
         )
+    if data.in_time and data.body.is_moved:
+        raise BoundError("displacements are prescribed in a problem in time, and only `static` problems serve them")
     require_units(data)
 
 

@@ -113,7 +113,7 @@ def suspicion(found: BoundedSolution, data: Data) -> list[str]:
     The sentence asks for the mistake that usually gives this factor.
     """
     factor, rest = found.enclosure.factor
-    if any(part.displacement is not None for part in data.body.parts):
+    if data.body.is_moved:
         return []  # the factor of a Galerkin solution is then not 1, and wrong prescribed values are refused
     if not (abs(factor - 1) > (SCALED if isinstance(data, Static) else IN_TIME) and rest < ALIKE):
         return []
@@ -444,8 +444,8 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     offset, whole = (math.sqrt(max(square, 0.0)) for square in squares)
     share = f"{offset:.3g} = {100 * offset / whole if whole else math.inf:.2g} % of the largest ‖u_h‖_V"
     kinds = "CLAMPED or ROLLER" if found.body.of(Kind.ROLLER) else "CLAMPED"
-    wanted = "as prescribed" if V.prescribed.any() else "0"
-    what = f"u_h {'differs by' if V.prescribed.any() else 'reaches'} {largest:.3g} on a {kinds} side"
+    differs, wanted = ("differs by", "as prescribed") if found.body.is_moved else ("reaches", "0")
+    what = f"u_h {differs} {largest:.3g} on a {kinds} side"
     if not nearest:
         raise BoundError(
             f"{what}, {100 * largest / size:.2g} % of its largest component, and "

@@ -123,7 +123,7 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     cells, zero, unknown = np.zeros(fine.mesh.t.shape[1]), np.zeros(1), np.full(1, math.nan)
     norm = max(0.0, size - y), size + y
     solved = refinements is not None or isinstance(computed, DiscreteSolution)
-    if solved and not (fine.data.body.of(Kind.CONTACT) or fine.displacements.prescribed.any()):
+    if solved and not (fine.data.body.of(Kind.CONTACT) or fine.data.body.is_moved):
         square, rest = size**2, (2 * missed.everywhere + ROUNDING * size) * size
         norm = math.sqrt(max(0.0, square - rest)), math.sqrt(square + y**2 + rest)
     bounds = zero, np.array([d]), np.array([y]), unknown
