@@ -173,7 +173,7 @@ FAULTS: dict[str, tuple[str, Callable[[Array], Array], str]] = {
     ),
     "no start": ("times", lambda at: at + 0.5, "initial time is missing: the first time is 0.5"),
     "too short": ("times", lambda at: at / 2, "the last time is 0.5, the problem ends at T = 1"),
-    "no times": ("times", lambda at: at[:0], r"times has the shape \(0,\) .* expected at least one number"),
+    "no times": ("times", lambda at: at[:0], r"times has the shape \(0,\) .* expected one real number or more"),
     "texts": ("u", lambda u: u.astype(str), "u has the shape .* and the type <U"),
     "backwards": ("times", lambda at: at[::-1], "increase strictly"),
     "shape": ("u", lambda u: u[:, 1:], r"u has the shape .* expected \(3, 9, 2\)"),
@@ -447,11 +447,6 @@ def mesh(points: Array = CORNERS, triangles: list[list[int]] = HALVES, name: str
 def test_a_mesh_or_a_field_that_changes_between_two_times_is_refused(later: SimpleNamespace, message: str) -> None:
     with pytest.raises(BoundError, match=message):
         _together(Path("u.pvd"), [(0.0, mesh()), (1.0, later)], None)
-
-
-def test_triangles_in_another_order_are_the_same_mesh() -> None:
-    found = _together(Path("u.pvd"), [(0.0, mesh()), (1.0, mesh(triangles=[[2, 3, 0], [1, 2, 0]]))], None)
-    assert np.array_equal(found.triangles, HALVES)
 
 
 def test_of_several_fields_of_other_names_the_displacement_has_to_be_named() -> None:
