@@ -27,7 +27,7 @@ USAGE, CLOSED = 2, 141
 def main(arguments: Sequence[str] | None = None, name: str = "convergence-orders") -> int:
     """Run the command with the given arguments, by default those of the command line; return the exit code.
 
-    ``name`` stands in the messages.
+    ``name`` stands in the usage line, and in the message if the output cannot be written.
     """
     parser = argparse.ArgumentParser(
         prog=name,

@@ -80,12 +80,16 @@ class Data:
 
     def __post_init__(self) -> None:
         """Forget the source of functions that do not belong to it."""
-        functions = self.body_force, self.surface_load, self.start, self.initial, self.force_modes
-        current = (self.formulas_of, self.body, *functions)
+        current = (self.formulas_of, self.body, *self.functions)
         if not self.made_with:
             object.__setattr__(self, "made_with", current)
         elif not all(map(is_, self.made_with, current)):
             object.__setattr__(self, "formulas_of", None)
+
+    @property
+    def functions(self) -> tuple[object, ...]:
+        """All functions of the data; ``force_modes`` may be None."""
+        return self.body_force, self.surface_load, self.start, self.initial, self.fronts, self.force_modes
 
     @property
     def has_initial_gap(self) -> bool:

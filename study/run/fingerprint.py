@@ -73,7 +73,7 @@ def of_problem(data: Data, case: Case | None, setting: Iterable[object]) -> str:
         case: the case with the exact solution of the problem; None if the exact solution is unknown.
         setting: everything else on which the result depends: numbers, texts, arrays and dataclasses of these.
     """
-    return _hash([_value_of(data), by_value(case), by_value(list(setting))], code_hash())
+    return _hash([_value_of(data), by_value(case), by_value(list(setting))])
 
 
 def of_data(data: Data) -> str:
@@ -221,11 +221,10 @@ def _package(item: object) -> str:
 
 def _value_of(data: Data) -> object:
     """Return the value of the data of a problem; functions and classes of a user have none."""
-    functions = data.body_force, data.surface_load, data.start, data.initial, data.fronts, data.force_modes
     formulas = data.formulas_of
-    if any(_package(one) not in PROJECT for one in (type(data), *functions) if one):
+    if any(_package(one) not in PROJECT for one in (type(data), *data.functions) if one):
         formulas = None
-    return by_value([type(data).__name__, data.body, data.law, data.lines, data.points, formulas or functions])
+    return by_value([type(data).__name__, data.body, data.law, data.lines, data.points, formulas or data.functions])
 
 
 def _hash(values: list[object], code: str | None = None) -> str:

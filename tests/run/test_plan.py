@@ -370,7 +370,7 @@ def test_each_change_of_a_problem_changes_its_key_and_functions_of_a_user_have_a
     assert key_of(name) != key_of(name, MINE.replace(old, new, 1), HELPER.replace(old, new, 1))
 
 
-@pytest.mark.parametrize("name", ["body_force", "surface_load", "start", "initial"])
+@pytest.mark.parametrize("name", ["body_force", "surface_load", "start", "initial", "fronts"])
 def test_a_function_of_another_problem_takes_the_formulas_away_and_changes_the_key(name: str) -> None:
     case = named("advance-recede")
     data, other = Data.of(case.solution), Data.of(case.solution)
