@@ -24,17 +24,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from manufactured.exact import ExactSolution
 from manufactured.multiscale.roller import START
 from manufactured.natural_motion import NAME
-from manufactured.tensors import Array, Tensors, mandel
 from study.fem.error_norm import ErrorNorm
-from study.fem.mesh import barycentric_gradients
 from study.fem.naming import resolve
-from study.fem.quadrature import gauss
-from study.fem.space import Space, form
+from study.fem.space import form
 from study.solve.signorini import Signorini
 from study.statements.contact_work import Resolved
+from study.statements.half_derivative import means_from_edges
 from study.statements.rollers import PER_H, OnContact, Trajectories
 from study.statements.shared.base import Setting
 from study.statements.shared.meshes import space_of
@@ -83,7 +80,9 @@ def natural_front(n: int) -> dict[str, float]:
         strain = v_norm.means(time)
         from_front = space.mesh.p[:, space.mesh.t].mean(axis=1) - face.part.point(np.array([[front(time)]]))
         cells = np.flatnonzero(np.linalg.norm(from_front, axis=0) < NEAR / n)
-        strain[:, cells] = means_from_edges(solution, space, cells, time)
+        strain[:, cells] = means_from_edges(
+            lambda x, time=time: solution.at(x).displacement(time), space, cells, EDGE_POINTS
+        )
         projected = condensed.gap(space.functional(solution.law.A.matrix @ strain))
         error = (projected + face.gap_jet(s[None], time)[(0,)]) / theta
         close = abs(s - front(time)) <= 0.2
@@ -95,30 +94,6 @@ def natural_front(n: int) -> dict[str, float]:
         "nodal error farther away / θ h^2": max(far) * n**2,
         "highest signed nodal error near the front / θ h^(3/2)": max(highest) * n**1.5,
     }
-
-
-def means_from_edges(
-    solution: ExactSolution, space: Space, cells: Array, time: float, points: int = EDGE_POINTS
-) -> Tensors:
-    """Return the mean of the exact strain ε(u(t)) on some cells, (D, n), from the displacement u on their edges.
-
-    By the divergence theorem, ∫_T ∇u = Σ_e ν_e ⊗ ∫_e u. On the edge e opposite to vertex i, |e| ν_e = −2|T| ∇λ_i. So
-    the mean of ∇u is −2 Σ_i ∇λ_i ⊗ ū_i, where ū_i is the mean of u on this edge.
-
-    Args:
-        solution, space: the exact solution u and the space V^h in 2D.
-        cells: the numbers of the cells, (n,).
-        time: the time t.
-        points: number of Gauss points on each edge.
-    """
-    places, weights = gauss(points)
-    corners = space.mesh.p[:, space.mesh.t[:, cells]]
-    first, second = corners[:, [1, 2, 0]], corners[:, [2, 0, 1]]
-    x = first[..., None] + (second - first)[..., None] * places
-    displacement = solution.at(x.reshape(2, -1)).displacement(time)
-    means = displacement.reshape(2, 3, len(cells), points) @ weights
-    gradients = barycentric_gradients(space.mesh)[cells]
-    return mandel(-2 * np.einsum("din,nij->djn", means, gradients))
 
 
 def main(levels: list[int]) -> None:

@@ -14,12 +14,9 @@ if TYPE_CHECKING:
 NAMES = (
     "full-contact",
     "no-contact",
-    "fixed-front-on-vertex",
-    "fixed-front-off-vertex",
     "advance-recede",
     "travelling-patch",
     "merging-patches",
-    "long-time",
     "lift-and-land",
     "load-w11",
     "yield-and-release",
@@ -36,11 +33,8 @@ NAMES = (
     "natural-front",
     "rough-trace",
     "moving-rough",
-    "cube-rough",
     "layered-unmet",
     "rough-1.75",
-    "rough-2",
-    "rough-2.25",
     "re-entrant",
     "junction",
     "softening",
@@ -58,6 +52,16 @@ made by the function ``case`` of ``manufactured/cases/NAME.py``, with ``_`` for 
 
 OTHER_NAMES = ("trains", "breathing-trains", "natural-motion", "no-potential")
 """The names of further cases, which only single statements use. They are made elsewhere in this package."""
+
+SUCCESSORS = {
+    "fixed-front-on-vertex": "full-contact",
+    "fixed-front-off-vertex": "advance-recede",
+    "long-time": "advance-recede",
+    "rough-2": "rough-1.75",
+    "rough-2.25": "rough-1.75",
+    "cube-rough": "moving-rough",
+}
+"""Former cases ↦ the cases that take their place."""
 
 
 def catalogue() -> tuple[Case, ...]:
@@ -78,8 +82,14 @@ def named(name: str) -> Case:
     if not isinstance(name, str) or name not in NAMES:
         from manufactured.case import CaseError
 
-        raise CaseError(f"no case is called {name!r}; there are {', '.join(NAMES)}")
+        raise CaseError(f"no case is called {name!r}; {advice(name)}there are {', '.join(NAMES)}")
     return _made(name)
+
+
+def advice(name: object) -> str:
+    """Return which case took the place of a former case, as the beginning of a sentence; "" for other names."""
+    successor = SUCCESSORS.get(name) if isinstance(name, str) else None
+    return f"it is gone, {successor} takes its place; " if successor else ""
 
 
 @cache

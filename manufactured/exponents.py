@@ -42,7 +42,8 @@ def must_be_positive(part: sp.Expr) -> sp.Expr | None:
         return part.args[0]
     if not isinstance(part, sp.Pow):
         return sp.Integer(0)
-    base, exponent = part.base, part.exp
+    base = part.base
+    exponent = part.exp
     if is_natural(exponent) or (isinstance(base, pos) and exponent.is_positive):
         return None
     return base**2 if is_natural(-exponent) else base

@@ -58,6 +58,6 @@ def natural_motion(place: Expr = PLACE) -> Case:
         solution=ExactSolution(body, law, (face,)),
         regularity=Regularity(on_contact=1.5, moving=True),
         order=1,
-        reason="u(t) ∈ H^{5/2−ε} ⊂ H², so interpolation has order 1; u̇(t) ∈ H^{3/2−ε}, and 1/2 is proved",
+        reason="u(t) ∈ H^{5/2−ε} ⊂ H², so interpolation has order 1; u̇(t) ∈ H^{3/2−ε}, and C h |log h| is proved",
         pace=4,
     )

@@ -1,8 +1,9 @@
 """A front that advances and recedes on a material whose elasticity has no potential and is not monotone.
 
-The gap w, the contact pressure p, the front c and the normal strain q at t = 0 are those of ``cases.softening``,
+The gap w, the contact pressure p, the slip z, the front c and the normal strain q at t = 0 are those of
+``cases.softening``,
 
-    w = 20 (1 + t) (x − c)_+^5,   p = 20 (c − x)_+³,   c(t) = 7/24 + 15t(1 − t)/8,   q(0) = 0
+    w = 20 (1 + t) (x − c)_+^5,   p = 20 (c − x)_+³,   z = 4t sin(3x + 1/2),   c(t) = 7/24 + 15t(1 − t)/8,   q(0) = 0
 
 on the bottom of the unit square. The viscosity is A τ = 2τ + (tr τ)/2 I, and the elasticity is G τ = τ − (3/2)(tr τ)
 I + W τ with the skew part
@@ -11,8 +12,8 @@ I + W τ with the skew part
 
 W τ·τ = 0, so G has the same constant of monotonicity m = −2 as in ``softening``, and differences of solutions may grow
 at the rate γ = 2/m_A = 1; κ = L_G/m_A = 2.03. G is not the derivative of a stored energy, because its matrix is not
-symmetric. On Γ3 only ε_22 is not zero, and W maps it to 0. So gap, pressure and strain on Γ3 are the same as in
-``softening``, but f_0 and f_2 differ.
+symmetric. W maps ε_22 to 0, so the normal strain on Γ3 is the same as in ``softening``. It maps ε_11 = ∂_s z to a
+shear stress, for which a shear strain on Γ3 makes up.
 
 Predicted order 1: (5.36) holds as for ``softening``, and Prop. 5.4 requires only that G is Lipschitz.
 

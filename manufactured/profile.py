@@ -197,8 +197,10 @@ def layered(interface: float, ratio: float, depth: float = 1.0) -> Profile:
     y0, rest = interface, depth - interface
     gamma = -ratio / (2 * y0 * rest + ratio * y0**2)
     delta = -(rest + ratio * y0) / (2 * y0 * rest + ratio * y0**2)
-    b, d = 1 + gamma * y0**2, y0 + delta * y0**2
-    a_slope, c_slope = 1.0, -1.0
+    b = 1 + gamma * y0**2
+    d = y0 + delta * y0**2
+    a_slope = 1.0
+    c_slope = -1.0
     softer = 1 / ratio - 1
 
     def bulge(slope: float) -> tuple[float, ...]:

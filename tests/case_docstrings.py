@@ -12,11 +12,16 @@ REASON = {"Prop. 5.4": "(5.36)", "Prop. 5.3": "H^{1+s}", INITIAL_GAP: "(5.36)"}
 
 
 def missing_parts(docstring: str | None, case: Case) -> list[str]:
-    """Returns what is missing of gap, pressure and zone, and then of the predicted order and its reason."""
+    """Returns what is missing of gap, pressure, zone and slip, and then of the predicted order and its reason."""
     text = (docstring or "").strip()
     found = PREDICTION.search(text)
     formulas = text[: found.start()] if found else text
-    missing = [part for part in FORMULAS if not re.search(rf"^    .*{re.escape(part)}", formulas, re.MULTILINE)]
+    slips = any(getattr(face, "slip", ()) for face in case.solution.faces)
+    missing = [
+        part
+        for part in (*FORMULAS, *["z ="] * slips)
+        if not re.search(rf"^    .*{re.escape(part)}", formulas, re.MULTILINE)
+    ]
     # An order that is no simple fraction is stated with four digits.
     if found is None or abs(float(Fraction(found[1])) - case.order) > 5e-5:
         return [*missing, f"Predicted order {case.order:.4g}: …"]

@@ -6,7 +6,7 @@ import pytest
 
 BEYOND_THE_CATALOGUE = ("trains", "breathing-trains", "natural-motion", "roller-8", "standing-8")
 DEAR = (
-    *("cube-two-faces", "cube-bowl", "cube-disc", "hexagon", "long-time", "merging-patches", "corner"),
+    *("cube-two-faces", "cube-bowl", "cube-disc", "hexagon", "merging-patches", "corner"),
     *("parabolic-gap", "travelling-patch", "trains", "breathing-trains", "roller-8", "standing-8"),
 )
 

@@ -7,7 +7,7 @@ from study.present.notation import typeset
 
 RAISED = str.maketrans("²³", "23")
 WORDS = ("Re", "cos", "sin")
-PLAIN = {"−": "-", "·": r"\cdot ", "≥": r"\ge ", "≤": r"\le "}
+PLAIN = {"−": "-", "∂": r"\partial ", "·": r"\cdot ", "≥": r"\ge ", "≤": r"\le "}
 
 
 def with_formulas(text: str) -> str:

@@ -32,7 +32,7 @@ INSTRUCTIVE = (
     "hexagon",
     "cube-disc",
     "parabolic-gap",
-    "rough-2",
+    "rough-1.75",
     "yield-on-a-part",
     "layered",
 )

@@ -26,12 +26,10 @@ RESULTS = ROOT / "results" / "codes"
 WHEELS, DEBIAN = ROOT / "build" / "codes-venv" / "bin" / "python", Path("/usr/bin/python3")
 PLANE = (
     "advance-recede",
-    "merging-patches",
     "rotated",
     "corner",
     "layered",
     "anisotropic",
-    "full-contact",
     "lift-and-land",
     "examples/codes/nearly_incompressible.py:case",
 )
@@ -95,7 +93,7 @@ FROZEN = Study(
     tuple(one.name for one in ADAPTERS),
     (*PLANE, *SOLID),
     ("one-diagonal", "shaken"),
-    (8, 16, 32, 64),
+    (8, 16, 32),
     RESULTS,
     ROOT / "build" / "tasks",
 )

@@ -1,11 +1,11 @@
-"""A contact front that advances and then recedes; where it has been, the strain decays slowly.
+"""A contact front that advances and then recedes while the face slips; where it has been, the strain decays slowly.
 
-The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
+The gap w, the contact pressure p, the slip z and the contact zone {ψ ≥ 0} with the front c are
 
-    w = 20 (x − c)_+^4,   p = 20 (c − x)_+²,   ψ = c − x,   c(t) = 1/4 + 2t(1 − t),   q(0) = −p(0)/3
+    w = 20 (x − c)_+^4,   p = 20 (c − x)_+²,   z = 4t sin(3x + 1/2),   ψ = c − x,   c(t) = 1/4 + 2t(1 − t)
 
-on the bottom of the unit square. Viscosity and elasticity are equal, A = G: τ ↦ 2τ + (tr τ) I, so their normal moduli
-are a = g = 3.
+on the bottom of the unit square. Viscosity and elasticity are equal, A = G: τ ↦ 2τ + (tr τ)/2 I, so their normal moduli
+are a = g = 5/2.
 
 Predicted order 1: the front moves. The exponents of gap and pressure at the front, α = 4 > 7/2 and m = 2 > 3/2, give
 (5.36), so that Prop. 5.4 applies.
@@ -14,7 +14,7 @@ The front moves from 1/4 to 3/4 and back. Where it has receded, the strain q tha
 e^{−t}.
 """
 
-from sympy import Rational
+from sympy import Rational, sin
 
 from manufactured.body import Body, Kind, unit_square
 from manufactured.case import Case
@@ -30,14 +30,15 @@ def on(body: Body) -> ExactSolution:
     law = proportional()
     c = Rational(1, 4) + 2 * t * (1 - t)
     (part,) = body.of(Kind.CONTACT)
-    face = ContactFace.linear(part, law, body.T, 20 * pos(s - c, 4), 20 * pos(c - s, 2), c - s)
+    gap, pressure, slip = 20 * pos(s - c, 4), 20 * pos(c - s, 2), 4 * t * sin(3 * s + Rational(1, 2))
+    face = ContactFace.linear(part, law, body.T, gap, pressure, c - s, slip=(slip,))
     return ExactSolution(body, law, (face,))
 
 
 def case() -> Case:
     return Case(
         name="advance-recede",
-        summary="front advances to 3/4, recedes, and the material remembers",
+        summary="front advances to 3/4 and recedes, the face slips, and the material remembers",
         solution=on(unit_square()),
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,

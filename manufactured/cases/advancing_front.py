@@ -1,13 +1,13 @@
 """An advancing contact front, which the cases ``anisotropic``, ``heterogeneous`` and ``layered`` share.
 
-The gap w and the contact zone {ψ ≥ 0} with the front c are
+The gap w, the slip z and the contact zone {ψ ≥ 0} with the front c are
 
-    w = 8 (1/5 + t) (x − c)_+^4,   ψ = c − x,   c(t) = 1/4 + t/2
+    w = 8 (1/5 + t) (x − c)_+^4,   z = t(1 + t) sin(2x + 1),   ψ = c − x,   c(t) = 1/4 + t/2
 
-on the bottom of the unit square. Each case prescribes another contact pressure. The body starts in elastic equilibrium.
+on the bottom of the unit square. Each case prescribes another contact pressure.
 """
 
-from sympy import Expr, Rational
+from sympy import Expr, Rational, sin
 
 from manufactured.body import Body, Kind
 from manufactured.contact import ContactFace
@@ -31,5 +31,6 @@ def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Ex
     """
     (part,) = body.of(Kind.CONTACT)
     gap = 8 * (Rational(1, 5) + t) * pos(s - FRONT, 4)
-    face = ContactFace.linear(part, law, body.T, gap, pressure, FRONT - s, profile=profile)
+    slip = t * (1 + t) * sin(2 * s + 1)
+    face = ContactFace.linear(part, law, body.T, gap, pressure, FRONT - s, profile=profile, slip=(slip,))
     return ExactSolution(body, law, (face,))

@@ -1,16 +1,16 @@
 """A block that is clamped on its left side, with a contact zone that begins at the clamp.
 
-The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
+The gap w, the contact pressure p, the slip z and the contact zone {ψ ≥ 0} with the front c are
 
-    w = 20 (x − c)_+^4,   p = 400 x (c − x)_+²,   ψ = c − x,   q(0) = −p(0)/g,   c(t) = 1/5 + t/2
+    w = 5 (x − c)_+^4,   p = 400 x (c − x)_+²,   z = 12t x² (1 − x),   ψ = c − x,   c(t) = 1/5 + t/2
 
-on the bottom of the unit square, with g = G_nnnn. Viscosity A and elasticity G are not proportional. Γ1 is the left
+on the bottom of the unit square. Viscosity A and elasticity G are not proportional. Γ1 is the left
 side, Γ3 the bottom, Γ2 the rest. Γ1 and Γ3 meet at the origin, at a right angle, and the contact zone [0, c(t)] begins
 there.
 
-Predicted order 1: p has the factor x, so w and q vanish at x = 0 for all times. The displacement therefore vanishes on
-Γ1, (2.3), and is smooth at the corner between Γ1 and Γ3. The front moves. The exponents of gap and pressure at the
-front, α = 4 > 7/2 and m = 2 > 3/2, give (5.36), so that Prop. 5.4 applies.
+Predicted order 1: p has the factor x, z and ∂_s z vanish at x = 0, so w and q vanish there for all times. The
+displacement therefore vanishes on Γ1, (2.3), and is smooth at the corner between Γ1 and Γ3. The front moves. The
+exponents of gap and pressure at the front, α = 4 > 7/2 and m = 2 > 3/2, give (5.36), so that Prop. 5.4 applies.
 
 Where a contact zone meets a clamped side, the solution is usually singular (``junction``). This load avoids the
 singularity.
@@ -33,14 +33,15 @@ def case() -> Case:
     law = not_proportional()
     (part,) = body.of(Kind.CONTACT)
     c = Rational(1, 5) + t / 2
-    face = ContactFace.linear(part, law, body.T, 20 * pos(s - c, 4), 400 * s * pos(c - s, 2), c - s)
+    gap, pressure, slip = 5 * pos(s - c, 4), 400 * s * pos(c - s, 2), 12 * t * s**2 * (1 - s)
+    face = ContactFace.linear(part, law, body.T, gap, pressure, c - s, slip=(slip,))
     return Case(
         name="contact-at-clamp",
         summary="Γ1 meets Γ3 at a right angle, and contact from there on to a front that moves",
         solution=ExactSolution(body, law, (face,)),
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
-        reason="p has the factor x, so u is smooth at the clamp; α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1 by "
-        "Prop. 5.4",
+        reason="p and ∂_s z have the factor x, so u is smooth at the clamp; α = 4 > 7/2 and m = 2 > 3/2 give (5.36): "
+        "order 1 by Prop. 5.4",
         families=("unstructured",),
     )

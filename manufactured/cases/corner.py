@@ -1,18 +1,19 @@
 """Two sides at right angles in contact, with pressure at the corner between them: a vertex with two constraints.
 
-The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
+The gap w, the contact pressure p, the slip z away from the corner and the contact zone {ψ ≥ 0} with the front c are
 
-    w = 4 (ρ − c)_+^4,   p = 40 (c² − ρ²)_+²,   ψ = c − ρ,   q(0) = −p(0)/g,
-    bottom: c(t) = 2/5 + (4/5) t(1 − t),   left: c(t) = 3/5 − t/3
+    w = 5 (ρ − c)_+^5,   p = 100 (c² − ρ²)_+³,   z = Z t ρ² (1 − ρ),   ψ = c − ρ,
+    bottom: c(t) = 2/5 + (4/5) t(1 − t), Z = 8,   left: c(t) = 3/5 − t/3, Z = 12
 
-on each side, where ρ is the distance from the corner and g = G_nnnn. Γ3 is the bottom and the left side of the unit
-square. Γ1 is the right quarter of the top. The displacement is the sum of two fields, one for each side, which reach to
-the depths 1 and 3/4. The field of one side does not change the contact data of the other side, for two reasons. Since p
-is even in ρ, the field is symmetric about the other side and causes no shear there. And A and G do not couple normal
-strains (``laws.without_contraction``).
+on each side, where ρ is the distance from the corner. Γ3 is the bottom and the left side of the unit square. Γ1 is the
+right quarter of the top. The displacement is the sum of two fields, one for each side, which reach to the depths 1 and
+3/4. The field of one side does not change the contact data of the other side, for three reasons. Since p is even in ρ,
+the field is symmetric about the other side and causes no shear there. z and ∂_ρ z vanish at ρ = 0. And A and G do not
+couple normal strains (``laws.without_contraction``).
 
-Predicted order 1: both fronts move. On both sides the exponents of gap and pressure at the front are α = 4 > 7/2 and
-m = 2 > 3/2, and u is smooth at the corner. This gives (5.36), so that Prop. 5.4 applies.
+Predicted order 1: both fronts move. On both sides the exponents of gap and pressure at the front are α = 5 > 7/2 and m
+= 3 > 3/2, and u is smooth at the corner. This gives (5.36), so that Prop. 5.4 applies. The exponents also satisfy α >
+9/2 and m > 5/2, so (3.4) holds as it is printed.
 """
 
 from sympy import Expr, Rational
@@ -34,22 +35,22 @@ def case() -> Case:
     law = without_contraction()
     bottom, left = body.of(Kind.CONTACT)
     faces = (
-        _at_corner(bottom, body, law, s, Rational(2, 5) + Rational(4, 5) * t * (1 - t), 1.0),
+        _at_corner(bottom, body, law, s, Rational(2, 5) + Rational(4, 5) * t * (1 - t), 1.0, 8),
         # s runs down the left side, so the distance from the corner is 1 − s.
-        _at_corner(left, body, law, 1 - s, Rational(3, 5) - t / 3, 0.75),
+        _at_corner(left, body, law, 1 - s, Rational(3, 5) - t / 3, 0.75, -12),
     )
     return Case(
         name="corner",
         summary="two sides at right angles in contact, pressure at the corner between them",
         solution=ExactSolution(body, law, faces),
-        regularity=Regularity(gap=4, pressure=2, moving=True),
+        regularity=Regularity(gap=5, pressure=3, moving=True),
         order=1,
-        reason="α = 4 > 7/2 and m = 2 > 3/2 on both sides, u smooth at the corner: (5.36), order 1 by Prop. 5.4",
+        reason="α = 5 > 7/2 and m = 3 > 3/2 on both sides, u smooth at the corner: (5.36), order 1 by Prop. 5.4",
         pace=4,
         families=("unstructured",),
     )
 
 
-def _at_corner(part: Part, body: Body, law: KelvinVoigt, rho: Expr, c: Expr, depth: float) -> ContactFace:
-    gap, pressure = 4 * pos(rho - c, 4), 40 * pos(c**2 - rho**2, 2)
-    return ContactFace.linear(part, law, body.T, gap, pressure, c - rho, profile=cutoff(depth))
+def _at_corner(part: Part, body: Body, law: KelvinVoigt, rho: Expr, c: Expr, depth: float, size: int) -> ContactFace:
+    gap, pressure, slip = 5 * pos(rho - c, 5), 100 * pos(c**2 - rho**2, 3), size * t * rho**2 * (1 - rho)
+    return ContactFace.linear(part, law, body.T, gap, pressure, c - rho, profile=cutoff(depth), slip=(slip,))

@@ -1,20 +1,21 @@
 """The unit cube above a foundation shaped like an upturned bowl, on which a disc of contact grows and moves.
 
-The initial gap g, the gap w, the contact pressure p, the normal strain q at t = 0, and the contact zone {ψ ≥ 0}, a disc
-with the centre c, are
+The initial gap g, the gap w, the contact pressure p, the slip z, and the contact zone {ψ ≥ 0}, a disc with the centre
+c, are
 
-    g = 1/10 + (3/5) |s − (1/2, 1/2)|²,   w = 2 (1/5 + t) (−ψ)_+^4/(1/2 − ψ)²,   p = 500 ψ_+²,   q(0) = −p(0)/g_e,
+    g = 1/10 + (3/5)(x − 2/5)² + (2/5)(y − 3/5)²,   w = 2 (1/5 + t) (−ψ)_+^4/(1/2 − ψ)²,   p = 500 ψ_+²,
+    z = (t(1 + t) sin(x + 2y)/6, −t cos(2x − y)/5),
     ψ = 1/10 + t/10 − |s − c(t)|²,   c(t) = (2/5 + t/10, 1/2 + t/20)
 
-with the coordinates s = (x, y) along the bottom and g_e = G_nnnn = 7. Viscosity A and elasticity G are not
-proportional. The paper does not treat this case: the initial gap g is not zero, and w = g − u_ν is the remaining gap.
+with the coordinates s = (x, y) along the bottom. Viscosity A and elasticity G are not proportional. The paper does not
+treat this case: the initial gap g is not zero, and w = g − u_ν is the remaining gap.
 
 Predicted order 1: u_n = w − g on Γ3 with a polynomial g, which adds a smooth field. The front moves. The exponents of
 gap and pressure across the circle, α = 4 > 7/2 and m = 2 > 3/2, give (5.36). With (5.36) the proof of Prop. 5.4 holds
 for u minus a lifting of g, also in 3D.
 """
 
-from sympy import Rational
+from sympy import Rational, cos, sin
 
 from manufactured.body import Kind, box
 from manufactured.case import Case
@@ -32,11 +33,13 @@ def case() -> Case:
     half = Rational(1, 2)
     level = (1 + t) / 10 - (s1 - Rational(2, 5) - t / 10) ** 2 - (s2 - half - t / 20) ** 2
     gap = 2 * (Rational(1, 5) + t) * pos(-level, 4) / (half - level) ** 2
-    initial_gap = Rational(1, 10) + Rational(3, 5) * ((s1 - half) ** 2 + (s2 - half) ** 2)
-    face = ContactFace.linear(part, law, body.T, gap, 500 * pos(level, 2), level, initial_gap=initial_gap)
+    initial_gap = Rational(1, 10) + 3 * (s1 - Rational(2, 5)) ** 2 / 5 + 2 * (s2 - Rational(3, 5)) ** 2 / 5
+    slip = t * (1 + t) * sin(s1 + 2 * s2) / 6, -t * cos(2 * s1 - s2) / 5
+    data = part, law, body.T, gap, 500 * pos(level, 2), level
+    face = ContactFace.linear(*data, initial_gap=initial_gap, slip=slip)
     return Case(
         name="cube-bowl",
-        summary="cube above a bowl turned upside down, a disc of contact grows",
+        summary="cube above a bowl turned upside down, a disc of contact slips and grows",
         solution=ExactSolution(body, law, (face,)),
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,

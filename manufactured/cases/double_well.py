@@ -1,15 +1,19 @@
 """An advancing contact front on a prestressed material that softens and then hardens: G is nonlinear, not monotone.
 
-The gap w, the normal strain q = −Q, the contact pressure p and the contact zone {ψ ≥ 0} with the front c are
+The gap w, the slip z, the normal strain q, the contact pressure p and the contact zone {ψ ≥ 0} with the front c are
 
-    w = 5 (1 + 24t(1 − t)) (x − c)_+^4,   q = −Q,   Q = 20 (c − x)_+³,   p = a Q̇ − Q + 4 (Q − 2)_+,
-    ψ = c − x,   c(t) = 5/24 + t/2
+    w = 5 (1 + 24t(1 − t)) (x − c)_+^4,   z = 3t (1 + x/2 − x²/4),   ψ = c − x,   c(t) = 5/24 + t/2,
+    q = q_z − Q,   q_z = 3(1 − x)(1 − e^{2t/5})/4,   Q = 20 (c − x)_+³,
+    p = a Q̇ − Q − 4 (1 − 2/|ε|)_+ q,   |ε|² = (∂_s z)² + q²
 
 on the bottom of the unit square. The viscosity is A τ = 2τ + (tr τ)/2 I with a = A_nnnn = 5/2. The elasticity is
 G ε = S − ε + 4 (ε − P_K ε) with K = {|τ| ≤ 2} and the stress at rest S = e_1 ⊗ e_1.
 
 Predicted order 1: the front moves. At the front q has the exponent 3, so p ~ q̇ has m = 2 > 3/2, and the gap has
 α = 4 > 7/2. This gives (5.36), so that Prop. 5.4 applies, for which it is enough that G is Lipschitz.
+
+q_z is the strain that the slip alone needs, with a q̇_z − q_z + λ ∂_s ż = 0 for λ = A_nnss = 1/2. Where the front has
+not been, |ε| ≤ 2 and p = 0.
 
 Without S, the stored energy is smallest on a sphere around ε = 0, as in a body that snaps through. The slope of G is −1
 inside K and 3 far from K. So L_G/m_A = 3/2, and differences of solutions may grow at the rate 1/2. The stress at rest S
@@ -20,27 +24,46 @@ error. In that version the check that (‖u − u^h‖² + ‖Π^h u − u^h‖�
 meshes, with a quotient of up to 1.24.
 """
 
-from sympy import Rational
+from sympy import Expr, Float, Rational, exp
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
+from manufactured.cases.constants import ONE
 from manufactured.cases.laws import softening_then_hardening
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.face_strain import Prescribed
+from manufactured.law import Combined, KelvinVoigt
+from manufactured.law.linear_operator import face_moduli
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
+LAW = softening_then_hardening()
 
-def case() -> Case:
-    body, law = unit_square(), softening_then_hardening()
+
+def case(
+    law: KelvinVoigt = LAW,
+    gap: Expr = ONE,
+    pressure: Expr = ONE,
+    slip: Expr = ONE,
+) -> Case:
+    """Return the case, optionally with another law, whose G does not couple normal strains while it softens.
+
+    The other arguments are factors that multiply constants of the formulas.
+    """
+    body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     c = Rational(5, 24) + t / 2
-    gap, strain = 5 * (1 + 24 * t * (1 - t)) * pos(s - c, 4), -20 * pos(c - s, 3)
-    face = ContactFace(part, gap, Prescribed(((body.T, strain),)), c - s)
+    w = 5 * gap * (1 + 24 * t * (1 - t)) * pos(s - c, 4)
+    z = 3 * slip * t * (1 + s / 2 - s**2 / 4)
+    assert isinstance(law.G, Combined)
+    (a, a_ss), (g, _) = (face_moduli(tensor, part.frame)[0, [0, 2]] for tensor in (law.A, law.G.linear))
+    by_slip = z.diff(s, t) * Float(a_ss / g) * (exp(-Float(g / a) * t) - 1)
+    strain = Prescribed(((body.T, by_slip - 20 * pressure * pos(c - s, 3)),))
+    face = ContactFace(part, w, strain, c - s, slip=(z,))
     return Case(
         name="double-well",
-        summary="front advances, G softens, then hardens, and is prestressed",
+        summary="front advances, the face slips, G softens, then hardens, and is prestressed",
         solution=ExactSolution(body, law, (face,)),
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,

@@ -1,8 +1,8 @@
 """The whole of the contact boundary stays in contact while the pressure grows from zero.
 
-The gap w, the contact pressure p, the contact zone {ψ ≥ 0} and the normal strain q at t = 0 are
+The gap w, the contact pressure p, the slip z, the contact zone {ψ ≥ 0} and the normal strain q at t = 0 are
 
-    w = 0,   p = 20 t (1 + 4 x(1 − x)),   ψ = 1,   q(0) = 0,   φ(y) = 1 − y²
+    w = 0,   p = 20 t (1 + 4 x(1 − x)),   z = t(1 + t) sin(2x + 1)/2,   ψ = 1,   q(0) = 0,   φ(y) = 1 − y²
 
 on the bottom of the unit square, where the cut-off φ lets the displacement end at the top. Viscosity A and elasticity G
 are not proportional.
@@ -14,7 +14,7 @@ The body starts at rest, u_0 = 0, so the error is zero at t = 0 and grows with t
 traction on the clamped boundary is not zero.
 """
 
-from sympy import Integer
+from sympy import Integer, sin
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
@@ -31,7 +31,8 @@ def case() -> Case:
     law = not_proportional()
     (part,) = body.of(Kind.CONTACT)
     pressure = 20 * t * (1 + 4 * s * (1 - s))
-    face = ContactFace.linear(part, law, body.T, Integer(0), pressure, Integer(1), profile=cutoff(phi=PARABOLA))
+    rest = {"initial": Integer(0), "profile": cutoff(phi=PARABOLA), "slip": (t * (1 + t) * sin(2 * s + 1) / 2,)}
+    face = ContactFace.linear(part, law, body.T, Integer(0), pressure, Integer(1), **rest)
     return Case(
         name="full-contact",
         summary="all of Γ3 in contact at all times, pressure growing from zero",

@@ -1,13 +1,14 @@
 """An advancing contact front on a heterogeneous body: A and G vary smoothly with different factors.
 
-The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, the viscosity A and the elasticity G are
+The gap w, the contact pressure p, the slip z, the contact zone {ψ ≥ 0} with the front c, the viscosity A and the
+elasticity G are
 
-    w = 8 (1/5 + t) (x − c)_+^4,   p = 150 (c − x)_+²,   ψ = c − x,   c(t) = 1/4 + t/2,
+    w = 8 (1/5 + t) (x − c)_+^4,   p = 150 (c − x)_+²,   z = t(1 + t) sin(2x + 1),   ψ = c − x,   c(t) = 1/4 + t/2,
     A(x, y) = (1 + x/2)(1 + y) A,   G(x, y) = (1 + x/2)(1 + 3y²) G
 
-on the unit square, with contact on its bottom. The body starts in elastic equilibrium. The tensors A and G are not
-proportional. At y = 0 both factors are equal, so the relaxation rate G_nnnn/A_nnnn is constant on Γ3, which the exact
-solution needs. Inside the body the factors differ.
+on the unit square, with contact on its bottom. The tensors A and G are not proportional. At y = 0 both factors are
+equal, so the relaxation rate G_nnnn/A_nnnn is constant on Γ3, which the exact solution needs. Inside the body the
+factors differ.
 
 Predicted order 1: the front moves. The coefficients are smooth, so the exponents of gap and pressure at the front,
 α = 4 > 7/2 and m = 2 > 3/2, give (5.36), and Prop. 5.4 applies.

@@ -1,16 +1,16 @@
 """An irregular hexagon with contact on three sides of different directions.
 
-The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
+The gap w, the contact pressure p, the slip z and the contact zone {ψ ≥ 0} with the front c are
 
-    w = 4 (1/5 + t) (z − c)_+^4/(1/4 + (z − c)²),   p = P (c − z)_+²,   ψ = c − z,   q(0) = −p(0)/g,
-    first:  z = s,               c(t) = 3/10 + t/4,        P = 50,
-    second: z = |Γ3,2| − s,      c(t) = 3/4 − t/4,         P = 900 z²,
-    third:  z = s,               c(t) = 1/2 + t(1 − t),    P = 900 z²
+    w = 4 (1/5 + t) (ξ − c)_+^4/(1/4 + (ξ − c)²),   p = P (c − ξ)_+²,   ψ = c − ξ,
+    first:  ξ = s,               c(t) = 3/10 + t/4,        P = 50,        z = t(1 + t) sin(2ξ + 1)/2,
+    second: ξ = |Γ3,2| − s,      c(t) = 3/4 − t/4,         P = 900 ξ²,    z = 25t ξ³ e^{−4ξ},
+    third:  ξ = s,               c(t) = 1/2 + t(1 − t),    P = 900 ξ²,    z = 25t ξ³ e^{−4ξ}
 
-with the coordinate s along each side and g = G_nnnn. Viscosity A and elasticity G are not proportional. Two of the
-sides meet the clamped boundary Γ1. On them z is the distance from the end at Γ1, and P has the factor z² so that the
-displacement vanishes on Γ1. The displacement fields of the three sides reach to the depth 4/5, which is not as far as
-another contact side.
+with the coordinate s along each side. Viscosity A and elasticity G are not proportional. Two of the sides meet the
+clamped boundary Γ1. On them ξ is the distance from the end at Γ1, P has the factor ξ², and z has the factor ξ³, so that
+the displacement vanishes on Γ1. The displacement fields of the three sides reach to the depth 4/5, which is not as far
+as another contact side.
 
 Predicted order 1: the fronts move. On every side the exponents of gap and pressure at the front, α = 4 > 7/2 and
 m = 2 > 3/2, give (5.36), so that Prop. 5.4 applies.
@@ -18,7 +18,7 @@ m = 2 > 3/2, give (5.36), so that Prop. 5.4 applies.
 The denominator of w makes the gap flatter away from the fronts.
 """
 
-from sympy import Expr, Integer, Rational
+from sympy import Expr, Integer, Rational, exp, sin
 
 from manufactured.body import Body, Kind, Part, polygon
 from manufactured.case import Case
@@ -39,9 +39,9 @@ def case() -> Case:
     law = not_proportional()
     first, second, third = body.of(contact)
     faces = (
-        _with_front(first, body, law, s, Rational(3, 10) + t / 4, Integer(50)),
-        _with_front(second, body, law, second.measure - s, Rational(3, 4) - t / 4, 900 * pos(second.measure - s, 2)),
-        _with_front(third, body, law, s, Rational(1, 2) + t * (1 - t), 900 * pos(s, 2)),
+        _with_front(first, body, law, s, Rational(3, 10) + t / 4, Integer(50), t * (1 + t) * sin(2 * s + 1) / 2),
+        _from_clamp(second, body, law, second.measure - s, Rational(3, 4) - t / 4),
+        _from_clamp(third, body, law, s, Rational(1, 2) + t * (1 - t)),
     )
     return Case(
         name="hexagon",
@@ -54,8 +54,11 @@ def case() -> Case:
     )
 
 
-def _with_front(part: Part, body: Body, law: KelvinVoigt, place: Expr, c: Expr, scale: Expr) -> ContactFace:
+def _from_clamp(part: Part, body: Body, law: KelvinVoigt, place: Expr, c: Expr) -> ContactFace:
+    return _with_front(part, body, law, place, c, 900 * pos(place, 2), 25 * t * pos(place, 3) * exp(-4 * place))
+
+
+def _with_front(part: Part, body: Body, law: KelvinVoigt, place: Expr, c: Expr, scale: Expr, slip: Expr) -> ContactFace:
     gap = 4 * (Rational(1, 5) + t) * pos(place - c, 4) / (Rational(1, 4) + (place - c) ** 2)
-    return ContactFace.linear(
-        part, law, body.T, gap, scale * pos(c - place, 2), c - place, profile=cutoff(0.8, QUARTIC)
-    )
+    pressure, profile = scale * pos(c - place, 2), cutoff(0.8, QUARTIC)
+    return ContactFace.linear(part, law, body.T, gap, pressure, c - place, profile=profile, slip=(slip,))

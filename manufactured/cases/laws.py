@@ -24,7 +24,7 @@ from manufactured.tensors import Array, rotation
 def proportional(ratio: float = 1.0, factor: Factor = UNIFORM) -> KelvinVoigt:
     """Return an isotropic law whose elasticity is proportional to its viscosity.
 
-    A τ = α (2τ + (tr τ) I) and G = ``ratio`` · A.
+    A τ = α (2τ + (tr τ)/2 I) and G = ``ratio`` · A.
 
     Args:
         ratio: the ratio G/A.
@@ -32,8 +32,8 @@ def proportional(ratio: float = 1.0, factor: Factor = UNIFORM) -> KelvinVoigt:
     """
     name = "linear, A = G" if ratio == 1 else f"linear, G = {ratio:g} A"
     return KelvinVoigt(
-        isotropic(1, 1, factor=factor),
-        isotropic(ratio, ratio, factor=factor),
+        isotropic(1, 0.5, factor=factor),
+        isotropic(ratio, ratio / 2, factor=factor),
         name if factor is UNIFORM else f"{name}, heterogeneous",
     )
 

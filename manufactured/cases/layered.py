@@ -1,12 +1,12 @@
 """An advancing contact front on a body of two layers; the interface consists of edges of every mesh.
 
-The gap w, the contact pressure p and the contact zone {ψ ≥ 0} with the front c are
+The gap w, the contact pressure p, the slip z and the contact zone {ψ ≥ 0} with the front c are
 
-    w = 8 (1/5 + t) (x − c)_+^4,   p = 400 (c − x)_+³,   ψ = c − x,   c(t) = 1/4 + t/2
+    w = 8 (1/5 + t) (x − c)_+^4,   p = 400 (c − x)_+³,   z = t(1 + t) sin(2x + 1),   ψ = c − x,   c(t) = 1/4 + t/2
 
-on the bottom of the unit square. The body starts in elastic equilibrium. Viscosity A and elasticity G are not
-proportional, and for y > 1/2 both are 4 times as large. At y = 1/2 the displacement has a kink that keeps σν continuous
-(``profile.layered``). In the upper layer u_s contains ∇_s q, the derivative of the normal strain q.
+on the bottom of the unit square. Viscosity A and elasticity G are not proportional, and for y > 1/2 both are 4 times as
+large. At y = 1/2 the displacement has a kink that keeps σν continuous (``profile.layered``). In the upper layer u_s
+contains ∇_s q, the derivative of the normal strain q.
 
 Predicted order 1: the front moves, and the gap has the exponent α = 4 > 7/2 there. The term ∇_s q lowers the exponent
 m = 3 of the pressure by one, to 2 > 3/2. This gives (5.36) in each layer, but not across the interface. That is enough:

@@ -1,9 +1,10 @@
-"""The whole contact face lifts off and lands again; the velocity jumps at the landing.
+"""The whole contact face lifts off and lands again while it slips; the normal velocity jumps at the landing.
 
-The gap w, the contact zone {ψ ≥ 0}, the contact pressure p and the normal strain q at t = 0 are
+The gap w, the contact zone {ψ ≥ 0}, the contact pressure p and the slip z are
 
     w = 40 (t − t_1)_+² (t_2 − t)_+,   ψ = (t − t_1)(t − t_2),   t_1 = 3/10, t_2 = 7/10,
-    p = 3000 t (1 + 4x(1 − x)) (t_1 − t)_+² + [a·40 (t_2 − t_1)² + 60 (t − t_2) (1 + 4x(1 − x))] H(t − t_2),   q(0) = 0
+    p = 3000 t (1 + 4x(1 − x)) (t_1 − t)_+² + [a·40 (t_2 − t_1)² + 60 (t − t_2) (1 + 4x(1 − x))] H(t − t_2),
+    z = t(1 + t) sin(2x + 1)/2
 
 on the bottom of the unit square, with the unit step H. The viscosity A has no lateral contraction (λ_A = 0), and
 a = A_nnnn = 2.
@@ -16,7 +17,7 @@ At the landing u̇ jumps by −ẇ(t_2^−) (1 − y) n. For this A, the viscous
 W^{1,∞}(0,T;V). The displacement contains a field with this jump because u_n = w (1 − y) + … (``profile.slab``).
 """
 
-from sympy import Rational
+from sympy import Rational, sin
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
@@ -32,16 +33,17 @@ LIFT, LAND = Rational(3, 10), Rational(7, 10)
 
 def case() -> Case:
     body = unit_square()
-    law = KelvinVoigt(isotropic(1, 0), isotropic(1, 1), "linear, A without contraction")
+    law = KelvinVoigt(isotropic(1, 0), isotropic(1, 2), "linear, A without contraction")
     (part,) = body.of(Kind.CONTACT)
     swell = 1 + 4 * s * (1 - s)
     gap = 40 * pos(t - LIFT, 2) * pos(LAND - t, 1)
     impact = 2 * 40 * (LAND - LIFT) ** 2
     pressure = 3000 * t * swell * pos(LIFT - t, 2) + (impact + 60 * (t - LAND) * swell) * pos(t - LAND, 0)
-    face = ContactFace.linear(part, law, body.T, gap, pressure, (t - LIFT) * (t - LAND), profile=slab())
+    slip = t * (1 + t) * sin(2 * s + 1) / 2
+    face = ContactFace.linear(part, law, body.T, gap, pressure, (t - LIFT) * (t - LAND), profile=slab(), slip=(slip,))
     return Case(
         name="lift-and-land",
-        summary="the whole face lifts off and lands with a jump of the velocity",
+        summary="the whole face slips, lifts off and lands with a jump of the velocity",
         solution=ExactSolution(body, law, (face,)),
         regularity=Regularity(),
         order=1,

@@ -1,12 +1,12 @@
 """Full contact under a load that is hardly smoother in time than W^{1,1}, as the paper requires.
 
-The gap w, the contact pressure p, the contact zone {ψ ≥ 0} and the normal strain q are
+The gap w, the contact pressure p, the slip z, the contact zone {ψ ≥ 0} and the normal strain q are
 
-    w = 0,   p = (1 + 4x(1 − x)) (a θ̇ + g θ),   ψ = 1,   θ(t) = t + (t − t_0)_+^{5/4}/4,   t_0 = 9/20,
-    ε_nn = q = −(1 + 4x(1 − x)) θ,   φ(y) = 1 − y²
+    w = 0,   p = (1 + 4x(1 − x)) (a θ̇ + g θ) − ∂_s ż/2 − 3 ∂_s z,   z = t(1 + t) cos(x)/2,   ψ = 1,
+    ε_nn = q = −(1 + 4x(1 − x)) θ,   θ(t) = t + (t − t_0)_+^{5/4}/4,   t_0 = 9/20,   φ(y) = 1 − y²
 
 on the bottom of the unit square, where the cut-off φ lets the displacement end at the top. Viscosity A and elasticity G
-are not proportional; their normal moduli are a = 5/2 and g = 7.
+are not proportional; their normal moduli are a = 5/2 and g = 7, and A_nnss = 1/2 and G_nnss = 3.
 
 Predicted order 1: there is no front. θ̇ is bounded and all functions are smooth in space, so u̇ is bounded with values
 in H². This gives (5.36), so that Prop. 5.4 applies.
@@ -17,7 +17,7 @@ require of the loads no more than W^{1,1}, (3.4) and (3.8). The further assumpti
 (4.12), which holds because p is bounded, and (5.36).
 """
 
-from sympy import Integer, Rational
+from sympy import Integer, Rational, cos
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
@@ -35,7 +35,10 @@ def case() -> Case:
     law = not_proportional()
     (part,) = body.of(Kind.CONTACT)
     strain = -(1 + 4 * s * (1 - s)) * (t + pos(t - Rational(9, 20), Rational(5, 4)) / 4)
-    face = ContactFace(part, Integer(0), Prescribed(((body.T, strain),)), Integer(1), cutoff(phi=PARABOLA))
+    slip = t * (1 + t) * cos(s) / 2
+    face = ContactFace(
+        part, Integer(0), Prescribed(((body.T, strain),)), Integer(1), cutoff(phi=PARABOLA), slip=(slip,)
+    )
     return Case(
         name="load-w11",
         summary="full contact under a load in W^{1,r}(0,T) for r < 4/3 only",

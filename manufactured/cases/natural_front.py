@@ -32,14 +32,15 @@ from manufactured.symbols import pos, s, t
 LAW = proportional(2.0)
 
 
-def case(law: KelvinVoigt = LAW, mode: Expr = ONE, speed: Expr = ONE, place: Expr = ONE) -> Case:
+def case(law: KelvinVoigt = LAW, mode: Expr = ONE) -> Case:
     """Return the case, optionally with another law with proportional A and G.
 
-    ``mode``, ``speed`` and ``place`` are factors that multiply constants of the formulas.
+    ``mode`` is a factor that multiplies the displacement.
     """
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
-    front, theta = place * Rational(2, 5), mode * (Rational(1, 4) + 2 * speed * t)
+    front = Rational(2, 5)
+    theta = mode * (Rational(1, 4) + 2 * t)
     kappa = kolosov_constant(law.A)
     x, y = kolosov(kappa, 1j, -0.5j, 1.5)
     field = SingularField((float(front), 0.0), part.frame, x, y, theta, depth=cutoff().b)

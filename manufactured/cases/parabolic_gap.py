@@ -1,13 +1,12 @@
 """A body above a round foundation: the initial gap is a parabola, and a patch of contact lies around its apex.
 
-The initial gap g, the gap w, the contact pressure p, the normal strain q at t = 0 and the contact zone {ψ ≥ 0} are
+The initial gap g, the gap w, the contact pressure p, the slip z and the contact zone {ψ ≥ 0} are
 
-    g = 2 (x − 1/2)²,   w = 8 (1 + t) (−ψ)_+^4/(1/5 − ψ)³,   p = 500 ψ_+²,   q(0) = −p(0)/g_e,
+    g = 6 (x − 2/5)²,   w = 8 (1 + t) (−ψ)_+^4/(1/5 − ψ)³,   p = 500 ψ_+²,   z = t(1 + t) sin(2x + 1)/2,
     ψ = 1/16 + t(1 − t)/4 − (x − b(t))²,   b(t) = 9/20 + t/10
 
-on the bottom of the unit square. Viscosity and elasticity are equal, A = G: τ ↦ 2τ + (tr τ) I, so their normal moduli
-are a = g_e = 3. The paper does not treat this case: the initial gap g is not zero, and w = g − u_ν is the remaining
-gap.
+on the bottom of the unit square. Viscosity and elasticity are equal, A = G: τ ↦ 2τ + (tr τ)/2 I. The paper does not
+treat this case: the initial gap g is not zero, and w = g − u_ν is the remaining gap.
 
 Predicted order 1: u_ν = g − w on Γ3, where the polynomial g only adds a smooth field. Both fronts move. The exponents
 of gap and pressure at the fronts, α = 4 > 7/2 and m = 2 > 3/2, give (5.36), with which the proof of Prop. 5.4 holds for
@@ -17,7 +16,7 @@ The half-width of the patch is 1/4 at t = 0 and t = 1, and 0.35 at t = 1/2. In t
 foundation.
 """
 
-from sympy import Rational
+from sympy import Rational, sin
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
@@ -34,11 +33,13 @@ def case() -> Case:
     (part,) = body.of(Kind.CONTACT)
     level = Rational(1, 16) + t * (1 - t) / 4 - (s - Rational(9, 20) - t / 10) ** 2
     gap = 8 * (1 + t) * pos(-level, 4) / (Rational(1, 5) - level) ** 3
-    initial_gap = 2 * (s - Rational(1, 2)) ** 2
-    face = ContactFace.linear(part, law, body.T, gap, 500 * pos(level, 2), level, initial_gap=initial_gap)
+    initial_gap = 6 * (s - Rational(2, 5)) ** 2
+    slip = t * (1 + t) * sin(2 * s + 1) / 2
+    data = part, law, body.T, gap, 500 * pos(level, 2), level
+    face = ContactFace.linear(*data, initial_gap=initial_gap, slip=(slip,))
     return Case(
         name="parabolic-gap",
-        summary="initial gap above a round foundation, a patch about its apex widens, narrows and drifts",
+        summary="initial gap above a round foundation, a patch about its apex slips, widens, narrows and drifts",
         solution=ExactSolution(body, law, (face,)),
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,

@@ -49,8 +49,6 @@ def case(
     gap: Expr = ONE,
     pressure: Expr = ONE,
     mode: Expr = ONE,
-    speed: Expr = ONE,
-    place: Expr = ONE,
 ) -> Case:
     """Return the case, optionally with another law with proportional A and G.
 
@@ -59,7 +57,7 @@ def case(
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     body = polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], kinds, refine=((1.0, 1.0),))
     (part,) = body.of(Kind.CONTACT)
-    c = place * (Rational(3, 5) + speed * t / 2)
+    c = Rational(3, 5) + t / 2
     w, p = gap * pos(s - c, 4), 5 * pressure * pos(c - s, 2)
     face = ContactFace.linear(part, law, body.T, w, p, c - s, profile=cutoff(0.9, QUARTIC))
     lam, omega = exponent(), 1.5 * np.pi
@@ -67,7 +65,7 @@ def case(
     # The first axis of the singular field is its axis of symmetry, which must point into the body.
     frame = np.array([[-1.0, 1.0], [-1.0, -1.0]]) / np.sqrt(2)
     fade = Piecewise((RADIUS,), ((1.0, 0.0, -3 / RADIUS**2, 0.0, 3 / RADIUS**4, 0.0, -1 / RADIUS**6),))
-    corner = SingularField((1.0, 1.0), frame, x, y, 4 * mode * speed * t, radial=fade)
+    corner = SingularField((1.0, 1.0), frame, x, y, 4 * mode * t, radial=fade)
     return Case(
         name="re-entrant",
         summary="re-entrant corner of an L-shaped body, advancing front on its bottom",

@@ -1,10 +1,10 @@
 """The data of ``advance_recede`` on a unit square that is rotated by the angle 2/5 and translated.
 
-The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
+The gap w, the contact pressure p, the slip z and the contact zone {ψ ≥ 0} with the front c are
 
-    w = 20 (s − c)_+^4,   p = 20 (c − s)_+²,   ψ = c − s,   c(t) = 1/4 + 2t(1 − t),   q(0) = −p(0)/3
+    w = 20 (s − c)_+^4,   p = 20 (c − s)_+²,   z = 4t sin(3s + 1/2),   ψ = c − s,   c(t) = 1/4 + 2t(1 − t)
 
-with s along the rotated bottom. Viscosity and elasticity are equal, A = G: τ ↦ 2τ + (tr τ) I.
+with s along the rotated bottom. Viscosity and elasticity are equal, A = G: τ ↦ 2τ + (tr τ)/2 I.
 
 Predicted order 1: the problem does not depend on the axes. As for ``advance_recede``, the exponents of gap and pressure
 at the front, α = 4 > 7/2 and m = 2 > 3/2, give (5.36), so that Prop. 5.4 applies.

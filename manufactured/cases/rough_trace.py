@@ -37,8 +37,6 @@ def case(
     law: KelvinVoigt = LAW,
     gap: Expr = ONE,
     pressure: Expr = ONE,
-    speed: Expr = ONE,
-    place: Expr = ONE,
 ) -> Case:
     """Return the case, optionally with another isotropic law.
 
@@ -46,7 +44,8 @@ def case(
     """
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
-    front, theta = place * Rational(2, 5), Rational(1, 4) + 2 * speed * t
+    front = Rational(2, 5)
+    theta = Rational(1, 4) + 2 * t
     alpha, W, Q = 1.25, 4.0 * float(gap), 3.0 * float(pressure)
     a = W * (1 + 1j / np.tan(np.pi * alpha))
     b = 1j * Q / np.sin(np.pi * (alpha - 1)) - 1j * alpha * a

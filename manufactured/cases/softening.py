@@ -1,8 +1,10 @@
 """A front that advances and recedes on a material that softens in volume: G is symmetric but not positive.
 
-The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
+The gap w, the contact pressure p, the slip z, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at
+t = 0 are
 
-    w = 20 (1 + t) (x − c)_+^5,   p = 20 (c − x)_+³,   ψ = c − x,   c(t) = 7/24 + 15t(1 − t)/8,   q(0) = 0
+    w = 20 (1 + t) (x − c)_+^5,   p = 20 (c − x)_+³,   z = 4t sin(3x + 1/2),   ψ = c − x,
+    c(t) = 7/24 + 15t(1 − t)/8,   q(0) = 0
 
 on the bottom of the unit square. The viscosity is A τ = 2τ + (tr τ)/2 I with m_A = 2. The elasticity G τ = τ − (3/2)(tr
 τ) I has the eigenvalues 1 in shear and −2 in volume. The normal moduli are a = 5/2 and g = −1/2.
@@ -19,7 +21,7 @@ e^{5t/3}. On the mesh with n = 8 cells along a side it was 0.65 ‖u − Π^h u�
 u^h‖²)^{1/2} is about ‖u − Π^h u‖ failed with the quotient 1.15.
 """
 
-from sympy import Integer, Rational
+from sympy import Integer, Rational, sin
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
@@ -36,20 +38,21 @@ LAW = softening_in_volume()
 def softening(law: KelvinVoigt = LAW, T: float = 1.0) -> ExactSolution:
     """Return the solution on [0, T] for a law whose normal modulus of viscosity is positive.
 
-    In the formulas of gap and pressure t/T replaces t.
+    In the formulas of gap, pressure and slip t/T replaces t.
     """
     body, time = unit_square(T), t / Rational(T).limit_denominator(1000)
     (part,) = body.of(Kind.CONTACT)
     c = Rational(7, 24) + Rational(15, 8) * time * (1 - time)
     gap, pressure = 20 * (1 + time) * pos(s - c, 5), 20 * pos(c - s, 3)
-    face = ContactFace.linear(part, law, body.T, gap, pressure, c - s, initial=Integer(0))
+    slip = 4 * time * sin(3 * s + Rational(1, 2))
+    face = ContactFace.linear(part, law, body.T, gap, pressure, c - s, initial=Integer(0), slip=(slip,))
     return ExactSolution(body, law, (face,))
 
 
 def case() -> Case:
     return Case(
         name="softening",
-        summary="front advances and recedes, G softens in volume, memory grows",
+        summary="front advances and recedes, the face slips, G softens in volume, memory grows",
         solution=softening(),
         regularity=Regularity(gap=5, pressure=3, moving=True),
         order=1,

@@ -107,7 +107,8 @@ def _of_lifting(of: Scaled, lifting: Lifting) -> Modes:
     dim = len(lifting.frame)
     chosen = [(trace, i) for trace, values in fields.items() for i in range(dim) if values[i].any()]
     # The function below uses local variables. A reference to the lifting would keep the arrays of all points in memory.
-    on_face, count = lifting.on_face, lifting.s[0].size
+    on_face = lifting.on_face
+    count = lifting.s[0].size
     order = 2 + lifting.deep
 
     def amplitudes(time: Array | float, rate: bool) -> Array:

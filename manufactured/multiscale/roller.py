@@ -30,8 +30,8 @@ from sympy import Expr, Rational, exp, prod, sqrt
 from manufactured.arguments import checked
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
-from manufactured.cases.laws import proportional
 from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt, isotropic
 from manufactured.multiscale.fading import FadingFace
 from manufactured.regularity import Regularity
 from manufactured.symbols import FormulaError, pos, s, t
@@ -89,7 +89,8 @@ def roller(name: str, width: Expr, push: int = 1, slope: Expr = SLOPE) -> Case:
 def standing(name: str, width: Expr) -> Case:
     """Return the case of a standing patch with the half-width ℓ = ``width``, which comes into contact twice."""
     xi = s - MIDDLE
-    place, bump = xi / width, pos(1 - (xi / width) ** 2, 4)
+    place = xi / width
+    bump = pos(1 - (xi / width) ** 2, 4)
     since = [(t - start) / width for start in LANDINGS]
     fading = [exp(start - t) for start in LANDINGS]
     lifted = prod([step(-z) + step(z - 1) for z in since])
@@ -124,7 +125,7 @@ def away(rho: Expr) -> Expr:
 
 
 def _case(name: str, summary: str, xi: Expr, width: Expr, regularity: Regularity, **data: Expr) -> Case:
-    body, law = unit_square(T), proportional()
+    body, law = unit_square(T), KelvinVoigt(isotropic(1, 1), isotropic(1, 1), "linear, A = G")
     depth = DEPTH * sqrt(width**2 + xi**2)
     face = FadingFace(body.of(Kind.CONTACT)[0], depth=depth, least_depth=float(DEPTH * width), **data)
     return Case(

@@ -8,7 +8,7 @@ from tabulate import tabulate
 from study.cli.common import progress_bar
 from study.cli.options import FAILED, OK
 from study.controls.faults import FAULTS
-from study.controls.matrix import cases_of_quick, measure_case
+from study.controls.matrix import measure_case
 from study.fem.naming import choose
 from study.ledger.datafiles import write_csv
 from study.ledger.faults import in_words, missed, summary
@@ -16,6 +16,7 @@ from study.ledger.schema import TABLES
 from study.ledger.text import folded
 from study.run.executor import Processes
 from study.run.fingerprint import of_everything
+from study.run.plan import COVER
 from study.run.store import Store
 
 
@@ -27,7 +28,7 @@ def do_faults(options: argparse.Namespace) -> int:
     """
     store = Store(options.out)
     store.check()
-    cases = options.case or cases_of_quick()
+    cases = options.case or COVER
     names = [choose("fault", name, FAULTS).name for name in options.fault or [fault.name for fault in FAULTS]]
     cache_key = f"{of_everything()} {' '.join(names)}"
     rows: list[dict[str, object]] = []

@@ -42,8 +42,9 @@ class Fault:
         equation: the equation or condition of the paper that the faulty program violates.
         change: makes the fault.
         sizes: the sizes δ that are tried, from large to small.
-        single: whether the fault concerns single vertices. Orders do not notice these faults, because a point has no
-            capacity; contact forces and the constraint itself do.
+        single: whether orders need not notice the fault, while contact forces and the constraint do. It concerns
+            single vertices or cells: a point has no capacity, and a missing cell changes u^h by O(h^{d/2}). Or it
+            leaves u as it is and changes contact forces only.
     """
 
     name: str
@@ -129,6 +130,16 @@ def elasticity_scaled(setup: Experiment, size: float) -> Experiment:
     return solving(setup, reference=(1 + size) * problem.reference, remainder=scaled)
 
 
+def stressless_start(setup: Experiment, size: float) -> Experiment | None:
+    """Compute elastic forces from the displacement since the start, u − u_0; None if the body starts at rest."""
+    problem = setup.problem
+
+    def remainder(v: Array) -> Array:
+        return problem.elastic(v - problem.u0) - problem.reference @ v
+
+    return solving(setup, remainder=remainder) if problem.u0.any() else None
+
+
 def yield_radius(setup: Experiment, size: float) -> Experiment | None:
     """Solve with a convex set K in (3.3) whose radius is 1 + δ times as large."""
     G = setup.solution.law.G
@@ -173,9 +184,9 @@ def whole_load(setup: Experiment, time: float) -> Array:
 
 
 @lru_cache(maxsize=4096)
-def traction_load(setup: Experiment, time: float) -> Array:
-    """Return the load vector of f_2 at a time, (dofs,)."""
-    return work_on(Kind.LOADED, setup.solution, setup.space, time)
+def traction_load(setup: Experiment, time: float, kind: Kind = Kind.LOADED) -> Array:
+    """Return the load vector of the exact traction at a time, (dofs,): of f_2, or of σν on another boundary."""
+    return work_on(kind, setup.solution, setup.space, time)
 
 
 def body_load(setup: Experiment, time: float) -> Array:
@@ -203,7 +214,8 @@ def tangential_load(setup: Experiment, time: float) -> Array:
 
 def late(setup: Experiment, size: float) -> Experiment:
     """Take the load of the time t − δT, and of t = 0 before."""
-    right, delay = setup.problem.load, size * setup.problem.T
+    right = setup.problem.load
+    delay = size * setup.problem.T
     return solving(setup, load=lambda time: right(max(time - delay, 0.0)))
 
 
@@ -224,7 +236,8 @@ class Loosened(Space):
 
 def partly_clamped(setup: Experiment, size: float) -> Experiment:
     """Hold only every second vertex of Γ1; the load of the free vertices has no reaction of Γ1."""
-    solution, space = setup.solution, Loosened(setup.space.mesh, setup.space.body)
+    solution = setup.solution
+    space = Loosened(setup.space.mesh, setup.space.body)
     v_norm = ErrorNorm(solution, space)
 
     def load(time: float) -> Array:
@@ -322,8 +335,10 @@ class Frictional:
         self.normal = Signorini(S, N)
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
-        solver, m = self.both, self.m
-        W, y = solver.W, solver.factor.forward(b)
+        solver = self.both
+        m = self.m
+        W = solver.W
+        y = solver.factor.forward(b)
         free = y[solver.contact] @ solver.Y - self.gap
         pressure, shear = np.zeros(m), np.zeros(len(free) - m)
         for _ in range(100):
@@ -358,7 +373,8 @@ def bounded(W: Array, free: Array, bound: Array, start: Array) -> Array:
 
 def friction(setup: Experiment, size: float) -> Experiment:
     """Solve with Coulomb friction of the coefficient δ; δ = ∞ glues the body where it is in contact."""
-    T, rows = tangents(setup.space), owners(setup.space, setup.space.dim - 1)
+    T = tangents(setup.space)
+    rows = owners(setup.space, setup.space.dim - 1)
 
     def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> Frictional:
         return Frictional(S, N, T, rows, size, gap)
@@ -447,6 +463,19 @@ def tied(solver: Signorini, gap: Array) -> Array:
     return solver.multipliers_on(np.ones_like(solver.active), gap)
 
 
+def never_released(solver: Signorini, gap: Array) -> Array:
+    """Return the contact forces (m,) if a vertex that has once been in contact stays there, even if it is pulled."""
+    held = active = solver.active
+    for _ in range(50):
+        forces = solver.multipliers_on(active, gap)
+        following = held | (np.where(active, forces, gap - solver.W @ forces) > 0)
+        if (following == active).all():
+            break
+        active = following
+    solver.active = active
+    return forces
+
+
 def springs(setup: Experiment, size: float) -> Experiment:
     """Replace the foundation by springs that resist penetration; δ is their compliance.
 
@@ -518,6 +547,12 @@ def opposite_faces(setup: Experiment, size: float) -> Experiment | None:
     return solving(setup, solver=solver)
 
 
+def gap_from_start(setup: Experiment, size: float) -> Experiment | None:
+    """Measure the gap from the start: (u − u_0)_ν ≤ 0; None if the body starts at rest."""
+    start = setup.problem.u0
+    return solving(setup, gap=setup.problem.N @ start) if start.any() else None
+
+
 # ---- (2.6): the initial condition
 
 
@@ -544,32 +579,40 @@ FAULTS = (
         factor_fault(lambda space, f: 0 * f + space.volumes @ f / space.volumes.sum()),
     ),
     Fault("factors off by one cell", "(3.1), (3.2)", factor_fault(lambda space, f: np.roll(f, 1))),
-    Fault("yield radius too large", "(3.3)", yield_radius, (0.5, 0.05)),
+    Fault("stress of u_0 left out", "(2.1)", stressless_start),
+    Fault("yield radius too large", "(3.3)", yield_radius, (0.5,)),
     Fault("nonlinear part of G left out", "(3.2)", linear_part_only),
-    Fault("a cell missing", "(2.2)", cell_missing),
+    Fault("a cell missing", "(2.2)", cell_missing, single=True),
     Fault("f too large", "(3.7)", added_load(whole_load), (0.2, 0.02)),
     Fault("f_0 too large", "(2.2)", added_load(body_load), (0.2, 0.02)),
     Fault("f_2 too large", "(2.4)", added_load(traction_load), (0.2, 0.02)),
     Fault("loads at Γ3 left out", "(2.2)", added_load(lambda setup, time: -load_at_contact(setup, time))),
     Fault("loads at Γ3 doubled", "(2.2)", added_load(load_at_contact)),
     Fault("tangential loads at Γ3 left out", "(2.2)", added_load(lambda setup, time: -tangential_load(setup, time))),
+    Fault(
+        "contact pressure added to the load",
+        "(3.7)",
+        added_load(lambda setup, time: traction_load(setup, time, Kind.CONTACT)),
+        single=True,
+    ),
     Fault("load late by δT", "(3.7)", late, (0.1, 0.02)),
     Fault("every second vertex of Γ1 free", "(2.3)", partly_clamped),
     Fault("no contact", "(2.5) u_ν ≤ 0", unconstrained("all")),
     Fault("every second vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("every other")),
-    Fault("penetration of δ permitted", "(2.5) u_ν ≤ 0", relaxed, (0.1, 0.01)),
+    Fault("penetration of δ permitted", "(2.5) u_ν ≤ 0", relaxed, (0.1, 0.03)),
     Fault("first vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("first"), single=True),
     Fault("middle vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("middle"), single=True),
     Fault("last vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("last"), single=True),
     Fault("springs of compliance δ", "(2.5) u_ν ≤ 0", springs, (0.1, 0.01)),
     Fault("no lift-off", "(2.5) σ_ν ≤ 0", other_forces(tied)),
+    Fault("no lift-off after contact", "(2.5) σ_ν ≤ 0", other_forces(never_released)),
     Fault(
         "contact forces scaled",
         "(2.5) σ_ν ≤ 0",
         lambda setup, size: other_forces(lambda solver, gap: (1 + size) * Signorini.complementarity(solver, gap))(
             setup, size
         ),
-        (0.1, 0.02),
+        (0.5, 0.1),
     ),
     Fault("opposite faces in contact", "(2.5) σ_ν u_ν = 0", opposite_faces),
     Fault("glued on Γ3", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "reference", size), (1e6,)),
@@ -581,10 +624,11 @@ FAULTS = (
     Fault("normals tilted by δ", "(2.5) u_ν", normals_changed(tilted), (0.35, 0.035)),
     Fault("normals of the next part", "(2.5) u_ν", normals_changed(normals_of_next_part)),
     Fault("normals inwards", "(2.5) u_ν", normals_changed(lambda setup, size: -setup.problem.N)),
+    Fault("gap measured from u_0", "(2.5) gap", gap_from_start),
     Fault("initial gap left out", "(2.5) gap", gap_fault(lambda gap: 0 * gap)),
     Fault("initial gap reversed", "(2.5) gap", gap_fault(lambda gap: gap[::-1])),
     Fault("initial gap shifted", "(2.5) gap", gap_fault(lambda gap: np.roll(gap, 1))),
-    Fault("initial gap sorted", "(2.5) gap", gap_fault(np.sort)),
+    Fault("initial gap sorted downwards", "(2.5) gap", gap_fault(lambda gap: np.sort(gap)[::-1])),
     Fault("start at 0", "(2.6)", lambda setup, size: start_scaled(setup, -1.0)),
     Fault("start too large", "(2.6)", start_scaled, (0.2, 0.05)),
 )

@@ -33,7 +33,7 @@ from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting, measure
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.scope import Scope, regular
+from study.statements.shared.scope import regular
 from study.statements.thm_4_2 import SameMesh
 
 OF_RATES: dict[str, tuple[Statement, ...]] = {
@@ -103,28 +103,25 @@ def measured_on(name: str) -> list[Measured]:
     if case.proposition == "Prop. 5.4" and touches(case.solution):
         found.append(Measured(ContactForce(), tuple(Setting(name, family, n) for n in levels)))
     if not case.solution.has_initial_gap:
-        found.append(Measured(SameMesh(), (Setting(name, family, coarsest(scope, case.solution.body.dim)),)))
+        coarsest = scope.equivalence[0] if case.solution.body.dim == 2 else scope.solid_equivalence[0]
+        found.append(Measured(SameMesh(), (Setting(name, family, coarsest),)))
     return found
 
 
-def coarsest(scope: Scope, dim: int) -> int:
-    """Return the coarsest level on which Theorem 4.2 is tested."""
-    return (scope.equivalence if dim == 2 else scope.solid_equivalence)[0]
-
-
 def rows_of(name: str, faults: Sequence[Fault] = FAULTS) -> Iterator[dict[str, Any]]:
-    """Yield the rows of the matrix for one case.
+    """Yield the rows of the matrix for one case; in space, for the largest size of each fault.
 
     Raises:
         ValueError: a check fails without a fault, so that nothing can be concluded from its failing with one.
     """
+    case = resolve(name)
     with threadpool_limits(1), np.errstate(all="ignore"):
         rates, *others = measured = measured_on(name)
         wrong = [verdict for one in measured for verdict in one.failing() or []]
         if wrong:
             raise ValueError(f"{name}: without a fault these checks fail: {', '.join(v.key for v in wrong)}")
         for fault in faults:
-            for size in fault.sizes:
+            for size in fault.sizes if case.solution.body.dim == 2 else fault.sizes[:1]:
                 row = row_of(rates, others, fault, size)
                 if row is not None:
                     yield row
@@ -176,11 +173,6 @@ def distance_of_solutions(right: Experiment, faulty: Experiment) -> float:
         difference = one.u - other.u
         squares.append(difference @ (right.problem.M @ difference))
     return float(np.sqrt(np.max(squares)))
-
-
-def cases_of_quick() -> list[str]:
-    """Return the names of the cases of the quick study."""
-    return list(quick().cases)
 
 
 def measure_case(name: str, faults: Sequence[str]) -> list[dict[str, Any]]:

@@ -47,12 +47,12 @@ class SeededScope(Scope):
 
 
 def seeded(seed: int) -> Plan:
-    """Return the plan of measurements for one seed: the quick study on random meshes with this seed.
+    """Return the plan of measurements for one seed: all cases on random meshes with this seed, else as the quick study.
 
     Cases whose solutions are not smooth are measured on the levels of the full study. The plan leaves out the
-    statements ``LEFT_OUT`` and the cases in ``SLOW``, which only the full study measures.
+    statements ``LEFT_OUT``.
     """
-    base = replace(quick(), rough=full().rough, command="study seeds")
+    base = replace(quick(), cases=full().cases, rough=full().rough, command="study seeds")
     scope = SeededScope(**vars(base), seed=seed)
     jobs = [
         Job(statement, setting)

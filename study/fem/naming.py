@@ -12,7 +12,7 @@ from types import ModuleType
 from typing import Any
 
 from manufactured.case import Case
-from manufactured.catalogue import NAMES, OTHER_NAMES, named
+from manufactured.catalogue import NAMES, OTHER_NAMES, SUCCESSORS, advice, named
 from manufactured.data import Data
 from manufactured.file_names import file_name_fault
 from manufactured.multiscale import COARSEST_ROLLER, ROLLERS, multiscale, rollers
@@ -81,6 +81,8 @@ def resolve(reference: str) -> Case:
     """
     found = _lookup(reference)
     if found is None:
+        if reference in SUCCESSORS:
+            raise UsageError(f"case {reference!r}: {advice(reference)}see study cases")
         raise unknown("case", reference, _case_names())
     if not isinstance(found, Case):
         raise UsageError(

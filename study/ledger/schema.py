@@ -289,7 +289,7 @@ bound | 1 | $y$ at this time
 equation | text | the equation or condition of the paper that the fault violates
 fault | text | the deliberate fault
 size | 1 | its size δ
-single | count | 1 if the fault concerns single vertices, otherwise 0
+single | count | 1 if orders need not notice the fault, because it concerns single vertices or cells, or contact forces only; otherwise 0
 case | text | the exact solution
 dim | count | dimension of the body
 distance | 1 | maximum over time of the distance of the right from the faulty discrete solution, in the energy norm, on the finest level; infinite if the faulty problem cannot be solved | if the faulty space has other unknowns

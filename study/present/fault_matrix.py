@@ -68,7 +68,8 @@ def caption_faults(matrix: pd.DataFrame) -> str:
     """Return the caption of the matrix of faults."""
     by_fault = matrix[matrix["by_error"] != ""].groupby("fault")["case"].nunique()
     never = [fault for fault in matrix["fault"].unique() if fault not in by_fault]
-    told = f"errors notice every fault in some case, in {by_fault.min()} cases or more"
+    fewest = by_fault.min()
+    told = f"errors notice every fault, in {fewest} cases or more" if fewest > 1 else "errors notice every fault"
     if never:
         told = f"errors notice all faults but {len(never)}: {', '.join(never)}"
     return (

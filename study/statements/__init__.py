@@ -13,6 +13,7 @@ from study.statements.enclosure import BoundedError, EnclosedError
 from study.statements.error_bounds import ErrorBounds
 from study.statements.from_rates import RegularityNeeded, SizeOfInterpolation
 from study.statements.fully_discrete import FullyDiscrete
+from study.statements.half_derivative import HalfDerivative, NodalErrors
 from study.statements.initial_gap import InitialGap
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn
@@ -45,7 +46,8 @@ STATEMENTS: tuple[Statement, ...] = (
     # The paper does not compute contact forces; comparisons with other solvers and codes test the program.
     *(ContactForce(), Recomputed(), OtherCodes()),
     # Theorems and experiments of this study, which the paper does not have.
-    *(EdgeWork(), WorkOfContact(), Rollers(), AdvancingFront(), BackwardEuler(), NoPotential(), FullyDiscrete()),
+    *(EdgeWork(), WorkOfContact(), Rollers(), AdvancingFront(), HalfDerivative(), NodalErrors()),
+    *(BackwardEuler(), NoPotential(), FullyDiscrete()),
     *(Landings(), InitialGap(), BoundedError(), EnclosedError()),
     # Misprints, untested claims and pictures, which have no tolerance window.
     *(Misprints(), Untested(), WithoutRow(), Pictures()),

@@ -70,7 +70,7 @@ class EdgeWork(ListedNumbers):
     quick = grid(("trains", "merging-patches"), ("one-diagonal",), (16, 32))
     full = (
         *grid(("trains", "breathing-trains"), ("one-diagonal", "unstructured"), (16, 32, 64)),
-        *grid(("merging-patches", "natural-front", "rough-2.25"), ("one-diagonal", "unstructured"), (8, 16, 32, 64)),
+        *grid(("merging-patches", "natural-front", "rough-1.75"), ("one-diagonal", "unstructured"), (8, 16, 32, 64)),
     )
     checks = (
         Check(

@@ -5,7 +5,9 @@ The modules ``prop_5_3`` and ``prop_5_4`` measure these errors. The statements a
 * (5.23), the interpolation error, for the cases of Proposition 5.4: it must agree with its leading term, which other
   code computes from second derivatives of u.
 * (5.36), the regularity that Proposition 5.4 assumes: for cases without it, the observed order on uniform meshes is
-  compared with the order that the proof gives for their regularity.
+  compared with the order that proofs give for their regularity (``manufactured.proved``). Predicted is that it is at
+  least the proved order less 0.1: for junction 1/2, from the theorem on half a derivative in paper/velocity.tex; the
+  proof of Proposition 5.4 gives 1/4 there.
 """
 
 from dataclasses import replace
@@ -17,6 +19,8 @@ from study.ledger.window import Window, around, at_least
 from study.statements.prop_5_4 import FromRates
 from study.statements.shared.meshes import LEADING, split, value_of_case
 
+ROOM = 0.1
+"""Observed orders approach the proved order from below, up to this number on these levels."""
 NEAR = around(1, 0.05, "on the finest level")
 
 
@@ -51,7 +55,8 @@ SEEN = Check(
 class RegularityNeeded(FromRates):
     """Compares observed orders with proved orders, for solutions without the regularity (5.36).
 
-    The result is reported and not judged, because the paper claims no order for these solutions.
+    Whether the order is reached on these levels is reported and not judged, because the paper claims no order for these
+    solutions. An order that misses a proved order by more than 0.1 fails.
     """
 
     label = "(5.36)"
@@ -61,4 +66,7 @@ class RegularityNeeded(FromRates):
     def checks_of(self, case: str, groups: Groups) -> list[tuple[Check, Groups]]:
         proved = at_least(value_of_case(groups, "proved_order"), "the order that the proof gives")
         uniform, _ = split(groups, lambda family: family.uniform)
-        return [(replace(SEEN, window=proved), uniform)]
+        reported = replace(SEEN, window=proved)
+        enough = at_least(proved.low - ROOM, "the proved order, with room for coarse meshes")
+        judged = replace(SEEN, key="order-proved", window=enough, if_missed="")
+        return [(check, uniform) for check in ((reported, judged) if uniform else (reported,))]

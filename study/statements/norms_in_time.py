@@ -81,7 +81,7 @@ class LoadInTime(ListedNumbers):
         ),
     )
     not_judged = MappingProxyType({"moving-rough": WITHOUT})
-    quick = grid(("lift-and-land",), ("unstructured",), (8, 16))
+    quick = grid(("load-w11",), ("unstructured",), (8, 16))
     full = grid(
         (*EVOLVING, "lift-and-land", "load-w11", "moving-rough", "hexagon", *SOFTENING), ("unstructured",), (16, 32)
     )

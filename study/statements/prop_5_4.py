@@ -1,10 +1,10 @@
 """Proposition 5.4: the error of the semi-discrete solution is of first order, ‖u − u^h‖_{L∞(0,T;V)} = O(h).
 
-**Measured.** Problem 5.1 is solved for every exact solution that satisfies (5.36), on every mesh family that can mesh
-its body, on finer and finer meshes. A row of ``rates.csv`` is one mesh. It holds the maxima over time of the error
-‖u − u^h‖_V, of the interpolation error ‖u − Π^h u‖_V and of the discrete error ‖Π^h u − u^h‖_V. Diagnostics show that
-other errors are negligible: the error of time steps, the quadrature error, the residual of the contact solver, and u^h
-on Γ1.
+**Measured.** Problem 5.1 is solved for every exact solution that satisfies (5.36), on one or two mesh families, on
+finer and finer meshes; two cases are measured on every mesh family that can mesh their bodies. A row of ``rates.csv``
+is one mesh. It holds the maxima over time of the error ‖u − u^h‖_V, of the interpolation error ‖u − Π^h u‖_V and of the
+discrete error ‖Π^h u − u^h‖_V. Diagnostics show that other errors are negligible: the error of time steps, the
+quadrature error, the residual of the contact solver, and u^h on Γ1.
 
 The proposition is about the semi-discrete solution u^h. Two discrete solutions are computed, with time steps k and k/2.
 The finer one is used as u^h, and its error is measured at all its time nodes. The *time share*

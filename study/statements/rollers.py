@@ -1,4 +1,4 @@
-"""Beyond the paper: without a velocity u̇(t) ∈ H² only the order 1/2 is proved, and rollers suggest that it is sharp.
+"""Beyond the paper: without u̇(t) ∈ H² and σ_ν ∈ L^p, p > 1, order 1/2 is proved, and rollers suggest that it is sharp.
 
 A *roller* is an exact solution in which a contact patch of width ℓ moves along Γ3 (``manufactured.multiscale.roller``).
 On every mesh ℓ = 2h, so the patch is two cells wide, however fine the mesh is.

@@ -232,7 +232,7 @@ class SameMesh(Statement):
         return [
             Setting(reference, family.name, n)
             for reference, case in zip(scope.cases, scope.resolved(), strict=True)
-            for family in scope.families_of(case)[: None if scope.every_family else 1]
+            for family in scope.families_of(case)[: None if scope.every_family or scope.full else 1]
             for n in (scope.equivalence if case.solution.body.dim == 2 else scope.solid_equivalence)
         ]
 

@@ -196,7 +196,7 @@ def test_too_few_levels_are_named_before_anything_is_measured(told, tmp_path, mo
         f"study: full-contact: {few.format(3, 3, '8 16 32')}",
         "study: here it would begin",
     ]
-    assert "needs 4 levels" in told("run", "--case", "rough-2", "--levels", "8", "16", "32", "--out", str(tmp_path))
+    assert "needs 4 levels" in told("run", "--case", "rough-1.75", "--levels", "8", "16", "32", "--out", str(tmp_path))
     assert told("run", "--out", str(tmp_path)) == "study: here it would begin\n"
 
 

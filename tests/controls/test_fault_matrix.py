@@ -89,6 +89,17 @@ def test_without_friction_the_frictional_solver_is_the_right_one() -> None:
     assert pressure == pytest.approx(right, abs=1e-9 * right.max())
 
 
+def test_vertices_that_are_never_released_stay_on_the_foundation_while_they_are_pulled() -> None:
+    faulty = BY_NAME["no lift-off after contact"].change(experiment("advance-recede", 8), 1.0)
+    states = [*faulty.march(8)]
+    forces = np.array([state.multipliers for state in states])
+    gaps = np.array([faulty.problem.N @ state.u for state in states])
+    touched = np.cumsum(forces != 0, axis=0) > 0
+    assert gaps[touched] == pytest.approx(0, abs=1e-12)
+    assert gaps[~touched].max() < 1e-12
+    assert forces.min() < 0
+
+
 def test_the_matrix_tells_by_which_checks_and_in_which_cases_a_fault_is_noticed() -> None:
     chosen = [BY_NAME[name] for name in ("no lift-off", "initial gap reversed")]
     rows = pd.DataFrame(rows_of("advance-recede", chosen)).set_index(["fault", "size"])

@@ -258,11 +258,11 @@ def test_contact_data_and_initial_gaps_that_define_no_solution_are_refused(make,
         ({}, "got order=None, reason=''; derive"),
         ({"order": 0.5}, "got order=0.5, reason=''; derive"),
         ({"reason": "s < 1/2"}, "got order=None, reason='s < 1/2'; derive"),
-        ({"order": 1.0, "reason": "s < 1/2"}, r"gives min\(1, s\) = 0.5"),
+        ({"order": 1.0, "reason": "s < 1/2"}, r"gives min\(1, s\) = 0.25"),
     ],
 )
 def test_a_case_needs_a_predicted_order_that_its_exponents_give_and_a_reason(stated: dict, message: str) -> None:
-    rough = named("rough-2")
+    rough = named("rough-1.75")
     with pytest.raises(CaseError, match=message):
         Case("mine", "", rough.solution, rough.regularity, **stated)
 

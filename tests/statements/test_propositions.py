@@ -142,9 +142,16 @@ def test_graded_meshes_must_regain_the_order_that_uniform_ones_lose() -> None:
 
 
 def test_the_order_without_5_36_is_reported_with_the_order_of_the_proof() -> None:
-    (row,) = RegularityNeeded().judge(rough(1.0, proved_order=0.75))
+    row, judged = RegularityNeeded().judge(rough(1.0, proved_order=0.75))
     assert (row.verdict, row.window_low) == (REPORTED, 0.75)
-    assert row.observed == pytest.approx(1.0)
+    assert (judged.verdict, judged.window_low) == (HOLDS, pytest.approx(0.65))
+    assert row.observed == judged.observed == pytest.approx(1.0)
+
+
+def test_an_order_far_below_the_proved_one_fails() -> None:
+    """A mesh that is too coarse may cost 0.1."""
+    found = [RegularityNeeded().judge(rough(order, proved_order=1.0))[1].verdict for order in (0.92, 0.85)]
+    assert found == [HOLDS, FAILS]
 
 
 def test_theorem_4_2_fails_above_the_bound_by_the_duality_gap_and_where_the_bound_is_vacuous() -> None:

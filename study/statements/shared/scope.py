@@ -15,8 +15,9 @@ from study.solve.tableau import SCHEMES
 REGULAR = "one-diagonal", "unstructured"
 """Mesh families for statements that use one family for each case: the first that can mesh the body is used."""
 
-SLOW = ("long-time", "cube-rough")
-"""Cases of the catalogue that only the full study measures, because they take long."""
+
+ON_EVERY_FAMILY = ("advance-recede", "cube-disc")
+"""The cases that the full study measures on every mesh family that can mesh their bodies."""
 
 
 def of_the_paper(cases: Iterable[Case]) -> list[Case]:
@@ -77,7 +78,7 @@ class Scope:
         equivalence, solid_equivalence: levels in 2D and in 3D on which Theorem 4.2, the equivalence of the displacement
             problem and the stress problem, is tested.
         every_family: whether cases are measured on all mesh families that can mesh their bodies. Otherwise each case
-            is measured on the families that it names.
+            is measured on the families that it names, in the full study also on its regular family.
         scheme: name of the time scheme.
         k: time step at every level; None for the time step of each case.
         statements: whether all statements are measured, or only those that are measured on every case.
@@ -163,14 +164,15 @@ class Scope:
             UsageError: the case names a family that does not exist or cannot mesh its body.
         """
         families = serving(case)
-        if self.every_family:
+        if self.every_family or (self.full and case.name in ON_EVERY_FAMILY):
             return families
         named = [family_named(name) for name in case.families]
         for family in named:
             if not family.serves(case.solution.body):
                 known = ", ".join(other.name for other in families)
                 raise UsageError(f"{case.name}: {family.name} meshes cannot fit its body; name one of {known}")
-        return named or [regular(case)]
+        chosen = [*named, regular(case)] if self.full or not named else named
+        return [family for family in families if family in chosen]
 
     def levels_on(self, case: Case, family: MeshFamily) -> tuple[int, ...]:
         """Return the levels of a case on a mesh family."""

@@ -1,0 +1,100 @@
+"""Half a derivative of the velocity, nodal errors of P_h, and the work at an advancing front: each check can fail."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import count
+
+import numpy as np
+import pandas as pd
+import pytest
+import scipy.sparse as sps
+from measured_rows import verdicts
+
+from manufactured.natural_motion import NAME
+from study.fem.space import form
+from study.ledger.verdict import FAILS, HOLDS
+from study.solve.evolution import SemiDiscrete
+from study.solve.signorini import Signorini
+from study.statements import advancing_front, half_derivative
+from study.statements.advancing_front import AdvancingFront
+from study.statements.half_derivative import HalfDerivative, NodalErrors
+from study.statements.shared.base import ListedNumbers, Setting
+
+
+def rows(statement: ListedNumbers, settings: list[Setting], change: Callable = lambda setup: setup) -> pd.DataFrame:
+    """The rows that a statement measures if its setups are changed."""
+    return pd.DataFrame(
+        [
+            row
+            for setting in settings
+            for _, row in statement.records(setting, statement.measure(change(statement.setup(setting))))
+        ]
+    )
+
+
+def every_second_step(S: object, N: object) -> Callable:
+    """A contact solver that imposes the constraint in every second step only."""
+    contact, free, calls = Signorini(S, N), Signorini(S, N[:0]), count()
+
+    def solve(b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return contact(b) if next(calls) % 2 else (free(b)[0], np.zeros(N.shape[0]))
+
+    return solve
+
+
+def test_velocities_without_half_a_derivative_are_noticed() -> None:
+    """They jump back and forth in a body that is held by its foundation in every second step only."""
+
+    def bouncing(setup):
+        return replace(setup, solved=replace(setup.problem, solver=every_second_step))
+
+    statement = HalfDerivative()
+    settings = [Setting("full-contact", "one-diagonal", n) for n in (4, 8, 16)]
+    assert set(verdicts(statement, rows(statement, settings)).values()) == {HOLDS}
+    assert set(verdicts(statement, rows(statement, settings, bouncing)).values()) == {FAILS}
+
+
+def test_the_quotient_of_a_velocity_that_jumps_once_is_known() -> None:
+    """u̇ = 1 up to T/2, then 0, with g = 1 and K = (−∞, T/2].
+
+    So M = Ξ = 1, W = 0, C_2 = 3/2, and both sides are δ/2 and C_2 δ.
+    """
+    steps = 32
+    times = np.linspace(0, 1, steps + 1)
+    one, zero = (sps.csc_array([[value]]) for value in (1.0, 0.0))
+    problem = SemiDiscrete(one, zero, None, one, lambda time: np.ones(1), np.zeros(1), 1.0)
+    states = np.minimum(times, 0.5)[:, None]
+    assert half_derivative.half_quotient(problem, states) == pytest.approx(1 / 3)
+
+
+def test_nodal_errors_of_a_projection_in_another_norm_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    statement, settings = NodalErrors(), [Setting(NAME, "one-diagonal", 16)]
+    assert verdicts(statement, rows(statement, settings)) == {"constant": HOLDS}
+    monkeypatch.setattr(half_derivative, "form", lambda space, tensor: form(space, tensor) / 4)
+    assert verdicts(statement, rows(statement, settings)) == {"constant": FAILS}
+
+
+def test_with_one_diagonal_the_nodal_errors_have_one_sign_and_shaken_meshes_are_needed_for_both() -> None:
+    """The fault is a family of shaken meshes whose vertices do not move."""
+    statement = NodalErrors()
+    settings = [Setting(NAME, family, 32) for family in ("shaken", "shaken-1")]
+    assert verdicts(statement, rows(statement, settings))["sign"] == HOLDS
+    plain = rows(statement, [Setting(NAME, "one-diagonal", 32)]).assign(family="shaken")
+    assert verdicts(statement, plain)["sign"] == FAILS
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "wrong", "key"),
+    [
+        ("Signorini", lambda M, N: Signorini(M, -N), "local"),
+        ("front_at", lambda solution, time: 0.45, "pairing"),
+    ],
+    ids=["normals reversed", "weights that do not travel"],
+)
+def test_at_an_advancing_front_a_wrong_normal_or_a_front_at_rest_is_noticed(monkeypatch, name, wrong, key) -> None:
+    monkeypatch.setattr(advancing_front, "FROM", 8)
+    statement, settings = AdvancingFront(), [Setting(NAME, "one-diagonal", n) for n in (8, 16)]
+    assert verdicts(statement, rows(statement, settings))[key] == HOLDS
+    monkeypatch.setattr(advancing_front, name, wrong)
+    assert verdicts(statement, rows(statement, settings))[key] == FAILS
