@@ -97,7 +97,9 @@ def _as_pieces(part: sp.Expr) -> sp.Expr:
 
 
 def _require_numbers(expression: sp.Expr, name: str) -> None:
-    """Raise FormulaError if a formula contains a number that double precision cannot represent."""
+    """Raise FormulaError if a formula contains NaN, infinity or a number that double precision cannot represent."""
+    if expression.has(sp.nan, sp.zoo, sp.oo):
+        raise FormulaError(f"{name} is {expression} in SymPy, which has no value somewhere; write it as a Piecewise")
     for number in expression.atoms(sp.Number):
         if number != 0 and not SMALLEST <= abs(number) <= LARGEST:
             raise FormulaError(

@@ -60,7 +60,7 @@ def require_continuous_start(data: Data) -> None:
         x = np.random.default_rng(0).uniform(low, high, (MOST, data.body.dim)).T
         size = abs(data.start(x[:, data.body.contains(x)])).max(initial=0.0)
     if jump > JUMP * size:
-        what = f"jumps by about {jump:.3g}" if np.isfinite(jump) else "is not bounded"
+        what = f"jumps by about {jump:.3g}" if np.isfinite(jump) else "has no known bound"
         raise LoadError(
             f"u_0 {what} at x = ({', '.join(f'{c:.4g}' for c in place)}), and a displacement in V has to be continuous "
             "there: give a continuous u_0; kinks such as Max(x1 - 1/2, 0) are permitted"

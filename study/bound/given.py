@@ -211,7 +211,7 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
         kind = np.asarray(array).dtype
         if np.size(array) == 0 or kind.kind not in "iufc":
             raise BoundError(
-                f"{name} has the shape {np.shape(array)} and the type {kind}, expected at least one number"
+                f"{name} has the shape {np.shape(array)} and the type {kind}, expected numbers, at least one"
             )
         if np.iscomplexobj(array) and np.imag(array).any():
             raise BoundError(f"{name} has complex numbers, expected real ones")

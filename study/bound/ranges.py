@@ -378,6 +378,8 @@ class Boxes:
                 found.low[unit] = found.high[unit] = 1.0
             return found
         if formula.is_number:
+            if not (formula.is_real and formula.is_finite):
+                raise RangeError(f"{formula} is no real number; it comes from a power whose base is not positive")
             value = np.full(self.count, float(formula))
             exact = isinstance(formula, sp.Float | sp.Rational) and sp.Rational(formula) == sp.Rational(value[0])
             return self._constant((value, value)).rounded(exact)
@@ -387,7 +389,9 @@ class Boxes:
             first, *others = formula.args
             return self._maximum(first, sp.Max(*others))
         if isinstance(formula, sp.Abs):
-            return self._maximum(formula.args[0], -formula.args[0])
+            found = self._maximum(formula.args[0], -formula.args[0])
+            np.maximum(found.low[0], 0.0, out=found.low[0])  # rounding would make it negative
+            return found
         if type(formula) in PIECES:
             return self(PIECES[type(formula)](*formula.args))
         if isinstance(formula, sp.Piecewise):

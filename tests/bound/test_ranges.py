@@ -143,8 +143,10 @@ def test_what_cannot_be_evaluated_is_refused_before_time_is_spent(formula: sp.Ex
         (sp.Piecewise((x1, sp.Eq(x1 > t, x2 > t)), (0, True)), "is no inequality"),
         (1 + x2 * sin(exp(x1) + sp.atan(x1 - x2)) ** 2, "atan"),
         (pos(x1, 1 + t), "exponent that is no number"),
+        (sp.Integer(0) ** sp.Max(x1, 0), "zoo is no real number"),
+        (sp.Integer(-2) ** x1, r"log\(2\) \+ I\*pi is no real number"),
     ],
-    ids=["condition", "atan", "exponent"],
+    ids=["condition", "atan", "exponent", "base 0", "negative base"],
 )
 def test_the_part_of_a_formula_that_has_no_range_is_named(formula: sp.Expr, message: str) -> None:
     with pytest.raises(RangeError, match=message):
