@@ -141,6 +141,7 @@ SEEN, UNSEEN = "order", ""
         ([("f", -1.0, "a", 2, SEEN, ""), ("f", -1.0, "c", 3, UNSEEN, "")], "f, in space"),
         ([("one vertex", 1.0, c, 2, UNSEEN, "force") for c in "ab"], "none"),
         ([("one vertex", 1.0, c, 2, UNSEEN, "") for c in "ab"], "one vertex, in the plane"),
+        ([("one vertex", 1.0, c, 2, UNSEEN, "Thm 4.2 stress") for c in "ab"], "one vertex, in the plane"),
     ],
 )
 def test_a_fault_must_be_noticed_in_two_plane_cases_and_in_one_in_space(rows, lacking: str) -> None:
