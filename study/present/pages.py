@@ -153,8 +153,8 @@ def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 def answer(data: FullRun) -> str:
     """Return the claims of the paper, the tests and their result in a few sentences, in Markdown.
 
-    The page that shows the sentences defines the targets of the links [problem], [ledger], [results], [misprints] and
-    [bounds].
+    The page that shows the sentences defines the targets of the links [problem], [faults], [ledger], [results],
+    [misprints] and [bounds].
     """
     values = _values(data)
     return "".join(f"- **{lead}.** {_literal(text.format_map(values))}\n" for lead, text in TEXTS["answer"].items())
