@@ -1,6 +1,7 @@
 """What exact solutions are made of: singular fields that rest or travel, layers, coupled strains, regularity."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -329,3 +330,16 @@ def test_every_roller_is_an_exact_solution(kind: int, level: int) -> None:
     case = rollers(level)[kind]
     found = [finding for finding in examine(case.solution) if not finding.passes]
     assert [finding for finding in found if not finding.condition.startswith(HISTORY)] == []
+
+
+def test_in_most_cases_the_body_slides_where_it_touches_by_a_fifth_of_its_displacement_on_the_face() -> None:
+    def slides(name: str) -> bool:
+        solution = named(name).solution
+        for part, time in product(solution.body.of(Kind.CONTACT), np.linspace(0, solution.body.T, 5)[1:]):
+            u = solution.at(part.sample(np.random.default_rng(0), 100)).displacement(time)
+            touching = abs(part.normal @ u) < 1e-12
+            if abs(u[:, touching]).max(initial=0) > 0.2 * abs(u).max():
+                return True
+        return False
+
+    assert sum(map(slides, NAMES)) > len(NAMES) / 2
