@@ -115,8 +115,8 @@ class BackwardEuler(ListedNumbers):
         order_in_k("order", f"order in k of the {ERROR}", IN_K, COUNTS, COLUMNS["error"]),
         Check(
             "uniform",
-            f"{ERROR}, {LAST} steps: finest / coarsest mesh",
-            quantities.change(f"{LAST} error"),
+            f"{ERROR} / its bound from the data, {LAST} steps: finest / coarsest mesh",
+            quantities.change(f"{LAST} by data"),
             UNIFORM,
             CheckKind.CONSEQUENCE,
             ENOUGH,

@@ -158,7 +158,7 @@ class InterpolationOnContact(ListedNumbers):
         # random lengths of edges the order varies by 0.3 from seed to seed.
         cases = first_with_each(lambda case: (body_of(case), case.regularity.trace))
         without = Graded().name, Shaken().name
-        return [s for s in place(cases, EVERY, (16, 32, 64), (8, 16, 24)) if s.family not in without]
+        return [s for s in place(cases, EVERY, (16, 32, 64), (16, 24, 32)) if s.family not in without]
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, case = space_of(setting), resolve(setting.case)

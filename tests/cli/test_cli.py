@@ -100,7 +100,7 @@ def test_a_users_case_goes_through_the_same_line_to_a_judged_table(made: Path) -
     finished = made / "results"
     claims = pd.read_csv(finished / "data" / "claims.csv")
     # Its largest error comes at t = 0, and its shaken meshes are coarse.
-    unclaimed = {"start-share", "order-dual-superclose", "order-pressure-random"}
+    unclaimed = {"start-share", "order-dual-superclose", "order-pressure-irregular"}
     assert set(claims.loc[claims["verdict"] != "holds", "key"]) == unclaimed
     assert not set(claims["verdict"]) & {"fails", "undecided"}
     assert not claims.duplicated(["label", "key", "case", "family"]).any()
