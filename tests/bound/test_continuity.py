@@ -55,7 +55,7 @@ def problem(start: sp.Expr) -> Data:
 @pytest.mark.parametrize("start", JUMPS.values(), ids=JUMPS)
 def test_an_initial_displacement_that_jumps_or_is_unbounded_is_refused_with_its_place(start: sp.Expr) -> None:
     with pytest.raises(
-        (LoadError, FormulaError), match="u_0 has no known bound at|u_0 jumps by|∇u0 (= .*floor|is nan)"
+        (LoadError, FormulaError), match=r"u_0 has no known bound at|u_0 jumps by|∇u0 (= .*floor|is nan)"
     ):
         check_problem(problem(start), None, Refined(0, 1))
 
