@@ -147,7 +147,7 @@ def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: floa
         failing = rates.failing(fault, size) or []
         of_others = [verdict for one in others for verdict in one.failing(fault, size) or []]
     except (ArithmeticError, np.linalg.LinAlgError, RuntimeError) as error:
-        return {**row, "distance": math.inf, "by_error": type(error).__name__, "by_others": ""}
+        return {**row, "distance": math.inf, "by_error": "", "by_others": f"stopped by {type(error).__name__}"}
     by_error = [verdict.key for verdict in failing if verdict.kind in BY_ORDER_OR_SIZE]
     evidence = [verdict for verdict in failing if verdict.kind not in BY_ORDER_OR_SIZE]
     by_others = [f"{verdict.label} {verdict.key}" for verdict in (*evidence, *of_others)]
