@@ -167,7 +167,8 @@ class Task:
         ):
             given = f"{data.get('format')} {data.get('version')}"
             raise TaskError(f"{name} is {given}, expected contact-task 1 or 2; remove the file or export it again")
-        self.name, self.data = name, data
+        self.name = name
+        self.data = data
         try:
             self._take(data)
             self._check()
@@ -185,10 +186,8 @@ class Task:
         self.marches = data["mode"] == "march"
         self.count = len(data["steps"])
         self.dim = self.vertices.shape[1]
-        self.A, self.G = (
-            self.plain("A", factor=True),
-            self.plain("G", factor=True),
-        )
+        self.A = self.plain("A", factor=True)
+        self.G = self.plain("G", factor=True)
         self.stiffness, self.history = self.midpoint(self.A, self.G) if self.marches else (self.G, 0 * self.G)
         self._measure_cells()
 
@@ -208,11 +207,9 @@ class Task:
         """ValueError, which says what is wrong, unless numbers are finite and shapes fit each other."""
         if not self.count or not self.scale > 0:
             raise ValueError(f"{self.count} steps, and the scale {self.scale}")
-        n, strains, gap = (
-            self.vertices.shape,
-            (len(self.cells), self.G.shape[1]),
-            self.constraints()[3],
-        )
+        n = self.vertices.shape
+        strains = (len(self.cells), self.G.shape[1])
+        gap = self.constraints()[3]
         if not (self.volumes > 0).all() or min(self.cells.min(), self.clamped.min(initial=0), gap.min()) < 0:
             raise ValueError(f"cell {self.volumes.argmin()} has no positive volume, or a number is negative")
         rows = [one | other for one, other in zip(self.data["steps"], self.data["judge"], strict=True)]
@@ -317,7 +314,8 @@ class Task:
         """Return ν (d,), the constrained vertices (m,) and Σ ∫ φ_i (m,) of each piece of contact."""
         result = []
         for piece in self.contact:
-            facets, vertices = whole(piece["facets"]), whole(piece["vertices"])
+            facets = whole(piece["facets"])
+            vertices = whole(piece["vertices"])
             mass = np.zeros(len(self.vertices))
             np.add.at(mass, facets, self.areas(facets)[:, None] / self.dim)
             result.append((floats(piece["normal"]), vertices, mass[vertices]))
@@ -369,10 +367,8 @@ class Task:
 
     def scaled(self, factor):
         """Return the task with gaps times ``factor``, which belongs to loads times ``factor``."""
-        other, pieces = (
-            copy.copy(self),
-            zip(self.contact, self.gaps(), strict=True),
-        )
+        other = copy.copy(self)
+        pieces = zip(self.contact, self.gaps(), strict=True)
         other.data = {
             **self.data,
             "contact": [piece | {"gap": (factor * gap).tolist()} for piece, gap in pieces],
@@ -430,7 +426,8 @@ def _check_sums(directory):
 def answer(task: Task, make: Callable, scale: float = 1.0) -> Array:
     """Return u of all steps (steps, n, d) by a code: make(task) ↦ step, step(b, s0) ↦ u; loads times ``scale``."""
     step = make(task.scaled(scale))
-    u, result = scale * task.start(), []
+    u = scale * task.start()
+    result = []
     for n in range(task.count):
         load, stress = task.step(n, u)
         given = step(scale * load, stress if task.marches else scale * stress)
@@ -484,7 +481,8 @@ def read_reports(directory, task):
 
 def _numbers(path, shape):
     """Return the numbers of a text file; TaskError if it holds others."""
-    lines, count = shape[0], math.prod(shape[1:])
+    lines = shape[0]
+    count = math.prod(shape[1:])
     expected = f"expected plain text: for each step ({lines} in all) a line of {count} numbers separated by blanks"
     rows = {}
     for number, line in enumerate(_text(path, expected).splitlines(), 1):
@@ -570,10 +568,8 @@ def measure(task: Task, u: Array) -> Errors:
     """Judge the answer to one task, (steps, n, d)."""
     if not (abs(u) < HUGE).all():
         return Errors(*[np.inf] * 14)
-    mine, best = (
-        Equations(task, u / task.scale),
-        Equations(task, task.references()),
-    )
+    mine = Equations(task, u / task.scale)
+    best = Equations(task, task.references())
     rows = [errors_in_v(task, one, v) for one, v in zip(task.data["judge"], mine.u, strict=True)]
     values = np.max(rows, axis=0)
     pressure, *others = _contact(mine)
@@ -601,8 +597,11 @@ def errors_in_v(task, exact, u):
 
 def _contact(equations):
     """Return pressure error, penetration, error of the resultant, forces out of balance; all relative."""
-    task, lam, mass = equations.task, equations.lam, equations.area
-    p, total = task.exact_pressures(), task.judged_by("resultant")
+    task = equations.task
+    lam = equations.lam
+    mass = equations.area
+    p = task.exact_pressures()
+    total = task.judged_by("resultant")
     errors = (
         np.sqrt((lam / mass - p) ** 2 @ mass).max(),
         max(0.0, equations.gap.max()),
@@ -615,7 +614,8 @@ def _contact(equations):
 
 def tested(task):
     """Return how many constraints are in contact at some step, how many are free at some step, and their number."""
-    u, p = task.judged_by("displacement"), task.exact_pressures()
+    u = task.judged_by("displacement")
+    p = task.exact_pressures()
     free = task.distances(u) < -1e-9 * peak(u)
     return (
         int((p > 0).any(axis=0).sum()),
@@ -643,7 +643,8 @@ def judge_reports(task: Task, u: Array, reports: dict[str, Array]) -> list[Repor
         raise TaskError(f"unknown report {', '.join(sorted(unknown))}, expected {', '.join(REPORTS)}")
     if not reports or not (abs(u) < HUGE).all():
         return []
-    e, result = Equations(task, u / task.scale), []
+    e = Equations(task, u / task.scale)
+    result = []
     rights = {
         "forces": e.lam,
         "pressure": e.lam / e.area,
@@ -680,7 +681,8 @@ def _compare_status(equations, status):
 
 def _compare(task, name, mine, wanted):
     """Return whether a report agrees with the balance of u, and the sentence with the simple mistake that fits."""
-    mass, largest = task.constraints()[2], peak(wanted)
+    mass = task.constraints()[2]
+    largest = peak(wanted)
     apart = peak(mine - wanted) / largest
     if apart <= AGREES:
         return (
@@ -834,8 +836,11 @@ def _named(causes):
 
 def _perhaps(equations):
     """Return what a small residual suggests that is spread over all free unknowns, or over contact; or no cause."""
-    e, task, exact = equations, equations.task, equations.task.references()
-    apart, left = peak(e.u - exact), abs(e.total[:, ~e.held]).ravel()
+    e = equations
+    task = equations.task
+    exact = equations.task.references()
+    apart = peak(e.u - exact)
+    left = abs(e.total[:, ~e.held]).ravel()
     spread = left.sum() ** 2 / (left.size * (left**2).sum())
     stiffness = np.trace(task.stiffness, axis1=1, axis2=2).mean() / len(e.shear) * task.h ** (task.dim - 2)
     _, hover, enter = (mask.sum() for mask in contact_masks(e).values())
@@ -857,7 +862,8 @@ def _perhaps(equations):
 
 def _not_held(equations):
     """Return the cause where u on Γ1 is not zero: another format, a moved body, or what is not held."""
-    task, e = equations.task, equations
+    task = equations.task
+    e = equations
     wrong = e.on_clamp > AGREES
     if not wrong.any():
         return None
@@ -898,16 +904,17 @@ class Equations:
     """
 
     def __init__(self, task, u):
-        self.task, self.u, self.static = task, u, not task.marches
-        self.C, self.shear = task.stiffness, task.shear()
+        self.task = task
+        self.u = u
+        self.static = not task.marches
+        self.C = task.stiffness
+        self.shear = task.shear()
         self.rate = task.A / task.data.get("step", 1)
         self.load = task.given("load")
         self.largest = peak(self.load)
         self.before = np.concatenate([task.start()[None] / task.scale, u[:-1]])
-        self.strain, self.strain_before = (
-            task.strain(u),
-            task.strain(self.before),
-        )
+        self.strain = task.strain(u)
+        self.strain_before = task.strain(self.before)
         self.elastic = _times(self.C, self.strain)
         self.stress = task.given("initial_stress") if self.static else _times(task.history, self.strain_before)
         self.old = "the initial stress" if self.static else "the stress of the previous step"
@@ -921,21 +928,18 @@ class Equations:
         self.gap = task.distances(u)
         sizes = np.linalg.norm(self.total, axis=2)
         self.acting = (sizes > SEEN * sizes.max()) & (sizes > 0)
-        self.bad, self.bad_steps = (
-            self.acting.any(axis=0),
-            self.acting.any(axis=1),
-        )
+        self.bad = self.acting.any(axis=0)
+        self.bad_steps = self.acting.any(axis=1)
         self.when = _when(self.bad_steps)
 
     def _face(self):
         """Set ``keep`` (n, d, d), which takes what Γ1 and contact faces may carry from forces."""
-        task, n = self.task, len(self.task.vertices)
+        task = self.task
+        n = len(self.task.vertices)
         self.vertices, normals, self.area, _ = task.constraints()
         self.rows = 1.0 * (self.vertices[:, None] == np.arange(n))
-        self.face, self.held = (
-            self.rows.any(axis=0),
-            np.isin(np.arange(n), task.clamped),
-        )
+        self.face = self.rows.any(axis=0)
+        self.held = np.isin(np.arange(n), task.clamped)
         self.keep = np.eye(task.dim) * ~self.held[:, None, None]
         self.carry = np.zeros_like(normals)
         for v in np.flatnonzero(self.face):
@@ -977,7 +981,8 @@ def _times(C, strain):
 
 def where(equations):
     """Return at which vertices, in which steps and along which axis forces remain, or the contact conditions fail."""
-    task, bad = equations.task, np.flatnonzero(equations.bad)
+    task = equations.task
+    bad = np.flatnonzero(equations.bad)
     n = f"n = {task.level}"
     if equations.balanced:
         faults = "; ".join(_contact_faults(equations)) or "the contact conditions hold up to 1e-6"
@@ -1024,7 +1029,8 @@ def _axis(forces):
 
 def sets(equations):
     """Return sets of vertices (n,) of bool with their names."""
-    task, e = equations.task, equations
+    task = equations.task
+    e = equations
     acting = (abs(e.lam) > AGREES * peak(e.lam)).any(axis=0) @ e.rows > 0
     trace = np.trace(task.stiffness, axis1=1, axis2=2)
 
@@ -1049,14 +1055,17 @@ def sets(equations):
 
 def _place(equations):
     """Return in which set the vertices lie at which forces remain, and how many are inside, on Γ2 and on Γ3."""
-    task, bad, named = equations.task, equations.bad, sets(equations)
+    task = equations.task
+    bad = equations.bad
+    named = sets(equations)
     cells = np.flatnonzero(bad[task.cells].sum(axis=1) == bad.sum())
     if bad.sum() > 1 and 0 < len(cells) <= 2:
         return f"of cell {' or '.join(map(str, cells))}"
     parts = [f"all {name}" for name, members in named.items() if members[bad].all() and 2 * bad.sum() < len(bad)][:1]
     if not parts:
         parts = [f"{n} {name}" for name in ("inside", "on Γ2", "on Γ3") if (n := (bad & named[name]).sum())]
-    low, high = task.vertices[bad].min(axis=0), task.vertices[bad].max(axis=0)
+    low = task.vertices[bad].min(axis=0)
+    high = task.vertices[bad].max(axis=0)
     if bad.sum() > 5 and np.prod(high - low) < 0.5 * np.prod(np.ptp(task.vertices, axis=0)):
         parts.append(f"from {point(low)} to {point(high)}")
     return ", ".join(parts)
@@ -1081,10 +1090,8 @@ def _contact_faults(equations):
             vertices = np.unique(equations.vertices[wrong.any(axis=0)])
             yield f"{words} at {counted(vertices, 'vertices', equations.task.vertices)}, {_when(wrong.any(axis=1))}"
     anywhere = np.logical_or.reduce(list(masks.values()))
-    gaps, pressures = (
-        equations.gap[anywhere],
-        (equations.lam / equations.area)[anywhere],
-    )
+    gaps = equations.gap[anywhere]
+    pressures = (equations.lam / equations.area)[anywhere]
     if len(gaps):
         some = np.argsort(gaps)[:: 1 + len(gaps) // 6]
         yield "u_ν − gap ↦ force over area: " + ", ".join(f"{gaps[k]:.2g} ↦ {pressures[k]:.2g}" for k in some)
@@ -1334,7 +1341,8 @@ def _isotropic(lam, mu, shear):
 
 def _plane_stress(C):
     """Return the matrix of plane stress with the constants μ and λ of a matrix of plane strain."""
-    lam, twice_mu = C[:, 0, 1], C[:, 2, 2]
+    lam = C[:, 0, 1]
+    twice_mu = C[:, 2, 2]
     return _isotropic(twice_mu * lam / (lam + twice_mu), twice_mu / 2, np.arange(3) == 2)
 
 
@@ -1410,14 +1418,17 @@ def _lame_part(equations):
 
 def multiplied(equations):
     """Yield the causes that a term is multiplied by the factors that fit best."""
-    e, count, points = equations, equations.task.count, equations.task.vertices
+    e = equations
+    count = equations.task.count
+    points = equations.task.vertices
     for key, words, term in (
         *TERMS,
         *(STATIC_TERMS if e.static else MARCH_TERMS),
     ):
         yield from fitted(e, key, words, -e.task.internal(term(e))[None])
     yield from fitted(e, "load", "the load", e.load[None])
-    steps, vertices = np.eye(count)[:, :, None, None], np.flatnonzero(e.bad)
+    steps = np.eye(count)[:, :, None, None]
+    vertices = np.flatnonzero(e.bad)
     if count > 1:
         once = -e.task.internal(e.stress) * steps
         yield from fitted(
@@ -1456,7 +1467,8 @@ def _whole_cells(equations):
 
 def _in_cells(equations, key, words, stress):
     """Yield the cause that a term is multiplied in some cells, of those at whose free vertices forces remain."""
-    task, cells = equations.task, np.flatnonzero(_whole_cells(equations))
+    task = equations.task
+    cells = np.flatnonzero(_whole_cells(equations))
     if not 0 < len(cells) <= MOST_PARTS:
         return
     parts = np.zeros((len(cells), *equations.u.shape))
@@ -1476,7 +1488,8 @@ def fitted(equations, key, words, parts, place=None, most=1):
     ``place`` gives words for the parts whose factors are not 1, of which there may be ``most``. With several parts,
     more equations than twice the factors are needed.
     """
-    e, total = equations, equations.total.ravel()
+    e = equations
+    total = equations.total.ravel()
     flat = e.left(parts).reshape(len(parts), -1)
     if not flat.any() or (place and flat.any(axis=0).sum() < 2 * len(parts)):
         return
@@ -1532,7 +1545,8 @@ ADDED: list = [
 
 def added(equations):
     """Yield the causes that a positive multiple of forces acts that are in no equation."""
-    e, sticking = equations, _sticking(equations)
+    e = equations
+    sticking = _sticking(equations)
     for key, sentence, forces in ADDED:
         extra = e.left(forces(e))
         c = -_factor(e.total, extra)
@@ -1558,7 +1572,8 @@ def _factor(values, shape):
 
 def _traction(equations):
     """Return the nodal forces of the traction on Γ2, (steps, n, d); zero in a march, which has no traction."""
-    task, result = equations.task, np.zeros_like(equations.u)
+    task = equations.task
+    result = np.zeros_like(equations.u)
     weights = (1 + np.eye(task.dim)) / (task.dim * (task.dim + 1))
     for forces, step in zip(result, task.data["steps"], strict=True):
         for part, values in zip(task.data["loaded"], step.get("traction", ()), strict=False):
@@ -1578,7 +1593,8 @@ def _friction(equations):
 
 def supports(equations):
     """Yield the cause that u is held at 0 along the forces that remain, at each vertex and in each step of them."""
-    e, bad = equations, np.flatnonzero(equations.bad)
+    e = equations
+    bad = np.flatnonzero(equations.bad)
     if 2 * len(bad) > len(e.bad):
         return
     sizes = np.linalg.norm(e.total, axis=2)
@@ -1592,7 +1608,8 @@ def supports(equations):
 
 def tilted(equations):
     """Yield the cause that contact forces act along fixed axes that are not the normals, in two steps or more."""
-    e, bad = equations, np.flatnonzero(equations.bad)
+    e = equations
+    bad = np.flatnonzero(equations.bad)
     if not e.face[bad].all() or e.acting.sum(axis=0).max() < 2:
         return
     _, sizes, axes = np.linalg.svd(e.full[:, bad].swapaxes(0, 1), full_matrices=False)
@@ -1607,8 +1624,11 @@ def duplicated(equations):
     Forces remain at vertices of these cells alone. At the vertex, the forces of these cells are missing; at the
     others, those that follow from the move of the copy.
     """
-    e, task, bad = equations, equations.task, np.flatnonzero(equations.bad)
-    forces, whole_cells = task.in_cells(e.elastic + e.stress), _whole_cells(e)
+    e = equations
+    task = equations.task
+    bad = np.flatnonzero(equations.bad)
+    forces = task.in_cells(e.elastic + e.stress)
+    whole_cells = _whole_cells(e)
     for v in bad:
         corner = task.cells == v
         some = corner.any(axis=1) & whole_cells
@@ -1627,7 +1647,8 @@ def duplicated(equations):
 def rounded_answers(equations):
     """Yield the causes that the displacements are rounded: to decimals, to digits, or to single precision."""
     scale = equations.task.scale
-    given, exact = equations.u * scale, equations.task.references() * scale
+    given = equations.u * scale
+    exact = equations.task.references() * scale
     units = {"in single precision": np.spacing(abs(exact).astype(np.float32))}
     for k in range(1, 10):
         units[f"with {k} decimals"] = 10.0**-k
@@ -1648,9 +1669,11 @@ class ContactProblem:
     """The contact problem of an answer on the contact faces: gap = free − W λ, with its history; ``right`` is its λ."""
 
     def __init__(self, equations):
-        e, self.task = equations, equations.task
+        e = equations
+        self.task = equations.task
         self.vertices, normals, self.area, self.initial = self.task.constraints()
-        self.lam, self.gap = e.lam, e.gap
+        self.lam = e.lam
+        self.gap = e.gap
         self.gap_before = -self.task.distances(e.before)
         unknown = np.flatnonzero(np.repeat(~e.held, self.task.dim))
         units = np.eye(self.task.vertices.size)[unknown].reshape(-1, *self.task.vertices.shape)
@@ -1666,7 +1689,8 @@ class ContactProblem:
         self.every = np.ones(len(N), bool)
         self.right = self.each()
         self.largest = max(peak(self.right), peak(self.lam))
-        self.small, self.moved = AGREES * self.largest, AGREES * peak(e.u)
+        self.small = AGREES * self.largest
+        self.moved = AGREES * peak(e.u)
         self.pressed = self.lam > self.small
         self.first = np.arange(len(self.lam))[:, None] == 0
         self.ends = np.where(self.area < 0.75 * np.median(self.area), 0.5, 1.0)
@@ -1836,7 +1860,8 @@ def contact_causes(equations):
 
 def _facet_means(problem):
     """Return rows that take the mean over each facet of the constraints at its vertices."""
-    rows, numbers = [], problem.task.by_piece(np.arange(len(problem.area)))
+    rows = []
+    numbers = problem.task.by_piece(np.arange(len(problem.area)))
     for piece, row in zip(problem.task.contact, numbers, strict=True):
         on = [np.isin(problem.vertices[row], facet) / len(facet) for facet in piece["facets"]]
         rows += [np.bincount(row, part, len(problem.area)) for part in on if part.any()]
@@ -2025,7 +2050,8 @@ def classify(h: list[float], errors: list[Errors]) -> str:
 
 def judged(h, errors, levels=None):
     """Return the class, and the numbers that decided; a mesh is named by its level, or without ``levels`` by 1 / h."""
-    shares, last = [one.share for one in errors], errors[-1]
+    shares = [one.share for one in errors]
+    last = errors[-1]
     meshes = [f"n = {n:g}" for n in levels or 1 / floats(h)]
     if max(shares) <= EXACT and max(one.from_best for one in errors) <= 10 * EXACT:
         return EXACT_CLASS, f"{max(shares):.0e} of the error"
@@ -2047,10 +2073,8 @@ def judged(h, errors, levels=None):
     needed = min(FALLS, max(order_of("best", h, errors) / 2, LEAST_FALL))
     if fall[-1] < needed and shares[-1] > EXACT:
         return "stagnates", f"at {shares[-1]:.1e} of the error, {told}"
-    pressure, of_best = (
-        order_of("pressure", h, errors),
-        order_of("best_pressure", h, errors),
-    )
+    pressure = order_of("pressure", h, errors)
+    of_best = order_of("best_pressure", h, errors)
     if pressure < min(PRESSURE_FALLS, of_best - NECESSARY):
         return "stagnates", f"in the pressure, order {pressure:.1f}"
     if last.outside > FEW_FORCES:
@@ -2063,12 +2087,14 @@ def judged(h, errors, levels=None):
 
 def _far_off(h, errors, meshes):
     """Yield why an answer is far off, and on which mesh."""
-    last, moved = errors[-1], [one.on_clamp for one in errors]
+    last = errors[-1]
+    moved = [one.on_clamp for one in errors]
     distances = [one.share * one.best for one in errors]
     fall = [0.0, *orders(h, distances), 0.0]
     held = moved[-1] <= AGREES or (order(h, moved) >= FALLS and moved[-1] < LARGE_ON_CLAMP)
     for k, (one, mesh) in enumerate(zip(errors, meshes, strict=True)):
-        final, large = one is last, one.share > LARGE_SHARE and one is not last
+        final = one is last
+        large = one.share > LARGE_SHARE and one is not last
         finest = final and len(h) > 1
         grows = fall[k] < -FALLS and one.share > (NEGLIGIBLE if finest else PEAK)
         drops = fall[k + 1] > JUMP and distances[k] > FACTOR * distances[min(k + 1, len(h) - 1)]
@@ -2100,10 +2126,8 @@ def assess(
     """
     groups: dict = defaultdict(dict)
     for task in sorted(tasks, key=lambda one: one.level):
-        shape, axes = (
-            (task.count, *task.vertices.shape),
-            "steps, vertices, components",
-        )
+        shape = (task.count, *task.vertices.shape)
+        axes = "steps, vertices, components"
         u = as_array(answers.get(task.name), shape, f"the answer to {task.name}", axes)
         series = groups[task.case, task.data["family"], task.data["mode"], task.scale]
         if task.level in series:
@@ -2114,7 +2138,8 @@ def assess(
 
 def _judgement(key, tasks, answers, reports):
     """Judge one case on one mesh family in one mode, under one load scale."""
-    h, levels = [task.h for task in tasks], [task.level for task in tasks]
+    h = [task.h for task in tasks]
+    levels = [task.level for task in tasks]
     errors = [measure(task, u) for task, u in zip(tasks, answers, strict=True)]
     verdict, why = judged(h, errors, levels)
     differing = [k for k, one in enumerate(errors) if not one.share <= EXACT]
@@ -2124,12 +2149,11 @@ def _judgement(key, tasks, answers, reports):
         "undecided",
         CONSISTENT,
     ):
-        verdict, why = "wrong", "the cause below is certain"
+        verdict = "wrong"
+        why = "the cause below is certain"
     if verdict == CONSISTENT and words and not cause.may_vanish():
-        verdict, why = (
-            "undecided",
-            f"{words}: fits better than a distance that vanishes, {why}",
-        )
+        verdict = "undecided"
+        why = f"{words}: fits better than a distance that vanishes, {why}"
     last = [order_of(name, h, errors) for name in ("error", "best", "distance", "pressure")]
     told = []
     for task, u in zip(tasks, answers, strict=True):
@@ -2198,17 +2222,16 @@ def table(judgements, tolerance=0.0):
     """Return what the judgements say, in lines; numbers are those of the last mesh."""
     lines = [ROW.format(*HEAD)]
     for one in judgements:
-        last, (pressed, free, count) = one.errors[-1], one.tested
+        last = one.errors[-1]
+        (pressed, free, count) = one.tested
         sizes = one.order_in_v, last.share, last.pressure, last.best_pressure
         what = f"{one.verdict} ({one.why})"
         if one.verdict not in GOOD and one.outcome(tolerance) == "holds":
             what += f", passes: at most {tolerance:g} of the error"
         if wrong := {report.name: "" for report in one.reports if not report.right}:
             what += f", fails: wrong reported {', '.join(wrong)}"
-        levels, numbers = (
-            " ".join(map(str, one.levels)),
-            NUMBERS.format(*sizes, pressed, count, free, count),
-        )
+        levels = " ".join(map(str, one.levels))
+        numbers = NUMBERS.format(*sizes, pressed, count, free, count)
         lines.append(ROW.format(one.name, one.family, one.mode, levels, *numbers.split(), what))
         lines += [f"    {note}" for note in notes(one)]
     return "\n".join([*lines, *summary(judgements)])
@@ -2259,7 +2282,8 @@ def as_junit(judgements, tolerance=0.0):
     """Return JUnit XML: one test case for each judgement; undecided ones are failures."""
     suite = ElementTree.Element("testsuite", name="contact_judge", tests=str(len(judgements)))
     for one in judgements:
-        outcome, reason = one.outcome(tolerance), f"{one.verdict} ({one.why})"
+        outcome = one.outcome(tolerance)
+        reason = f"{one.verdict} ({one.why})"
         name = f"{one.name}, {one.family}, {one.mode}, n = {' '.join(map(str, one.levels))}"
         case = ElementTree.SubElement(suite, "testcase", classname="contact_judge", name=name)
         if outcome != "holds":
@@ -2365,7 +2389,9 @@ def chosen(tasks, names):
 
 def read_all(tasks, directory):
     """Return the tasks whose answers can be read, answers, reports, and why others cannot."""
-    answers, reports, faults = {}, {}, []
+    answers = {}
+    reports = {}
+    faults = []
     for task in tasks:
         try:
             reports[task.name] = read_reports(directory, task)
@@ -2411,7 +2437,8 @@ def main(arguments=None):
         outcomes, faults = _run(options)
     except (TaskError, OSError) as error:
         unreadable = isinstance(error, OSError) and f"cannot read or write {error.filename}: {error.strerror or error}"
-        outcomes, faults = [], [unreadable or error]
+        outcomes = []
+        faults = [unreadable or error]
     for fault in faults:
         print(printable(f"contact_judge: {fault}"), file=sys.stderr)
     if faults:
