@@ -38,48 +38,67 @@ import numpy as np
 Array = np.ndarray
 EXACT = 1e-5
 """Distance from the solution in K^h over the discretisation error up to which a code is exact for P1."""
-FALLS, LEAST_FALL = 0.5, 0.2
+FALLS = 0.5
+LEAST_FALL = 0.2
 """Order from which on a distance falls, or grows: half of that of the error if this is below 1, but at least 0.2."""
 PRESSURE_FALLS = 2 / 3
 """Order from which on the error of the pressure falls, unless that of the solution in K^h falls more slowly."""
 MESHES = 3
 """Meshes without which nothing is said of an order: on two, what falls fast hides what does not fall."""
-NEGLIGIBLE, NO_CONTACT = 0.01, 0.9
+NEGLIGIBLE = 0.01
+NO_CONTACT = 0.9
 """Part of the error up to which a distance may grow (quadrature, iterations); pressure error of about no contact, 1."""
-OTHER_EQUATIONS, UNBALANCED, FEW_FORCES = 0.1, 0.3, 1e-3
+OTHER_EQUATIONS = 0.1
+UNBALANCED = 0.3
+FEW_FORCES = 1e-3
 """Part of the load where no force may be, to be wrong on the last mesh, on a coarser mesh, and to be mentioned;
 Nitsche's methods leave some hundredths."""
-NECESSARY, LARGE_PRESSURE, LARGE_SHARE = 0.15, 3, 0.3
+NECESSARY = 0.15
+LARGE_PRESSURE = 3
+LARGE_SHARE = 0.3
 """Distance of two orders that are the same; times the error of K^h from which on a pressure is mentioned; distance over
 the error of K^h from which on it is mentioned."""
-AGREES, NAMED, LARGEST_LEFT, SEEN = 1e-6, 1e-3, 0.05, 1e-3
+AGREES = 1e-6
+NAMED = 1e-3
+LARGEST_LEFT = 0.05
+SEEN = 1e-3
 """Relative difference up to which what a code reports agrees with its displacements: six digits in a text file; part of
 the residual that a cause may leave to be most likely; largest residual of such a cause over the load; part of the
 largest force from which on forces remain at a vertex, and of the largest change of a factor for it not to be 1."""
-CERTAIN, LARGE_ON_CLAMP, FAR, SINGULAR = 1e-8, 0.3, 100, 1e6
+CERTAIN = 1e-8
+LARGE_ON_CLAMP = 0.3
+FAR = 100
+SINGULAR = 1e6
 """Residual up to which a cause is certain. Over the largest displacement of the exact solution: u on Γ1 of order 1,
 displacements that are wrong on every mesh, displacements that only a singular matrix gives."""
-JUMP, FACTOR, PEAK = 6, 50, 0.1
+JUMP = 6
+FACTOR = 50
+PEAK = 0.1
 """Order and factor above which no distance falls from a large share of the error: the coarser mesh is then wrong. Share
 above which this holds where the distance grew before; integral multipliers may be exact on some meshes, and 0.02 off on
 others."""
 METHODS = "springs", "smooth", "barrier", "augmented", "facets", "digits"
 FITTED = "units", "scaled", "offset", "tilt", "rigid", "coordinates"
 """Causes that may be consistent methods; causes with a number fitted to the answer, which may tend to the right one."""
-EQUATIONS_HOLD, CONTACT_HOLDS = 1e-6, 1e-10
+EQUATIONS_HOLD = 1e-6
+CONTACT_HOLDS = 1e-10
 """Forces over the load where none may be, and differences of contact forces over the largest, that need no cause."""
-ROUGH, SPREAD, ROUNDED = 0.5, 0.2, (0.1, 5)
+ROUGH = 0.5
+SPREAD = 0.2
+ROUNDED = (0.1, 5)
 """Largest force over C ‖v‖ h^(d−2) from which on a difference v changes from vertex to vertex (h² if it is smooth);
 (Σ |r|)² / (n Σ r²) from which on forces r are spread over all n free unknowns (2/π for random ones); largest force over
 the rounding of single precision in the stiffness, for it to be this rounding (0.8 to 3.7 were measured)."""
-LARGEST_SOLVE, MOST_PARTS = 1500, 300
+LARGEST_SOLVE = 1500
+MOST_PARTS = 300
 """Components of u up to which the judge solves the contact problem itself, to try causes in the contact algorithm;
 factors that are fitted at once."""
 HUGE = 1e100
 """Value from which on a number is no displacement; its square would still be finite."""
 GOOD = EXACT_CLASS, CONSISTENT = "exact for P1", "consistent"
 OPEN: dict[str, Callable] = {".xz": lzma.open, ".gz": gzip.open}
-PACKING, UNSUSPICIOUS = 100, 2**28
+PACKING = 100
+UNSUSPICIOUS = 2**28
 """A file may unpack to so many times its size. Files that unpack to at most 256 MiB may have any ratio."""
 INVISIBLE = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ud800-\udfff\ufeff"
@@ -668,9 +687,8 @@ def judge_reports(task: Task, u: Array, reports: dict[str, Array]) -> list[Repor
     return result
 
 
-def _compare_status(equations, status):
+def _compare_status(e, status):
     """Return whether a status agrees with forces and gaps, and the sentence."""
-    e = equations
     faults = {
         "no contact where a force acts": ~status & (e.lam > AGREES * peak(e.lam)),
         "contact where a gap is open": status & (e.gap < -AGREES * peak(e.u)),
@@ -722,8 +740,9 @@ class Cause:
     Attributes:
         key: ``group:variant``; of equally good causes, one of each group is named.
         sentence: what is wrong.
-        residual: what is left over ``of`` if the cause is undone in the equations, or imitated in the answer.
-        without: what is left over ``of`` otherwise.
+        residual: what is left if the cause is undone in the equations, or imitated in the answer; over the load, or for
+            causes in the contact algorithm over the largest contact force.
+        without: what is left otherwise.
         fitted: how many numbers without a meaning were fitted to the answer.
     """
 
@@ -731,7 +750,6 @@ class Cause:
     sentence: str
     residual: float
     without: float
-    of: str = "the load"
     fitted: int = 0
 
     @property
@@ -834,11 +852,10 @@ def _named(causes):
     return Diagnosis(sentence, groups, best.residual <= CERTAIN)
 
 
-def _perhaps(equations):
+def _perhaps(e):
     """Return what a small residual suggests that is spread over all free unknowns, or over contact; or no cause."""
-    e = equations
-    task = equations.task
-    exact = equations.task.references()
+    task = e.task
+    exact = e.task.references()
     apart = peak(e.u - exact)
     left = abs(e.total[:, ~e.held]).ravel()
     spread = left.sum() ** 2 / (left.size * (left**2).sum())
@@ -860,10 +877,9 @@ def _perhaps(equations):
     return Diagnosis("Not explained: no cause that was tried leaves a thousandth of this")
 
 
-def _not_held(equations):
+def _not_held(e):
     """Return the cause where u on Γ1 is not zero: another format, a moved body, or what is not held."""
-    task = equations.task
-    e = equations
+    task = e.task
     wrong = e.on_clamp > AGREES
     if not wrong.any():
         return None
@@ -898,7 +914,8 @@ class Equations:
         u: displacements (steps, n, d), loads not scaled; ``before`` those of the step before.
         elastic: stresses C ε(u), (steps, cells, D); ``stress`` are the initial stresses.
         full: forces out of balance (steps, n, d); ``total`` without those that Γ1 and the contact faces may carry.
-        lam: nodal contact forces (steps, m), least squares where faces meet; ``gap`` is u_ν − gap.
+        lam: nodal contact forces (steps, m), least squares where faces meet; ``pressed`` says where they act, ``gap``
+            is u_ν − gap.
         on_clamp: |u| on Γ1 (steps, vertices, d) over the largest displacement of the exact solution.
         bad: where forces remain, (n,) of bool; ``bad_steps`` (steps,) is when, ``when`` in words.
     """
@@ -925,6 +942,7 @@ class Equations:
         self.balanced = self.remains <= EQUATIONS_HOLD
         self.on_clamp = abs(u[:, task.clamped]) / peak(task.references())
         self.lam = np.einsum("smi,mi->sm", self.full[:, self.vertices], self.carry)
+        self.pressed = self.lam > AGREES * peak(self.lam)
         self.gap = task.distances(u)
         sizes = np.linalg.norm(self.total, axis=2)
         self.acting = (sizes > SEEN * sizes.max()) & (sizes > 0)
@@ -958,10 +976,6 @@ class Equations:
     def under(self, stress):
         """Return the forces out of balance with other stresses (steps, cells, D)."""
         return self.left(self.load - self.task.internal(stress))
-
-    def slip(self):
-        """Return the part of u along the contact face, (steps, n, d), zero at other vertices."""
-        return self.left(self.u) * self.face[:, None]
 
     def size(self, left):
         """Return the largest force over the largest load."""
@@ -1027,10 +1041,9 @@ def _axis(forces):
     return f", all along ±{point(axis.round(6))}"
 
 
-def sets(equations):
+def sets(e):
     """Return sets of vertices (n,) of bool with their names."""
-    task = equations.task
-    e = equations
+    task = e.task
     acting = (abs(e.lam) > AGREES * peak(e.lam)).any(axis=0) @ e.rows > 0
     trace = np.trace(task.stiffness, axis1=1, axis2=2)
 
@@ -1114,11 +1127,6 @@ STATIC: list = [
 ]
 MARCH: list = [
     (
-        "scheme",
-        "backward Euler is used in place of the midpoint rule",
-        lambda e: e.stresses(e.rate + e.task.G, -e.rate),
-    ),
-    (
         "elastic law",
         "the viscous stress is missing: σ = G ε(u)",
         lambda e: e.stresses(e.task.G, 0 * e.task.G),
@@ -1145,25 +1153,21 @@ STRESSES: list = [
         "λ and μ are exchanged",
         lambda e: e.stresses(_isotropic(e.C[:, -1, -1] / 2, e.C[:, 0, 1], e.shear)),
     ),
-    (
-        "cell before:C",
-        "each cell has the stiffness of the cell before",
-        lambda e: e.stresses(np.roll(e.C, 1, 0)),
-    ),
-    (
-        "next cell:C",
-        "each cell has the stiffness of the next cell",
-        lambda e: e.stresses(np.roll(e.C, -1, 0)),
-    ),
-    (
-        "cell before:stress",
-        "each cell has the initial stress or history of the cell before",
-        lambda e: e.elastic + np.roll(e.stress, 1, 1),
-    ),
-    (
-        "next cell:stress",
-        "each cell has the initial stress or history of the next cell",
-        lambda e: e.elastic + np.roll(e.stress, -1, 1),
+    *(
+        row
+        for k, which in ((1, "the cell before"), (-1, "the next cell"))
+        for row in (
+            (
+                f"{which}:C",
+                f"each cell has the stiffness of {which}",
+                lambda e, k=k: e.stresses(np.roll(e.C, k, 0)),
+            ),
+            (
+                f"{which}:stress",
+                f"each cell has the initial stress or history of {which}",
+                lambda e, k=k: e.elastic + np.roll(e.stress, k, 1),
+            ),
+        )
     ),
 ]
 """What the stresses would be, (steps, cells, D)."""
@@ -1172,6 +1176,21 @@ LOADS: list = [
         "load 1",
         "the load of the step before is used",
         lambda e: e.shifted(e.load),
+    ),
+    (
+        "load next",
+        "the load of the next step is used",
+        lambda e: np.concatenate([e.load[1:], e.load[-1:]]),
+    ),
+    (
+        "load mean",
+        "the mean of the loads of this step and the step before is used",
+        lambda e: (e.load + e.shifted(e.load)) / 2,
+    ),
+    (
+        "diagonal",
+        "the diagonal of the stiffness matrix is counted twice (K + Kᵀ of one triangle?)",
+        lambda e: e.load - _diagonal(e.task) * e.u,
     ),
     (
         "repeated",
@@ -1255,9 +1274,8 @@ ORDERS = {
 """Orders of the components of tensors, Mandel, in the plane and in space."""
 
 
-def undone(equations):
+def undone(e):
     """Yield the causes of the tables of stresses, loads and tasks with what is left if they are undone."""
-    e = equations
     tables = [
         (
             [
@@ -1278,13 +1296,12 @@ def undone(equations):
                 yield Cause(key, sentence.format(e=e), e.size(left(changed)), e.remains)
 
 
-def changed_answers(equations):
+def changed_answers(e):
     """Yield the causes that the numbers of the answer stand for something else: forces and u on Γ1 that are left.
 
     The history of a march may follow from the right displacements, or from the numbers of the answer (as in
     ``answer``).
     """
-    e = equations
     for key, sentence, change in ANSWERS:
         u = change(e)
         if u is not False:
@@ -1361,9 +1378,16 @@ def _last_cell_only(equations):
     return result
 
 
-def _without_copies(equations):
+def _diagonal(task):
+    """Return the diagonal of the stiffness matrix, (n, d)."""
+    total = np.zeros_like(task.vertices)
+    parts = np.einsum("c,Dcka,cDE,Ecka->cka", task.volumes, task.strains, task.stiffness, task.strains)
+    np.add.at(total, task.cells, parts)
+    return total
+
+
+def _without_copies(e):
     """Return the answer with the right displacements in steps that are a copy of the one before, or zero."""
-    e = equations
     copies = (e.u == np.roll(e.u, 1, 0)).all(axis=(1, 2)) & (len(e.u) > 1) | (e.u == 0).all(axis=(1, 2))
     return np.where((copies & e.bad_steps)[:, None, None], e.task.references(), e.u)
 
@@ -1400,6 +1424,11 @@ MARCH_TERMS: list = [
         "the elastic stress G ε(u)",
         lambda e: _times(e.task.G, (e.strain + e.strain_before) / 2),
     ),
+    (
+        "theta",
+        "θ = 1/2 of the time scheme (1 in backward Euler)",
+        lambda e: _times(e.task.G, (e.strain - e.strain_before) / 2),
+    ),
 ]
 """Stresses (steps, cells, D)."""
 IN_CELLS = " in cells"
@@ -1416,37 +1445,17 @@ def _lame_part(equations):
     return _times(_isotropic(lam, 0 * lam, equations.shear), equations.strain)
 
 
-def multiplied(equations):
+def multiplied(e):
     """Yield the causes that a term is multiplied by the factors that fit best."""
-    e = equations
-    count = equations.task.count
-    points = equations.task.vertices
-    for key, words, term in (
-        *TERMS,
-        *(STATIC_TERMS if e.static else MARCH_TERMS),
-    ):
-        yield from fitted(e, key, words, -e.task.internal(term(e))[None])
-    yield from fitted(e, "load", "the load", e.load[None])
+    count = e.task.count
+    points = e.task.vertices
     steps = np.eye(count)[:, :, None, None]
     vertices = np.flatnonzero(e.bad)
-    if count > 1:
-        once = -e.task.internal(e.stress) * steps
-        yield from fitted(
-            e,
-            "stress once",
-            "{e.old}",
-            once,
-            lambda odd: f" {_when(odd)}",
-            count - 1,
-        )
-        yield from fitted(
-            e,
-            "load once",
-            "the load",
-            e.load * steps,
-            lambda odd: f" {_when(odd)}",
-            count - 1,
-        )
+    terms = [*TERMS, *(STATIC_TERMS if e.static else MARCH_TERMS)]
+    forces = [(key, words, -e.task.internal(term(e))) for key, words, term in terms]
+    for key, words, force in (*forces, ("load", "the load", e.load)):
+        yield from fitted(e, key, words, force[None])
+        yield from fitted(e, f"{key} once", words, force * steps, lambda odd: f" {_when(odd)}", count - 1)
     if len(vertices) <= MOST_PARTS:
         loads = np.eye(len(points))[vertices][:, None, :, None] * e.load
 
@@ -1482,14 +1491,13 @@ def _in_cells(equations, key, words, stress):
     yield from fitted(equations, key, words, parts, at, len(task.cells) * 2 // 3)
 
 
-def fitted(equations, key, words, parts, place=None, most=1):
+def fitted(e, key, words, parts, place=None, most=1):
     """Yield the cause that parts of the equations (k, steps, n, d) are multiplied by the factors that fit best.
 
     ``place`` gives words for the parts whose factors are not 1, of which there may be ``most``. With several parts,
     more equations than twice the factors are needed.
     """
-    e = equations
-    total = equations.total.ravel()
+    total = e.total.ravel()
     flat = e.left(parts).reshape(len(parts), -1)
     if not flat.any() or (place and flat.any(axis=0).sum() < 2 * len(parts)):
         return
@@ -1501,7 +1509,8 @@ def fitted(equations, key, words, parts, place=None, most=1):
     told = factor_words(factors.mean())
     if np.ptp(factors) > 1e-4 * peak(change):
         told = "is multiplied by different factors"
-    sentence = words if words.startswith(UNITS) else f"{words}{place(odd) if place else ''} {told}"
+    at = place(odd) if place else ""
+    sentence = words + at if words.startswith(UNITS) else f"{words}{at} {told}"
     inverse = 1 / (factors[0] or 1e-300)
     sentence = sentence.format(e=e, factor=factors[0], inverse=inverse)
     numbers = (ODD in sentence) + (odd.sum() if place else 0)
@@ -1524,45 +1533,68 @@ def factor_words(factor):
 
 # Forces that are in no equation
 
-ADDED: list = [
-    (
-        "traction",
-        "the traction on Γ2 is added {c:.8g} times to `load`, which already contains it",
-        lambda e: _traction(e),
-    ),
+ALONG: list = [
     (
         "friction",
         "friction acts in contact, with the coefficient {c:.8g}",
-        lambda e: _friction(e),
+        lambda e: e.lam,
+    ),
+    (
+        "friction:bound",
+        "friction of {c:.8g} for each area acts in contact, whatever the contact force",
+        lambda e: e.pressed * e.area,
     ),
     (
         "tangential springs",
         "springs act along the contact face (a tangential penalty), of stiffness {c:.8g} for each area",
-        lambda e: -(e.area @ e.rows)[:, None] * e.slip(),
+        lambda e: 0 * e.lam + e.area,
+    ),
+    (
+        "tangential springs:contact",
+        "springs act along the face in contact (a tangential penalty), of stiffness {c:.8g} for each area",
+        lambda e: e.pressed * e.area,
     ),
 ]
+"""Forces against the slip, (steps, m), up to a factor c: of this size for friction, else times the slip."""
 
 
-def added(equations):
+def added(e):
     """Yield the causes that a positive multiple of forces acts that are in no equation."""
-    e = equations
-    sticking = _sticking(equations)
-    for key, sentence, forces in ADDED:
-        extra = e.left(forces(e))
-        c = -_factor(e.total, extra)
-        if c > 0:
-            left = e.total + c * extra
-            if key == "friction":
-                left[sticking < c * (1 + NAMED)] = 0
-            yield Cause(key, sentence.format(c=c), e.size(left), e.remains, fitted=1)
+    traction = e.left(_traction(e))
+    c = -_factor(e.total, traction)
+    if c > 0:
+        words = f"the traction on Γ2 is added {c:.8g} times to `load`, which already contains it"
+        yield Cause("traction", words, e.size(e.total + c * traction), e.remains, fitted=1)
+    moves = {"": e.u, ", against the change of u since the step before": e.u - e.before}
+    for key, sentence, weights in ALONG:
+        for against, move in moves.items():
+            c, left = _resisted(e, weights(e) @ e.rows, move, key.startswith("friction"))
+            if c > 0:
+                yield Cause(
+                    f"{key}:{against}",
+                    sentence.format(c=c) + against,
+                    e.size(left),
+                    e.remains,
+                    fitted=1 + bool(against),
+                )
 
 
-def _sticking(equations):
-    """Return forces along the face over contact forces, (steps, n), where u along it is 0; infinite elsewhere."""
-    force, slip = (np.linalg.norm(values, axis=2) for values in (equations.total, equations.slip()))
-    lam = equations.lam @ equations.rows
-    stays = equations.face & (slip <= AGREES * peak(equations.u)) & (lam > 0)
-    return np.where(stays, force / np.where(stays, lam, 1), np.inf)
+def _resisted(e, weight, move, friction):
+    """Return c and the forces left without c weight against the slip, (steps, n) and (steps, n, d).
+
+    Friction has the size c weight where a vertex slides, and at most this size where it stays.
+    """
+    slip = e.left(move) * e.face[:, None]
+    size = np.linalg.norm(slip, axis=2)
+    slides = size > AGREES * peak(e.u)
+    per = weight * slides / np.maximum(size, 1e-300) if friction else weight
+    along = per[..., None] * slip
+    c = _factor(e.total, along)
+    left = e.total - c * along
+    if friction:
+        stays = ~slides & e.face & (np.linalg.norm(e.total, axis=2) < c * (1 + NAMED) * weight)
+        left[stays] = 0
+    return c, left
 
 
 def _factor(values, shape):
@@ -1583,50 +1615,45 @@ def _traction(equations):
     return result
 
 
-def _friction(equations):
-    """Return forces against the slip, as large as the contact forces; zero where u along the face is 0."""
-    slip = equations.slip()
-    size = np.linalg.norm(slip, axis=2, keepdims=True)
-    slides = size > AGREES * peak(equations.u)
-    return -(equations.lam @ equations.rows)[..., None] * slides * slip / np.maximum(size, 1e-300)
-
-
-def supports(equations):
+def supports(e):
     """Yield the cause that u is held at 0 along the forces that remain, at each vertex and in each step of them."""
-    e = equations
-    bad = np.flatnonzero(equations.bad)
+    bad = np.flatnonzero(e.bad)
     if 2 * len(bad) > len(e.bad):
         return
     sizes = np.linalg.norm(e.total, axis=2)
-    moved = abs((e.u * e.total).sum(axis=2)) / np.maximum(sizes, 1e-300)
     at = counted(bad, "vertices", e.task.vertices)
-    words = f"u is held at 0 along the forces at {at}: a support, or other faces found to be in contact"
-    if e.face[bad].all():
-        words = f"no slip: u along the face is held at 0 at {at}"
-    yield Cause("held", words, float(moved[e.acting].max() / peak(e.u)), e.remains)
+    for key, held, u in (
+        ("held", "is held at 0", e.u),
+        ("held:stuck", "stays as in the step before", e.u - e.before),
+    ):
+        moved = abs((u * e.total).sum(axis=2)) / np.maximum(sizes, 1e-300)
+        words = f"u {held} along the forces at {at}: a support, or other faces found to be in contact"
+        if e.face[bad].all():
+            words = f"no slip: u along the face {held} at {at}"
+        yield Cause(key, words, float(moved[e.acting].max() / peak(e.u)), e.remains, fitted=int(key != "held"))
 
 
-def tilted(equations):
+def tilted(e):
     """Yield the cause that contact forces act along fixed axes that are not the normals, in two steps or more."""
-    e = equations
-    bad = np.flatnonzero(equations.bad)
+    bad = np.flatnonzero(e.bad)
     if not e.face[bad].all() or e.acting.sum(axis=0).max() < 2:
         return
     _, sizes, axes = np.linalg.svd(e.full[:, bad].swapaxes(0, 1), full_matrices=False)
+    left = sizes * (np.arange(sizes.shape[1]) >= e.rows.sum(axis=0)[bad, None])
+    numbers = len(np.unique((axes[:, :1] * axes[:, 0, :, None]).round(4), axis=0))
     at = counted(bad, "vertices", e.task.vertices)
-    words = f"normals are tilted (or there is friction) at {at}: along {point(axes[0, 0])} there"
-    yield Cause("tilt", words, e.size(sizes[:, 1:]), e.remains, fitted=len(bad))
+    words = f"normals are tilted (or there is friction) at {at}: along {point(axes[0, 0].round(6))} there"
+    yield Cause("tilt", words, e.size(left), e.remains, fitted=numbers)
 
 
-def duplicated(equations):
+def duplicated(e):
     """Yield the cause that some cells at a vertex use a copy of it that moves on its own (a crack).
 
     Forces remain at vertices of these cells alone. At the vertex, the forces of these cells are missing; at the
     others, those that follow from the move of the copy.
     """
-    e = equations
-    task = equations.task
-    bad = np.flatnonzero(equations.bad)
+    task = e.task
+    bad = np.flatnonzero(e.bad)
     forces = task.in_cells(e.elastic + e.stress)
     whole_cells = _whole_cells(e)
     for v in bad:
@@ -1709,9 +1736,9 @@ class ContactProblem:
         """Return λ with the constraints multiplied by rows from the left."""
         return np.array([active_set(rows @ self.W @ rows.T, rows @ free) for free in self.free]) @ rows
 
-    def gaps(self, change):
-        """Return the initial gap, changed on each piece of Γ3."""
-        return np.concatenate([change(one) for one in self.task.by_piece(self.initial)])
+    def on_pieces(self, values, change):
+        """Return values (…, m) at the constraints, changed on each piece of Γ3."""
+        return np.concatenate([change(one) for one in self.task.by_piece(values)], axis=-1)
 
     def named(self, rows):
         """Return the number of some constraints and the first of their vertices, with coordinates."""
@@ -1733,8 +1760,6 @@ def active_set(W, free, start=None, updates=60, release=True, tied=False):
     return lam
 
 
-PULLS = "vertices in contact are never released, although their forces pull"
-LATE, FIRST = "contact is one step late: the contact", "the first step"
 CONTACT: list = [
     (
         "none",
@@ -1757,30 +1782,41 @@ CONTACT: list = [
         lambda p: p.with_gap(p.area / p.task.scale),
     ),
     (
-        "gap -1",
-        "the initial gap is taken with the reversed sign",
-        lambda p: p.with_gap(-p.initial),
-    ),
-    ("gap 0", "the initial gap is forgotten", lambda p: p.with_gap(0)),
-    (
         "gap order",
         "the initial gaps are in the reversed order",
-        lambda p: p.with_gap(p.gaps(np.flip)),
+        lambda p: p.with_gap(p.on_pieces(p.initial, np.flip)),
     ),
     *(
-        (
-            f"gap shift:{k}",
-            "the initial gaps are shifted by one vertex",
-            lambda p, k=k: p.with_gap(p.gaps(lambda gap: np.roll(gap, k))),
-        )
+        row
         for k in (1, -1)
+        for row in (
+            (
+                f"gap shift:{k}",
+                "the initial gaps are shifted by one vertex",
+                lambda p, k=k: p.with_gap(p.on_pieces(p.initial, lambda gap: np.roll(gap, k))),
+            ),
+            (
+                f"force shift:{k}",
+                "each contact force acts at the next vertex of the list",
+                lambda p, k=k: p.on_pieces(p.right, lambda lam: np.roll(lam, k, 1)),
+            ),
+        )
+    ),
+    (
+        "gap middle",
+        "contact closes the gap in the middle of the step, (u_n + u_{n−1})/2, not at its end",
+        lambda p: p.with_gap(p.initial + p.gap_before),
     ),
     (
         "gap left",
         "the gap that the step before left is taken for the initial gap",
         lambda p: p.with_gap(p.gap_before),
     ),
-    ("pull:iterations", PULLS, lambda p: p.each(release=False)),
+    (
+        "pull:iterations",
+        "vertices in contact are never released, although their forces pull",
+        lambda p: p.each(release=False),
+    ),
     (
         "facets",
         "contact is imposed on the mean gap of each facet (facet midpoints), not at the vertices",
@@ -1807,32 +1843,32 @@ CONTACT: list = [
 CONTACT_IN_STEPS: list = [
     (
         "late:forces",
-        f"{LATE} forces are those of the step before",
+        "contact is one step late: the contact forces are those of the step before",
         lambda p: np.roll(p.right, 1, 0) * ~p.first,
     ),
     (
         "late:vertices",
-        f"{LATE} vertices are those of the step before",
+        "contact is one step late: the contact vertices are those of the step before",
         lambda p: p.each(starts=[p.pressed[0], *(p.right[:-1] > 0)], updates=0),
     ),
     (
         "first:only",
-        f"contact acts in {FIRST} only",
+        "contact acts in the first step only",
         lambda p: p.right * p.first,
     ),
     (
         "first:missing",
-        f"contact is missing in {FIRST}",
+        "contact is missing in the first step",
         lambda p: p.right * ~p.first,
     ),
     (
         "first:forces",
-        f"the contact forces of {FIRST} are kept in all steps",
+        "the contact forces of the first step are kept in all steps",
         lambda p: p.right[:1] + 0 * p.right,
     ),
     (
         "first:vertices",
-        f"the vertices in contact are found in {FIRST} only and kept in all steps",
+        "the vertices in contact are found in the first step only and kept in all steps",
         lambda p: p.each(starts=p.pressed[:1] | (0 * p.right > 0), updates=0),
     ),
 ]
@@ -1888,11 +1924,27 @@ def _found_sets(problem):
 
 
 def _fitted_contact(problem):
-    """Yield causes with one number that is fitted: a factor, an offset, a pressure."""
+    """Yield causes with numbers that are fitted: a factor, smoothing, gaps, an offset, a pressure."""
     p = problem
     factor = _factor(p.lam, p.right)
     words = f"the contact forces that act on the body are {factor:.8g} times the right ones"
     yield "scaled", words, factor * p.right, 1
+    means = _facet_means(p)
+    near = means.T @ means
+    spread = p.right @ near - p.right * near.sum(axis=0)
+    words = "contact forces act in part at the neighbouring vertices (smoothing)"
+    yield "smoothed", words, p.right + _factor(p.lam - p.right, spread) * spread, 1
+    reached = p.gap + p.initial
+    touched = p.pressed.any(axis=0)
+    used = (p.pressed * reached).sum(axis=0) / np.maximum(p.pressed.sum(axis=0), 1)
+    factor = _factor(used, p.initial * touched)
+    words = f"the initial gap {factor_words(factor)}"
+    yield "gap", words, p.with_gap(factor * p.initial), int(ODD in words)
+    odd = touched & (abs(used - p.initial) > p.moved)
+    if odd.any() and p.pressed.sum() >= 2 * touched.sum():
+        words = f"the initial gap is another one at {p.named(odd)}"
+        beyond = np.maximum(p.initial, reached.max(axis=0))
+        yield "gap:other", words, p.with_gap(np.where(touched, used, beyond)), odd.sum()
     if p.pressed.any():
         offset = float(np.median(p.gap[p.pressed]))
         words = f"contact is closed where u_ν − gap is {offset:.4g} (an offset or a tolerance), not 0"
