@@ -85,7 +85,7 @@ CONTACT_HOLDS = 1e-10
 """Forces over the load where none may be, and differences of contact forces over the largest, that need no cause."""
 ROUGH = 0.5
 SPREAD = 0.2
-ROUNDED = (0.1, 200)
+ROUNDED = 200
 """Largest force over C ‖v‖ h^(d−2) from which on a difference v changes from vertex to vertex (h² if it is smooth);
 (Σ |r|)² / (n Σ r²) from which on forces r are spread over all n free unknowns (2/π for random ones); largest force over
 the rounding of single precision, for it to be this rounding (0.8 to 3.7 were measured where the stiffness was
@@ -189,8 +189,10 @@ class Task:
             1,
             2,
         ):
-            given = f"{data.get('format')} {data.get('version')}"
-            raise TaskError(f"{name} is {given}, expected contact-task 1 or 2; remove the file or export it again")
+            raise TaskError(
+                f"{name} is {data.get('format')} {data.get('version')}, expected contact-task 1 or 2; remove the file "
+                "or export it again"
+            )
         self.name = name
         self.data = data
         try:
@@ -206,7 +208,9 @@ class Task:
         self.cells = whole(data["cells"])
         self.clamped = whole(data["clamped"])
         self.scale = float(data["scale"])
-        self.level, self.h, self.case = (data[key] for key in ("level", "h", "case"))
+        self.level = data["level"]
+        self.h = data["h"]
+        self.case = data["case"]
         self.marches = data["mode"] == "march"
         self.count = len(data["steps"])
         self.dim = self.vertices.shape[1]
@@ -300,8 +304,12 @@ class Task:
 
     def internal(self, stress):
         """Return (σ, ε(φ_i e_j))_Q for stresses on the cells (…, cells, D), at the vertices (…, n, d)."""
-        total = np.zeros((*stress.shape[:-2], *self.vertices.shape))
-        np.add.at(total, (..., self.cells, slice(None)), self.in_cells(stress))
+        return self.assembled(self.in_cells(stress))
+
+    def assembled(self, values):
+        """Return values at the vertices of each cell, (…, cells, d + 1, d), added up at the vertices, (…, n, d)."""
+        total = np.zeros((*values.shape[:-3], *self.vertices.shape))
+        np.add.at(total, (..., self.cells, slice(None)), values)
         return total
 
     def given(self, key):
@@ -325,11 +333,11 @@ class Task:
 
     def norm(self, strain):
         """Return (Σ |T| A ε·ε)^½."""
-        return float(np.sqrt(np.einsum("c,cij,ci,cj->", self.volumes, self.A, strain, strain)))
+        return np.sqrt(np.einsum("c,cij,ci,cj->", self.volumes, self.A, strain, strain))
 
     def stiff(self):
         """Return the mean of tr A / D."""
-        return float(np.trace(self.A, axis1=1, axis2=2).mean() / self.A.shape[1])
+        return np.trace(self.A, axis1=1, axis2=2).mean() / self.A.shape[1]
 
     def areas(self, facets):
         """Return lengths or areas of facets (facets, d)."""
@@ -523,8 +531,10 @@ def _numbers(path, shape):
         raise TaskError(f"{path} has no numbers, {expected}; close the file before the program ends")
     for number, row in rows.items():
         if len(row) != count:
-            mend = "write one line for each step, with all its numbers; look for a number or a blank too much"
-            raise TaskError(f"{path}, line {number}, has {len(row)} numbers, {expected}; {mend}")
+            raise TaskError(
+                f"{path}, line {number}, has {len(row)} numbers, {expected}; write one line for each step, with all "
+                "its numbers; look for a number or a blank too much"
+            )
     if len(rows) != lines:
         raise TaskError(f"{path} has {len(rows)} lines, {expected}; write one line for each step, none for the start")
     return floats(list(rows.values())).reshape(shape)
@@ -616,7 +626,7 @@ def errors_in_v(task, exact, u):
     return [
         *np.sqrt(exact["rest"] + np.square(to_means)),
         *nodes,
-        float(shift),
+        shift,
         *values,
     ]
 
@@ -634,7 +644,7 @@ def _contact(equations):
         peak(task.sums(lam) - total),
     )
     sizes = np.sqrt(p**2 @ mass).max(), peak(equations.u), peak(total)
-    relative = [float(a / max(b, 1e-300)) for a, b in zip(errors, sizes, strict=True)]
+    relative = [a / max(b, 1e-300) for a, b in zip(errors, sizes, strict=True)]
     return [*relative, equations.remains]
 
 
@@ -844,12 +854,13 @@ def _named(causes):
     if not likely:
         return None
     least = max(10 * min(one.residual for one in likely), CERTAIN)
-    best, *others = sorted(
+    ranked = sorted(
         (one for one in likely if one.residual <= least),
         key=lambda one: (one.fitted, one.rank),
     )
+    best = ranked[0]
     groups = {}
-    for one in (best, *others):
+    for one in ranked:
         if one.fitted == best.fitted and len(groups) < 3:
             groups.setdefault(one.key.partition(":")[0], one.sentence)
     head = "Equally likely, another case tells them apart" if len(groups) > 1 else "Most likely"
@@ -871,13 +882,13 @@ def _perhaps(e):
     rounding = 2**24 * size
     if apart > NEGLIGIBLE:
         spread = 0
-    if spread > SPREAD and ROUNDED[0] < rounding < ROUNDED[1]:
+    if spread > SPREAD and rounding < ROUNDED:
         words = "the solver works in single precision, or stops as early"
         return Diagnosis(f"Perhaps: {words}: forces that remain are {rounding:.2g} times this rounding")
     if spread > SPREAD and not e.balanced and size > ROUGH * apart:
         words = "the solver stops too early, at too large a tolerance"
-        why = f"displacements differ by {apart:.0e} of the largest, without pattern in space"
-        return Diagnosis(f"Perhaps: {words}: {why}, at all free unknowns", {TOLERANCE: words})
+        why = f"displacements differ by {apart:.0e} of the largest, without pattern in space, at all free unknowns"
+        return Diagnosis(f"Perhaps: {words}: {why}", {TOLERANCE: words})
     if e.balanced and enter and hover:
         words = "the iterations for contact stop too early, or the contact forces are not those of a law of the gap"
         return Diagnosis(f"Perhaps: {words}: some vertices penetrate, and forces act at others that hover")
@@ -948,7 +959,7 @@ class Equations:
         self.exact = task.references()
         self.on_clamp = abs(u[:, task.clamped]) / peak(self.exact)
         self.lam = np.einsum("smi,mi->sm", self.full[:, self.vertices], self.carry)
-        self.pressed = self.lam > AGREES * peak(self.lam)
+        self.pressed = abs(self.lam) > AGREES * peak(self.lam)
         self.gap = task.distances(u)
         sizes = np.linalg.norm(self.total, axis=2)
         self.acting = (sizes > SEEN * sizes.max()) & (sizes > 0)
@@ -1031,7 +1042,7 @@ def counted(numbers, what, points):
 def _when(steps):
     """Return words for the steps (steps,) of bool."""
     numbers = [str(k + 1) for k in np.flatnonzero(steps)]
-    if len(numbers) == len(steps):
+    if steps.all():
         return f"in all {len(steps)} steps" if len(steps) > 1 else "in the only step"
     if len(numbers) == 1:
         return f"in step {numbers[0]} alone"
@@ -1043,14 +1054,14 @@ def _axis(forces):
     _, sizes, axes = np.linalg.svd(forces.reshape(-1, forces.shape[-1]), full_matrices=False)
     if sizes[1:].max(initial=0) > SEEN * sizes[0]:
         return ""
-    axis = axes[0] * np.sign(axes[0].sum())
-    return f", all along ±{point(axis.round(6))}"
+    axis = axes[0].round(6)
+    return f", all along ±{point(axis if axis.sum() > 0 else -axis)}"
 
 
 def sets(e):
     """Return sets of vertices (n,) of bool with their names."""
     task = e.task
-    acting = (abs(e.lam) > AGREES * peak(e.lam)).any(axis=0) @ e.rows > 0
+    acting = e.pressed.any(axis=0) @ e.rows > 0
     trace = np.trace(task.stiffness, axis1=1, axis2=2)
 
     def of(vertices):
@@ -1373,10 +1384,7 @@ def _last_cell_only(equations):
 
 def _diagonal(task):
     """Return the diagonal of the stiffness matrix, (n, d)."""
-    total = np.zeros_like(task.vertices)
-    parts = np.einsum("c,Dcka,cDE,Ecka->cka", task.volumes, task.strains, task.stiffness, task.strains)
-    np.add.at(total, task.cells, parts)
-    return total
+    return task.assembled(np.einsum("c,Dcka,cDE,Ecka->cka", task.volumes, task.strains, task.stiffness, task.strains))
 
 
 def _without_copies(e):
@@ -1448,7 +1456,8 @@ def multiplied(e):
     forces.append(("diagonal", "the diagonal of the stiffness matrix", -_diagonal(e.task) * e.u))
     for key, words, force in (*forces, ("load", "the load", e.load)):
         yield from fitted(e, key, words, force[None])
-        yield from fitted(e, f"{key} once", words, force * steps, lambda odd: f" {_when(odd)}", count - 1)
+        if key != "units":
+            yield from fitted(e, f"{key} once", words, force * steps, lambda odd: f" {_when(odd)}", count - 1)
     if len(vertices) <= MOST_PARTS:
         loads = np.eye(len(points))[vertices][:, None, :, None] * e.load
 
@@ -1502,8 +1511,7 @@ def fitted(e, key, words, parts, place=None, most=1):
     told = factor_words(factors.mean())
     if np.ptp(factors) > 1e-4 * peak(change):
         told = "is multiplied by different factors"
-    at = place(odd) if place else ""
-    sentence = words + at if words.startswith(UNITS) else f"{words}{at} {told}"
+    sentence = words if words.startswith(UNITS) else f"{words}{place(odd) if place else ''} {told}"
     inverse = 1 / (factors[0] or 1e-300)
     sentence = sentence.format(e=e, factor=factors[0], inverse=inverse)
     numbers = (ODD in sentence) + (odd.sum() if place else 0)
@@ -1592,7 +1600,7 @@ def _resisted(e, weight, move, friction):
 
 def _factor(values, shape):
     """Return the factor of a shape that fits values best."""
-    return float((values * shape).sum() / max((shape**2).sum(), 1e-300))
+    return (values * shape).sum() / max((shape**2).sum(), 1e-300)
 
 
 def _traction(equations):
@@ -1623,7 +1631,7 @@ def supports(e):
         words = f"u {held} along the forces at {at}: a support, or other faces found to be in contact"
         if e.face[bad].all():
             words = f"no slip: u along the face {held} at {at}"
-        yield Cause(key, words, float(moved[e.acting].max() / peak(e.u)), e.remains, fitted=int(key != "held"))
+        yield Cause(key, words, moved[e.acting].max() / peak(e.u), e.remains, fitted=int(key != "held"))
 
 
 def tilted(e):
@@ -1648,10 +1656,9 @@ def duplicated(e):
     task = e.task
     bad = np.flatnonzero(e.bad)
     forces = task.in_cells(e.elastic + e.stress)
-    whole_cells = _whole_cells(e)
     for v in bad:
         corner = task.cells == v
-        some = corner.any(axis=1) & whole_cells
+        some = corner.any(axis=1) & _whole_cells(e)
         total = e.total.copy()
         total[:, v] += (forces[:, some] * corner[some][:, :, None]).sum(axis=(1, 2))
         if np.isin(bad, task.cells[some]).all() and e.size(total[:, v]) <= NAMED * e.remains:
@@ -1706,7 +1713,6 @@ class ContactProblem:
             axis=1,
         )
         self.free = free.T - self.initial
-        self.every = np.ones(len(N), bool)
         self.right = self.each()
         self.largest = max(peak(self.right), peak(self.lam))
         self.small = AGREES * self.largest
@@ -1718,7 +1724,7 @@ class ContactProblem:
     def each(self, free=None, starts=None, **options):
         """Return λ of all steps, (steps, m), by ``active_set`` with its options and one start for each step."""
         free = self.free if free is None else free
-        starts = [~self.every] * len(free) if starts is None else starts
+        starts = [False] * len(free) if starts is None else starts
         return np.array([active_set(self.W, one, start, **options) for one, start in zip(free, starts, strict=True)])
 
     def with_gap(self, gap):
@@ -1738,9 +1744,9 @@ class ContactProblem:
         return counted(self.vertices[rows], "vertices", self.task.vertices)
 
 
-def active_set(W, free, start=None, updates=60, release=True, tied=False):
+def active_set(W, free, start=False, updates=60, release=True, tied=False):
     """Return λ ≥ 0 with gap = free − W λ ≤ 0 by a primal-dual active set; tied vertices are held and may pull."""
-    held = np.zeros(len(free), bool) | tied | (start is not None and start)
+    held = np.zeros(len(free), bool) | tied | start
     scale = 1 / peak(np.diag(W))
     for count in range(updates + 1):
         lam = np.zeros(len(free))
@@ -1767,7 +1773,7 @@ CONTACT: list = [
     (
         "pull:tied",
         "contact pulls: u_ν = 0 on the whole face, no vertex lifts off",
-        lambda p: p.each(tied=p.every),
+        lambda p: p.each(tied=True),
     ),
     (
         "gap areas",
@@ -1824,10 +1830,10 @@ CONTACT: list = [
         for updates, times in ((1, "once"), (2, "twice"), (3, "three times"))
         for start, held in (
             ("no vertex", lambda p: None),
-            ("all vertices", lambda p: [p.every] * len(p.lam)),
+            ("all vertices", lambda p: [True] * len(p.lam)),
             (
                 "the vertices of the step before",
-                lambda p: [~p.every, *p.pressed[:-1]],
+                lambda p: [False, *p.pressed[:-1]],
             ),
         )
     ),
@@ -1877,7 +1883,7 @@ def contact_causes(equations):
     if without <= CONTACT_HOLDS:
         return
     rows = CONTACT + CONTACT_IN_STEPS * (len(p.lam) > 1)
-    guesses = [(key, sentence, undo(p), 0) for key, sentence, undo in rows]
+    guesses = ((key, sentence, undo(p), 0) for key, sentence, undo in rows)
     for key, sentence, lam, numbers in (
         *guesses,
         *_found_sets(p),
@@ -1935,10 +1941,10 @@ def _fitted_contact(problem):
     odd = touched & (abs(reached - p.initial) > p.moved)
     if odd.any() and p.pressed.sum() >= 2 * touched.sum():
         words = f"the initial gap is another one at {p.named(odd)}"
-        used = np.maximum(reached, np.where(touched, reached, p.initial))
+        used = np.where(touched, reached, np.maximum(reached, p.initial))
         yield "gap:other", words, p.with_gap(used), odd.sum()
     if p.pressed.any():
-        offset = float(np.median(p.gap[p.pressed]))
+        offset = np.median(p.gap[p.pressed])
         words = f"contact is closed where u_ν − gap is {offset:.4g} (an offset or a tolerance), not 0"
         yield "offset", words, p.each(p.free - offset), 1
     open_ = p.gap < -p.moved
@@ -2025,7 +2031,7 @@ def scanned(shape, values, lengths):
             21,
         )
     k = _factor(values, shape(s))
-    return k, float(s), k * shape(s)
+    return k, s, k * shape(s)
 
 
 def orders(h, errors):
@@ -2465,8 +2471,9 @@ def _run(options):
 def main(arguments=None):
     """Run the command; 0 all hold, 1 one fails, 2 usage or input, 3 one is undecided."""
     options = options_of(arguments)
-    for stream in (one for one in (sys.stdout, sys.stderr) if hasattr(one, "reconfigure")):
-        stream.reconfigure(errors="backslashreplace")  # A terminal in ASCII or cp1252 has no Γ.
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")  # A terminal in ASCII or cp1252 has no Γ.
     try:
         outcomes, faults = _run(options)
     except (TaskError, OSError) as error:

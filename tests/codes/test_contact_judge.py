@@ -64,7 +64,7 @@ def test_a_march_is_the_midpoint_rule() -> None:
     states = list(MIDPOINT.march(setup.problem, 6))[1:]
     errors = [setup.v_norm.distance(setup.v_norm.sample(state.time), state.u) for state in states]
     assert found.errors[0].error == pytest.approx(max(errors), rel=1e-11)
-    assert found.errors[0].pressure < 0.2
+    assert found.errors[0].pressure < 0.3
 
 
 def test_springs_that_no_mesh_makes_stiffer_stagnate_and_their_order_in_v_does_not_see_it(tasks: list[Any]) -> None:
