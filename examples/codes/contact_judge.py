@@ -882,7 +882,7 @@ def _perhaps(e):
     rounding = 2**24 * size
     if apart > NEGLIGIBLE:
         spread = 0
-    if spread > SPREAD and rounding < ROUNDED:
+    if spread > SPREAD and 0.1 < rounding < ROUNDED:
         words = "the solver works in single precision, or stops as early"
         return Diagnosis(f"Perhaps: {words}: forces that remain are {rounding:.2g} times this rounding")
     if spread > SPREAD and not e.balanced and size > ROUGH * apart:

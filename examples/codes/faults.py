@@ -117,6 +117,10 @@ def _gap_shifted(task: Task) -> dict:
     return {"gaps": lambda: [np.roll(gap, 1) for gap in task.gaps()]}
 
 
+def _gap_reversed(task: Task) -> dict:
+    return {"gaps": lambda: [gap[::-1] for gap in task.gaps()]}
+
+
 def _coordinates_rounded(task: Task):
     return this_study.make(task.moved(np.round(task.vertices, 2)) or task)
 
@@ -375,14 +379,14 @@ def _noise(task: Task, u: np.ndarray, memory: dict) -> np.ndarray:
 
 
 def tilted(angle: float) -> Callable:
-    """The normal at the last vertex of each piece turned by an angle."""
+    """The normal at the first vertex of each piece turned by an angle."""
 
     def normals(task: Task) -> sps.csr_array:
-        N, row = this_study.normals(task).tolil(), -1
+        N, row = this_study.normals(task).tolil(), 0
         for normal, vertices, _ in task.pieces():
-            row += len(vertices)
             turned = np.cos(angle) * normal + np.sin(angle) * np.array([-normal[1], normal[0]])
-            N[row, 2 * vertices[-1] : 2 * vertices[-1] + 2] = turned
+            N[row, 2 * vertices[0] : 2 * vertices[0] + 2] = turned
+            row += len(vertices)
         return sps.csr_array(N)
 
     return normals
@@ -472,11 +476,11 @@ FAULTS = (
         misread(lambda task: {"stiffness": task.stiffness[:, [1, 0, 2]][:, :, [1, 0, 2]]}),
         "axes 1 and 2 are exchanged",
     ),
-    Fault("coupling $C_{12}$ doubled", misread(entries((0, 1, 2.0)))),
+    Fault("coupling $C_{12}$ halved", misread(entries((0, 1, 0.5)))),
     Fault("coupling with shear of the other sign", misread(entries((0, 2, -1.0), (1, 2, -1.0)))),
     Fault("ν pointing into the body", misread(inward), "normals are reversed"),
     Fault("ν rounded to an axis", misread(_along_axis), "normals are tilted"),
-    Fault("ν at the end turned by 0.1", in_contact(right, tilted(0.1)), "normals are tilted"),
+    Fault("ν at the first vertex turned by 0.1", in_contact(right, tilted(0.1)), "normals are tilted"),
     Fault("ν averaged at a corner", in_contact(right, rows=_corner_means), "normals of faces that meet are averaged"),
     Fault("no lift-off, $u_\\nu = 0$", tied, "contact pulls"),
     Fault("a vertex inside forgotten", misread(without(0.25)), "is forgotten at"),
@@ -498,6 +502,7 @@ FAULTS = (
         "the areas of the contact vertices are taken",
     ),
     Fault("initial gap shifted by one vertex", misread(_gap_shifted), "the initial gaps are shifted by one vertex"),
+    Fault("initial gaps in the reversed order", misread(_gap_reversed), "the initial gaps are in the reversed order"),
     Fault("initial gap 10 % too small", gap_times(0.9), "the initial gap is multiplied by the factor 0.9"),
     Fault(
         "contact forces at the next vertex",

@@ -291,10 +291,6 @@ def exchanged(C: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 SHOWN: dict[str, tuple[Any, str]] = {
     "λ and μ are exchanged": (of_law(exchanged), "layered"),
-    "the initial gaps are in the reversed order": (
-        faults.misread(lambda task: {"gaps": lambda: [gap[::-1] for gap in task.gaps()]}),
-        "parabolic-gap",
-    ),
     "the displacements are written with 4 digits": (
         faults.changed(lambda task, u, _: np.array([float(f"{x:.3e}") for x in u.ravel()]).reshape(u.shape)),
         "layered",
