@@ -1086,7 +1086,7 @@ def _place(equations):
     bad = equations.bad
     named = sets(equations)
     cells = np.flatnonzero(bad[task.cells].sum(axis=1) == bad.sum())
-    if bad.sum() > 1 and 0 < len(cells) <= 2:
+    if bad.sum() > task.dim and 0 < len(cells) <= 2:
         return f"of cell {' or '.join(map(str, cells))}"
     parts = [f"all {name}" for name, members in named.items() if members[bad].all() and 2 * bad.sum() < len(bad)][:1]
     if not parts:
