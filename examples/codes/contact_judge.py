@@ -2276,9 +2276,9 @@ def table(judgements, tolerance=0.0):
 
 
 def summary(judgements):
-    """Return a line that names the cause that explains most cases; none for one case, or without such a cause."""
+    """Return a line that names the cause that explains most cases; none unless a cause explains two cases."""
     keys = [key for one in judgements for key in one.causes]
-    if len(judgements) < 2 or not keys:
+    if len(keys) == len(set(keys)):
         return []
     best = max(keys, key=keys.count)
     first, *_ = (one for one in judgements if best in one.causes)
