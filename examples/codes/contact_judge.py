@@ -38,48 +38,68 @@ import numpy as np
 Array = np.ndarray
 EXACT = 1e-5
 """Distance from the solution in K^h over the discretisation error up to which a code is exact for P1."""
-FALLS, LEAST_FALL = 0.5, 0.2
+FALLS = 0.5
+LEAST_FALL = 0.2
 """Order from which on a distance falls, or grows: half of that of the error if this is below 1, but at least 0.2."""
 PRESSURE_FALLS = 2 / 3
 """Order from which on the error of the pressure falls, unless that of the solution in K^h falls more slowly."""
 MESHES = 3
 """Meshes without which nothing is said of an order: on two, what falls fast hides what does not fall."""
-NEGLIGIBLE, NO_CONTACT = 0.01, 0.9
+NEGLIGIBLE = 0.01
+NO_CONTACT = 0.9
 """Part of the error up to which a distance may grow (quadrature, iterations); pressure error of about no contact, 1."""
-OTHER_EQUATIONS, UNBALANCED, FEW_FORCES = 0.1, 0.3, 1e-3
+OTHER_EQUATIONS = 0.1
+UNBALANCED = 0.3
+FEW_FORCES = 1e-3
 """Part of the load where no force may be, to be wrong on the last mesh, on a coarser mesh, and to be mentioned;
 Nitsche's methods leave some hundredths."""
-NECESSARY, LARGE_PRESSURE, LARGE_SHARE = 0.15, 3, 0.3
+NECESSARY = 0.15
+LARGE_PRESSURE = 3
+LARGE_SHARE = 0.3
 """Distance of two orders that are the same; times the error of K^h from which on a pressure is mentioned; distance over
 the error of K^h from which on it is mentioned."""
-AGREES, NAMED, LARGEST_LEFT, SEEN = 1e-6, 1e-3, 0.05, 1e-3
+AGREES = 1e-6
+NAMED = 1e-3
+LARGEST_LEFT = 0.05
+SEEN = 1e-3
 """Relative difference up to which what a code reports agrees with its displacements: six digits in a text file; part of
 the residual that a cause may leave to be most likely; largest residual of such a cause over the load; part of the
 largest force from which on forces remain at a vertex, and of the largest change of a factor for it not to be 1."""
-CERTAIN, LARGE_ON_CLAMP, FAR, SINGULAR = 1e-8, 0.3, 100, 1e6
+CERTAIN = 1e-8
+LARGE_ON_CLAMP = 0.3
+FAR = 100
+SINGULAR = 1e6
 """Residual up to which a cause is certain. Over the largest displacement of the exact solution: u on Γ1 of order 1,
 displacements that are wrong on every mesh, displacements that only a singular matrix gives."""
-JUMP, FACTOR, PEAK = 6, 50, 0.1
+JUMP = 6
+FACTOR = 50
+PEAK = 0.1
 """Order and factor above which no distance falls from a large share of the error: the coarser mesh is then wrong. Share
 above which this holds where the distance grew before; integral multipliers may be exact on some meshes, and 0.02 off on
 others."""
 METHODS = "springs", "smooth", "barrier", "augmented", "facets", "digits"
 FITTED = "units", "scaled", "offset", "tilt", "rigid", "coordinates"
 """Causes that may be consistent methods; causes with a number fitted to the answer, which may tend to the right one."""
-EQUATIONS_HOLD, CONTACT_HOLDS = 1e-6, 1e-10
+EQUATIONS_HOLD = 1e-6
+CONTACT_HOLDS = 1e-10
 """Forces over the load where none may be, and differences of contact forces over the largest, that need no cause."""
-ROUGH, SPREAD, ROUNDED = 0.5, 0.2, (0.1, 5)
+ROUGH = 0.5
+SPREAD = 0.2
+ROUNDED = 200
 """Largest force over C ‖v‖ h^(d−2) from which on a difference v changes from vertex to vertex (h² if it is smooth);
 (Σ |r|)² / (n Σ r²) from which on forces r are spread over all n free unknowns (2/π for random ones); largest force over
-the rounding of single precision in the stiffness, for it to be this rounding (0.8 to 3.7 were measured)."""
-LARGEST_SOLVE, MOST_PARTS = 1500, 300
+the rounding of single precision, for it to be this rounding (0.8 to 3.7 were measured where the stiffness was
+rounded, 6 to 130 where the solver was)."""
+LARGEST_SOLVE = 1500
+MOST_PARTS = 300
 """Components of u up to which the judge solves the contact problem itself, to try causes in the contact algorithm;
 factors that are fitted at once."""
 HUGE = 1e100
 """Value from which on a number is no displacement; its square would still be finite."""
 GOOD = EXACT_CLASS, CONSISTENT = "exact for P1", "consistent"
 OPEN: dict[str, Callable] = {".xz": lzma.open, ".gz": gzip.open}
-PACKING, UNSUSPICIOUS = 100, 2**28
+PACKING = 100
+UNSUSPICIOUS = 2**28
 """A file may unpack to so many times its size. Files that unpack to at most 256 MiB may have any ratio."""
 INVISIBLE = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ud800-\udfff\ufeff"
@@ -109,13 +129,12 @@ NOT_TEXT = {
     b"\x93NUMPY": "a file of numpy.save",
     b"\xfd7zXZ": "packed with xz",
     b"\x1f\x8b": "packed with gzip",
-}
-NOT_TEXT |= {
     b"PK\x03\x04": "a zip or npz file",
     b"BZh": "packed with bzip2",
     b"\x89HDF": "an HDF5 file",
+    b"\xff\xfe": "text in UTF-16 (PowerShell writes it)",
+    b"\xfe\xff": "text in UTF-16",
 }
-NOT_TEXT |= dict.fromkeys((b"\xff\xfe", b"\xfe\xff"), "text in UTF-16 (PowerShell writes it)")
 """First bytes of files that are not plain text."""
 FORTRAN = re.compile(r"(?<=[\d.])[dD](?=[+-]?\d)")
 """The D of Fortran's exponents, 1.5D-03."""
@@ -139,6 +158,11 @@ def floats(values):
 def peak(values):
     """Return the largest absolute value, at least 1e-300, by which one may divide."""
     return float(abs(values).max(initial=1e-300))
+
+
+def at_ends(areas):
+    """Return 1/2 for vertices of small areas, at the ends of a face, and 1 for others."""
+    return np.where(areas < 0.75 * np.median(areas), 0.5, 1.0)
 
 
 def whole(values):
@@ -165,9 +189,12 @@ class Task:
             1,
             2,
         ):
-            given = f"{data.get('format')} {data.get('version')}"
-            raise TaskError(f"{name} is {given}, expected contact-task 1 or 2; remove the file or export it again")
-        self.name, self.data = name, data
+            raise TaskError(
+                f"{name} is {data.get('format')} {data.get('version')}, expected contact-task 1 or 2; remove the file "
+                "or export it again"
+            )
+        self.name = name
+        self.data = data
         try:
             self._take(data)
             self._check()
@@ -181,15 +208,15 @@ class Task:
         self.cells = whole(data["cells"])
         self.clamped = whole(data["clamped"])
         self.scale = float(data["scale"])
-        self.level, self.h, self.case = (data[key] for key in ("level", "h", "case"))
+        self.level = data["level"]
+        self.h = data["h"]
+        self.case = data["case"]
         self.marches = data["mode"] == "march"
         self.count = len(data["steps"])
         self.dim = self.vertices.shape[1]
-        self.A, self.G = (
-            self.plain("A", factor=True),
-            self.plain("G", factor=True),
-        )
-        self.stiffness, self.history = self.midpoint(self.A, self.G) if self.marches else (self.G, 0 * self.G)
+        self.A = self.plain("A", factor=True)
+        self.G = self.plain("G", factor=True)
+        self.stiffness, self.history = self.laws(self.A, self.G)
         self._measure_cells()
 
     def _measure_cells(self):
@@ -208,11 +235,9 @@ class Task:
         """ValueError, which says what is wrong, unless numbers are finite and shapes fit each other."""
         if not self.count or not self.scale > 0:
             raise ValueError(f"{self.count} steps, and the scale {self.scale}")
-        n, strains, gap = (
-            self.vertices.shape,
-            (len(self.cells), self.G.shape[1]),
-            self.constraints()[3],
-        )
+        n = self.vertices.shape
+        strains = (len(self.cells), self.G.shape[1])
+        gap = self.constraints()[3]
         if not (self.volumes > 0).all() or min(self.cells.min(), self.clamped.min(initial=0), gap.min()) < 0:
             raise ValueError(f"cell {self.volumes.argmin()} has no positive volume, or a number is negative")
         rows = [one | other for one, other in zip(self.data["steps"], self.data["judge"], strict=True)]
@@ -241,8 +266,10 @@ class Task:
         factors = np.broadcast_to(floats(law["factor"]) if factor else 1.0, len(self.cells))
         return factors[:, None, None] * floats(law["matrix"])
 
-    def midpoint(self, A, G):
-        """Return stiffness and factor of the old strain of the midpoint rule."""
+    def laws(self, A, G):
+        """Return the stiffness and the factor of the old strain: of the midpoint rule, or G and None."""
+        if not self.marches:
+            return G, None
         rate = A / self.data["step"]
         return rate + G / 2, G / 2 - rate
 
@@ -277,8 +304,12 @@ class Task:
 
     def internal(self, stress):
         """Return (σ, ε(φ_i e_j))_Q for stresses on the cells (…, cells, D), at the vertices (…, n, d)."""
-        total = np.zeros((*stress.shape[:-2], *self.vertices.shape))
-        np.add.at(total, (..., self.cells, slice(None)), self.in_cells(stress))
+        return self.assembled(self.in_cells(stress))
+
+    def assembled(self, values):
+        """Return values at the vertices of each cell, (…, cells, d + 1, d), added up at the vertices, (…, n, d)."""
+        total = np.zeros((*values.shape[:-3], *self.vertices.shape))
+        np.add.at(total, (..., self.cells, slice(None)), values)
         return total
 
     def given(self, key):
@@ -302,11 +333,11 @@ class Task:
 
     def norm(self, strain):
         """Return (Σ |T| A ε·ε)^½."""
-        return float(np.sqrt(np.einsum("c,cij,ci,cj->", self.volumes, self.A, strain, strain)))
+        return np.sqrt(np.einsum("c,cij,ci,cj->", self.volumes, self.A, strain, strain))
 
     def stiff(self):
         """Return the mean of tr A / D."""
-        return float(np.trace(self.A, axis1=1, axis2=2).mean() / self.A.shape[1])
+        return np.trace(self.A, axis1=1, axis2=2).mean() / self.A.shape[1]
 
     def areas(self, facets):
         """Return lengths or areas of facets (facets, d)."""
@@ -317,7 +348,8 @@ class Task:
         """Return ν (d,), the constrained vertices (m,) and Σ ∫ φ_i (m,) of each piece of contact."""
         result = []
         for piece in self.contact:
-            facets, vertices = whole(piece["facets"]), whole(piece["vertices"])
+            facets = whole(piece["facets"])
+            vertices = whole(piece["vertices"])
             mass = np.zeros(len(self.vertices))
             np.add.at(mass, facets, self.areas(facets)[:, None] / self.dim)
             result.append((floats(piece["normal"]), vertices, mass[vertices]))
@@ -369,10 +401,8 @@ class Task:
 
     def scaled(self, factor):
         """Return the task with gaps times ``factor``, which belongs to loads times ``factor``."""
-        other, pieces = (
-            copy.copy(self),
-            zip(self.contact, self.gaps(), strict=True),
-        )
+        other = copy.copy(self)
+        pieces = zip(self.contact, self.gaps(), strict=True)
         other.data = {
             **self.data,
             "contact": [piece | {"gap": (factor * gap).tolist()} for piece, gap in pieces],
@@ -430,7 +460,8 @@ def _check_sums(directory):
 def answer(task: Task, make: Callable, scale: float = 1.0) -> Array:
     """Return u of all steps (steps, n, d) by a code: make(task) ↦ step, step(b, s0) ↦ u; loads times ``scale``."""
     step = make(task.scaled(scale))
-    u, result = scale * task.start(), []
+    u = scale * task.start()
+    result = []
     for n in range(task.count):
         load, stress = task.step(n, u)
         given = step(scale * load, stress if task.marches else scale * stress)
@@ -484,7 +515,8 @@ def read_reports(directory, task):
 
 def _numbers(path, shape):
     """Return the numbers of a text file; TaskError if it holds others."""
-    lines, count = shape[0], math.prod(shape[1:])
+    lines = shape[0]
+    count = math.prod(shape[1:])
     expected = f"expected plain text: for each step ({lines} in all) a line of {count} numbers separated by blanks"
     rows = {}
     for number, line in enumerate(_text(path, expected).splitlines(), 1):
@@ -499,8 +531,10 @@ def _numbers(path, shape):
         raise TaskError(f"{path} has no numbers, {expected}; close the file before the program ends")
     for number, row in rows.items():
         if len(row) != count:
-            mend = "write one line for each step, with all its numbers; look for a number or a blank too much"
-            raise TaskError(f"{path}, line {number}, has {len(row)} numbers, {expected}; {mend}")
+            raise TaskError(
+                f"{path}, line {number}, has {len(row)} numbers, {expected}; write one line for each step, with all "
+                "its numbers; look for a number or a blank too much"
+            )
     if len(rows) != lines:
         raise TaskError(f"{path} has {len(rows)} lines, {expected}; write one line for each step, none for the start")
     return floats(list(rows.values())).reshape(shape)
@@ -570,10 +604,8 @@ def measure(task: Task, u: Array) -> Errors:
     """Judge the answer to one task, (steps, n, d)."""
     if not (abs(u) < HUGE).all():
         return Errors(*[np.inf] * 14)
-    mine, best = (
-        Equations(task, u / task.scale),
-        Equations(task, task.references()),
-    )
+    mine = Equations(task, u / task.scale)
+    best = Equations(task, task.references())
     rows = [errors_in_v(task, one, v) for one, v in zip(task.data["judge"], mine.u, strict=True)]
     values = np.max(rows, axis=0)
     pressure, *others = _contact(mine)
@@ -594,28 +626,32 @@ def errors_in_v(task, exact, u):
     return [
         *np.sqrt(exact["rest"] + np.square(to_means)),
         *nodes,
-        float(shift),
+        shift,
         *values,
     ]
 
 
 def _contact(equations):
     """Return pressure error, penetration, error of the resultant, forces out of balance; all relative."""
-    task, lam, mass = equations.task, equations.lam, equations.area
-    p, total = task.exact_pressures(), task.judged_by("resultant")
+    task = equations.task
+    lam = equations.lam
+    mass = equations.area
+    p = task.exact_pressures()
+    total = task.judged_by("resultant")
     errors = (
         np.sqrt((lam / mass - p) ** 2 @ mass).max(),
         max(0.0, equations.gap.max()),
         peak(task.sums(lam) - total),
     )
     sizes = np.sqrt(p**2 @ mass).max(), peak(equations.u), peak(total)
-    relative = [float(a / max(b, 1e-300)) for a, b in zip(errors, sizes, strict=True)]
+    relative = [a / max(b, 1e-300) for a, b in zip(errors, sizes, strict=True)]
     return [*relative, equations.remains]
 
 
 def tested(task):
     """Return how many constraints are in contact at some step, how many are free at some step, and their number."""
-    u, p = task.judged_by("displacement"), task.exact_pressures()
+    u = task.judged_by("displacement")
+    p = task.exact_pressures()
     free = task.distances(u) < -1e-9 * peak(u)
     return (
         int((p > 0).any(axis=0).sum()),
@@ -643,7 +679,8 @@ def judge_reports(task: Task, u: Array, reports: dict[str, Array]) -> list[Repor
         raise TaskError(f"unknown report {', '.join(sorted(unknown))}, expected {', '.join(REPORTS)}")
     if not reports or not (abs(u) < HUGE).all():
         return []
-    e, result = Equations(task, u / task.scale), []
+    e = Equations(task, u / task.scale)
+    result = []
     rights = {
         "forces": e.lam,
         "pressure": e.lam / e.area,
@@ -667,9 +704,8 @@ def judge_reports(task: Task, u: Array, reports: dict[str, Array]) -> list[Repor
     return result
 
 
-def _compare_status(equations, status):
+def _compare_status(e, status):
     """Return whether a status agrees with forces and gaps, and the sentence."""
-    e = equations
     faults = {
         "no contact where a force acts": ~status & (e.lam > AGREES * peak(e.lam)),
         "contact where a gap is open": status & (e.gap < -AGREES * peak(e.u)),
@@ -680,7 +716,8 @@ def _compare_status(equations, status):
 
 def _compare(task, name, mine, wanted):
     """Return whether a report agrees with the balance of u, and the sentence with the simple mistake that fits."""
-    mass, largest = task.constraints()[2], peak(wanted)
+    mass = task.constraints()[2]
+    largest = peak(wanted)
     apart = peak(mine - wanted) / largest
     if apart <= AGREES:
         return (
@@ -694,7 +731,7 @@ def _compare(task, name, mine, wanted):
         factor_words(factor): factor * wanted,
     }
     if name != "resultant":
-        ends = np.where(mass < 0.75 * np.median(mass), 0.5, 1.0)
+        ends = at_ends(mass)
         mistakes |= {
             "takes full areas at the ends of the face, where half are right": wanted * ends,
             "takes the area of one facet at each vertex, where two meet inside the face": 2 * wanted * ends,
@@ -720,8 +757,9 @@ class Cause:
     Attributes:
         key: ``group:variant``; of equally good causes, one of each group is named.
         sentence: what is wrong.
-        residual: what is left over ``of`` if the cause is undone in the equations, or imitated in the answer.
-        without: what is left over ``of`` otherwise.
+        residual: what is left if the cause is undone in the equations, or imitated in the answer; over the load, or for
+            causes in the contact algorithm over the largest contact force.
+        without: what is left otherwise.
         fitted: how many numbers without a meaning were fitted to the answer.
     """
 
@@ -729,7 +767,6 @@ class Cause:
     sentence: str
     residual: float
     without: float
-    of: str = "the load"
     fitted: int = 0
 
     @property
@@ -768,9 +805,9 @@ def diagnose(tasks, answers):
     causes = list(tried(first))
     if len(tasks) > 1 and tasks[1].vertices.size <= LARGEST_SOLVE:
         again = {cause.key: cause for cause in tried(Equations(tasks[1], answers[1] / tasks[1].scale))}
-        shared = [one for one in causes if one.key in again or one.key.endswith(IN_CELLS)]
-        worse = [max(one, again.get(one.key, one), key=lambda cause: cause.rank) for one in shared]
-        causes = [replace(a, residual=b.residual, without=b.without) for a, b in zip(shared, worse, strict=True)]
+        shared = [one for one in causes if one.key in again or one.key.endswith("in cells")]
+        others = [replace(again.get(one.key, one), sentence=one.sentence) for one in shared]
+        causes = [max(two, key=lambda cause: cause.rank) for two in zip(shared, others, strict=True)]
     found = _named(causes) or _perhaps(first)
     return replace(found, where=where(first))
 
@@ -817,12 +854,13 @@ def _named(causes):
     if not likely:
         return None
     least = max(10 * min(one.residual for one in likely), CERTAIN)
-    best, *others = sorted(
+    ranked = sorted(
         (one for one in likely if one.residual <= least),
         key=lambda one: (one.fitted, one.rank),
     )
+    best = ranked[0]
     groups = {}
-    for one in (best, *others):
+    for one in ranked:
         if one.fitted == best.fitted and len(groups) < 3:
             groups.setdefault(one.key.partition(":")[0], one.sentence)
     head = "Equally likely, another case tells them apart" if len(groups) > 1 else "Most likely"
@@ -832,32 +870,34 @@ def _named(causes):
     return Diagnosis(sentence, groups, best.residual <= CERTAIN)
 
 
-def _perhaps(equations):
+def _perhaps(e):
     """Return what a small residual suggests that is spread over all free unknowns, or over contact; or no cause."""
-    e, task, exact = equations, equations.task, equations.task.references()
-    apart, left = peak(e.u - exact), abs(e.total[:, ~e.held]).ravel()
+    task = e.task
+    apart = peak(e.u - e.exact) / peak(e.exact)
+    left = abs(e.total[:, ~e.held]).ravel()
     spread = left.sum() ** 2 / (left.size * (left**2).sum())
     stiffness = np.trace(task.stiffness, axis1=1, axis2=2).mean() / len(e.shear) * task.h ** (task.dim - 2)
     _, hover, enter = (mask.sum() for mask in contact_masks(e).values())
-    rounding = left.max() / (2**-24 * stiffness * peak(exact))
-    if apart > NEGLIGIBLE * peak(exact):
+    size = left.max() / (stiffness * peak(e.exact))
+    rounding = 2**24 * size
+    if apart > NEGLIGIBLE:
         spread = 0
-    if spread > SPREAD / 2 and ROUNDED[0] < rounding < ROUNDED[1]:
-        words = "the stiffness is assembled in single precision, or the solver stops as early"
+    if spread > SPREAD and 0.1 < rounding < ROUNDED:
+        words = "the solver works in single precision, or stops as early"
         return Diagnosis(f"Perhaps: {words}: forces that remain are {rounding:.2g} times this rounding")
-    if spread > SPREAD and not e.balanced and left.max() > ROUGH * stiffness * apart:
+    if spread > SPREAD and not e.balanced and size > ROUGH * apart:
         words = "the solver stops too early, at too large a tolerance"
-        why = f"displacements differ by {apart / peak(exact):.0e} of the largest, without pattern in space"
-        return Diagnosis(f"Perhaps: {words}: {why}, at all free unknowns", {TOLERANCE: words})
+        why = f"displacements differ by {apart:.0e} of the largest, without pattern in space, at all free unknowns"
+        return Diagnosis(f"Perhaps: {words}: {why}", {TOLERANCE: words})
     if e.balanced and enter and hover:
         words = "the iterations for contact stop too early, or the contact forces are not those of a law of the gap"
         return Diagnosis(f"Perhaps: {words}: some vertices penetrate, and forces act at others that hover")
     return Diagnosis("Not explained: no cause that was tried leaves a thousandth of this")
 
 
-def _not_held(equations):
+def _not_held(e):
     """Return the cause where u on Γ1 is not zero: another format, a moved body, or what is not held."""
-    task, e = equations.task, equations
+    task = e.task
     wrong = e.on_clamp > AGREES
     if not wrong.any():
         return None
@@ -866,19 +906,17 @@ def _not_held(equations):
     steps, vertices, components = (wrong.any(axis=axes) for axes in ((1, 2), (0, 2), (0, 1)))
     free = e.total.copy()
     free[:, task.clamped] = wrong.any(axis=0) * e.full[:, task.clamped]
-    singular = peak(e.u) > SINGULAR * peak(task.references())
+    singular = peak(e.u) > SINGULAR * peak(e.exact)
     certain = singular or e.size(free) <= CERTAIN
     what = "u" if components.all() else f"component {' and '.join(map(str, np.flatnonzero(components) + 1))}"
-    held = words = f"{what} is not held{' at some vertices' * (not vertices.all())}"
+    held = f"{what} is not held" if vertices.all() else f"{what} is not held at some vertices"
+    words = held
     if singular:
-        words += ", the matrix is singular or nearly so"
+        words = f"{held}, the matrix is singular or nearly so"
+    elif not certain and e.on_clamp.max() <= NEGLIGIBLE:
+        words = f"{what} is not held exactly (a penalty?)"
     elif not certain:
-        small = e.on_clamp.max() <= NEGLIGIBLE
-        words = (
-            f"{what} is not held exactly (a penalty?)"
-            if small
-            else f"perhaps {held}, or the vertices are in another order"
-        )
+        words = f"perhaps {held}, or the vertices are in another order"
     at = counted(task.clamped[vertices], "vertices", task.vertices)
     much = f"up to {e.on_clamp.max():.2g} of {OF_LARGEST}"
     sentence = f"On Γ1 {what} is not zero at {at} of n = {task.level}, {_when(steps)}, but {much}: {words}"
@@ -892,22 +930,24 @@ class Equations:
         u: displacements (steps, n, d), loads not scaled; ``before`` those of the step before.
         elastic: stresses C ε(u), (steps, cells, D); ``stress`` are the initial stresses.
         full: forces out of balance (steps, n, d); ``total`` without those that Γ1 and the contact faces may carry.
-        lam: nodal contact forces (steps, m), least squares where faces meet; ``gap`` is u_ν − gap.
+        lam: nodal contact forces (steps, m), least squares where faces meet; ``pressed`` says where they act, ``gap``
+            is u_ν − gap.
         on_clamp: |u| on Γ1 (steps, vertices, d) over the largest displacement of the exact solution.
         bad: where forces remain, (n,) of bool; ``bad_steps`` (steps,) is when, ``when`` in words.
     """
 
     def __init__(self, task, u):
-        self.task, self.u, self.static = task, u, not task.marches
-        self.C, self.shear = task.stiffness, task.shear()
+        self.task = task
+        self.u = u
+        self.static = not task.marches
+        self.C = task.stiffness
+        self.shear = task.shear()
         self.rate = task.A / task.data.get("step", 1)
         self.load = task.given("load")
         self.largest = peak(self.load)
         self.before = np.concatenate([task.start()[None] / task.scale, u[:-1]])
-        self.strain, self.strain_before = (
-            task.strain(u),
-            task.strain(self.before),
-        )
+        self.strain = task.strain(u)
+        self.strain_before = task.strain(self.before)
         self.elastic = _times(self.C, self.strain)
         self.stress = task.given("initial_stress") if self.static else _times(task.history, self.strain_before)
         self.old = "the initial stress" if self.static else "the stress of the previous step"
@@ -916,26 +956,25 @@ class Equations:
         self.total = self.left(self.full)
         self.remains = self.size(self.total)
         self.balanced = self.remains <= EQUATIONS_HOLD
-        self.on_clamp = abs(u[:, task.clamped]) / peak(task.references())
+        self.exact = task.references()
+        self.on_clamp = abs(u[:, task.clamped]) / peak(self.exact)
         self.lam = np.einsum("smi,mi->sm", self.full[:, self.vertices], self.carry)
+        self.pressed = abs(self.lam) > AGREES * peak(self.lam)
         self.gap = task.distances(u)
         sizes = np.linalg.norm(self.total, axis=2)
         self.acting = (sizes > SEEN * sizes.max()) & (sizes > 0)
-        self.bad, self.bad_steps = (
-            self.acting.any(axis=0),
-            self.acting.any(axis=1),
-        )
+        self.bad = self.acting.any(axis=0)
+        self.bad_steps = self.acting.any(axis=1)
         self.when = _when(self.bad_steps)
 
     def _face(self):
         """Set ``keep`` (n, d, d), which takes what Γ1 and contact faces may carry from forces."""
-        task, n = self.task, len(self.task.vertices)
+        task = self.task
+        n = len(self.task.vertices)
         self.vertices, normals, self.area, _ = task.constraints()
         self.rows = 1.0 * (self.vertices[:, None] == np.arange(n))
-        self.face, self.held = (
-            self.rows.any(axis=0),
-            np.isin(np.arange(n), task.clamped),
-        )
+        self.face = self.rows.any(axis=0)
+        self.held = np.isin(np.arange(n), task.clamped)
         self.keep = np.eye(task.dim) * ~self.held[:, None, None]
         self.carry = np.zeros_like(normals)
         for v in np.flatnonzero(self.face):
@@ -955,10 +994,6 @@ class Equations:
         """Return the forces out of balance with other stresses (steps, cells, D)."""
         return self.left(self.load - self.task.internal(stress))
 
-    def slip(self):
-        """Return the part of u along the contact face, (steps, n, d), zero at other vertices."""
-        return self.left(self.u) * self.face[:, None]
-
     def size(self, left):
         """Return the largest force over the largest load."""
         return peak(left) / self.largest
@@ -977,7 +1012,8 @@ def _times(C, strain):
 
 def where(equations):
     """Return at which vertices, in which steps and along which axis forces remain, or the contact conditions fail."""
-    task, bad = equations.task, np.flatnonzero(equations.bad)
+    task = equations.task
+    bad = np.flatnonzero(equations.bad)
     n = f"n = {task.level}"
     if equations.balanced:
         faults = "; ".join(_contact_faults(equations)) or "the contact conditions hold up to 1e-6"
@@ -1006,7 +1042,7 @@ def counted(numbers, what, points):
 def _when(steps):
     """Return words for the steps (steps,) of bool."""
     numbers = [str(k + 1) for k in np.flatnonzero(steps)]
-    if len(numbers) == len(steps):
+    if steps.all():
         return f"in all {len(steps)} steps" if len(steps) > 1 else "in the only step"
     if len(numbers) == 1:
         return f"in step {numbers[0]} alone"
@@ -1018,21 +1054,18 @@ def _axis(forces):
     _, sizes, axes = np.linalg.svd(forces.reshape(-1, forces.shape[-1]), full_matrices=False)
     if sizes[1:].max(initial=0) > SEEN * sizes[0]:
         return ""
-    axis = axes[0] * np.sign(axes[0].sum())
-    return f", all along ±{point(axis.round(6))}"
+    axis = axes[0].round(6)
+    return f", all along ±{point(axis if axis.sum() > 0 else -axis)}"
 
 
-def sets(equations):
+def sets(e):
     """Return sets of vertices (n,) of bool with their names."""
-    task, e = equations.task, equations
-    acting = (abs(e.lam) > AGREES * peak(e.lam)).any(axis=0) @ e.rows > 0
+    task = e.task
+    acting = e.pressed.any(axis=0) @ e.rows > 0
     trace = np.trace(task.stiffness, axis1=1, axis2=2)
 
     def of(vertices):
         return np.isin(np.arange(len(e.bad)), vertices)
-
-    def near(these):
-        return of(task.cells[these[task.cells].any(axis=1)])
 
     face, loaded = (of([facet for part in task.data[key] for facet in part["facets"]]) for key in ("contact", "loaded"))
     return {
@@ -1043,20 +1076,23 @@ def sets(equations):
         "on Γ2 and its ends": loaded,
         "where materials meet": of(task.cells[trace > trace.min()]) & of(task.cells[trace < trace.max()]),
         "inside": ~face & ~loaded & ~e.held,
-        "in the cells at Γ3": near(face),
+        "in the cells at Γ3": of(task.cells[face[task.cells].any(axis=1)]),
     }
 
 
 def _place(equations):
     """Return in which set the vertices lie at which forces remain, and how many are inside, on Γ2 and on Γ3."""
-    task, bad, named = equations.task, equations.bad, sets(equations)
+    task = equations.task
+    bad = equations.bad
+    named = sets(equations)
     cells = np.flatnonzero(bad[task.cells].sum(axis=1) == bad.sum())
-    if bad.sum() > 1 and 0 < len(cells) <= 2:
+    if bad.sum() > task.dim and 0 < len(cells) <= 2:
         return f"of cell {' or '.join(map(str, cells))}"
     parts = [f"all {name}" for name, members in named.items() if members[bad].all() and 2 * bad.sum() < len(bad)][:1]
     if not parts:
         parts = [f"{n} {name}" for name in ("inside", "on Γ2", "on Γ3") if (n := (bad & named[name]).sum())]
-    low, high = task.vertices[bad].min(axis=0), task.vertices[bad].max(axis=0)
+    low = task.vertices[bad].min(axis=0)
+    high = task.vertices[bad].max(axis=0)
     if bad.sum() > 5 and np.prod(high - low) < 0.5 * np.prod(np.ptp(task.vertices, axis=0)):
         parts.append(f"from {point(low)} to {point(high)}")
     return ", ".join(parts)
@@ -1081,10 +1117,8 @@ def _contact_faults(equations):
             vertices = np.unique(equations.vertices[wrong.any(axis=0)])
             yield f"{words} at {counted(vertices, 'vertices', equations.task.vertices)}, {_when(wrong.any(axis=1))}"
     anywhere = np.logical_or.reduce(list(masks.values()))
-    gaps, pressures = (
-        equations.gap[anywhere],
-        (equations.lam / equations.area)[anywhere],
-    )
+    gaps = equations.gap[anywhere]
+    pressures = (equations.lam / equations.area)[anywhere]
     if len(gaps):
         some = np.argsort(gaps)[:: 1 + len(gaps) // 6]
         yield "u_ν − gap ↦ force over area: " + ", ".join(f"{gaps[k]:.2g} ↦ {pressures[k]:.2g}" for k in some)
@@ -1095,11 +1129,6 @@ def _contact_faults(equations):
 STATIC: list = [
     ("A for G", "A is used in place of G", lambda e: e.stresses(e.task.A)),
     (
-        "factor",
-        "`factor` of the law is forgotten",
-        lambda e: e.stresses(e.task.plain("G")),
-    ),
-    (
         "stress 1",
         "the initial stress of the step before is used",
         lambda e: e.elastic + e.shifted(e.stress),
@@ -1107,19 +1136,9 @@ STATIC: list = [
 ]
 MARCH: list = [
     (
-        "scheme",
-        "backward Euler is used in place of the midpoint rule",
-        lambda e: e.stresses(e.rate + e.task.G, -e.rate),
-    ),
-    (
         "elastic law",
         "the viscous stress is missing: σ = G ε(u)",
         lambda e: e.stresses(e.task.G, 0 * e.task.G),
-    ),
-    (
-        "factor",
-        "`factor` of the law is forgotten",
-        lambda e: e.stresses(*e.task.midpoint(e.task.plain("A"), e.task.plain("G"))),
     ),
     (
         "older",
@@ -1128,6 +1147,11 @@ MARCH: list = [
     ),
 ]
 STRESSES: list = [
+    (
+        "factor",
+        "`factor` of the law is forgotten",
+        lambda e: e.stresses(*e.task.laws(e.task.plain("A"), e.task.plain("G"))),
+    ),
     (
         "plane stress",
         "plane stress is used in place of plane strain",
@@ -1138,25 +1162,21 @@ STRESSES: list = [
         "λ and μ are exchanged",
         lambda e: e.stresses(_isotropic(e.C[:, -1, -1] / 2, e.C[:, 0, 1], e.shear)),
     ),
-    (
-        "cell before:C",
-        "each cell has the stiffness of the cell before",
-        lambda e: e.stresses(np.roll(e.C, 1, 0)),
-    ),
-    (
-        "next cell:C",
-        "each cell has the stiffness of the next cell",
-        lambda e: e.stresses(np.roll(e.C, -1, 0)),
-    ),
-    (
-        "cell before:stress",
-        "each cell has the initial stress or history of the cell before",
-        lambda e: e.elastic + np.roll(e.stress, 1, 1),
-    ),
-    (
-        "next cell:stress",
-        "each cell has the initial stress or history of the next cell",
-        lambda e: e.elastic + np.roll(e.stress, -1, 1),
+    *(
+        row
+        for k, which in ((1, "the cell before"), (-1, "the next cell"))
+        for row in (
+            (
+                f"{which}:C",
+                f"each cell has the stiffness of {which}",
+                lambda e, k=k: e.stresses(np.roll(e.C, k, 0)),
+            ),
+            (
+                f"{which}:stress",
+                f"each cell has the initial stress or history of {which}",
+                lambda e, k=k: e.elastic + np.roll(e.stress, k, 1),
+            ),
+        )
     ),
 ]
 """What the stresses would be, (steps, cells, D)."""
@@ -1165,6 +1185,16 @@ LOADS: list = [
         "load 1",
         "the load of the step before is used",
         lambda e: e.shifted(e.load),
+    ),
+    (
+        "load next",
+        "the load of the next step is used",
+        lambda e: np.concatenate([e.load[1:], e.load[-1:]]),
+    ),
+    (
+        "load mean",
+        "the mean of the loads of this step and the step before is used",
+        lambda e: (e.load + e.shifted(e.load)) / 2,
     ),
     (
         "repeated",
@@ -1183,7 +1213,7 @@ ANSWERS: list = [
     (
         "late",
         "the displacements of the step before are written",
-        lambda e: np.concatenate([e.u[1:], e.task.references()[-1:]]),
+        lambda e: np.concatenate([e.u[1:], e.exact[-1:]]),
     ),
     (
         "copy",
@@ -1248,9 +1278,8 @@ ORDERS = {
 """Orders of the components of tensors, Mandel, in the plane and in space."""
 
 
-def undone(equations):
+def undone(e):
     """Yield the causes of the tables of stresses, loads and tasks with what is left if they are undone."""
-    e = equations
     tables = [
         (
             [
@@ -1271,13 +1300,12 @@ def undone(equations):
                 yield Cause(key, sentence.format(e=e), e.size(left(changed)), e.remains)
 
 
-def changed_answers(equations):
+def changed_answers(e):
     """Yield the causes that the numbers of the answer stand for something else: forces and u on Γ1 that are left.
 
     The history of a march may follow from the right displacements, or from the numbers of the answer (as in
     ``answer``).
     """
-    e = equations
     for key, sentence, change in ANSWERS:
         u = change(e)
         if u is not False:
@@ -1315,7 +1343,7 @@ def _voigt(equations):
     """Yield rows for factors of shear in the stiffness, or in the strain of stiffness and history."""
     for by in (np.sqrt(2), np.sqrt(0.5), 2.0, 0.5):
         w = np.where(equations.shear, by, 1.0)
-        ww = np.multiply.outer(w, w)
+        ww = w[:, None] * w
         words = f"rows and columns of shear in the stiffness are multiplied by {by:.4g} (Voigt for Mandel?)"
         yield f"shear:both {by}", words, lambda e, ww=ww: e.stresses(e.C * ww)
         words = f"the shear strain is multiplied by {by:.4g} in the stiffness and the initial stress together"
@@ -1334,7 +1362,8 @@ def _isotropic(lam, mu, shear):
 
 def _plane_stress(C):
     """Return the matrix of plane stress with the constants μ and λ of a matrix of plane strain."""
-    lam, twice_mu = C[:, 0, 1], C[:, 2, 2]
+    lam = C[:, 0, 1]
+    twice_mu = C[:, 2, 2]
     return _isotropic(twice_mu * lam / (lam + twice_mu), twice_mu / 2, np.arange(3) == 2)
 
 
@@ -1353,11 +1382,15 @@ def _last_cell_only(equations):
     return result
 
 
-def _without_copies(equations):
+def _diagonal(task):
+    """Return the diagonal of the stiffness matrix, (n, d)."""
+    return task.assembled(np.einsum("c,Dcka,cDE,Ecka->cka", task.volumes, task.strains, task.stiffness, task.strains))
+
+
+def _without_copies(e):
     """Return the answer with the right displacements in steps that are a copy of the one before, or zero."""
-    e = equations
     copies = (e.u == np.roll(e.u, 1, 0)).all(axis=(1, 2)) & (len(e.u) > 1) | (e.u == 0).all(axis=(1, 2))
-    return np.where((copies & e.bad_steps)[:, None, None], e.task.references(), e.u)
+    return np.where((copies & e.bad_steps)[:, None, None], e.exact, e.u)
 
 
 # Terms of the equations that are multiplied by a factor: everywhere, in one step, in some cells, at some vertices
@@ -1392,13 +1425,17 @@ MARCH_TERMS: list = [
         "the elastic stress G ε(u)",
         lambda e: _times(e.task.G, (e.strain + e.strain_before) / 2),
     ),
+    (
+        "theta",
+        "θ = 1/2 of the time scheme (1 in backward Euler)",
+        lambda e: _times(e.task.G, (e.strain - e.strain_before) / 2),
+    ),
 ]
 """Stresses (steps, cells, D)."""
-IN_CELLS = " in cells"
 CELL_TERMS: list = [
-    ("contribution", "the contribution", lambda e: e.elastic + e.stress),
-    ("material", "the stiffness", lambda e: e.elastic),
-    ("prestress", "{e.old}", lambda e: e.stress),
+    ("contribution in cells", "the contribution", lambda e: e.elastic + e.stress),
+    ("material in cells", "the stiffness", lambda e: e.elastic),
+    ("prestress in cells", "{e.old}", lambda e: e.stress),
 ]
 
 
@@ -1408,34 +1445,19 @@ def _lame_part(equations):
     return _times(_isotropic(lam, 0 * lam, equations.shear), equations.strain)
 
 
-def multiplied(equations):
+def multiplied(e):
     """Yield the causes that a term is multiplied by the factors that fit best."""
-    e, count, points = equations, equations.task.count, equations.task.vertices
-    for key, words, term in (
-        *TERMS,
-        *(STATIC_TERMS if e.static else MARCH_TERMS),
-    ):
-        yield from fitted(e, key, words, -e.task.internal(term(e))[None])
-    yield from fitted(e, "load", "the load", e.load[None])
-    steps, vertices = np.eye(count)[:, :, None, None], np.flatnonzero(e.bad)
-    if count > 1:
-        once = -e.task.internal(e.stress) * steps
-        yield from fitted(
-            e,
-            "stress once",
-            "{e.old}",
-            once,
-            lambda odd: f" {_when(odd)}",
-            count - 1,
-        )
-        yield from fitted(
-            e,
-            "load once",
-            "the load",
-            e.load * steps,
-            lambda odd: f" {_when(odd)}",
-            count - 1,
-        )
+    count = e.task.count
+    points = e.task.vertices
+    steps = np.eye(count)[:, :, None, None]
+    vertices = np.flatnonzero(e.bad)
+    terms = [*TERMS, *(STATIC_TERMS if e.static else MARCH_TERMS)]
+    forces = [(key, words, -e.task.internal(term(e))) for key, words, term in terms]
+    forces.append(("diagonal", "the diagonal of the stiffness matrix", -_diagonal(e.task) * e.u))
+    for key, words, force in (*forces, ("load", "the load", e.load)):
+        yield from fitted(e, key, words, force[None])
+        if key != "units":
+            yield from fitted(e, f"{key} once", words, force * steps, lambda odd: f" {_when(odd)}", count - 1)
     if len(vertices) <= MOST_PARTS:
         loads = np.eye(len(points))[vertices][:, None, :, None] * e.load
 
@@ -1444,7 +1466,7 @@ def multiplied(equations):
 
         yield from fitted(e, "load at vertices", "the load", loads, at, len(points) // 2)
     for key, words, term in CELL_TERMS:
-        yield from _in_cells(e, key + IN_CELLS, words, term(e))
+        yield from _in_cells(e, key, words, term(e))
 
 
 def _whole_cells(equations):
@@ -1456,7 +1478,8 @@ def _whole_cells(equations):
 
 def _in_cells(equations, key, words, stress):
     """Yield the cause that a term is multiplied in some cells, of those at whose free vertices forces remain."""
-    task, cells = equations.task, np.flatnonzero(_whole_cells(equations))
+    task = equations.task
+    cells = np.flatnonzero(_whole_cells(equations))
     if not 0 < len(cells) <= MOST_PARTS:
         return
     parts = np.zeros((len(cells), *equations.u.shape))
@@ -1470,13 +1493,13 @@ def _in_cells(equations, key, words, stress):
     yield from fitted(equations, key, words, parts, at, len(task.cells) * 2 // 3)
 
 
-def fitted(equations, key, words, parts, place=None, most=1):
+def fitted(e, key, words, parts, place=None, most=1):
     """Yield the cause that parts of the equations (k, steps, n, d) are multiplied by the factors that fit best.
 
     ``place`` gives words for the parts whose factors are not 1, of which there may be ``most``. With several parts,
     more equations than twice the factors are needed.
     """
-    e, total = equations, equations.total.ravel()
+    total = e.total.ravel()
     flat = e.left(parts).reshape(len(parts), -1)
     if not flat.any() or (place and flat.any(axis=0).sum() < 2 * len(parts)):
         return
@@ -1505,60 +1528,85 @@ def factor_words(factor):
         2**0.5: "is multiplied by √2",
         0.5**0.5: "is divided by √2",
     }
-    near = [words for value, words in known.items() if abs(factor - value) < 1e-4]
-    return near[0] if near else f"{ODD} {factor:.8g}"
+    near = (words for value, words in known.items() if abs(factor - value) < 1e-4)
+    return next(near, f"{ODD} {factor:.8g}")
 
 
 # Forces that are in no equation
 
-ADDED: list = [
-    (
-        "traction",
-        "the traction on Γ2 is added {c:.8g} times to `load`, which already contains it",
-        lambda e: _traction(e),
-    ),
+ALONG: list = [
     (
         "friction",
         "friction acts in contact, with the coefficient {c:.8g}",
-        lambda e: _friction(e),
+        lambda e: e.lam,
+    ),
+    (
+        "friction:bound",
+        "friction of {c:.8g} for each area acts in contact, whatever the contact force",
+        lambda e: e.pressed * e.area,
     ),
     (
         "tangential springs",
         "springs act along the contact face (a tangential penalty), of stiffness {c:.8g} for each area",
-        lambda e: -(e.area @ e.rows)[:, None] * e.slip(),
+        lambda e: 0 * e.lam + e.area,
+    ),
+    (
+        "tangential springs:contact",
+        "springs act along the face in contact (a tangential penalty), of stiffness {c:.8g} for each area",
+        lambda e: e.pressed * e.area,
     ),
 ]
+"""Forces against the slip, (steps, m), up to a factor c: of this size for friction, else times the slip."""
 
 
-def added(equations):
+def added(e):
     """Yield the causes that a positive multiple of forces acts that are in no equation."""
-    e, sticking = equations, _sticking(equations)
-    for key, sentence, forces in ADDED:
-        extra = e.left(forces(e))
-        c = -_factor(e.total, extra)
-        if c > 0:
-            left = e.total + c * extra
-            if key == "friction":
-                left[sticking < c * (1 + NAMED)] = 0
-            yield Cause(key, sentence.format(c=c), e.size(left), e.remains, fitted=1)
+    traction = e.left(_traction(e))
+    c = -_factor(e.total, traction)
+    if c > 0:
+        words = f"the traction on Γ2 is added {c:.8g} times to `load`, which already contains it"
+        yield Cause("traction", words, e.size(e.total + c * traction), e.remains, fitted=1)
+    moves = {"": e.u, ", against the change of u since the step before": e.u - e.before}
+    for key, sentence, weights in ALONG:
+        for against, move in moves.items():
+            c, left = _resisted(e, weights(e) @ e.rows, move, key.startswith("friction"))
+            if c > 0:
+                yield Cause(
+                    f"{key}:{against}",
+                    sentence.format(c=c) + against,
+                    e.size(left),
+                    e.remains,
+                    fitted=1 + bool(against),
+                )
 
 
-def _sticking(equations):
-    """Return forces along the face over contact forces, (steps, n), where u along it is 0; infinite elsewhere."""
-    force, slip = (np.linalg.norm(values, axis=2) for values in (equations.total, equations.slip()))
-    lam = equations.lam @ equations.rows
-    stays = equations.face & (slip <= AGREES * peak(equations.u)) & (lam > 0)
-    return np.where(stays, force / np.where(stays, lam, 1), np.inf)
+def _resisted(e, weight, move, friction):
+    """Return c and the forces left without c weight against the slip, (steps, n) and (steps, n, d).
+
+    Friction has the size c weight where a vertex slides, and at most this size where it stays.
+    """
+    slip = e.left(move) * e.face[:, None]
+    size = np.linalg.norm(slip, axis=2)
+    slides = size > AGREES * peak(e.u)
+    per = weight * slides / np.maximum(size, 1e-300) if friction else weight
+    along = per[..., None] * slip
+    c = _factor(e.total, along)
+    left = e.total - c * along
+    if friction:
+        stays = ~slides & e.face & (np.linalg.norm(e.total, axis=2) < c * (1 + NAMED) * weight)
+        left[stays] = 0
+    return c, left
 
 
 def _factor(values, shape):
     """Return the factor of a shape that fits values best."""
-    return float((values * shape).sum() / max((shape**2).sum(), 1e-300))
+    return (values * shape).sum() / max((shape**2).sum(), 1e-300)
 
 
 def _traction(equations):
     """Return the nodal forces of the traction on Γ2, (steps, n, d); zero in a march, which has no traction."""
-    task, result = equations.task, np.zeros_like(equations.u)
+    task = equations.task
+    result = np.zeros_like(equations.u)
     weights = (1 + np.eye(task.dim)) / (task.dim * (task.dim + 1))
     for forces, step in zip(result, task.data["steps"], strict=True):
         for part, values in zip(task.data["loaded"], step.get("traction", ()), strict=False):
@@ -1568,50 +1616,49 @@ def _traction(equations):
     return result
 
 
-def _friction(equations):
-    """Return forces against the slip, as large as the contact forces; zero where u along the face is 0."""
-    slip = equations.slip()
-    size = np.linalg.norm(slip, axis=2, keepdims=True)
-    slides = size > AGREES * peak(equations.u)
-    return -(equations.lam @ equations.rows)[..., None] * slides * slip / np.maximum(size, 1e-300)
-
-
-def supports(equations):
+def supports(e):
     """Yield the cause that u is held at 0 along the forces that remain, at each vertex and in each step of them."""
-    e, bad = equations, np.flatnonzero(equations.bad)
+    bad = np.flatnonzero(e.bad)
     if 2 * len(bad) > len(e.bad):
         return
     sizes = np.linalg.norm(e.total, axis=2)
-    moved = abs((e.u * e.total).sum(axis=2)) / np.maximum(sizes, 1e-300)
     at = counted(bad, "vertices", e.task.vertices)
-    words = f"u is held at 0 along the forces at {at}: a support, or other faces found to be in contact"
-    if e.face[bad].all():
-        words = f"no slip: u along the face is held at 0 at {at}"
-    yield Cause("held", words, float(moved[e.acting].max() / peak(e.u)), e.remains)
+    for key, held, u in (
+        ("held", "is held at 0", e.u),
+        ("held:stuck", "stays as in the step before", e.u - e.before),
+    ):
+        moved = abs((u * e.total).sum(axis=2)) / np.maximum(sizes, 1e-300)
+        words = f"u {held} along the forces at {at}: a support, or other faces found to be in contact"
+        if e.face[bad].all():
+            words = f"no slip: u along the face {held} at {at}"
+        yield Cause(key, words, moved[e.acting].max() / peak(e.u), e.remains, fitted=int(key != "held"))
 
 
-def tilted(equations):
+def tilted(e):
     """Yield the cause that contact forces act along fixed axes that are not the normals, in two steps or more."""
-    e, bad = equations, np.flatnonzero(equations.bad)
+    bad = np.flatnonzero(e.bad)
     if not e.face[bad].all() or e.acting.sum(axis=0).max() < 2:
         return
     _, sizes, axes = np.linalg.svd(e.full[:, bad].swapaxes(0, 1), full_matrices=False)
+    left = sizes * (np.arange(sizes.shape[1]) >= e.rows.sum(axis=0)[bad, None])
+    numbers = len(np.unique((axes[:, :1] * axes[:, 0, :, None]).round(4), axis=0))
     at = counted(bad, "vertices", e.task.vertices)
-    words = f"normals are tilted (or there is friction) at {at}: along {point(axes[0, 0])} there"
-    yield Cause("tilt", words, e.size(sizes[:, 1:]), e.remains, fitted=len(bad))
+    words = f"normals are tilted (or there is friction) at {at}: along {point(axes[0, 0].round(6))} there"
+    yield Cause("tilt", words, e.size(left), e.remains, fitted=numbers)
 
 
-def duplicated(equations):
+def duplicated(e):
     """Yield the cause that some cells at a vertex use a copy of it that moves on its own (a crack).
 
     Forces remain at vertices of these cells alone. At the vertex, the forces of these cells are missing; at the
     others, those that follow from the move of the copy.
     """
-    e, task, bad = equations, equations.task, np.flatnonzero(equations.bad)
-    forces, whole_cells = task.in_cells(e.elastic + e.stress), _whole_cells(e)
+    task = e.task
+    bad = np.flatnonzero(e.bad)
+    forces = task.in_cells(e.elastic + e.stress)
     for v in bad:
         corner = task.cells == v
-        some = corner.any(axis=1) & whole_cells
+        some = corner.any(axis=1) & _whole_cells(e)
         total = e.total.copy()
         total[:, v] += (forces[:, some] * corner[some][:, :, None]).sum(axis=(1, 2))
         if np.isin(bad, task.cells[some]).all() and e.size(total[:, v]) <= NAMED * e.remains:
@@ -1627,7 +1674,8 @@ def duplicated(equations):
 def rounded_answers(equations):
     """Yield the causes that the displacements are rounded: to decimals, to digits, or to single precision."""
     scale = equations.task.scale
-    given, exact = equations.u * scale, equations.task.references() * scale
+    given = equations.u * scale
+    exact = equations.exact * scale
     units = {"in single precision": np.spacing(abs(exact).astype(np.float32))}
     for k in range(1, 10):
         units[f"with {k} decimals"] = 10.0**-k
@@ -1648,9 +1696,11 @@ class ContactProblem:
     """The contact problem of an answer on the contact faces: gap = free − W λ, with its history; ``right`` is its λ."""
 
     def __init__(self, equations):
-        e, self.task = equations, equations.task
+        e = equations
+        self.task = equations.task
         self.vertices, normals, self.area, self.initial = self.task.constraints()
-        self.lam, self.gap = e.lam, e.gap
+        self.lam = e.lam
+        self.gap = e.gap
         self.gap_before = -self.task.distances(e.before)
         unknown = np.flatnonzero(np.repeat(~e.held, self.task.dim))
         units = np.eye(self.task.vertices.size)[unknown].reshape(-1, *self.task.vertices.shape)
@@ -1663,18 +1713,18 @@ class ContactProblem:
             axis=1,
         )
         self.free = free.T - self.initial
-        self.every = np.ones(len(N), bool)
         self.right = self.each()
         self.largest = max(peak(self.right), peak(self.lam))
-        self.small, self.moved = AGREES * self.largest, AGREES * peak(e.u)
+        self.small = AGREES * self.largest
+        self.moved = AGREES * peak(e.u)
         self.pressed = self.lam > self.small
         self.first = np.arange(len(self.lam))[:, None] == 0
-        self.ends = np.where(self.area < 0.75 * np.median(self.area), 0.5, 1.0)
+        self.ends = at_ends(self.area)
 
     def each(self, free=None, starts=None, **options):
         """Return λ of all steps, (steps, m), by ``active_set`` with its options and one start for each step."""
         free = self.free if free is None else free
-        starts = [~self.every] * len(free) if starts is None else starts
+        starts = [False] * len(free) if starts is None else starts
         return np.array([active_set(self.W, one, start, **options) for one, start in zip(free, starts, strict=True)])
 
     def with_gap(self, gap):
@@ -1685,18 +1735,18 @@ class ContactProblem:
         """Return λ with the constraints multiplied by rows from the left."""
         return np.array([active_set(rows @ self.W @ rows.T, rows @ free) for free in self.free]) @ rows
 
-    def gaps(self, change):
-        """Return the initial gap, changed on each piece of Γ3."""
-        return np.concatenate([change(one) for one in self.task.by_piece(self.initial)])
+    def on_pieces(self, values, change):
+        """Return values (…, m) at the constraints, changed on each piece of Γ3."""
+        return np.concatenate([change(one) for one in self.task.by_piece(values)], axis=-1)
 
     def named(self, rows):
         """Return the number of some constraints and the first of their vertices, with coordinates."""
         return counted(self.vertices[rows], "vertices", self.task.vertices)
 
 
-def active_set(W, free, start=None, updates=60, release=True, tied=False):
+def active_set(W, free, start=False, updates=60, release=True, tied=False):
     """Return λ ≥ 0 with gap = free − W λ ≤ 0 by a primal-dual active set; tied vertices are held and may pull."""
-    held = np.zeros(len(free), bool) | tied | (start is not None and start)
+    held = np.zeros(len(free), bool) | tied | start
     scale = 1 / peak(np.diag(W))
     for count in range(updates + 1):
         lam = np.zeros(len(free))
@@ -1709,8 +1759,6 @@ def active_set(W, free, start=None, updates=60, release=True, tied=False):
     return lam
 
 
-PULLS = "vertices in contact are never released, although their forces pull"
-LATE, FIRST = "contact is one step late: the contact", "the first step"
 CONTACT: list = [
     (
         "none",
@@ -1725,7 +1773,7 @@ CONTACT: list = [
     (
         "pull:tied",
         "contact pulls: u_ν = 0 on the whole face, no vertex lifts off",
-        lambda p: p.each(tied=p.every),
+        lambda p: p.each(tied=True),
     ),
     (
         "gap areas",
@@ -1733,30 +1781,41 @@ CONTACT: list = [
         lambda p: p.with_gap(p.area / p.task.scale),
     ),
     (
-        "gap -1",
-        "the initial gap is taken with the reversed sign",
-        lambda p: p.with_gap(-p.initial),
-    ),
-    ("gap 0", "the initial gap is forgotten", lambda p: p.with_gap(0)),
-    (
         "gap order",
         "the initial gaps are in the reversed order",
-        lambda p: p.with_gap(p.gaps(np.flip)),
+        lambda p: p.with_gap(p.on_pieces(p.initial, np.flip)),
     ),
     *(
-        (
-            f"gap shift:{k}",
-            "the initial gaps are shifted by one vertex",
-            lambda p, k=k: p.with_gap(p.gaps(lambda gap: np.roll(gap, k))),
-        )
+        row
         for k in (1, -1)
+        for row in (
+            (
+                f"gap shift:{k}",
+                "the initial gaps are shifted by one vertex",
+                lambda p, k=k: p.with_gap(p.on_pieces(p.initial, lambda gap: np.roll(gap, k))),
+            ),
+            (
+                f"force shift:{k}",
+                "each contact force acts at the next vertex of the list",
+                lambda p, k=k: p.on_pieces(p.right, lambda lam: np.roll(lam, k, 1)),
+            ),
+        )
+    ),
+    (
+        "gap middle",
+        "contact closes the gap in the middle of the step, (u_n + u_{n−1})/2, not at its end",
+        lambda p: p.with_gap(p.initial + p.gap_before),
     ),
     (
         "gap left",
         "the gap that the step before left is taken for the initial gap",
         lambda p: p.with_gap(p.gap_before),
     ),
-    ("pull:iterations", PULLS, lambda p: p.each(release=False)),
+    (
+        "pull:iterations",
+        "vertices in contact are never released, although their forces pull",
+        lambda p: p.each(release=False),
+    ),
     (
         "facets",
         "contact is imposed on the mean gap of each facet (facet midpoints), not at the vertices",
@@ -1771,10 +1830,10 @@ CONTACT: list = [
         for updates, times in ((1, "once"), (2, "twice"), (3, "three times"))
         for start, held in (
             ("no vertex", lambda p: None),
-            ("all vertices", lambda p: [p.every] * len(p.lam)),
+            ("all vertices", lambda p: [True] * len(p.lam)),
             (
                 "the vertices of the step before",
-                lambda p: [~p.every, *p.pressed[:-1]],
+                lambda p: [False, *p.pressed[:-1]],
             ),
         )
     ),
@@ -1783,32 +1842,32 @@ CONTACT: list = [
 CONTACT_IN_STEPS: list = [
     (
         "late:forces",
-        f"{LATE} forces are those of the step before",
+        "contact is one step late: the contact forces are those of the step before",
         lambda p: np.roll(p.right, 1, 0) * ~p.first,
     ),
     (
         "late:vertices",
-        f"{LATE} vertices are those of the step before",
+        "contact is one step late: the contact vertices are those of the step before",
         lambda p: p.each(starts=[p.pressed[0], *(p.right[:-1] > 0)], updates=0),
     ),
     (
         "first:only",
-        f"contact acts in {FIRST} only",
+        "contact acts in the first step only",
         lambda p: p.right * p.first,
     ),
     (
         "first:missing",
-        f"contact is missing in {FIRST}",
+        "contact is missing in the first step",
         lambda p: p.right * ~p.first,
     ),
     (
         "first:forces",
-        f"the contact forces of {FIRST} are kept in all steps",
+        "the contact forces of the first step are kept in all steps",
         lambda p: p.right[:1] + 0 * p.right,
     ),
     (
         "first:vertices",
-        f"the vertices in contact are found in {FIRST} only and kept in all steps",
+        "the vertices in contact are found in the first step only and kept in all steps",
         lambda p: p.each(starts=p.pressed[:1] | (0 * p.right > 0), updates=0),
     ),
 ]
@@ -1824,7 +1883,7 @@ def contact_causes(equations):
     if without <= CONTACT_HOLDS:
         return
     rows = CONTACT + CONTACT_IN_STEPS * (len(p.lam) > 1)
-    guesses = [(key, sentence, undo(p), 0) for key, sentence, undo in rows]
+    guesses = ((key, sentence, undo(p), 0) for key, sentence, undo in rows)
     for key, sentence, lam, numbers in (
         *guesses,
         *_found_sets(p),
@@ -1836,7 +1895,8 @@ def contact_causes(equations):
 
 def _facet_means(problem):
     """Return rows that take the mean over each facet of the constraints at its vertices."""
-    rows, numbers = [], problem.task.by_piece(np.arange(len(problem.area)))
+    rows = []
+    numbers = problem.task.by_piece(np.arange(len(problem.area)))
     for piece, row in zip(problem.task.contact, numbers, strict=True):
         on = [np.isin(problem.vertices[row], facet) / len(facet) for facet in piece["facets"]]
         rows += [np.bincount(row, part, len(problem.area)) for part in on if part.any()]
@@ -1863,13 +1923,28 @@ def _found_sets(problem):
 
 
 def _fitted_contact(problem):
-    """Yield causes with one number that is fitted: a factor, an offset, a pressure."""
+    """Yield causes with numbers that are fitted: a factor, smoothing, gaps, an offset, a pressure."""
     p = problem
     factor = _factor(p.lam, p.right)
     words = f"the contact forces that act on the body are {factor:.8g} times the right ones"
     yield "scaled", words, factor * p.right, 1
+    means = _facet_means(p)
+    near = means.T @ means
+    spread = p.right @ near - p.right * near.sum(axis=0)
+    words = "contact forces act in part at the neighbouring vertices (smoothing)"
+    yield "smoothed", words, p.right + _factor(p.lam - p.right, spread) * spread, 1
+    reached = (p.gap + p.initial).max(axis=0)
+    touched = p.pressed.any(axis=0)
+    factor = _factor(reached * touched, p.initial * touched)
+    words = f"the initial gap {factor_words(factor)}"
+    yield "gap", words, p.with_gap(factor * p.initial), int(ODD in words)
+    odd = touched & (abs(reached - p.initial) > p.moved)
+    if odd.any() and p.pressed.sum() >= 2 * touched.sum():
+        words = f"the initial gap is another one at {p.named(odd)}"
+        used = np.where(touched, reached, np.maximum(reached, p.initial))
+        yield "gap:other", words, p.with_gap(used), odd.sum()
     if p.pressed.any():
-        offset = float(np.median(p.gap[p.pressed]))
+        offset = np.median(p.gap[p.pressed])
         words = f"contact is closed where u_ν − gap is {offset:.4g} (an offset or a tolerance), not 0"
         yield "offset", words, p.each(p.free - offset), 1
     open_ = p.gap < -p.moved
@@ -1956,7 +2031,7 @@ def scanned(shape, values, lengths):
             21,
         )
     k = _factor(values, shape(s))
-    return k, float(s), k * shape(s)
+    return k, s, k * shape(s)
 
 
 def orders(h, errors):
@@ -2025,7 +2100,8 @@ def classify(h: list[float], errors: list[Errors]) -> str:
 
 def judged(h, errors, levels=None):
     """Return the class, and the numbers that decided; a mesh is named by its level, or without ``levels`` by 1 / h."""
-    shares, last = [one.share for one in errors], errors[-1]
+    shares = [one.share for one in errors]
+    last = errors[-1]
     meshes = [f"n = {n:g}" for n in levels or 1 / floats(h)]
     if max(shares) <= EXACT and max(one.from_best for one in errors) <= 10 * EXACT:
         return EXACT_CLASS, f"{max(shares):.0e} of the error"
@@ -2047,10 +2123,8 @@ def judged(h, errors, levels=None):
     needed = min(FALLS, max(order_of("best", h, errors) / 2, LEAST_FALL))
     if fall[-1] < needed and shares[-1] > EXACT:
         return "stagnates", f"at {shares[-1]:.1e} of the error, {told}"
-    pressure, of_best = (
-        order_of("pressure", h, errors),
-        order_of("best_pressure", h, errors),
-    )
+    pressure = order_of("pressure", h, errors)
+    of_best = order_of("best_pressure", h, errors)
     if pressure < min(PRESSURE_FALLS, of_best - NECESSARY):
         return "stagnates", f"in the pressure, order {pressure:.1f}"
     if last.outside > FEW_FORCES:
@@ -2063,15 +2137,17 @@ def judged(h, errors, levels=None):
 
 def _far_off(h, errors, meshes):
     """Yield why an answer is far off, and on which mesh."""
-    last, moved = errors[-1], [one.on_clamp for one in errors]
+    last = errors[-1]
+    moved = [one.on_clamp for one in errors]
     distances = [one.share * one.best for one in errors]
     fall = [0.0, *orders(h, distances), 0.0]
     held = moved[-1] <= AGREES or (order(h, moved) >= FALLS and moved[-1] < LARGE_ON_CLAMP)
     for k, (one, mesh) in enumerate(zip(errors, meshes, strict=True)):
-        final, large = one is last, one.share > LARGE_SHARE and one is not last
+        final = one is last
+        large = one.share > LARGE_SHARE and not final
         finest = final and len(h) > 1
         grows = fall[k] < -FALLS and one.share > (NEGLIGIBLE if finest else PEAK)
-        drops = fall[k + 1] > JUMP and distances[k] > FACTOR * distances[min(k + 1, len(h) - 1)]
+        drops = fall[k + 1] > JUMP and distances[k] > FACTOR * distances[k + 1]
         reasons = {
             "values are not numbers or too large": not one.share < np.inf,
             f"u on Γ1 must be 0, it is up to {one.on_clamp:.1e} of {OF_LARGEST}": (
@@ -2100,10 +2176,8 @@ def assess(
     """
     groups: dict = defaultdict(dict)
     for task in sorted(tasks, key=lambda one: one.level):
-        shape, axes = (
-            (task.count, *task.vertices.shape),
-            "steps, vertices, components",
-        )
+        shape = (task.count, *task.vertices.shape)
+        axes = "steps, vertices, components"
         u = as_array(answers.get(task.name), shape, f"the answer to {task.name}", axes)
         series = groups[task.case, task.data["family"], task.data["mode"], task.scale]
         if task.level in series:
@@ -2114,7 +2188,8 @@ def assess(
 
 def _judgement(key, tasks, answers, reports):
     """Judge one case on one mesh family in one mode, under one load scale."""
-    h, levels = [task.h for task in tasks], [task.level for task in tasks]
+    h = [task.h for task in tasks]
+    levels = [task.level for task in tasks]
     errors = [measure(task, u) for task, u in zip(tasks, answers, strict=True)]
     verdict, why = judged(h, errors, levels)
     differing = [k for k, one in enumerate(errors) if not one.share <= EXACT]
@@ -2124,25 +2199,22 @@ def _judgement(key, tasks, answers, reports):
         "undecided",
         CONSISTENT,
     ):
-        verdict, why = "wrong", "the cause below is certain"
+        verdict = "wrong"
+        why = "the cause below is certain"
     if verdict == CONSISTENT and words and not cause.may_vanish():
-        verdict, why = (
-            "undecided",
-            f"{words}: fits better than a distance that vanishes, {why}",
-        )
+        verdict = "undecided"
+        why = f"{words}: fits better than a distance that vanishes, {why}"
     last = [order_of(name, h, errors) for name in ("error", "best", "distance", "pressure")]
     told = []
     for task, u in zip(tasks, answers, strict=True):
         told += judge_reports(task, u, reports.get(task.name, {}))
-    own = (
-        tested(tasks[-1]),
-        *last,
-        cause.where,
-        cause.sentence,
-        told,
-        cause.causes,
+    return Judgement(
+        *(*key, levels, errors, verdict, why, tested(tasks[-1]), *last),
+        where=cause.where,
+        cause=cause.sentence,
+        reports=told,
+        causes=cause.causes,
     )
-    return Judgement(*key, levels, errors, verdict, why, *own)
 
 
 def unpack(task, directory):
@@ -2177,47 +2249,36 @@ def unpack(task, directory):
         )
 
 
-ROW = "{:<22}{:<13}{:<7}{:<9}{:>8}{:>10}{:>10}{:>8}{:>15}{:>12}  {}"
 HEAD = (
-    "case",
-    "meshes",
-    "mode",
-    "n",
-    "V order",
-    "distance",
-    "pressure",
-    "of K^h",
-    "exact pressed",
-    "exact free",
-    "class",
+    "case                  meshes       mode   n         V order  distance  pressure  of K^h"
+    "  exact pressed  exact free  class"
 )
-NUMBERS = "{:.2f} {:.1e} {:.3f} {:.3f} {}/{} {}/{}"
+ROW = "{:<22}{:<13}{:<7}{:<9}{:>8.2f}{:>10.1e}{:>10.3f}{:>8.3f}{:>15}{:>12}  {}"
 
 
 def table(judgements, tolerance=0.0):
     """Return what the judgements say, in lines; numbers are those of the last mesh."""
-    lines = [ROW.format(*HEAD)]
+    lines = [HEAD]
     for one in judgements:
-        last, (pressed, free, count) = one.errors[-1], one.tested
-        sizes = one.order_in_v, last.share, last.pressure, last.best_pressure
+        last = one.errors[-1]
+        (pressed, free, count) = one.tested
         what = f"{one.verdict} ({one.why})"
         if one.verdict not in GOOD and one.outcome(tolerance) == "holds":
             what += f", passes: at most {tolerance:g} of the error"
         if wrong := {report.name: "" for report in one.reports if not report.right}:
             what += f", fails: wrong reported {', '.join(wrong)}"
-        levels, numbers = (
-            " ".join(map(str, one.levels)),
-            NUMBERS.format(*sizes, pressed, count, free, count),
-        )
-        lines.append(ROW.format(one.name, one.family, one.mode, levels, *numbers.split(), what))
+        levels = " ".join(map(str, one.levels))
+        sizes = one.order_in_v, last.share, last.pressure, last.best_pressure
+        counts = f"{pressed}/{count}", f"{free}/{count}"
+        lines.append(ROW.format(one.name, one.family, one.mode, levels, *sizes, *counts, what))
         lines += [f"    {note}" for note in notes(one)]
     return "\n".join([*lines, *summary(judgements)])
 
 
 def summary(judgements):
-    """Return a line that names the cause that explains most cases; none for one case, or without such a cause."""
+    """Return a line that names the cause that explains most cases; none unless a cause explains two cases."""
     keys = [key for one in judgements for key in one.causes]
-    if len(judgements) < 2 or not keys:
+    if len(keys) == len(set(keys)):
         return []
     best = max(keys, key=keys.count)
     first, *_ = (one for one in judgements if best in one.causes)
@@ -2259,7 +2320,8 @@ def as_junit(judgements, tolerance=0.0):
     """Return JUnit XML: one test case for each judgement; undecided ones are failures."""
     suite = ElementTree.Element("testsuite", name="contact_judge", tests=str(len(judgements)))
     for one in judgements:
-        outcome, reason = one.outcome(tolerance), f"{one.verdict} ({one.why})"
+        outcome = one.outcome(tolerance)
+        reason = f"{one.verdict} ({one.why})"
         name = f"{one.name}, {one.family}, {one.mode}, n = {' '.join(map(str, one.levels))}"
         case = ElementTree.SubElement(suite, "testcase", classname="contact_judge", name=name)
         if outcome != "holds":
@@ -2283,7 +2345,9 @@ def picture(tasks, answers):
         raise TaskError("--plot has nothing to draw: there is no answer whose values are numbers")
     task = max(shares, key=shares.get)
     e = Equations(task, answers[task.name] / task.scale)
-    points, forces = (values @ VIEW[: task.dim] for values in (task.vertices, e.total))
+    view = VIEW[: task.dim]
+    points = task.vertices @ view
+    forces = e.total @ view
     at = 50 + 600 * (points - points.min(axis=0)) / np.ptp(points, axis=0).max()
     worst = abs(forces).max(axis=(1, 2)).argmax()
     marked = e.bad & (not e.balanced)
@@ -2365,7 +2429,9 @@ def chosen(tasks, names):
 
 def read_all(tasks, directory):
     """Return the tasks whose answers can be read, answers, reports, and why others cannot."""
-    answers, reports, faults = {}, {}, []
+    answers = {}
+    reports = {}
+    faults = []
     for task in tasks:
         try:
             reports[task.name] = read_reports(directory, task)
@@ -2405,13 +2471,15 @@ def _run(options):
 def main(arguments=None):
     """Run the command; 0 all hold, 1 one fails, 2 usage or input, 3 one is undecided."""
     options = options_of(arguments)
-    for stream in (one for one in (sys.stdout, sys.stderr) if hasattr(one, "reconfigure")):
-        stream.reconfigure(errors="backslashreplace")  # A terminal in ASCII or cp1252 has no Γ.
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")  # A terminal in ASCII or cp1252 has no Γ.
     try:
         outcomes, faults = _run(options)
     except (TaskError, OSError) as error:
         unreadable = isinstance(error, OSError) and f"cannot read or write {error.filename}: {error.strerror or error}"
-        outcomes, faults = [], [unreadable or error]
+        outcomes = []
+        faults = [unreadable or error]
     for fault in faults:
         print(printable(f"contact_judge: {fault}"), file=sys.stderr)
     if faults:

@@ -117,6 +117,10 @@ def _gap_shifted(task: Task) -> dict:
     return {"gaps": lambda: [np.roll(gap, 1) for gap in task.gaps()]}
 
 
+def _gap_reversed(task: Task) -> dict:
+    return {"gaps": lambda: [gap[::-1] for gap in task.gaps()]}
+
+
 def _coordinates_rounded(task: Task):
     return this_study.make(task.moved(np.round(task.vertices, 2)) or task)
 
@@ -333,7 +337,7 @@ def right(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
     return active_set(W, free)
 
 
-def _late(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
+def late(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
     """λ at the vertices that were in contact in the step before."""
     held = memory.get("held", np.zeros(len(free), bool))
     memory["held"] = active_set(W, free) > 0
@@ -375,14 +379,14 @@ def _noise(task: Task, u: np.ndarray, memory: dict) -> np.ndarray:
 
 
 def tilted(angle: float) -> Callable:
-    """The normal at the last vertex of each piece turned by an angle."""
+    """The normal at the first vertex of each piece turned by an angle."""
 
     def normals(task: Task) -> sps.csr_array:
-        N, row = this_study.normals(task).tolil(), -1
+        N, row = this_study.normals(task).tolil(), 0
         for normal, vertices, _ in task.pieces():
-            row += len(vertices)
             turned = np.cos(angle) * normal + np.sin(angle) * np.array([-normal[1], normal[0]])
-            N[row, 2 * vertices[-1] : 2 * vertices[-1] + 2] = turned
+            N[row, 2 * vertices[0] : 2 * vertices[0] + 2] = turned
+            row += len(vertices)
         return sps.csr_array(N)
 
     return normals
@@ -472,11 +476,11 @@ FAULTS = (
         misread(lambda task: {"stiffness": task.stiffness[:, [1, 0, 2]][:, :, [1, 0, 2]]}),
         "axes 1 and 2 are exchanged",
     ),
-    Fault("coupling $C_{12}$ doubled", misread(entries((0, 1, 2.0)))),
+    Fault("coupling $C_{12}$ halved", misread(entries((0, 1, 0.5)))),
     Fault("coupling with shear of the other sign", misread(entries((0, 2, -1.0), (1, 2, -1.0)))),
     Fault("ν pointing into the body", misread(inward), "normals are reversed"),
     Fault("ν rounded to an axis", misread(_along_axis), "normals are tilted"),
-    Fault("ν at the end turned by 0.1", in_contact(right, tilted(0.1)), "normals are tilted"),
+    Fault("ν at the first vertex turned by 0.1", in_contact(right, tilted(0.1)), "normals are tilted"),
     Fault("ν averaged at a corner", in_contact(right, rows=_corner_means), "normals of faces that meet are averaged"),
     Fault("no lift-off, $u_\\nu = 0$", tied, "contact pulls"),
     Fault("a vertex inside forgotten", misread(without(0.25)), "is forgotten at"),
@@ -485,23 +489,40 @@ FAULTS = (
     Fault("every second vertex only", misread(without(None)), "is forgotten at"),
     Fault("vertices never released", in_contact(lambda W, g, _: active_set(W, g, release=False)), "never released"),
     Fault("active set updated once", in_contact(lambda W, g, _: active_set(W, g, updates=1)), "updated only once"),
-    Fault("contact one step late", in_contact(_late), "contact is one step late"),
+    Fault("contact one step late", in_contact(late), "contact is one step late"),
     Fault("contact in the first step only", in_contact(_first_step_only), "contact acts in the first step only"),
     Fault("contact forces halved", in_contact(lambda W, g, _: 0.5 * active_set(W, g)), "0.5 times the right"),
     Fault("contact forces 1 % too large", in_contact(lambda W, g, _: 1.01 * active_set(W, g)), "1.01 times the right"),
     Fault("mean gap of each facet", in_contact(right, rows=_facet_means), "mean gap of each facet"),
-    Fault("initial gap forgotten", gap_times(0.0), "the initial gap is forgotten"),
-    Fault("initial gap with the other sign", gap_times(-1.0), "initial gap is taken with the reversed sign"),
+    Fault("initial gap forgotten", gap_times(0.0), "the initial gap is missing"),
+    Fault("initial gap with the other sign", gap_times(-1.0), "the initial gap has the reversed sign"),
     Fault(
         "areas of vertices taken for the initial gap",
         misread(lambda task: {"gaps": lambda: [mass for *_, mass in task.pieces()]}),
         "the areas of the contact vertices are taken",
     ),
     Fault("initial gap shifted by one vertex", misread(_gap_shifted), "the initial gaps are shifted by one vertex"),
+    Fault("initial gaps in the reversed order", misread(_gap_reversed), "the initial gaps are in the reversed order"),
+    Fault("initial gap 10 % too small", gap_times(0.9), "the initial gap is multiplied by the factor 0.9"),
+    Fault(
+        "contact forces at the next vertex",
+        in_contact(lambda W, g, _: np.roll(active_set(W, g), 1)),
+        "each contact force acts at the next vertex",
+    ),
     Fault("no slip in contact", _no_slip, "no slip"),
     Fault("a pressure on Γ3 before contact", balance_with(_pressure_before_contact), "where the gap is open, too"),
     Fault("friction", along_the_face(lambda slip, lam, area: -1e-3 * lam * np.sign(slip)), "friction acts in contact"),
     Fault("a tangential penalty", along_the_face(lambda slip, lam, area: -0.3 * area * slip), "(a tangential penalty)"),
+    Fault(
+        "friction that does not depend on the pressure",
+        along_the_face(lambda slip, lam, area: -1e-3 * area * (lam > 1e-9) * np.sign(slip)),
+        "whatever the contact force",
+    ),
+    Fault(
+        "a tangential penalty in contact",
+        along_the_face(lambda slip, lam, area: -0.3 * area * (lam > 1e-9) * slip),
+        "springs act along the face in contact",
+    ),
     Fault("a logarithmic barrier", in_contact(_barrier), "force times distance is 0.001"),
     Fault("a vertex of Γ2 held", _propped, "u is held at 0 along the forces at 1 vertex"),
     Fault("a vertex duplicated", _vertex_duplicated, "is duplicated (a crack)"),

@@ -64,7 +64,7 @@ def test_a_march_is_the_midpoint_rule() -> None:
     states = list(MIDPOINT.march(setup.problem, 6))[1:]
     errors = [setup.v_norm.distance(setup.v_norm.sample(state.time), state.u) for state in states]
     assert found.errors[0].error == pytest.approx(max(errors), rel=1e-11)
-    assert found.errors[0].pressure < 0.2
+    assert found.errors[0].pressure < 0.3
 
 
 def test_springs_that_no_mesh_makes_stiffer_stagnate_and_their_order_in_v_does_not_see_it(tasks: list[Any]) -> None:
@@ -72,7 +72,7 @@ def test_springs_that_no_mesh_makes_stiffer_stagnate_and_their_order_in_v_does_n
     assert found.verdict == "stagnates"
     assert judged(faults.springs(lambda task: 30.0), tasks[0]).verdict == "undecided", "one mesh shows no order"
     assert abs(found.order_in_v - 1) < 0.15
-    assert found.errors[-1].pressure > 5 * found.errors[-1].best_pressure
+    assert found.errors[-1].pressure > 2 * found.errors[-1].best_pressure
 
 
 ON_ONE_MESH = {
@@ -192,8 +192,8 @@ def test_a_vertex_that_is_not_held_is_named_and_its_pressure_falls_too_slowly(ta
     )
 
 
-def test_a_vertex_that_no_step_presses_is_not_judged_and_the_table_says_how_many(tasks: list[Any]) -> None:
-    found = judged(faults.misread(faults.without(1.0)), *tasks)
+def test_a_vertex_that_no_step_presses_is_not_judged_and_the_table_says_how_many() -> None:
+    found = judged(faults.misread(faults.without(1.0)), exported("parabolic-gap"))
     assert found.verdict == "exact for P1"
     pressed, free, count = found.tested
     assert max(pressed, free) < count
@@ -238,7 +238,7 @@ def test_a_task_has_the_gap_in_the_units_of_its_loads(scale: float) -> None:
     mine = task("parabolic-gap", 4)
     (piece,) = frozen(mine, (0.5,), scale)["contact"]
     x = mine.space.mesh.p[0, piece["vertices"]]
-    assert piece["gap"] == pytest.approx(scale * 2 * (x - 0.5) ** 2)
+    assert piece["gap"] == pytest.approx(scale * 6 * (x - 0.4) ** 2)
     assert "gap" not in frozen(task("full-contact", 4), (0.5,))["contact"][0]
 
 

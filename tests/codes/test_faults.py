@@ -57,13 +57,13 @@ def test_the_table_of_the_page_is_measured() -> None:
 # Time steps
 
 
-def marched(task: Any, C: np.ndarray, H: np.ndarray, wrong_step: int = -1, load_late: bool = False) -> judge.Judgement:
+def marched(task: Any, C: np.ndarray, H: np.ndarray, wrong_step: int = -1, late: int = 0) -> judge.Judgement:
     """What is found for a march with the stiffness C and the history H ε(u_{n−1}); in one step that of u_{n−2}."""
     other = judge.copy.copy(task)
     other.stiffness = C
     step, states = this_study.make(other), [task.start(), task.start()]
     for n in range(task.count):
-        load, _ = task.step(max(n - load_late, 0), states[-1])
+        load, _ = task.step(np.clip(n - late, 0, task.count - 1), states[-1])
         before = states[-2] if n == wrong_step else states[-1]
         states.append(step(load, np.einsum("cij,cj->ci", H, task.strain(before))))
     (found,) = judge.assess([task], {task.name: np.array(states[2:])})
@@ -72,14 +72,16 @@ def marched(task: Any, C: np.ndarray, H: np.ndarray, wrong_step: int = -1, load_
 
 MARCHES: dict[str, tuple[Any, dict[str, Any]]] = {
     "the viscous stress is missing": (lambda A, G: (G, 0 * G), {}),
-    "backward Euler is used": (lambda A, G: (A + G, -A), {}),
+    "θ = 1/2 of the time scheme (1 in backward Euler) is counted twice": (lambda A, G: (A + G, -A), {}),
+    "the viscous stress A ε(u̇) (or 1/k) is halved": (lambda A, G: (A / 2 + G / 2, G / 2 - A / 2), {}),
     "the stress of the previous step is missing": (lambda A, G: (A + G / 2, 0 * G), {}),
     "the stress of the previous step is counted twice": (lambda A, G: (A + G / 2, G - 2 * A), {}),
     "in step 3 alone the history is that of the step before last": (
         lambda A, G: (A + G / 2, G / 2 - A),
         {"wrong_step": 2},
     ),
-    "the load of the step before is used": (lambda A, G: (A + G / 2, G / 2 - A), {"load_late": True}),
+    "the load of the step before is used": (lambda A, G: (A + G / 2, G / 2 - A), {"late": 1}),
+    "the load of the next step is used": (lambda A, G: (A + G / 2, G / 2 - A), {"late": -1}),
     "": (lambda A, G: (A + G / 2, G / 2 - A), {}),
 }
 
@@ -127,7 +129,7 @@ def test_contact_that_differs_in_the_first_step_is_named(cause: str, steps: int)
 
 CLAMPS = {
     "component 2 is not zero at 5 vertices": faults.first_component_held,
-    "u is not zero at 2 vertices": faults.misread(lambda task: {"clamped": task.clamped[::2]}),
+    "u is not zero at 2 vertices": FAULTS["only every second vertex on Γ1 held"].make,
 }
 
 
@@ -314,14 +316,6 @@ def test_a_cause_is_shown_by_undoing_or_imitating_it(cause: str) -> None:
     assert f"Most likely: {cause}" in found.cause
 
 
-def test_gaps_in_the_reversed_order_are_named_where_they_are_not_symmetric() -> None:
-    data = exported("layered", 4).data
-    (piece,) = data["contact"]
-    task = judge.Task("gaps", data | {"contact": [piece | {"gap": [0.01, 0.02, 0.03, 0.04, 0.05]}]})
-    found = judged(faults.misread(lambda task: {"gaps": lambda: [gap[::-1] for gap in task.gaps()]}), task)
-    assert "Most likely: the initial gaps are in the reversed order" in found.cause
-
-
 def test_in_time_the_steps_of_an_older_history_and_the_gap_of_the_step_before_are_named() -> None:
     task = exported("parabolic-gap", 4, steps=5)
     step, states, gaps = this_study.make(task), [task.start(), task.start()], []
@@ -369,15 +363,15 @@ def test_the_first_line_says_where_and_when_the_equations_are_violated(name: str
     assert words in found.where
 
 
-ROUNDED: dict[str, tuple[str, Any, str]] = {
+ROUNDED: dict[str, tuple[Any, str, str]] = {
     "a missing cell": (
-        "anisotropic",
         faults.misread(lambda task: {"volumes": np.append(task.volumes[:-1], 0)}),
+        "anisotropic",
         "remain outside the cells at Γ3; order of the distance",
     ),
-    "no slip": (
-        "rotated",
-        FAULTS["no slip in contact"].make,
+    "contact one step late in a march": (
+        faults.in_contact(lambda W, free, memory: 1.000001 * faults.late(W, free, memory)),
+        "layered",
         "fits better than a distance that vanishes, order of the",
     ),
 }
@@ -385,13 +379,15 @@ ROUNDED: dict[str, tuple[str, Any, str]] = {
 
 @pytest.mark.parametrize("name", ROUNDED)
 def test_no_class_is_consistent_while_a_fault_fits_better_than_a_vanishing_distance(name: str) -> None:
-    """The answer has a error of 1e-7, so that the fault is likely, but not certain."""
-    case, make, why = ROUNDED[name]
-    tasks = [exported(case, n) for n in (4, 8, 16)]
+    """The answer has an error of 1e-7 or 1e-6, so that the fault is likely, but not certain."""
+    make, case, why = ROUNDED[name]
+    marches = name.endswith("march")
+    tasks = [exported(case, n, steps=n * marches) for n in (4, 8, 16)]
     answers = {}
     for task in tasks:
         free = ~np.isin(np.arange(len(task.vertices)), task.clamped)[:, None]
-        answers[task.name] = judge.answer(task, make) + 1e-7 * free * np.sin(1e5 * task.vertices)
+        noise = 0 if marches else 1e-7 * free * np.sin(1e5 * task.vertices)
+        answers[task.name] = judge.answer(task, make) + noise
     (found,) = judge.assess(tasks, answers)
     assert found.verdict == "undecided"
     assert why in found.why
