@@ -23,7 +23,7 @@ from study.run.showcase import EVERY, affordable_family, mesh_series, solve_show
 from study.solve.motion import Motion, von_mises
 from study.statements import pictures
 
-CASE = "corner"
+CASE = "hexagon"
 Shown = tuple[Path, list[Path], list[str]]
 """The directory, the files that were written, and those that were left out with the reasons."""
 
