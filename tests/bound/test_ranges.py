@@ -41,6 +41,8 @@ SERVED = {
 assert {function.__name__ for function in PIECES} <= set(SERVED)
 OTHERS = {
     "besselj": lambda x: sp.besselj(0, x),
+    "Subs": lambda x: sp.Subs(sp.Symbol("k") + x, sp.Symbol("k"), x2),
+    "Derivative": lambda x: sp.Derivative(x**2, x1),
     **{f.__name__: f for f in (sp.gamma, sp.atan, sp.asin, sp.erf, sp.floor, sp.DiracDelta, sp.zeta, sp.sec, sp.arg)},
 }
 INNER = ("sin", "Max", "tan", "gamma")
@@ -265,7 +267,6 @@ FORMULAS = [
     sqrt(1 + x1 * x2) + (1 + x2) ** Rational(-3, 2),
     tanh(x1 - 2 * t) + x1 ** (1 + x2),
     x2**5 * log(2 + x1) + (x1 - Rational(1, 2)) ** 4,
-    (1 - (x1 - t) ** 2) ** 3 / (2 + sin(9 * x2)) ** 2,
 ]
 
 
