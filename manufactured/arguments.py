@@ -169,7 +169,7 @@ def _require(condition: bool) -> None:
 
 def _entries(value: Any) -> list[Any]:
     """Return the entries of a tuple, list or array; other iterables have no order or are texts."""
-    _require(hasattr(value, "__getitem__") and not isinstance(value, str | bytes | Mapping))
+    _require(hasattr(value, "__getitem__") and not hasattr(value, "keys") and not isinstance(value, str | bytes))
     return list(value)
 
 

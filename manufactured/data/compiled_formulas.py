@@ -114,7 +114,7 @@ def _function(symbols: tuple[sp.Symbol, ...], expressions: Sequence[sp.Expr], na
         call = function(symbols, expressions)
         with np.errstate(all="ignore"):
             call(*np.zeros((len(symbols), 2)))  # functions of ``math`` accept one point
-    except (NameError, AttributeError, NotImplementedError, TypeError) as error:
+    except (NameError, AttributeError, NotImplementedError, TypeError, ValueError) as error:
         formula = ", ".join(map(str, expressions))
         raise FormulaError(
             f"{name} = {formula} cannot be evaluated: {error}; write it with functions that NumPy has, and steps with "

@@ -106,21 +106,14 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
 
 
 def check_problem(data: Data, steps: int | None, refined: Refined) -> None:
-    """Refuse a problem, steps or refinements for which no bound can be computed on any mesh.
+    """Refuse a problem or a number of steps for which no bound can be computed on any mesh.
 
     Raises:
         BoundError: the message names the reason.
         LoadError: no solution can exist for the data.
     """
     if steps is not None:
-        if steps < 1:
-            raise BoundError(f"--steps must be 1 or more, got {steps}")
         require_steps(steps * refined.shorter)
-    if refined.refinements < 0 or refined.shorter < 1:
-        raise BoundError(
-            "ũ needs 0 or more refinements and 1 or more steps in one of u_h, "
-            f"got {refined.refinements} and {refined.shorter}"
-        )
     refuse_unserved(data)
     data.check()
     require_continuous_start(data)

@@ -1,8 +1,9 @@
-"""Refusal of initial displacements u_0 that jump or are unbounded inside the body, because they do not lie in V.
+"""Refusal of initial displacements u_0 that do not lie in K: they jump, are not 0 on Γ1 or penetrate the foundation.
 
 Boxes that cover the body are halved again and again. A box is dropped if u_0 is known to be Lipschitz continuous on it,
 also with kinks. In all other boxes the range of u_0 tends to a point if u_0 is continuous. If u_0 jumps, the range
-remains as large as the jump, however narrow the band between two jumps is.
+remains as large as the jump, however narrow the band between two jumps is. In the same way, intervals that cover a side
+of the body are halved, to find where u_0 violates a boundary condition.
 
 The range is computed by interval arithmetic if u_0 is given by formulas whose ranges are known. Otherwise it is the
 range of samples, which may miss narrow bands.
@@ -14,12 +15,13 @@ from itertools import product
 import numpy as np
 import sympy as sp
 
-from manufactured.body import Body
+from manufactured.body import Body, Kind, Part
 from manufactured.data import Data, Expressions, LoadError
 from manufactured.exact import ExactSolution
 from manufactured.factor import x1, x2
 from manufactured.tensors import Array, Points
-from study.bound.ranges import Boxes, RangeError, require_known
+from study.bound.ranges import ARC, Boxes, RangeError, along_side, require_known
+from study.fem.mesh import distance
 
 HALVINGS = 44
 """Number of halvings in each direction. The last boxes are a few units in the last place of double precision wide."""
@@ -34,11 +36,11 @@ JUMP = 1e-5
 
 Spread = Callable[[Points, Points], Array]
 """Function from the lower and the upper corners of boxes, (d, n) each, to the width of the range of u_0 on each box; it
-is 0 on boxes on which u_0 is Lipschitz continuous."""
+is 0 on boxes on which u_0 is Lipschitz continuous. On sides of the body it is the violation of a boundary condition."""
 
 
 def require_continuous_start(data: Data) -> None:
-    """Refuse an initial displacement that jumps or is unbounded inside the body.
+    """Refuse an initial displacement that jumps, is unbounded, or violates a boundary condition.
 
     Exact solutions are not checked, because their proofs include their initial displacement.
 
@@ -47,35 +49,56 @@ def require_continuous_start(data: Data) -> None:
     """
     if isinstance(data.formulas_of, ExactSolution):
         return
-    formulas = data.formulas_of.start if isinstance(data.formulas_of, Expressions) else ()
+    body, formulas = data.body, data.formulas_of.start if isinstance(data.formulas_of, Expressions) else ()
     try:
         for formula in formulas:
             require_known(formula)
-        spread = _spread_of_formulas(formulas) if formulas else _spread_of_samples(data)
     except RangeError:
-        spread = _spread_of_samples(data)
+        formulas = ()
+    spread = _spread_of_formulas(formulas) if formulas else _spread_of_samples(data)
+    low, high = body.vertices.min(axis=1)[:, None], body.vertices.max(axis=1)[:, None]
+    margin = MARGIN * float((high - low).max())
+
+    def inside(low: Points, high: Points) -> Array:
+        return np.where(_meets(body, low, high, margin), spread(low, high), 0.0)
+
     with np.errstate(all="ignore"):
-        jump, place = largest_jump(data.body, spread)
-        low, high = data.body.vertices.min(axis=1), data.body.vertices.max(axis=1)
-        x = np.random.default_rng(0).uniform(low, high, (MOST, data.body.dim)).T
-        size = abs(data.start(x[:, data.body.contains(x)])).max(initial=0.0)
-    if jump > JUMP * size:
-        what = f"jumps by about {jump:.3g}" if np.isfinite(jump) else "has no known bound"
+        x = np.random.default_rng(0).uniform(low, high, (body.dim, MOST))
+        tolerance = JUMP * abs(data.start(x[:, body.contains(x)])).max(initial=0.0)
+        _require_small(*_largest(low, high, inside), tolerance, "jumps by about")
+        for part in (*body.of(Kind.CLAMPED), *body.of(Kind.CONTACT)) if any(formulas) else ():
+            size, place = _violation(part, np.array(formulas))
+            _require_small(size, part.point(place), tolerance, f"violates the condition of a {part.kind.name} part by")
+
+
+def _violation(part: Part, start: Array) -> tuple[float, Points]:
+    """Return how far u_0 is from 0 on a clamped side, or above 0 in normal direction on a contact side, and where."""
+    formulas = along_side(part, [*start, *-start] if part.kind is Kind.CLAMPED else [part.normal @ start])
+
+    def largest(low: Points, high: Points) -> Array:
+        boxes = Boxes({ARC: (low[0], high[0])}, (), 0)
+        return np.max([boxes(formula).high[0] for formula in formulas], axis=0)
+
+    return _largest(np.zeros((1, 1)), np.full((1, 1), part.measure), largest)
+
+
+def _require_small(size: float, place: Points, tolerance: float, what: str) -> None:
+    if size > tolerance:
+        x = ", ".join(f"{c:.4g}" for c in np.ravel(place))
         raise LoadError(
-            f"u_0 {what} at x = ({', '.join(f'{c:.4g}' for c in place)}), and a displacement in V has to be continuous "
-            "there: give a continuous u_0; kinks such as Max(x1 - 1/2, 0) are permitted"
+            f"u_0 {what} {size:.3g} at x = ({x}): give a continuous u_0 that is 0 on CLAMPED parts and does not "
+            "penetrate the foundation; kinks such as Max(x1 - 1/2, 0) are permitted"
         )
 
 
-def largest_jump(body: Body, spread: Spread) -> tuple[float, Points]:
-    """Return the largest range that a function has on the last boxes inside a body, and the middle of this box."""
-    low, high = body.vertices.min(axis=1)[:, None], body.vertices.max(axis=1)[:, None]
-    margin = MARGIN * float(np.ptp(body.vertices, axis=1).max())
-    for number in range(HALVINGS * body.dim):
-        low, high = _halves(low, high, number % body.dim)
-        if number < GRID * body.dim:
+def _largest(low: Points, high: Points, spread: Spread) -> tuple[float, Points]:
+    """Halve boxes with a positive spread again and again; return the largest spread at last, and its place."""
+    dim = len(low)
+    for number in range(HALVINGS * dim):
+        low, high = _halves(low, high, number % dim)
+        if number < GRID * dim:
             continue
-        widths = np.where(_meets(body, low, high, margin), spread(low, high), 0.0)
+        widths = spread(low, high)
         kept = widths > 0
         if not kept.any():
             return 0.0, low[:, 0]
@@ -102,11 +125,10 @@ def _places(low: Points, high: Points) -> Points:
 
 
 def _meets(body: Body, low: Points, high: Points, margin: float) -> Array:
-    """Return whether a corner or the middle of each box is farther than the margin inside the body, (n,)."""
-    places = _places(low, high)
-    steps = margin * np.hstack([np.eye(body.dim), -np.eye(body.dim)])
-    inside = [body.contains(places + step[:, None, None]) for step in steps.T]
-    return np.asarray(np.all(inside, axis=0).any(axis=0))
+    """Return whether boxes may meet the body, (n,); a box as small as the margin has to lie farther inside."""
+    middle, radii = (low + high) / 2, np.linalg.norm(high - low, axis=0) / 2
+    to_sides = np.min([distance(middle, part.corners) for part in body.parts], axis=0)
+    return np.where(to_sides > np.maximum(radii, margin), body.contains(middle), radii > margin)
 
 
 def _spread_of_formulas(formulas: Sequence[sp.Expr]) -> Spread:

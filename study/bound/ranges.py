@@ -31,7 +31,9 @@ import sympy as sp
 from numpy.polynomial import Polynomial
 from sympy.core.relational import Relational
 
+from manufactured.body import Part
 from manufactured.data.compiled_formulas import PIECES
+from manufactured.factor import x1, x2
 from manufactured.symbols import Index, indices, pos, t
 from manufactured.tensors import Array
 
@@ -42,6 +44,10 @@ Flags = np.ndarray[tuple[int], np.dtype[np.bool_]]
 TINY, LARGEST = np.finfo(float).tiny, np.finfo(float).max
 REAL = 1e-9
 """A root of a polynomial counts as real if its imaginary part is smaller than this number."""
+
+
+ARC, ACROSS = sp.symbols("arc across", real=True)
+"""The symbols for the arc length along a part of the boundary, and for the distance from it in outward direction."""
 
 
 class RangeError(ValueError):
@@ -279,6 +285,12 @@ def require_known(formula: sp.Expr) -> None:
     Boxes({symbol: (np.zeros(1), np.zeros(1)) for symbol in (t, *formula.free_symbols)}, (), 0)(formula)
 
 
+def along_side(part: Part, formulas: Sequence[sp.Expr], distance: sp.Expr | float = 0) -> list[sp.Expr]:
+    """Return formulas on a side of a body as formulas of the arc length, at a distance from the side."""
+    place = dict(zip((x1, x2), part.start + part.tangent * ARC + part.normal * distance, strict=True))
+    return [formula.subs(place, simultaneous=True) for formula in formulas]
+
+
 # ---- formulas of several variables
 
 
@@ -372,6 +384,8 @@ class Boxes:
     def _expand(self, formula: sp.Expr) -> Series:
         """Compute the series of a formula from the series of its parts, or of a symbol from the sides of the boxes."""
         if formula.is_Symbol:
+            if formula not in self.sides:
+                raise RangeError(f"{formula} is bound in a sum or another unevaluated formula: call .doit() on it")
             found = self._constant(self.sides[formula])
             if formula in self.variables and self.order > 0:
                 unit = self.keys.index(tuple(int(formula == variable) for variable in self.variables))

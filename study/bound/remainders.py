@@ -31,6 +31,7 @@ import numpy as np
 import sympy as sp
 
 from manufactured.body import Kind
+from manufactured.body.part import ROUNDING
 from manufactured.data import Data, Expressions
 from manufactured.data.compiled_formulas import gradient
 from manufactured.factor import UNIFORM, x1, x2
@@ -38,7 +39,7 @@ from manufactured.law import Linear
 from manufactured.symbols import t
 from manufactured.tensors import Array
 from study.bound.problem import LoadConstants, load_constants, require_finite
-from study.bound.ranges import Boxes, Pair, RangeError, require_known
+from study.bound.ranges import ACROSS, ARC, Boxes, Pair, RangeError, along_side, require_known
 from study.fem.quadrature import Line, rough_cells
 from study.stresses.loads import EDGE_PARTS, LeftOut
 from study.stresses.oscillation import Oscillation
@@ -46,8 +47,6 @@ from study.stresses.stress_space import StressSpace
 
 ORDER = 4
 """Order of the Taylor expansions of the data, which is one more than the highest degree of the Taylor polynomials."""
-ARC = sp.Symbol("arc", real=True)
-"""The symbol for the arc length along a part of the boundary."""
 CACHED = 64
 """Number of time intervals for which bounds of the data between sample points are cached."""
 Sides = Mapping[sp.Symbol, Pair]
@@ -266,11 +265,10 @@ class Sampling:
             corners = space.mesh.p[:, space.mesh.facets[:, edges]]
             low, high = np.sort(np.einsum("d,den->en", part.tangent, corners - part.start[:, None, None]), axis=0)
             cuts = low + np.linspace(0, 1, EDGE_PARTS + 1)[:, None] * (high - low)
-            ends = zip((x1, x2), part.start.tolist(), part.tangent.tolist(), strict=True)
-            along = {x: sp.Float(start) + sp.Float(tangent) * ARC for x, start, tangent in ends}
-            formulas = loads.get(self.data.body.parts.index(part), ())
-            of_arc = [formula.subs(along, simultaneous=True) for formula in formulas]
-            found.append((edges, {ARC: (cuts[:-1].ravel(), cuts[1:].ravel())}, of_arc))
+            formulas = along_side(part, loads.get(self.data.body.parts.index(part), ()), ACROSS)
+            # Rounding moves samples off the side. Conditions that change across the side are undecided on it.
+            width = np.full(cuts[1:].size, ROUNDING * abs(self.data.body.vertices).max())
+            found.append((edges, {ARC: (cuts[:-1].ravel(), cuts[1:].ravel()), ACROSS: (-width, width)}, formulas))
         return found
 
     @cached_property

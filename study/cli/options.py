@@ -26,6 +26,8 @@ AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
 on another processor numbers near round-off differ, and so do quotients of small numbers."""
 SEED_BITS = 62
 """Number of bits of a random seed: so many that seeds do not repeat, and few enough for 64-bit integers."""
+DIGITS = 20
+"""Largest number of digits of a whole number."""
 CELLS = 20_000
 """Default largest number of cells of ``study bound --adapt``."""
 RESUMES = ("run", "faults", "seeds", "bound")
@@ -83,9 +85,9 @@ def enclosed(levels: tuple[int, ...], shorter: int) -> list[Option]:
         option("--levels", nargs="+", type=int, default=list(levels), metavar="N", help=increasing),
         option("--family", default="unstructured", help=f"meshes: {', '.join(FAMILIES)} (default unstructured)"),
         option("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEMES)} (default midpoint)"),
-        option("--steps", type=int, metavar="N", help="time steps of the displacement on every level"),
-        option("--refine", type=int, default=1, metavar="R", help=refine),
-        option("--shorter", type=int, default=shorter, metavar="Q", help=steps),
+        option("--steps", type=int, within=POSITIVE, metavar="N", help="time steps of the displacement on every level"),
+        option("--refine", type=int, within=Range(0, "0 to 20", 20), default=1, metavar="R", help=refine),
+        option("--shorter", type=int, within=POSITIVE, default=shorter, metavar="Q", help=steps),
     ]
 
 
@@ -95,6 +97,13 @@ def _finite(text: str) -> float:
     if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f"{text} is not a finite number")
     return value
+
+
+def _whole(text: str) -> int:
+    """Return a whole number that a float can represent; more digits would overflow later."""
+    if len(text) > DIGITS:
+        raise argparse.ArgumentTypeError(f"expected a number of at most {DIGITS} digits")
+    return int(text)
 
 
 def _not_empty(kind: type, text: str) -> Any:
@@ -287,6 +296,8 @@ def parser() -> argparse.ArgumentParser:
             group = command.add_mutually_exclusive_group() if isinstance(one, list) else command
             for flags, settings, within in one if isinstance(one, list) else [one]:
                 action = group.add_argument(*flags, **settings)
+                if action.type is int:
+                    action.type = _whole
                 if action.nargs != 0 and action.type in (None, Path):
                     action.type = partial(_not_empty, action.type or str)
                 known += flags

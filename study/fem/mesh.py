@@ -77,10 +77,6 @@ class MeshFamily(ABC):
     def __call__(self, body: Body, n: int) -> Mesh:
         """Return the mesh of level n; raise MeshError if the family cannot mesh the body at this level."""
 
-    def cells(self, body: Body, n: int) -> int:
-        """Return the number of cells of the mesh of level n; families with a formula for it do not make the mesh."""
-        return int(self(body, n).t.shape[1])
-
 
 def require_plane(family: MeshFamily, body: Body) -> None:
     """Raise MeshError unless the body is two-dimensional."""
@@ -193,9 +189,6 @@ class Structured(MeshFamily):
 
     def serves(self, body: Body) -> bool:
         return has_grids(body) and (body.dim == 2 or not self.plane)
-
-    def cells(self, body: Body, n: int) -> int:
-        return self.density * factorial(body.dim) * n**body.dim
 
 
 @dataclass(frozen=True)
@@ -426,10 +419,6 @@ class Unstructured(MeshFamily):
     def serves(self, body: Body) -> bool:
         return body.dim == 2
 
-    def cells(self, body: Body, n: int) -> int:
-        boundary, *others = self.points(body, n)
-        return int(boundary.shape[1] + 2 * sum(points.shape[1] for points in others) - 2)
-
     def __call__(self, body: Body, n: int) -> Mesh:
         boundary, inside, free = self.points(body, n)
         fixed = np.hstack([boundary, inside])
@@ -481,9 +470,6 @@ class Graded(MeshFamily):
 
     def serves(self, body: Body) -> bool:
         return body.dim == 2 and len(body.refine) > 0
-
-    def cells(self, body: Body, n: int) -> int:
-        return Unstructured().cells(body, n)
 
     def __call__(self, body: Body, n: int) -> Mesh:
         if not self.serves(body):
@@ -574,11 +560,6 @@ def _star_centroids(points: Array, cells: Array) -> Array:
 
 FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstructured(), Graded())
 """The mesh families of the study, each with its default parameters."""
-
-
-def size_of(family: MeshFamily, body: Body, n: int) -> float:
-    """Return the mesh size h of level n, if possible without making the mesh; see ``size``."""
-    return float((factorial(body.dim) * body.measure / family.cells(body, n)) ** (1 / body.dim))
 
 
 # A body together with its mesh, and the check that both fit.

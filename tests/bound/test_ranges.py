@@ -10,7 +10,7 @@ import pytest
 import sympy as sp
 from random_formulas import RandomFormula, exact
 from scipy.interpolate import BarycentricInterpolator
-from sympy import Expr, Float, Integer, Rational, cos, exp, log, sin, sqrt, tanh
+from sympy import Expr, Float, Integer, Rational, exp, log, sin, sqrt, tanh
 
 from manufactured import KelvinVoigt, isotropic, pos, t, unit_square
 from manufactured.compiled import function
@@ -41,6 +41,8 @@ SERVED = {
 assert {function.__name__ for function in PIECES} <= set(SERVED)
 OTHERS = {
     "besselj": lambda x: sp.besselj(0, x),
+    "Subs": lambda x: sp.Subs(sp.Symbol("k") + x, sp.Symbol("k"), x2),
+    "Derivative": lambda x: sp.Derivative(x**2, x1),
     **{f.__name__: f for f in (sp.gamma, sp.atan, sp.asin, sp.erf, sp.floor, sp.DiracDelta, sp.zeta, sp.sec, sp.arg)},
 }
 INNER = ("sin", "Max", "tan", "gamma")
@@ -120,14 +122,13 @@ def test_ranges_of_taylor_coefficients_are_those_that_sampling_finds(known) -> N
 @pytest.mark.parametrize(
     ("formula", "names"),
     [
-        (sp.gamma(1 + x1), "gamma"),
         (sp.DiracDelta(x1 - t), "DiracDelta"),
         (sp.sqrt(-2) * x1, "not a real"),
         (sp.oo * x1, "not a real"),
         (Integer(10) ** 400 * x1, "1.00E+400"),
         (Float("1e-330") * (1 + x1) ** 1000, "1.00E-330"),
     ],
-    ids=["gamma", "DiracDelta", "complex", "infinite", "huge", "tiny"],
+    ids=["DiracDelta", "complex", "infinite", "huge", "tiny"],
 )
 def test_what_cannot_be_evaluated_is_refused_before_time_is_spent(formula: sp.Expr, names: str) -> None:
     start = 0, sp.sympify(formula).subs(t, 0)
@@ -260,12 +261,10 @@ def test_the_derivative_of_a_formula_with_kinks_is_that_of_the_branch(formula: E
 
 FORMULAS = [
     t * exp(-4 * (x1 - 0.3) ** 2 - 4 * (x2 - 0.4) ** 2),
-    sin(3 * x1 * t) * cos(x2) / (1 + x1**2),
     pos(x1 - x2, Rational(5, 2)) - pos(t - x2, 0),
     sqrt(1 + x1 * x2) + (1 + x2) ** Rational(-3, 2),
     tanh(x1 - 2 * t) + x1 ** (1 + x2),
     x2**5 * log(2 + x1) + (x1 - Rational(1, 2)) ** 4,
-    (1 - (x1 - t) ** 2) ** 3 / (2 + sin(9 * x2)) ** 2,
 ]
 
 

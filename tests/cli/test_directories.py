@@ -269,6 +269,9 @@ def test_what_would_take_for_ever_is_refused_at_once(tmp_path: Path, told) -> No
     path = write_text(tmp_path / "sliver.py", SLIVER)
     assert "so thin that rounding errors hide" in told("bound", f"{path}:mine", "--out", str(tmp_path / "out"))
     out = ["--out", str(tmp_path / "out")]
+    for command in ("run --levels", "run --jobs", "bound ramp --steps"):
+        with pytest.raises(SystemExit, match="2"):
+            main([*command.split(), "9" * 400])
     for command in (
         "run --case full-contact --step 1e-12",
         "bound ramp --steps 10000000",

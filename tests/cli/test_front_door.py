@@ -167,6 +167,7 @@ def test_names_of_the_package_are_found_when_they_are_asked_for() -> None:
         ("seeds --minutes -1", "0 or more (0 prints the record)"),
         ("seeds --seed -1", "0 or more"),
         ("seeds --seeds 0", "1 or more"),
+        ("bound ramp --refine 99999", "0 to 20"),
     ],
 )
 def test_a_number_that_is_not_permitted_is_refused_before_a_module_is_imported(

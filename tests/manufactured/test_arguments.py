@@ -1,6 +1,7 @@
 """Arguments of another type: they are converted with the right meaning, or refused with a sentence."""
 
 import numpy as np
+import pandas as pd
 import pytest
 import sympy as sp
 
@@ -255,6 +256,11 @@ def test_an_argument_of_another_type_is_refused_with_its_name(target) -> None:
 def test_a_masked_array_is_refused_because_its_masked_numbers_are_missing() -> None:
     with pytest.raises(ValueError, match="matrix has to be an array"):
         Linear(np.ma.array(MATRIX, mask=MATRIX > 2))
+
+
+def test_a_table_is_no_tuple_because_its_entries_are_the_names_of_its_columns() -> None:
+    with pytest.raises(ValueError, match="f0 has to be"):
+        Data.formulas(BODY, LAW, pd.DataFrame([[1.0, 2.0]]))
 
 
 @pytest.mark.parametrize(

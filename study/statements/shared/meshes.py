@@ -129,11 +129,6 @@ def is_random(family: str) -> bool:
     return family_named(family).random
 
 
-def is_uniform(family: str) -> bool:
-    """Return whether all cells of a mesh of the family with a name have about the same size."""
-    return family_named(family).uniform
-
-
 def value_of_case(groups: Groups, column: str) -> float:
     """Return the number in a column that is the same in all rows of a case, such as the predicted order."""
     return float(next(iter(groups.values()))[column].iloc[0])

@@ -1,5 +1,6 @@
 """The scope of a study: the cases, mesh families, levels and time scheme with which it runs."""
 
+import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -128,7 +129,9 @@ class Scope:
                 that the problem of one step may have no or several solutions; two cases have the same name; or no
                 family can mesh a body.
         """
-        if self.k is not None and not 0 < self.k <= min(case.solution.body.T for case in self.resolved()):
+        if self.k is not None and not sys.float_info.min < self.k <= min(
+            case.solution.body.T for case in self.resolved()
+        ):
             raise UsageError(f"the time step must be positive and at most T, got k = {self.k:g}")
         for levels in (kind.on_regular for kind in (self.plane, self.rough, self.solid)):
             if not levels or min(levels) < 2:
