@@ -151,7 +151,9 @@ class BodyScale:
         self.pressure_colours = ScalarMappable(Normalize(0, self.pressure or 1.0), ramp("pressure", SHADES))
 
 
-def draw_deformed_mesh(axes: Axes, picture: Picture, instant: int, scale: BodyScale, width: float) -> None:
+def draw_deformed_mesh(
+    axes: Axes, picture: Picture, instant: int, scale: BodyScale, width: float, lines: bool = True
+) -> None:
     """Draw the deformed mesh at one time with stress, contact pressure and, in 2D, foundation and gap.
 
     Parameters:
@@ -160,13 +162,17 @@ def draw_deformed_mesh(axes: Axes, picture: Picture, instant: int, scale: BodySc
         instant: the index of the time.
         scale: the scales for all times.
         width: the width of the axes in inches.
+        lines: whether the edges of the mesh are drawn.
     """
     moved = picture.vertices + scale.magnification * picture.displacement[instant]
     shades, colours = cell_shades(picture, instant, scale)
     order, flat = drawing_order(scale.view, moved, picture.cells, shades), scale.view[:2] @ moved
     # A cell is about this many points wide; thicker lines would cover fine meshes.
     cell = 72 * width / math.sqrt(len(order) / 2)
-    axes.add_collection(_triangles(flat.T[picture.cells.T], order, shades, colours, cell), autolim=False)
+    triangles = _triangles(flat.T[picture.cells.T], order, shades, colours, cell)
+    if not lines:
+        triangles.set_edgecolor("face")
+    axes.add_collection(triangles, autolim=False)
     for face in picture.segments:
         _draw_foundation(axes, face, instant, scale)
     for polygon in picture.polygons:

@@ -1,8 +1,7 @@
 """The charts of the study with their captions, made from the data files, and the functions that draw charts.
 
-A ``Chart`` is a description of curves, axes and texts. This module draws charts with Matplotlib; ``study.present.
-report`` draws the same charts as SVG on the report page. Texts are plain Unicode with scripts written as in u^h and
-x_{ij}, which both typeset.
+A ``Chart`` is a description of curves, axes and texts. Texts are plain Unicode with scripts written as in u^h and
+x_{ij}.
 """
 
 from __future__ import annotations
@@ -59,15 +58,6 @@ class Axis:
     scale: Literal["linear", "log"] = "linear"
     symbol: str = ""
     least: int = 3
-
-    def position(self, value: float) -> float:
-        """Return the position of a value on the axis, 0 at ``low`` and 1 at ``high``.
-
-        On a logarithmic axis, zero and negative values have a position far below 0.
-        """
-        if self.scale == "linear":
-            return (value - self.low) / (self.high - self.low)
-        return math.log10(max(value / self.low, 1e-9)) / math.log10(self.high / self.low)
 
     def ticks(self) -> list[tuple[float, str]]:
         """Return the values and texts of the ticks: round numbers, as few as the axis needs."""
