@@ -16,24 +16,30 @@ from markupsafe import Markup
 from matplotlib import rcParams
 from PIL import Image
 
-from study.ledger.datafiles import DataError, by_claim, count_verdicts, made_by, read_claims, read_csv, read_rates
+from study.ledger.datafiles import (
+    DataError,
+    by_claim,
+    count_verdicts,
+    expected_orders,
+    made_by,
+    read_claims,
+    read_csv,
+    read_rates,
+)
 from study.ledger.files import write_text
 from study.ledger.text import significant
-from study.present.charts import Chart, collapsed_chart, convergence_chart, draw_chart, enclosure_charts, finest_orders
-from study.present.drawing import Output, in_style
-from study.present.figures import PICTURES
+from study.present.charts import enclosed_series, finest_orders, order_differences
+from study.present.drawing import Drawing, Output, in_style
+from study.present.figures import figure
 from study.present.notation import counted, read_page, typeset
 from study.present.outcome import conclusion, orders_text
-from study.present.palette import family_styles
 from study.present.picture import Picture, picture_path, read_record
 from study.present.show import film_images, image_of
 from study.present.tables import BOUNDS, EQUIVALENCE, FAULTS, LEDGER, RATES, STRESSES, Table, columns
 
 CHECKS = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
-HIGHEST_ORDER, STRIP = 1.5, 150
-"""The largest order on the strip that shows the orders of a case, and the width of the strip in SVG units."""
-FRAME_STEP, FRAME_DPI, ZONE_DPI, QUALITY = 2, 110, 160, 35
-"""Animations show every second time; dots per inch of their images and of contact zones; WebP quality, 0 to 100."""
+FRAME_STEP, FRAME_DPI, ZONE_DPI, QUALITY = 4, 110, 160, 30
+"""Animations show every fourth time; dots per inch of their images and of contact zones; WebP quality, 0 to 100."""
 WEB = Output("web")
 
 TEXTS = read_page("texts")
@@ -41,8 +47,7 @@ TEXTS = read_page("texts")
 PAGES = Environment(
     loader=PackageLoader("study.present", "page"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
 )
-PAGES.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "sort_keys": True}
-PAGES.filters |= {"typeset": typeset, "number": significant}
+PAGES.filters["typeset"] = typeset
 
 
 def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[..., Iterable[Any]] = map) -> Path:
@@ -58,7 +63,7 @@ def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[
         DataError: a data file is missing, damaged or written by an older version; then nothing is written.
     """
     claims, rates = read_claims(directory), read_rates(directory)
-    smooth = rates[rates["claim"] == "Prop. 5.4"]
+    smooth, predicted = rates[rates["claim"] == "Prop. 5.4"], expected_orders(directory, rates)
     judges = {label: list(statement["code"]) for label, statement in provenance.get("statements", {}).items()}
     # A statement with the code files that judge it and its checks. A label with two statements gives two groups.
     groups: list[dict[str, Any]] = [
@@ -73,7 +78,8 @@ def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[
         conclusion=conclusion(count_verdicts(claims), orders_text(directory)),
         # The page opens with the 2D case that has the most contact faces.
         shown=max(cases, key=lambda case: (case["facts"]["dimension"] == 2) * case["faces"]),
-        collapsed=svg_chart("collapsed", collapsed_chart(smooth)) if len(smooth) else "",
+        collapsed=svg_chart(figure("collapsed", smooth)) if len(smooth) else "",
+        orders=svg_chart(figure("orders", rates, predicted)) if len(order_differences(rates, predicted)) else "",
         rows=len(claims),
         groups=groups,
         labels=list(dict.fromkeys(group["label"] for group in groups)),
@@ -81,7 +87,6 @@ def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[
         places=list(dict.fromkeys(row[0] for group in groups for row in group["rows"] if row[0])),
         cases=cases,
         names={case["name"] for case in cases},
-        families=family_styles(rates["family"]),
         bounds=BOUNDS.table(directory),
         faults=FAULTS.table(directory) if FAULTS.is_measured(directory) else None,
         provenance=provenance,
@@ -111,8 +116,6 @@ def case_pages(
 
     * ``name``; ``facts``, the properties of the case; ``counts``, the number of checks with each verdict;
     * ``observed``: the smallest and the largest observed order as text;
-    * ``strip``: a small picture that compares orders on a horizontal axis: the position of the predicted order, and for
-      each mesh family the position of the observed order with a colour;
     * the pictures of ``draw_case``; ``tables`` with their captions.
 
     Parameters:
@@ -135,20 +138,17 @@ def case_pages(
     # No order is proved for some cases, which the template writes as an empty text.
     for fact in cases.replace({"proved_order": {np.nan: None}}).to_dict("records"):
         name = fact["case"]
-        expected = float(fact["expected_order"])
         errors = rates[rates["case"] == name]
-        found = finest_orders(errors, refinements=2)
-        styles = family_styles(errors["family"])
-        orders = sorted(found.values())
-        charts = [convergence_chart(errors, expected)] if len(errors) else []
-        charts += [chart for _, chart in enclosure_charts(enclosures[enclosures["case"] == name])]
+        orders = sorted(finest_orders(errors, refinements=2).values())
+        charts = [figure("convergence", errors, float(fact["expected_order"]), name=name)] if len(errors) else []
+        enclosed = enclosed_series(enclosures[enclosures["case"] == name])
+        charts += [figure("enclosure", rows, title, name=title) for _, rows, title in enclosed]
         of_case = [(caption, table.of_case(name, without)) for table, caption, without in tables]
         page = {
             "name": name,
             "facts": fact,
             "counts": count_verdicts(claims[claims["case"] == name]),
             "observed": " – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
-            "strip": (_strip(expected), [(_strip(order), styles[family].colour) for family, order in found.items()]),
             "charts": charts,
             "tables": [(caption, table) for caption, table in of_case if table.rows],
         }
@@ -157,11 +157,7 @@ def case_pages(
     return [page | drawn for page, drawn in zip(pages, pictures, strict=True)]
 
 
-def _strip(order: float) -> float:
-    return round(STRIP * min(max(order / HIGHEST_ORDER, 0.0), 1.0), 1)
-
-
-def draw_case(directory: Path, case: str, charts: Sequence[Chart]) -> dict[str, Any]:
+def draw_case(directory: Path, case: str, charts: Sequence[Drawing]) -> dict[str, Any]:
     """Return the pictures of a case: ``charts`` in HTML, the number of contact ``faces``, ``frames``, and ``zone``.
 
     ``frames`` are the images of the animation, each as its text and its address, which contains the image. ``zone`` is
@@ -182,13 +178,12 @@ def draw_case(directory: Path, case: str, charts: Sequence[Chart]) -> dict[str, 
             "version wrote it, make it anew with the same `study run`"
         ) from error
     film = picture.showing(range(0, len(picture.times), FRAME_STEP))
-    draw, describe, _ = PICTURES["zone" if picture.segments else "fronts"]
+    drawing = figure("zone" if picture.segments else "fronts", picture)
     with in_style(WEB):
         images = film_images(film, FRAME_DPI, upright=True)
         frames = [(_frame_text(film, at), _address(image)) for at, image in zip(film.shown, images, strict=True)]
-        zone = describe(picture), _address(image_of(draw(picture), ZONE_DPI))
-    drawn = [svg_chart(f"{case}-{number}", chart) for number, chart in enumerate(charts)]
-    return {"charts": drawn, "faces": len(picture.faces), "frames": frames, "zone": zone}
+        zone = drawing.caption, _address(image_of(drawing.draw(), ZONE_DPI))
+    return {"charts": [*map(svg_chart, charts)], "faces": len(picture.faces), "frames": frames, "zone": zone}
 
 
 def _frame_text(picture: Picture, instant: int) -> str:
@@ -200,22 +195,22 @@ def _frame_text(picture: Picture, instant: int) -> str:
 def _address(image: Image.Image) -> str:
     """Return a data URL that contains an image."""
     content = BytesIO()
-    image.save(content, "WEBP", quality=QUALITY)
+    image.save(content, "WEBP", quality=QUALITY, method=6)
     return f"data:image/webp;base64,{b64encode(content.getvalue()).decode('ascii')}"
 
 
-def svg_chart(name: str, chart: Chart) -> Markup:
-    """Return a chart with its caption as an HTML figure; ``name`` differs for all charts of a page."""
+def svg_chart(drawing: Drawing) -> Markup:
+    """Return a figure with its caption in HTML; the names of all figures of a page differ."""
     content = StringIO()
     with in_style(WEB):
         rcParams["svg.fonttype"] = "none"
-        rcParams["svg.hashsalt"] = name
-        draw_chart(chart).savefig(content, format="svg")
+        rcParams["svg.hashsalt"] = drawing.name
+        drawing.draw().savefig(content, format="svg")
     image = content.getvalue()
     image = image[image.index("<svg") :]
     # Matplotlib gives elements of two figures the same names, and writes its version and unnecessary digits.
     image = re.sub(r'(?s)<metadata>.*?</metadata>| id="[a-zA-Z0-9.]+_\d+"|<!--.*?-->', "", image)
     image = re.sub(r"(\.\d\d)\d+", r"\1", re.sub(r"\n\s*", "\n", image))
-    image = image.replace("<svg", Markup('<svg role="img" aria-label="{}"').format(chart.summary), 1)
-    figure = Markup('<figure class="chart">\n{}<figcaption>{}</figcaption>\n</figure>\n')
-    return figure.format(Markup(image), typeset(chart.caption))
+    image = image.replace("<svg", Markup('<svg role="img" aria-label="{}"').format(drawing.summary), 1)
+    template = Markup('<figure class="chart">\n{}<figcaption>{}</figcaption>\n</figure>\n')
+    return template.format(Markup(image), typeset(drawing.caption))

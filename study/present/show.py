@@ -24,8 +24,7 @@ from study.ledger.files import write_text, write_whole
 from study.ledger.pictures import MeshFields, MeshSeries
 from study.present.body import ROUND_OFF, BodyScale, draw_deformed_mesh, draw_keys, draw_shapes
 from study.present.contact import draw_map
-from study.present.drawing import column_width, dots, entry, in_style, page_width
-from study.present.palette import RAMPS, RIM
+from study.present.drawing import RAMPS, RIM, column_width, dots, entry, in_style, page_width
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment
 
 MOMENTS, COLUMNS = 6, 3

@@ -159,7 +159,7 @@ def test_the_address_keeps_the_filters_and_a_case_leads_to_its_rows(page: Browse
 def test_keys_move_the_slider_and_one_image_is_shown(page: Browser) -> None:
     page.section(f"case/{CASE}")
     slider = page.one(f"{FILM} input[type=range]")
-    for key, n in ((Keys.HOME, 0), (Keys.ARROW_RIGHT, 1), (Keys.ARROW_RIGHT, 2), (Keys.END, 8), (Keys.ARROW_LEFT, 7)):
+    for key, n in ((Keys.HOME, 0), (Keys.ARROW_RIGHT, 1), (Keys.ARROW_RIGHT, 2), (Keys.END, 4), (Keys.ARROW_LEFT, 3)):
         slider.send_keys(key)
         images = page.find_elements(By.CSS_SELECTOR, f"{FILM} img")
         assert [at for at, image in enumerate(images) if image.is_displayed()] == [n]

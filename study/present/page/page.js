@@ -15,6 +15,10 @@ function show() {
   for (const other of pages) other.hidden = other !== page;
   const heading = page.querySelector("h2");
   document.title = `${heading.textContent} – Signorini study`;
+  // The overview borrows the film of a case.
+  const opening = document.querySelector("[data-film]"), name = opening.dataset.film;
+  const home = page.contains(opening) ? opening : document.getElementById(`case/${name}`).querySelector(".charts");
+  home.prepend(document.getElementById(`time-${name}`).closest(".film"));
   for (const link of document.querySelectorAll("nav a")) {
     const here = link.hash === `#${page.id}` || (link.hash === "#cases" && page.id.startsWith("case/"));
     if (here) link.setAttribute("aria-current", "page");
