@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from manufactured.colours import BLACK, BLUE, GREEN, GREY, PURPLE, SKY, VERMILLION
 from study.present.body import ROUND_OFF, ramp
 from study.present.drawing import RIM, SURFACE, caption, column_width, dots, entry, is_slide, legend
-from study.present.picture import Array, Picture, Polygon, Segment, misplaced_length
+from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment, misplaced_length
 
 ZONE_POINTS, ZONE_CUT = 401, 0.01
 """The number of positions along a face at which the exact zone is drawn, and the largest depth inside of it."""
@@ -35,6 +35,8 @@ INSIDE: dict[str, Any] = {"color": BLUE, "mew": 0}
 STRAY: dict[str, Any] = {"color": BLUE, "mfc": "white", "mew": 0.5}
 """The styles of nodes in contact inside the exact contact zone, and of nodes in contact outside of it."""
 FRONT: dict[str, Any] = {"color": VERMILLION, "lw": 1.0}
+NODES: dict[str, Any] = {"mfc": "white", "ms": 2.6}
+"""The style of computed values at nodes."""
 
 
 def draw_zone(picture: Picture) -> Figure:
@@ -109,17 +111,23 @@ def _strays(picture: Picture) -> tuple[float, float]:
     return shares[0], shares[1]
 
 
+def _worst(picture: Picture, errors: Sequence[Array]) -> tuple[FaceHistory, float, str]:
+    """Return the face with the largest error after t = 0, this error, and a text with the face and the time."""
+    face, worst = max(zip(picture.faces, errors, strict=True), key=lambda pair: float(pair[1].max()))
+    when = int(np.argmax(worst))
+    return face, float(worst[when]), f"on {picture.name(face)} at t = {picture.times[1:][when]:.3g}"
+
+
 def caption_zone(picture: Picture) -> str:
     """Return the caption of ``draw_zone``."""
     errors = [misplaced_length(face) for face in picture.segments]
-    face, worst = max(zip(picture.segments, errors, strict=True), key=lambda pair: float(pair[1].max()))
-    when = int(np.argmax(worst))
-    seen = (
-        f"computed fronts are off by {np.mean(errors):.2g} cells on average and by {worst[when]:.2g} at most, on "
-        f"{picture.name(face)} at t = {picture.times[1:][when]:.3g}, all fronts of a face added up; {HARMLESS}"
-        if worst[when] > 0
-        else "no node is ever on the wrong side"
-    )
+    _, worst, where = _worst(picture, errors)
+    seen = "no node is ever on the wrong side"
+    if worst > 0:
+        seen = (
+            f"computed fronts are off by {np.mean(errors):.2g} cells on average and by {worst:.2g} at most, {where}, "
+            f"all fronts of a face added up; {HARMLESS}"
+        )
     gap, pressure = _strays(picture)
     if pressure:
         seen += (
@@ -136,56 +144,45 @@ def draw_profiles(picture: Picture) -> Figure:
     values at the nodes. If there are several faces, a slide has a column for each face, at the time of the largest
     pressure.
     """
-    faces, instants = picture.segments, picture.shown
-    quantities = ("gap", "gap $w$", BLUE), ("pressure", "pressure $p$", VERMILLION)
-    rows = [[(face, quantity, instant) for instant in instants] for face in faces for quantity in quantities]
-    titles, heading = list(map(picture.clock, instants)), picture.heading
+    faces, heading = picture.segments, picture.heading
+    rows = [[(face, instant) for instant in picture.shown] for face in faces]
+    titles = [picture.clock(instant) for instant in picture.shown]
     if is_slide() and len(faces) > 1:
-        loudest = max(instants, key=lambda instant: max(float(face.pressure[instant].max()) for face in faces))
-        rows = [[(face, quantity, loudest) for face in faces] for quantity in quantities]
+        highest = [max(float(face.pressure[instant].max()) for face in faces) for instant in picture.shown]
+        loudest = picture.shown[int(np.argmax(highest))]
+        rows = [[(face, loudest) for face in faces]]
         titles = [f"${picture.symbol(face)}$" for face in faces]
         heading += f", {picture.clock(loudest)}"
-    figure = Figure(figsize=(column_width(), 0.9 + 1.1 * len(rows)))
-    panels = figure.subplots(len(rows), len(rows[0]), sharey="row", squeeze=False)
-    for row, shown in zip(panels, rows, strict=True):
-        values = [_draw_profile(axes, *one) for axes, one in zip(row, shown, strict=True)]
-        # The axis includes zero, so that round-off around a constant does not fill the panel.
-        low, high = min(0.0, *(value.min() for value in values)), max(value.max() for value in values)
-        high = high if high > ROUND_OFF else 1.0
-        room = 0.06 * (high - low)
-        row[0].set_ylim(low - room, high + room)
-        name, label, _ = shown[0][1]
-        row[0].set_ylabel(label)
-        for axes, (face, *_) in zip(row, shown, strict=True):
-            axes.tick_params(labelbottom=name == "pressure")
-            if name == "pressure":
-                axes.set_xlabel(rf"$s$ on ${picture.symbol(face)}$")
+    figure = Figure(figsize=(column_width(), 0.9 + 2.2 * len(rows)))
+    panels = figure.subplots(2 * len(rows), len(titles), sharey="row", squeeze=False)
+    for row, gaps, pressures in zip(rows, panels[::2], panels[1::2], strict=True):
+        for (face, instant), gap, pressure in zip(row, gaps, pressures, strict=True):
+            _draw_profile(gap, face, face.line_gap[instant], face.gap[instant], BLUE)
+            _draw_profile(pressure, face, face.line_pressure[instant], face.pressure[instant], VERMILLION)
+            gap.tick_params(labelbottom=False)
+            pressure.set_xlabel(rf"$s$ on ${picture.symbol(face)}$")
+        for axes, label in ((gaps[0], "gap $w$"), (pressures[0], "pressure $p$")):
+            # The axis includes zero, so that round-off around a constant does not fill the panel.
+            low, high = axes.get_ylim()
+            high = high if high > ROUND_OFF else 1.0
+            axes.set(ylim=(min(low, -0.06 * high), high), ylabel=label)
     for axes, title in zip(panels[0], titles, strict=True):
         axes.set_title(title)
     figure.align_ylabels(panels[:, 0])
     figure.suptitle(heading)
-    computed = [dots(f"computed {name}", color=colour, mfc="white", ms=2.6) for name, _, colour in quantities]
+    computed = [
+        dots(f"computed {name}", color=colour, **NODES) for name, colour in (("gap", BLUE), ("pressure", VERMILLION))
+    ]
     legend(figure, [entry("exact", color=BLACK, lw=0.9), *computed], columns=3, wide=True)
     return figure
 
 
-def _draw_profile(axes: Axes, face: Segment, quantity: tuple[str, str, str], instant: int) -> Array:
-    """Draw gap or pressure along a face in 2D at one time, exact and computed.
-
-    Parameters:
-        quantity: name of the quantity, label, and colour.
-        instant: the index of the time.
-
-    Returns:
-        All drawn values.
-    """
-    name, _, colour = quantity
-    exact, computed = getattr(face, f"line_{name}")[instant], getattr(face, name)[instant]
+def _draw_profile(axes: Axes, face: Segment, exact: Array, computed: Array, colour: str) -> None:
+    """Draw exact and computed values along a face in 2D."""
     axes.plot(face.line, exact, color=BLACK, lw=0.9)
-    axes.plot(face.s, computed, "o", color=colour, mfc="white", ms=2.6, clip_on=False, zorder=3)
+    axes.plot(face.s, computed, "o", color=colour, clip_on=False, zorder=3, **NODES)
     axes.set_xlim(face.line.min(), face.line.max())
     axes.grid(True)
-    return np.concatenate([exact, computed])
 
 
 def caption_profiles(picture: Picture) -> str:
@@ -245,14 +242,13 @@ def caption_fronts(picture: Picture) -> str:
     """Return the caption of ``draw_fronts``."""
     # Nodes in contact outside the exact zone, and nodes in the exact zone that are not in contact.
     wrong = [(face.touching != face.inside)[1:].sum(axis=1) for face in picture.polygons]
-    face, worst = max(zip(picture.polygons, wrong, strict=True), key=lambda pair: int(pair[1].max()))
-    when = int(np.argmax(worst))
-    seen = (
-        f"{np.mean(wrong):.2g} nodes of a face are on the wrong side of the front on average and {worst[when]} of "
-        f"{len(face.nodes)} at most, on {picture.name(face)} at t = {picture.times[1:][when]:.3g}; {HARMLESS}"
-        if worst[when] > 0
-        else f"none of the {sum(len(face.nodes) for face in picture.polygons)} nodes is ever on the wrong side"
-    )
+    face, worst, where = _worst(picture, wrong)
+    seen = f"none of the {sum(len(face.nodes) for face in picture.polygons)} nodes is ever on the wrong side"
+    if worst > 0:
+        seen = (
+            f"{np.mean(wrong):.2g} nodes of a face are on the wrong side of the front on average and {worst:.0f} of "
+            f"{face.x.shape[1]} at most, {where}; {HARMLESS}"
+        )
     return caption("fronts", picture=picture, seen=seen)
 
 

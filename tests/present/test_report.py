@@ -132,7 +132,9 @@ SYMBOL = re.compile(r"[^\W\d_]\^h|‖_\w|\b[^\W\d_]\b(?!\^)")
 
 def test_symbols_in_the_heading_of_a_table_are_explained_beside_it() -> None:
     for layout in (RATES, STRESSES, EQUIVALENCE, BOUNDS):
-        said = " ".join(f"{letter} {meaning}" for letter, meaning in TEXTS["letters"][layout.name].items())
+        # The page of a case explains the norms above the charts of the errors.
+        letters = TEXTS["letters"][layout.name] | (TEXTS["letters"]["norms"] if layout is RATES else {})
+        said = " ".join(f"{letter} {meaning}" for letter, meaning in letters.items())
         symbols = {symbol for column in layout.columns for symbol in SYMBOL.findall(column.heading)}
         assert symbols, layout.name
         assert {symbol for symbol in symbols if symbol not in said} == set(), layout.name
