@@ -38,17 +38,14 @@ def drawn(drawing: Drawing) -> Figure:
 
 
 def test_every_value_is_drawn_within_its_axes_and_the_page_writes_words_as_text(rates: pd.DataFrame) -> None:
-    drawing = figure("convergence", rates, 1.0, case=SMOOTH)
+    drawing, columns = figure("convergence", rates, 1.0, case=SMOOTH), ["error", "discrete_error", "in_time"]
     (axes,) = drawn(drawing).axes
-    lines = axes.get_lines()
-    in_time = rates["time_share"] * rates["error"]
-    for values in (rates["error"], rates["discrete_error"], in_time):
-        for family in rates["family"].unique():
-            points = np.column_stack([rates["h"], values])[rates["family"] == family]
-            (line,) = (line for line in lines if np.array_equal(line.get_xydata(), points))
-            assert line.get_color() == family_styles(rates["family"])[family]["color"]
+    rates = rates.assign(in_time=rates["time_share"] * rates["error"])
+    expected = [rows[["h", column]].to_numpy() for _, rows in rates.groupby("family") for column in columns]
+    shown = [line.get_xydata() for line in axes.get_lines()]
+    assert sorted(map(np.ndarray.tolist, shown)) == sorted(map(np.ndarray.tolist, expected))
     low, high = axes.get_ylim()
-    assert low <= min(rates["discrete_error"].min(), in_time.min()) < rates["error"].max() <= high
+    assert low <= rates[columns].min(axis=None) < rates[columns].max(axis=None) <= high
     page = svg_chart(drawing)
     assert f'aria-label="{drawing.summary}"' in page
     for words in (*rates["family"].unique(), "share of time discretisation"):
@@ -73,9 +70,8 @@ def test_the_slope_triangle_has_its_slope_and_keeps_clear_of_the_curves(slope: f
     points = [(h, 3 * h**0.5), (h / 1.4, h**1.5), (h[::-1], h[::-1] + 0.1)]
     axes = Figure().subplots()
     lines = [line for x, y in points for line in axes.loglog(x, y)]
-    for nothing in ((lines, math.nan), ([axes.loglog([1.0], [1.0])[0]], slope)):
-        draw_slope(axes, *nothing)
-        assert not axes.patches
+    draw_slope(axes, lines, math.nan)
+    draw_slope(axes, axes.loglog(1.0, 1.0), slope)
     draw_slope(axes, lines, slope)
     (triangle,) = axes.patches
     (x0, y0), (x1, y1), corner, _ = np.log10(triangle.get_xy())
@@ -96,7 +92,6 @@ def test_a_logarithmic_axis_has_enough_labels_and_not_too_many(ends: tuple[float
     low, high = axes.get_xlim()
     ticks = [tick for tick in axes.get_xticks() if low <= tick <= high]
     assert least <= len(ticks) <= 10
-    assert all(axes.xaxis.get_major_formatter()(tick) for tick in ticks)
 
 
 def test_orders_are_those_of_a_power_of_h_and_graded_meshes_are_kept_apart() -> None:

@@ -275,11 +275,8 @@ def test_a_zone_that_should_not_be_there_counts_with_its_length(face: Segment) -
     np.testing.assert_array_equal(empty.outside.sum(axis=1), [0, *[3] * (len(face.times) - 1)])
 
 
-def test_the_exact_zone_between_known_times_lies_between(face: Segment) -> None:
-    early, late = (face.zone[n][0][1] for n in (10, 11))
-    times, between = face.zone_times, float(face.zone_times[10:12].mean())
-    ((_, front),) = face.exact_zone(between)
-    assert front == pytest.approx((early + late) / 2)
-    vanishing = replace(face, zone=[*face.zone[:11], *[[] for _ in times[11:]]])
-    assert vanishing.exact_zone(0.51 * times[10] + 0.49 * times[11]) == face.zone[10]
-    assert vanishing.exact_zone(0.49 * times[10] + 0.51 * times[11]) == []
+def test_between_known_times_ends_of_the_exact_zone_are_interpolated_unless_their_number_changes(face: Segment) -> None:
+    moving = replace(face, zone_times=np.array([0.0, 1.0, 2.0]), zone=[[(0.0, 0.4)], [(0.0, 0.6)], []])
+    assert moving.exact_zone(0.25) == [(0.0, pytest.approx(0.45))]
+    assert moving.exact_zone(1.4) == [(0.0, 0.6)]
+    assert moving.exact_zone(1.6) == []
