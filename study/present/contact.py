@@ -157,8 +157,8 @@ def draw_profiles(picture: Picture) -> Figure:
     panels = figure.subplots(2 * len(rows), len(titles), sharey="row", squeeze=False)
     for row, gaps, pressures in zip(rows, panels[::2], panels[1::2], strict=True):
         for (face, instant), gap, pressure in zip(row, gaps, pressures, strict=True):
-            _draw_profile(gap, face, face.line_gap[instant], face.gap[instant], BLUE)
-            _draw_profile(pressure, face, face.line_pressure[instant], face.pressure[instant], VERMILLION)
+            draw_profile(gap, face, face.line_gap[instant], face.gap[instant], BLUE)
+            draw_profile(pressure, face, face.line_pressure[instant], face.pressure[instant], VERMILLION)
             gap.tick_params(labelbottom=False)
             pressure.set_xlabel(rf"$s$ on ${picture.symbol(face)}$")
         for axes, label in ((gaps[0], "gap $w$"), (pressures[0], "pressure $p$")):
@@ -177,7 +177,7 @@ def draw_profiles(picture: Picture) -> Figure:
     return figure
 
 
-def _draw_profile(axes: Axes, face: Segment, exact: Array, computed: Array, colour: str) -> None:
+def draw_profile(axes: Axes, face: Segment, exact: Array, computed: Array, colour: str) -> None:
     """Draw exact and computed values along a face in 2D."""
     axes.plot(face.line, exact, color=BLACK, lw=0.9)
     axes.plot(face.s, computed, "o", color=colour, clip_on=False, zorder=3, **NODES)

@@ -47,14 +47,9 @@ class FaceHistory:
     pressure_exact: Array
 
     @property
-    def contact_threshold(self) -> float:
-        """The pressure above which a node is in contact."""
-        return CONTACT * float(self.pressure.max(initial=0.0))
-
-    @property
     def touching(self) -> NDArray[np.bool_]:
         """Whether each node is in contact at each time, (times, nodes)."""
-        return np.asarray(self.pressure > self.contact_threshold)
+        return np.asarray(self.pressure > CONTACT * self.pressure.max(initial=0.0))
 
     @property
     def inside(self) -> NDArray[np.bool_]:

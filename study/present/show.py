@@ -23,7 +23,7 @@ from manufactured.colours import BLACK, SKY, VERMILLION
 from study.ledger.files import write_text, write_whole
 from study.ledger.pictures import MeshFields, MeshSeries
 from study.present.body import ROUND_OFF, BodyScale, draw_deformed_mesh, draw_keys, draw_shapes
-from study.present.contact import draw_map
+from study.present.contact import NODES, draw_map, draw_profile
 from study.present.drawing import RAMPS, RIM, column_width, dots, entry, in_style, page_width
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment
 
@@ -210,7 +210,7 @@ def _pressure_handles(picture: Picture) -> list[Artist]:
     if not picture.polygons:
         return [
             entry("exact pressure", color=BLACK, lw=0.9),
-            dots("computed pressure", color=VERMILLION, mfc="white", ms=2.8),
+            dots("computed pressure", color=VERMILLION, **NODES),
             Patch(color=SKY, alpha=0.35, lw=0, label="exact contact zone"),
         ]
     colour = RAMPS["pressure"][3]
@@ -234,11 +234,9 @@ def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int
     assert isinstance(face, Segment)
     for start, end in face.exact_zone(face.times[instant]):
         axes.axvspan(start, end, color=SKY, alpha=0.35, lw=0)
-    axes.plot(face.line, face.line_pressure[instant], color=BLACK, lw=0.9)
-    axes.plot(face.s, face.pressure[instant], "o", color=VERMILLION, mfc="white", ms=2.8, clip_on=False)
+    draw_profile(axes, face, face.line_pressure[instant], face.pressure[instant], VERMILLION)
     top = max(float(face.pressure.max()), float(face.line_pressure.max()))
-    axes.set(xlim=(face.line.min(), face.line.max()), ylim=(0, 1.08 * top if top > ROUND_OFF else 1))
-    axes.set(xlabel=rf"$s$ on ${name}$", ylabel="pressure $p$")
+    axes.set(ylim=(0, 1.08 * top if top > ROUND_OFF else 1), xlabel=rf"$s$ on ${name}$", ylabel="pressure $p$")
 
 
 def write_vtk(directory: Path, name: str, series: MeshSeries) -> list[Path]:
