@@ -38,7 +38,7 @@ from study.present.show import film_images, image_of
 from study.present.tables import BOUNDS, EQUIVALENCE, FAULTS, LEDGER, RATES, STRESSES, Table, columns
 
 CHECKS = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
-FRAME_STEP, FRAME_DPI, ZONE_DPI, QUALITY = 4, 110, 160, 30
+FRAME_STEP, FRAME_DPI, ZONE_DPI, QUALITY = 4, 110, 160, 25
 """Animations show every fourth time; dots per inch of their images and of contact zones; WebP quality, 0 to 100."""
 WEB = Output("web")
 
