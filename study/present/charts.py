@@ -2,7 +2,7 @@
 
 import math
 import textwrap
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import cycle
@@ -201,26 +201,26 @@ def last_orders(rates: pd.DataFrame) -> tuple[list[float], list[float]]:
     return list(found.values()), graded
 
 
-def order_differences(rates: pd.DataFrame, expected: Mapping[str, float]) -> pd.DataFrame:
+def order_differences(rates: pd.DataFrame, expected: Mapping[str, float], refinements: int = 2) -> pd.DataFrame:
     """Return the predicted and observed orders of the error and their differences, a row for each case and mesh family.
 
-    Orders are observed over the last two refinements. Meshes that are graded towards a singularity are left out,
-    because the predictions are for quasi-uniform meshes.
+    Meshes that are graded towards a singularity are left out, because the predictions are for quasi-uniform meshes.
 
     Parameters:
         rates: rows of ``rates.csv``.
         expected: case ↦ predicted order.
+        refinements: the number of refinements over which orders are observed, as for ``finest_orders``.
 
     Returns:
-        A table with the columns ``family``, ``predicted``, ``observed`` and ``difference``.
+        A table with the columns ``case``, ``family``, ``predicted``, ``observed`` and ``difference``.
     """
     points = [
-        (family, expected[str(case)], order)
+        (case, family, expected[str(case)], order)
         for (_, case), rows in rates.groupby(["scheme", "case"], sort=False)
-        for family, order in finest_orders(rows, refinements=2).items()
+        for family, order in finest_orders(rows, refinements).items()
         if family != "graded"
     ]
-    table = pd.DataFrame(points, columns=["family", "predicted", "observed"])
+    table = pd.DataFrame(points, columns=["case", "family", "predicted", "observed"])
     return table.assign(difference=table["observed"] - table["predicted"])
 
 
@@ -230,8 +230,9 @@ def spread(values: Sequence[float]) -> str:
     return low if low == high else f"{low} … {high}"
 
 
-def _all_cases(cases: Collection[str]) -> str:
-    return f"{'all ' if len(cases) > 1 else ''}{counted(len(cases), 'case')}"
+def _all_cases(rates: pd.DataFrame) -> str:
+    count = rates["case"].nunique()
+    return f"{'all ' if count > 1 else ''}{counted(count, 'case')}"
 
 
 # Errors against the mesh size.
@@ -319,22 +320,18 @@ def draw_overview(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
 
 def caption_overview(rates: pd.DataFrame, expected: Mapping[str, float]) -> str:
     """Return the caption of ``draw_overview``."""
-    differences, on_graded = [], []
-    for case, of_case in rates.groupby("case", sort=False):
-        last, graded = last_orders(of_case)
-        differences += [(order - expected[str(case)], str(case)) for order in last]
-        on_graded += graded
+    table = order_differences(rates, expected, refinements=1)
+    graded = [order for _, rows in rates.groupby("case", sort=False) for order in last_orders(rows)[1]]
     seen = ["single levels show no order"]
-    if differences:
-        (low, lowest), (high, highest) = min(differences), max(differences)
+    if len(table):
+        low, high = (table.loc[index] for index in (table["difference"].idxmin(), table["difference"].idxmax()))
         seen = [
             "whether the curves run parallel to their triangles; the last order differs from the expected one by "
-            f"{low:+.2g} ({lowest}) to {high:+.2g} ({highest})"
+            f"{low['difference']:+.2g} ({low['case']}) to {high['difference']:+.2g} ({high['case']})"
         ]
-    if on_graded:
-        seen.append(f"meshes graded towards a singularity reach the order {spread(on_graded)}")
-    cases = _all_cases(rates["case"].unique())
-    return caption("overview", cases=cases, claim=rates["claim"].iloc[0], seen="; ".join(seen))
+    if graded:
+        seen.append(f"meshes graded towards a singularity reach the order {spread(graded)}")
+    return caption("overview", cases=_all_cases(rates), claim=rates["claim"].iloc[0], seen="; ".join(seen))
 
 
 def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
@@ -365,7 +362,7 @@ def caption_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> str:
     """Return the caption of ``draw_orders``."""
     difference = order_differences(rates, expected)["difference"]
     low, high, sequences = difference.min(), difference.max(), counted(len(difference), "sequence")
-    return caption("orders", cases=_all_cases(rates["case"].unique()), low=low, high=high, sequences=sequences)
+    return caption("orders", cases=_all_cases(rates), low=low, high=high, sequences=sequences)
 
 
 def over_constants(rates: pd.DataFrame) -> pd.DataFrame:
@@ -407,18 +404,20 @@ def caption_collapsed(rates: pd.DataFrame) -> str:
     finest = table.groupby(["case", "family"], sort=False)["relative"].last().groupby("family", sort=False)
     ranges = ", ".join(f"{ratios.min():.2f} … {ratios.max():.2f} ({family})" for family, ratios in finest)
     low, high = table["relative"].min(), table["relative"].max()
-    return caption("collapsed", cases=_all_cases(rates["case"].unique()), low=low, high=high, finest=ranges)
+    return caption("collapsed", cases=_all_cases(rates), low=low, high=high, finest=ranges)
 
 
 def order_in_words(rates: pd.DataFrame) -> str:
     """Return the orders of the errors of smooth solutions over the last two refinements, and whether they are O(h)."""
-    cases = rates.groupby(["scheme", "case"], sort=False)
-    found = [order for _, rows in cases for order in finest_orders(rows, refinements=2).values()]
-    if not found:
+    observed = order_differences(rates, dict.fromkeys(rates["case"], 1.0))["observed"]
+    if observed.empty:
         return ""
-    result = "The error is O(h)" if min(found) >= 1 - ORDER_ROOM else "On these meshes the error is not O(h)"
-    observed = f"observed orders {below(min(found), 2)} to {above(max(found), 2)}"
-    return f"{result}: {observed} in {_all_cases(rates['case'].unique())}, over the last two refinements"
+    low, high = observed.min(), observed.max()
+    result = "The error is O(h)" if low >= 1 - ORDER_ROOM else "On these meshes the error is not O(h)"
+    return (
+        f"{result}: observed orders {below(low, 2)} to {above(high, 2)} in {_all_cases(rates)}, over the last two "
+        "refinements"
+    )
 
 
 # Bounds of the error.
