@@ -71,7 +71,7 @@ def _draw_zone_of_face(axes: Axes, face: Segment, faces: int) -> None:
     """Draw the contact zone of one face in 2D; ``faces`` is the number of faces in the figure."""
     times, s = face.times, np.linspace(face.s.min(), face.s.max(), ZONE_POINTS)
     # Far from the front the depth is cut off, so that the front of a zone that appears at once is drawn halfway.
-    depth = face.exact_depth(s).clip(-ZONE_CUT, ZONE_CUT)
+    depth = face.depth(face.zone, s).clip(-ZONE_CUT, ZONE_CUT)
     axes.contourf(s, face.zone_times, depth, [0, 1], colors=[SKY], alpha=0.45)
     axes.contour(s, face.zone_times, depth, [0], colors=VERMILLION, linewidths=FRONT["lw"])
     for nodes, style in ((face.touching & ~face.outside, INSIDE), (face.outside, STRAY)):

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, fields
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,8 @@ from study.ledger.datafiles import DataError, made_by, read_csv, read_uncompress
 from study.ledger.pictures import Facets, Packed
 
 Array = NDArray[np.float64]
+ZONE_SAMPLES = 10_001
+"""The number of positions along a face at which exact and computed contact zones are compared."""
 Interval = tuple[float, float]
 CONTACT = 1e-8
 """A node is in contact if its pressure exceeds this fraction of the largest pressure on the face."""
@@ -87,8 +88,7 @@ class Segment(FaceHistory):
     @property
     def inside(self) -> NDArray[np.bool_]:
         """Whether each node is in the exact contact zone at each time, (times, nodes)."""
-        zones = map(self.exact_zone, self.times)
-        return np.array([[any(a <= s <= b for a, b in zone) for s in self.s] for zone in zones])
+        return np.asarray(self.depth(map(self.exact_zone, self.times), self.s) >= 0)
 
     def computed_zone(self, instant: int) -> list[Interval]:
         """Return the computed contact zone at the time with the index ``instant``, as intervals.
@@ -114,21 +114,20 @@ class Segment(FaceHistory):
         ends = (1 - share) * np.array(before) + share * np.array(after)
         return [(float(left), float(right)) for left, right in ends]
 
-    def exact_depth(self, s: Array) -> Array:
-        """Return how far positions lie inside the exact contact zone, (zone_times, s); outside, values are negative.
+    def depth(self, zones: Iterable[Sequence[Interval]], s: Array) -> Array:
+        """Return how far positions lie inside contact zones, (zones, positions); outside, values are negative.
 
-        Ends of the zone that are ends of the face do not count. If the zone is empty, the values are minus infinity.
+        Ends of a zone that are ends of the face do not count. If a zone is empty, its values are minus infinity.
         """
-        low, high = s.min(), s.max()
-        depths = np.full((len(self.zone), len(s)), -np.inf)
-        for depth, zone in zip(depths, self.zone, strict=True):
+        depths = []
+        for zone in zones:
+            insides = [np.full(len(s), -np.inf)]
             for left, right in zone:
-                inside = np.minimum(
-                    s - left if left > low else np.inf,
-                    right - s if right < high else np.inf,
-                )
-                np.maximum(depth, inside, out=depth)
-        return depths
+                from_left = s - left if left > s.min() else np.inf
+                from_right = right - s if right < s.max() else np.inf
+                insides.append(np.broadcast_to(np.minimum(from_left, from_right), s.shape))
+            depths.append(np.max(insides, axis=0))
+        return np.array(depths)
 
 
 @dataclass(frozen=True, eq=False)
@@ -333,16 +332,11 @@ def misplaced_length(face: Segment) -> Array:
 
     The error is the length of the symmetric difference of the exact zone and of ``Segment.computed_zone``, divided by
     the length of a cell: the sum of the errors of all fronts, in cells. It is also defined at times when intervals of
-    the zone appear, vanish, merge or split. A clamped end of a face, which is not a node, is left out.
+    the zone appear, vanish, merge or split. A clamped end of a face, which is not a node, is left out. Lengths are
+    sampled at ``ZONE_SAMPLES`` positions.
     """
-    low, high = float(face.s.min()), float(face.s.max())
-    lengths = []
-    for instant, time in enumerate(face.times[1:], start=1):
-        exact = [(max(a, low), min(b, high)) for a, b in face.exact_zone(time) if a < high and b > low]
-        zones = exact, face.computed_zone(instant)
-        length = 0.0
-        for a, b in pairwise(sorted({end for zone in zones for interval in zone for end in interval})):
-            in_exact, in_computed = (any(left <= (a + b) / 2 <= right for left, right in zone) for zone in zones)
-            length += (b - a) * (in_exact != in_computed)
-        lengths.append(length)
-    return np.array(lengths) * (len(face.s) - 1) / float(np.ptp(face.s))
+    s = np.linspace(face.s.min(), face.s.max(), ZONE_SAMPLES)
+    exact = face.depth(map(face.exact_zone, face.times), s) >= 0
+    nearest = abs(s[:, None] - face.s).argmin(axis=1)
+    wrong = exact != face.touching[:, nearest]
+    return np.asarray(wrong[1:].mean(axis=1) * (len(face.s) - 1))

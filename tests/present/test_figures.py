@@ -241,7 +241,7 @@ def face(pictures: list[Picture]) -> Segment:
 
 def test_the_exact_zone_is_as_deep_as_the_distance_to_its_fronts_and_ends_of_the_face_are_no_fronts(face) -> None:
     zone, s = [[], [(0.2, 0.6)], [(0.0, 0.3), (0.7, 1.0)]], np.array([0.0, 0.1, 0.25, 0.5, 0.8, 1.0])
-    empty, middle, ends = replace(face, zone=zone).exact_depth(s)
+    empty, middle, ends = face.depth(zone, s)
     assert (empty == -np.inf).all()
     assert middle == pytest.approx([-0.2, -0.1, 0.05, 0.1, -0.2, -0.4])
     assert ends == pytest.approx([0.3, 0.2, 0.05, -0.2, 0.1, 0.3])
@@ -257,10 +257,10 @@ def test_displacements_are_magnified_to_the_stated_share_of_the_body(pictures: l
 
 def test_an_exact_zone_is_off_by_half_a_cell_and_fronts_three_cells_too_far_by_three(face: Segment) -> None:
     exact = misplaced_length(replace(face, pressure=face.pressure_exact))
-    assert exact.max() <= 0.5 + 1e-6
+    assert exact.max() <= 0.5 + 0.01
     wide = replace(face, pressure=np.maximum(face.pressure_exact, np.roll(face.pressure_exact, 3, axis=1)))
     off = misplaced_length(wide) - exact
-    assert off[:-1].max() <= 3 + 1e-6
+    assert off[:-1].max() <= 3 + 0.01
     assert np.median(off) > 1.9
 
 
@@ -270,7 +270,7 @@ def test_a_zone_that_should_not_be_there_counts_with_its_length(face: Segment) -
     assert not misplaced_length(empty).any()
     assert not empty.outside.any()
     pressure[:, 2:5] = 1.0
-    np.testing.assert_allclose(misplaced_length(empty), 3.0)
+    np.testing.assert_allclose(misplaced_length(empty), 3.0, atol=0.01)
     # At the first time nothing has been solved.
     np.testing.assert_array_equal(empty.outside.sum(axis=1), [0, *[3] * (len(face.times) - 1)])
 
