@@ -22,8 +22,9 @@ from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError, write_text
 from study.ledger.text import up
 from study.present.bounds import NORM, SHOWN, adaptive_text
+from study.present.charts import AdaptiveRefinement
 from study.present.drawing import draw_one
-from study.present.figures import adapted_mesh
+from study.present.figures import figure
 from study.run.executor import available, require
 from study.run.fingerprint import of_data, of_problem
 from study.run.store import Store
@@ -82,8 +83,8 @@ def do_adapt(options: argparse.Namespace) -> int:
         written = [table, *(adaptive.stage_file(store.directory, number) for number in range(len(results)))]
         error = "max " * data.in_time + NORM[data.in_time]
         shown = Triangulation(*stage.mesh.p, stage.mesh.t.T)
-        figure = adapted_mesh(name, norm=error, mesh=shown, edges=edges, closed=closed, rows=rows, uniform=uniform)
-        written += draw_one(store.directory, figure)
+        result = AdaptiveRefinement(name, error, shown, edges, closed, rows, uniform)
+        written += draw_one(store.directory, figure("adaptive", result, about=name))
         with np.load(path) as arrays:
             at_vertices = arrays["times"], arrays["u"]
         written += draw_problem(store.directory, name, data, (stage.mesh.p, stage.mesh.t), at_vertices)

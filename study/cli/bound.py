@@ -28,7 +28,7 @@ from study.ledger.files import UsageError
 from study.ledger.text import folded
 from study.present.bounds import text
 from study.present.drawing import draw_one
-from study.present.figures import enclosure
+from study.present.figures import figure
 from study.run.executor import available, require
 from study.run.fingerprint import of_data, of_problem
 from study.run.store import Store
@@ -69,7 +69,7 @@ def do_bound(options: argparse.Namespace) -> int:
         elif not table["level"].is_unique:
             no_figure = "the figure shows one mesh of each size, and two files have meshes of the same size"
         else:
-            written += draw_one(store.directory, enclosure("enclosure", over_time, name))
+            written += draw_one(store.directory, figure("enclosure", over_time, name))
         written += draw_problem(store.directory, name, data, *displacements[-1].shown())
     tell_written(written)
     names = [one.file_name for one in displacements if one.file_name]

@@ -251,7 +251,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
                "out)"),
         out("shows"),
     ]),
-    "report": ("present", "write one HTML page about the data in a directory", [out()]),
+    "report": ("present", "write one HTML page about the data in a directory", [JOBS, out()]),
     "tables": ("present", "judge the data in a directory again and write the tables", [out()]),
     "figures": ("present", "draw figures for articles, slides or pages from the data in a directory", [
         option("--for", dest="use", choices=("article", "slides", "web"), default="article", help=USE),

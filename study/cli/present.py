@@ -30,9 +30,9 @@ def do_tables(options: argparse.Namespace) -> int:
 
 def do_report(options: argparse.Namespace) -> int:
     """Write the report, one HTML page, unless data and ``claims.csv`` contradict each other; return 0."""
-    with Store(options.out).steady():
+    with Processes(options.jobs) as executor, Store(options.out).steady():
         compare_claims(options.out, verdicts(options.out))
-        print(write_report(options.out, read_provenance(options.out)))
+        print(write_report(options.out, read_provenance(options.out), executor.map))
     return OK
 
 

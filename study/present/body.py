@@ -9,15 +9,24 @@ from matplotlib import patches
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import PathCollection
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize, PowerNorm
 from matplotlib.figure import Figure
-from matplotlib.path import Path
 from numpy.typing import NDArray
 
 from manufactured.colours import BLACK, BLUE, VERMILLION
-from study.present.drawing import caption, column_width, dots, entry, is_slide, legend
-from study.present.palette import FOUNDATION, FOUNDATION_EDGE, OUTLINE, RAMPS
+from study.present.drawing import (
+    FOUNDATION,
+    FOUNDATION_EDGE,
+    OUTLINE,
+    RAMPS,
+    caption,
+    column_width,
+    dots,
+    entry,
+    is_slide,
+    legend,
+)
 from study.present.picture import Array, Picture, Segment
 
 DISPLACEMENT = 0.12
@@ -40,18 +49,6 @@ SHADES = 16
 MOST_ARROWS = 16
 """The approximate largest number of pressure arrows on a contact face."""
 GAP: dict[str, Any] = {"facecolor": (BLUE, 0.3), "edgecolor": BLUE, "linewidth": 0.5}
-
-
-def shade(shares: Array) -> Array:
-    """Return the positions of stresses in the colour scale, from 0 to 1.
-
-    A position is the square root of the stress divided by the upper limit of the scale, so that small stresses remain
-    visible.
-
-    Parameters:
-        shares: stresses divided by the upper limit; values outside of [0, 1] are clipped.
-    """
-    return np.asarray(np.sqrt(np.clip(shares, 0, 1)))
 
 
 def ramp(name: str, shades: int = 256) -> Colormap:
@@ -95,20 +92,19 @@ def view_of(picture: Picture) -> Array:
     return np.array([right, np.cross(towards, right), towards])
 
 
-def drawing_order(view: Array, x: Array, cells: NDArray[np.int64], shades: NDArray[np.int64]) -> NDArray[np.int64]:
+def drawing_order(view: Array, x: Array, cells: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the indices of the triangles that face the eye, in the order in which they must be drawn.
 
-    In 3D the farthest triangle comes first, so that nearer triangles hide it. In 2D all triangles are returned, sorted
-    by colour, because no triangle hides another.
+    In 3D the farthest triangle comes first, so that nearer triangles hide it. In 2D, where no triangle hides another,
+    all triangles are returned.
 
     Parameters:
         view: the projection, (d, d).
         x: vertices, (d, vertices).
         cells: vertex numbers of the triangles, (3, triangles).
-        shades: colour numbers of the triangles, (triangles,).
     """
     if len(x) == 2:
-        return np.argsort(shades, kind="stable")
+        return np.arange(cells.shape[1])
     a, b, c = ((view[:2] @ x)[:, corner] for corner in cells)
     (p, q), (r, s) = b - a, c - a
     facing = np.flatnonzero(p * s - q * r > 0)
@@ -129,7 +125,8 @@ class BodyScale:
         pressure, gap: the largest contact pressure and the largest gap at the drawn times.
         stress: the upper limit of the colour scale of the stress.
         aspect: the height of the drawing divided by its width.
-        stress_colours: the colour map of stresses, with colours at the positions that ``shade`` returns.
+        stress_colours: the colours of stresses. They go with the root of the stress, so that small stresses remain
+            visible.
         pressure_colours: the colour map of pressures, from 0 to the largest pressure.
     """
 
@@ -151,7 +148,9 @@ class BodyScale:
         self.pressure_colours = ScalarMappable(Normalize(0, self.pressure or 1.0), ramp("pressure", SHADES))
 
 
-def draw_deformed_mesh(axes: Axes, picture: Picture, instant: int, scale: BodyScale, width: float) -> None:
+def draw_deformed_mesh(
+    axes: Axes, picture: Picture, instant: int, scale: BodyScale, width: float, lines: bool = True
+) -> None:
     """Draw the deformed mesh at one time with stress, contact pressure and, in 2D, foundation and gap.
 
     Parameters:
@@ -160,13 +159,16 @@ def draw_deformed_mesh(axes: Axes, picture: Picture, instant: int, scale: BodySc
         instant: the index of the time.
         scale: the scales for all times.
         width: the width of the axes in inches.
+        lines: whether the edges of the mesh are drawn.
     """
     moved = picture.vertices + scale.magnification * picture.displacement[instant]
-    shades, colours = cell_shades(picture, instant, scale)
-    order, flat = drawing_order(scale.view, moved, picture.cells, shades), scale.view[:2] @ moved
+    order, flat = drawing_order(scale.view, moved, picture.cells), scale.view[:2] @ moved
     # A cell is about this many points wide; thicker lines would cover fine meshes.
     cell = 72 * width / math.sqrt(len(order) / 2)
-    axes.add_collection(_triangles(flat.T[picture.cells.T], order, shades, colours, cell), autolim=False)
+    edges: dict[str, Any] = {"edgecolors": (0, 0, 0, 0.4) if lines else "face", "linewidths": min(0.3, 0.04 * cell)}
+    colours = cell_colours(picture, instant, scale)[order]
+    triangles = PolyCollection(flat.T[picture.cells.T[order]], facecolors=colours, **edges, zorder=2)
+    axes.add_collection(triangles, autolim=False)
     for face in picture.segments:
         _draw_foundation(axes, face, instant, scale)
     for polygon in picture.polygons:
@@ -178,47 +180,17 @@ def draw_deformed_mesh(axes: Axes, picture: Picture, instant: int, scale: BodySc
     axes.axis("off")
 
 
-def cell_shades(picture: Picture, instant: int, scale: BodyScale) -> tuple[NDArray[np.int64], Array]:
-    """Return a colour number for each triangle of the mesh at the time of index ``instant``, and the colours.
+def cell_colours(picture: Picture, instant: int, scale: BodyScale) -> Array:
+    """Return the colour of each triangle of the mesh at the time of index ``instant``, (cells, 4).
 
     In 3D, the colour of a triangle on a contact face shows the mean pressure at its corners; the colours of all other
     triangles show their von Mises stress.
-
-    Returns:
-        The colour numbers, (cells,), and the list of colours, (2 · SHADES, 4): first of stresses, then of pressures.
     """
-    shares = shade(picture.von_mises[instant] / scale.stress)
-    first = np.zeros(len(shares), dtype=np.int64)
+    colours = scale.stress_colours.to_rgba(picture.von_mises[instant])
     for face in picture.polygons:
         pressure = face.pressure[instant][face.facets.corners].mean(axis=0)
-        shares[face.facets.cells], first[face.facets.cells] = pressure / (scale.pressure or 1.0), SHADES
-    numbers = first + np.clip(shares * SHADES, 0, SHADES - 1).astype(np.int64)
-    every = np.arange(SHADES)
-    return numbers, np.concatenate([scale.stress_colours.cmap(every), scale.pressure_colours.cmap(every)])
-
-
-def _triangles(
-    corners: Array, order: NDArray[np.int64], shades: NDArray[np.int64], colours: Array, cell: float
-) -> PathCollection:
-    """Return the filled triangles of a mesh as a Matplotlib collection.
-
-    Parameters:
-        corners: the corners of all triangles, (cells, 3, 2).
-        order: the indices of the drawn triangles in the order of drawing.
-        shades, colours: as ``cell_shades`` returns them.
-        cell: the approximate width of a cell in points, from which the width of lines follows.
-    """
-    # One path for neighbouring cells of one shade; a separate path for each cell takes three times as long to write.
-    runs = np.split(order, np.flatnonzero(np.diff(shades[order])) + 1)
-    closed = [np.concatenate([corners[run], corners[run, :1]], axis=1).reshape(-1, 2) for run in runs]
-    triangle = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
-    return PathCollection(
-        [Path(points, np.tile(triangle, len(points) // 4)) for points in closed],
-        facecolors=colours[[shades[run[0]] for run in runs]],
-        edgecolors=(0, 0, 0, 0.4),
-        linewidths=min(0.3, 0.04 * cell),
-        zorder=2,
-    )
+        colours[face.facets.cells] = scale.pressure_colours.to_rgba(pressure)
+    return np.asarray(colours)
 
 
 def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) -> None:

@@ -106,11 +106,11 @@ def _over_time(over_time: pd.DataFrame, known: bool, name: str) -> list[str]:
     finest = over_time[over_time["level"] == over_time["level"].max()]
     rows = list(finest.iloc[np.unique(np.linspace(0, len(finest) - 1, LINES).round().astype(int))].itertuples())
     columns = {
-        f"{'t':>7}": [f"{row.time:.4f}" for row in rows],
-        f"{'lower':>9}": [down(row.lower, SHOWN) for row in rows],
-        f"{'error':>9}": [f"{row.error:.4g}" if known else "unknown" for row in rows],
-        f"{'upper':>9}": [up(row.upper, SHOWN) for row in rows],
-        f"{'% of u':>15}": [_percent(row.percent_low, row.percent_high) for row in rows],
+        "      t": [f"{row.time:.4f}" for row in rows],
+        "    lower": [down(row.lower, SHOWN) for row in rows],
+        "    error": [f"{row.error:.4g}" if known else "unknown" for row in rows],
+        "    upper": [up(row.upper, SHOWN) for row in rows],
+        "         % of u": [_percent(row.percent_low, row.percent_high) for row in rows],
         "upper/lower": [f"{row.upper / row.lower:.3f}" if row.lower > 0 else "∞" for row in rows],
         "from u_h alone": [_plain(row.plain) for row in rows],
     }
@@ -127,10 +127,12 @@ def _intervals(table: pd.DataFrame, known: bool, in_time: bool = True, names: Se
     kind = f"{kind:>{max(len(kind), *map(len, labels))}}"
     columns = {
         kind: labels,
-        f"{'max error in' if in_time else 'error in':>19}": [interval(row.lowest, row.highest, SHOWN) for row in rows],
-        f"{'% of u':>15}": [_percent(row.percent_low, row.percent_high) for row in rows],
+        "       max error in" if in_time else "           error in": [
+            interval(row.lowest, row.highest, SHOWN) for row in rows
+        ],
+        "         % of u": [_percent(row.percent_low, row.percent_high) for row in rows],
     }
-    columns |= {f"{'error':>9}": [f"{row.error:.4g}" for row in rows]} if known else {}
+    columns |= {"    error": [f"{row.error:.4g}" for row in rows]} if known else {}
     lines = aligned(columns | {"from u_h alone": [_plain(row.plain) for row in rows]})
     if len(table) == 1:
         return lines

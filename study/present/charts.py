@@ -1,313 +1,175 @@
-"""The charts of the study with their captions, made from the data files, and the functions that draw charts.
-
-A ``Chart`` is a description of curves, axes and texts. This module draws charts with Matplotlib; ``study.present.
-report`` draws the same charts as SVG on the report page. Texts are plain Unicode with scripts written as in u^h and
-x_{ij}, which both typeset.
-"""
-
-from __future__ import annotations
+"""The charts of the study and their captions, made from the data files. Each figure has a function for its caption."""
 
 import math
 import textwrap
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from itertools import cycle, starmap
-from typing import Any, Literal
+from dataclasses import dataclass
+from itertools import cycle
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib import rcParams
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, MaxNLocator, NullFormatter
-from numpy.typing import ArrayLike
+from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
+from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
 
-from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, ORANGE, VERMILLION
+from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, ORANGE, SKY, VERMILLION
 from study.ledger.check import by_family
 from study.ledger.codes import GRADES, Codes
+from study.ledger.faults import INVISIBLE
 from study.ledger.orders import Array, RatesError, fit, orders
 from study.ledger.text import above, below, interval
-from study.present.drawing import caption, column_width, entry, is_slide, legend, mathtext, page_width
+from study.present.drawing import (
+    COLOURS,
+    OUTLINE,
+    TRIANGLE,
+    Style,
+    caption,
+    column_width,
+    dots,
+    entry,
+    family_styles,
+    is_slide,
+    legend,
+    page_width,
+)
 from study.present.notation import counted
-from study.present.palette import COLOURS, OUTLINE, TRIANGLE, Stroke, Style, family_styles
 
-MARGIN = 0.06
-"""The free space at each end of an axis, as a fraction of the range of the data."""
-MOST_TICKS = 7
-"""The approximate largest number of ticks of a logarithmic axis; if there are more candidates, some are left out."""
-_MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
-
-
-@dataclass(frozen=True)
-class Axis:
-    """An axis of a chart.
-
-    Attributes:
-        label: its text.
-        low, high: the values at its ends.
-        scale: linear or logarithmic.
-        symbol: a letter in italics after the label, may be empty.
-        least: the smallest number of ticks of a logarithmic axis.
-    """
-
-    label: str
-    low: float
-    high: float
-    scale: Literal["linear", "log"] = "linear"
-    symbol: str = ""
-    least: int = 3
-
-    def position(self, value: float) -> float:
-        """Return the position of a value on the axis, 0 at ``low`` and 1 at ``high``.
-
-        On a logarithmic axis, zero and negative values have a position far below 0.
-        """
-        if self.scale == "linear":
-            return (value - self.low) / (self.high - self.low)
-        return math.log10(max(value / self.low, 1e-9)) / math.log10(self.high / self.low)
-
-    def ticks(self) -> list[tuple[float, str]]:
-        """Return the values and texts of the ticks: round numbers, as few as the axis needs."""
-        if self.scale == "log":
-            decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
-            write = "{:.4g}".format if self.low >= 1e-3 and self.high < 1e4 else _power_of_ten
-            for mantissas in _MANTISSAS:
-                ticks = [tick for k in decades for m in mantissas if self.low <= (tick := m * 10.0**k) <= self.high]
-                if len(ticks) >= self.least:
-                    return [(tick, write(tick)) for tick in ticks[:: math.ceil(len(ticks) / MOST_TICKS)]]
-        room = 1e-9 * (self.high - self.low)
-        values = MaxNLocator(6, steps=[1, 2, 5, 10]).tick_values(self.low, self.high)
-        return [(float(v), f"{v:.4g}") for v in values if self.low - room <= v <= self.high + room]
-
-
-def linear_axis(label: str, *values: ArrayLike, symbol: str = "") -> Axis:
-    """Return a linear axis that contains all values, with a margin at each end."""
-    low, high = _range(values)
-    margin = MARGIN * (high - low) or 0.5
-    return Axis(label, low - margin, high + margin, symbol=symbol)
-
-
-def log_axis(label: str, *values: ArrayLike, symbol: str = "", least: int = 3) -> Axis:
-    """Return a logarithmic axis that contains all values, with a margin at each end."""
-    low, high = _range(values)
-    decades = math.log10(high / low)
-    margin = 10 ** (MARGIN * decades if decades > 0.01 else 0.5)
-    return Axis(label, low / margin, high * margin, "log", symbol, least)
-
-
-def _range(values: Sequence[ArrayLike]) -> tuple[float, float]:
-    together = np.concatenate([np.ravel(np.asarray(each, dtype=float)) for each in values])
-    return float(np.nanmin(together)), float(np.nanmax(together))
-
-
-def _power_of_ten(tick: float) -> str:
-    """Return a number as a multiple of a power of ten, such as 3·10^{−4}."""
-    exponent = math.floor(math.log10(tick) + 1e-9)
-    mantissa = tick / 10**exponent
-    power = f"10^{{{exponent}}}".replace("-", "−")
-    return power if abs(mantissa - 1) < 1e-9 else f"{mantissa:.3g}·{power}"
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """A line through points, (n,) each."""
-
-    x: Array
-    y: Array
-    style: Style
-
-    @classmethod
-    def of(cls, rows: pd.DataFrame, column: str, style: Style, x: str = "h") -> Curve:
-        """Return the line through the values in a column of a table, over the column ``x``."""
-        return cls(rows[x].to_numpy(dtype=float), rows[column].to_numpy(dtype=float), style)
-
-
-@dataclass(frozen=True, eq=False)
-class Band:
-    """The area between two curves, (n,) each."""
-
-    x: Array
-    low: Array
-    high: Array
-    colour: str
-
-
-@dataclass(frozen=True, eq=False)
-class SlopeTriangle:
-    """A right triangle whose hypotenuse has the expected slope of the curves.
-
-    Attributes:
-        corners: lower left, upper right, and upper left with the right angle, (3, 2).
-        beside, above: texts to the left of the left side and above the upper side.
-        top: the value of y up to which the axis must reach to show the triangle with its texts.
-    """
-
-    corners: Array
-    beside: str
-    above: str
-    top: float
-
-
-@dataclass(frozen=True, eq=False)
-class Subplot:
-    """One pair of axes with curves, bands behind them, a slope triangle, and horizontal lines at the values ``rules``.
-
-    The bands, the triangle and the lines may be missing.
-    """
-
-    title: str
-    x: Axis
-    y: Axis
-    curves: Sequence[Curve]
-    bands: Sequence[Band] = ()
-    triangle: SlopeTriangle | None = None
-    rules: Sequence[float] = ()
-
-
-LegendEntry = tuple[str, Style]
-"""An entry of the legend: text and style."""
-
-
-@dataclass(frozen=True, eq=False)
-class Chart:
-    """Subplots with one common legend.
-
-    Attributes:
-        summary: the kind of the chart in a few words, for readers who cannot see it.
-        subplots: the pairs of axes.
-        legend: the columns of the legend.
-        caption: says what is drawn and what to see, with numbers.
-        headline: the main result in a sentence, for slides, which have no caption.
-        columns: the number of columns of the grid that the subplots fill row by row; if it is 0, the subplots are
-            drawn one above the other.
-    """
-
-    summary: str
-    subplots: Sequence[Subplot]
-    legend: Sequence[Sequence[LegendEntry]]
-    caption: str
-    headline: str = ""
-    columns: int = 0
-
+# Axes, ticks, legends and slope triangles.
 
 HEIGHTS = {1: (1,), 2: (3, 2)}
-"""Number of subplots that are drawn one above the other ↦ their relative heights."""
-_STROKES: dict[str, dict[str, Any]] = {
-    "solid": {},
-    "none": {"ls": ""},
-    "dashed": {"ls": "--", "lw": 0.7},
-    "dotted": {"ls": ":", "lw": 0.9, "alpha": 0.8},
-}
-_BAND = 0.35
-"""Opacity of bands."""
+"""Number of axes that are drawn one above the other ↦ their relative heights."""
+DASHED: Style = {"ls": "--", "lw": 0.7}
+DOTTED: Style = {"ls": ":", "lw": 0.9, "alpha": 0.8}
+HOLLOW: Style = {"mfc": "white"}
+RANGE: Style = {"alpha": 0.35, "lw": 0}
+RULE: Style = {"color": GREY, "lw": 0.6}
+TINY: Style = {"ms": 2.4}
+"""The markers of small axes."""
+MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
+"""The ticks of a logarithmic axis in a decade: the first choice with enough ticks is taken."""
+MESH_SIZE = "mesh size $h$"
 
 
-def draw_chart(chart: Chart) -> Figure:
-    """Return the Matplotlib figure of a chart; slides have its headline."""
-    figure = _draw_grid(chart) if chart.columns else _draw_column(chart)
-    if is_slide() and chart.headline:
-        figure.suptitle(textwrap.fill(chart.headline, 64))
-    return figure
-
-
-def _draw_column(chart: Chart) -> Figure:
-    """Draw the subplots of a chart one above the other, as wide as a column of text, with the legend below them."""
-    count = len(chart.subplots)
+def stacked_axes(count: int = 1) -> tuple[Figure, list[Axes]]:
+    """Return a figure as wide as a column of text, and its axes, which lie one above the other."""
     figure = Figure(figsize=(column_width(), 3.8 + 0.2 * count))
     panels = figure.subplots(count, sharex=True, squeeze=False, height_ratios=HEIGHTS[count])[:, 0]
-    for axes, subplot in zip(panels, chart.subplots, strict=True):
-        _draw_subplot(axes, subplot)
-        axes.set_title(subplot.title)
-        axes.set_ylabel(mathtext(subplot.y.label))
-        axes.label_outer()
-    panels[-1].set_xlabel(_label(chart.subplots[-1].x))
-    # Matplotlib fills a legend column by column, so shorter columns need blank entries.
-    longest = max(map(len, chart.legend))
-    handles: list[Artist] = []
-    for column in chart.legend:
-        handles += [*starmap(_handle, column), *[entry(" ", ls="")] * (longest - len(column))]
-    legend(figure, handles, columns=len(chart.legend))
-    return figure
+    for axes in panels:
+        axes.grid(True)
+    return figure, list(panels)
 
 
-def _draw_grid(chart: Chart) -> Figure:
-    """Draw the subplots of a chart as small panels in a grid, with common labels and the legend above them."""
-    columns, count = chart.columns, len(chart.subplots)
+def grid_of_axes(titles: Sequence[str], columns: int) -> tuple[Figure, list[Axes]]:
+    """Return a figure with small logarithmic axes in a grid, one for each title; a row has common limits."""
+    count = len(titles)
     rows = math.ceil(count / columns)
     width = min(max(column_width(), 0.5 + 1.05 * columns), page_width())
     figure = Figure(figsize=(width, 0.8 + (0.15 + 0.9 * (width - 0.5) / columns) * rows))
-    panels = figure.subplots(rows, columns, sharey="row", squeeze=False).ravel()
-    for i, (axes, subplot) in enumerate(zip(panels, chart.subplots, strict=False)):
-        _draw_subplot(axes, subplot, size=2.4)
-        axes.set_title(textwrap.fill(subplot.title, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
+    panels = figure.subplots(rows, columns, sharex=True, sharey="row", squeeze=False).ravel()
+    for i, (axes, title) in enumerate(zip(panels, titles, strict=False)):
+        axes.set(xscale="log", yscale="log")
+        axes.set_title(textwrap.fill(title, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
         axes.tick_params(labelbottom=i + columns >= count)
+        axes.grid(True)
     for axes in panels[count:]:
         axes.set_visible(False)
-    figure.supxlabel(_label(chart.subplots[0].x))
-    figure.supylabel(mathtext(chart.subplots[0].y.label))
-    # An entry of the legend takes about 1.15 inches.
-    handles = [_handle(*one) for column in chart.legend for one in column]
-    legend(figure, handles, columns=max(2, int(width / 1.15)), side="upper")
-    return figure
+    figure.supxlabel(MESH_SIZE)
+    return figure, list(panels[:count])
 
 
-def _draw_subplot(axes: Axes, subplot: Subplot, size: float = 3.6) -> None:
-    """Draw the curves, bands, triangle, lines and ticks of a subplot; markers have a diameter of ``size`` points."""
-    axes.set(xscale=subplot.x.scale, yscale=subplot.y.scale)
-    axes.set(xlim=(subplot.x.low, subplot.x.high), ylim=(subplot.y.low, subplot.y.high))
-    for drawn, axis in ((axes.xaxis, subplot.x), (axes.yaxis, subplot.y)):
-        ticks = axis.ticks()
-        drawn.set_major_locator(FixedLocator([value for value, _ in ticks]))
-        drawn.set_major_formatter(FixedFormatter([mathtext(text) for _, text in ticks]))
-        if axis.scale == "log":
-            # Small ticks without labels lie between the labelled ones.
-            drawn.set_minor_locator(LogLocator(subs=tuple(range(2, 10)), numticks=99))
-            drawn.set_minor_formatter(NullFormatter())
-    axes.grid(True)
-    for value in subplot.rules:
-        axes.axhline(value, color=GREY, lw=0.6)
-    for band in subplot.bands:
-        axes.fill_between(band.x, band.low, band.high, color=band.colour, alpha=_BAND, lw=0)
-    if subplot.triangle:
-        triangle = subplot.triangle
-        axes.fill(*triangle.corners.T, facecolor=TRIANGLE, edgecolor=OUTLINE, lw=0.6, zorder=1.5)
-        (x0, y0), (x1, y1), _ = triangle.corners
-        text: dict[str, Any] = {"textcoords": "offset points", "fontsize": rcParams["xtick.labelsize"]}
-        axes.annotate(triangle.beside, (x0, np.sqrt(y0 * y1)), (-2, 0), ha="right", va="center", **text)
-        axes.annotate(triangle.above, (np.sqrt(x0 * x1), y1), (0, 1.5), ha="center", va="bottom", **text)
-    for curve in subplot.curves:
-        axes.plot(curve.x, curve.y, ms=size, **_line(curve.style))
+def label_ticks(panels: Iterable[Axes], least: int = 3) -> None:
+    """Label at least ``least`` ticks of each logarithmic axis, also if the axis is shorter than a decade."""
+    for axis in (axis for axes in panels for axis in (axes.xaxis, axes.yaxis)):
+        if axis.get_scale() != "log":
+            continue
+        low, high = map(float, axis.get_view_interval())
+        for mantissas in MANTISSAS:
+            locator = LogLocator(subs=mantissas)
+            ticks = np.asarray(locator.tick_values(low, high))
+            if np.count_nonzero((low <= ticks) & (ticks <= high)) >= least:
+                break
+        axis.set_major_locator(locator)
+        axis.set_major_formatter(LogFormatterSciNotation(minor_thresholds=(math.inf, math.inf)))
+        axis.set_minor_formatter(NullFormatter())
 
 
-def _line(style: Style) -> dict[str, Any]:
-    """Return the Matplotlib properties of a line."""
-    face = {"mfc": "white"} if style.hollow else {}
-    return {"color": style.colour, "marker": style.marker, **face, **_STROKES[style.stroke]}
+def add_legend(figure: Figure, *columns: Sequence[Artist]) -> None:
+    """Add a legend with these columns below the axes."""
+    longest = max(map(len, columns))
+    handles: list[Artist] = []
+    for column in columns:
+        # Matplotlib fills a legend column by column, so shorter columns need blank entries.
+        blanks = [entry(" ", ls="")] * (longest - len(column))
+        handles += [*column, *blanks]
+    legend(figure, handles, columns=len(columns))
 
 
-def _handle(text: str, style: Style) -> Artist:
-    """Return the Matplotlib artist of a legend entry."""
-    if style.stroke == "band":
-        return Patch(color=style.colour, alpha=_BAND, label=mathtext(text))
-    return entry(mathtext(text), **_line(style))
+def add_headline(figure: Figure, text: str) -> None:
+    """Write the main result above a figure if it is a slide, which has no caption."""
+    if is_slide() and text:
+        figure.suptitle(textwrap.fill(text, 64))
 
 
-def _label(axis: Axis) -> str:
-    return mathtext(axis.label) + (f" ${axis.symbol}$" if axis.symbol else "")
+def families(styles: Mapping[str, Style], **more: Any) -> list[Line2D]:
+    """Return the legend entries of mesh families below a heading; ``more`` are further properties of the lines."""
+    return [entry("mesh family", ls=""), *(entry(family, **style, **more) for family, style in styles.items())]
 
 
-# The charts of the study.
+def plot_families(
+    axes: Axes, rows: pd.DataFrame, column: str, styles: Mapping[str, Style], more: Style
+) -> list[Line2D]:
+    """Plot a column of a table over the mesh size, a line for each mesh family, and return the lines."""
+    lines = []
+    for family, of_family in by_family(rows).items():
+        lines += axes.loglog(of_family["h"], of_family[column], **styles[family] | more)
+    return lines
 
-NEGLIGIBLE = 1e-3
-"""In a chart of errors, values below this fraction of the smallest error are not shown, because the vertical axis would
-become too long."""
-MOST_COLUMNS = 5
-"""The largest number of columns of the chart with a subplot for each case."""
-HEADING: LegendEntry = ("mesh family", Style(DARK, stroke="none"))
-"""Heading of the mesh families in a legend."""
+
+def draw_slope(axes: Axes, lines: Sequence[Line2D], slope: float, small: bool = False) -> None:
+    """Draw a triangle with a slope above the left end of increasing lines, where they leave room.
+
+    Nothing is drawn if the slope is NaN, or if every line has a single point.
+
+    Parameters:
+        axes: the axes, whose scales are logarithmic.
+        lines: the lines of which the triangle keeps clear.
+        slope: the slope.
+        small: whether the axes are so small that the slope must be written above the triangle, not to its left.
+    """
+    curves = [np.log10(line.get_xydata()) for line in lines]
+    if math.isnan(slope) or max(map(len, curves)) < 2:
+        return
+    decades = float(np.ptp(np.log10(axes.get_ylim())))
+    x = np.concatenate(curves)[:, 0]
+    start, end = x.min() + np.ptp(x) * np.array([0.09, 0.37])
+    at, base = np.linspace(start, end, 50), -math.inf
+    for curve in curves:
+        heights = np.interp(at, *curve[np.argsort(curve[:, 0])].T)
+        base = max(base, float((heights - slope * (at - start)).max()) + 0.06 * decades)
+    top = base + slope * (end - start)
+    (x0, y0), (x1, y1), _ = corners = 10 ** np.array([[start, base], [end, top], [start, top]])
+    axes.fill(*corners.T, facecolor=TRIANGLE, edgecolor=OUTLINE, lw=0.6, zorder=1.5)
+    text: dict[str, Any] = {"textcoords": "offset points", "fontsize": rcParams["xtick.labelsize"]}
+    if not small:
+        axes.annotate(f"{slope:.3g}", (x0, np.sqrt(y0 * y1)), (-2, 0), ha="right", va="center", **text)
+    axes.annotate(f"{slope:.3g}" if small else "1", (np.sqrt(x0 * x1), y1), (0, 1.5), ha="center", va="bottom", **text)
+    # The text needs room above the triangle.
+    axes.update_datalim([(x1, y1 * 10 ** ((0.13 if small else 0.05) * decades))])
+    axes.autoscale_view()
+
+
+# Observed orders.
+
 ORDER_ROOM = 0.15
 """Observed orders may be smaller than the proved order by this number, as in the checks of Proposition 5.4."""
 
@@ -339,70 +201,80 @@ def last_orders(rates: pd.DataFrame) -> tuple[list[float], list[float]]:
     return list(found.values()), graded
 
 
+def order_differences(rates: pd.DataFrame, expected: Mapping[str, float], refinements: int = 2) -> pd.DataFrame:
+    """Return the predicted and observed orders of the error and their differences, a row for each case and mesh family.
+
+    Meshes that are graded towards a singularity are left out, because the predictions are for quasi-uniform meshes.
+
+    Parameters:
+        rates: rows of ``rates.csv``.
+        expected: case ↦ predicted order.
+        refinements: the number of refinements over which orders are observed, as for ``finest_orders``.
+
+    Returns:
+        A table with the columns ``case``, ``family``, ``predicted``, ``observed`` and ``difference``.
+    """
+    points = [
+        (case, family, expected[str(case)], order)
+        for (_, case), rows in rates.groupby(["scheme", "case"], sort=False)
+        for family, order in finest_orders(rows, refinements).items()
+        if family != "graded"
+    ]
+    table = pd.DataFrame(points, columns=["case", "family", "predicted", "observed"])
+    return table.assign(difference=table["observed"] - table["predicted"])
+
+
 def spread(values: Sequence[float]) -> str:
     """Return the smallest and the largest value as text, or the only value."""
     low, high = (f"{value:.3g}" for value in (min(values), max(values)))
     return low if low == high else f"{low} … {high}"
 
 
-def slope_triangle(curves: Sequence[Curve], slope: float, decades: float, small: bool = False) -> SlopeTriangle | None:
-    """Return the slope triangle of a chart: above the left end of the curves, where increasing curves leave room.
-
-    Parameters:
-        curves: the curves of the chart; both axes are logarithmic.
-        slope: the expected slope; NaN if it is unknown.
-        decades: the height of the vertical axis in decades.
-        small: whether the chart is so small that the slope must be written above the triangle, not to its left.
-
-    Returns:
-        The triangle; None if the slope is unknown or if every curve has a single point.
-    """
-    if math.isnan(slope) or max(len(curve.x) for curve in curves) < 2:
-        return None
-    left = min(math.log10(curve.x.min()) for curve in curves)
-    width = max(math.log10(curve.x.max()) for curve in curves) - left
-    start, end = left + 0.09 * width, left + 0.37 * width
-    base = -math.inf
-    for curve in curves:
-        order = np.argsort(curve.x)
-        x, y = np.log10(curve.x[order]), np.log10(curve.y[order])
-        at = np.concatenate([x[(x > start) & (x < end)], np.clip([start, end], x[0], x[-1])])
-        base = max(base, float((np.interp(at, x, y) - slope * (at - start)).max()))
-    base += 0.07 * decades
-    top = base + slope * (end - start)
-    texts = ("", f"{slope:.3g}") if small else (f"{slope:.3g}", "1")
-    corners = 10 ** np.array([[start, base], [end, top], [start, top]])
-    return SlopeTriangle(corners, *texts, top=float(10 ** (top + (0.16 if small else 0.07) * decades)))
+def _all_cases(rates: pd.DataFrame) -> str:
+    count = rates["case"].nunique()
+    return f"{'all ' if count > 1 else ''}{counted(count, 'case')}"
 
 
-def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
-    """Return the chart of the errors of one case against the mesh size, on all mesh families.
+# Errors against the mesh size.
 
-    The curves are the error, the discrete error and the part of the error that is due to time discretisation.
+NEGLIGIBLE = 1e-3
+"""In a chart of errors, values below this fraction of the smallest error are not shown, because the vertical axis would
+become too long."""
+MOST_COLUMNS = 5
+"""The largest number of columns of the figure with axes for each case."""
+
+
+def draw_convergence(rates: pd.DataFrame, order: float) -> Figure:
+    """Draw the errors of one case against the mesh size, on all mesh families.
+
+    The lines are the error, the discrete error and the part of the error that is due to time discretisation.
 
     Parameters:
         rates: the rows of one case in ``rates.csv``.
         order: the expected order, which is the slope of the triangle.
     """
-    rates = rates.assign(in_time=rates["time_share"] * rates["error"])
+    figure, (axes,) = stacked_axes()
     styles = family_styles(rates["family"])
-    errors, parts = _error_curves(rates, styles), []
-    for family, rows in by_family(rates).items():
-        style = styles[family]
-        parts.append(Curve.of(rows, "in_time", Style(style.colour, stroke="dotted")))
-        parts.append(Curve.of(rows, "discrete_error", Style(style.colour, style.marker, "dashed", True)))
-    values = rates[["error", "discrete_error", "in_time"]].to_numpy()
-    values = values[values >= NEGLIGIBLE * rates["error"].min()]
-    triangle = slope_triangle(errors, order, math.log10(values.max() / values.min()))
-    tops = [triangle.top] if triangle else []
-    x, y = log_axis("mesh size", rates["h"], symbol="h"), log_axis("maximum over time in ‖·‖_V", values, tops)
-    subplot = Subplot(str(rates["case"].iloc[0]), x, y, [*parts, *errors], triangle=triangle)
+    rates = rates.assign(in_time=rates["time_share"] * rates["error"])
+    lowest = NEGLIGIBLE * rates["error"].min()
+    shown = rates.assign(**{name: rates[name].where(rates[name] >= lowest) for name in ("in_time", "discrete_error")})
+    plot_families(axes, shown, "in_time", styles, {"marker": "", **DOTTED})
+    plot_families(axes, shown, "discrete_error", styles, DASHED | HOLLOW)
+    lines = plot_families(axes, shown, "error", styles, {})
+    draw_slope(axes, lines, order)
+    label_ticks([axes])
+    axes.set(title=rates["case"].iloc[0], xlabel=MESH_SIZE, ylabel=r"maximum over time in $\|\cdot\|_V$")
     kinds = [
-        ("error ‖u − u^h‖_V", Style(DARK, "o")),
-        ("discrete error ‖Π^h u − u^h‖_V", Style(DARK, "o", "dashed", hollow=True)),
-        ("share of time discretisation", Style(DARK, stroke="dotted")),
+        entry(r"error $\|u-u^h\|_V$", color=DARK, marker="o"),
+        entry(r"discrete error $\|\Pi^hu-u^h\|_V$", color=DARK, marker="o", **DASHED, **HOLLOW),
+        entry("share of time discretisation", color=DARK, **DOTTED),
     ]
+    add_legend(figure, families(styles), kinds)
+    return figure
 
+
+def caption_convergence(rates: pd.DataFrame, order: float) -> str:
+    """Return the caption of ``draw_convergence``."""
     finest = [rows.iloc[-1] for rows in by_family(rates).values()]
     last, graded = last_orders(rates)
     closer = [row["error"] / row["discrete_error"] for row in finest if row["discrete_error"] > 0]
@@ -415,252 +287,385 @@ def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
         seen.append(f"on the finest meshes u^h is {spread(closer)} times closer to Π^h u than to u")
     share = 100 * rates["time_share"].max()
     seen.append(f"discretisation in time contributes at most {share:.2g} % of the error on any mesh")
-    families, summary = ", ".join(rates["family"].unique()), "errors against the mesh size, both logarithmic"
-    text = caption("convergence", case=subplot.title, families=families, seen="; ".join(seen), negligible=NEGLIGIBLE)
-    return Chart(summary, [subplot], [[*styles.items()], kinds], text)
+    return caption(
+        "convergence",
+        case=rates["case"].iloc[0],
+        families=", ".join(rates["family"].unique()),
+        seen="; ".join(seen),
+        negligible=NEGLIGIBLE,
+    )
 
 
-def _error_curves(rates: pd.DataFrame, styles: Mapping[str, Style]) -> list[Curve]:
-    return [Curve.of(rows, "error", styles[family]) for family, rows in by_family(rates).items()]
-
-
-def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
-    """Return the chart of the errors of all cases against the mesh size, with a subplot for each case.
-
-    All subplots have the same horizontal axis; the subplots of one row have the same vertical axis.
+def draw_overview(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
+    """Draw the errors of all cases against the mesh size, with axes for each case.
 
     Parameters:
         rates: the rows of these cases in ``rates.csv``.
         expected: case ↦ expected order.
     """
     cases = list(dict.fromkeys(rates["case"]))
-    # A number of columns near the square root that leaves few positions of the grid empty.
-    nearest = math.ceil(math.sqrt(len(cases)))
-    columns = min((min(nearest, MOST_COLUMNS), min(nearest + 1, MOST_COLUMNS)), key=lambda n: -len(cases) % n)
-    styles, subplots = family_styles(rates["family"]), []
-    x = log_axis("mesh size", rates["h"], symbol="h", least=2)
-    for start in range(0, len(cases), columns):
-        row = cases[start : start + columns]
-        errors = rates.loc[rates["case"].isin(row), "error"]
-        decades = math.log10(errors.max() / errors.min())
-        curves = {case: _error_curves(rates[rates["case"] == case], styles) for case in row}
-        triangles = {case: slope_triangle(curves[case], expected[case], decades, small=True) for case in row}
-        y = log_axis("max_t ‖u − u^h‖_V", errors, [one.top for one in triangles.values() if one], least=2)
-        subplots += [Subplot(case, x, y, curves[case], triangle=triangles[case]) for case in row]
+    figure, panels = grid_of_axes(cases, min(MOST_COLUMNS, len(cases)))
+    styles = family_styles(rates["family"])
+    lines = [
+        plot_families(axes, rates[rates["case"] == case], "error", styles, TINY)
+        for axes, case in zip(panels, cases, strict=True)
+    ]
+    for axes, of_case, case in zip(panels, lines, cases, strict=True):
+        draw_slope(axes, of_case, expected[case], small=True)
+    label_ticks(panels, least=2)
+    figure.supylabel(r"$\max_t\,\|u-u^h\|_V$")
+    legend(figure, families(styles)[1:], columns=len(styles), side="upper")
+    return figure
 
-    differences, on_graded = [], []
-    for case, of_case in rates.groupby("case", sort=False):
-        last, graded = last_orders(of_case)
-        differences += [(order - expected[str(case)], str(case)) for order in last]
-        on_graded += graded
+
+def caption_overview(rates: pd.DataFrame, expected: Mapping[str, float]) -> str:
+    """Return the caption of ``draw_overview``."""
+    table = order_differences(rates, expected, refinements=1)
+    graded = [order for _, rows in rates.groupby("case", sort=False) for order in last_orders(rows)[1]]
     seen = ["single levels show no order"]
-    if differences:
-        (low, lowest), (high, highest) = min(differences), max(differences)
+    if len(table):
+        low, high = (table.loc[index] for index in (table["difference"].idxmin(), table["difference"].idxmax()))
         seen = [
             "whether the curves run parallel to their triangles; the last order differs from the expected one by "
-            f"{low:+.2g} ({lowest}) to {high:+.2g} ({highest})"
+            f"{low['difference']:+.2g} ({low['case']}) to {high['difference']:+.2g} ({high['case']})"
         ]
-    if on_graded:
-        seen.append(f"meshes graded towards a singularity reach the order {spread(on_graded)}")
-    text = caption("overview", cases=_all_cases(cases), claim=rates["claim"].iloc[0], seen="; ".join(seen))
-    summary = "error of every case against the mesh size, both logarithmic"
-    return Chart(summary, subplots, [[*styles.items()]], text, columns=columns)
+    if graded:
+        seen.append(f"meshes graded towards a singularity reach the order {spread(graded)}")
+    return caption("overview", cases=_all_cases(rates), claim=rates["claim"].iloc[0], seen="; ".join(seen))
 
 
-def order_differences(rates: pd.DataFrame, expected: Mapping[str, float]) -> pd.DataFrame:
-    """Return the predicted and observed orders of the error and their differences, a row for each case and mesh family.
-
-    Orders are observed over the last two refinements. Meshes that are graded towards a singularity are left out,
-    because the predictions are for quasi-uniform meshes.
+def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
+    """Draw observed orders of the error against predicted orders, a point for each case and mesh family.
 
     Parameters:
         rates: rows of ``rates.csv``.
         expected: case ↦ predicted order.
-
-    Returns:
-        A table with the columns ``family``, ``predicted``, ``observed`` and ``difference``.
-    """
-    points = [
-        (family, expected[str(case)], order)
-        for (_, case), rows in rates.groupby(["scheme", "case"], sort=False)
-        for family, order in finest_orders(rows, refinements=2).items()
-        if family != "graded"
-    ]
-    table = pd.DataFrame(points, columns=["family", "predicted", "observed"])
-    return table.assign(difference=table["observed"] - table["predicted"])
-
-
-def orders_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart | None:
-    """Return the chart of observed orders of the error against predicted orders, a point for each case and mesh family.
-
-    Parameters:
-        rates: rows of ``rates.csv``.
-        expected: case ↦ predicted order.
-
-    Returns:
-        The chart; None if no case was measured on two levels.
     """
     table = order_differences(rates, expected)
-    if table.empty:
-        return None
     styles = family_styles(table["family"])
-    # Families are drawn next to each other, because their markers would hide each other.
-    shifts = dict(zip(styles, 0.012 * (np.arange(len(styles)) - (len(styles) - 1) / 2), strict=True))
+    figure, (axes,) = stacked_axes()
     top = max(1.1, float(table[["predicted", "observed"]].to_numpy().max()) + 0.1)
-    diagonal = Curve(np.array([0.0, top]), np.array([0.0, top]), Style(GREY))
-    dots = {family: Style(style.colour, style.marker, "none") for family, style in styles.items()}
-    curves = [
-        Curve(rows["predicted"].to_numpy() + shifts[str(family)], rows["observed"].to_numpy(), dots[str(family)])
-        for family, rows in table.groupby("family")
-    ]
-    x, y = Axis("predicted order", 0.0, top), Axis("observed order, last two refinements", 0.0, top)
-    low, high, sequences = table["difference"].min(), table["difference"].max(), counted(len(table), "sequence")
-    return Chart(
-        "observed order of convergence over the last two refinements against the predicted order, a point for each "
-        "case and mesh family",
-        [Subplot("", x, y, [diagonal, *curves])],
-        [[HEADING, *dots.items()], [("observed = predicted", diagonal.style)]],
-        caption("orders", cases=_all_cases(set(rates["case"])), low=low, high=high, sequences=sequences),
-        f"Over the last two refinements, observed and predicted orders differ by at most {above(max(high, -low), 2)}",
-    )
+    axes.plot([0, top], [0, top], color=GREY)
+    for number, (family, style) in enumerate(styles.items()):
+        rows = table[table["family"] == family]
+        # Families are drawn next to each other, because their markers would hide each other.
+        shift = 0.012 * (number - (len(styles) - 1) / 2)
+        axes.plot(rows["predicted"] + shift, rows["observed"], ls="", **style)
+    axes.set(xlim=(0, top), ylim=(0, top), xlabel="predicted order", ylabel="observed order, last two refinements")
+    add_legend(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
+    most = above(table["difference"].abs().max(), 2)
+    add_headline(figure, f"Over the last two refinements, observed and predicted orders differ by at most {most}")
+    return figure
 
 
-def _all_cases(cases: Collection[str]) -> str:
-    return f"{'all ' if len(cases) > 1 else ''}{counted(len(cases), 'case')}"
+def caption_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> str:
+    """Return the caption of ``draw_orders``."""
+    difference = order_differences(rates, expected)["difference"]
+    low, high, sequences = difference.min(), difference.max(), counted(len(difference), "sequence")
+    return caption("orders", cases=_all_cases(rates), low=low, high=high, sequences=sequences)
 
 
-def collapsed_chart(rates: pd.DataFrame) -> Chart:
-    """Return the chart of the errors of all smooth cases, each divided by a constant C, so that the curves coincide.
+def over_constants(rates: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of ``rates.csv`` with the columns ``scaled``, error / C, and ``relative``, error / (C h).
 
     C h is the leading term of the interpolation error ‖u − Π^h u‖_V on the finest mesh. C follows from second
-    derivatives of u, (5.23), not from the measured errors, so nothing is fitted. The upper subplot shows error/C, the
-    lower subplot error/(C h), both against the mesh size h.
+    derivatives of u, (5.23), not from the measured errors, so nothing is fitted.
+    """
+    rates = rates.sort_values("level", kind="stable")
+    finest = rates.groupby(["case", "family"], sort=False)[["h", "predicted_interpolation"]].transform("last")
+    scaled = rates["error"] * finest["h"] / finest["predicted_interpolation"]
+    return rates.assign(scaled=scaled, relative=scaled / rates["h"])
+
+
+def draw_collapsed(rates: pd.DataFrame) -> Figure:
+    """Draw the errors of all smooth cases, each divided by its constant C, so that the lines coincide.
+
+    The upper axes show error / C, the lower axes error / (C h), both against the mesh size h.
     """
     styles = family_styles(rates["family"])
-    scaled, relative, last = [], [], dict[str, list[float]]()
-    for (_, family), rows in rates.sort_values("level", kind="stable").groupby(["case", "family"], sort=False):
-        h, finest = rows["h"].to_numpy(), rows.iloc[-1]
-        errors = rows["error"].to_numpy() * finest["h"] / finest["predicted_interpolation"]
-        scaled.append(Curve(h, errors, styles[str(family)]))
-        relative.append(Curve(h, errors / h, styles[str(family)]))
-        last.setdefault(str(family), []).append(float(relative[-1].y[-1]))
-    ends, cases = np.array([rates["h"].min(), rates["h"].max()]), rates["case"].unique()
-    line = Curve(ends, ends, Style(GREY))
-    values = np.concatenate([curve.y for curve in relative])
-    x = log_axis("mesh size", ends, symbol="h")
-    finest_meshes = ", ".join(f"{min(ratios):.2f} … {max(ratios):.2f} ({family})" for family, ratios in last.items())
-    y = log_axis("error / C", ends, *(curve.y for curve in scaled))
-    return Chart(
-        "errors of all cases over their constants against the mesh size",
-        [
-            Subplot("", x, y, [line, *scaled]),
-            Subplot("", x, linear_axis("error / (C h)", values), relative, rules=(1.0,)),
-        ],
-        [[HEADING, *styles.items()], [("C h, not fitted", line.style)]],
-        caption("collapsed", cases=_all_cases(cases), low=values.min(), high=values.max(), finest=finest_meshes),
-        _order_in_words(rates),
+    figure, (errors, ratios) = stacked_axes(2)
+    ends = [rates["h"].min(), rates["h"].max()]
+    errors.loglog(ends, ends, color=GREY)
+    ratios.axhline(1, **RULE)
+    for (_, family), rows in over_constants(rates).groupby(["case", "family"], sort=False):
+        errors.plot(rows["h"], rows["scaled"], **styles[str(family)])
+        ratios.plot(rows["h"], rows["relative"], **styles[str(family)])
+    label_ticks([errors, ratios])
+    errors.set_ylabel("error / C")
+    ratios.set(xlabel=MESH_SIZE, ylabel="error / (C h)")
+    add_legend(figure, families(styles), [entry("C h, not fitted", color=GREY)])
+    add_headline(figure, order_in_words(rates))
+    return figure
+
+
+def caption_collapsed(rates: pd.DataFrame) -> str:
+    """Return the caption of ``draw_collapsed``."""
+    table = over_constants(rates)
+    finest = table.groupby(["case", "family"], sort=False)["relative"].last().groupby("family", sort=False)
+    ranges = ", ".join(f"{ratios.min():.2f} … {ratios.max():.2f} ({family})" for family, ratios in finest)
+    low, high = table["relative"].min(), table["relative"].max()
+    return caption("collapsed", cases=_all_cases(rates), low=low, high=high, finest=ranges)
+
+
+def order_in_words(rates: pd.DataFrame) -> str:
+    """Return the orders of the errors of smooth solutions over the last two refinements, and whether they are O(h)."""
+    observed = order_differences(rates, dict.fromkeys(rates["case"], 1.0))["observed"]
+    if observed.empty:
+        return ""
+    low, high = observed.min(), observed.max()
+    result = "The error is O(h)" if low >= 1 - ORDER_ROOM else "On these meshes the error is not O(h)"
+    return (
+        f"{result}: observed orders {below(low, 2)} to {above(high, 2)} in {_all_cases(rates)}, over the last two "
+        "refinements"
     )
 
 
-def _order_in_words(rates: pd.DataFrame) -> str:
-    """Return the orders of the errors of smooth solutions over the last two refinements, and whether they are O(h)."""
-    cases = rates.groupby(["scheme", "case"], sort=False)
-    found = [order for _, rows in cases for order in finest_orders(rows, refinements=2).values()]
-    if not found:
-        return ""
-    result = "The error is O(h)" if min(found) >= 1 - ORDER_ROOM else "On these meshes the error is not O(h)"
-    observed = f"observed orders {below(min(found), 2)} to {above(max(found), 2)}"
-    return f"{result}: {observed} in {_all_cases(rates['case'].unique())}, over the last two refinements"
+# Bounds of the error.
 
 
-def enclosure_charts(series: pd.DataFrame) -> Iterator[tuple[str, Chart]]:
-    """Yield case and chart for each case and mesh family with two-sided bounds of the error in ``enclosures.csv``."""
+def enclosed_series(series: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame, str]]:
+    """Yield case, rows and title for each case and mesh family with two-sided bounds in ``enclosures.csv``."""
     enclosed = series[series["trajectory"] == "enclosure"]
     for (case, family), rows in enclosed.groupby(["case", "family"], sort=False):
-        yield str(case), enclosure_chart(rows, f"{case}, {family}")
+        yield str(case), rows, f"{case}, {family}"
 
 
-def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
-    """Return the chart of the two-sided bounds (enclosures) of an error over time, with a band for each level.
+def enclosure_ends(series: pd.DataFrame) -> pd.DataFrame:
+    """Return a series of bounds with the columns ``lower`` and ``upper``, the ends of the enclosure."""
+    lower = (series["distance"] - series["bound"]).clip(lower=0)
+    return series.assign(lower=lower, upper=series["distance"] + series["bound"])
+
+
+def draw_enclosure(series: pd.DataFrame, title: str) -> Figure:
+    """Draw the two-sided bounds (enclosures) of an error over time, with a band for each level.
 
     The band reaches from d − y to d + y, where d is the distance of u_h from a more accurate displacement ũ and y is
-    the bound of the error of ũ. The lower subplot shows the ends of the bands divided by the error or, if the error is
+    the bound of the error of ũ. The lower axes show the ends of the bands divided by the error or, if the error is
     unknown, by d.
 
     Parameters:
         series: rows of ``enclosures.csv`` or of ``study bound`` with ``level``, ``time``, ``distance`` d, ``bound`` y,
             ``error``, which is NaN if it is unknown, and possibly ``plain``, a bound from u_h alone.
-        title: the title of the upper subplot.
+        title: the title of the upper axes.
     """
-    known = bool(series["error"].notna().all())
-    ends = series.assign(
-        lower=(series["distance"] - series["bound"]).clip(lower=0),
-        upper=series["distance"] + series["bound"],
-        middle=series["error" if known else "distance"],
-    )
-    time, name = linear_axis("time", ends["time"], symbol="t"), "error" if known else "‖ũ − u_h‖_V"
-    floor, highest = float(ends["upper"].min()) / 3, [ends[each] for each in ("upper", "plain") if each in ends]
-    errors = Axis("‖u(t) − u_h(t)‖_V", floor, log_axis("", floor, *(each.max() for each in highest)).high, "log")
-    bands, curves, ratios, levels, last = [], [], [], [], []
+    known, ends = bool(series["error"].notna().all()), enclosure_ends(series)
+    column, name = ("error", "error") if known else ("distance", r"$\|\tilde u-u_h\|_V$")
+    figure, (errors, ratios) = stacked_axes(2)
+    errors.set_yscale("log")
+    lowest, levels = float(ends["upper"].min()) / 3, []
     for (level, rows), colour in zip(ends.groupby("level"), cycle(COLOURS), strict=False):
-        t, low, high = (rows[column].to_numpy() for column in ("time", "lower", "upper"))
-        bands.append(Band(t, low.clip(min=floor), high, colour))
+        time = rows["time"]
+        errors.fill_between(time, rows["lower"].clip(lower=lowest), rows["upper"], color=colour, **RANGE)
+        errors.plot(time, rows[column], color=colour)
         if "plain" in rows:
-            curves.append(Curve.of(rows, "plain", Style(colour, stroke="dotted"), "time"))
-        curves.append(middle := Curve.of(rows, "middle", Style(colour), "time"))
-        ratios += [Curve(t, end / middle.y, Style(colour)) for end in (low, high)]
-        levels.append((f"n = {level}", Style(colour, stroke="band")))
-        final = int(np.argmax(t))
-        last.append(f"{interval(low[final], high[final], 3)} with n = {level}")
-    lines = [(name, Style(BLACK))]
+            errors.plot(time, rows["plain"], color=colour, **DOTTED)
+        for end in ("lower", "upper"):
+            ratios.plot(time, rows[end] / rows[column], color=colour)
+        levels.append(Patch(color=colour, **RANGE, label=f"$n={level}$"))
+    ratios.axhline(1, **RULE)
+    errors.set(title=title, ylabel=r"$\|u(t)-u_h(t)\|_V$")
+    errors.set_ylim(bottom=lowest)
+    ratios.set(xlabel="time $t$", ylabel=f"ends over {name}", ylim=(0, 2))
+    label_ticks([errors])
+    lines = [entry(name, color=BLACK)]
     if "plain" in series:
-        lines.append(("bound from u_h alone", Style(BLACK, stroke="dotted")))
+        lines.append(entry("bound from $u_h$ alone", color=BLACK, **DOTTED))
+    add_legend(figure, levels, lines)
+    return figure
 
-    line = "the error itself" if known else "the distance to a more accurate displacement ũ"
+
+def caption_enclosure(series: pd.DataFrame, title: str) -> str:
+    """Return the caption of ``draw_enclosure``."""
+    known, ends = bool(series["error"].notna().all()), enclosure_ends(series)
     inside = ends[(ends["error"] - ends["distance"]).abs() <= ends["bound"]]
-    seen = f"the error lies in its band at {len(inside)} of {len(ends)} times; " if known else ""
-    return Chart(
-        "error over time between its bounds, logarithmic",
-        [
-            Subplot(title, time, errors, curves, bands),
-            Subplot("", time, Axis(f"ends over {name}", 0.0, 2.0), ratios, rules=[1.0]),
-        ],
-        [levels, lines],
-        caption("enclosure", title=title, line=line, seen=seen, last=", ".join(last)),
+    final = ends.loc[ends.groupby("level")["time"].idxmax()]
+    bands = [f"{interval(row.lower, row.upper, 3)} with n = {row.level}" for row in final.itertuples()]
+    return caption(
+        "enclosure",
+        title=title,
+        line="the error itself" if known else "the distance to a more accurate displacement ũ",
+        seen=f"the error lies in its band at {len(inside)} of {len(ends)} times; " if known else "",
+        last=", ".join(bands),
     )
 
 
-def work_chart(statements: pd.DataFrame) -> Chart | None:
-    """Return the chart of the contact term of the error estimate against the mesh size, a subplot for each case.
+SCHEMES: dict[str, Style] = {
+    "backward-euler": {"color": VERMILLION, "marker": "s"},
+    "bdf2": {"color": GREEN, "marker": "^"},
+    "midpoint": {"color": BLUE, "marker": "o"},
+}
 
-    The curves are the square root of the work of contact, the error, and the excess: the distance between u^h and the
+
+def draw_effectivity(known: pd.DataFrame) -> Figure:
+    """Draw the bounds of the error divided by the error, a line for each case.
+
+    The left axes show the upper bound from u_h alone, the right axes both ends of the enclosure. A line has a marker
+    for each time scheme, mesh family and level; markers of finer levels are larger.
+
+    Parameters:
+        known: the rows of ``bounds.csv`` whose error is known. ``upper`` and ``lower`` are the worst ratios of the
+            bounds to the error in the second half of time.
+    """
+    # A slide has room for a line per scheme.
+    line, shift = ("scheme", 0.0) if is_slide() else ("case", 0.22)
+    names = list(dict.fromkeys(known[line]))
+    row = {name: number for number, name in enumerate(reversed(names))}
+    used = {scheme: style for scheme, style in SCHEMES.items() if (known["scheme"] == scheme).any()}
+    figure = Figure(figsize=(page_width(), 1.2 + 0.15 * len(names)))
+    left, right = figure.subplots(1, 2, sharey=True)
+    for axes, trajectory, columns in ((left, "bound", ("upper",)), (right, "enclosure", ("lower", "upper"))):
+        for number, (scheme, style) in enumerate(used.items()):
+            rows = known[(known["trajectory"] == trajectory) & (known["scheme"] == scheme)]
+            # The markers of each scheme are shifted vertically, because they would hide each other.
+            y = rows[line].map(row) + shift * (number - 1)
+            look: dict[str, Any] = {"s": _marker_area(rows["level"]), "marker": style["marker"], "linewidth": 0.6}
+            for column in columns:
+                face = style["color"] if column == "upper" else "white"
+                axes.scatter(rows[column], y, edgecolor=style["color"], facecolor=face, zorder=3, **look)
+        axes.axvline(1, color=BLACK, lw=0.7)
+        axes.grid(True)
+    left.set_xscale("log")
+    label_ticks([left], least=4)
+    left.set_yticks(list(row.values()), list(row))
+    left.set(ylim=(-0.7, len(names) - 0.3), xlabel="bound / error" if is_slide() else "bound from $u_h$ alone / error")
+    right.set(xlim=(0, None), xlabel="enclosure / error" if is_slide() else "ends of the enclosure / error")
+    handles = [dots(scheme, **style) for scheme, style in used.items()]
+    handles += [dots("upper end of the bound", color=DARK), dots("lower end of the bound", color=DARK, **HOLLOW)]
+    for level in sorted({known["level"].min(), known["level"].max()}):
+        handles.append(dots(f"$n={level}$", color=DARK, ms=float(np.sqrt(_marker_area(level))), mew=0))
+    legend(figure, [*handles, entry("the error itself", color=BLACK, lw=0.7)], columns=4)
+    return figure
+
+
+def _marker_area(level: Any) -> Any:
+    """Return the area of the marker of a level in square points."""
+    return 5.0 * np.log2(level) - 8
+
+
+def caption_effectivity(known: pd.DataFrame) -> str:
+    """Return the caption of ``draw_effectivity``."""
+    plain, enclosed = (known[known["trajectory"] == name] for name in ("bound", "enclosure"))
+    wrong = int((known["upper"] < 1).sum() + (enclosed["lower"] > 1).sum())
+    seen = [f"{counted(wrong, 'bound') if wrong else 'no bounds'} on the wrong side of the error"]
+    if len(plain):
+        medians = [f"{rows['upper'].median():.3g} with {scheme}" for scheme, rows in plain.groupby("scheme")]
+        seen.append(
+            f"from u_h alone the bound is {spread(plain['upper'])} times the error, the median {', '.join(medians)}"
+        )
+    if len(enclosed):
+        seen.append(
+            f"an enclosure by a more accurate displacement has its lower end at {spread(enclosed['lower'])} and its "
+            f"upper end at {spread(enclosed['upper'])} times the error"
+        )
+    return caption("effectivity", cases=counted(known["case"].nunique(), "case"), seen="; ".join(seen))
+
+
+@dataclass(frozen=True, eq=False)
+class AdaptiveRefinement:
+    """The result of an adaptive refinement.
+
+    Attributes:
+        name: the name of the problem.
+        norm: the error that is bounded, as text.
+        mesh: the last mesh.
+        edges: coordinates of the ends of the edges on Γ3, (2, 2, edges).
+        closed: whether an edge is in contact at the last time, (edges,).
+        rows: the content of ``adaptive.csv``, a row for each mesh of the refinement.
+        uniform: the content of ``levels.csv``, a row for each uniform mesh; empty if there are none.
+    """
+
+    name: str
+    norm: str
+    mesh: Triangulation
+    edges: Array
+    closed: NDArray[np.bool_]
+    rows: pd.DataFrame
+    uniform: pd.DataFrame
+
+
+def draw_adapted(result: AdaptiveRefinement) -> Figure:
+    """Draw the last adapted mesh, and the bounds of the error against the number of unknowns."""
+    figure, rows = Figure(figsize=(page_width(), 0.5 * page_width())), result.rows
+    mesh, bounds = figure.subplots(1, 2)
+    mesh.triplot(result.mesh, color=DARK, lw=0.25)
+    handles = []
+    for which, colour, text in ((result.closed, VERMILLION, "in contact"), (~result.closed, BLUE, "open")):
+        mesh.add_collection(LineCollection(list(result.edges[:, :, which].T), colors=colour, linewidths=2.5, zorder=3))
+        if result.closed.size:
+            handles.append(entry(rf"$\Gamma_3$ {text}", color=colour, lw=2.5))
+    mesh.set(aspect="equal", title=f"mesh {rows['mesh'].iloc[-1]}, {rows['cells'].iloc[-1]} cells")
+    mesh.axis("off")
+
+    handles += bounds.loglog(rows["dofs"], rows["bound"], color=BLUE, marker="o", label="adaptive")
+    if len(result.uniform):
+        style: Style = {"color": GREY, "marker": "s", "label": "refined everywhere"}
+        handles += bounds.plot(result.uniform["dofs"], result.uniform["plain"], **style)
+    if rows["error"].notna().all():
+        bounds.plot(rows["dofs"], rows["error"], color=BLUE, ls=":")
+    x = np.geomspace(rows["dofs"].iloc[0], rows["dofs"].iloc[-1], 3)
+    y = 0.7 * rows["bound"].iloc[-1] * (x / x[-1]) ** -0.5
+    bounds.plot(x, y, color=DARK, ls="--", lw=0.8)
+    place: dict[str, Any] = {"textcoords": "offset points", "xytext": (-5, -5), "ha": "right", "va": "top"}
+    bounds.annotate("slope $-1/2$", (x[1], y[1]), **place)
+    bounds.set(xlabel="unknowns", ylabel="bound of the error")
+    legend(figure, handles, len(handles))
+    return figure
+
+
+def caption_adapted(result: AdaptiveRefinement) -> str:
+    """Return the caption of ``draw_adapted``."""
+    against = ", for meshes refined everywhere as well" if len(result.uniform) else ""
+    contact = "with what of Γ3 is in contact at the last time in colour, " if result.closed.size else ""
+    return caption("adaptive", name=result.name, contact=contact, norm=result.norm, against=against)
+
+
+# Contact.
+
+CONTACT_TERMS: dict[str, tuple[str, Style]] = {
+    "work": (r"work $\|R\|^{1/2}$", {}),
+    "error": (r"error $\|u-u^h\|_V$", DOTTED | HOLLOW),
+    "excess": (r"excess $\|u^h-u^h_\mathrm{lin}\|_V$", DASHED | HOLLOW),
+}
+"""Quantity of ``statements.csv`` ↦ its text in the legend, and the style of its lines."""
+
+
+def work_rows(statements: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of ``statements.csv`` for ``draw_work``."""
+    chosen = statements["label"].eq("beyond: work of contact") & statements["quantity"].isin(CONTACT_TERMS)
+    return statements[chosen]
+
+
+def draw_work(rows: pd.DataFrame) -> Figure:
+    """Draw the contact term of the error estimate against the mesh size, with axes for each case.
+
+    The lines are the square root of the work of contact, the error, and the excess: the distance between u^h and the
     solution of the linear problem with the exact contact pressure as traction.
 
     Parameters:
-        statements: the content of ``statements.csv``.
-
-    Returns:
-        The chart; None if the work of contact was not measured.
+        rows: the rows that ``work_rows`` returns.
     """
-    strokes: dict[str, Stroke] = {"work": "solid", "error": "dotted", "excess": "dashed"}
-    rows = statements[(statements["label"] == "beyond: work of contact") & statements["quantity"].isin(strokes)]
-    if rows.empty:
-        return None
-    styles, subplots = family_styles(rows["family"]), []
-    decades = float(np.log10(rows["value"].max() / rows["value"].min()))
-    found: dict[str, list[float]] = {name: [] for name in strokes}
-    for case, of_case in rows.groupby("case", sort=False):
-        curves = []
-        for (family, quantity), unsorted in of_case.groupby(["family", "quantity"], sort=False):
-            look = replace(styles[str(family)], stroke=strokes[str(quantity)], hollow=quantity != "work")
-            curves.append(curve := Curve.of(unsorted.sort_values("level"), "value", look))
-            if family == "one-diagonal" and len(curve.x) > 1:
-                found[str(quantity)] += [float(order) for order in orders(curve.x[-3:], curve.y[-3:])]
-        # The subplots share axes on which every case must have room.
-        triangle = slope_triangle(curves, 1.0, decades)
-        y = log_axis("", rows["value"], [triangle.top] if triangle else [])
-        x = log_axis("mesh size", rows["h"], symbol="h", least=2)
-        subplots.append(Subplot(str(case), x, y, curves, triangle=triangle))
+    cases = list(dict.fromkeys(rows["case"]))
+    figure, panels = grid_of_axes(cases, 2)
+    styles = family_styles(rows["family"])
+    lines: list[list[Line2D]] = [[] for _ in cases]
+    for axes, case, of_case in zip(panels, cases, lines, strict=True):
+        for quantity, (_, style) in CONTACT_TERMS.items():
+            chosen = rows[(rows["case"] == case) & (rows["quantity"] == quantity)]
+            of_case += plot_families(axes, chosen, "value", styles, style | TINY)
+    for axes, of_case in zip(panels, lines, strict=True):
+        draw_slope(axes, of_case, 1.0, small=True)
+    label_ticks(panels, least=2)
+    kinds = [entry(text, color=DARK, marker="o", **style) for text, style in CONTACT_TERMS.values()]
+    legend(figure, [*families(styles)[1:], *kinds], columns=3, side="upper")
+    return figure
+
+
+def caption_work(rows: pd.DataFrame) -> str:
+    """Return the caption of ``draw_work``."""
+    found: dict[str, list[float]] = {name: [] for name in CONTACT_TERMS}
+    for (_, quantity), of_case in rows[rows["family"] == "one-diagonal"].groupby(["case", "quantity"]):
+        last = of_case.sort_values("level").tail(3)
+        found[str(quantity)] += orders(last["h"].to_numpy(), last["value"].to_numpy()).tolist()
     seen = "single levels show no order"
     if found["work"]:
         seen = (
@@ -668,152 +673,221 @@ def work_chart(statements: pd.DataFrame) -> Chart | None:
             f"error, for which the trains are hardly resolved, has {spread(found['error'])}; on irregular meshes the "
             "work scatters about the same line"
         )
-    kinds = [
-        ("work ‖R‖^{1/2}", Style(DARK, "o")),
-        ("error ‖u − u^h‖_V", Style(DARK, "o", "dotted", hollow=True)),
-        ("excess ‖u^h − u^h_{lin}‖_V", Style(DARK, "o", "dashed", hollow=True)),
-    ]
-    return Chart(
-        "work of contact, error and excess against the mesh size, all logarithmic",
-        subplots,
-        [[*styles.items()], kinds],
-        caption("contact-work", seen=seen),
-        columns=2,
-    )
+    return caption("contact-work", seen=seen)
 
 
-def rollers_chart(statements: pd.DataFrame) -> Chart | None:
-    """Return the chart of the additional error due to the contact condition, for a narrow patch that rolls along Γ3.
-
-    This is the error that contact adds to the error of the linear problem.
-
-    There is a curve for each mesh family; for shaken meshes it shows the mean, with a band for the range. The width of
-    the contact patch is twice the mesh size.
-
-    Parameters:
-        statements: the content of ``statements.csv``.
-
-    Returns:
-        The chart; None if the error was not measured.
-    """
+def roller_rows(statements: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of ``statements.csv`` for ``draw_rollers``; all shaken meshes are one mesh family."""
     chosen = statements["label"].eq("beyond: rollers") & statements["quantity"].eq("excess")
     rows = statements[chosen & statements["case"].str.fullmatch(r"roller-\d+")]
-    if rows.empty:
-        return None
-    rows = rows.assign(family=rows["family"].where(~rows["family"].str.match("shaken"), "shaken"))
-    styles, curves, bands, found = family_styles(rows["family"]), [], [], []
+    return rows.assign(family=rows["family"].where(~rows["family"].str.match("shaken"), "shaken"))
+
+
+def roller_means(rows: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+    """Yield mesh family and a table of ``h`` and the ``mean``, ``min`` and ``max`` of the excess, coarse to fine."""
     for family, of_family in rows.groupby("family", sort=False):
-        levels, style = of_family.groupby("level"), styles[str(family)]
-        table = levels["value"].agg(["mean", "min", "max"]).assign(h=levels["h"].mean())
-        h, mean, low, high = table.sort_values("h", ascending=False)[["h", "mean", "min", "max"]].to_numpy().T
-        curves.append(Curve(h, mean, style))
-        if family == "shaken":
-            bands.append(Band(h, low, high, style.colour))
-        if len(h) > 1:
-            found.append(f"{fit(h, mean):.2f} ({family})")
-    triangle = slope_triangle(curves, 0.5, math.log10(rows["value"].max() / rows["value"].min()))
-    lowest = min(curves, key=lambda curve: float(curve.y.min()))
-    ends = np.array([lowest.x.min(), lowest.x.max()])
-    linear = Curve(ends, 0.8 * float((lowest.y / lowest.x).min()) * ends, Style(GREY, stroke="dotted"))
-    x = log_axis("mesh size", rows["h"], symbol="h")
-    y = log_axis("excess max_t ‖u^h − u^h_{lin}‖_V", rows["value"], linear.y.min(), [triangle.top] if triangle else [])
-    seen = f"orders over all levels are {', '.join(found)}" if found else "single levels show no order"
-    return Chart(
-        "excess of contact over the linear problem against the mesh size, both logarithmic",
-        [Subplot("", x, y, [*curves, linear], bands, triangle)],
-        [[*styles.items()], [("slope 1", linear.style)]],
-        caption("rollers", seen=seen),
-    )
+        levels = of_family.groupby("level")
+        yield str(family), levels["value"].agg(["mean", "min", "max"]).assign(h=levels["h"].mean())
 
 
-def codes_chart(codes: Codes) -> Chart:
-    """Return the chart of the results of other people's contact codes.
+def draw_rollers(rows: pd.DataFrame) -> Figure:
+    """Draw the additional error due to the contact condition, for a narrow patch that rolls along Γ3.
 
-    Each point is a code with its parameters on one case and mesh family. The upper subplot shows the observed order of
-    the error in V, the lower subplot the distance from the solution in K^h, both against the error of the contact
-    pressure on the finest mesh.
+    This is the error that contact adds to the error of the linear problem. There is a line for each mesh family; for
+    shaken meshes it shows the mean, with a band for the range. The width of the contact patch is twice the mesh size.
+
+    Parameters:
+        rows: the rows that ``roller_rows`` returns.
     """
-    tolerance, rounding = 0.15, 1e-11
-    rows = codes.series().dropna(subset=["order_in_v", "share", "excess"])
-    rows = rows.assign(share=rows["share"].clip(lower=rounding))
-    colours = dict(zip(GRADES, (BLUE, GREEN, ORANGE, VERMILLION, GREY), strict=True))
-    markers = dict(zip(GRADES, ("o", "s", "D", "X", "h"), strict=True))
-    curves: dict[str, list[Curve]] = {"order_in_v": [], "share": []}
-    legend = []
-    for grade in [grade for grade in GRADES if (rows["class"] == grade).any()]:
-        style = Style(colours[grade], markers[grade], hollow=True)
-        legend.append((grade, style))
-        for column, points in curves.items():
-            places = rows.loc[rows["class"] == grade, ["excess", column]].to_numpy()
-            points += [Curve(place[:1], place[1:], style) for place in places]
+    styles, lines, lowest = family_styles(rows["family"]), [], rows.loc[rows["value"].idxmin()]
+    figure, (axes,) = stacked_axes()
+    for family, table in roller_means(rows):
+        if family == "shaken":
+            axes.fill_between(table["h"], table["min"], table["max"], color=styles[family]["color"], **RANGE)
+        lines += axes.loglog(table["h"], table["mean"], **styles[family])
+    ends = rows.loc[rows["family"] == lowest["family"], "h"].agg(["min", "max"])
+    axes.plot(ends, 0.8 * lowest["value"] / lowest["h"] * ends, color=GREY, **DOTTED)
+    draw_slope(axes, lines, 0.5)
+    label_ticks([axes])
+    axes.set(xlabel=MESH_SIZE, ylabel=r"excess $\max_t\,\|u^h-u^h_\mathrm{lin}\|_V$")
+    add_legend(figure, families(styles), [entry("slope 1", color=GREY, **DOTTED)])
+    return figure
+
+
+def caption_rollers(rows: pd.DataFrame) -> str:
+    """Return the caption of ``draw_rollers``."""
+    means = [(family, table) for family, table in roller_means(rows) if len(table) > 1]
+    fits = [f"{fit(table['h'].to_numpy(), table['mean'].to_numpy()):.2f} ({family})" for family, table in means]
+    seen = f"orders over all levels are {', '.join(fits)}" if fits else "single levels show no order"
+    return caption("rollers", seen=seen)
+
+
+# Other codes, cost, and deliberate faults.
+
+GRADE_STYLES: dict[str, Style] = {
+    grade: {"color": colour, "marker": marker, "ls": "", **HOLLOW}
+    for grade, colour, marker in zip(GRADES, (BLUE, GREEN, ORANGE, VERMILLION, GREY), "osDXh", strict=True)
+}
+
+
+def draw_codes(codes: Codes) -> Figure:
+    """Draw the results of other people's contact codes.
+
+    Each point is a code with its parameters on one case and mesh family. The upper axes show the observed order of the
+    error in V, the lower axes the distance from the solution in K^h, both against the error of the contact pressure on
+    the finest mesh.
+    """
+    rows = _complete(codes)
+    figure, (order, share) = stacked_axes(2)
+    share.loglog()
+    handles = []
+    for grade, style in GRADE_STYLES.items():
+        points = rows[rows["class"] == grade]
+        if len(points):
+            order.plot(points["excess"], points["order_in_v"], **style)
+            # Smaller distances are due to rounding.
+            share.plot(points["excess"], points["share"].clip(lower=1e-11), **style)
+            handles.append(entry(grade, **style | {"ls": "-"}))
+    for axes in (order, share):
+        axes.axhline(1, **RULE)
+    label_ticks([order, share])
+    order.set_ylabel("order in V")
+    share.set(xlabel="error of the pressure / that of the solution in $K^h$", ylabel="distance / error")
+    add_legend(figure, handles[::2], handles[1::2])
+    return figure
+
+
+def _complete(codes: Codes) -> pd.DataFrame:
+    return codes.series().dropna(subset=["order_in_v", "share", "excess"])
+
+
+def caption_codes(codes: Codes) -> str:
+    """Return the caption of ``draw_codes``."""
+    rows, tolerance = _complete(codes), 0.15
     passing = rows[abs(rows["order_in_v"] - 1) <= tolerance]
     bad = passing[passing["class"].isin(["stagnates", "wrong"])]
-    x = log_axis("error of the pressure / that of the solution in K^h", rows["excess"])
-    order, share = linear_axis("order in V", rows["order_in_v"]), log_axis("distance / error", rows["share"])
-    return Chart(
-        "order in V and distance from the right solution against the error of the pressure, for all contact codes",
-        [
-            Subplot("", x, order, curves["order_in_v"], rules=(1.0,)),
-            Subplot("", x, share, curves["share"], rules=(1.0,)),
-        ],
-        [legend[::2], legend[1::2]],
-        caption(
-            "codes",
-            runs=counted(len(rows), "run"),
-            codes=counted(rows["code"].nunique(), "contact code"),
-            bad=counted(len(bad), "run"),
-            tolerance=tolerance,
-            most=bad["excess"].max(),
-        ),
+    return caption(
+        "codes",
+        runs=counted(len(rows), "run"),
+        codes=counted(rows["code"].nunique(), "contact code"),
+        bad=counted(len(bad), "run"),
+        tolerance=tolerance,
+        most=bad["excess"].max(),
     )
 
 
-def growth_chart(growth: pd.DataFrame) -> Chart:
-    """Return the chart of the cost of a solution against the number of unknowns.
+KIB = 1024
+COSTS: dict[str, tuple[str, Style]] = {
+    "level_seconds": ("a level: all steps", {}),
+    "factor_seconds": ("once: factorising or coarsening", DASHED),
+    "step_seconds": ("one step in time", DOTTED),
+}
+"""Column of ``benchmarks/growth.csv`` ↦ its text in the legend, and the style of its lines."""
 
-    The upper subplot shows seconds, the lower subplot memory per unknown; each dimension and solver has a colour.
+
+def growth_series(growth: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+    """Yield the name and the rows of each dimension and solver in ``benchmarks/growth.csv``, few to many unknowns."""
+    for (dim, solver), rows in growth.groupby(["dim", "solver"], sort=False):
+        yield f"{dim}D, {solver}", rows.sort_values("dofs")
+
+
+def draw_growth(growth: pd.DataFrame) -> Figure:
+    """Draw the cost of a solution against the number of unknowns.
+
+    The upper axes show seconds, the lower axes memory per unknown; each dimension and solver has a colour.
 
     Parameters:
         growth: the content of ``benchmarks/growth.csv``.
     """
-    kib = 1024
-    growth = growth.dropna(subset="dofs").assign(kib_per_dof=growth["peak_bytes"] / growth["dofs"] / kib)
-    parts = {
-        "level_seconds": ("a level: all steps", Style(DARK)),
-        "factor_seconds": ("once: factorising or coarsening", Style(DARK, stroke="dashed")),
-        "step_seconds": ("one step in time", Style(DARK, stroke="dotted")),
-    }
-    seconds: list[Curve] = []
-    memory: list[Curve] = []
-    solvers, seen = [], []
-    looks = cycle(zip(COLOURS, "os^DvP", strict=True))
-    for ((dim, solver), unsorted), (colour, marker) in zip(growth.groupby(["dim", "solver"], sort=False), looks):  # noqa: B905
-        rows, style, name = unsorted.sort_values("dofs"), Style(colour, marker), f"{dim}D, {solver}"
-        for column, (_, part) in parts.items():
-            seconds.append(Curve.of(rows, column, replace(style, stroke=part.stroke), "dofs"))
-        memory.append(Curve.of(rows, "kib_per_dof", style, "dofs"))
-        solvers.append((f"{name} ({len(rows)} {'mesh' if len(rows) == 1 else 'meshes'})", style))
+    figure, (seconds, memory) = stacked_axes(2)
+    memory.loglog()
+    seconds.set_yscale("log")
+    solvers = []
+    for (name, rows), colour, marker in zip(growth_series(growth), cycle(COLOURS), cycle("os^DvP"), strict=False):
+        style: Style = {"color": colour, "marker": marker}
+        for column, (_, stroke) in COSTS.items():
+            seconds.plot(rows["dofs"], rows[column], **style | stroke)
+        memory.plot(rows["dofs"], rows["peak_bytes"] / rows["dofs"] / KIB, **style)
+        solvers.append(entry(f"{name} ({len(rows)} {'mesh' if len(rows) == 1 else 'meshes'})", **style))
+    # The line of slope 1 starts above the curves so that it does not cover them.
+    ends = growth["dofs"].agg(["min", "max"]).to_numpy(dtype=float)
+    first = growth[growth["dofs"] == ends[0]]
+    seconds.plot(ends, 1.6 * (first["level_seconds"] / first["dofs"]).max() * ends, color=GREY)
+    label_ticks([seconds, memory], least=2)
+    seconds.set_ylabel("seconds")
+    memory.set(xlabel="unknowns", ylabel="KiB per unknown")
+    kinds = [entry(text, color=DARK, **style) for text, style in COSTS.values()]
+    add_legend(figure, solvers, [*kinds, entry("slope 1", color=GREY)])
+    return figure
+
+
+def caption_growth(growth: pd.DataFrame) -> str:
+    """Return the caption of ``draw_growth``."""
+    seen = []
+    for name, rows in growth_series(growth):
         last = rows.iloc[-1]
         text = (
-            f"{name}: {last['level_seconds']:.3g} s and {last['peak_bytes'] / kib**3:.2g} GiB for {last['dofs']:.0f} "
+            f"{name}: {last['level_seconds']:.3g} s and {last['peak_bytes'] / KIB**3:.2g} GiB for {last['dofs']:.0f} "
             "unknowns"
         )
         if last["dofs"] > rows["dofs"].iloc[0]:
             exponent, _ = np.polyfit(np.log(rows["dofs"]), np.log(rows["level_seconds"]), 1)
             text += f", time growing like unknowns^{exponent:.2f}"
         seen.append(text)
-    # The line of slope 1 starts above the curves so that it does not cover them.
-    ends = np.array([growth["dofs"].min(), growth["dofs"].max()], dtype=float)
-    first = growth[growth["dofs"] == ends[0]]
-    line = Curve(ends, 1.6 * (first["level_seconds"] / first["dofs"]).max() * ends, Style(GREY))
-    positive: list[Array] = [curve.y[curve.y > 0] for curve in [*seconds, line]]
-    x = log_axis("unknowns", ends, least=2)
-    return Chart(
-        "seconds and memory per unknown against the number of unknowns, all logarithmic",
-        [
-            Subplot("", x, log_axis("seconds", *positive, least=2), [*seconds, line]),
-            Subplot("", x, log_axis("KiB per unknown", *(curve.y for curve in memory), least=2), memory),
-        ],
-        [solvers, [*parts.values(), ("slope 1", line.style)]],
-        caption("growth", seen="; ".join(seen)),
+    return caption("growth", seen="; ".join(seen))
+
+
+SHADES = (
+    ("#EEEEEE", "cannot occur"),
+    ("#FFFFFF", "by no check"),
+    ("#D6E6F2", "by other checks only"),
+    (SKY, "by errors, at a larger size"),
+    (BLUE, "by errors, at the smallest size"),
+)
+"""The colours of the matrix of faults, and what notices a fault in a case."""
+
+
+def draw_faults(matrix: pd.DataFrame) -> Figure:
+    """Draw the matrix of faults: rows are faults by equation, columns are cases, the shade says what notices the fault.
+
+    Parameters:
+        matrix: the table ``faults.csv``.
+    """
+    size, errors, others = matrix["size"].abs(), matrix["by_error"] != "", matrix["by_others"] != ""
+    smallest = size == size.groupby([matrix["fault"], matrix["case"]]).transform("min")
+    shade = np.select([errors & smallest, errors, others], [4, 3, 2], 1)
+    invisible = matrix["distance"] < INVISIBLE * matrix["error"]
+    cells = matrix.assign(shade=shade, invisible=invisible).groupby(["fault", "case"], sort=False)
+    table = cells.agg({"shade": "max", "invisible": "all"}).unstack(fill_value=0)
+    equations, cases = matrix.groupby("fault", sort=False)["equation"].first(), matrix["case"].unique()
+    shades, marks = (table[name].loc[equations.index, cases].to_numpy() for name in ("shade", "invisible"))
+
+    figure = Figure(figsize=(page_width(), 1.9 + 0.155 * len(equations)))
+    axes = figure.subplots()
+    colours, texts = zip(*SHADES, strict=True)
+    axes.pcolormesh(shades, cmap=ListedColormap(colours), vmin=-0.5, vmax=4.5, edgecolors="white", linewidth=0.5)
+    rows, columns = np.nonzero(marks)
+    axes.plot(columns + 0.5, rows + 0.5, ".", color=GREY, markersize=3)
+    axes.invert_yaxis()
+    axes.set_xticks(np.arange(len(cases)) + 0.5, cases, rotation=90)
+    axes.set_yticks(np.arange(len(equations)) + 0.5, equations.index + "   " + equations)
+    axes.tick_params(length=0, labelsize="x-small")
+    style: dict[str, Any] = {"edgecolor": DARK, "linewidth": 0.3}
+    handles = [Patch(facecolor=colour, label=text, **style) for colour, text in zip(colours, texts, strict=True)]
+    legend(figure, [*handles[::-1], dots("invisible", marker=".", color=GREY)], 3, "upper", wide=True)
+    return figure
+
+
+def caption_faults(matrix: pd.DataFrame) -> str:
+    """Return the caption of the matrix of faults."""
+    by_fault = matrix[matrix["by_error"] != ""].groupby("fault")["case"].nunique()
+    never = [fault for fault in matrix["fault"].unique() if fault not in by_fault]
+    fewest = by_fault.min()
+    told = f"errors notice every fault, in {fewest} cases or more" if fewest > 1 else "errors notice every fault"
+    if never:
+        told = f"errors notice all faults but {len(never)}: {', '.join(never)}"
+    return (
+        f"Deliberate faults of the program (rows, with the equation that they violate) and cases (columns). The shade "
+        "says which checks fail. A dot: the fault does not change the discrete solution of this case. "
+        f"What to see: {told}."
     )

@@ -1,4 +1,7 @@
-"""Figures of contact zone, gap and pressure on the faces of Γ3: lines in 2D, maps seen from inside the body in 3D."""
+"""Figures of one run: contact zone, gap and pressure on the faces of Γ3, and the balance of energy.
+
+Faces are lines in 2D, and maps seen from inside the body in 3D.
+"""
 
 from collections.abc import Sequence
 from itertools import cycle
@@ -7,7 +10,6 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
 from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -18,12 +20,11 @@ from numpy.typing import NDArray
 
 from manufactured.colours import BLACK, BLUE, GREEN, GREY, PURPLE, SKY, VERMILLION
 from study.present.body import ROUND_OFF, ramp
-from study.present.drawing import caption, column_width, dots, entry, is_slide, legend
-from study.present.palette import RIM, SURFACE
-from study.present.picture import Array, Picture, Polygon, Segment, caps, misplaced_length, strands
+from study.present.drawing import RIM, SURFACE, caption, column_width, dots, entry, is_slide, legend
+from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment, misplaced_length
 
-MOST_TIMES, MOST_MARKERS = 40, 24
-"""The approximate largest number of times for which nodes are shown as dots, and of markers on a line."""
+ZONE_POINTS, ZONE_CUT = 401, 0.01
+"""The number of positions along a face at which the exact zone is drawn, and the largest depth inside of it."""
 MAP_LEVELS = 10
 """The number of colours of a map."""
 HARMLESS = "where gap and pressure vanish to high order at a front, this hardly changes the error in the norm of V"
@@ -34,14 +35,15 @@ INSIDE: dict[str, Any] = {"color": BLUE, "mew": 0}
 STRAY: dict[str, Any] = {"color": BLUE, "mfc": "white", "mew": 0.5}
 """The styles of nodes in contact inside the exact contact zone, and of nodes in contact outside of it."""
 FRONT: dict[str, Any] = {"color": VERMILLION, "lw": 1.0}
+NODES: dict[str, Any] = {"mfc": "white", "ms": 2.6}
+"""The style of computed values at nodes."""
 
 
 def draw_zone(picture: Picture) -> Figure:
     """Draw the contact zone of each face in 2D, exact and computed, with the position s to the right and time upwards.
 
-    The filled region is the exact zone. Dots are nodes in contact; they are hollow outside the exact zone. If there are
-    many times, the dots of some evenly spaced times are shown. The last panel shows the error of the computed zone, as
-    ``misplaced_length`` returns it.
+    The filled region is the exact zone. Dots are nodes in contact; they are hollow outside the exact zone. The last
+    panel shows the error of the computed zone, as ``misplaced_length`` returns it.
     """
     count = len(picture.segments)
     figure = Figure(figsize=(column_width() + 0.8 * (count - 1), 3.2))
@@ -67,26 +69,17 @@ def draw_zone(picture: Picture) -> Figure:
 
 def _draw_zone_of_face(axes: Axes, face: Segment, faces: int) -> None:
     """Draw the contact zone of one face in 2D; ``faces`` is the number of faces in the figure."""
-    times, pieces = face.times, strands(face.zone_times, face.zone)
-    columns = [np.array(piece).T for piece in pieces]
-    outlines = [np.column_stack([[*left, *right[::-1]], [*t, *t[::-1]]]) for t, left, right in columns]
-    axes.add_collection(PolyCollection(outlines, facecolor=SKY, alpha=0.45, linewidth=0, zorder=1))
-    for t, left, right in columns:
-        axes.plot(left, t, right, t, **FRONT, zorder=2)
-    for time, start, end in caps(pieces):
-        if times[0] < time < times[-1]:
-            axes.plot([start, end], [time, time], **FRONT, zorder=2)
-    stride = max(1, round(len(times) / MOST_TIMES))
-    stray = face.outside[::stride]
-    inside = face.touching[::stride] & ~stray
-    # A diameter in points that leaves white space between neighbouring dots.
-    size = float(np.clip(0.55 * min(200 / (len(face.s) * faces), 150 / (len(times) // stride)), 0.7, 2.5))
-    for nodes, style in ((inside, INSIDE), (stray, STRAY)):
+    times, s = face.times, np.linspace(face.s.min(), face.s.max(), ZONE_POINTS)
+    # Far from the front the depth is cut off, so that the front of a zone that appears at once is drawn halfway.
+    depth = face.depth(face.zone, s).clip(-ZONE_CUT, ZONE_CUT)
+    axes.contourf(s, face.zone_times, depth, [0, 1], colors=[SKY], alpha=0.45)
+    axes.contour(s, face.zone_times, depth, [0], colors=VERMILLION, linewidths=FRONT["lw"])
+    for nodes, style in ((face.touching & ~face.outside, INSIDE), (face.outside, STRAY)):
         when, where = np.nonzero(nodes)
         # An empty line would disturb the layout of Matplotlib.
         if len(when):
-            axes.plot(face.s[where], times[::stride][when], "o", ms=size, clip_on=False, zorder=3, **style)
-    if not (pieces or face.touching.any()):
+            axes.plot(face.s[where], times[when], "o", ms=2.5 / faces**0.5, clip_on=False, zorder=3, **style)
+    if depth.max() < 0 and not face.touching.any():
         axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", va="center", color=GREY)
     axes.set(xlim=(face.s.min(), face.s.max()), ylim=(times[0], times[-1]))
     axes.xaxis.set_major_locator(MaxNLocator(5 if faces == 1 else 2))
@@ -96,10 +89,8 @@ def _zone_handles(picture: Picture) -> list[Artist]:
     """Return the legend entries of the exact zone, of nodes in contact, and of nodes in contact outside of the zone."""
     exact = Patch(facecolor=(SKY, 0.45), edgecolor=VERMILLION, label=r"exact zone, $w=0$")
     handles = [exact, dots(r"nodes in contact, $p^h>0$", ms=2.5, **INSIDE)]
-    gap, pressure = _strays(picture)
-    if pressure:
-        why = f"outside of it: there $w\\leq{gap:.2g}$ %\nand $p^h\\leq{pressure:.2g}$ % of their maxima"
-        handles.append(dots(why, ms=2.5, **STRAY))
+    if any(face.outside.any() for face in picture.faces):
+        handles.append(dots("nodes in contact outside of it", ms=2.5, **STRAY))
     return handles
 
 
@@ -120,17 +111,23 @@ def _strays(picture: Picture) -> tuple[float, float]:
     return shares[0], shares[1]
 
 
+def _worst(picture: Picture, errors: Sequence[Array]) -> tuple[FaceHistory, float, str]:
+    """Return the face with the largest error after t = 0, this error, and a text with the face and the time."""
+    face, worst = max(zip(picture.faces, errors, strict=True), key=lambda pair: float(pair[1].max()))
+    when = int(np.argmax(worst))
+    return face, float(worst[when]), f"on {picture.name(face)} at t = {picture.times[1:][when]:.3g}"
+
+
 def caption_zone(picture: Picture) -> str:
     """Return the caption of ``draw_zone``."""
     errors = [misplaced_length(face) for face in picture.segments]
-    face, worst = max(zip(picture.segments, errors, strict=True), key=lambda pair: float(pair[1].max()))
-    when = int(np.argmax(worst))
-    seen = (
-        f"computed fronts are off by {np.mean(errors):.2g} cells on average and by {worst[when]:.2g} at most, on "
-        f"{picture.name(face)} at t = {picture.times[1:][when]:.3g}, all fronts of a face added up; {HARMLESS}"
-        if worst[when] > 0
-        else "no node is ever on the wrong side"
-    )
+    _, worst, where = _worst(picture, errors)
+    seen = "no node is ever on the wrong side"
+    if worst > 0:
+        seen = (
+            f"computed fronts are off by {np.mean(errors):.2g} cells on average and by {worst:.2g} at most, {where}, "
+            f"all fronts of a face added up; {HARMLESS}"
+        )
     gap, pressure = _strays(picture)
     if pressure:
         seen += (
@@ -143,61 +140,49 @@ def caption_zone(picture: Picture) -> str:
 def draw_profiles(picture: Picture) -> Figure:
     """Draw gap and pressure along each contact face in 2D at the times of ``picture.shown``.
 
-    There is a row for each face and quantity, and a column for each time. Lines are exact values. Markers are computed
-    values at the nodes; if there are many nodes, some have no markers. If
-    there are several faces, a slide has a column for each face, at the time of the largest pressure.
+    There is a row for each face and quantity, and a column for each time. Lines are exact values, markers are computed
+    values at the nodes. If there are several faces, a slide has a column for each face, at the time of the largest
+    pressure.
     """
-    faces, instants = picture.segments, picture.shown
-    quantities = ("gap", "gap $w$", BLUE), ("pressure", "pressure $p$", VERMILLION)
-    rows = [[(face, quantity, instant) for instant in instants] for face in faces for quantity in quantities]
-    titles, heading = list(map(picture.clock, instants)), picture.heading
+    faces, heading = picture.segments, picture.heading
+    rows = [[(face, instant) for instant in picture.shown] for face in faces]
+    titles = [picture.clock(instant) for instant in picture.shown]
     if is_slide() and len(faces) > 1:
-        loudest = max(instants, key=lambda instant: max(float(face.pressure[instant].max()) for face in faces))
-        rows = [[(face, quantity, loudest) for face in faces] for quantity in quantities]
+        highest = [max(float(face.pressure[instant].max()) for face in faces) for instant in picture.shown]
+        loudest = picture.shown[int(np.argmax(highest))]
+        rows = [[(face, loudest) for face in faces]]
         titles = [f"${picture.symbol(face)}$" for face in faces]
         heading += f", {picture.clock(loudest)}"
-    figure = Figure(figsize=(column_width(), 0.9 + 1.1 * len(rows)))
-    panels = figure.subplots(len(rows), len(rows[0]), sharey="row", squeeze=False)
-    for row, shown in zip(panels, rows, strict=True):
-        values = [_draw_profile(axes, *one) for axes, one in zip(row, shown, strict=True)]
-        # The axis includes zero, so that round-off around a constant does not fill the panel.
-        low, high = min(0.0, *(value.min() for value in values)), max(value.max() for value in values)
-        high = high if high > ROUND_OFF else 1.0
-        room = 0.06 * (high - low)
-        row[0].set_ylim(low - room, high + room)
-        name, label, _ = shown[0][1]
-        row[0].set_ylabel(label)
-        for axes, (face, *_) in zip(row, shown, strict=True):
-            axes.tick_params(labelbottom=name == "pressure")
-            if name == "pressure":
-                axes.set_xlabel(rf"$s$ on ${picture.symbol(face)}$")
+    figure = Figure(figsize=(column_width(), 0.9 + 2.2 * len(rows)))
+    panels = figure.subplots(2 * len(rows), len(titles), sharey="row", squeeze=False)
+    for row, gaps, pressures in zip(rows, panels[::2], panels[1::2], strict=True):
+        for (face, instant), gap, pressure in zip(row, gaps, pressures, strict=True):
+            draw_profile(gap, face, face.line_gap[instant], face.gap[instant], BLUE)
+            draw_profile(pressure, face, face.line_pressure[instant], face.pressure[instant], VERMILLION)
+            gap.tick_params(labelbottom=False)
+            pressure.set_xlabel(rf"$s$ on ${picture.symbol(face)}$")
+        for axes, label in ((gaps[0], "gap $w$"), (pressures[0], "pressure $p$")):
+            # The axis includes zero, so that round-off around a constant does not fill the panel.
+            low, high = axes.get_ylim()
+            high = high if high > ROUND_OFF else 1.0
+            axes.set(ylim=(min(low, -0.06 * high), high), ylabel=label)
     for axes, title in zip(panels[0], titles, strict=True):
         axes.set_title(title)
     figure.align_ylabels(panels[:, 0])
     figure.suptitle(heading)
-    computed = [dots(f"computed {name}", color=colour, mfc="white", ms=2.6) for name, _, colour in quantities]
+    computed = [
+        dots(f"computed {name}", color=colour, **NODES) for name, colour in (("gap", BLUE), ("pressure", VERMILLION))
+    ]
     legend(figure, [entry("exact", color=BLACK, lw=0.9), *computed], columns=3, wide=True)
     return figure
 
 
-def _draw_profile(axes: Axes, face: Segment, quantity: tuple[str, str, str], instant: int) -> Array:
-    """Draw gap or pressure along a face in 2D at one time, exact and computed.
-
-    Parameters:
-        quantity: name of the quantity, label, and colour.
-        instant: the index of the time.
-
-    Returns:
-        All drawn values.
-    """
-    name, _, colour = quantity
-    exact, computed = getattr(face, f"line_{name}")[instant], getattr(face, name)[instant]
-    every = max(1, round(len(face.s) / MOST_MARKERS))
+def draw_profile(axes: Axes, face: Segment, exact: Array, computed: Array, colour: str) -> None:
+    """Draw exact and computed values along a face in 2D."""
     axes.plot(face.line, exact, color=BLACK, lw=0.9)
-    axes.plot(face.s, computed, "o", color=colour, mfc="white", ms=2.6, markevery=every, clip_on=False, zorder=3)
+    axes.plot(face.s, computed, "o", color=colour, clip_on=False, zorder=3, **NODES)
     axes.set_xlim(face.line.min(), face.line.max())
     axes.grid(True)
-    return np.concatenate([exact, computed])
 
 
 def caption_profiles(picture: Picture) -> str:
@@ -257,14 +242,13 @@ def caption_fronts(picture: Picture) -> str:
     """Return the caption of ``draw_fronts``."""
     # Nodes in contact outside the exact zone, and nodes in the exact zone that are not in contact.
     wrong = [(face.touching != face.inside)[1:].sum(axis=1) for face in picture.polygons]
-    face, worst = max(zip(picture.polygons, wrong, strict=True), key=lambda pair: int(pair[1].max()))
-    when = int(np.argmax(worst))
-    seen = (
-        f"{np.mean(wrong):.2g} nodes of a face are on the wrong side of the front on average and {worst[when]} of "
-        f"{len(face.nodes)} at most, on {picture.name(face)} at t = {picture.times[1:][when]:.3g}; {HARMLESS}"
-        if worst[when] > 0
-        else f"none of the {sum(len(face.nodes) for face in picture.polygons)} nodes is ever on the wrong side"
-    )
+    face, worst, where = _worst(picture, wrong)
+    seen = f"none of the {sum(len(face.nodes) for face in picture.polygons)} nodes is ever on the wrong side"
+    if worst > 0:
+        seen = (
+            f"{np.mean(wrong):.2g} nodes of a face are on the wrong side of the front on average and {worst:.0f} of "
+            f"{face.x.shape[1]} at most, {where}; {HARMLESS}"
+        )
     return caption("fronts", picture=picture, seen=seen)
 
 
@@ -351,3 +335,52 @@ def _label_maps(panels: Array, picture: Picture, faces: Sequence[Polygon]) -> No
 def _refined(face: Polygon) -> Triangulation:
     """Return the triangulation of the nodes and edge midpoints of a face, at which the level function is known."""
     return Triangulation(*face.facets.refined(face.s), face.facets.quarters.T)
+
+
+def draw_energy(picture: Picture) -> Figure:
+    """Draw the terms of the energy balance over time and, below, its defect.
+
+    The terms are the work of the load, the dissipated energy, the stored energy and the work of contact since t = 0.
+    The defect, which would be zero without discretisation in time, is relative to the largest of these terms.
+    """
+    energy = picture.energy
+    figure = Figure(figsize=(column_width(), 3.4))
+    above, below = figure.subplots(2, sharex=True, height_ratios=(3, 1))
+    handles = [
+        *above.plot(energy.times, energy.work, color=BLACK, label=r"work of the load"),
+        *above.plot(energy.times, energy.dissipated, color=VERMILLION, label=r"dissipated by $\mathcal{A}$"),
+        *above.plot(energy.times, energy.stored - energy.stored[0], color=BLUE, label=r"stored in $\mathcal{G}$"),
+        *above.plot(energy.times, energy.contact, color=GREEN, ls="--", label="work of contact"),
+    ]
+    below.plot(energy.times, 100 * energy.defect / energy.largest, color=GREY)
+    below.axhline(0, color=BLACK, lw=0.4)
+    for axes in (above, below):
+        axes.grid(True)
+    above.set_ylabel("energy since $t=0$")
+    below.set(xlabel="time $t$", ylabel="defect in %", xlim=(energy.times[0], energy.times[-1]))
+    figure.align_ylabels()
+    figure.suptitle(picture.heading)
+    legend(figure, handles, columns=2)
+    return figure
+
+
+def caption_energy(picture: Picture) -> str:
+    """Return the caption of ``draw_energy``."""
+    energy, scale = picture.energy, picture.energy.largest
+    worst = int(np.argmax(abs(energy.defect)))
+    stored, of_contact = (
+        # Smaller values are round-off.
+        f"{value:.3g}" if abs(value) > 1e-12 * scale else "0"
+        for value in (energy.stored[-1] - energy.stored[0], energy.contact[-1])
+    )
+    return caption(
+        "energy",
+        picture=picture,
+        end=energy.times[-1],
+        work=energy.work[-1],
+        dissipated=energy.dissipated[-1],
+        stored=stored,
+        contact=of_contact,
+        defect=100 * abs(energy.defect[worst]) / scale,
+        worst=energy.times[worst],
+    )

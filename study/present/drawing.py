@@ -1,11 +1,11 @@
 """The style of all figures, their legends and labels, and functions that draw figures and save them with captions."""
 
-import re
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +17,34 @@ from matplotlib.backends.backend_pgf import LatexError
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from manufactured.colours import BLACK
+from manufactured.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION
 from study.ledger.datafiles import DataError
 from study.ledger.files import UsageError, write_text, write_whole
-from study.present.notation import encode, read_page
-from study.present.palette import COLOURS
+from study.present.notation import read_page
 
+OUTLINE, RIM, SURFACE = "0.35", "0.4", "0.6"
+FOUNDATION, FOUNDATION_EDGE, TRIANGLE = "0.82", "0.25", "0.93"
+COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
+"""Colours of the first, second, … line in a figure. The colours of the report page are in ``page/page.css``."""
+RAMPS = {
+    "stress": ("#ffffd9", "#edf8b1", "#c7e9b4", "#7fcdbb", "#41b6c4", "#1d91c0", "#225ea8", "#253494", "#081d58"),
+    "pressure": ("#fff7ec", "#fee8c8", "#fdd49e", "#fdbb84", "#fc8d59", "#ef6548", "#d7301f", "#b30000", "#7f0000"),
+    "gap": ("#fff7fb", "#ece7f2", "#d0d1e6", "#a6bddb", "#74a9cf", "#3690c0", "#0570b0", "#045a8d", "#023858"),
+}
+"""Quantity ↦ colours from zero to the largest value: YlGnBu, OrRd and PuBu of ColorBrewer (Harrower and Brewer 2003).
+
+Larger values have darker colours, so that figures can be read in grey; small values leave the mesh visible.
+"""
+Style = dict[str, Any]
+"""Properties of a line, as Matplotlib names them."""
+FAMILY_STYLES: dict[str, Style] = {
+    "one-diagonal": {"color": BLUE, "marker": "o"},
+    "criss-cross": {"color": VERMILLION, "marker": "s"},
+    "shaken": {"color": GREEN, "marker": "^"},
+    "unstructured": {"color": PURPLE, "marker": "D"},
+    "graded": {"color": ORANGE, "marker": "v"},
+}
+OTHER_STYLES: tuple[Style, ...] = tuple({"color": c, "marker": m} for c, m in ((SKY, "P"), (BLACK, "X"), (GREY, "h")))
 STYLES = Path(__file__).parent
 """The folder of the Matplotlib style files.
 
@@ -123,6 +145,13 @@ def in_style(output: Output = ARTICLE) -> Iterator[None]:
         yield
 
 
+def family_styles(names: Iterable[str]) -> dict[str, Style]:
+    """Return mesh family ↦ style. Families without an entry in ``FAMILY_STYLES`` get the styles ``OTHER_STYLES``."""
+    present = set(names)
+    known = {name: style for name, style in FAMILY_STYLES.items() if name in present}
+    return known | dict(zip(sorted(present - set(known)), cycle(OTHER_STYLES), strict=False))
+
+
 def column_width() -> float:
     """Return the width of a column of text in inches, which is the width ``figure.figsize`` in the style."""
     return float(rcParams["figure.figsize"][0])
@@ -165,18 +194,6 @@ def entry(label: str, **style: Any) -> Line2D:
 def dots(label: str, **style: Any) -> Line2D:
     """Return a legend entry that shows a marker; the marker is a circle unless the style has another."""
     return entry(label, **{"ls": "", "marker": "o", **style})
-
-
-def mathtext(text: str) -> str:
-    """Return plain Unicode text in Matplotlib's notation, in which formulas are between dollar signs."""
-    pieces = re.split(r"\\\((.*?)\\\)", encode(text))
-    for i, piece in enumerate(pieces):
-        if i % 2:
-            # Matplotlib does not know \surd, but it knows the character.
-            pieces[i] = f"${piece}$".replace(r"\surd", "√")
-        else:
-            pieces[i] = re.sub(r"\\([&%_#{}])", r"\1", piece.replace(r"\textasciitilde{}", "~"))
-    return "".join(pieces)
 
 
 def draw_figures(

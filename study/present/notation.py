@@ -1,4 +1,4 @@
-"""Convert the plain Unicode text of the data files to LaTeX, HTML and SVG: ‖u − u^h‖_V becomes \\(\\|u-u^{h}\\|_{V}\\).
+"""Convert the plain Unicode text of the data files to LaTeX and HTML: ‖u − u^h‖_V becomes \\(\\|u-u^{h}\\|_{V}\\).
 
 A word becomes part of a LaTeX formula if it contains a mathematical character, a superscript or a subscript, as u^h
 and max_n do. Single letters and numbers between two such words belong to the same formula. All other words are prose,
@@ -8,7 +8,7 @@ in which special characters are escaped.
 import re
 import tomllib
 import unicodedata
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache
 from itertools import groupby
 from operator import itemgetter
@@ -23,8 +23,16 @@ def read_page(name: str) -> dict[str, Any]:
     return tomllib.loads((Path(__file__).parent / "page" / f"{name}.toml").read_text(encoding="utf-8"))
 
 
+def _greek(letter: str) -> str:
+    r"""Return the LaTeX command of a Greek letter, such as \\Gamma for GREEK CAPITAL LETTER GAMMA."""
+    _, size, _, name = unicodedata.name(letter).split()
+    return "\\" + (name.capitalize() if size == "CAPITAL" else name.lower())
+
+
 _LATEX = read_page("notation")
-_COMMANDS: dict[str, str] = _LATEX["formulas"]
+_GREEK = "ΓΔΘΠΣΦΨΩαβγδζηθκμνξπρστχψω"
+"""Letters whose names are LaTeX commands; others are in ``page/notation.toml``."""
+_COMMANDS: dict[str, str] = {letter: _greek(letter) for letter in _GREEK} | _LATEX["formulas"]
 _ACCENTS = {"\u0307": r"\dot", "\u0308": r"\ddot", "\u0303": r"\tilde", "\u0302": r"\hat", "\u0304": r"\bar"}
 _RAISED = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ⁿ", "0123456789-+n", strict=True))
 _LOWERED = dict(zip("₀₁₂₃₄₅₆₇₈₉₋₊ₙ", "0123456789-+n", strict=True))
@@ -215,9 +223,6 @@ def _joined(atoms: list[str]) -> str:
 
 _HTML_SCRIPT = re.compile(r"(?<=\S)([\^_])(\{(?:[^{}]|\{[^{}]*\})*\}|\([^()]*\)|\d+(?:\.\d+)?|[\w+−∞])")
 _TAGS = {"^": "sup", "_": "sub"}
-_SVG_OFFSETS, _SVG_SIZE = {"": 0.0, "^": -0.35, "_": 0.2}, 0.72
-"""Script ↦ the distance of its baseline below the baseline of the line, and the size of a script; both as fractions of
-the font size of the line."""
 
 
 def typeset(text: str) -> Markup:
@@ -225,34 +230,10 @@ def typeset(text: str) -> Markup:
 
     Scripts are written as in x^y, x_y, x^∞, x^{yz}, x^1.5 and x^(1+s).
     """
-    out = Markup()
-    for piece, script in _pieces(text):
-        tag = Markup(_TAGS.get(script, ""))
-        out += Markup("<{0}>{1}</{0}>").format(tag, typeset(piece)) if script else escape(piece)
-    return out
-
-
-def typeset_svg(text: str) -> Markup:
-    """Return a line of plain Unicode text as the content of an SVG text element, with superscripts and subscripts.
-
-    A script of a script is written on the baseline of the outer script.
-    """
-    out, baseline = Markup(), 0.0
-    for piece, script in _pieces(text):
-        size = _SVG_SIZE if script else 1.0
-        shift = Markup('<tspan dy="{:.3g}em" font-size="{:g}em">{}</tspan>')
-        out += shift.format((_SVG_OFFSETS[script] - baseline) / size, size, piece)
-        baseline = _SVG_OFFSETS[script]
-    return out
-
-
-def _pieces(text: str) -> Iterator[tuple[str, str]]:
-    """Yield the pieces of a line with "^" for a superscript, "_" for a subscript, and an empty text otherwise."""
-    end = 0
+    out, end = Markup(), 0
     for match in _HTML_SCRIPT.finditer(text):
-        if match.start() > end:
-            yield text[end : match.start()], ""
-        yield match[2][1:-1] if match[2].startswith("{") else match[2], match[1]
+        script = match[2][1:-1] if match[2].startswith("{") else match[2]
+        tag = Markup(_TAGS[match[1]])
+        out += escape(text[end : match.start()]) + Markup("<{0}>{1}</{0}>").format(tag, typeset(script))
         end = match.end()
-    if end < len(text):
-        yield text[end:], ""
+    return out + escape(text[end:])

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, fields
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,8 @@ from study.ledger.datafiles import DataError, made_by, read_csv, read_uncompress
 from study.ledger.pictures import Facets, Packed
 
 Array = NDArray[np.float64]
+ZONE_SAMPLES = 10_001
+"""The number of positions along a face at which exact and computed contact zones are compared."""
 Interval = tuple[float, float]
 CONTACT = 1e-8
 """A node is in contact if its pressure exceeds this fraction of the largest pressure on the face."""
@@ -47,14 +48,9 @@ class FaceHistory:
     pressure_exact: Array
 
     @property
-    def contact_threshold(self) -> float:
-        """The pressure above which a node is in contact."""
-        return CONTACT * float(self.pressure.max(initial=0.0))
-
-    @property
     def touching(self) -> NDArray[np.bool_]:
         """Whether each node is in contact at each time, (times, nodes)."""
-        return np.asarray(self.pressure > self.contact_threshold)
+        return np.asarray(self.pressure > CONTACT * self.pressure.max(initial=0.0))
 
     @property
     def inside(self) -> NDArray[np.bool_]:
@@ -92,8 +88,7 @@ class Segment(FaceHistory):
     @property
     def inside(self) -> NDArray[np.bool_]:
         """Whether each node is in the exact contact zone at each time, (times, nodes)."""
-        zones = map(self.exact_zone, self.times)
-        return np.array([[any(a <= s <= b for a, b in zone) for s in self.s] for zone in zones])
+        return np.asarray(self.depth(map(self.exact_zone, self.times), self.s) >= 0)
 
     def computed_zone(self, instant: int) -> list[Interval]:
         """Return the computed contact zone at the time with the index ``instant``, as intervals.
@@ -108,14 +103,31 @@ class Segment(FaceHistory):
     def exact_zone(self, time: float) -> list[Interval]:
         """Return the intervals of the exact contact zone at a time.
 
-        Between the times at which the zone is known, the ends of the intervals are interpolated linearly.
+        Between the times at which the zone is known, the ends of the intervals are interpolated linearly. If intervals
+        appear, vanish, merge or split there, the zone at the nearer time is returned.
         """
-        columns = [np.array(strand).T for strand in strands(self.zone_times, self.zone)]
-        return [
-            (float(np.interp(time, t, left)), float(np.interp(time, t, right)))
-            for t, left, right in columns
-            if t[0] <= time <= t[-1]
-        ]
+        late = max(1, int(np.searchsorted(self.zone_times, time)))
+        before, after = self.zone[late - 1], self.zone[late]
+        share = (time - self.zone_times[late - 1]) / (self.zone_times[late] - self.zone_times[late - 1])
+        if len(before) != len(after):
+            return before if share < 0.5 else after
+        ends = (1 - share) * np.array(before) + share * np.array(after)
+        return [(float(left), float(right)) for left, right in ends]
+
+    def depth(self, zones: Iterable[Sequence[Interval]], s: Array) -> Array:
+        """Return how far positions lie inside contact zones, (zones, positions); outside, values are negative.
+
+        Ends of a zone that are ends of the face do not count. If a zone is empty, its values are minus infinity.
+        """
+        depths = []
+        for zone in zones:
+            insides = [np.full(len(s), -np.inf)]
+            for left, right in zone:
+                from_left = s - left if left > s.min() else np.inf
+                from_right = right - s if right < s.max() else np.inf
+                insides.append(np.broadcast_to(np.minimum(from_left, from_right), s.shape))
+            depths.append(np.max(insides, axis=0))
+        return np.array(depths)
 
 
 @dataclass(frozen=True, eq=False)
@@ -315,99 +327,16 @@ def read_pictures(directory: Path) -> list[Picture]:
     return pictures
 
 
-# The exact contact zone in 2D over time.
-
-Strand = list[tuple[float, float, float]]
-"""The history of one interval of a contact zone between two events: (t, s0, s1) in increasing time.
-
-At each time, a contact zone in 2D is a union of intervals. An event is a time at which their number changes, because an
-interval appears, disappears or splits, or because two intervals merge.
-"""
-
-
 def misplaced_length(face: Segment) -> Array:
     """Return the error of the computed contact zone of a face in 2D at all times after the first, (times − 1,).
 
     The error is the length of the symmetric difference of the exact zone and of ``Segment.computed_zone``, divided by
     the length of a cell: the sum of the errors of all fronts, in cells. It is also defined at times when intervals of
-    the zone appear, vanish, merge or split. A clamped end of a face, which is not a node, is left out.
+    the zone appear, vanish, merge or split. A clamped end of a face, which is not a node, is left out. Lengths are
+    sampled at ``ZONE_SAMPLES`` positions.
     """
-    low, high = float(face.s.min()), float(face.s.max())
-    lengths = []
-    for instant, time in enumerate(face.times[1:], start=1):
-        exact = [(max(a, low), min(b, high)) for a, b in face.exact_zone(time) if a < high and b > low]
-        zones = exact, face.computed_zone(instant)
-        length = 0.0
-        for a, b in pairwise(sorted({end for zone in zones for interval in zone for end in interval})):
-            in_exact, in_computed = (any(left <= (a + b) / 2 <= right for left, right in zone) for zone in zones)
-            length += (b - a) * (in_exact != in_computed)
-        lengths.append(length)
-    return np.array(lengths) * (len(face.s) - 1) / float(np.ptp(face.s))
-
-
-def strands(times: Array, zone: Sequence[Sequence[Interval]]) -> list[Strand]:
-    """Return the histories of all intervals of a contact zone.
-
-    A history begins and ends at an event: intervals appear, vanish, merge or split. If an event happens between two of
-    the times, it is assumed to be halfway between them.
-
-    Parameters:
-        times: the times at which the zone is known.
-        zone: the intervals of the zone at each of these times.
-    """
-    done: list[Strand] = []
-    growing: list[Strand] = []
-    for i, intervals in enumerate(zone):
-        before: Sequence[Interval] = zone[i - 1] if i else []
-        if i and len(before) == len(intervals) and all(map(_meet, before, intervals)):
-            for strand, (left, right) in zip(growing, intervals, strict=True):
-                strand.append((float(times[i]), left, right))
-            continue
-        event = float(times[max(i - 1, 0)] + times[i]) / 2
-        for strand, interval in zip(growing, before, strict=True):
-            strand.append((event, *_tip(interval, intervals, zone[max(i - 2, 0)])))
-        done += growing
-        across, along = before if i else intervals, zone[min(i + 1, len(zone) - 1)]
-        growing = [[(event, *_tip(own, across, along)), (float(times[i]), *own)] for own in intervals]
-    return done + growing
-
-
-def caps(pieces: Sequence[Strand]) -> list[tuple[float, float, float]]:
-    """Return the parts (t, s0, s1) of the boundary of a zone in space and time that lie at a constant time t.
-
-    These are the intervals that appear or disappear at once over a positive length.
-
-    Parameters:
-        pieces: the histories of all intervals of the zone, as ``strands`` returns them.
-    """
-    tips = [tip for piece in pieces for tip in (piece[0], piece[-1])]
-    found = []
-    for t in sorted({tip[0] for tip in tips}):
-        here = [(left, right) for time, left, right in tips if time == t]
-        for left, right in pairwise(sorted({end for interval in here for end in interval})):
-            # No two strands on the same side of an event overlap, so an interval covered by two lies inside the zone.
-            if sum(a <= left and right <= b for a, b in here) == 1:
-                found.append((t, left, right))
-    return found
-
-
-def _tip(interval: Interval, across: Sequence[Interval], along: Sequence[Interval]) -> Interval:
-    """Return the interval with which the history of an interval begins or ends at an event (see ``strands``).
-
-    It is the whole interval if the interval meets another one at the event, or if it appears or disappears at once over
-    its whole length. Otherwise it is the midpoint of the interval.
-
-    Parameters:
-        interval: the interval at the known time next to the event.
-        across: the intervals of the zone at the known time on the other side of the event.
-        along: the intervals of the zone at the next known time on the same side.
-    """
-    if any(_meet(interval, other) for other in across) or interval in along:
-        return interval
-    centre = sum(interval) / 2
-    return centre, centre
-
-
-def _meet(one: Interval, other: Interval) -> bool:
-    """Return whether two closed intervals have a common point."""
-    return max(one[0], other[0]) <= min(one[1], other[1])
+    s = np.linspace(face.s.min(), face.s.max(), ZONE_SAMPLES)
+    exact = face.depth(map(face.exact_zone, face.times), s) >= 0
+    nearest = abs(s[:, None] - face.s).argmin(axis=1)
+    wrong = exact != face.touching[:, nearest]
+    return np.asarray(wrong[1:].mean(axis=1) * (len(face.s) - 1))

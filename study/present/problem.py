@@ -1,4 +1,4 @@
-"""The picture of a problem: outline, numbers of sides, supports, contact, loads as arrows, mesh and displacement."""
+"""Pictures of problems: a sketch of the problem of the paper, and a stated problem with supports and loads."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,13 +9,12 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.tri import Triangulation
 
-from manufactured.colours import BLACK, BLUE, GREEN, VERMILLION
-from study.present.body import magnification
-from study.present.drawing import Drawing, caption, column_width, entry, legend
-from study.present.palette import FOUNDATION, FOUNDATION_EDGE
+from manufactured.colours import BLACK, BLUE, DARK, GREEN, VERMILLION
+from study.present.body import GAP, magnification
+from study.present.drawing import FOUNDATION, FOUNDATION_EDGE, RAMPS, Drawing, caption, column_width, entry, legend
 from study.present.picture import Array
 
 BAND = 0.05
@@ -167,3 +166,61 @@ def _label(axes: Axes, place: Array, text: str) -> None:
     box = {"boxstyle": "round,pad=0.1", "facecolor": (1, 1, 1, 0.7), "edgecolor": "none"}
     axes.text(place[0], place[1], text, color=VERMILLION, ha="center", va="center", bbox=box, zorder=6)
     axes.update_datalim(place[None])
+
+
+def draw_sketch() -> Figure:
+    """Draw a sketch of a body on a foundation with Γ1, Γ2, Γ3, forces, gap and pressure; nothing is computed.
+
+    The drawn gap is (s − c)_+² and the drawn pressure (c − s)_+, where c is the position of the contact front.
+    """
+    wide, high, front = 1.5, 0.62, 0.75
+    figure = Figure(figsize=(column_width(), 1.75))
+    axes = figure.subplots()
+    s = np.linspace(0, wide, 61)
+    gap = 0.28 * np.maximum(s - front, 0) ** 2
+    outline = np.vstack([np.column_stack([s, gap]), [[wide, high], [0, high]]])
+    axes.add_patch(Polygon(outline, facecolor=RAMPS["stress"][0], edgecolor=BLACK, linewidth=0.8))
+    clamp: dict[str, Any] = {"facecolor": "none", "edgecolor": DARK, "linewidth": 0, "hatch": "/////"}
+    axes.add_patch(Rectangle((0, high), wide, 0.05, **clamp))
+    axes.plot([0, wide], [high, high], color=DARK, lw=1.6)
+    axes.plot(s, gap, color=BLUE, lw=1.6)
+
+    ground: dict[str, Any] = {"facecolor": FOUNDATION, "edgecolor": "none", "zorder": 0.5}
+    axes.add_patch(Rectangle((-0.12, -0.09), wide + 0.24, 0.09, **ground))
+    axes.plot([-0.12, wide + 0.12], [0, 0], color=FOUNDATION_EDGE, lw=0.6, zorder=0.6)
+    axes.fill_between(s, 0 * s, gap, **GAP)
+    for at in np.arange(0.06, front, 0.12):
+        _arrow(axes, (at, -0.26 * (1 - at / front) - 0.015), (at, 0), VERMILLION)
+    _arrow(axes, (front + 0.32, 0.028), (front + 0.32, -0.17), BLACK)
+    for at in (0.22, 0.36, 0.5):
+        _arrow(axes, (wide + 0.2, at + 0.05), (wide, at), GREEN)
+        _arrow(axes, (-0.2, at), (0, at), GREEN)
+    _arrow(axes, (1.25, 0.57), (1.25, 0.42), GREEN)
+
+    for x, y, text, colour, side in (
+        (wide / 2, high + 0.1, r"$\Gamma_1$: clamped, $u=0$", BLACK, "center"),
+        (0.24, 0.33, r"$\Omega$", BLACK, "center"),
+        (0.75, 0.33, r"$\sigma=\mathcal{A}\varepsilon(\dot u)+\mathcal{G}\varepsilon(u)$", BLACK, "center"),
+        (0.34, 0.075, r"$\Gamma_3$", BLUE, "center"),
+        (wide + 0.03, 0.06, "gap $w$", BLUE, "left"),
+        (0.33, -0.235, "pressure $p$", VERMILLION, "left"),
+        (front + 0.36, -0.14, r"$\nu$", BLACK, "left"),
+        (wide + 0.12, -0.15, "foundation", BLACK, "right"),
+        (wide + 0.22, 0.41, r"$\Gamma_2$: $\sigma\nu=f_2$", GREEN, "left"),
+        (-0.2, 0.14, r"$\Gamma_2$", GREEN, "left"),
+        (1.28, 0.5, "$f_0$", GREEN, "left"),
+    ):
+        axes.text(x, y, text, color=colour, ha=side, va="center")
+    axes.set(xlim=(-0.3, wide + 0.42), ylim=(-0.36, high + 0.14), aspect="equal")
+    axes.axis("off")
+    return figure
+
+
+def caption_sketch() -> str:
+    """Return the caption of ``draw_sketch``."""
+    return caption("problem")
+
+
+def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], colour: str) -> None:
+    style: dict[str, Any] = {"arrowstyle": "-|>", "color": colour, "lw": 0.9, "mutation_scale": 6}
+    axes.annotate("", end, start, arrowprops=style | {"shrinkA": 0, "shrinkB": 0})

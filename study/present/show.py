@@ -23,9 +23,8 @@ from manufactured.colours import BLACK, SKY, VERMILLION
 from study.ledger.files import write_text, write_whole
 from study.ledger.pictures import MeshFields, MeshSeries
 from study.present.body import ROUND_OFF, BodyScale, draw_deformed_mesh, draw_keys, draw_shapes
-from study.present.contact import draw_map
-from study.present.drawing import dots, entry, in_style, page_width
-from study.present.palette import RAMPS, RIM
+from study.present.contact import NODES, draw_map, draw_profile
+from study.present.drawing import RAMPS, RIM, column_width, dots, entry, in_style, page_width
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment
 
 MOMENTS, COLUMNS = 6, 3
@@ -98,12 +97,9 @@ def write_gif(
         dpi: dots per inch.
         colours: the number of colours.
     """
-    figure = _film_figure(picture, dpi)
-    canvas = FigureCanvasAgg(figure)
     images = []
-    for _ in _frames(figure, picture):
-        canvas.draw()
-        images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
+    for image in film_images(picture, dpi):
+        images.append(image)
         notify()
     # All frames share a few colours, without dither, so that parts that do not move are stored once.
     together = Image.fromarray(np.concatenate([np.asarray(image) for image in images]))
@@ -131,52 +127,73 @@ def write_mp4(path: Path, picture: Picture) -> Path | None:
     if not ffmpeg:
         return None
     rcParams["animation.ffmpeg_path"] = ffmpeg
-    figure = _film_figure(picture, FILM_DPI)
-    FigureCanvasAgg(figure)
+    film = _film_axes(picture, FILM_DPI)
     # The file has a temporary name that does not tell ffmpeg the format.
     writer = FFMpegWriter(fps=PER_SECOND, extra_args=["-f", "mp4"])
 
     def write(part: Path) -> None:
-        with writer.saving(figure, str(part), FILM_DPI):
-            for _ in _frames(figure, picture):
+        with writer.saving(film[0], str(part), FILM_DPI):
+            for _ in _frames(picture, film):
                 writer.grab_frame()
 
     return write_whole(path, write)
 
 
-def _film_figure(picture: Picture, dpi: int) -> Figure:
-    """Return an empty figure for an animation, with space for the body and for axes for each contact face."""
-    body = 0.45 * page_width() * min(BodyScale(picture).aspect, 1.2)
-    return Figure(figsize=(page_width(), 1.2 + max(body, 1.2 * len(picture.faces))), dpi=dpi)
+def film_images(picture: Picture, dpi: int, upright: bool = False) -> Iterator[Image.Image]:
+    """Yield the frames of an animation, one for each time in ``picture.shown``.
+
+    Parameters:
+        picture: the data of the run.
+        dpi: dots per inch.
+        upright: whether the pressure is drawn below the body, not beside it, and the body without the edges of its
+            mesh, which would take most of the size of a frame.
+    """
+    film = _film_axes(picture, dpi, upright)
+    for _ in _frames(picture, film, upright):
+        yield image_of(film[0], dpi)
 
 
-def _frames(figure: Figure, picture: Picture) -> Iterator[None]:
+def image_of(figure: Figure, dpi: int) -> Image.Image:
+    """Draw a figure into an image."""
+    figure.set_dpi(dpi)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+
+
+def _film_axes(picture: Picture, dpi: int, upright: bool = False) -> tuple[Figure, Axes, Array]:
+    """Return an empty figure for an animation, its axes for the body, and its axes for each contact face."""
+    faces = len(picture.faces)
+    aspect = min(BodyScale(picture).aspect, 1.2)
+    if upright:
+        # In inches. In 3D there is one more colour bar, and the legend has a single column.
+        face, keys = (2.4, 2.6) if picture.polygons else (1.1, 1.6)
+        heights = 3.2 * aspect, face * faces
+        figure = Figure(figsize=(column_width(), keys + sum(heights)), dpi=dpi)
+        grid = figure.add_gridspec(2, 1, height_ratios=heights)
+    else:
+        height = max(0.45 * page_width() * aspect, 1.2 * faces)
+        figure = Figure(figsize=(page_width(), 1.2 + height), dpi=dpi)
+        grid = figure.add_gridspec(1, 2, width_ratios=(3, 2))
+    FigureCanvasAgg(figure)
+    body = figure.add_subplot(grid[0])
+    return figure, body, grid[1].subgridspec(faces, 1).subplots(squeeze=False)[:, 0]
+
+
+def _frames(picture: Picture, film: tuple[Figure, Axes, Array], upright: bool = False) -> Iterator[None]:
     """Draw the frames of an animation one after the other: the body, and the pressure on its contact faces.
 
     Yields:
         Nothing, after each frame, so that the caller can save the frame.
     """
+    figure, body, panels = film
     scale = BodyScale(picture)
-    grid = figure.add_gridspec(1, 2, width_ratios=(3, 2))
-    left = figure.add_subplot(grid[0])
-    panels = grid[1].subgridspec(len(picture.faces), 1).subplots(squeeze=False)[:, 0]
-    more: list[Artist] = [
-        entry("exact pressure", color=BLACK, lw=0.9),
-        dots("computed pressure", color=VERMILLION, mfc="white", ms=2.8),
-        Patch(color=SKY, alpha=0.35, lw=0, label="exact contact zone"),
-    ]
-    if picture.polygons:
-        colour = RAMPS["pressure"][3]
-        more = [
-            Patch(color=colour, lw=0, label="exact pressure"),
-            dots("computed pressure, same colours", mfc=colour, mec=RIM, mew=0.4, ms=3.4),
-            entry("exact front", color=VERMILLION, lw=1.0),
-        ]
     bars = {"orientation": "horizontal", "fraction": 0.05, "shrink": 0.8, "pad": 0.02}
-    draw_keys(figure, [left], picture, scale, 4, more, **bars)
+    columns = (1 if picture.polygons else 2) if upright else 4
+    draw_keys(figure, [body], picture, scale, columns, _pressure_handles(picture), **bars)
     for instant in picture.shown:
-        left.clear()
-        draw_deformed_mesh(left, picture, instant, scale, 0.5 * page_width())
+        body.clear()
+        draw_deformed_mesh(body, picture, instant, scale, 0.5 * page_width(), lines=not upright)
         for axes, face in zip(panels, picture.faces, strict=True):
             axes.clear()
             _draw_pressure(axes, face, picture, instant, scale)
@@ -186,6 +203,22 @@ def _frames(figure: Figure, picture: Picture) -> Iterator[None]:
             figure.canvas.draw()
             figure.set_layout_engine("none")
         yield
+
+
+def _pressure_handles(picture: Picture) -> list[Artist]:
+    """Return the legend entries of the pressure: lines in 2D, surfaces in 3D."""
+    if not picture.polygons:
+        return [
+            entry("exact pressure", color=BLACK, lw=0.9),
+            dots("computed pressure", color=VERMILLION, **NODES),
+            Patch(color=SKY, alpha=0.35, lw=0, label="exact contact zone"),
+        ]
+    colour = RAMPS["pressure"][3]
+    return [
+        Patch(color=colour, lw=0, label="exact pressure"),
+        dots("computed pressure, same colours", mfc=colour, mec=RIM, mew=0.4, ms=3.4),
+        entry("exact front", color=VERMILLION, lw=1.0),
+    ]
 
 
 def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int, scale: BodyScale) -> None:
@@ -201,11 +234,9 @@ def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int
     assert isinstance(face, Segment)
     for start, end in face.exact_zone(face.times[instant]):
         axes.axvspan(start, end, color=SKY, alpha=0.35, lw=0)
-    axes.plot(face.line, face.line_pressure[instant], color=BLACK, lw=0.9)
-    axes.plot(face.s, face.pressure[instant], "o", color=VERMILLION, mfc="white", ms=2.8, clip_on=False)
+    draw_profile(axes, face, face.line_pressure[instant], face.pressure[instant], VERMILLION)
     top = max(float(face.pressure.max()), float(face.line_pressure.max()))
-    axes.set(xlim=(face.line.min(), face.line.max()), ylim=(0, 1.08 * top if top > ROUND_OFF else 1))
-    axes.set(xlabel=rf"$s$ on ${name}$", ylabel="pressure $p$")
+    axes.set(ylim=(0, 1.08 * top if top > ROUND_OFF else 1), xlabel=rf"$s$ on ${name}$", ylabel="pressure $p$")
 
 
 def write_vtk(directory: Path, name: str, series: MeshSeries) -> list[Path]:

@@ -29,7 +29,7 @@ from judged_codes import exported, read, task
 from study.cli.main import main
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
-from study.present.charts import codes_chart
+from study.present.charts import caption_codes
 from study.run.tasks import frozen, march, with_foundation, write_task
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -122,7 +122,7 @@ def test_the_caption_counts_what_the_order_does_not_see() -> None:
     finest, classes = codes.errors.sort_values("level").groupby(KEY).last(), codes.classes.set_index(KEY)
     passed = classes[(abs(classes["order_in_v"] - 1) <= 0.15) & classes["class"].isin(["stagnates", "wrong"])].index
     worst = (finest["pressure"] / finest["best_pressure"])[passed].max()
-    caption = codes_chart(codes).caption
+    caption = caption_codes(codes)
     assert f"of {len(passed)} runs whose" in caption
     assert f"up to {worst:.0f} times" in caption
 

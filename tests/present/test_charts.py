@@ -1,8 +1,7 @@
-"""A chart is computed once; figure and page draw the same curves, and its triangle, orders and ticks are right."""
+"""Charts show all of their data, and their triangles and orders are right."""
 
 import math
 import re
-from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -11,23 +10,14 @@ import pandas as pd
 import pytest
 from committed import RESULTS, SMOOTH
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 
 from study.fem.mesh import FAMILIES
 from study.ledger.datafiles import read_rates
-from study.present.charts import (
-    Chart,
-    Curve,
-    convergence_chart,
-    draw_chart,
-    enclosure_chart,
-    finest_orders,
-    last_orders,
-    rollers_chart,
-    slope_triangle,
-)
-from study.present.drawing import in_style
-from study.present.palette import RAMPS, Style, family_styles
-from study.present.report import BETWEEN, HEIGHTS, LEFT, RIGHT, TOP, svg_chart
+from study.present.charts import draw_slope, finest_orders, label_ticks, last_orders, roller_rows
+from study.present.drawing import Drawing, family_styles, in_style
+from study.present.figures import figure
+from study.present.report import svg_chart
 
 
 @pytest.fixture(scope="module")
@@ -38,67 +28,70 @@ def enclosed() -> pd.DataFrame:
 
 
 @pytest.fixture(scope="module")
-def charts(enclosed: pd.DataFrame) -> dict[str, Chart]:
-    errors = read_rates(RESULTS).query(f"case == {SMOOTH!r} and level <= 32")
-    return {
-        "convergence": convergence_chart(errors, 1.0),
-        "enclosure": enclosure_chart(enclosed, "advance-recede, shaken"),
-        "unknown error": enclosure_chart(enclosed.assign(error=np.nan, plain=4.0), "ramp, shaken"),
-    }
+def rates() -> pd.DataFrame:
+    return read_rates(RESULTS).query(f"case == {SMOOTH!r} and level <= 32")
 
 
-@pytest.mark.parametrize("name", ["convergence", "unknown error"])
-def test_figure_and_page_show_the_same_curves_ticks_and_legend(name: str, charts: dict[str, Chart]) -> None:
-    chart = charts[name]
+def drawn(drawing: Drawing) -> Figure:
     with in_style():
-        figure = draw_chart(chart)
-    page, top = svg_chart(chart), TOP
-    insides = re.findall(r"<svg x=.*?</svg>", page, re.DOTALL)
-    grid = np.array(re.findall(rf'class="grid" d="M{LEFT},([\d.]+)H{RIGHT}"', page), dtype=float)
-    for axes, inside, subplot, height in zip(figure.axes, insides, chart.subplots, HEIGHTS, strict=False):
-        # Last come the curves, after horizontal lines.
-        lines = axes.get_lines()[len(subplot.rules) :]
-        drawn = re.findall(r'class="line \w+" d="(.*?)" stroke="(.*?)"', inside)
-        for line, (path, colour), curve in zip(lines, drawn, subplot.curves, strict=True):
-            np.testing.assert_array_equal(line.get_xydata(), np.column_stack([curve.x, curve.y]))
-            shares = np.array([[subplot.x.position(x), subplot.y.position(y)] for x, y in line.get_xydata()])
-            expected = [LEFT, top + height] + np.clip(shares, -2, 3) * [RIGHT - LEFT, -height]
-            points = np.array(re.findall(r"[-\d.]+", path), dtype=float).reshape(-1, 2)
-            np.testing.assert_allclose(points, expected, atol=0.01)
-            assert line.get_color() == curve.style.colour == colour
-        assert len(axes.get_yticks()) == ((top <= grid) & (grid <= top + height)).sum() == len(subplot.y.ticks())
-        top += height + BETWEEN
-    assert len(figure.axes) == len(insides) == len(chart.subplots)
-    (legend,) = figure.legends
-    entries = sum(map(len, chart.legend))
-    assert [text.get_text() != " " for text in legend.get_texts()].count(True) == entries == page.count("aria-hidden")
+        return drawing.draw()
 
 
-def test_where_the_error_is_unknown_the_distance_to_a_better_displacement_takes_its_place(charts, enclosed) -> None:
-    known, unknown = charts["enclosure"], charts["unknown error"]
+def test_every_value_is_drawn_within_its_axes_and_the_page_writes_words_as_text(rates: pd.DataFrame) -> None:
+    drawing, columns = figure("convergence", rates, 1.0, case=SMOOTH), ["error", "discrete_error", "in_time"]
+    (axes,) = drawn(drawing).axes
+    rates = rates.assign(in_time=rates["time_share"] * rates["error"])
+    expected = [rows[["h", column]].to_numpy() for _, rows in rates.groupby("family") for column in columns]
+    shown = [line.get_xydata() for line in axes.get_lines()]
+    assert sorted(map(np.ndarray.tolist, shown)) == sorted(map(np.ndarray.tolist, expected))
+    low, high = axes.get_ylim()
+    assert low <= rates[columns].min(axis=None) < rates[columns].max(axis=None) <= high
+    page = svg_chart(drawing)
+    assert f'aria-label="{drawing.summary}"' in page
+    for words in (*rates["family"].unique(), "share of time discretisation"):
+        assert f">{words}</text>" in page
+
+
+def test_where_the_error_is_unknown_the_distance_to_a_better_displacement_takes_its_place(enclosed) -> None:
+    known = figure("enclosure", enclosed, "advance-recede, shaken")
+    unknown = figure("enclosure", enclosed.assign(error=np.nan, plain=4.0), "ramp, shaken")
     assert "lines are the error itself" in known.caption
     assert "lines are the distance to a more accurate displacement" in unknown.caption
-    np.testing.assert_array_equal(unknown.subplots[0].curves[-1].y, enclosed["distance"])
-    assert "bound from u_h alone" in [text for text, _ in unknown.legend[1]]
+    for drawing, column in ((known, "error"), (unknown, "distance")):
+        middle = drawn(drawing).axes[0].get_lines()[0]
+        np.testing.assert_array_equal(middle.get_ydata(), enclosed[column])
+    entries = [text.get_text() for text in drawn(unknown).legends[0].get_texts()]
+    assert "bound from $u_h$ alone" in entries
 
 
 @pytest.mark.parametrize("slope", [0.25, 1.0, 2.0])
 def test_the_slope_triangle_has_its_slope_and_keeps_clear_of_the_curves(slope: float) -> None:
     h = 2.0 ** -np.arange(8, 2, -1, dtype=float)
     points = [(h, 3 * h**0.5), (h / 1.4, h**1.5), (h[::-1], h[::-1] + 0.1)]
-    curves = [Curve(x, y, Style("black")) for x, y in points]
-    triangle = slope_triangle(curves, slope, decades=2.0)
-    assert triangle is not None
-    (x0, y0), (x1, y1), corner = np.log10(triangle.corners)
+    axes = Figure().subplots()
+    lines = [line for x, y in points for line in axes.loglog(x, y)]
+    draw_slope(axes, lines, math.nan)
+    draw_slope(axes, axes.loglog(1.0, 1.0), slope)
+    draw_slope(axes, lines, slope)
+    (triangle,) = axes.patches
+    (x0, y0), (x1, y1), corner, _ = np.log10(triangle.get_xy())
     assert (y1 - y0) / (x1 - x0) == pytest.approx(slope)
     assert corner == pytest.approx([x0, y1])
-    assert triangle.top > 10**y1
+    assert axes.get_ylim()[1] > 10**y1
     for x, y in points:
         order = np.argsort(x)
         at = np.linspace(max(x0, np.log10(x.min())), x1, 50)
         assert (y0 + slope * (at - x0) - np.interp(at, np.log10(x[order]), np.log10(y[order]))).min() > 0.1
-    single = [replace(curve, x=curve.x[:1], y=curve.y[:1]) for curve in curves]
-    assert slope_triangle(single, slope, 2.0) is slope_triangle(curves, math.nan, 2.0) is None
+
+
+@pytest.mark.parametrize(("ends", "least"), [((0.011, 0.13), 3), ((0.21, 0.34), 3), ((1e-9, 1.0), 3), ((2.0, 3e4), 2)])
+def test_a_logarithmic_axis_has_enough_labels_and_not_too_many(ends: tuple[float, float], least: int) -> None:
+    axes = Figure().subplots()
+    axes.loglog(ends, ends)
+    label_ticks([axes], least)
+    low, high = axes.get_xlim()
+    ticks = [tick for tick in axes.get_xticks() if low <= tick <= high]
+    assert least <= len(ticks) <= 10
 
 
 def test_orders_are_those_of_a_power_of_h_and_graded_meshes_are_kept_apart() -> None:
@@ -119,27 +112,23 @@ def of_rollers(excess: dict[str, float], kind: str = "roller") -> pd.DataFrame:
 
 
 def test_random_meshes_of_rollers_are_one_curve_with_their_range() -> None:
-    chart = rollers_chart(of_rollers({"one-diagonal": 1.0, "shaken": 2.0, "shaken-1": 4.0}))
-    assert chart is not None
-    (subplot,) = chart.subplots
-    first, mean, slope = subplot.curves
-    assert first.y == pytest.approx([1 / 16, 1 / 32])
-    assert mean.y == pytest.approx([3 / 16, 3 / 32])
-    assert slope.y[1] / slope.y[0] == pytest.approx(2)
-    (band,) = subplot.bands
-    assert (band.low, band.high) == (pytest.approx([2 / 16, 2 / 32]), pytest.approx([4 / 16, 4 / 32]))
-    assert "1.00 (one-diagonal), 1.00 (shaken)" in chart.caption
-    assert subplot.y.high >= 4 / 16
-    assert rollers_chart(of_rollers({"shaken": 1.0}, "standing")) is None
+    drawing = figure("rollers", roller_rows(of_rollers({"one-diagonal": 1.0, "shaken": 2.0, "shaken-1": 4.0})))
+    (axes,) = drawn(drawing).axes
+    first, mean, slope = (line.get_ydata() for line in axes.get_lines())
+    assert first == pytest.approx([1 / 16, 1 / 32])
+    assert mean == pytest.approx([3 / 16, 3 / 32])
+    assert slope[1] / slope[0] == pytest.approx(2)
+    band = axes.collections[0].get_paths()[0].get_extents()
+    assert (band.y0, band.y1) == pytest.approx((2 / 32, 4 / 16))
+    assert "1.00 (one-diagonal), 1.00 (shaken)" in drawing.caption
+    assert axes.get_ylim()[1] >= 4 / 16
+    assert roller_rows(of_rollers({"shaken": 1.0}, "standing")).empty
 
 
 # Colours: every variable has one, and every text is readable.
 
 
-CSS, SCRIPT = (
-    (Path(__file__).parents[2] / "study" / "present" / "page" / name).read_text(encoding="utf-8")
-    for name in ("page.css", "page.js")
-)
+CSS = (Path(__file__).parents[2] / "study" / "present" / "page" / "page.css").read_text(encoding="utf-8")
 THEMES = [dict(re.findall(r"--(\w+): ([^;]+);", line)) for line in CSS.splitlines() if ":root" in line]
 TEXTS = ("ink", "soft", "link", "good", "bad", "warn")
 
@@ -156,7 +145,7 @@ def contrast(one: str, other: str) -> float:
 
 
 def test_every_colour_of_the_page_is_defined_for_light_and_dark_pages_and_texts_have_enough_contrast() -> None:
-    used = {*re.findall(r"var\(--([a-z]+)\)", CSS + SCRIPT), *re.findall(r'theme\("--([a-z]+)"\)', SCRIPT)} - {*RAMPS}
+    used = {*re.findall(r"var\(--([a-z]+)\)", CSS)}
     assert "warn" in used
     assert len(THEMES) == 2
     assert all(used <= set(theme) for theme in THEMES)
@@ -169,4 +158,4 @@ def test_every_colour_of_the_page_is_defined_for_light_and_dark_pages_and_texts_
 def test_a_new_mesh_family_has_a_style_that_no_other_family_has() -> None:
     names = [*(family.name for family in FAMILIES), "new"]
     styles = family_styles(names).values()
-    assert len({style.colour for style in styles}) == len({style.marker for style in styles}) == len(names)
+    assert len({style["color"] for style in styles}) == len({style["marker"] for style in styles}) == len(names)

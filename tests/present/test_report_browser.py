@@ -1,6 +1,5 @@
 """The page of results in a browser: it loads without a complaint, filters, moves, fits a phone, and needs no mouse."""
 
-import json
 import os
 import re
 import shutil
@@ -157,25 +156,16 @@ def test_the_address_keeps_the_filters_and_a_case_leads_to_its_rows(page: Browse
     assert page.title.startswith(CASE)
 
 
-def test_keys_move_the_slider_the_body_and_the_curves(page: Browser) -> None:
+def test_keys_move_the_slider_and_one_image_is_shown(page: Browser) -> None:
     page.section(f"case/{CASE}")
-    data = json.loads(str(page.one(f"{FILM} script").get_attribute("textContent")))
-    slider, canvas = page.one(f"{FILM} input[type=range]"), page.one(f"{FILM} canvas")
-    (face,) = data["faces"]
-    high = max(max(map(max, pressures)) for pressures in (face["pressure"], face["line"]["pressure"]))
-    drawn = set()
-    for key, n in ((Keys.HOME, 0), (Keys.ARROW_RIGHT, 1), (Keys.ARROW_RIGHT, 2), (Keys.END, 16), (Keys.ARROW_LEFT, 15)):
+    slider = page.one(f"{FILM} input[type=range]")
+    for key, n in ((Keys.HOME, 0), (Keys.ARROW_RIGHT, 1), (Keys.ARROW_RIGHT, 2), (Keys.END, 4), (Keys.ARROW_LEFT, 3)):
         slider.send_keys(key)
-        said, pressures = f"t = {data['times'][n]:g}", face["pressure"][n]
-        assert float(page.one(f"{FILM} output").text.removeprefix("t = ")) == data["times"][n]
-        touching = sum(pressure > face["touches"] for pressure in pressures)
-        assert slider.get_attribute("aria-valuetext") == f"{said}, {touching} vertices in contact"
-        assert f"{said}, " in str(canvas.get_attribute("aria-label"))
-        drawn.add(page.execute_script("return arguments[0].toDataURL()", canvas))
-        dots = page.find_elements(By.CSS_SELECTOR, f"{FILM} [data-plot=pressure] circle")
-        heights = [150 - 140 * pressure / high for pressure in pressures]
-        assert [float(str(dot.get_attribute("cy"))) for dot in dots] == pytest.approx(heights, abs=0.006)
-    assert len(drawn) == 5
+        images = page.find_elements(By.CSS_SELECTOR, f"{FILM} img")
+        assert [at for at, image in enumerate(images) if image.is_displayed()] == [n]
+        said = images[n].get_attribute("alt")
+        assert said.startswith("t = ")
+        assert page.one(f"{FILM} output").text == slider.get_attribute("aria-valuetext") == said
 
 
 PLAY_AND_PAUSE = """
