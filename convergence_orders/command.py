@@ -127,7 +127,7 @@ def run(options: argparse.Namespace) -> int:
         if options.values:
             print(printable(_values(tables, options.json)))
             return 0
-        judged = judge(tables, {"tolerance": options.tolerance, "floor": options.floor}, **wishes)
+        judged = judge(tables, options.tolerance, options.floor, **wishes)
         file = ""
         for name, write in ((options.junit, as_junit), (options.markdown, as_markdown)):
             if name:
