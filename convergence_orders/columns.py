@@ -146,12 +146,14 @@ def series_of(tables: list[Table], options: Options) -> list[Series]:
         raise OrderError(f"no column of errors among {seen}: name one with --columns")
     confirmed = {one.size.name: dim for one in usable if one.size and (dim := one.confirmed_dim())}
     series = [part for one in usable for part in one.series(confirmed)]
-    if len({one.label for one in series}) == len(series):
-        return series
     captions = [one.caption.rstrip(": ") for one in series]
-    if len(set(captions)) < len(captions):
-        captions = [f"series {k} {one.label}".strip() for k, one in enumerate(series, start=1)]
-    return [replace(one, label=label) for one, label in zip(series, captions, strict=True)]
+    numbered = [f"series {k} {one.label}".strip() for k, one in enumerate(series, start=1)]
+    labels = next(names for names in ([one.label for one in series], captions, numbered) if _differ(names))
+    return [replace(one, label=label) for one, label in zip(series, labels, strict=True)]
+
+
+def _differ(names: list[str]) -> bool:
+    return len(set(names)) == len(names)
 
 
 def columns_of(table: Table) -> tuple[list[Column], bool]:
@@ -250,9 +252,7 @@ class Columns:
         for column in self.columns:
             if column is self.size or column.role not in ("unknown", "error", "other"):
                 continue
-            if column.role != "error" and self._tells_apart(column):
-                column.role = "degree"
-            elif column.role == "unknown" and found and column.starts_missing and len(column.cells) > 2:
+            if column.role == "unknown" and found and column.starts_missing and len(column.cells) > 2:
                 column.role = "order"
             elif column.role != "other":
                 found.append(column)
@@ -277,14 +277,6 @@ class Columns:
             raise OrderError(f"--columns {self.options.columns}: expected some of the columns {', '.join(known)}")
         return [known[one] for one in found]
 
-    def _tells_apart(self, column: Column) -> bool:
-        """Return whether sizes are repeated, but not within the rows with the same whole number in a column."""
-        if self.size is None or not column.whole:
-            return False
-        sizes = self.size.numbers.tolist()
-        pairs = set(zip(column.cells, sizes, strict=True))
-        return len(set(sizes)) < len(sizes) == len(pairs) and min(Counter(column.cells).values()) > 1
-
     # Series of rows.
 
     def series(self, confirmed: dict[str, int]) -> list[Series]:
@@ -299,7 +291,7 @@ class Columns:
         Raises:
             OrderError: mesh sizes are unknown or ambiguous, or a cell is not a positive number.
         """
-        for column in self.errors:
+        for column in [*self.errors, *([self.size] if self.size else [])]:
             self._check(column)
         labels = self._labels()
         cases: dict[str, list[int]] = {}
@@ -323,16 +315,19 @@ class Columns:
         return Series(h.tolist(), errors, words, left, self.table.caption, self.form, label, remarks)
 
     def _labels(self) -> dict[str, list[str]]:
-        """Return the columns whose entries tell several series apart."""
+        """Return the columns whose entries tell several series apart: words, degrees, and numbers that stay the same.
+
+        Numbers count if there are no sizes, or if sizes are repeated.
+        """
         labels: dict[str, list[str]] = {}
+        repeated = self.size is None or len(set(self.size.cells)) < len(self.size.cells)
         for column in self.columns:
             times = Counter(column.cells)
-            if column in (self.size, *self.errors) or "" in times or all(map(_STATUS.fullmatch, times)):
+            telling = 1 < len(times) < len(column.cells) and "" not in times and not all(map(_STATUS.fullmatch, times))
+            steady = repeated and column.repeats and column.role != "order"
+            if column in (self.size, *self.errors) or not telling:
                 continue
-            words = column.role in ("text", "degree") and 1 < len(times) < len(column.cells)
-            # Without a column of sizes, any numbers that stay the same may be those of a series.
-            certain = self.size is None or (column.role in SIZES and min(times.values()) > 1)
-            if words or (column.role != "order" and column.repeats and certain):
+            if column.role in ("text", "degree") or (steady and (self.size is None or min(times.values()) > 1)):
                 labels[column.name] = column.cells
         return labels
 
@@ -359,7 +354,7 @@ class Columns:
         """
         if self.size is not None:
             h, words = self._converted(self.size, rows, confirmed)
-            self._check_sizes(h, rows, self.size)
+            self._refuse_repeated(h, rows, self.size)
             return h, words
         self._refuse_two_series(rows)
         ratio, levels = self.options.ratio, np.arange(len(rows), dtype=float)
@@ -461,28 +456,26 @@ class Columns:
                         "as above and below: give a column with the mesh sizes or the name of the series"
                     )
 
-    def _check_sizes(self, h: Array, rows: Rows, column: Column) -> None:
-        places = {k: f"{self.table.places[k]}: {column.name} = {column.cells[k]}" for k in rows}
-        for k, size in zip(rows, h, strict=True):
-            if not (0 < size < math.inf and column.numbers[k] > 0):
-                raise OrderError(f"{places[k]}, but sizes must be positive and finite")
+    def _refuse_repeated(self, h: Array, rows: Rows, column: Column) -> None:
+        """Raise an error if two rows have the same mesh size."""
         for i, j in pairwise(np.argsort(h, kind="stable")):
             if h[j] - h[i] <= SAME_SIZE * h[i]:
-                raise OrderError(
-                    f"{places[rows[j]]} is the size in {self.table.places[rows[i]]}: remove one of the rows"
-                )
+                first, second = (self.table.places[rows[k]] for k in (i, j))
+                cell = column.cells[rows[j]]
+                raise OrderError(f"{second}: {column.name} = {cell} is the size in {first}: remove one of the rows")
 
     def _check(self, column: Column) -> None:
-        """Raise an error if a cell of a column of errors is empty, negative or no number, or if it has logarithms."""
-        name, signed = column.name, self.options.signed
+        """Raise an error if a cell of a column of errors or sizes cannot be used, or if the column has logarithms."""
+        name, signed = column.name, self.options.signed and column is not self.size
         if _LOGARITHM.match(name) and not signed:
             raise OrderError(f"column {name} holds logarithms: give the mesh sizes and the errors themselves")
+        wanted = "a positive number" if column is self.size else "a number that is not negative"
         for cell, number, place in zip(column.cells, column.numbers, self.table.places, strict=True):
-            no_number = math.isnan(number) and kind_of(cell) != "9"
-            if no_number or (number < 0 and not signed):
+            usable = 0 < number < math.inf if column is self.size else signed or not number < 0
+            if not usable or (math.isnan(number) and kind_of(cell) != "9"):
                 raise OrderError(
-                    f"{place}: {name} is '{cell}', expected a number that is not negative: write a number there, "
-                    "delete the line, or name the columns of errors with --columns"
+                    f"{place}: {name} is '{cell}', expected {wanted}: write a number there, delete the line, or name "
+                    "the columns of errors with --columns"
                 )
 
 

@@ -439,6 +439,8 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     first, verdict = _judge(h, e, expectation)
     orders, step = consecutive_orders(h, e), 2 * expectation.tolerance
     change = np.diff(orders)
+    # Orders that fall, but settle, fall by less from mesh to mesh.
+    drop = 0.8 * change[-2] if len(change) > 1 and change[-2] < 0 else -step
     # The fitted order lies within the orders that are quoted.
     quoted = slice(max(first, len(e) - QUOTED - 1), None)
     kind = "converges"
@@ -449,22 +451,12 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     elif orders.min() < -STALLED:
         kind = "pre-asymptotic"
         sentence = f"errors rise and fall: orders {_text(orders)}; no convergence is visible yet"
-    elif len(change) > 1 and (_drops(change, step) or _drifts(change)):
+    elif len(change) > 1 and change[-1] < drop and change[-2:].sum() < -0.04:
         kind = "orders falling"
         sentence = f"orders fall on the finest meshes: {_text(orders)}; another error may dominate there"
     elif abs(change[-1]) > step:
         kind, sentence = "pre-asymptotic", f"pre-asymptotic, orders not settled: {_text(orders)}; take finer meshes"
     return Diagnosis(first, len(e), kind, sentence, verdict)
-
-
-def _drops(change: Array, step: float) -> bool:
-    """Return whether the order falls on the finest mesh only."""
-    return bool(change[-1] < -step and change[-2] > -step / 2)
-
-
-def _drifts(change: Array) -> bool:
-    """Return whether orders fall from mesh to mesh, and do not settle."""
-    return bool(change[-2] < 0 and change[-1] < 0.8 * change[-2] and change[-2:].sum() < -0.04)
 
 
 # The grid convergence index, for quantities without an exact value (Celik et al. 2008; ASME V&V 20).

@@ -7,7 +7,6 @@ tabs, semicolons, commas or blanks, or lines ``name = value``. What a column mea
 import csv
 import json
 import re
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, takewhile
@@ -64,8 +63,8 @@ def read_tables(data: bytes | str) -> list[Table]:
         # The signs of norms were replaced.
         restored = str.maketrans({"‖": "\\|", "¦": "|"})
         return [replace(table, names=[name.translate(restored) for name in table.names]) for table in tables]
-    first = next((line.text.strip() for line in lines if re.search(r"\d", line.text)), "")
-    said = f"the first line with a number is '{shorten(first)}'" if first else "no line with numbers"
+    numbers = re.search(r"(?m)^.*\d.*$", joined)
+    said = f"the first line with a number is '{shorten(numbers[0].strip())}'" if numbers else "no line with numbers"
     raise OrderError(f"no table was recognised, {said}; {EXAMPLE}")
 
 
@@ -152,12 +151,14 @@ def _lines(text: str) -> list[Line]:
     Raises:
         OrderError: the text has too many lines, or a cell is too long.
     """
-    if text.count("\n") > MAX_LINES:
-        raise OrderError(f"it has more than {MAX_LINES} lines: a table of errors has one line for each mesh; {EXAMPLE}")
-    if max(map(len, text.split("\n"))) > MAX_LINE:
-        raise OrderError(f"it has a line of more than {MAX_LINE} characters; {EXAMPLE}")
-    if long := re.search(rf"(?<![^\s,;|&])[^\s,;|&]{{{MAX_CELL},}}", text):
-        raise OrderError(f"it has a cell of {len(long[0])} characters; {EXAMPLE}")
+    long = re.search(rf"(?<![^\s,;|&])[^\s,;|&]{{{MAX_CELL},}}", text)
+    for number, most, what in (
+        (text.count("\n"), MAX_LINES, "lines: a table of errors has one line for each mesh"),
+        (max(map(len, text.split("\n"))), MAX_LINE, "characters in a line"),
+        (len(long[0]) if long else 0, MAX_CELL, "characters in a cell"),
+    ):
+        if number > most:
+            raise OrderError(f"it has more than {most} {what}; {EXAMPLE}")
     for pattern, replacement in _CLEANED:
         text = re.sub(pattern, replacement, text)
     text = _SPANNED.sub(lambda found: found[2] + " &" * (int(found[1]) - 1), text)
@@ -235,15 +236,14 @@ class Row:
 
 def _grids(lines: list[Line]) -> list[Table]:
     """Return the tables whose cells are separated by a sign or by blanks. A table is rows with a header above them."""
-    scores: dict[str, int] = {}
-    for sign in _FORMS:
-        data = [row for row in (Row(line, sign) for line in lines) if row.is_data(named=True)]
-        scores[sign] = sum(row.kinds.count("9") for row in data)
-    sign = next(sign for sign in _FORMS if 2 * scores[sign] >= max(scores.values()))
-    rows = [Row(line, sign) for line in lines]
+    rows_by_sign = {sign: [Row(line, sign) for line in lines] for sign in _FORMS}
+    numbers = {sign: "".join(row.kinds for row in rows if row.is_data(True)) for sign, rows in rows_by_sign.items()}
+    most = max(kinds.count("9") for kinds in numbers.values())
+    sign = next(sign for sign, kinds in numbers.items() if 2 * kinds.count("9") >= most)
+    rows = rows_by_sign[sign]
     # Where rows begin with words, "mean" may be the name of a row. Elsewhere it begins a line that sums up a column.
-    first = Counter(row.kinds[0] for row in rows if row.is_data(named=True))
-    named = first["a"] > first["9"]
+    first = [row.kinds[0] for row in rows if row.is_data(True)]
+    named = first.count("a") > first.count("9")
     tables: list[Table] = []
     above: list[Row] = []
     block: list[Row] = []
@@ -271,7 +271,8 @@ def _table(above: list[Row], block: list[Row], before: list[Table]) -> list[Tabl
         return []
     if across := _across(block):
         return [across]
-    width = Counter(len(row.cells) for row in block).most_common(1)[0][0]
+    widths = [len(row.cells) for row in block]
+    width = max(widths, key=widths.count)
     above = [row for row in above if not all(map(_UNIT.fullmatch, row.cells))]
     names, header = _header(above, block, width)
     if not names and before and len(before[-1].names) == width:
@@ -284,8 +285,8 @@ def _table(above: list[Row], block: list[Row], before: list[Table]) -> list[Tabl
             "but no line above names them: add a header such as 'h error'"
         )
     rows = [_cells(row, width) for row in block]
-    captions = [row.text.strip() for row in above if row not in header]
-    captions = [text for text in captions if not _SUMMARY.match(text) and text[0] not in "\\@."]
+    texts = [row.text.strip() for row in above if row not in header]
+    captions = [text for text in texts if not (_SUMMARY.match(text) or text[0] in "\\@.")]
     lines = [row.line.number for row in block]
     breaks = [k for k in range(1, len(block)) if block[k].line.gap or lines[k] > lines[k - 1] + 1]
     places = [f"line {line}" for line in lines]
