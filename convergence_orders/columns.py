@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .cells import SIZES, is_missing, kind_of, role, to_number, uses_decimal_commas, without_words
 from .orders import SAME_SIZE, STALLED, Array, OrderError, consecutive_orders
-from .tables import Table, read_tables
+from .tables import Table, read_tables, shorten
 
 Rows = NDArray[np.intp]
 """Indices of the rows of a series."""
@@ -356,16 +356,16 @@ class Columns:
             h, words = self._converted(self.size, rows, confirmed)
             self._refuse_repeated(h, rows, self.size)
             return h, words
-        self._refuse_two_series(rows)
         ratio, levels = self.options.ratio, np.arange(len(rows), dtype=float)
         for column in self.columns:
             if ratio is not None and column.role in ("size", "step"):
                 raise OrderError(f"--ratio {ratio:g}, but column {column.name} has sizes: leave out --ratio")
             if column.role == "level":
                 levels = column.numbers[rows]
+        h = np.power(max(ratio, 1 / ratio) if ratio else 2.0, -levels)
+        self._refuse_two_series(h, rows)
         if ratio is not None:
-            return np.power(max(ratio, 1 / ratio), -levels), f"ratio {ratio:g}"
-        h = np.exp2(-np.arange(len(rows), dtype=float))
+            return h, f"ratio {ratio:g}"
         if self._agrees(h, rows):
             return h, "ratio 2, which follows from the printed orders"
         for column in self.columns:
@@ -441,14 +441,14 @@ class Columns:
         computed = ", ".join(f"{order:.2f}" for order in consecutive_orders(h, errors.numbers[rows]))
         return f"the printed orders {printed} are not the computed ones {computed}"
 
-    def _refuse_two_series(self, rows: Rows) -> None:
+    def _refuse_two_series(self, h: Array, rows: Rows) -> None:
         """Refuse rows without sizes if errors that stagnate or grow fall again, or fall much more once.
 
         Raises:
             OrderError: the rows may belong to several series.
         """
         for column in self.errors:
-            orders = consecutive_orders(2.0 ** -np.arange(len(rows)), column.numbers[rows])
+            orders = consecutive_orders(h, column.numbers[rows])
             for k, (before, order, after) in enumerate(zip(orders, orders[1:], orders[2:], strict=False), start=2):
                 if before <= STALLED < after or order > max(before, after) + 1:
                     raise OrderError(
@@ -474,8 +474,8 @@ class Columns:
             usable = 0 < number < math.inf if column is self.size else signed or not number < 0
             if not usable or (math.isnan(number) and kind_of(cell) != "9"):
                 raise OrderError(
-                    f"{place}: {name} is '{cell}', expected {wanted}: write a number there, delete the line, or name "
-                    "the columns of errors with --columns"
+                    f"{place}: {name} is '{shorten(cell)}', expected {wanted}: write a number there, delete the line, "
+                    "or name the columns of errors with --columns"
                 )
 
 

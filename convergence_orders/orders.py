@@ -60,9 +60,8 @@ class Expectation:
         if self.expected is not None and self.at_least is not None:
             raise OrderError("give an expected order or a lower limit of the order, not both")
         for name, value in vars(self).items():
-            number = np.asarray(1.0 if value is None or (name == "floor" and value == 0) else value)
-            is_real = number.shape == () and number.dtype.kind in "iuf"
-            if not (is_real and 0 < number < math.inf):
+            permitted = value is None or (name == "floor" and value == 0)
+            if not (permitted or (isinstance(value, int | float | np.number) and 0 < value < math.inf)):
                 raise OrderError(f"{name} must be one positive number, got {value!r}")
 
     @property
@@ -191,7 +190,7 @@ def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
     sizes, orders = np.asarray(h, dtype=float), consecutive_orders(h, errors)
     if len(orders) < 2:
         return math.nan
-    ratio = math.exp((math.log(sizes[-3]) - math.log(sizes[-1])) / 2)
+    ratio = math.sqrt(sizes[-3]) / math.sqrt(sizes[-1])
     return float(orders[-1] + (orders[-1] - orders[-2]) / (ratio - 1))
 
 
@@ -503,8 +502,7 @@ def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:
     monotone = np.sign(changes).sum() != 0
     if not math.isfinite(limit):
         # Values that turn on finer meshes after an extremum do not diverge.
-        turns = not monotone or (phi[0] - phi[-2]) * changes[1] > 0
-        turned = len(phi) > 3 and turns and abs(changes[1]) < np.ptp(phi)
+        turned = len(phi) > 3 and np.ptp(np.sign(np.diff(phi))) > 0
         return GridConvergence("not monotone" if turned else "diverging" if p < 0 else "undecided")
     index = SAFETY * abs(limit / finest - 1) if finest else math.nan
     return GridConvergence("monotone" if monotone else "oscillating", p, limit, index)

@@ -9,7 +9,7 @@ import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise, takewhile
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from .cells import SIZES, kind_of, role, to_number
 from .orders import OrderError, consecutive_orders
 
 MAX_BYTES = 8_000_000
-MAX_LINES, MAX_LINE, MAX_CELL = 100_000, 130_000, 2_000
+MAX_LINES, MAX_LINE = 100_000, 130_000
 EXAMPLE = "expected a header such as 'h,error' and one line for each mesh, for example '0.5,0.1', '0.25,0.025'"
 
 
@@ -59,7 +59,11 @@ def read_tables(data: bytes | str) -> list[Table]:
         return tables
     lines = _lines(text)
     joined = "\n".join(line.text for line in lines)
-    if tables := _lists(joined) or (_grids(lines) if lines else []) or _records(joined):
+    lists, singles = _lists(joined)
+    tables = lists or (_grids(lines) if lines else [])
+    if not tables and singles:
+        tables = [from_columns("name = value lines", singles)]
+    if tables:
         # The signs of norms were replaced.
         restored = str.maketrans({"‖": "\\|", "¦": "|"})
         return [replace(table, names=[name.translate(restored) for name in table.names]) for table in tables]
@@ -149,16 +153,12 @@ def _lines(text: str) -> list[Line]:
     """Return the lines that may belong to a table.
 
     Raises:
-        OrderError: the text has too many lines, or a cell is too long.
+        OrderError: the text has too many lines, or a line is too long.
     """
-    long = re.search(rf"(?<![^\s,;|&])[^\s,;|&]{{{MAX_CELL},}}", text)
-    for number, most, what in (
-        (text.count("\n"), MAX_LINES, "lines: a table of errors has one line for each mesh"),
-        (max(map(len, text.split("\n"))), MAX_LINE, "characters in a line"),
-        (len(long[0]) if long else 0, MAX_CELL, "characters in a cell"),
-    ):
-        if number > most:
-            raise OrderError(f"it has more than {most} {what}; {EXAMPLE}")
+    if text.count("\n") > MAX_LINES:
+        raise OrderError(f"it has more than {MAX_LINES} lines: a table of errors has one line for each mesh; {EXAMPLE}")
+    if max(map(len, text.split("\n"))) > MAX_LINE:
+        raise OrderError(f"it has a line of more than {MAX_LINE} characters; {EXAMPLE}")
     for pattern, replacement in _CLEANED:
         text = re.sub(pattern, replacement, text)
     text = _SPANNED.sub(lambda found: found[2] + " &" * (int(found[1]) - 1), text)
@@ -367,11 +367,14 @@ def _grouped(upper: Row, names: list[str]) -> list[str]:
     A heading replaces a name such as ``error``. But a heading such as h is joined with the name, because an error of a
     quantity h must not be taken as the mesh size.
     """
+    blanks = upper.sign == " "
     for start in range(len(names)):
-        headings = upper.cells if upper.sign == " " else [*filter(None, upper.cells[start:])]
+        headings = upper.cells if blanks else [*filter(None, upper.cells[start:])]
         group = names[start : start + (len(names) - start) // max(len(headings), 1)]
-        if len(headings) > 1 and names[start:] == group * len(headings):
-            left = [name or cell for name, cell in zip(names[:start], upper.cells, strict=False)]
+        if len(headings) > 1 and any(group) and names[start:] == group * len(headings):
+            left = names[:start]
+            if not blanks:
+                left = [name or cell for name, cell in zip(left, upper.cells, strict=False)]
             return left + [_joined(heading, name) for heading in headings for name in group]
     return []
 
@@ -443,36 +446,32 @@ _NAMED = re.compile(
 _PAIRS = re.compile(r"(?m)^(?P<name>[^:\n]{0,60}?)(?P<pairs>(?:[ ,]+\d[\d.]*: ?[\d.eE+-]+){2,})$")
 
 
-def _lists(text: str) -> list[Table]:
-    """Return the tables whose columns are lists.
+def _lists(text: str) -> tuple[list[Table], dict[str, list[str]]]:
+    """Return the tables whose columns are lists, and the columns in lines ``name = value``.
 
-    They have the form ``name = [1, 2, 3]``, ``name: 1, 2, 3`` or ``label 51: 0.1, 101: 0.02``. A second list of mesh
-    sizes begins another table.
+    Lists have the form ``name = [1, 2, 3]``, ``name: 1, 2, 3`` or ``label 51: 0.1, 101: 0.02``. A second list of mesh
+    sizes begins another table. The single values of a name, one for each mesh, are a column.
     """
     tables: list[dict[str, list[str]]] = [{}]
+    singles: dict[str, list[str]] = {}
     for name, values in _named(_PAIRS.sub(_as_lists, text)):
+        if len(values) == 1:
+            # Logging programs write the date and INFO in front of the name.
+            last = name.split()[-1] if name else ""
+            name = last if role(last) in SIZES and role(name) == "unknown" else name
+            singles.setdefault(name, []).append(values[0].strip("*|`"))
+            continue
         kinds = [kind_of(value) for value in values]
         # A word in a list of numbers is a failure; a list of words is none of numbers.
-        fits = "a" not in kinds or len(values) in map(len, tables[-1].values())
-        if len(values) < 2 or "9" not in kinds or not fits:
+        if "9" not in kinds or ("a" in kinds and len(values) not in map(len, tables[-1].values())):
             continue
         if name in tables[-1] and role(name) in SIZES:
             tables.append({})
-        last = tables[-1]
-        last[f"{name} ({len(last) + 1})" if name in last else name] = values
-    return [from_columns("lists", columns) for columns in tables if len(columns) > 1]
-
-
-def _records(text: str) -> list[Table]:
-    """Return the table in lines ``name = value``: the values of a name, one for each mesh, are a column."""
-    columns: dict[str, list[str]] = {}
-    for name, values in _named(text):
-        # Logging programs write the date and INFO in front of the name.
-        last = name.split()[-1] if name else ""
-        name = last if role(last) in SIZES and role(name) == "unknown" else name
-        columns.setdefault(name, []).append(values[0].strip("*|`"))
-    repeated = {name: values for name, values in columns.items() if len(values) > 1}
-    return [from_columns("name = value lines", repeated)] if repeated else []
+        columns = tables[-1]
+        columns[f"{name} ({len(columns) + 1})" if name in columns else name] = values
+    lists = [from_columns("lists", columns) for columns in tables if len(columns) > 1]
+    repeated = {name: values for name, values in singles.items() if len(values) > 1}
+    return lists, repeated
 
 
 def _named(text: str) -> Iterator[tuple[str, list[str]]]:
@@ -490,7 +489,10 @@ def _as_lists(found: re.Match[str]) -> str:
 
 
 def _json(text: str) -> list[Table]:
-    """Return the table in JSON: numbers with the same name are a column, in lists of objects or objects of lists."""
+    """Return the tables in JSON: numbers with the same name are a column, in lists of objects or objects of lists.
+
+    The outermost object that has a column is a table; the names of the objects around it are its caption.
+    """
     columns: dict[tuple[str, ...], list[str]] = {}
     try:
         for path, value in _leaves(json.loads(text), ()):
@@ -498,10 +500,12 @@ def _json(text: str) -> list[Table]:
     except (ValueError, RecursionError):
         return []
     columns = {path: values for path, values in columns.items() if path and len(values) > 1}
-    outer = takewhile(lambda names: len(set(names)) == 1, zip(*(path[:-1] for path in columns), strict=False))
-    around = [names[0] for names in outer]
-    named = {" ".join(path[len(around) :]): values for path, values in columns.items()}
-    return [replace(from_columns("JSON", named), caption=" ".join(around))] if named else []
+    objects = {path[:-1] for path in columns}
+    tables: dict[tuple[str, ...], dict[str, list[str]]] = {}
+    for path, values in columns.items():
+        around = next(path[:depth] for depth in range(len(path)) if path[:depth] in objects)
+        tables.setdefault(around, {})[" ".join(path[len(around) :])] = values
+    return [replace(from_columns("JSON", table), caption=" ".join(around)) for around, table in tables.items()]
 
 
 def _leaves(data: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], str]]:

@@ -104,6 +104,14 @@ def test_nested_json_is_read(nested, tmp_path, capsys) -> None:
     assert "errors L2: holds" in capsys.readouterr().out
 
 
+def test_every_object_of_json_with_sizes_is_a_series(tmp_path, capsys) -> None:
+    runs = {
+        name: {"h": [0.5, 0.25, 0.125], "L2": errors} for name, errors in (("P1", [4, 1, 0.25]), ("P2", [8, 1, 0.125]))
+    }
+    (tmp_path / "t.json").write_text(json.dumps(runs))
+    assert main([str(tmp_path / "t.json"), "--expected", "P1=2,P2=3"]) == 0, capsys.readouterr().err
+
+
 def test_a_table_is_judged_by_the_fixture(convergence_orders) -> None:
     assert convergence_orders.table(collected(), L2=2, H1=1)["L2"].verdict == "holds"
     with pytest.raises(pytest.fail.Exception, match="L2: fails"):
