@@ -7,6 +7,7 @@ tabs, semicolons, commas or blanks, or lines ``name = value``. What a column mea
 import csv
 import json
 import re
+from bisect import bisect
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -105,7 +106,7 @@ _ROW_END = r"(?:\\\\(?:\[[^]\n]*\])?|\\tabularnewline|[ \t]\\)[ \t]*"
 _BRACED = r"\{((?:[^{}\n]|\{(?:[^{}\n]|\{[^{}\n]*\})*\}){0,200})\}"
 _SPANNED = re.compile(r"\\multicolumn\{([1-8])\}\{(?:[^{}\n]|\{[^{}\n]*\}){0,80}\}" + _BRACED)
 _VARIABLES = re.compile(r'(?m)^\s*VARIABLES\s*=\s*"(.*)"')
-_COMPUTED = re.compile(r"(?<!\S)(\S{1,30}) \((?:computed|numerical)\),? +(\S+) \((?:analytical|exact|reference)\)")
+_COMPUTED = re.compile(r"(?<!\S)(\S{1,30}) \((?:computed|numerical)\),? +(\S{1,30}) \((?:analytical|exact|reference)\)")
 GAP = "\x1e"
 """Sign behind a line with a rule below it."""
 _CLEANED: list[tuple[str, str]] = [
@@ -350,13 +351,13 @@ def _placed(header: Row, block: list[Row], width: int, named: list[int]) -> list
         named: indices of the columns that need a name; the columns of orders to the right of each need none.
     """
     words = [[word.end() for word in re.finditer(r"\S+", row.text)] for row in block if len(row.cells) == width]
-    ends = [0, *map(max, zip(*words, strict=True))]
-    regions = [(ends[k], ends[after]) for k, after in pairwise([*named, width])]
+    ends = [*map(max, zip(*words, strict=True))]
+    # The region of a column with a name ends where the columns of orders to its right end.
+    stops = [ends[after - 1] for after in [*named[1:], width]]
     names = [""] * len(named)
     for word in re.finditer(r"\S+", header.text):
-        shared = [min(word.end(), end) - max(word.start(), start) for start, end in regions]
-        nearest = shared.index(max(shared))
-        names[nearest] = f"{names[nearest]} {word[0]}".strip()
+        k = min(bisect(stops, sum(word.span()) / 2), len(stops) - 1)
+        names[k] = f"{names[k]} {word[0]}".strip()
     return names if all(names) else []
 
 
