@@ -262,7 +262,7 @@ class Columns:
             if column.role == "unknown" and column.whole and column.numbers.any():
                 raise OrderError(
                     f"column {column.name} has whole numbers: numbers of cells, iterations or seconds, or errors? Name "
-                    "the columns of errors with --columns"
+                    "the columns of errors with --columns (columns= in Python)"
                 )
         # All first entries are missing in a table of orders.
         is_orders = len(self.table.rows) > 2 and all(column.starts_missing for column in found)
@@ -362,6 +362,8 @@ class Columns:
                 raise OrderError(f"--ratio {ratio:g}, but column {column.name} has sizes: leave out --ratio")
             if column.role == "level":
                 levels = column.numbers[rows]
+                if ratio is not None and set(np.diff(levels)) not in (set(), {1.0}, {-1.0}):
+                    raise OrderError(f"--ratio {ratio:g}, but the levels in column {column.name} are not consecutive")
         h = np.power(max(ratio, 1 / ratio) if ratio else 2.0, -levels)
         self._refuse_two_series(h, rows)
         if ratio is not None:

@@ -46,7 +46,7 @@ class ConvergenceTable:
         return check_orders(None, self.columns, expected, dim=self.dim, **options)
 
     def assert_order(self, at_least: Mapping[str, float] | None = None, tolerance: float = 0.15,
-                     floor: float = 0.0, max_error: Mapping[str, float] | None = None,
+                     floor: float = 0.0, max_error: Mapping[str, float] | None = None, columns: str = "",
                      **expected: float) -> dict[str, OrderResult]:  # fmt: skip
         """Assert, in a test, that columns have the expected orders, for example ``assert_order(L2=2, H1=1)``.
 
@@ -54,8 +54,8 @@ class ConvergenceTable:
             AssertionError: an order is not as expected; the message has the table.
             OrderError: no order is expected, or a name is no column.
         """
-        options = {"tolerance": tolerance, "floor": floor, "max_error": max_error, "at_least": at_least}
-        results = self.check(expected or None, **options)
+        options: dict[str, Any] = {"tolerance": tolerance, "floor": floor, "max_error": max_error, "at_least": at_least}
+        results = self.check(expected or None, columns=columns, **options)
         judged = [result for result in results.values() if result.expectation.judges]
         if not judged:
             raise OrderError("assert_order got no order, expected one: assert_order(L2=2) or at_least={'L2': 1.8}")

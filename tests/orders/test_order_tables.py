@@ -274,7 +274,7 @@ def test_names_in_two_rows_belong_together(names: str) -> None:
         ("h,drag\n.4,3.14\n.2,3.142\n.1,3.1425\n", [], "or are these orders or values of a quantity (--values), not"),
         ("h,drag\n.4,3.14\n.2,3.142\n.1,3.1425\n", ["--values"], "size: h from column h; values: drag"),
         ("level error\n4 .01\n3 .04\n2 .16\n1 .64\n", ["--ratio", "2"], "orders 2.00, 2.00, 2.00"),
-        ("level error\n1 .64\n2 .16\n4 .01\n5 .0025\n", ["--ratio", "2"], "orders 2.00, 2.00, 2.00"),
+        ("level error\n1 .64\n2 .16\n3 .04\n4 .01\n", ["--ratio", "2"], "orders 2.00, 2.00, 2.00"),
         ("Netz;Fehler\n1.024;0,16\n4.096;0,04\n16.384;0,01\n", ["--in", "netz", "--dim", "2"], "h = Netz^(-1/2)"),
         ("Netz;Fehler\n1.024;0,16\n4.096;0,04\n16.384;0,01\n", ["--in", "netz", "--dim", "2"], "0.03125 0.16"),
         ('h,"L2(0,T;H1)","e, max"\n.4,.4,.4\n.2,.1,.2\n.1,.025,.1\n', ["--columns", "L2(0,T;H1),e, max"], "e, max: c"),
@@ -285,6 +285,11 @@ def test_names_in_two_rows_belong_together(names: str) -> None:
 )  # fmt: skip
 def test_what_is_said_of_small_tables(table: str, options: list[str], said: str, rates) -> None:
     assert said in rates(table, *options, code={"undecided": 3, "Größe: fails": 1}.get(said, 0))
+
+
+def test_levels_that_are_not_consecutive_have_no_ratio(rates) -> None:
+    said = rates("level error\n1 .64\n2 .16\n4 .01\n5 .0025\n", "--ratio", "2", code=2)
+    assert "the levels in column level are not consecutive" in said
 
 
 STAGNATING = ["4.12E-02", "2.96E-02", "2.70E-02", "2.65E-02"]

@@ -25,6 +25,7 @@ def test_a_table_of_errors_prints_orders_beside_the_errors_and_judges_them() -> 
     }  # fmt: skip
     with pytest.raises(AssertionError, match=r"(?s)L2: fails: converges with order 1.50.* dofs "):
         collected(1.5).assert_order(L2=2)
+    assert collected().assert_order(columns="L2", L2=2).keys() == {"L2"}
     with pytest.raises(OrderError, match="got no order"):
         table.assert_order()
     with pytest.raises(OrderError, match="a row with h, expected h, dofs"):
