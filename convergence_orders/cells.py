@@ -113,7 +113,7 @@ _ROLES = {
     "total": rf"(?:(?:n|number of|no of|total) |n)?(?:active )?(?:{_COUNTED})(?: total)?|n ?el?",
     "step": r"dt|δ ?t|tau|τ|(?:time ?step(?: size)?|step ?size)(?: (?:dt|δ ?t|τ|tau))?",
     "level": r"(?:refinement |ref |mesh )?(?:level|lvl|cycle)s?|refinements?|refine",
-    "degree": r"(?:polynomial )?(?:degrees?|deg)(?: [pkqr])?|poly(?:nomial)? ?(?:order)?|p",
+    "degree": r"(?:polynomial )?(?:degrees?|deg)(?: [pkqr])?|poly(?:nomial)? ?(?:order)?|p|pk",
 }
 """Role ↦ pattern of the whole name."""
 SIZES = ("size", "count", "total", "step")

@@ -27,7 +27,7 @@ USAGE, CLOSED = 2, 141
 def main(arguments: Sequence[str] | None = None, name: str = "convergence-orders") -> int:
     """Run the command with the given arguments, by default those of the command line; return the exit code.
 
-    ``name`` stands in the usage line, and in the message if the output cannot be written.
+    ``name`` is the command as it was typed; it stands in the usage line and in front of every refusal.
     """
     parser = argparse.ArgumentParser(
         prog=name,
@@ -35,13 +35,14 @@ def main(arguments: Sequence[str] | None = None, name: str = "convergence-orders
         description="Compute the observed orders of a table of errors, and compare them with the orders you expect.",
         epilog="Exit code: 0 all orders hold, 1 an order is wrong, 2 the table is not understood, 3 undecided.",
     )
-    add_arguments(parser)
+    for flag, options in ARGUMENTS.items():
+        parser.add_argument(flag, **options)  # type: ignore[arg-type]
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             # A terminal with another encoding cannot show every name.
             stream.reconfigure(errors="backslashreplace")
     try:
-        code = run(parser.parse_args(arguments))
+        code = run(parser.parse_args(arguments), name)
         sys.stdout.flush()
     except OSError as error:
         # Python would fail to write the rest of the output at its end.
@@ -53,12 +54,6 @@ def main(arguments: Sequence[str] | None = None, name: str = "convergence-orders
         print(f"{name.split()[0]}: cannot write the output: {reason}", file=sys.stderr)
         return USAGE
     return code
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the command to a parser."""
-    for flag, options in ARGUMENTS.items():
-        parser.add_argument(flag, **options)  # type: ignore[arg-type]
 
 
 def _orders(text: str) -> float | dict[str, float]:
@@ -108,8 +103,12 @@ ARGUMENTS: dict[str, dict[str, object]] = {
 """Flag ↦ arguments of ``argparse.ArgumentParser.add_argument``."""
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: argparse.Namespace, name: str) -> int:
     """Read tables of errors, and print the observed orders and the verdicts.
+
+    Parameters:
+        options: the options of the command.
+        name: the command as it was typed, for messages.
 
     Returns:
         0 if all orders hold or none is expected, 1 if one fails, 2 for bad input, 3 if one is undecided.
@@ -127,15 +126,15 @@ def run(options: argparse.Namespace) -> int:
         if options.values:
             print(printable(_values(tables, options.json)))
             return 0
-        judged = judge(tables, {"tolerance": options.tolerance, "floor": options.floor}, **wishes)
+        judged = judge(tables, options.tolerance, options.floor, **wishes)
         file = ""
-        for name, write in ((options.junit, as_junit), (options.markdown, as_markdown)):
-            if name:
-                name.write_text(write(judged), encoding="utf-8")
+        for path, write in ((options.junit, as_junit), (options.markdown, as_markdown)):
+            if path:
+                path.write_text(write(judged), encoding="utf-8")
         if options.plot:
             plot(judged, options.plot)
     except (OrderError, OSError) as error:
-        print(printable(f"convergence-orders: {file}{error}"), file=sys.stderr)
+        print(printable(f"{name}: {file}{error}"), file=sys.stderr)
         return USAGE
     print(printable(_dumps(as_json(judged)) if options.json else as_text(judged)))
     return exit_code(judged)

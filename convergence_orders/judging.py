@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from .columns import Options, Series, series_of
 from .orders import HOLDS, TOLERANCE, OrderError, OrderResult, observed_orders, real_numbers
-from .tables import Table
+from .tables import from_columns
 
 Wish = float | Mapping[Any, float] | None
 """A number for all columns, or name of a column ↦ number."""
@@ -17,65 +17,53 @@ Judged = list[tuple[Series, list[OrderResult]]]
 
 
 def names_of(series: Series, name: str) -> tuple[str, ...]:
-    """Return the names by which an expectation of a column is looked up: with its case, alone, the case, and ""."""
-    return f"{name} ({series.label})" if series.label else name, name, series.label, ""
+    """Return the names by which an expectation of a column is looked up: with its case, alone, and the case."""
+    return f"{name} ({series.label})" if series.label else name, name, series.label
 
 
-def judge(tables: list[Series], options: Mapping[str, float], **wishes: Wish) -> Judged:
+def judge(tables: list[Series], tolerance: float = TOLERANCE, floor: float = 0.0, **wishes: Wish) -> Judged:
     """Compute the observed orders of every column of errors, and compare them with the expected orders.
 
-    An expectation is looked up by the name of a column and its case, then by the name, then by the case. A part of a
-    name will do if only one column contains it.
+    An expectation is looked up by the name of a column and its case, then by the name, then by the case.
 
     Parameters:
         tables: the series of meshes.
-        options: ``tolerance`` and ``floor``, as in ``observed_orders``.
+        tolerance, floor: as in ``observed_orders``.
         wishes: ``expected``, ``at_least`` and ``max_error``.
 
     Raises:
         OrderError: something is expected of a column that does not exist or was left out.
     """
-    columns: list[tuple[Series, str, tuple[str, ...]]] = [
-        (series, name, names_of(series, name)) for series in tables for name in series.errors
-    ]
-    given = {kind: _by_full_name(wish, columns, tables) for kind, wish in wishes.items() if wish is not None}
-    results: dict[int, list[OrderResult]] = {}
-    for series, name, keys in columns:
-        own: dict[str, Any] = {
-            kind: next((wish[key] for key in keys if key in wish), None) for kind, wish in given.items()
-        }
-        result = observed_orders(series.h, series.errors[name], name=keys[0], **options, **own)
-        sentence = "; ".join(filter(None, [result.sentence, series.remarks.get(name)]))
-        results.setdefault(id(series), []).append(replace(result, sentence=sentence))
-    return [(series, results[id(series)]) for series in tables]
-
-
-def _by_full_name(
-    wish: float | Mapping[Any, float], columns: list[tuple[Series, str, tuple[str, ...]]], tables: list[Series]
-) -> dict[str, float]:
-    """Return what is expected by the full names of columns or cases; "" stands for all columns.
-
-    Raises:
-        OrderError: a name is no column of errors.
-    """
-    names = {name for _, name, _ in columns}
-    known = {key for *_, keys in columns for key in keys}
+    columns = [names_of(series, name) for series in tables for name in series.errors]
     ignored = {name: kind for series in tables for name, kind in series.ignored.items()}
-    found = {}
-    for part, number in wish.items() if isinstance(wish, Mapping) else [("", wish)]:
-        full = str(part)
-        matching = [name for name in names if full.lower() in name.lower()]
-        if full not in known | ignored.keys() and len(matching) == 1:
-            full = matching[0]
-        if full not in known:
-            left_out = f"; {full} was left out ({ignored[full]}): use --columns" if full in ignored else ""
-            every = ", ".join(dict.fromkeys(keys[0] for *_, keys in columns))
-            raise OrderError(f"an order is expected of {full}, but the columns of errors are {every}{left_out}")
-        found[full] = number
-    return found
+    for wish in wishes.values():
+        for name in map(str, wish if isinstance(wish, Mapping) else ()):
+            if not any(name in keys for keys in columns):
+                left_out = f"; {name} was left out ({ignored[name]}): use --columns" if name in ignored else ""
+                every = ", ".join(dict.fromkeys(keys[0] for keys in columns))
+                raise OrderError(f"an order is expected of {name}, but the columns of errors are {every}{left_out}")
+    judged = []
+    for series in tables:
+        results = []
+        for name, errors in series.errors.items():
+            keys = names_of(series, name)
+            own: dict[str, Any] = {kind: _wish_for(keys, wish) for kind, wish in wishes.items()}
+            result = observed_orders(series.h, errors, name=keys[0], tolerance=tolerance, floor=floor, **own)
+            sentence = "; ".join(filter(None, [result.sentence, series.remarks.get(name)]))
+            results.append(replace(result, sentence=sentence))
+        judged.append((series, results))
+    return judged
 
 
-def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_least: Wish = None,
+def _wish_for(keys: tuple[str, ...], wish: Wish) -> float | None:
+    """Return what is expected of the column that has the given names."""
+    if not isinstance(wish, Mapping):
+        return wish
+    by_name = {str(name): number for name, number in wish.items()}
+    return next((by_name[key] for key in keys if key in by_name), None)
+
+
+def check_orders(h: ArrayLike | str | None, errors: Any, expected: Wish = None, at_least: Wish = None,
                  tolerance: float = TOLERANCE, floor: float = 0.0, max_error: Wish = None,
                  columns: str = "", dim: int | None = None) -> dict[str, OrderResult]:  # fmt: skip
     """Compute and judge the observed orders of several columns of errors.
@@ -84,7 +72,7 @@ def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_leas
     times and words are left out, and a column such as the degree divides the rows into series.
 
     Parameters:
-        h: mesh sizes, (levels,), or the name of their column in ``errors``.
+        h: mesh sizes, (levels,), or the name of their column in ``errors``; by default it is recognised by its name.
         errors: a dictionary or a DataFrame, name of a column ↦ errors, (levels,); or a Series, which is one column.
         expected: expected order: one number for all columns, or name of a column ↦ number.
         at_least: smallest accepted order: one number for all columns, or name of a column ↦ number.
@@ -106,18 +94,14 @@ def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_leas
     if not hasattr(errors, "keys"):
         raise OrderError("errors must be a dictionary or a DataFrame, name ↦ errors; for one list use observed_orders")
     table = {str(name): errors[name] for name in errors}
-    size = h if isinstance(h, str) else "h" if "h" not in table else "mesh size"
-    if not isinstance(h, str):
-        table = {size: h} | table
+    size = h if h is None or isinstance(h, str) else "h" if "h" not in table else "mesh size"
+    if h is not None and size is not h:
+        table = {str(size): h} | table
     cells = {name: _cells(column, name) for name, column in table.items()}
-    if len(set(map(len, cells.values()))) > 1:
-        lengths = ", ".join(f"{name} {len(column)}" for name, column in cells.items())
-        raise OrderError(f"columns of different lengths ({lengths}): give one error for each mesh")
-    rows = [list(row) for row in zip(*cells.values(), strict=True)]
-    given = Table("Python", list(cells), rows, list(range(1, len(rows) + 1)))
-    tables = series_of([given], Options(dim, size, columns=columns))
-    options = {"tolerance": tolerance, "floor": floor}
-    judged = judge(tables, options, expected=expected, at_least=at_least, max_error=max_error)
+    if not cells:
+        raise OrderError("there are no errors: give one for each mesh")
+    series = series_of([from_columns("Python", cells)], Options(dim, size, columns=columns))
+    judged = judge(series, tolerance, floor, expected=expected, at_least=at_least, max_error=max_error)
     return {result.name: result for _, results in judged for result in results}
 
 

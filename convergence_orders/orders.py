@@ -60,9 +60,8 @@ class Expectation:
         if self.expected is not None and self.at_least is not None:
             raise OrderError("give an expected order or a lower limit of the order, not both")
         for name, value in vars(self).items():
-            number = np.asarray(1.0 if value is None or (name == "floor" and value == 0) else value)
-            is_real = number.shape == () and number.dtype.kind in "iuf"
-            if not (is_real and 0 < number < math.inf):
+            permitted = value is None or (name == "floor" and value == 0)
+            if not (permitted or (isinstance(value, int | float | np.number) and 0 < value < math.inf)):
                 raise OrderError(f"{name} must be one positive number, got {value!r}")
 
     @property
@@ -149,11 +148,10 @@ def consecutive_orders(h: ArrayLike, errors: ArrayLike) -> Array:
 
     They are log(e_i/e_{i+1}) / log(h_i/h_{i+1}), and NaN if one of the two errors is zero or not finite.
     """
-    sizes, e = np.asarray(h, dtype=float), np.asarray(errors, dtype=float)
     with np.errstate(all="ignore"):
-        orders = np.log(e[:-1] / e[1:]) / np.log(sizes[:-1] / sizes[1:])
-        # Quotients of very large and very small errors overflow. Then differences of logarithms are used.
-        orders = np.where(np.isfinite(orders), orders, np.diff(np.log(e)) / np.diff(np.log(sizes)))
+        # Quotients of very large and very small errors would overflow, differences of logarithms do not.
+        x, y = np.log(np.asarray(h, dtype=float)), np.log(np.asarray(errors, dtype=float))
+        orders = np.diff(y) / np.diff(x)
     return np.where(np.isfinite(orders), orders, np.nan)
 
 
@@ -167,15 +165,11 @@ def fitted_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float, float]:
         The order, and the lower and upper end of the interval, which is infinite for two meshes.
     """
     x, y = np.log(np.asarray(h, dtype=float)), np.log(np.asarray(errors, dtype=float))
-    free = len(x) - 2
-    if free < 0:
-        return math.nan, -math.inf, math.inf
-    (xx, xy), (_, yy) = np.cov(x, y, bias=True)
-    order = float(xy / xx)
-    if not free:
-        return order, -math.inf, math.inf
-    half = float(student_quantile(free) * np.sqrt(max(xx * yy - xy**2, 0.0) / free) / xx)
-    return order, order - half, order + half
+    if len(x) < 3:
+        return float(np.mean(consecutive_orders(h, errors))) if len(x) == 2 else math.nan, -math.inf, math.inf
+    (order, _), covariance = np.polyfit(x, y, 1, cov=True)
+    half = student_quantile(len(x) - 2) * math.sqrt(covariance[0, 0])
+    return float(order), float(order - half), float(order + half)
 
 
 def student_quantile(free: int) -> float:
@@ -196,55 +190,41 @@ def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
     sizes, orders = np.asarray(h, dtype=float), consecutive_orders(h, errors)
     if len(orders) < 2:
         return math.nan
-    ratio = math.exp((math.log(sizes[-3]) - math.log(sizes[-1])) / 2)
+    ratio = math.sqrt(sizes[-3]) / math.sqrt(sizes[-1])
     return float(orders[-1] + (orders[-1] - orders[-2]) / (ratio - 1))
-
-
-def order_of_differences(fine: float, coarse: float, quotient: float, sign: float = 1.0) -> float:
-    """Return the order p > 0 at which the differences of a quantity on three meshes have the given quotient.
-
-    Let r and R be the ratios of the mesh sizes, and s = 1 if the values are monotone, s = −1 if they oscillate. The
-    method of Celik et al. solves r^p (R^p − s)/(r^p − s) = |quotient of the differences|. The left-hand side increases
-    with p, so there is at most one solution, and bisection finds it.
-
-    Parameters:
-        fine, coarse: logarithms of the ratios r and R of the mesh sizes of the two finer and the two coarser meshes.
-        quotient: logarithm of the quotient of the coarser difference and the finer difference.
-        sign: the number s.
-
-    Returns:
-        The order; −∞ if the differences are too large for any positive order, ∞ if the order is above 100.
-    """
-
-    def excess(p: float) -> float:
-        # The difference of the logarithms of both sides, in a form that neither overflows nor cancels.
-        above, below = (-math.expm1(-x) if sign > 0 else 1 + math.exp(-x) for x in (p * coarse, p * fine))
-        return p * coarse + math.log(above / below) - quotient
-
-    low, high = 1e-9, 100.0
-    if excess(low) >= 0:
-        return -math.inf
-    if excess(high) <= 0:
-        return math.inf
-    for _ in range(80):
-        middle = (low + high) / 2
-        low, high = (middle, high) if excess(middle) < 0 else (low, middle)
-    return low
 
 
 def limit_and_order(h: ArrayLike, values: ArrayLike) -> tuple[float, float]:
     """Fit a + C h^p to the values on the three finest meshes, and return the limit a and the order p.
 
-    If the values oscillate, the signs of the differences from a alternate (Celik et al.). The limit is NaN if there is
-    no fit with a positive p.
+    Let r and R be the ratios of the mesh sizes of the two finer and the two coarser meshes, and s = 1 if the values are
+    monotone, s = −1 if they oscillate. The method of Celik et al. solves (R^p − s)/(1 − s r^−p) = |quotient of the
+    differences|. The left-hand side increases with p, so there is at most one solution, and bisection finds it.
+
+    Returns:
+        The limit, and the order. Without a fit, the limit is NaN. The order is NaN if two values are equal, −∞ if the
+        differences are too large for any positive order, and ∞ if the order is above 100.
     """
-    coarse, fine = np.diff(-np.log(np.asarray(h, dtype=float)[-3:])).tolist()
-    finest, changes = float(np.asarray(values)[-1]), np.diff(np.asarray(values, dtype=float)[-3:])
+    coarse, fine = np.diff(-np.log(np.asarray(h, dtype=float)[-3:]))
+    finest = np.asarray(values, dtype=float)[-3:]
+    changes = np.diff(finest)
     if not changes.all():
         return math.nan, math.nan
-    first, second = np.log(np.abs(changes)).tolist()
-    p = order_of_differences(fine, coarse, first - second, 1.0 if np.sign(changes).sum() else -1.0)
-    return (finest + float(changes[1]) / math.expm1(p * fine) if 0 < p * fine < 700 else math.nan), p
+    sign = np.prod(np.sign(changes))
+
+    def excess(p: float) -> float:
+        return float((np.exp(p * coarse) - sign) / (1 - sign * np.exp(-p * fine)) - abs(changes[0] / changes[1]))
+
+    low, high = 1e-9, 100.0
+    with np.errstate(all="ignore"):
+        if excess(low) >= 0:
+            return math.nan, -math.inf
+        if excess(high) <= 0:
+            return math.nan, math.inf
+        for _ in range(60):
+            middle = (low + high) / 2
+            low, high = (middle, high) if excess(middle) < 0 else (low, middle)
+        return float(finest[-1] + changes[1] / np.expm1(low * fine)), low
 
 
 def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = None, at_least: float | None = None,
@@ -266,39 +246,38 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
             is negative, entries are not real numbers, or the expected order is not a positive number.
     """
     expectation = Expectation(expected, at_least, tolerance, floor, max_error)
-    sizes, e = _coarse_first(h, errors, name)
+    sizes, e = _coarse_first(h, errors, name or "errors")
+    if (e < 0).any():
+        raise OrderError(f"{name or 'error'} = {np.nanmin(e):g}: errors must not be negative; give absolute values")
     first, last, kind, sentence, verdict = _diagnose(sizes, e, expectation)
     if sizes.min() > 1 and not (sizes % 1).any() and len(e) > 1 and (np.diff(e) > 0).all():
         sentence += "; h seems to be the number n of cells: give h = 1/n"
     if max_error is not None and not e[-1] <= max_error:
         verdict, sentence = FAILS, f"{sentence}; the error on the finest mesh is {e[-1]:.3g}"
-    elif expectation.window is None and verdict == UNDECIDED and max_error is not None:
+    elif max_error is not None and expectation.window is None and verdict == UNDECIDED:
         verdict = HOLDS
     x, judged = sizes[first:last], e[first:last]
-    order, low, high, extrapolated, limit = math.nan, -math.inf, math.inf, math.nan, math.nan
-    if len(judged) > 1 and judged.min() > 0 and judged.max() < math.inf:
-        order, low, high = fitted_order(x, judged)
-        extrapolated = extrapolated_order(x, judged)
+    order, limit = (math.nan, -math.inf, math.inf), math.nan
+    if np.isfinite(judged).all() and judged.all():
+        order = fitted_order(x, judged)
         limit = limit_and_order(x, judged)[0] if len(judged) > 2 and np.diff(judged).max() < 0 else limit
     all_h, all_e, all_p = (tuple(column.tolist()) for column in (sizes, e, consecutive_orders(sizes, e)))
     told = verdict if expectation.judges or verdict == SKIPPED else None
-    fits = order, low, high, extrapolated, limit
+    fits = *order, extrapolated_order(x, judged), limit
     return OrderResult(name, all_h, all_e, all_p, *fits, first, last, kind, sentence, told, expectation)
 
 
-def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Array]:
-    """Return mesh sizes and errors as arrays, sorted from the coarsest mesh to the finest.
+def _coarse_first(h: ArrayLike, values: ArrayLike, name: str) -> tuple[Array, Array]:
+    """Return mesh sizes and errors, or other values, as arrays, sorted from the coarsest mesh to the finest.
 
     Raises:
-        OrderError: an error or a mesh size cannot be used, or a mesh size is repeated.
+        OrderError: a value or a mesh size cannot be used, or a mesh size is repeated.
     """
-    sizes, e = real_numbers(h, "h"), real_numbers(errors, name or "errors")
+    sizes, e = real_numbers(h, "h"), real_numbers(values, name)
     if len(sizes) != len(e) or not len(e):
-        raise OrderError(f"{len(sizes)} sizes and {len(e)} errors: expected one error for each mesh")
+        raise OrderError(f"{len(sizes)} sizes and {len(e)} {name}: expected one number for each mesh")
     if not (np.isfinite(sizes).all() and sizes.min() > 0):
         raise OrderError(f"mesh sizes must be positive and finite, got {sizes.tolist()[:10]}")
-    if (e < 0).any():
-        raise OrderError(f"{name or 'error'} = {np.nanmin(e):g}: errors must not be negative; give absolute values")
     coarse_first = np.argsort(-sizes)
     sizes, e = sizes[coarse_first], e[coarse_first]
     repeated = sizes[1:][-np.diff(sizes) < SAME_SIZE * sizes[1:]]
@@ -459,23 +438,23 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     first, verdict = _judge(h, e, expectation)
     orders, step = consecutive_orders(h, e), 2 * expectation.tolerance
     change = np.diff(orders)
+    # Orders that fall, but settle, fall by less from mesh to mesh.
+    drop = 0.8 * change[-2] if len(change) > 1 and change[-2] < 0 else -step
     # The fitted order lies within the orders that are quoted.
     quoted = slice(max(first, len(e) - QUOTED - 1), None)
     kind = "converges"
     sentence = f"converges with order {fitted_order(h[quoted], e[quoted])[0]:.2f} (orders {_text(orders[first:])})"
-    if orders.min() < -STALLED:
-        kind = "pre-asymptotic"
-        sentence = f"errors rise and fall: orders {_text(orders)}; no convergence is visible yet"
-    elif len(change) > 1 and change[-1] < -step and change[-2] > -step / 2:
-        kind = "orders falling"
-        sentence = f"the order drops on the finest mesh: {_text(orders)}; another error may dominate there"
-    elif len(change) > 1 and change[-2:].max() < 0 and change[-1] < 0.8 * change[-2] and change[-2:].sum() < -0.04:
-        kind, sentence = "orders falling", f"orders fall from mesh to mesh: {_text(orders)}"
-    elif abs(change[-1]) > step:
-        kind, sentence = "pre-asymptotic", f"pre-asymptotic, orders not settled: {_text(orders)}; take finer meshes"
     if verdict == HIGHER:
         kind = "higher than expected"
-        sentence = f"orders {_text(orders)} are higher than expected: superconvergence, or another error? {sentence}"
+        sentence = f"orders {_text(orders)} are higher than expected: superconvergence, or another error?"
+    elif orders.min() < -STALLED:
+        kind = "pre-asymptotic"
+        sentence = f"errors rise and fall: orders {_text(orders)}; no convergence is visible yet"
+    elif len(change) > 1 and change[-1] < drop and change[-2:].sum() < -0.04:
+        kind = "orders falling"
+        sentence = f"orders fall on the finest meshes: {_text(orders)}; another error may dominate there"
+    elif abs(change[-1]) > step:
+        kind, sentence = "pre-asymptotic", f"pre-asymptotic, orders not settled: {_text(orders)}; take finer meshes"
     return Diagnosis(first, len(e), kind, sentence, verdict)
 
 
@@ -514,21 +493,16 @@ def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:
     Raises:
         OrderError: there are fewer than three meshes, or mesh sizes are not positive and distinct.
     """
-    sizes, phi = real_numbers(h, "h"), real_numbers(values, "values")
-    if len(sizes) != len(phi) or len(sizes) < 3:
-        raise OrderError(f"{len(phi)} values on {len(sizes)} meshes: expected one value on each of three meshes")
-    coarse_first = np.argsort(-sizes)
-    sizes, phi = sizes[coarse_first], phi[coarse_first]
-    if not (sizes[-1] > 0 and np.diff(sizes).max() < 0 and np.isfinite(phi).all()):
-        raise OrderError("mesh sizes must be positive and distinct, and values finite")
+    sizes, phi = _coarse_first(h, values, "values")
+    if len(sizes) < 3 or not np.isfinite(phi).all():
+        raise OrderError(f"values must be finite, on three meshes or more; got {phi.tolist()[:10]}")
     (limit, p), finest, changes = limit_and_order(sizes, phi), float(phi[-1]), np.diff(phi[-3:])
     if not changes.all():
         return GridConvergence("equal values", extrapolated=finest, index=math.nan if changes[1] else 0.0)
     monotone = np.sign(changes).sum() != 0
     if not math.isfinite(limit):
         # Values that turn on finer meshes after an extremum do not diverge.
-        turns = not monotone or (phi[0] - phi[-2]) * changes[1] > 0
-        turned = len(phi) > 3 and turns and abs(changes[1]) < np.ptp(phi)
+        turned = len(phi) > 3 and np.ptp(np.sign(np.diff(phi))) > 0
         return GridConvergence("not monotone" if turned else "diverging" if p < 0 else "undecided")
     index = SAFETY * abs(limit / finest - 1) if finest else math.nan
     return GridConvergence("monotone" if monotone else "oscillating", p, limit, index)

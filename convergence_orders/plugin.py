@@ -40,16 +40,19 @@ class OrderChecks:
         self._record(result)
         return result
 
-    def table(self, table: ConvergenceTable, title: str = "", /, **expected: Any) -> dict[str, OrderResult]:
+    def table(
+        self, table: ConvergenceTable, title: str = "", /, columns: str = "", **expected: Any
+    ) -> dict[str, OrderResult]:
         """Return the observed orders of the columns of a table, for example ``table(errors, "P1", L2=2, H1=1)``.
 
         Parameters:
             table: the sizes and errors.
             title: what is written before the names of the columns.
+            columns: names of the columns of errors, separated by commas; by default they are recognised.
             expected: name of a column ↦ expected order.
         """
         __tracebackhide__ = True
-        results = table.check(expected or None)
+        results = table.check(expected or None, columns=columns)
         for result in results.values():
             self._record(result, title)
         return results

@@ -9,8 +9,6 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-import numpy as np
-
 from .columns import Series
 from .judging import Judged
 from .orders import FAILS, HIGHER, SKIPPED, UNDECIDED, OrderError, OrderResult
@@ -125,15 +123,15 @@ def plot(judged: Judged, file: Path) -> None:
     figure = figures.Figure(layout="constrained")
     axes = figure.add_subplot(xscale="log", yscale="log", xlabel="mesh size h or time step", ylabel="error")
     for result in results_of(judged):
-        h, errors = np.array(result.h), np.array(result.errors)
-        shown = (errors > 0) & np.isfinite(errors)
+        shown = [(h, error) for h, error in zip(result.h, result.errors, strict=True) if 0 < error < math.inf]
         # Matplotlib would read dollar signs in names as the start of a formula.
         label = f"{result.name}: order {result.order:.2f}".replace("$", r"\$")
-        (line,) = axes.plot(h[shown], errors[shown], "o-", label=label)
+        (line,) = axes.plot([h for h, _ in shown], [error for _, error in shown], "o-", label=label)
         wanted = result.expectation.expected or result.expectation.at_least
-        if wanted and shown.any():
+        if wanted and shown:
             # The expected line is shifted below the errors, so that both lines are visible if they are parallel.
-            finest = int(np.flatnonzero(shown)[-1])
-            axes.plot(h, 0.6 * errors[finest] * (h / h[finest]) ** wanted, "--", color=line.get_color())
+            finest, error = shown[-1]
+            below = [0.6 * error * (h / finest) ** wanted for h in result.h]
+            axes.plot(result.h, below, "--", color=line.get_color())
     axes.legend(title="dashed: expected order, shifted")
     figure.savefig(file, dpi=150)

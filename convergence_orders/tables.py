@@ -7,17 +7,19 @@ tabs, semicolons, commas or blanks, or lines ``name = value``. What a column mea
 import csv
 import json
 import re
-from collections import Counter
-from collections.abc import Iterator
+from bisect import bisect
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import count, pairwise, repeat
+from itertools import pairwise
 from typing import Any
 
+import numpy as np
+
 from .cells import SIZES, kind_of, role, to_number
-from .orders import OrderError
+from .orders import OrderError, consecutive_orders
 
 MAX_BYTES = 8_000_000
-MAX_LINES, MAX_LINE, MAX_CELL = 100_000, 130_000, 2_000
+MAX_LINES, MAX_LINE = 100_000, 130_000
 EXAMPLE = "expected a header such as 'h,error' and one line for each mesh, for example '0.5,0.1', '0.25,0.025'"
 
 
@@ -29,7 +31,7 @@ class Table:
         form: the form of the table in words, such as ``CSV``.
         names: names of the columns; an empty text for a column without a name.
         rows: the cells, one list for each mesh.
-        lines: the line number of each row in the text.
+        places: where each row stands, such as ``line 7``.
         breaks: indices of the rows with a blank line, a rule or other lines above them.
         caption: the text above the table.
     """
@@ -37,8 +39,8 @@ class Table:
     form: str
     names: list[str]
     rows: list[list[str]]
-    lines: list[int]
-    breaks: frozenset[int] = frozenset()
+    places: list[str]
+    breaks: Sequence[int] = ()
     caption: str = ""
 
 
@@ -57,11 +59,17 @@ def read_tables(data: bytes | str) -> list[Table]:
     if tables := _json(text):
         return tables
     lines = _lines(text)
-    for cut in (_lists, _grids, _records):
-        if tables := cut(lines):
-            return [replace(table, names=[_norms(name) for name in table.names]) for table in tables]
-    first = next((line.text.strip() for line in lines if re.search(r"\d", line.text)), "")
-    said = f"the first line with a number is '{shorten(first)}'" if first else "no line with numbers"
+    joined = "\n".join(line.text for line in lines)
+    lists, singles = _lists(joined)
+    tables = lists or (_grids(lines) if lines else [])
+    if not tables and singles:
+        tables = [from_columns("name = value lines", singles)]
+    if tables:
+        # The signs of norms were replaced.
+        restored = str.maketrans({"‖": "\\|", "¦": "|"})
+        return [replace(table, names=[name.translate(restored) for name in table.names]) for table in tables]
+    numbers = re.search(r"(?m)^.*\d.*$", joined)
+    said = f"the first line with a number is '{shorten(numbers[0].strip())}'" if numbers else "no line with numbers"
     raise OrderError(f"no table was recognised, {said}; {EXAMPLE}")
 
 
@@ -86,11 +94,6 @@ def decode(data: bytes) -> str:
     raise OrderError("it is not text but binary: save the table as text in UTF-8")
 
 
-def _norms(text: str) -> str:
-    """Return a text with the signs of norms that ``_CLEANED`` replaced."""
-    return text.replace("‖", "\\|").replace("¦", "|")
-
-
 def shorten(text: str, width: int = 60) -> str:
     """Return a text with at most ``width`` signs."""
     return text if len(text) <= width else text[: width - 1] + "…"
@@ -103,12 +106,13 @@ _ROW_END = r"(?:\\\\(?:\[[^]\n]*\])?|\\tabularnewline|[ \t]\\)[ \t]*"
 _BRACED = r"\{((?:[^{}\n]|\{(?:[^{}\n]|\{[^{}\n]*\})*\}){0,200})\}"
 _SPANNED = re.compile(r"\\multicolumn\{([1-8])\}\{(?:[^{}\n]|\{[^{}\n]*\}){0,80}\}" + _BRACED)
 _VARIABLES = re.compile(r'(?m)^\s*VARIABLES\s*=\s*"(.*)"')
-_COMPUTED = re.compile(r"(?<!\S)(\S{1,30}) \((?:computed|numerical)\),? +(\S+) \((?:analytical|exact|reference)\)")
+_COMPUTED = re.compile(r"(?<!\S)(\S{1,30}) \((?:computed|numerical)\),? +(\S{1,30}) \((?:analytical|exact|reference)\)")
 GAP = "\x1e"
 """Sign behind a line with a rule below it."""
 _CLEANED: list[tuple[str, str]] = [
     (r"\x1b\[[0-9;]*[A-Za-z]|[\u200b\ufeff]", ""),
     (r"\r\n|\r", "\n"),
+    (r"\b\d\d:\d\d:\d\d[.,\d]*", ""),
     (r"[│┃║┆]", "|"),
     (r"\b(?:(?:np\.|numpy\.)?float\d*|tensor|array)\(([^()\[\]]*)\)", r"\1"),
     (r"(?m)^\s*\[\d+,\]", "      "),
@@ -125,6 +129,8 @@ _CLEANED: list[tuple[str, str]] = [
     (rf"\\multirow(?:\[\w+\])?\{{[^{{}}\n]*\}}\{{[^{{}}\n]*\}}{_BRACED}", r"\1"),
     (r"\\\|", "‖"),
     (r"\|\|(?=[^|\n]*[^|\n\d.\s][^|\n]*\|\|)([^|\n]+)\|\|", r"¦¦\1¦¦"),
+    (r"(?<=[\d.])[ \t]+%(?!\S)", "%"),
+    (r"(?<=[\d.])[ \t]+(±|\+/-|\\pm|x|×|\\times|\\cdot|·)[ \t]*(?=\d)", r"\1"),
 ]
 """Patterns and the texts that replace them, one after the other; none of them changes the number of lines."""
 
@@ -148,14 +154,12 @@ def _lines(text: str) -> list[Line]:
     """Return the lines that may belong to a table.
 
     Raises:
-        OrderError: the text has too many lines, or a cell is too long.
+        OrderError: the text has too many lines, or a line is too long.
     """
     if text.count("\n") > MAX_LINES:
         raise OrderError(f"it has more than {MAX_LINES} lines: a table of errors has one line for each mesh; {EXAMPLE}")
     if max(map(len, text.split("\n"))) > MAX_LINE:
         raise OrderError(f"it has a line of more than {MAX_LINE} characters; {EXAMPLE}")
-    if long := re.search(rf"(?<![^\s,;|&])[^\s,;|&]{{{MAX_CELL},}}", text):
-        raise OrderError(f"it has a cell of {len(long[0])} characters; {EXAMPLE}")
     for pattern, replacement in _CLEANED:
         text = re.sub(pattern, replacement, text)
     text = _SPANNED.sub(lambda found: found[2] + " &" * (int(found[1]) - 1), text)
@@ -189,7 +193,6 @@ _FORMS = {
     " ": "columns separated by blanks",
 }
 """Separator ↦ the form of a table in words; the first separator that divides lines into cells with numbers is taken."""
-_WITHIN_NUMBER = re.compile(r"(?<=[\d.])\s+(%(?!\S)|(?:±|\+/-|\\pm|x|×|\\times|\\cdot|·)\s*(?=\d))")
 _SUMMARY = re.compile(
     r"(?i)\W*(?:mean|average|avg|overall|total|fit|fitted|slope|eoc|rate|order|median|min|max|theo\w*|expected)\b"
 )
@@ -202,196 +205,136 @@ class Row:
     """A line that is divided into cells.
 
     Attributes:
-        line: the line.
+        line, sign: the line, and the sign that separates its cells.
+        text: its text, without single bars and commas if blanks separate the cells.
         cells: the cells.
-        places: beginning and end of each cell, if blanks separate the cells.
         kinds: what the cells contain, one letter for each: 9 for a number, - for a missing number, a for other text.
     """
 
     def __init__(self, line: Line, sign: str) -> None:
-        self.line = line
-        self.places: list[tuple[int, int]] = []
+        self.line, self.sign, self.text = line, sign, line.text.strip("\n ")
         if sign == " ":
-            # A bar or comma between blanks is no cell.
-            joined = _WITHIN_NUMBER.sub(lambda found: found[1].strip(), line.text)
-            found = list(re.finditer(r"(?![|,](?!\S))\S+", joined))
-            self.cells = [cell[0] for cell in found]
-            self.places = [cell.span() for cell in found]
+            self.text = re.sub(r"(?<!\S)[|,](?!\S)", " ", line.text)
+            self.cells = self.text.split()
         else:
-            text = re.sub(r"^\s*\||\|\s*$", "", line.text) if sign == "|" else line.text.strip("\n ")
-            (cells,) = csv.reader([text], delimiter=sign, skipinitialspace=True)
-            self.cells = [cell.strip() for cell in cells]
+            text = self.text.removeprefix("|").removesuffix("|") if sign == "|" else self.text
+            self.cells = [cell.strip() for cell in next(csv.reader([text], delimiter=sign, skipinitialspace=True))]
         self.kinds = "".join(map(kind_of, self.cells))
 
-    @property
-    def is_data(self) -> bool:
-        """Whether the line may be a row of a table: at least half of its cells are numbers or missing."""
-        filled = len(self.cells) - self.cells.count("")
-        enough = "9" in self.kinds and filled > 1 and filled >= 2 * self.kinds.count("a")
-        return enough and not self.line.comment and len(re.findall(r"=|:\s", self.line.text)) < 2
+    def is_data(self, named: bool) -> bool:
+        """Return whether the line may be a row of a table: at least half of its cells are numbers or missing.
 
-    def cut(self, width: int) -> None:
-        """Leave out the cells behind the first ones."""
-        self.cells, self.kinds = self.cells[:width], self.kinds[:width]
+        If blanks separate the cells, every line that begins with a number is a row, and a line that begins with a word
+        is a row only if ``named``.
+        """
+        filled = len(self.cells) - self.cells.count("")
+        if self.line.comment or "9" not in self.kinds or filled < 2 or len(re.findall(r"=|:\s", self.text)) > 1:
+            return False
+        if self.sign == " " and (self.kinds[0] == "9" or not named):
+            return self.kinds[0] == "9"
+        return filled >= 2 * self.kinds.count("a")
 
 
 def _grids(lines: list[Line]) -> list[Table]:
-    """Return the tables whose cells are separated by a sign or by blanks."""
-    rows = {sign: [Row(line, sign) for line in lines] for sign in _FORMS}
-    scores = {sign: sum(row.kinds.count("9") for row in rows[sign] if row.is_data) for sign in _FORMS}
-    sign = next((sign for sign in _FORMS if 2 * scores[sign] > max(scores.values())), "")
-    return _blocks(rows[sign], sign) if sign else []
-
-
-def _blocks(rows: list[Row], sign: str) -> list[Table]:
-    """Return the tables in the rows of a text. A table is a block of rows with a header above it."""
+    """Return the tables whose cells are separated by a sign or by blanks. A table is rows with a header above them."""
+    rows_by_sign = {sign: [Row(line, sign) for line in lines] for sign in _FORMS}
+    numbers = {sign: "".join(row.kinds for row in rows if row.is_data(True)) for sign, rows in rows_by_sign.items()}
+    most = max(kinds.count("9") for kinds in numbers.values())
+    sign = next(sign for sign, kinds in numbers.items() if 2 * kinds.count("9") >= most)
+    rows = rows_by_sign[sign]
     # Where rows begin with words, "mean" may be the name of a row. Elsewhere it begins a line that sums up a column.
-    first = Counter(row.kinds[0] for row in rows if row.is_data)
-    named = first["a"] > first["9"]
+    first = [row.kinds[0] for row in rows if row.is_data(True)]
+    named = first.count("a") > first.count("9")
     tables: list[Table] = []
     above: list[Row] = []
     block: list[Row] = []
-    breaks: list[int] = []
-    for row, following in pairwise([*rows, rows[-1]]):
-        sums_up = not named and _SUMMARY.match(row.cells[0] or " ".join(row.cells))
-        left_out = row.line.comment or sums_up
-        if not left_out and _is_data(row, following, block, sign):
-            if row.line.gap or (block and above and above[-1].line.number > block[-1].line.number):
-                breaks.append(len(block))
+    for row in rows:
+        left_out = row.line.comment or (not named and _SUMMARY.match(row.cells[0] or row.text))
+        as_wide = block and sign != " " and "9" in row.kinds and len(row.cells) == len(block[0].cells)
+        if not left_out and (as_wide or row.is_data(named)):
             block.append(row)
-        elif block and left_out and row.kinds.strip("a"):
-            above.append(row)
-        else:
-            tables += _table(above, block, breaks, tables, sign)
+        elif not (block and left_out and row.kinds.strip("a")):
+            tables += _table(above, block, tables)
             above = [row] if block else [*above, row]
-            block, breaks = [], []
-    return tables + _table(above, block, breaks, tables, sign)
+            block = []
+    return tables + _table(above, block, tables)
 
 
-def _is_data(row: Row, following: Row, block: list[Row], sign: str) -> bool:
-    """Return whether a line is a row of a table; words behind the numbers of a row are cut off.
-
-    Parameters:
-        row, following: the line and the next one.
-        block: the rows of the table above the line.
-        sign: the sign that separates cells.
-
-    Raises:
-        OrderError: the line has words where the table has numbers. The computation on this mesh may have failed, so the
-            line must not be left out.
-    """
-    if sign != " ":
-        return row.is_data or (bool(block) and "9" in row.kinds and len(row.cells) == len(block[0].cells))
-    model = block[0].kinds if block else following.kinds
-    width = row.kinds.find("a")
-    if width < 0 or row.is_data:
-        # A line such as "Table 1" above a header is a caption, and "Elapsed 12.3" below rows of numbers is no row.
-        return row.is_data and (width != 0 or (model[0] == "a" and "9" in model))
-    if block and model[0] == "9" and 0 < width < len(model):
-        raise OrderError(
-            f"line {row.line.number}, '{shorten(row.line.text.strip())}', begins like a row of the table, but has "
-            "words where numbers are expected: write the numbers, or nan if the computation failed, or # before it"
-        )
-    if width > 1:
-        row.cut(width)
-    return width > 1
-
-
-def _table(above: list[Row], block: list[Row], breaks: list[int], before: list[Table], sign: str) -> list[Table]:
+def _table(above: list[Row], block: list[Row], before: list[Table]) -> list[Table]:
     """Return the table that consists of a block of rows, in a list; the list is empty if it is not a table.
 
     Parameters:
         above: the lines above the block; the nearest one with a name for each column is the header.
         block: the rows.
-        breaks: indices of the rows with a gap above.
         before: tables above the block. If the block has no header, it gets the header of the last one.
-        sign: the sign that separates cells.
     """
     if not block:
         return []
     if across := _across(block):
         return [across]
-    rows = _aligned(block, sign)
-    names, header = _header(above, block, rows, sign)
-    if not names and before and len(before[-1].names) == len(rows[0]):
+    widths = [len(row.cells) for row in block]
+    width = max(widths, key=widths.count)
+    above = [row for row in above if not all(map(_UNIT.fullmatch, row.cells))]
+    names, header = _header(above, block, width)
+    if not names and before and len(before[-1].names) == width:
         names = before[-1].names
-    if not names and len(block) < 2:
-        return []
     if not names:
-        line = block[0].line
+        if len(block) < 2:
+            return []
         raise OrderError(
-            f"the table that begins in line {line.number}, '{shorten(line.text.strip())}', has {len(rows[0])} "
-            "columns, but no line above names them: add a header such as 'h error'"
+            f"the table that begins in line {block[0].line.number}, '{shorten(block[0].text)}', has {width} columns, "
+            "but no line above names them: add a header such as 'h error'"
         )
-    captions = [row.line.text.strip() for row in above if row not in header]
-    captions = [text for text in captions if not _SUMMARY.match(text) and text[0] not in "\\@."]
+    rows = [_cells(row, width) for row in block]
+    texts = [row.text.strip() for row in above if row not in header]
+    captions = [text for text in texts if not (_SUMMARY.match(text) or text[0] in "\\@.")]
     lines = [row.line.number for row in block]
-    return [Table(_FORMS[sign], names, rows, lines, frozenset(breaks), shorten("".join(captions[-1:]), 100))]
+    breaks = [k for k in range(1, len(block)) if block[k].line.gap or lines[k] > lines[k - 1] + 1]
+    places = [f"line {line}" for line in lines]
+    return [Table(_FORMS[block[0].sign], names, rows, places, breaks, shorten("".join(captions[-1:]), 100))]
 
 
-def _aligned(block: list[Row], sign: str) -> list[list[str]]:
-    """Return lines as rows with equal numbers of cells.
+def _cells(row: Row, width: int) -> list[str]:
+    """Return the cells of a row of a table; empty cells at its end may be missing or superfluous.
 
-    If columns are separated by blanks, the position of the other cells shows which cell of a line is empty.
+    Raises:
+        OrderError: there are fewer or more cells.
     """
-    usual = Counter(len(row.cells) for row in block).most_common(1)[0][0]
-    width = usual
-    for row in block:
-        # Words behind the numbers of a row are a remark.
-        if set(row.kinds[usual:]) <= {"a" if sign == " " else "-"}:
-            row.cut(usual)
-        width = max(width, len(row.cells))
-    model = next(row.places for row in block if len(row.cells) == width)
-    rows = []
-    for row in block:
-        places = map(_nearest, row.places, repeat(model)) if sign == " " and len(row.cells) < width else count()
-        cells = dict(zip(places, row.cells, strict=False))
-        if len(cells) < len(row.cells) or (len(cells) < width and sign in ",;") or (width > usual and sign != " "):
-            text = shorten(row.line.text.strip())
-            raise OrderError(f"line {row.line.number}: {len(row.cells)} entries, expected {usual}: '{text}'")
-        rows.append([cells.get(k, "") for k in range(width)])
-    return rows
+    missing = width - len(row.cells)
+    if any(row.cells[width:]) or (missing > 0 and row.sign in " ,;"):
+        raise OrderError(
+            f"line {row.line.number}: {len(row.cells)} entries, expected {width}: '{shorten(row.text.strip())}'; write "
+            "nan if the computation failed, - for a missing order, and # before a line that is no row"
+        )
+    return [*row.cells[:width], *[""] * missing]
 
 
-def _nearest(place: tuple[int, int], model: list[tuple[int, int]]) -> int:
-    """Return the index of the place in ``model`` that shares most characters with a place, or is nearest to it."""
-    shared = [min(place[1], end) - max(place[0], start) for start, end in model]
-    return shared.index(max(shared))
-
-
-def _header(above: list[Row], block: list[Row], rows: list[list[str]], sign: str) -> tuple[list[str], list[Row]]:
+def _header(above: list[Row], block: list[Row], width: int) -> tuple[list[str], list[Row]]:
     """Return the names of columns in the nearest header above a table, and its lines; empty lists without a header."""
-    units = [row for row in above if all(map(_UNIT.fullmatch, row.cells))]
-    lines = [row for row in above if row not in units]
-    for number, row in reversed([*enumerate(lines)]):
-        upper = lines[number - 1] if number else None
-        names = _names(row, block, rows, sign)
+    for upper, row in reversed([*pairwise([*above[:1], *above])]):
+        names = _names(row, block, width)
         if names and all(re.search(r"[^\W\d_]|[#‖¦|]", name) for name in names if name):
-            grouped = _grouped(upper, names, sign) if upper and row.line.number - upper.line.number <= 2 else []
-            return grouped or names, [row, *units, *([upper] if upper and grouped else [])]
+            grouped = _grouped(upper, names) if 0 < row.line.number - upper.line.number <= 2 else []
+            return grouped or names, [row, *([upper] if grouped else [])]
     return [], []
 
 
-def _headings(text: str) -> list[str]:
-    """Return the headings in a line that are separated by two or more blanks; single bars or commas do not count."""
-    return re.findall(r"\S+(?: \S+)*", re.sub(r"(?<!\S)[|,](?!\S)", " ", text))
-
-
-def _names(row: Row, block: list[Row], rows: list[list[str]], sign: str) -> list[str]:
+def _names(header: Row, block: list[Row], width: int) -> list[str]:
     """Return the names of columns in a line; an empty list if the line does not name the columns.
 
-    A name may be missing for columns of orders, whose first cell is missing, and for the first column if it only counts
-    the rows.
+    If blanks separate the cells, a name may be missing for columns of orders, whose first cell is missing, and for the
+    first column if it only counts the rows. Names with blanks are found by their places.
     """
-    width = len(rows[0])
-    if sign != " ":
-        cells = [*row.cells, *[""] * (width - len(row.cells))]
-        return [] if len(row.cells) < 2 or any(cells[width:]) else cells[:width]
-    counts = [to_number(cells[0]) for cells in rows]
-    index = len(rows) > 1 and counts in ([*range(len(rows))], [*range(1, len(rows) + 1)])
-    every = [*range(width)]
-    named = [k for k in every if len(rows) < 2 or kind_of(rows[0][k]) != "-"]
-    for names in (_headings(row.line.text), _placed(row, block, named), row.line.text.split()):
+    cells = header.cells
+    if header.sign != " ":
+        return [*cells, *[""] * (width - len(cells))][:width] if len(cells) > 1 and not any(cells[width:]) else []
+    numbers = [to_number(row.cells[0]) for row in block]
+    index = numbers in ([*range(len(block))], [*range(1, len(block) + 1)])
+    every = range(width)
+    named = [k for k in every if len(block) < 2 or block[0].kinds[k : k + 1] != "-"]
+    headings = re.split(r"\s{2,}", header.text.strip())
+    placed = _placed(header, block, width, named) if len(headings) > 1 else []
+    for names in (headings, placed, cells):
         for columns in (every, named, every[index:], named[index:]):
             if len(columns) == len(names) > 1:
                 known = dict(zip(columns, names, strict=True))
@@ -399,45 +342,51 @@ def _names(row: Row, block: list[Row], rows: list[list[str]], sign: str) -> list
     return []
 
 
-def _placed(row: Row, block: list[Row], named: list[int]) -> list[str]:
+def _placed(header: Row, block: list[Row], width: int, named: list[int]) -> list[str]:
     """Return the names of columns that follow from the places of the words in the header; empty if a column has none.
 
     Parameters:
-        row, block: the header and the rows below it.
+        header, block: the header and the rows below it.
+        width: number of columns.
         named: indices of the columns that need a name; the columns of orders to the right of each need none.
     """
-    width = max(len(other.cells) for other in block)
-    ends = [0, *(max(other.places[k][1] for other in block if len(other.cells) == width) for k in range(width))]
-    regions = [(ends[k], ends[after]) for k, after in pairwise([*named, width])]
+    words = [[word.end() for word in re.finditer(r"\S+", row.text)] for row in block if len(row.cells) == width]
+    ends = [*map(max, zip(*words, strict=True))]
+    # The region of a column with a name ends where the columns of orders to its right end.
+    stops = [ends[after - 1] for after in [*named[1:], width]]
     names = [""] * len(named)
-    for word in re.finditer(r"\S+", row.line.text):
-        k = _nearest(word.span(), regions)
+    for word in re.finditer(r"\S+", header.text):
+        k = min(bisect(stops, sum(word.span()) / 2), len(stops) - 1)
         names[k] = f"{names[k]} {word[0]}".strip()
-    return names if all(names) and len(_headings(row.line.text)) > 1 else []
+    return names if all(names) else []
 
 
-def _grouped(upper: Row, names: list[str], sign: str) -> list[str]:
+def _grouped(upper: Row, names: list[str]) -> list[str]:
     """Return names of columns that are joined with the headings above them; empty if the columns form no groups.
 
     The names to the right of some columns must be repeated once for each heading, as in ``error order error order``.
     A heading replaces a name such as ``error``. But a heading such as h is joined with the name, because an error of a
     quantity h must not be taken as the mesh size.
     """
+    blanks = upper.sign == " "
     for start in range(len(names)):
-        headings = _headings(upper.line.text) if sign == " " else [*filter(None, upper.cells[start:])]
+        headings = upper.cells if blanks else [*filter(None, upper.cells[start:])]
         group = names[start : start + (len(names) - start) // max(len(headings), 1)]
-        if len(headings) > 1 and names[start:] == group * len(headings):
-            left = [name or cell for name, cell in zip(names[:start], upper.cells, strict=False)]
-            full = [(heading, name) for heading in headings for name in group]
-            return left + [
-                name
-                if role(name) in SIZES
-                else heading
-                if re.fullmatch(r"(?i)err(?:or)?s?|e", name) and role(heading) not in SIZES
-                else f"{heading} {name}".strip()
-                for heading, name in full
-            ]
+        if len(headings) > 1 and any(group) and names[start:] == group * len(headings):
+            left = names[:start]
+            if not blanks:
+                left = [name or cell for name, cell in zip(left, upper.cells, strict=False)]
+            return left + [_joined(heading, name) for heading in headings for name in group]
     return []
+
+
+def _joined(heading: str, name: str) -> str:
+    """Return the name of a column with the heading above it."""
+    if role(name) in SIZES:
+        return name
+    if re.fullmatch(r"(?i)err(?:or)?s?|e", name) and role(heading) not in SIZES:
+        return heading
+    return f"{heading} {name}".strip()
 
 
 # Tables with one line or one list for each quantity.
@@ -447,31 +396,29 @@ def _across(block: list[Row]) -> Table | None:
     """Return the table with one line for each quantity and one column for each mesh; None if it is no such table."""
     columns: dict[str, list[str]] = {}
     for row in block:
-        width = len(row.kinds) - len(row.kinds.lstrip("a"))
-        name = " ".join(row.cells[:width]).strip(" :=")
-        columns[name] = row.cells[width:]
-        if not width or "a" in row.kinds[width:] or len(columns[name]) < 2:
+        kinds = row.kinds.lstrip("a")
+        start = len(row.kinds) - len(kinds)
+        if not start or "a" in kinds or len(kinds) < 2:
             return None
-    number = block[0].line.number
+        columns[" ".join(row.cells[:start]).strip(" :=")] = row.cells[start:]
     if any(role(name) in SIZES for name in columns):
-        return _from_columns("one line for each quantity", columns, number)
+        return from_columns("one line for each quantity", columns)
     if not all(map(_orders_between, columns.values())):
         return None
     # The AMReX library prints errors and orders in turn: error order error order error.
     for name, values in list(columns.items()):
         columns |= {name: values[::2], f"order of {name}": ["", *values[1::2]]}
-    return _from_columns("one line for each quantity, orders between the errors", columns, number)
+    return from_columns("one line for each quantity, orders between the errors", columns)
 
 
 def _orders_between(values: list[str]) -> bool:
     """Return whether errors and orders stand in turn, and all orders are right for halved mesh sizes."""
-    numbers = [to_number(cell) or 0.0 for cell in values]
-    triples = zip(numbers[::2], numbers[1::2], numbers[2::2], strict=False)
-    right = [not fine or (abs(p) < 99 and abs(coarse / fine / 2**p - 1) < 0.02) for coarse, p, fine in triples]
-    return len(values) % 2 == 1 and all(right)
+    errors, orders = (np.array([to_number(cell) for cell in values[k::2]], dtype=float) for k in (0, 1))
+    computed = consecutive_orders(2.0 ** -np.arange(len(errors)), errors)
+    return len(values) % 2 == 1 and bool((np.isnan(computed) | (abs(computed - orders) < 0.03)).all())
 
 
-def _from_columns(form: str, columns: dict[str, list[str]], number: int = 1) -> Table:
+def from_columns(form: str, columns: dict[str, list[str]]) -> Table:
     """Return the table with the given columns; a column of orders may lack its first cell.
 
     Raises:
@@ -483,11 +430,11 @@ def _from_columns(form: str, columns: dict[str, list[str]], number: int = 1) -> 
             columns[name] = ["", *cells]
         elif len(cells) < length:
             raise OrderError(
-                f"lists of different lengths: {name} has {len(cells)} values, expected {length}, one for each mesh: "
+                f"columns of different lengths: {name} has {len(cells)} values, expected {length}, one for each mesh: "
                 "write nan where a computation failed"
             )
     rows = [list(row) for row in zip(*columns.values(), strict=True)]
-    return Table(form, list(columns), rows, [number] * length)
+    return Table(form, list(columns), rows, [f"value {k}" for k in range(1, length + 1)])
 
 
 _NUMBER = r"[-+.\d][^\s,;:=]*(?:,\d[^\s,;=:]*)*(?:\s*(?:%|(?:[xX×·*]|\\times|\\cdot)\s*10[^\s,;=:]*))?"
@@ -500,29 +447,40 @@ _NAMED = re.compile(
 _PAIRS = re.compile(r"(?m)^(?P<name>[^:\n]{0,60}?)(?P<pairs>(?:[ ,]+\d[\d.]*: ?[\d.eE+-]+){2,})$")
 
 
-def _lists(lines: list[Line]) -> list[Table]:
-    """Return the tables whose columns are lists.
+def _lists(text: str) -> tuple[list[Table], dict[str, list[str]]]:
+    """Return the tables whose columns are lists, and the columns in lines ``name = value``.
 
-    They have the form ``name = [1, 2, 3]``, ``name: 1, 2, 3`` or ``label 51: 0.1, 101: 0.02``. A second list of mesh
-    sizes begins another table.
+    Lists have the form ``name = [1, 2, 3]``, ``name: 1, 2, 3`` or ``label 51: 0.1, 101: 0.02``. A second list of mesh
+    sizes begins another table. The single values of a name, one for each mesh, are a column.
     """
-    text = _PAIRS.sub(_as_lists, "\n".join(line.text for line in lines))
     tables: list[dict[str, list[str]]] = [{}]
-    for found in _NAMED.finditer(text):
-        name = found["name"].strip(" \t\"'")
-        row = re.split(r",\s+", found["row"] or "")
-        values = re.split(r"[,;\s]+", found["list"].strip(" ,;\n\t")) if found["list"] else row
-        kinds = [kind_of(value) for value in values]
-        last = tables[-1]
-        # A word in a list of numbers is a failure; a list of words is none of numbers.
-        fits = "a" not in kinds or len(values) in map(len, last.values())
-        if len(values) < 2 or "9" not in kinds or not fits:
+    singles: dict[str, list[str]] = {}
+    for name, values in _named(_PAIRS.sub(_as_lists, text)):
+        if len(values) == 1:
+            # Logging programs write the date and INFO in front of the name.
+            last = name.split()[-1] if name else ""
+            name = last if role(last) in SIZES and role(name) == "unknown" else name
+            singles.setdefault(name, []).append(values[0].strip("*|`"))
             continue
-        if name in last and role(name) in SIZES:
-            last = {}
-            tables.append(last)
-        last[f"{name} ({len(last) + 1})" if name in last else name] = values
-    return [_from_columns("lists", columns) for columns in tables if len(columns) > 1]
+        kinds = [kind_of(value) for value in values]
+        # A word in a list of numbers is a failure; a list of words is none of numbers.
+        if "9" not in kinds or ("a" in kinds and len(values) not in map(len, tables[-1].values())):
+            continue
+        if name in tables[-1] and role(name) in SIZES:
+            tables.append({})
+        columns = tables[-1]
+        columns[f"{name} ({len(columns) + 1})" if name in columns else name] = values
+    lists = [from_columns("lists", columns) for columns in tables if len(columns) > 1]
+    repeated = {name: values for name, values in singles.items() if len(values) > 1}
+    return lists, repeated
+
+
+def _named(text: str) -> Iterator[tuple[str, list[str]]]:
+    """Yield each name with the values behind it."""
+    for found in _NAMED.finditer(text):
+        separator = r"[,;\s]+" if found["list"] else r",\s+"
+        values = (found["list"] or found["row"] or "").strip(" ,;\n\t")
+        yield found["name"].strip(" \t*-\"'"), re.split(separator, values)
 
 
 def _as_lists(found: re.Match[str]) -> str:
@@ -531,35 +489,24 @@ def _as_lists(found: re.Match[str]) -> str:
     return f"n = [{', '.join(sizes)}]\n{found['name']} = [{', '.join(errors)}]"
 
 
-def _records(lines: list[Line]) -> list[Table]:
-    """Return the table in lines ``name = value``; a name that occurs again begins the next row."""
-    records: list[dict[str, str]] = [{}]
-    numbers: list[int] = []
-    for line in lines:
-        for found in _NAMED.finditer(line.text):
-            name, value = found["name"].strip(" \t*-\"'"), (found["row"] or "").strip("*|`")
-            # Logging programs write the date and INFO in front of the name.
-            words = name.split()
-            name = words[-1] if words and role(words[-1]) in SIZES and role(name) == "unknown" else name
-            if name in records[-1] and kind_of(value) != "a":
-                records.append({})
-            numbers += [line.number] * (len(records) - len(numbers))
-            records[-1].setdefault(name, value)
-    counts = Counter(name for record in records for name in record)
-    names = [name for name, times in counts.items() if times > 1 and times >= len(records) - 1]
-    rows = [[record.get(name, "") for name in names] for record in records]
-    return [Table("name = value lines", names, rows, numbers)] if names else []
-
-
 def _json(text: str) -> list[Table]:
-    """Return the tables in JSON: numbers with the same name are a column, in lists of objects or objects of lists."""
+    """Return the tables in JSON: numbers with the same name are a column, in lists of objects or objects of lists.
+
+    The outermost object that has a column is a table; the names of the objects around it are its caption.
+    """
     columns: dict[tuple[str, ...], list[str]] = {}
     try:
         for path, value in _leaves(json.loads(text), ()):
             columns.setdefault(path, []).append(value)
     except (ValueError, RecursionError):
         return []
-    return list(_json_tables({path: column for path, column in columns.items() if path and len(column) > 1}, ""))
+    columns = {path: values for path, values in columns.items() if path and len(values) > 1}
+    objects = {path[:-1] for path in columns}
+    tables: dict[tuple[str, ...], dict[str, list[str]]] = {}
+    for path, values in columns.items():
+        around = next(path[:depth] for depth in range(len(path)) if path[:depth] in objects)
+        tables.setdefault(around, {})[" ".join(path[len(around) :])] = values
+    return [replace(from_columns("JSON", table), caption=" ".join(around)) for around, table in tables.items()]
 
 
 def _leaves(data: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], str]]:
@@ -572,14 +519,3 @@ def _leaves(data: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...],
             yield from _leaves(entry, path)
     else:
         yield path, str(data)
-
-
-def _json_tables(columns: dict[tuple[str, ...], list[str]], caption: str) -> Iterator[Table]:
-    """Yield a table for each object that has a column; the names of the objects around it are its caption."""
-    if any(len(path) == 1 for path in columns):
-        table = _from_columns("JSON", {" ".join(path): column for path, column in columns.items()})
-        yield replace(table, caption=caption)
-        return
-    for first in dict.fromkeys(path[0] for path in columns):
-        inner = {path[1:]: column for path, column in columns.items() if path[0] == first}
-        yield from _json_tables(inner, f"{caption} {first}".strip())

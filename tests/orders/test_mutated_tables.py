@@ -1,44 +1,14 @@
 """No table of a scheme whose order is clearly wrong holds, however it is written, stacked and damaged."""
 
 import random
-from collections.abc import Callable
 
 import pytest
+from table_forms import FORMS
 
 from convergence_orders.command import main
 
 EXPECTED = 2.0
 WRONG = (0.0, 0.5, 1.0, 1.4, 2.6, 3.0)
-Cells = list[list[str]]
-
-
-def markdown(rows: Cells) -> str:
-    lines = [f"| {' | '.join(row)} |" for row in rows]
-    return "\n".join([lines[0], "|---" * len(rows[0]) + "|", *lines[1:]])
-
-
-def aligned(rows: Cells) -> str:
-    return "\n".join("  ".join(cell.rjust(12) for cell in row) for row in rows)
-
-
-def pairs(rows: Cells) -> str:
-    return "\n".join(f"{name} = {cell}" for row in rows[1:] for name, cell in zip(rows[0], row, strict=True))
-
-
-def lists(rows: Cells) -> str:
-    return "\n".join(f"{name} = [{', '.join(cells)}]" for name, *cells in zip(*rows, strict=True))
-
-
-def latex(rows: Cells) -> str:
-    return "\n".join(" & ".join(row) + r" \\" for row in rows)
-
-
-def across(rows: Cells) -> str:
-    return "\n".join("  ".join(cells) for cells in zip(*rows, strict=True))
-
-
-FORMS: list[Callable[[Cells], str]] = [markdown, aligned, pairs, lists, latex, across]
-FORMS += [lambda rows, sign=sign: "\n".join(sign.join(row) for row in rows) for sign in (",", ";", "\t", " ")]
 
 
 def table(draw: random.Random, orders: list[float]) -> str:

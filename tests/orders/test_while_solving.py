@@ -25,6 +25,7 @@ def test_a_table_of_errors_prints_orders_beside_the_errors_and_judges_them() -> 
     }  # fmt: skip
     with pytest.raises(AssertionError, match=r"(?s)L2: fails: converges with order 1.50.* dofs "):
         collected(1.5).assert_order(L2=2)
+    assert collected().assert_order(columns="L2", L2=2).keys() == {"L2"}
     with pytest.raises(OrderError, match="got no order"):
         table.assert_order()
     with pytest.raises(OrderError, match="a row with h, expected h, dofs"):
@@ -102,6 +103,14 @@ def test_nested_json_is_read(nested, tmp_path, capsys) -> None:
     (tmp_path / "t.json").write_text(json.dumps(nested))
     assert main([str(tmp_path / "t.json"), "--expected", "2"]) == 0, capsys.readouterr().err
     assert "errors L2: holds" in capsys.readouterr().out
+
+
+def test_every_object_of_json_with_sizes_is_a_series(tmp_path, capsys) -> None:
+    runs = {
+        name: {"h": [0.5, 0.25, 0.125], "L2": errors} for name, errors in (("P1", [4, 1, 0.25]), ("P2", [8, 1, 0.125]))
+    }
+    (tmp_path / "t.json").write_text(json.dumps(runs))
+    assert main([str(tmp_path / "t.json"), "--expected", "P1=2,P2=3"]) == 0, capsys.readouterr().err
 
 
 def test_a_table_is_judged_by_the_fixture(convergence_orders) -> None:

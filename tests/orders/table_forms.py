@@ -1,0 +1,39 @@
+"""Writes a table in the forms in which programs print tables."""
+
+from collections.abc import Callable
+
+Cells = list[list[str]]
+"""The names of the columns, and a list of cells for each mesh."""
+
+
+def joined(sign: str) -> Callable[[Cells], str]:
+    return lambda cells: "\n".join(sign.join(row) for row in cells)
+
+
+def markdown(cells: Cells) -> str:
+    header, *rows = cells
+    return "\n".join(f"| {' | '.join(row)} |" for row in [header, ["---"] * len(header), *rows])
+
+
+def aligned(cells: Cells) -> str:
+    return joined("  ")([[cell.rjust(12) for cell in row] for row in cells])
+
+
+def pairs(cells: Cells) -> str:
+    header, *rows = cells
+    return "\n".join(f"{name} = {cell}" for row in rows for name, cell in zip(header, row, strict=True))
+
+
+def lists(cells: Cells) -> str:
+    return "\n".join(f"{name} = [{', '.join(column)}]" for name, *column in zip(*cells, strict=True))
+
+
+def latex(cells: Cells) -> str:
+    return "\n".join(" & ".join(row) + r" \\" for row in cells)
+
+
+def across(cells: Cells) -> str:
+    return "\n".join("  ".join(column) for column in zip(*cells, strict=True))
+
+
+FORMS = [markdown, aligned, pairs, lists, latex, across, *map(joined, (",", ";", "\t", " "))]
