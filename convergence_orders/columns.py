@@ -252,7 +252,7 @@ class Columns:
         for column in self.columns:
             if column is self.size or column.role not in ("unknown", "error", "other"):
                 continue
-            if column.role == "unknown" and found and column.starts_missing and len(column.cells) > 2:
+            if column.role == "unknown" and found and _follows(column, found[-1]):
                 column.role = "order"
             elif column.role != "other":
                 found.append(column)
@@ -479,6 +479,16 @@ class Columns:
                     f"{place}: {name} is '{shorten(cell)}', expected {wanted}: write a number there, delete the line, "
                     "or name the columns of errors with --columns"
                 )
+
+
+def _follows(column: Column, errors: Column) -> bool:
+    """Return whether a column has the orders, or the quotients, of the errors in the column before it."""
+    if len(errors.cells) < 3:
+        return False
+    quotients = errors.numbers[:-1] / errors.numbers[1:]
+    return column.starts_missing or any(
+        np.allclose(column.numbers[1:], other, rtol=0.01) for other in (quotients, np.log2(quotients))
+    )
 
 
 def _jumps_back(sizes: Array) -> list[int]:
