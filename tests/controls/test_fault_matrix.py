@@ -27,7 +27,15 @@ from study.statements.shared.experiment import Experiment
 from study.statements.shared.scope import Levels, regular
 
 BY_NAME = {fault.name: fault for fault in FAULTS}
-CASES_OF_ALL_KINDS = "hexagon", "anisotropic", "layered", "yield-on-a-part", "parabolic-gap", "cube-two-faces"
+SEVERAL_KINDS = (
+    "hexagon",
+    "anisotropic",
+    "layered",
+    "load-w11",
+    "yield-on-a-part",
+    "parabolic-gap",
+    "cube-two-faces",
+)
 
 
 def experiment(name: str, level: int = 6) -> Experiment:
@@ -42,7 +50,7 @@ def test_no_two_faults_have_one_name_and_sizes_fall() -> None:
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
 def test_a_fault_changes_what_is_solved_in_some_case_and_leaves_the_norm_alone(fault: Fault) -> None:
-    for case in CASES_OF_ALL_KINDS:
+    for case in SEVERAL_KINDS:
         right = experiment(case)
         if np.any(right.problem.gap):
             # So that the gap differs from its reversed and from its sorted values.
@@ -57,7 +65,7 @@ def test_a_fault_changes_what_is_solved_in_some_case_and_leaves_the_norm_alone(f
         distance = distance_of_solutions(right, faulty)
         if math.isnan(distance) or distance > 1e-8:
             return
-    pytest.fail(f"{fault.name} changes nothing in {', '.join(CASES_OF_ALL_KINDS)}")
+    pytest.fail(f"{fault.name} changes nothing in {', '.join(SEVERAL_KINDS)}")
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.2, np.inf])

@@ -100,9 +100,9 @@ def test_a_damaged_record_is_refused(name: str, tmp_path: Path) -> None:
         SeedRecord.read(tmp_path)
 
 
-def test_the_committed_record_has_no_false_alarm_on_100_seeds() -> None:
+def test_the_committed_record_has_no_false_alarm() -> None:
     alarms = FalseAlarms(SeedRecord.read(RESULTS))
-    assert (alarms.seeds, alarms.red) == (100, 0)
+    assert alarms.seeds > alarms.red == 0
     assert max(map(len, alarms.text().splitlines())) <= 80
 
 

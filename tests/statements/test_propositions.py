@@ -365,8 +365,8 @@ def rates() -> pd.DataFrame:
     return found[(found["claim"] == "Prop. 5.4") & (found["family"] == "shaken")].copy()
 
 
-def of_patch(rates: pd.DataFrame) -> dict[str, str]:
-    return verdicts(FirstOrder().judge(rates[rates["case"] == "travelling-patch"]))
+def of_front(rates: pd.DataFrame) -> dict[str, str]:
+    return verdicts(FirstOrder().judge(rates[rates["case"] == "advance-recede"]))
 
 
 def test_orders_are_taken_in_the_leading_term_on_random_meshes_alone(rates: pd.DataFrame) -> None:
@@ -379,17 +379,17 @@ def test_orders_are_taken_in_the_leading_term_on_random_meshes_alone(rates: pd.D
 
 def test_a_mesh_that_happens_to_be_bad_is_no_alarm(rates: pd.DataFrame) -> None:
     """One on which interpolation, its leading term and the error are 12 % larger: in h the order would be 0.8."""
-    mine = rates["case"] == "travelling-patch"
+    mine = rates["case"] == "advance-recede"
     for name in ("error", "interpolation_error", "discrete_error", "initial_error", LEADING):
         rates.loc[mine & (rates["level"] == 16), name] *= 1.12
-    assert set(of_patch(rates).values()) == {HOLDS}
+    assert set(of_front(rates).values()) == {HOLDS}
     assert quantities.fitted("error")(rates[mine & (rates["level"] <= 16)]) < 0.85
 
 
 def test_an_error_that_stagnates_and_a_leading_term_that_is_not_of_order_h_are_alarms(rates: pd.DataFrame) -> None:
     """If both were of order 1/2, the order of the error in the leading term would be 1."""
     stagnating = rates["error"].where(rates["level"] != 64, 1.3 * rates["error"])
-    assert of_patch(rates.assign(error=stagnating))["order"] == FAILS
+    assert of_front(rates.assign(error=stagnating))["order"] == FAILS
     rates[["error", LEADING]] **= 0.5
-    found = of_patch(rates)
+    found = of_front(rates)
     assert (found["order"], found["leading-order"]) == (HOLDS, FAILS)

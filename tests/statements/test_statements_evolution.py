@@ -66,9 +66,9 @@ def test_no_bound_is_claimed_where_the_ratio_carries_a_logarithm() -> None:
 
 
 def test_the_constant_of_the_proof() -> None:
-    law = named("advance-recede").solution.law  # L_G = 4, m_A = 2, monotone
-    assert constant(law, 1.0) == pytest.approx(4.0)
-    assert constant(law, 4.0) == pytest.approx(math.sqrt(16 + 64 + 4 * 64 / 3))
+    law = named("advance-recede").solution.law  # L_G = 3, m_A = 2, monotone
+    assert constant(law, 1.0) == pytest.approx(2 + 3 / 2)
+    assert constant(law, 4.0) == pytest.approx(math.sqrt(16 + 48 + 48))
 
 
 # Beyond the source.

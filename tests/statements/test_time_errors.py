@@ -39,7 +39,7 @@ def test_backward_euler_is_judged_by_its_theorem(in_time: pd.DataFrame) -> None:
         ("4 between", lambda value, level: 3 * value, "between"),
         ("4 midpoint", lambda value, level: 20 * value, "midpoint"),
         ("4 error", lambda value, level: 2 * value, "order"),
-        ("256 error", lambda value, level: value * level, "uniform"),
+        ("256 by data", lambda value, level: value * level, "uniform"),
         ("reference", lambda value, level: 0 * value, "reference"),
     ],
 )
