@@ -4,7 +4,7 @@ Statements that go beyond the paper come last.
 """
 
 from study.statements.advancing_front import AdvancingFront
-from study.statements.backward_euler import BackwardEuler
+from study.statements.backward_euler import BackwardEuler, JumpingLoad
 from study.statements.boundary import NaturalConditions
 from study.statements.contact_force import ContactForce
 from study.statements.contact_work import WorkOfContact
@@ -47,7 +47,7 @@ STATEMENTS: tuple[Statement, ...] = (
     *(ContactForce(), Recomputed(), OtherCodes()),
     # Theorems and experiments of this study, which the paper does not have.
     *(EdgeWork(), WorkOfContact(), Rollers(), AdvancingFront(), HalfDerivative(), NodalErrors()),
-    *(BackwardEuler(), NoPotential(), FullyDiscrete()),
+    *(BackwardEuler(), JumpingLoad(), NoPotential(), FullyDiscrete()),
     *(Landings(), InitialGap(), BoundedError(), EnclosedError()),
     # Misprints, untested claims and pictures, which have no tolerance window.
     *(Misprints(), Untested(), WithoutRow(), Pictures()),

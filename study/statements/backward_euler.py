@@ -21,9 +21,13 @@ step. Predicted quotients are 1/2 where u̇^h changes steadily (2/3 if only four
 where u̇^h jumps in the middle of a step, and less where it jumps near an end of a step. So the largest quotient over
 the steps is between 1/5 and 1. For the midpoint rule interpolation causes most of the error between the nodes, because
 the rule is of higher order at the nodes where velocities are smooth.
+
+**A load that jumps in time** has bounded variation, which is all that the theorem needs. The load of a case jumps at T/2
+by half of its final value. There is no exact solution, and none is needed. Predicted are the same bounds and orders.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -152,3 +156,19 @@ class BackwardEuler(ListedNumbers):
             found |= {f"{count} {name}": number for name, number in zip(QUANTITIES, numbers, strict=True)}
         found["reference"] = furthest(problem, exact[::2], half) / minimum(found[name] for name in COLUMNS["error"])
         return with_h(setup.space.h, found)
+
+
+class JumpingLoad(BackwardEuler):
+    """Measures the same numbers for a load that jumps in time."""
+
+    label = "beyond: O(h + k), load with a jump"
+    quick = []
+    full = grid(("advance-recede",), ("shaken",), (6, 12, 24))
+
+    def setup(self, setting: Setting) -> Experiment:
+        setup = super().setup(setting)
+        problem = setup.problem
+        jump = problem.load(problem.T) / 2
+        return replace(
+            setup, problem=replace(problem, load=lambda time: problem.load(time) + (time >= problem.T / 2) * jump)
+        )
