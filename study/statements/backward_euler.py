@@ -22,8 +22,8 @@ where u̇^h jumps in the middle of a step, and less where it jumps near an end o
 the steps is between 1/5 and 1. For the midpoint rule interpolation causes most of the error between the nodes, because
 the rule is of higher order at the nodes where velocities are smooth.
 
-**A load that jumps in time** has bounded variation, which is all that the theorem needs. The load of a case jumps at T/2
-by half of its final value. There is no exact solution, and none is needed. Predicted are the same bounds and orders.
+**A load that jumps in time** has bounded variation, which is all that the theorem needs. The load of a case jumps at
+T/2 by half of its final value. No exact solution is needed. Bounds and orders are predicted as above.
 """
 
 from collections.abc import Sequence
