@@ -147,7 +147,8 @@ def test_ctrl_c_says_what_is_true_of_the_command(command: str, said: str, tmp_pa
 
 
 ASLEEP = """
-import sys, time
+import signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a suite that runs in the background ignores Ctrl-C
 from study.run.executor import Processes
 with Processes(2) as executor:
     job = executor.submit(time.sleep, 60)
