@@ -151,6 +151,14 @@ def test_the_readme_can_be_read_in_a_few_minutes() -> None:
     assert len(BLOCK.sub("", README.text).splitlines()) <= 150
 
 
+def test_the_page_on_exact_solutions_says_why_each_case_is_there() -> None:
+    rows = re.findall(
+        r"^\| ([a-z0-9.,\- ]+) \|", (ROOT / "docs/explanation/exact-solutions.md").read_text("utf-8"), re.MULTILINE
+    )
+    listed = ", ".join(rows[1:]).split(", ")
+    assert sorted(listed) == sorted(case.name for case in catalogue())
+
+
 # Notebooks are committed with the outputs of a run from top to bottom.
 
 
