@@ -162,7 +162,6 @@ class JumpingLoad(BackwardEuler):
     """Measures the same numbers for a load that jumps in time."""
 
     label = "beyond: O(h + k), load with a jump"
-    quick = []
     full = grid(("advance-recede",), ("shaken",), (6, 12, 24))
 
     def setup(self, setting: Setting) -> Experiment:
