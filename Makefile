@@ -8,7 +8,7 @@ DEVELOPMENT := $(VENV)/.development
 DOCUMENTATION := $(VENV)/.documentation
 CLUSTER := $(VENV)/.cluster
 PAGES := README.md docs/index.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
-	docs/tutorials/first-solution.md docs/explanation/windows.md docs/explanation/verdicts.md docs/reference/files.md
+	docs/explanation/verdicts.md docs/reference/files.md
 
 .PHONY: study full again faults seeds test wheel tutorials pages codes codes-bounds codes-venv codes-check wheel-debian certificates \
 	certificates-check trials bench bench-growth bench-peers \
@@ -120,13 +120,8 @@ lint: $(DEVELOPMENT)  ## check style, types, the order of imports and the weight
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/python .ci/weight.py
 
-# Left out: linear algebra within the solvers, and modules with a class that inherits fields from another one. pdoc
-# cannot resolve the types there; a warning anywhere else is an error.
 docs: $(DOCUMENTATION)  ## build the documentation with notebooks, gallery and API, build/docs/index.html; FILMS=no saves minutes
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
-	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs/api \
-		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols convergence_orders study \
-		'!study\.solve\.(factorisation|multigrid)' '!study\.ledger\.codes' '!study\.statements\.thm_4_2$$' '!study\.controls\.(seeded|contact_test)'
 
 LATEX := latexmk -cd -pdf -halt-on-error -interaction=nonstopmode -outdir=build
 

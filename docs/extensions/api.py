@@ -1,22 +1,16 @@
-"""Links from a page of the site to the pages of the Python interface, which lie beside it in ``api/``."""
+"""Docstrings for Sphinx: they are plain text with ``code``, in which * and | are letters."""
 
-from docutils import nodes
-from docutils.parsers.rst.states import Inliner
+import re
+
 from sphinx.application import Sphinx
-from sphinx.util.nodes import split_explicit_title
 
 
-def api(
-    name: str, rawtext: str, text: str, lineno: int, inliner: Inliner, options: object = None, content: object = None
-) -> tuple[list[nodes.Node], list[nodes.system_message]]:
-    """``{api}`named```: a public name of ``manufactured``; with a title, ``{api}`title <study.bound>```, a module."""
-    has_title, title, target = split_explicit_title(text)
-    page = target.replace(".", "/") + ".html" if has_title else f"manufactured.html#{target}"
-    up = "../" * inliner.document.settings.env.docname.count("/")
-    link = nodes.reference("", "", nodes.literal("", title), refuri=f"{up}api/{page}", internal=False)
-    return [link], []
+def plain(app: Sphinx, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
+    """Escape what reStructuredText would read as emphasis or as a substitution, except in code."""
+    lines[:] = [re.sub(r"(``.*?``)|([*|])", lambda match: match[1] or f"\\{match[2]}", line) for line in lines]
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    app.add_role("api", api)
+    # Before napoleon, which turns Google's sections into fields and escapes nothing.
+    app.connect("autodoc-process-docstring", plain, priority=100)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -56,8 +56,8 @@ invisible if both agree.
 
 A and G are the viscosity tensor and the elasticity tensor of the law; α and m are the exponents of gap and pressure at
 a contact front; (5.36) is the smoothness that Proposition 5.4 assumes. [A first exact
-solution](/tutorials/first-solution.md) shows how to evaluate a case. [How the exact solutions are
-made](/explanation/exact-solutions.md) explains the exponents, and [Notation](/explanation/notation.md) lists the
+solution](/notebooks/exact-solution.ipynb) shows how to evaluate a case. [How the exact solutions are
+made](/explanation/exact-solutions.md) explains the exponents, and [Notation](/reference/glossary.md#letters-of-the-paper) lists the
 letters.
 """
 DOCS = Path(__file__).parents[1]
@@ -170,7 +170,7 @@ Predicted order {case.order:.3g}: {prose(case.reason)}. Observed orders between 
 {body}
 ```
 
-`named("{case.name}")`, written in {{api}}`{module.replace(".", "/")}.py <{module}>`.
+`named("{case.name}")`, written in `{module.replace(".", "/")}.py`.
 """
 
 

@@ -1,4 +1,4 @@
-"""Faults put into an adapter on purpose, and which case shows them: the table of docs/how-to/verify-a-contact-code.md.
+"""Faults put into an adapter on purpose, and which case shows them: the table of faults.md.
 
     python faults.py TASKS        tasks of the cases, exported with the levels 8 16
 

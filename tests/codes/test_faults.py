@@ -12,7 +12,7 @@ import pytest
 import this_study
 from judged_codes import exported, judged
 
-PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "verify-a-contact-code.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "examples" / "codes" / "faults.md").read_text(encoding="utf-8")
 FAULTS = {fault.name: fault for fault in faults.FAULTS}
 
 

@@ -28,11 +28,11 @@ CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_t
 LONG = {"README.md", *(f"docs/how-to/{name}.md" for name in ("adapt", "certify", "figures", "verify-a-contact-code"))}
 LONG |= {
     f"docs/tutorials/{name}.md"
-    for name in ("own-case", "own-case-3d", "own-case-gap", "bound", "static", "yielding", "calculix")
+    for name in ("own-case", "bound", "static", "calculix")
 }
 """Pages whose commands take longer than three seconds, for the slow tests, which `make tutorials` runs. The case of
 ``own-case.md`` is what the tests of most commands start from (``cli/conftest.py``)."""
-LONG_PYTHON = {"docs/how-to/verify-a-contact-code.md", "docs/tutorials/your-displacement.md"}
+LONG_PYTHON = {f"docs/{name}.md" for name in ("how-to/verify-a-contact-code", "tutorials/own-case", "tutorials/your-displacement")}
 """Pages whose Python takes longer than three seconds."""
 NEEDS = {"docs/tutorials/dolfinx.md": "dolfinx"}
 """Pages that need a program which no wheel has."""
@@ -177,9 +177,9 @@ def has_figure(notebook: Any) -> bool:
     return any("image/png" in output.get("data", {}) for cell in code_cells(notebook) for output in cell.outputs)
 
 
-def test_three_notebooks_are_stored_with_outputs_and_figures_in_less_than_300_kB() -> None:
+def test_the_notebooks_are_stored_with_outputs_and_figures_in_less_than_300_kB() -> None:
     nbformat = pytest.importorskip("nbformat")
-    assert len(NOTEBOOKS) == 3
+    assert len(NOTEBOOKS) == 2
     for path in NOTEBOOKS:
         notebook = nbformat.read(path, as_version=4)
         nbformat.validate(notebook)

@@ -33,7 +33,7 @@ def full() -> FullRun:
 
 @pytest.mark.parametrize(
     "path",
-    [README, *(page(f"explanation/{name}") for name in ("results", "other-codes", "windows")), page("reference/files")]
+    [README, *(page(f"explanation/{name}") for name in ("results", "other-codes")), page("reference/files")]
     + [page("index"), page("reference/statements")],
     ids=lambda p: p.name,
 )
