@@ -52,9 +52,8 @@ from study.fem.error_norm import ErrorNorm
 from study.fem.independent import load_from_forces
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, accuracy, consequence
+from study.ledger.quantities import fitted, over_refinements, values
 from study.ledger.window import STEEPER, Window, around, at_most, between, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
@@ -62,7 +61,7 @@ from study.solve.paths import furthest, path
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
 from study.statements.half_derivative import HALF_DERIVATIVE, RADIUS, front_at, half_quotient
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.meshes import space_of
 from study.statements.shared.norms import ContactWork, Velocity, dual_norm, maximum, midpoints
 
@@ -100,53 +99,36 @@ class AdvancingFront(ListedNumbers):
     claim = "‖u − u^h‖ ~ h at a natural front that advances, where C h |log h| is proved"
     outside_catalogue = True
     checks = (
-        Check(
+        consequence(
             "order",
             "order of ‖u − u^h‖ over two refinements",
-            quantities.over_refinements("error", 2),
+            over_refinements("error", 2),
             INTERPOLATION,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            levels=ENOUGH,
         ),
-        Check(
-            "rate",
-            "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}",
-            quantities.fitted("rate", last=2),
-            SINGULAR,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
-        ),
-        Check(
+        consequence("rate", "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}", fitted("rate", last=2), SINGULAR, levels=ENOUGH),
+        consequence(
             "excess",
             "order of the excess ‖u^h − u^h_lin‖ over the linear problem",
-            quantities.fitted("excess"),
+            fitted("excess"),
             TRAIL,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            levels=ENOUGH,
         ),
-        Check(
-            "time",
-            "change of u^h with half the time step / error",
-            quantities.values("time share"),
-            NEGLIGIBLE,
-            CheckKind.ACCURACY,
-        ),
-        Check(
+        accuracy("time", "change of u^h with half the time step / error", values("time share"), NEGLIGIBLE),
+        consequence(
             "local",
             "work of the contact forces on violations of the constraint by P_hu / (h |log h|)²",
-            quantities.values("local"),
+            values("local"),
             LOCAL,
-            CheckKind.CONSEQUENCE,
         ),
-        Check(
+        consequence(
             "pairing",
             "increment of max_t |∫_0^t (u̇^h, D_h)_V ds| when n is doubled",
             lambda table: np.diff(table[table["level"] >= FROM]["pairing"].to_numpy()),
             LOGARITHM,
-            CheckKind.CONSEQUENCE,
         ),
         *HALF_DERIVATIVE,
-        Check("quadrature", FINER_QUADRATURE, quantities.values("quadrature"), NEGLIGIBLE, CheckKind.ACCURACY),
+        accuracy("quadrature", FINER_QUADRATURE, values("quadrature"), NEGLIGIBLE),
     )
     # No shaken meshes, because observed orders depend on the random size of the cells that the singular front passes.
     quick = grid((NAME,), ("unstructured",), (8, 16, 32))
@@ -160,7 +142,7 @@ class AdvancingFront(ListedNumbers):
         """
         return 150.0 * setting.level**3
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         space, solution, steps = space_of(setting), resolve(setting.case).solution, PER_CELL * setting.level
         v_norm = ErrorNorm(solution, space)
         load = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, DEGREE))

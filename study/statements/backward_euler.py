@@ -30,18 +30,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 
-from manufactured.tensors import Array
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, ROUNDING, Check
+from study.ledger.check import ENOUGH, ROUNDING, accuracy, consequence, identity
 from study.ledger.orders import fit
-from study.ledger.verdict import CheckKind
+from study.ledger.quantities import Value, change, values
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum, minimum
 
@@ -69,21 +66,14 @@ ALL_TIMES = "midpoint rule: error in time at all t / (largest error at the nodes
 CHANGE = f"change of the reference solution u^h from {FINEST // 2} to {FINEST} steps / smallest error in time"
 
 
-def order_in_k(key: str, quantity: str, window: Window, counts: Sequence[int], columns: Sequence[str]) -> Check:
-    """Return the check of the observed order of an error in the time step k.
-
-    The orders on all meshes must lie in the window; the order on the finest mesh is displayed.
+def orders_in_k(counts: Sequence[int], columns: Sequence[str]) -> Value:
+    """Return the function for the observed orders in the time step k on all levels, from columns with errors.
 
     Args:
-        key, quantity, window: key, description and tolerance window of the check.
         counts: numbers of steps.
         columns: for each number of steps, the name of the column with the error.
     """
-
-    def orders(levels: pd.DataFrame) -> Array:
-        return np.array([fit(1 / np.array(counts), row) for row in levels[list(columns)].to_numpy()])
-
-    return Check(key, quantity, orders, window, CheckKind.CONSEQUENCE, finest=True)
+    return lambda levels: np.array([fit(1 / np.array(counts), row) for row in levels[list(columns)].to_numpy()])
 
 
 class BackwardEuler(ListedNumbers):
@@ -93,39 +83,22 @@ class BackwardEuler(ListedNumbers):
     effort = 60
     claim = "max_t ‖u^h − û^{hk}‖_V ≤ k (‖u̇^h(0+)‖_V/√2 + 2 Var f) for backward Euler, for every h"
     checks = (
-        Check(
-            "data",
-            f"{ERROR} / its bound from the data",
-            quantities.values(*COLUMNS["by data"]),
-            PROVED,
-            CheckKind.IDENTITY,
+        identity("data", f"{ERROR} / its bound from the data", values(*COLUMNS["by data"]), PROVED),
+        identity(
+            "solution", f"{ERROR} / its bound from the computed values U_n", values(*COLUMNS["by solution"]), PROVED
         ),
-        Check(
-            "solution",
-            f"{ERROR} / its bound from the computed values U_n",
-            quantities.values(*COLUMNS["by solution"]),
-            PROVED,
-            CheckKind.IDENTITY,
-        ),
-        Check(
-            "constant",
-            f"{ERROR_OF_CONSTANT} / its bound",
-            quantities.values(*COLUMNS["constant"]),
-            PROVED,
-            CheckKind.IDENTITY,
-        ),
-        Check("between", INTERPOLATION, quantities.values(*COLUMNS["between"]), BETWEEN, CheckKind.CONSEQUENCE),
-        Check("midpoint", ALL_TIMES, quantities.values(*COLUMNS["midpoint"]), PROVED, CheckKind.IDENTITY),
-        order_in_k("order", f"order in k of the {ERROR}", IN_K, COUNTS, COLUMNS["error"]),
-        Check(
+        identity("constant", f"{ERROR_OF_CONSTANT} / its bound", values(*COLUMNS["constant"]), PROVED),
+        consequence("between", INTERPOLATION, values(*COLUMNS["between"]), BETWEEN),
+        identity("midpoint", ALL_TIMES, values(*COLUMNS["midpoint"]), PROVED),
+        consequence("order", f"order in k of the {ERROR}", orders_in_k(COUNTS, COLUMNS["error"]), IN_K, finest=True),
+        consequence(
             "uniform",
             f"{ERROR} / its bound from the data, {LAST} steps: finest / coarsest mesh",
-            quantities.change(f"{LAST} by data"),
+            change(f"{LAST} by data"),
             UNIFORM,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            levels=ENOUGH,
         ),
-        Check("reference", CHANGE, quantities.values("reference"), SAME_SOLUTION, CheckKind.ACCURACY),
+        accuracy("reference", CHANGE, values("reference"), SAME_SOLUTION),
     )
     quick = grid(("advance-recede",), ("shaken",), (4, 8, 16))
     full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))
@@ -133,11 +106,11 @@ class BackwardEuler(ListedNumbers):
     def setup(self, setting: Setting) -> Experiment:
         return Experiment.at(setting, MIDPOINT, FINEST)
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         problem = with_cached_loads(setup.problem)
         flow = GradientFlow(problem, np.array([problem.load(t) for t in problem.T * np.arange(FINEST + 1) / FINEST]))
         exact, half = path(problem, MIDPOINT, FINEST), path(problem, MIDPOINT, FINEST // 2)
-        found: dict[str, float] = {}
+        found: Numbers = {}
         for count in COUNTS:
             k, nodes = problem.T / count, exact[:: FINEST // count]
             states, middle = path(problem, BACKWARD_EULER, count), path(problem, MIDPOINT, count)
@@ -145,15 +118,12 @@ class BackwardEuler(ListedNumbers):
             error, of_interpolation, of_midpoint = (furthest(problem, exact, line) for line in lines)
             of_constant = maximum(furthest(problem, exact, side) for side in last(states, FINEST))
             bound_of_midpoint = furthest(problem, nodes, middle) + k / 2 * flow.fastest
-            numbers = (
-                error,
-                error / flow.a_priori(count),
-                error / flow.a_posteriori(states),
-                of_constant / flow.piecewise_constant(count),
-                of_interpolation / (k / 4 * oscillation(problem, exact, count)),
-                of_midpoint / bound_of_midpoint,
-            )
-            found |= {f"{count} {name}": number for name, number in zip(QUANTITIES, numbers, strict=True)}
+            found[f"{count} error"] = error
+            found[f"{count} by data"] = error / flow.a_priori(count)
+            found[f"{count} by solution"] = error / flow.a_posteriori(states)
+            found[f"{count} constant"] = of_constant / flow.piecewise_constant(count)
+            found[f"{count} between"] = of_interpolation / (k / 4 * oscillation(problem, exact, count))
+            found[f"{count} midpoint"] = of_midpoint / bound_of_midpoint
         found["reference"] = furthest(problem, exact[::2], half) / minimum(found[name] for name in COLUMNS["error"])
         return with_h(setup.space.h, found)
 
@@ -168,6 +138,5 @@ class JumpingLoad(BackwardEuler):
         setup = super().setup(setting)
         problem = setup.problem
         jump = problem.load(problem.T) / 2
-        return replace(
-            setup, problem=replace(problem, load=lambda time: problem.load(time) + (time >= problem.T / 2) * jump)
-        )
+        jumping = replace(problem, load=lambda time: problem.load(time) + (time >= problem.T / 2) * jump)
+        return replace(setup, problem=jumping)

@@ -30,12 +30,11 @@ from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, tracti
 from study.fem.error_norm import DEGREE, FACET_POINTS, rules
 from study.fem.quadrature import facet_rule
 from study.fem.space import on_cells
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, consequence
+from study.ledger.quantities import fitted
 from study.ledger.window import around, between
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import SEED, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import CELLS
 
@@ -61,46 +60,31 @@ class NaturalConditions(ListedNumbers):
     label = "(4.13)"
     claim = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
     checks = (
-        Check(
-            "loaded",
-            "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))",
-            quantities.fitted("loaded"),
-            STRONG,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+        consequence("loaded", "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", fitted("loaded"), STRONG, levels=ENOUGH),
+        consequence(
+            "contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", fitted("contact"), STRONG, levels=ENOUGH
         ),
-        Check(
-            "contact",
-            "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))",
-            quantities.fitted("contact"),
-            STRONG,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
-        ),
-        Check(
+        consequence(
             "tangential",
             "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))",
-            quantities.fitted("tangential"),
+            fitted("tangential"),
             SUPERCLOSE,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            levels=ENOUGH,
             if_missed=ON_TRIANGLES,
         ),
-        Check(
+        consequence(
             "loaded-weakly",
             "order of σν − f_2 on Γ2, tested with smooth v",
-            quantities.fitted("loaded, weakly", power=CELLS),
+            fitted("loaded, weakly", power=CELLS),
             WEAK,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            levels=ENOUGH,
         ),
-        Check(
+        consequence(
             "tangential-weakly",
             "order of σ_τ on Γ3, tested with smooth v",
-            quantities.fitted("tangential, weakly", power=CELLS),
+            fitted("tangential, weakly", power=CELLS),
             WEAK,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            levels=ENOUGH,
         ),
     )
     quick = grid(("advance-recede",), ("shaken",), (12, 24, 48))
@@ -112,11 +96,11 @@ class NaturalConditions(ListedNumbers):
         steps = INSTANTS * (2 * (setting.level // 8) + 3)
         return Experiment.at(setting, MIDPOINT, steps)
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         return with_h(setup.space.h, tractions(setup))
 
 
-def tractions(setup: Experiment) -> dict[str, float]:
+def tractions(setup: Experiment) -> Numbers:
     """Return norms of the violations of the traction conditions, relative to the norm of σν on Γ2 ∪ Γ3.
 
     The violations are measured in L² on the boundary and, weakly, with smooth test fields v of norm ‖v‖_V = 1. All

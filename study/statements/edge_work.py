@@ -34,11 +34,11 @@ from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
 from study.fem.space import Space
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.verdict import CheckKind, Verdict
+from study.ledger.check import accuracy, identity
+from study.ledger.quantities import values
+from study.ledger.verdict import Verdict
 from study.ledger.window import at_least, at_most
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.meshes import space_of
 from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
@@ -73,20 +73,10 @@ class EdgeWork(ListedNumbers):
         *grid(("merging-patches", "natural-front", "rough-1.75"), ("one-diagonal", "unstructured"), (8, 16, 32, 64)),
     )
     checks = (
-        Check(
-            "solution",
-            "|R_E| / (β h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest",
-            quantities.values(WORK),
-            PROVED,
-            CheckKind.IDENTITY,
-        ),
-        Check("all", SUPREMUM, quantities.values(OF_ALL), PROVED, CheckKind.IDENTITY),
-        Check(
-            "constant",
-            "|R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest",
-            quantities.values(OVERALL),
-            at_most(C_0, "proved"),
-            CheckKind.IDENTITY,
+        identity("solution", "|R_E| / (β h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", values(WORK), PROVED),
+        identity("all", SUPREMUM, values(OF_ALL), PROVED),
+        identity(
+            "constant", "|R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", values(OVERALL), at_most(C_0, "proved")
         ),
     )
 
@@ -101,7 +91,7 @@ class EdgeWork(ListedNumbers):
         table = rows.pivot_table(index=["case", "family", "level"], columns="quantity", values="value")
         return [*super().judge(rows), BOTH_KINDS.verdict(self, "all cases", {"all families": table})]
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         space, solution = space_of(setting), resolve(setting.case).solution
         found: dict[str, list[float]] = {name: [0.0] for name in (WORK, OF_ALL, OVERALL, *BRANCHES)}
         for touching, open_part, quotients in mixed_edges(solution, space):
@@ -115,12 +105,11 @@ class EdgeWork(ListedNumbers):
         return with_h(space.h, {**{name: maximum(values) for name, values in found.items()}, **counts})
 
 
-BOTH_KINDS = Check(
+BOTH_KINDS = accuracy(
     "branches",
     "number of edges with β from |N|, and with β from |C|: the smaller number",
     lambda group: float(group[list(BRANCHES)].to_numpy().sum(axis=0).min()),
     at_least(1, "both expressions for β in the lemma are tested"),
-    CheckKind.ACCURACY,
 )
 
 

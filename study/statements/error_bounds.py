@@ -47,7 +47,6 @@ order of the term:
 """
 
 import math
-from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -58,15 +57,24 @@ from manufactured.law import KelvinVoigt
 from study.fem.error_norm import FACET_POINTS
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, Groups
-from study.ledger.datafiles import DataFile, Row
+from study.ledger.check import ENOUGH, Groups, consequence, paper_claim
+from study.ledger.datafiles import Row
 from study.ledger.orders import fit
-from study.ledger.verdict import CheckKind
+from study.ledger.quantities import Value, of_errors, values
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import (
+    EVOLVING,
+    SOFTENING,
+    Judged,
+    ListedNumbers,
+    Numbers,
+    Records,
+    Setting,
+    grid,
+    with_h,
+)
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import Velocity, maximum, midpoints
 
@@ -102,14 +110,14 @@ class ErrorBounds(ListedNumbers):
         case = resolve(setting.case)
         return Experiment.at(setting, MIDPOINT, rate_steps(case.solution.body.T, setting.level, case.pace))
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         return with_h(setup.space.h, sides(setup))
 
-    def records(self, setting: Setting, found: Mapping[str, float]) -> Iterator[tuple[DataFile, Row]]:
+    def records(self, setting: Setting, found: Row) -> Records:
         """Yield the rows of ``statements.csv``, with the predictions for the case as further numbers."""
         return super().records(setting, {**found, **predicted(resolve(setting.case))})
 
-    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Judged:
         """Yield two criteria for each of the bounds, which depend on the predicted exponent γ of the case."""
         (table, *_) = groups.values()
         names = *EXPONENTS.values(), LOGARITHM
@@ -118,23 +126,23 @@ class ErrorBounds(ListedNumbers):
             number, gamma = bound.strip("()"), known[column]
             quantity = f"right-hand side of {bound} / error: change under refinement"
             growth = changing(bound, column)
-            steady = Check(f"steady-{number}", quantity, growth, STEADY, CheckKind.CONSEQUENCE, ENOUGH)
+            steady = consequence(f"steady-{number}", quantity, growth, STEADY, levels=ENOUGH)
             if gamma > 0:
                 term = RATE if gamma == known[EXPONENTS["(5.21)"]] else TRACE
                 lower = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
                 window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
-                power = quantities.of_errors(term, lambda h, ratio: -fit(h, ratio))
-                yield Check(f"growth-{number}", lower, power, window, CheckKind.CONSEQUENCE, ENOUGH), groups
+                power = of_errors(term, lambda h, ratio: -fit(h, ratio))
+                yield consequence(f"growth-{number}", lower, power, window, levels=ENOUGH), groups
             elif bound == "(5.42)" and known[LOGARITHM] > 0:
                 lower = f"{quantity}, of lower order by |log h|^{{1/4}}"
                 yield replace(steady, quantity=lower, if_missed="a few levels cannot show a logarithm"), groups
             else:
                 yield steady, groups
             share = f"error / (c · right side of {bound})"
-            yield Check(f"constant-{number}", share, quantities.values(f"{bound}, c"), PROVED, CheckKind.CLAIM), groups
+            yield paper_claim(f"constant-{number}", share, values(f"{bound}, c"), PROVED), groups
 
 
-def changing(bound: str, prediction: str) -> quantities.Value:
+def changing(bound: str, prediction: str) -> Value:
     """Return the function for the change of a bound under refinement; it needs the column with the prediction γ."""
 
     def value(table: pd.DataFrame) -> float:
@@ -143,7 +151,7 @@ def changing(bound: str, prediction: str) -> quantities.Value:
     return value
 
 
-def predicted(case: Case) -> dict[str, float]:
+def predicted(case: Case) -> Numbers:
     """Return the predictions for a case, by the names of columns.
 
     For each of the bounds (5.21) and (5.42), a column has the exponent γ for which bound / error is predicted to grow
@@ -162,7 +170,7 @@ def constant(law: KelvinVoigt, T: float) -> float:
     return math.exp(omega * T) * max(2 + L * T, on_rate)
 
 
-def sides(setup: Experiment) -> dict[str, float]:
+def sides(setup: Experiment) -> Numbers:
     """Return the quotients (right side) / error and error / (c · right side) for the bounds (5.21) and (5.42)."""
     v_norm, problem, T = setup.v_norm, setup.problem, setup.problem.T
     states = setup.scheme.march(problem, setup.steps)

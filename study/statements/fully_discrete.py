@@ -22,14 +22,13 @@ import numpy as np
 import pandas as pd
 
 from manufactured.tensors import Array
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, Check, consequence
+from study.ledger.quantities import fitted
 from study.ledger.window import around, between
 from study.solve.evolution import Scheme
 from study.solve.paths import path
 from study.solve.tableau import MIDPOINT, SCHEMES
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum
 
@@ -54,14 +53,14 @@ def checks_of_scheme(scheme: Scheme) -> Iterator[Check]:
     def in_h(levels: pd.DataFrame) -> float:
         return power_law(levels, scheme)[1]
 
-    of_error = quantities.fitted(f"{name} {COUNTS[-1]} e")
+    of_error = fitted(f"{name} {COUNTS[-1]} e")
     for key, quantity, value, window in (
         ("time-in-k", f"order q of {in_time} in k", in_k, ORDERS[name]),
         ("time-in-h", f"order s of {in_time} in h", in_h, around(0, 0.1)),
         ("error-in-h", "order p of ‖u − u^{hk}‖ in h", of_error, around(1, 0.15)),
     ):
-        kind = CheckKind.CONSEQUENCE
-        yield Check(f"{name}-{key}", f"{name}: {quantity}", value, window, kind, ENOUGH, if_missed=OPEN)
+        key, quantity = f"{name}-{key}", f"{name}: {quantity}"
+        yield consequence(key, quantity, value, window, levels=ENOUGH, if_missed=OPEN)
 
 
 def power_law(levels: pd.DataFrame, scheme: Scheme) -> Array:
@@ -84,13 +83,13 @@ class FullyDiscrete(ListedNumbers):
     # The quick study leaves this statement out: nothing is claimed, and every mesh needs a solution with 1024 steps.
     full = grid(("advance-recede", "yield-and-release"), ("shaken",), (6, 12, 24))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
         v_norm, M, T, common = setup.v_norm, setup.problem.M, setup.problem.T, min(COUNTS)
         problem = with_cached_loads(setup.problem, 12)
         reference = path(problem, MIDPOINT, FINEST)[:: FINEST // common]
         samples = [v_norm.sample(n * T / common) for n in range(common + 1)]
-        measured: dict[str, float] = {}
+        measured: Numbers = {}
         for scheme in SCHEMES:
             for count in COUNTS:
                 states = path(problem, scheme, count)[:: count // common]

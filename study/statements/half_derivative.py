@@ -33,7 +33,7 @@ the constraint where it is positive. θ(t) is the factor of the singular field.
   false in general. It is a maximum over random meshes: on a single one either sign may occur.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -48,9 +48,8 @@ from study.fem.mesh import barycentric_gradients
 from study.fem.naming import resolve
 from study.fem.quadrature import gauss
 from study.fem.space import Space, form
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, Groups
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, Groups, consequence, identity
+from study.ledger.quantities import change, values
 from study.ledger.window import at_least, at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
@@ -60,7 +59,7 @@ from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.backward_euler import PROVED
 from study.statements.rollers import SEEDS
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import Judged, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.meshes import space_of, split_random
 from study.statements.shared.norms import maximum
@@ -77,20 +76,18 @@ GAUSS_POINTS = 20
 """Number of Gauss points on each edge of a cell."""
 
 HALF_DERIVATIVE = (
-    Check(
+    identity(
         "half",
         "mean of ‖u̇^h(t + τ) − u̇^h(t)‖² over τ < δ, integrated over t / (C_2 δ), largest over δ",
-        quantities.values("half"),
+        values("half"),
         PROVED,
-        CheckKind.IDENTITY,
     ),
-    Check(
+    consequence(
         "half-growth",
         "the same quotient, finest / coarsest mesh",
-        quantities.change("half"),
+        change("half"),
         at_most(1.25, "the constant does not depend on the mesh"),
-        CheckKind.CONSEQUENCE,
-        ENOUGH,
+        levels=ENOUGH,
     ),
 )
 
@@ -149,13 +146,7 @@ class HalfDerivative(ListedNumbers):
     effort = 10
     checks = (
         *HALF_DERIVATIVE,
-        Check(
-            "euler",
-            "backward Euler: Σ ‖δ_n − δ_{n−1}‖² / its bound",
-            quantities.values("euler"),
-            PROVED,
-            CheckKind.IDENTITY,
-        ),
+        identity("euler", "backward Euler: Σ ‖δ_n − δ_{n−1}‖² / its bound", values("euler"), PROVED),
     )
     quick = grid(("advance-recede",), ("one-diagonal",), (4, 8, 16))
     full = grid(("advance-recede", "travelling-patch", "yield-and-release"), ("one-diagonal",), (8, 16, 32))
@@ -163,7 +154,7 @@ class HalfDerivative(ListedNumbers):
     def setup(self, setting: Setting) -> Experiment:
         return Experiment.at(setting, MIDPOINT, STEPS_PER_CELL * setting.level)
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         problem, steps = with_cached_loads(setup.solved or setup.problem), setup.steps
         loads = [problem.load(problem.T * n / steps) for n in range(steps + 1)]
         flow = GradientFlow(problem, np.array(loads))
@@ -174,19 +165,17 @@ class HalfDerivative(ListedNumbers):
         return with_h(setup.space.h, numbers)
 
 
-CONSTANT = Check(
+CONSTANT = consequence(
     "constant",
     "largest |(P_hu_s − Π^hu_s)_ν(a)| (h + |a − x|)^{1/2} / (θ h² |log h|)",
-    quantities.values("constant"),
+    values("constant"),
     at_most(1.5, "bounded on every mesh family"),
-    CheckKind.CONSEQUENCE,
 )
-SIGN = Check(
+SIGN = consequence(
     "sign",
     "largest (P_hu_s)_ν / (θ h^{3/2}) at vertices in contact behind the front, over shaken meshes",
     lambda table: table["signed"].max(),
     at_least(0.01, "so the constraint is violated behind the front"),
-    CheckKind.CONSEQUENCE,
 )
 
 
@@ -204,7 +193,7 @@ class NodalErrors(ListedNumbers):
         *grid((NAME,), SEEDS, (32,)),
     )
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         solution, space = resolve(setting.case).solution, space_of(setting)
         (part,), (_, vertices), A, h = space.body.of(Kind.CONTACT), space.contact[0], solution.law.A, space.h
         condensed = Signorini(form(space, A), space.N)
@@ -221,7 +210,7 @@ class NodalErrors(ListedNumbers):
         numbers = {"constant": maximum(constants) / (h**2 * abs(np.log(h))), "signed": maximum(signed) / h**1.5}
         return with_h(h, numbers)
 
-    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Judged:
         """Yield the check of the constant on all meshes, and that of the sign on all random meshes together."""
         yield CONSTANT, groups
         random, _ = split_random(groups)

@@ -17,11 +17,10 @@ import math
 
 import pandas as pd
 
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, ROUNDING, Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, ROUNDING, identity, paper_claim
+from study.ledger.quantities import ratios
 from study.ledger.window import Window, at_most
-from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, with_h
 from study.statements.shared.eigen import h1_product, smallest, strain_product
 from study.statements.shared.meshes import body_of, first_with_each, place, space_of
 from study.statements.shared.scope import REGULAR
@@ -57,21 +56,14 @@ class Korn(ListedNumbers):
     label = "(2.17)"
     claim = "‖ε(v)‖_Q ≥ C_K ‖v‖_{H_1} on V, C_K > 0"
     checks = (
-        Check(
-            "falling",
-            f"{VALUE} / value on the next coarser level",
-            quantities.ratios(VALUE),
-            FALLING,
-            CheckKind.IDENTITY,
-            2,
-        ),
-        Check("limit", f"limit of the {VALUE} for h → 0", extrapolated, LIMIT, CheckKind.CLAIM, ENOUGH),
+        identity("falling", f"{VALUE} / value on the next coarser level", ratios(VALUE), FALLING, levels=2),
+        paper_claim("limit", f"limit of the {VALUE} for h → 0", extrapolated, LIMIT, levels=ENOUGH),
     )
 
     def places(self, full: bool) -> list[Setting]:
         bodies = first_with_each(body_of)
         return place(bodies, REGULAR, (8, 16, 32, 64), (2, 4, 8)) if full else place(bodies, REGULAR, (4, 8, 16))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         space = space_of(setting)
         return with_h(space.h, {VALUE: smallest(strain_product(space), h1_product(space))})

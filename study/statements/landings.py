@@ -36,20 +36,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import scipy.sparse as sps
 
 from manufactured.tensors import Array
 from study.fem.space import Space
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.orders import fit
-from study.ledger.verdict import CheckKind
+from study.ledger.check import Check, consequence, identity
+from study.ledger.quantities import values
 from study.ledger.window import Window, around
 from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.paths import furthest, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.backward_euler import orders_in_k
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
 
 COUNTS = (16, 32, 64, 128, 256, 512, 1024)
@@ -106,13 +104,9 @@ def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -
         counts: the numbers of time steps to which the order is fitted.
         window: the predicted order with its tolerance.
     """
-    columns = tuple(f"{load} {scheme.name} {count}" for count in counts)
-
-    def orders(levels: pd.DataFrame) -> Array:
-        return np.array([fit(1 / np.array(counts), row) for row in levels[list(columns)].to_numpy()])
-
+    in_k = orders_in_k(counts, [f"{load} {scheme.name} {count}" for count in counts])
     quantity = f"{scheme.name}: order in k from {counts[0]} to {counts[-1]} steps, {LOADS[load]}"
-    return Check(f"{scheme.name}-{load}", quantity, orders, window, CheckKind.CONSEQUENCE, if_missed=NO_THEORY)
+    return consequence(f"{scheme.name}-{load}", quantity, in_k, window, if_missed=NO_THEORY)
 
 
 class Landings(ListedNumbers):
@@ -126,12 +120,8 @@ class Landings(ListedNumbers):
     claim = "if a vertex that lands lifts a loaded neighbour, second-order schemes have only order 1 in k"
     checks = (
         *(
-            Check(
-                f"{name}-two",
-                f"{name}: {TWO_UNKNOWNS}",
-                quantities.values(*(f"two {name} {count}" for count in COUNTS)),
-                PROVED,
-                CheckKind.IDENTITY,
+            identity(
+                f"{name}-two", f"{name}: {TWO_UNKNOWNS}", values(*(f"two {name} {count}" for count in COUNTS)), PROVED
             )
             for name in (BACKWARD_EULER.name, MIDPOINT.name)
         ),
@@ -142,8 +132,8 @@ class Landings(ListedNumbers):
     )
     full = grid(("travelling-patch",), ("one-diagonal", "shaken"), (8, 16))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        found: dict[str, float] = {}
+    def measure(self, setting: Setting) -> Numbers:
+        found: Numbers = {}
         for scheme in (BACKWARD_EULER, MIDPOINT):
             for count in COUNTS:
                 exact = solution_of_two_unknowns(np.arange(count + 1) / count)

@@ -46,17 +46,16 @@ from scipy.interpolate import make_interp_spline
 
 from manufactured.no_potential import NAME
 from manufactured.tensors import Array
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, accuracy, consequence, identity
+from study.ledger.quantities import Value, change, fitted, values
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.euler_bounds import EulerBounds, backward_euler
 from study.solve.evolution import SemiDiscrete
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
-from study.statements.backward_euler import order_in_k
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.backward_euler import orders_in_k
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum, minimum
 
@@ -96,8 +95,19 @@ def partition(kind: str, count: int) -> Array:
     return np.concatenate([[0], np.cumsum(np.tile([pair - short, short], count // 2))])
 
 
-def columns(kind: str, what: str) -> list[str]:
+def at_all_steps(column: str) -> Value:
+    """Return the function that gives a measured number, such as "equal error", for all numbers of time steps."""
+    return values(*columns(column))
+
+
+def in_k(kind: str) -> Value:
+    """Return the function for the observed orders in the time step k, for equal or unequal steps."""
+    return orders_in_k(COUNTS, columns(f"{kind} error"))
+
+
+def columns(column: str) -> list[str]:
     """Return the names of the columns with a measured number for all numbers of time steps."""
+    kind, what = column.split(" ", 1)
     return [f"{kind} {count} {what}" for count in COUNTS]
 
 
@@ -109,72 +119,45 @@ class NoPotential(ListedNumbers):
     claim = "max_t ‖u^h − û^{hk}‖_V ≤ c(κ, T, ‖u̇^h(0+)‖, Var f) k for backward Euler under (3.2) alone, for every h"
     outside_catalogue = True
     checks = (
-        Check(
-            "data-equal",
-            f"{OF_BOUND} data, equal steps",
-            quantities.values(*columns("equal", "by data")),
-            PROVED,
-            CheckKind.IDENTITY,
-        ),
-        Check(
-            "data-unequal",
-            f"{OF_BOUND} data, unequal steps",
-            quantities.values(*columns("unequal", "by data")),
-            PROVED,
-            CheckKind.IDENTITY,
-        ),
-        Check(
-            "solution-equal",
-            f"{OF_BOUND} solution, equal steps",
-            quantities.values(*columns("equal", "by solution")),
-            PROVED,
-            CheckKind.IDENTITY,
-        ),
-        Check(
+        identity("data-equal", f"{OF_BOUND} data, equal steps", at_all_steps("equal by data"), PROVED),
+        identity("data-unequal", f"{OF_BOUND} data, unequal steps", at_all_steps("unequal by data"), PROVED),
+        identity("solution-equal", f"{OF_BOUND} solution, equal steps", at_all_steps("equal by solution"), PROVED),
+        identity(
             "solution-unequal",
             f"{OF_BOUND} solution, unequal steps",
-            quantities.values(*columns("unequal", "by solution")),
+            at_all_steps("unequal by solution"),
             PROVED,
-            CheckKind.IDENTITY,
         ),
-        order_in_k("order-equal", f"{ORDER}, equal steps", IN_K, COUNTS, columns("equal", "error")),
-        order_in_k("order-unequal", f"{ORDER}, unequal steps", IN_K, COUNTS, columns("unequal", "error")),
-        Check(
+        consequence("order-equal", f"{ORDER}, equal steps", in_k("equal"), IN_K, finest=True),
+        consequence("order-unequal", f"{ORDER}, unequal steps", in_k("unequal"), IN_K, finest=True),
+        consequence(
             "uniform",
             f"{ERROR} with {COUNTS[-1]} steps, finest mesh / coarsest mesh",
-            quantities.change(SHORTEST),
+            change(SHORTEST),
             UNIFORM,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            levels=ENOUGH,
         ),
-        Check(
+        consequence(
             "order-both",
             f"order of max_n ‖u − U_n‖ in h for k = T/({PER_CELL}n)",
-            quantities.fitted("fully discrete"),
+            fitted("fully discrete"),
             IN_H,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            levels=ENOUGH,
         ),
-        Check(
-            "rotation",
-            "error of a rotation in the plane / its bound from the data",
-            quantities.values("rotation"),
-            BEST,
-            CheckKind.CONSEQUENCE,
-        ),
-        Check("reference", HALF_STEPS, quantities.values("reference"), SMALL, CheckKind.ACCURACY),
+        consequence("rotation", "error of a rotation in the plane / its bound from the data", values("rotation"), BEST),
+        accuracy("reference", HALF_STEPS, values("reference"), SMALL),
     )
     quick = grid((NAME,), ("one-diagonal",), (6, 8, 12))
     full = grid((NAME,), ("one-diagonal", "unstructured"), (6, 12, 24))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
         law, problem = setup.solution.law, with_cached_loads(setup.problem)
         times = problem.T * np.arange(FINEST + 1) / FINEST
         flow = GradientFlow(problem, np.array([problem.load(t) for t in times.tolist()]))
         bounds = EulerBounds(flow, law.kappa, law.growth)
         exact, half = path(problem, MIDPOINT, FINEST), path(problem, MIDPOINT, FINEST // 2)
-        found: dict[str, float] = {}
+        found: Numbers = {}
         for kind, count in product(KINDS, COUNTS):
             nodes = partition(kind, count)
             states = backward_euler(problem, times[nodes].tolist())

@@ -30,11 +30,10 @@ import numpy as np
 from manufactured.law import Linear
 from manufactured.tensors import Array, Points, dyad
 from study.fem.naming import resolve
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, consequence, identity
+from study.ledger.quantities import finest, level_by_level, values
 from study.ledger.window import Window, around, at_least, positive_at_most
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.meshes import space_of
 
@@ -53,41 +52,24 @@ class NodalStart(ListedNumbers):
     label = "beyond: nodal start"
     claim = "the remark after (5.35) is false: ‖u_0 − Π^h u_0‖_V grows like h^{−1/2} for a u_0 ∈ K ∩ C(Ω̄)"
     checks = (
-        Check(
-            "size",
-            "‖Π^h u_0‖_V / ((3μ + λ)(n − 4))^{1/2}",
-            quantities.values("size / predicted"),
-            PREDICTED,
-            CheckKind.CONSEQUENCE,
+        consequence("size", "‖Π^h u_0‖_V / ((3μ + λ)(n − 4))^{1/2}", values("size / predicted"), PREDICTED),
+        identity(
+            "proved", "(5 m_A n/16)^{1/2} / ‖Π^h u_0‖_V", values("proved / size"), positive_at_most(1.0, "proved")
         ),
-        Check(
-            "proved",
-            "(5 m_A n/16)^{1/2} / ‖Π^h u_0‖_V",
-            quantities.values("proved / size"),
-            positive_at_most(1.0, "proved"),
-            CheckKind.IDENTITY,
-        ),
-        Check(
+        consequence(
             "growth",
             "order in h of ‖Π^h u_0‖_V − ‖u_0‖_V ≤ ‖u_0 − Π^h u_0‖_V",
-            quantities.level_by_level("error from below"),
+            level_by_level("error from below"),
             GROWS,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            levels=ENOUGH,
             finest=True,
         ),
-        Check(
-            "worse",
-            "(‖Π^h u_0‖_V − ‖u_0‖_V) / ‖u_0‖_V",
-            quantities.finest("error / start at 0"),
-            WORSE,
-            CheckKind.CONSEQUENCE,
-        ),
+        consequence("worse", "(‖Π^h u_0‖_V − ‖u_0‖_V) / ‖u_0‖_V", finest("error / start at 0"), WORSE),
     )
     quick = grid(("full-contact",), ("one-diagonal",), (8, 16, 32, 64))
     full = grid(("full-contact",), ("one-diagonal", "alternating"), (8, 16, 32, 64, 128))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         space, A = space_of(setting), resolve(setting.case).solution.law.A
         # The grid has 2^i cells along a side. Spikes with j > i vanish at its vertices and do not change Π^h u_0.
         start = space.interpolate(np.multiply.outer(DIRECTION, spikes(space.mesh.p, setting.level.bit_length() - 1)))

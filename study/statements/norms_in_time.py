@@ -39,12 +39,11 @@ from manufactured.catalogue import catalogue
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, ROUNDING, Check, Groups
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, ROUNDING, Groups, consequence, paper_claim
+from study.ledger.quantities import change, values
 from study.ledger.window import Window, around
 from study.solve.factorisation import Cholesky
-from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SOFTENING, Judged, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.meshes import named, place, space_of
 from study.statements.shared.norms import dual_norm, maximum
@@ -69,15 +68,10 @@ class LoadInTime(ListedNumbers):
     label = "(3.8), (5.9)"
     claim = "f ∈ W^{1,1}(0,T;V), and f^h ∈ W^{1,1}(0,T;V^h) uniformly in h"
     checks = (
-        Check("variation", VARIATION, quantities.values("variation"), SETTLES, CheckKind.CLAIM),
-        Check("increments", INCREMENTS, quantities.values("increments"), CONTINUOUS, CheckKind.CONSEQUENCE),
-        Check(
-            "uniform",
-            "‖f^h‖_{W^{1,1}(0,T;V)}, finest mesh / coarsest mesh",
-            quantities.change("norm"),
-            UNIFORM,
-            CheckKind.CLAIM,
-            2,
+        paper_claim("variation", VARIATION, values("variation"), SETTLES),
+        consequence("increments", INCREMENTS, values("increments"), CONTINUOUS),
+        paper_claim(
+            "uniform", "‖f^h‖_{W^{1,1}(0,T;V)}, finest mesh / coarsest mesh", change("norm"), UNIFORM, levels=2
         ),
     )
     not_judged = MappingProxyType({"moving-rough": WITHOUT})
@@ -86,7 +80,7 @@ class LoadInTime(ListedNumbers):
         (*EVOLVING, "lift-and-land", "load-w11", "moving-rough", "hexagon", *SOFTENING), ("unstructured",), (16, 32)
     )
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         space, solution = space_of(setting), resolve(setting.case).solution
         v_norm, riesz = ErrorNorm(solution, space), Cholesky(unloaded(space, solution.law).M)
         times = np.linspace(0, solution.body.T, INTERVALS + 1)
@@ -115,21 +109,15 @@ def last_increments(levels: pd.DataFrame) -> float:
     return float(increments[-1] / increments[-2])
 
 
-SETTLED = Check(
-    "bounded",
-    "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh",
-    quantities.change("norm", since=-2),
-    BOUNDED,
-    CheckKind.CLAIM,
-    ENOUGH,
+SETTLED = paper_claim(
+    "bounded", "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh", change("norm", since=-2), BOUNDED, levels=ENOUGH
 )
-GROWING = Check(
+GROWING = consequence(
     "unbounded",
     "σν ∉ L²(Γ): last / previous increment of max_t ‖σν‖²_{L²(Γ)} under refinement",
     last_increments,
     LOGARITHM,
-    CheckKind.CONSEQUENCE,
-    ENOUGH,
+    levels=ENOUGH,
 )
 
 
@@ -146,7 +134,7 @@ class TractionInTime(ListedNumbers):
         cases = [case for case in catalogue() if case.proposition == "Prop. 5.4"] if full else named("advance-recede")
         return place([*cases, *named(UNBOUNDED)], REGULAR, (8, 16, 32), (2, 4, 8))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         space, solution, squares, sides = space_of(setting), resolve(setting.case).solution, [], []
         for part in space.body.parts:
             rule = facet_rule(space.mesh, space.facets(part), part, (), FACET_POINTS if space.dim == 2 else 2)
@@ -155,5 +143,5 @@ class TractionInTime(ListedNumbers):
             squares.append(sum(np.sum(exact.surface_load(part, time) ** 2 * w) for part, exact, w in sides))
         return with_h(space.h, {"norm": math.sqrt(maximum(squares))})
 
-    def checks_of(self, case: str, groups: Groups) -> list[tuple[Check, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Judged:
         return [(GROWING if case == UNBOUNDED else SETTLED, groups)]

@@ -34,7 +34,7 @@ from study.ledger.codes import FROZEN, MADE, MARCH, NOT_EXPRESSED, OtherErrors
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, CheckKind, Found, Verdict, row
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import REPORTED as OF_FILE
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.tasks import FROZEN_TIMES, Task
 
 LABEL, ALL = "other codes", "all cases"
@@ -90,7 +90,7 @@ class OtherCodes(ListedNumbers):
         *grid(("cube-two-faces",), ("one-diagonal",), (3, 6)),
     )
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         task = Task(resolve(setting.case), family_named(setting.family), setting.level)
         found = {FROZEN: task.error(FROZEN_TIMES)}
         if setting in MARCHED:

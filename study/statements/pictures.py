@@ -16,7 +16,7 @@ from study.ledger.datafiles import JsonFiles
 from study.ledger.pictures import FINE, Facets, Packed, short
 from study.solve.motion import Motion, von_mises
 from study.statements.shared import estimates
-from study.statements.shared.base import Setting, Statement
+from study.statements.shared.base import Numbers, Setting, Statement
 from study.statements.shared.meshes import fits
 from study.statements.shared.scope import Scope
 
@@ -45,7 +45,7 @@ def mesh_for(body: Body) -> tuple[MeshFamily, int]:
     return SOLID_FAMILY, next((n for n in levels if fits(SOLID_FAMILY, body, n)), SOLID_LEVEL)
 
 
-def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
+def record(name: str, motion: Motion, every: int) -> Numbers:
     """Return the data for the pictures of a solution: contact gap, pressure, displacement and stress over time.
 
     The computed pressure at a vertex is its contact force divided by the integral of its shape function.
@@ -105,7 +105,7 @@ def contact_weights(space: Space) -> Array:
 
 def faces(
     solution: ExactSolution, space: Space, skin: Skin, times: Array, normal: Array, pressure: Array
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[Numbers]:
     """Yield the data of the contact faces for the pictures; ``record`` describes their contents."""
     plane, start = space.dim == 2, 0
     write: Callable[[Array], Any] = short if plane else packed
@@ -132,7 +132,7 @@ def faces(
             yield {**found, "level_exact": packed(between.level(times).T), "nodes": nodes.tolist()}
 
 
-def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: Array) -> dict[str, Any]:
+def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: Array) -> Numbers:
     """Return the exact contact zone of a contact face in 2D over time, and the curves of exact gap and pressure.
 
     The zone is given at evenly spaced times and at times near which its connected parts appear, merge or vanish. The
@@ -154,7 +154,7 @@ def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: A
     }
 
 
-def packed(values: Array) -> dict[str, Any]:
+def packed(values: Array) -> Numbers:
     """Return values at points over time in the compressed format of the pictures, with many digits."""
     return Packed.of(values, FINE).record()
 
@@ -190,7 +190,7 @@ class Pictures(Statement):
         meshes = [mesh_for(resolve(reference).solution.body) for reference in scope.cases]
         return [Setting(case, family.name, level) for case, (family, level) in zip(scope.cases, meshes, strict=True)]
 
-    def measure(self, setting: Setting) -> dict[str, Any]:
+    def measure(self, setting: Setting) -> Numbers:
         case, steps = resolve(setting.case), STEPS if setting.dim == 2 else SOLID_STEPS
         motion = Motion.of(case.solution, family_named(setting.family), setting.level, steps)
         return record(case.name, motion, steps // INTERVALS)

@@ -19,22 +19,17 @@ or two. So trajectories and forces agree to 1e-9. These checks notice relative d
 value or a force.
 """
 
-from collections.abc import Iterator, Mapping
-from typing import Any
-
 import numpy as np
 
-from study.fem.naming import resolve
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.datafiles import CsvFile, DataFile, Row
-from study.ledger.verdict import CheckKind
+from study.ledger.check import Check, accuracy
+from study.ledger.datafiles import CsvFile
+from study.ledger.quantities import quotients, values
 from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import RATES, RateSetting
 from study.statements.recomputed_solver import PlainProblem, Trajectory
 from study.statements.shared import estimates
-from study.statements.shared.base import REPORTED, Statement
+from study.statements.shared.base import REPORTED, Numbers, Statement
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.scope import Scope
 
@@ -52,7 +47,7 @@ TINY = 1e-12
 """An initial displacement counts as zero if its norm is at most this number times the largest norm over time."""
 
 
-def recompute(setup: Experiment) -> dict[str, float]:
+def recompute(setup: Experiment) -> Numbers:
     """Solve an experiment again by the second solver, and return the measured columns of ``recomputed.csv``.
 
     Both solvers use half the time step of the experiment, because the study measures errors with half the time step.
@@ -67,7 +62,7 @@ def recompute(setup: Experiment) -> dict[str, float]:
     return dict(zip(ERRORS, largest_errors, strict=True)) | gaps(setup, plain, own_load, same_load)
 
 
-def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load: Trajectory) -> dict[str, float]:
+def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load: Trajectory) -> Numbers:
     """Return the relative differences between the study and the second solver, by the names of columns.
 
     The columns ``GAPS`` have the differences of initial values, displacements and contact forces. The columns
@@ -84,7 +79,7 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
     norms = plain.norms(np.stack([u for _, u, _ in own_load], axis=1))
     forces = np.linalg.norm([multipliers for *_, multipliers in own_load])
     sizes = max(norms[0], TINY * norms.max()), norms.max(), forces
-    found: dict[str, float] = {}
+    found: Numbers = {}
     for names, trajectory in ((GAPS, own_load), (SAME_LOAD, same_load)):
         pairs = list(zip(states, trajectory, strict=True))
         missing = plain.norms(np.stack([ours.u - u for ours, (_, u, _) in pairs], axis=1))
@@ -107,8 +102,8 @@ def ratio(column: str, norm: str, window: Window) -> Check:
     reported = f"{column}{REPORTED}"
 
     quantity = f"{norm} in rates.csv / computed again"
-    shares = quantities.quotients(reported, column)
-    return Check(column.replace("_", "-"), quantity, shares, window, CheckKind.ACCURACY)
+    shares = quotients(reported, column)
+    return accuracy(column.replace("_", "-"), quantity, shares, window)
 
 
 SAME = around(1, 0.005, "quadrature")
@@ -118,41 +113,18 @@ ALIKE = "both with the same load"
 STOPPED = positive_at_most(1e-9, "of ‖u^h‖_V; tolerances of both solvers")
 STOPPED_FORCES = at_most(1e-9, "of λ; tolerances of both solvers")
 TRAJECTORIES = (
-    Check(
-        "start",
-        "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V",
-        quantities.values("start"),
-        at_most(1e-10, "of ‖Π^h u_0‖_V; only rounding"),
-        CheckKind.ACCURACY,
+    accuracy(
+        "start", "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V", values("start"), at_most(1e-10, "of ‖Π^h u_0‖_V; only rounding")
     ),
-    Check(
+    accuracy(
         "displacement",
         DISPLACEMENTS,
-        quantities.values("displacement"),
+        values("displacement"),
         at_most(2e-3, "of ‖u^h‖_V; the load is integrated by two rules"),
-        CheckKind.ACCURACY,
     ),
-    Check(
-        "multipliers",
-        FORCES,
-        quantities.values("multipliers"),
-        at_most(0.01, "of λ; the load is integrated by two rules"),
-        CheckKind.ACCURACY,
-    ),
-    Check(
-        "displacement-same-load",
-        f"{DISPLACEMENTS}, {ALIKE}",
-        quantities.values("displacement_same_load"),
-        STOPPED,
-        CheckKind.ACCURACY,
-    ),
-    Check(
-        "multipliers-same-load",
-        f"{FORCES}, {ALIKE}",
-        quantities.values("multipliers_same_load"),
-        STOPPED_FORCES,
-        CheckKind.ACCURACY,
-    ),
+    accuracy("multipliers", FORCES, values("multipliers"), at_most(0.01, "of λ; the load is integrated by two rules")),
+    accuracy("displacement-same-load", f"{DISPLACEMENTS}, {ALIKE}", values("displacement_same_load"), STOPPED),
+    accuracy("multipliers-same-load", f"{FORCES}, {ALIKE}", values("multipliers_same_load"), STOPPED_FORCES),
 )
 NARROW = ("travelling-patch",)
 """Cases whose contact patch is only two or three cells wide on the coarsest meshes."""
@@ -190,13 +162,8 @@ class Recomputed(Statement):
     def setup(self, setting: RateSetting) -> Experiment:
         return Experiment.at(setting, MIDPOINT, setting.steps)
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         return {"h": setup.space.h, **recompute(setup)}
-
-    def records(self, setting: RateSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """Yield the row of ``recomputed.csv``, with the same key as the row of this setting in ``rates.csv``."""
-        case = resolve(setting.case).name
-        yield self.file, {**{name: getattr(setting, name) for name in self.file.key}, "case": case, **found}
 
     def memory(self, setting: RateSetting) -> float:
         return estimates.SMALL if setting.dim == 2 else estimates.SOLID

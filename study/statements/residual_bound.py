@@ -23,13 +23,12 @@ from manufactured.tensors import Tensors
 from study.fem.error_norm import ErrorNorm
 from study.fem.naming import resolve
 from study.fem.space import Space, on_cells
-from study.ledger import quantities
-from study.ledger.check import ROUNDING, Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ROUNDING, identity, paper_claim
+from study.ledger.quantities import values
 from study.ledger.window import Window, at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
-from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.meshes import space_of
 from study.statements.shared.norms import Energies, dual_norm, midpoints
@@ -51,39 +50,24 @@ class ResidualBound(ListedNumbers):
     label = "(5.27)"
     claim = "|R(s; v)| ≤ c (‖u‖_{W^{1,∞}(0,T;V)} + ‖f‖_{L∞(0,T;V)} + ‖G(·, 0)‖_Q) ‖v‖_V, c and G(·, 0) explicit"
     checks = (
-        Check(
-            "bound",
-            "max_s ‖R(s)‖ / the bound, exact solution",
-            quantities.values("bound"),
-            positive_at_most(1.0, "proved"),
-            CheckKind.CLAIM,
+        paper_claim(
+            "bound", "max_s ‖R(s)‖ / the bound, exact solution", values("bound"), positive_at_most(1.0, "proved")
         ),
-        Check(
-            "rest",
-            "G(·, 0) = A ε(z): distance of −R from the contact forces / its size",
-            quantities.values("rest"),
-            AT_REST,
-            CheckKind.IDENTITY,
+        identity(
+            "rest", "G(·, 0) = A ε(z): distance of −R from the contact forces / its size", values("rest"), AT_REST
         ),
-        Check(
-            "prestress",
-            "G(·, 0) = A ε(z): ‖R‖ / (‖G(·, 0)‖_Q / √m_A)",
-            quantities.values("prestress"),
-            NEVER,
-            CheckKind.IDENTITY,
-        ),
-        Check(
+        identity("prestress", "G(·, 0) = A ε(z): ‖R‖ / (‖G(·, 0)‖_Q / √m_A)", values("prestress"), NEVER),
+        identity(
             "attained",
             "‖R‖ / (‖G(·, 0)‖_Q / √m_A) over √(m_A/‖A‖), its least possible value",
-            quantities.values("attained"),
+            values("attained"),
             ATTAINED,
-            CheckKind.IDENTITY,
         ),
     )
     quick = grid(("full-contact",), ("unstructured",), (8,))
     full = grid((*EVOLVING, "anisotropic", "hexagon", *SOFTENING), ("unstructured",), (8, 16))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         space, solution = space_of(setting), resolve(setting.case).solution
         problem, law = unloaded(space, solution.law), solution.law
         share = share_of_bound(Energies(solution, space), ErrorNorm(solution, space), problem, law)

@@ -75,7 +75,7 @@ orders at T and near the patch are reported.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -94,9 +94,8 @@ from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.seminorm import gram
 from study.fem.space import Space, form
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, Groups
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, Check, Groups, accuracy, consequence, identity
+from study.ledger.quantities import fitted, quotients
 from study.ledger.window import Window, around, at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
@@ -104,7 +103,7 @@ from study.solve.signorini import Signorini
 from study.solve.steps import step_size
 from study.solve.tableau import MIDPOINT
 from study.statements.contact_work import Resolved, pressing_on
-from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.base import Judged, ListedNumbers, Numbers, Setting, with_h
 from study.statements.shared.meshes import space_of
 from study.statements.shared.norms import maximum
 
@@ -234,22 +233,23 @@ class Trajectories:
         return on.projected(n * self.k) + left + on.condensed.factor(on.at.space.N.T @ forces)
 
 
-def sides(found: Trajectories) -> dict[str, float]:
+def sides(found: Trajectories) -> Numbers:
     """Return the error, its bound, and the terms E_h, M_h, J_h of the bound, which the module docstring defines."""
-    on, at, space, T = found.on, found.on.at, found.on.at.space, found.on.at.space.body.T
-    times = {n: n * found.k for n in range(0, found.steps + 1, max(1, found.steps // SAMPLED_PARTS))}
-    samples = {n: at.v_norm.sample(time) for n, time in times.items()}
-    distance, finer = at.v_norm.distance, at.inclusion
-    best = maximum(distance(sample, finer @ on.projected(times[n])) for n, sample in samples.items())
-    error = maximum(distance(sample, finer @ found.displacement(n)) for n, sample in samples.items())
+    on, at, space = found.on, found.on.at, found.on.at.space
+    distance, finer, measured = at.v_norm.distance, at.inclusion, []
+    for n in range(0, found.steps + 1, max(1, found.steps // SAMPLED_PARTS)):
+        time = n * found.k
+        sample, projected = at.v_norm.sample(time), finer @ on.projected(time)
+        error = distance(sample, finer @ found.displacement(n))
+        measured.append((error, distance(sample, projected), interpolation_error(at.solution, space, time)))
+    error, best, between = np.max(measured, axis=0)
     nodal = maximum(abs(g + on.gap(n * found.k)).max() for n, g in enumerate(found.projected))
-    between = maximum(interpolation_error(at.solution, space, time) for time in times.values())
     (part,), (top,) = space.body.of(Kind.CONTACT), space.body.of(Kind.CLAMPED)
     theta = space.interpolate(np.multiply.outer(part.normal, top.coordinates(space.mesh.p)[1]))
-    field = math.sqrt(theta @ (on.M @ theta))
-    force, start = found.k * float(found.forces.sum()), distance(samples[0], finer @ on.start)
-    growth, work = math.exp(at.solution.law.kappa * T), math.sqrt(2 * (2 * nodal + between) * force)
-    right = growth * (best + start + 2 * field * nodal + work)
+    field, start = math.sqrt(theta @ (on.M @ theta)), distance(at.v_norm.sample(0.0), finer @ on.start)
+    force = found.k * found.forces.sum()
+    right = best + start + 2 * field * nodal + math.sqrt(2 * (2 * nodal + between) * force)
+    right *= math.exp(at.solution.law.kappa * space.body.T)
     return {"error": error, "right side": right, "E_h": best, "M_h": nodal, "J_h": between, "force": force}
 
 
@@ -301,6 +301,9 @@ SMOOTHED = "the generator makes neighbourhoods nearly equal, and the order on a 
 SCATTER = "order of the relative standard deviation over shaken meshes"
 BEST = "order of E_h = ‖u − P_hu‖_V, the error of the linear problem"
 NEAR_PATCH = "order of the nodal errors of P_hu next to the patch, one or two diagonals"
+FEW_VERTICES = "the order depends on the cells around few vertices"
+HALF_STEPS = "excess, k/2"
+"""Name of the column with the excess for half the time step."""
 FEW_MESHES = "eight meshes determine a standard deviation only up to a quarter"
 
 
@@ -311,7 +314,7 @@ def change_by_half_steps(levels: pd.DataFrame) -> Array:
     result is empty if no level was measured with half the time step.
     """
     both = levels.dropna()
-    return abs(both["excess, k/2"] / both["excess"] - 1).to_numpy()
+    return abs(both[HALF_STEPS] / both["excess"] - 1).to_numpy()
 
 
 def over_seeds(groups: Groups) -> pd.DataFrame:
@@ -359,7 +362,7 @@ class Rollers(ListedNumbers):
         """
         return 12.0 * setting.level**3
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         solution, space = resolve(setting.case).solution, space_of(setting)
         on, steps = OnContact(Resolved(solution, space)), round(PER_H * setting.level * space.body.T)
         found = Trajectories.of(on, steps)
@@ -375,14 +378,14 @@ class Rollers(ListedNumbers):
         if setting.case == f"{ROLLER}-{setting.level}" and setting.family in PLAIN:
             numbers["M_h beside"] = nodal_error_near_patch(found, 2 / setting.level)
         if setting.level == HALVED and setting.family not in SEEDS[1:]:
-            numbers["excess, k/2"] = Trajectories.of(on, 2 * steps).excess().max()
+            numbers[HALF_STEPS] = Trajectories.of(on, 2 * steps).excess().max()
         return with_h(space.h, numbers)
 
     def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
         """Divide measured rows by kinds of rollers, which are the names of the cases without the level."""
         return super().by_case(rows.assign(case=rows["case"].str.rpartition("-")[0]))
 
-    def checks_of(self, kind: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
+    def checks_of(self, kind: str, groups: Groups) -> Judged:
         """Yield the criteria for a kind of roller, each with the measurements on the mesh families that it judges.
 
         The excess is the distance of u^h from the solution of the linear problem with the exact pressure as a traction.
@@ -392,75 +395,52 @@ class Rollers(ListedNumbers):
             # A missing family gets an empty table, so that the check is undecided.
             return {name: groups.get(name, pd.DataFrame()) for name in families}
 
-        proved = at_most(1.0, "proved")
-        yield (
-            Check(
-                "bound",
-                "error / right side of the bound",
-                quantities.quotients("error", "right side"),
-                proved,
-                CheckKind.IDENTITY,
-            ),
-            groups,
-        )
+        yield BOUND, groups
         if kind == STANDING:
-            excess, fixed = f"{EXCESS}, patches that do not move", {k: v for k, v in groups.items() if k not in SEEDS}
-            yield (
-                Check("order-standing", excess, quantities.fitted("excess"), ONE, CheckKind.CONSEQUENCE, ENOUGH),
-                fixed,
-            )
-            single = Check(
-                "order-standing-shaken",
-                f"{excess}, single shaken meshes",
-                quantities.fitted("excess"),
-                ONE,
-                CheckKind.CONSEQUENCE,
-                ENOUGH,
-            )
-            yield replace(single, if_missed="the order depends on the cells around few vertices"), on(SEEDS[0])
+            # The excess on a single shaken mesh depends on the cells around few vertices.
+            still = f"{EXCESS}, patches that do not move"
+            yield order("order-standing", still, ONE), {k: v for k, v in groups.items() if k not in SEEDS}
+            single = f"{still}, single shaken meshes"
+            yield order("order-standing-shaken", single, ONE, "excess", FEW_VERTICES), on(SEEDS[0])
             return
-        yield (
-            Check(
-                "order-alternating",
-                f"{EXCESS}, alternating diagonals",
-                quantities.fitted("excess"),
-                HALF,
-                CheckKind.CONSEQUENCE,
-                ENOUGH,
-            ),
-            on(ALTERNATING),
-        )
+        yield order("order-alternating", f"{EXCESS}, alternating diagonals", HALF), on(ALTERNATING)
         if kind != ROLLER:
             return
         plain, shaken = on(*PLAIN), {SEEDS[0]: over_seeds(groups)}
-        # Orders with a reason are reported and not judged.
-        for key, quantity, window, column, mine, reason in (
-            ("order-equal", f"{EXCESS}, one or two diagonals", EQUAL, "excess", plain, ""),
-            ("order-end", f"{EXCESS} at T, one or two diagonals", EQUAL, "excess at T", plain, AT_THE_START),
-            ("nodal-beside", NEAR_PATCH, SIMILAR, "M_h beside", plain, AT_AN_END),
-            ("order-shaken", f"{EXCESS}, mean over shaken meshes", HALF, "excess", shaken, ""),
-            ("order-unstructured", f"{EXCESS}, unstructured meshes", ONE_MESH, "excess", on(UNSTRUCTURED), SMOOTHED),
-            ("scatter", SCATTER, SUM, "scatter", shaken, FEW_MESHES),
-            ("best", BEST, LINEAR, "E_h", groups, "a logarithm changes the order from level to level"),
-        ):
-            criterion = Check(key, quantity, quantities.fitted(column), window, CheckKind.CONSEQUENCE, ENOUGH)
-            yield replace(criterion, if_missed=reason) if reason else criterion, mine
-        share = Check(
-            "share", "largest excess / error", quantities.quotients("excess", "error"), Window(), CheckKind.CONSEQUENCE
-        )
-        yield replace(share, if_missed="the study has no bound of this excess in V"), groups
-        columns = "excess", "excess, k/2"
-        halved = {name: table for name, table in groups.items() if columns[1] in table}
-        yield (
-            Check("time", "change of the excess with half the step", change_by_half_steps, STEPS, CheckKind.ACCURACY),
-            halved,
-        )
-        # The growth from every level to the next must lie in the window; the last one is displayed.
-        quantity = "growth of |q|²_{1/2,Γ3} with every halving of ℓ"
-        growth = Check("step", quantity, growth_of_trace, JUMP, CheckKind.ACCURACY, ENOUGH, finest=True)
-        yield growth, on(PLAIN[0])
+        yield order("order-equal", f"{EXCESS}, one or two diagonals", EQUAL), plain
+        at_end = f"{EXCESS} at T, one or two diagonals"
+        yield order("order-end", at_end, EQUAL, "excess at T", AT_THE_START), plain
+        yield order("nodal-beside", NEAR_PATCH, SIMILAR, "M_h beside", AT_AN_END), plain
+        yield order("order-shaken", f"{EXCESS}, mean over shaken meshes", HALF), shaken
+        unstructured = f"{EXCESS}, unstructured meshes"
+        yield order("order-unstructured", unstructured, ONE_MESH, "excess", SMOOTHED), on(UNSTRUCTURED)
+        yield order("scatter", SCATTER, SUM, "scatter", FEW_MESHES), shaken
+        yield order("best", BEST, LINEAR, "E_h", "a logarithm changes the order from level to level"), groups
+        yield SHARE, groups
+        yield TIME, {name: table for name, table in groups.items() if HALF_STEPS in table}
+        yield GROWTH, on(PLAIN[0])
 
 
-def growth_of_trace(table: pd.DataFrame) -> Array:
-    """Return the growth of |q|²_{1/2,Γ3} from every level to the next."""
-    return np.diff(table["|q|²"].to_numpy())
+BOUND = identity("bound", "error / right side of the bound", quotients("error", "right side"), at_most(1.0, "proved"))
+SHARE = consequence(
+    "share",
+    "largest excess / error",
+    quotients("excess", "error"),
+    Window(),
+    if_missed="the study has no bound of this excess in V",
+)
+TIME = accuracy("time", "change of the excess with half the step", change_by_half_steps, STEPS)
+# The growth from every level to the next must lie in the window; the last one is displayed.
+GROWTH = accuracy(
+    "step",
+    "growth of |q|²_{1/2,Γ3} with every halving of ℓ",
+    lambda table: np.diff(table["|q|²"].to_numpy()),
+    JUMP,
+    levels=ENOUGH,
+    finest=True,
+)
+
+
+def order(key: str, quantity: str, window: Window, column: str = "excess", if_missed: str = "") -> Check:
+    """Return the check of the fitted order of a column; with a reason ``if_missed`` nothing is claimed."""
+    return consequence(key, quantity, fitted(column), window, levels=ENOUGH, if_missed=if_missed)

@@ -44,14 +44,13 @@ from manufactured.law import (
 from manufactured.tensors import Array, Tensors, size
 from study.fem.naming import resolve
 from study.fem.space import Space, form
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import consequence, identity, paper_claim
+from study.ledger.quantities import values
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
-from study.statements.shared.base import SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import SEED, SOFTENING, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum, norm
 from study.statements.wellposed import Perturbation, along_the_contact, perturbations, quotients, smooth
@@ -107,42 +106,18 @@ class SolutionDivergence(ListedNumbers):
         "faster than e^{ωt} with ω = L_G/m_A"
     )
     checks = (
-        Check(
-            "rate",
-            f"{GROWTH} c, scaled law of the case, {ALL}",
-            quantities.values(*columns("own", "rate")),
-            SEEN,
-            CheckKind.CONSEQUENCE,
-        ),
-        Check(
-            "rate-even",
-            f"{GROWTH} ω, law G = −ωA, {ALL}",
-            quantities.values(*columns("even", "rate")),
-            SEEN,
-            CheckKind.CONSEQUENCE,
-        ),
-        Check(
-            "bound",
-            f"{DISTANCE}, scaled law of the case, {ALL}",
-            quantities.values(*columns("own", "bound")),
-            NEVER,
-            CheckKind.CLAIM,
-        ),
-        Check(
-            "bound-even",
-            f"{DISTANCE}, law G = −ωA, {ALL}",
-            quantities.values(*columns("even", "bound")),
-            ATTAINED,
-            CheckKind.IDENTITY,
-        ),
+        consequence("rate", f"{GROWTH} c, scaled law of the case, {ALL}", values(*columns("own", "rate")), SEEN),
+        consequence("rate-even", f"{GROWTH} ω, law G = −ωA, {ALL}", values(*columns("even", "rate")), SEEN),
+        paper_claim("bound", f"{DISTANCE}, scaled law of the case, {ALL}", values(*columns("own", "bound")), NEVER),
+        identity("bound-even", f"{DISTANCE}, law G = −ωA, {ALL}", values(*columns("even", "bound")), ATTAINED),
     )
     quick = grid(("softening",), ("shaken",), (4,))
     full = grid(SOFTENING, ("unstructured",), (6, 12))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         setup, law = Experiment.at(setting, MIDPOINT, 1), resolve(setting.case).solution.law
         setup = replace(setup, problem=with_cached_loads(setup.problem, 9))
-        found: dict[str, float] = {}
+        found: Numbers = {}
         for omega, T in SWEEP:
             for name, mine in (("own", scaled(law, omega)), ("even", even_law(law.dim, omega))):
                 found[column(name, "rate", omega, T)] = growth_rate(setup.space, mine, T)

@@ -26,28 +26,25 @@ tested in a process that has no displacement solver (``tests/controls/test_fault
 ``thm_4_2_own_space`` solves Problem 3.2 on a stress space without using displacements.
 """
 
-from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sps
 from scipy.optimize import nnls
 
 from manufactured.tensors import Array
-from study.fem.naming import name_of
 from study.fem.space import on_cells
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.datafiles import CsvFile, DataFile, Row
+from study.ledger.check import accuracy, identity, paper_claim
+from study.ledger.datafiles import CsvFile, Row
+from study.ledger.quantities import quotients, values
 from study.ledger.text import power_of_ten
-from study.ledger.verdict import CheckKind
 from study.ledger.window import at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.steps import step_size
 from study.solve.stress_problem import StressError, StressProblem
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.shared.base import Setting, Statement
+from study.statements.shared.base import Numbers, Setting, Statement
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.scope import Scope
 
@@ -152,7 +149,7 @@ LEAST = 1e-9
 """Smallest reported difference. Smaller ones depend on the iteration at which a solver stops."""
 
 
-def magnitudes(found: Mapping[str, float]) -> dict[str, float]:
+def magnitudes(found: Row) -> Numbers:
     """Return differences of the solutions of both problems, and their bounds, rounded up to powers of ten.
 
     Only their size is meaningful, because they depend on the duality gap at which the interior-point method happens to
@@ -193,37 +190,15 @@ class SameMesh(Statement):
     of_every_case = True
     per_step = 70.0, 1000.0
     checks = (
-        Check(
-            "displacement",
-            f"displacement {OF_BOUND}",
-            quantities.quotients("displacement_gap", "displacement_bound"),
-            PROVED,
-            CheckKind.CLAIM,
+        paper_claim(
+            "displacement", f"displacement {OF_BOUND}", quotients("displacement_gap", "displacement_bound"), PROVED
         ),
-        Check(
-            "stress", f"stress {OF_BOUND}", quantities.quotients("stress_gap", "stress_bound"), PROVED, CheckKind.CLAIM
-        ),
-        Check("allowed", ALLOWED, lambda of: of[[*BOUNDS]].to_numpy().max(axis=1), SHARP, CheckKind.ACCURACY),
-        Check(
-            "admissibility",
-            "violation of σ^h ∈ Σ^h(t)",
-            quantities.values("admissibility"),
-            AGREEMENT,
-            CheckKind.IDENTITY,
-        ),
-        Check(
-            "energy",
-            "violation of (σ, ε(u))_Q = (f, u)_V, (4.14)",
-            quantities.values("energy_gap"),
-            AGREEMENT,
-            CheckKind.IDENTITY,
-        ),
-        Check(
-            "membership",
-            "violation of u ∈ K^h, which Problem 3.2 does not impose",
-            quantities.values("membership"),
-            INSIDE,
-            CheckKind.CLAIM,
+        paper_claim("stress", f"stress {OF_BOUND}", quotients("stress_gap", "stress_bound"), PROVED),
+        accuracy("allowed", ALLOWED, lambda of: of[[*BOUNDS]].to_numpy().max(axis=1), SHARP),
+        identity("admissibility", "violation of σ^h ∈ Σ^h(t)", values("admissibility"), AGREEMENT),
+        identity("energy", "violation of (σ, ε(u))_Q = (f, u)_V, (4.14)", values("energy_gap"), AGREEMENT),
+        paper_claim(
+            "membership", "violation of u ∈ K^h, which Problem 3.2 does not impose", values("membership"), INSIDE
         ),
     )
 
@@ -239,13 +214,11 @@ class SameMesh(Statement):
     def setup(self, setting: Setting) -> Experiment:
         return Experiment.at(setting, BACKWARD_EULER, self.steps(setting))
 
-    def measure(self, setup: Experiment) -> dict[str, Any]:
+    def measure(self, setup: Experiment) -> Numbers:
         """Solve Problem 3.1 as ``setup`` says, and Problem 3.2 for the exact solution, and compare both."""
         gaps_of_both = gaps(setup.solved or setup.problem, stress_problem(setup), setup.steps)
-        return {"h": setup.space.h, "steps": setup.steps, **magnitudes(gaps_of_both._asdict())}
-
-    def records(self, setting: Setting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        yield self.file, {**vars(setting), "case": name_of(setting.case), "form": "strains of V^h", **found}
+        place = {"h": setup.space.h, "steps": setup.steps, "form": "strains of V^h"}
+        return {**place, **magnitudes(gaps_of_both._asdict())}
 
     def steps(self, setting: Setting) -> int:
         """Return the number of time steps, two for every cell along a side."""

@@ -34,11 +34,11 @@ for the same time steps. Its multipliers are compared with displacements.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import pandas as pd
@@ -54,17 +54,17 @@ from study.fem.mesh import Graded, MeshFamily, size
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.datafiles import CsvFile, DataFile, Row
+from study.ledger.check import Check, accuracy, consequence, identity
+from study.ledger.datafiles import CsvFile
 from study.ledger.orders import weighted_order
-from study.ledger.verdict import CheckKind, Verdict
+from study.ledger.quantities import fitted, of_errors, values
+from study.ledger.verdict import Verdict
 from study.ledger.window import Window, at_least, at_most, between, positive_at_most
 from study.solve.evolution import SemiDiscrete, velocities
 from study.solve.signorini import Signorini
 from study.solve.tableau import BDF2, Tableau
 from study.statements.shared import estimates
-from study.statements.shared.base import Setting, Statement, grid, steps_like_h
+from study.statements.shared.base import Numbers, Setting, Statement, grid, steps_like_h
 from study.statements.shared.meshes import ALONG, CELLS
 from study.stresses.composite import alfeld_split, barycentric, bernstein
 from study.stresses.hybrid import DualState, StressEvolution, act, tensor_at
@@ -274,7 +274,7 @@ def primal_solution(solution: ExactSolution, space: StressSpace, steps: int) -> 
         yield displacements.nodal(state.u), act(viscous, rate) + act(elastic, strain)
 
 
-def measure(experiment: StressExperiment) -> dict[str, float]:
+def measure(experiment: StressExperiment) -> Numbers:
     """Solve the stress and the displacement problem together, and return the measured columns of ``stresses.csv``."""
     space, exact = experiment.space, Exact(experiment.solution, experiment.space)
     clamped = sum(len(edges) for _, edges in space.on(Kind.CLAMPED))
@@ -420,48 +420,25 @@ def checks_of(regularity: Regularity, family: str) -> Iterator[Check]:
     for name, orders in orders_of.items():
         parts = CELLS if name in IN_CELLS else ALONG
         window = orders.window(CHANCE if parts == ALONG and random else 0.0)
-        yield Check(
-            f"order-{name}",
-            f"order of {QUANTITIES[name]}",
-            quantities.fitted(name, last=JUDGED, power=parts),
-            window,
-            CheckKind.CONSEQUENCE,
-            PAIR,
+        yield consequence(
+            f"order-{name}", f"order of {QUANTITIES[name]}", fitted(name, last=JUDGED, power=parts), window, levels=PAIR
         )
     # The ratio on the finest level is displayed, because it matters most.
-    ratios = Check("ratio", RATIO, quantities.values("ratio"), at_least(1), CheckKind.CONSEQUENCE, finest=True)
+    ratios = consequence("ratio", RATIO, values("ratio"), at_least(1), finest=True)
     yield replace(ratios, if_missed="the best polynomials come from a larger space")
     scatter = at_most(1.35, "bounded; two standard deviations are added for random meshes")
     grown = f"growth of {RATIO}, from the coarsest to the finest mesh, fitted"
-    yield Check(
-        "growth",
-        grown,
-        quantities.of_errors("ratio", growth),
-        scatter if random else at_most(1.25, "bounded"),
-        CheckKind.CONSEQUENCE,
-        PAIR,
+    yield consequence(
+        "growth", grown, of_errors("ratio", growth), scatter if random else at_most(1.25, "bounded"), levels=PAIR
     )
-    yield Check(
-        "admissible", ADMISSIBLE, quantities.values("admissibility"), positive_at_most(1e-9), CheckKind.IDENTITY
-    )
-    yield Check(
-        "time-share",
-        "error of time steps and quadrature / ‖σ − σ^h‖_Q",
-        quantities.values("time_share"),
-        TIME,
-        CheckKind.ACCURACY,
-    )
+    yield identity("admissible", ADMISSIBLE, values("admissibility"), positive_at_most(1e-9))
+    yield accuracy("time-share", "error of time steps and quadrature / ‖σ − σ^h‖_Q", values("time_share"), TIME)
     # On other meshes theory predicts the same order for the largest error in time as for the error in L²(0,T).
     window = Window()
     if "stress" in orders_of and not random:
         window = replace(orders_of["stress"].window(), why="the same order as for the norm in L²(0,T)")
-    at_worst = Check(
-        "order-sup",
-        "order of max_n ‖σ − σ^h‖_Q",
-        quantities.fitted("stress_sup", last=JUDGED),
-        window,
-        CheckKind.CONSEQUENCE,
-        PAIR,
+    at_worst = consequence(
+        "order-sup", "order of max_n ‖σ − σ^h‖_Q", fitted("stress_sup", last=JUDGED), window, levels=PAIR
     )
     yield replace(at_worst, if_missed=BY_CHANCE) if random else at_worst
 
@@ -494,11 +471,8 @@ class OwnSpace(Statement):
     def setup(self, setting: Setting) -> StressExperiment:
         return StressExperiment.at(setting, self.steps(setting))
 
-    def measure(self, setup: StressExperiment) -> dict[str, Any]:
+    def measure(self, setup: StressExperiment) -> Numbers:
         return measure(setup)
-
-    def records(self, setting: Setting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        yield self.file, {**vars(setting), **found}
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         found: list[Verdict] = []

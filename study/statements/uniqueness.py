@@ -15,15 +15,14 @@ from scipy.optimize import nnls
 
 from manufactured.tensors import Array, Points, Tensors
 from study.fem.mesh import size as mesh_size
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import Check, consequence
+from study.ledger.quantities import values
 from study.ledger.window import at_most, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.interior_point import Accuracy, settings
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import maximum, norm
 from study.statements.thm_4_2_own_space import StressExperiment, norm_in_q
@@ -53,10 +52,7 @@ def differences(of: str, *ways: str, on: str = "") -> tuple[Check, ...]:
         on: text to add to the description of the interior point method.
     """
     texts = {name: f"difference of the {of} {WAYS[name][0]}{on if name == 'interior point' else ''}" for name in ways}
-    return tuple(
-        Check(name.replace(" ", "-"), text, quantities.values(name), WAYS[name][1], CheckKind.CONSEQUENCE)
-        for name, text in texts.items()
-    )
+    return tuple(consequence(name.replace(" ", "-"), text, values(name), WAYS[name][1]) for name, text in texts.items())
 
 
 class OneTrajectory(ListedNumbers):
@@ -82,7 +78,7 @@ class OneTrajectory(ListedNumbers):
     def setup(self, setting: Setting) -> Experiment:
         return Experiment.at(setting, BACKWARD_EULER, STEPS)
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         found = {}
         for name, rival in rivals(setup.problem).items():
             pairs = zip(setup.march(setup.steps), setup.scheme.march(rival, setup.steps), strict=True)
@@ -173,7 +169,7 @@ class OneStress(ListedNumbers):
     def setup(self, setting: Setting) -> StressExperiment:
         return StressExperiment.at(setting, STEPS)
 
-    def measure(self, experiment: StressExperiment) -> dict[str, float]:
+    def measure(self, experiment: StressExperiment) -> Numbers:
         own, space = stresses(experiment), experiment.space
         size, found = maximum(norm_in_q(stress, space) for stress in own), {}
         for name, solver in RIVALS.items():

@@ -10,15 +10,14 @@ import numpy as np
 from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import consequence, paper_claim
+from study.ledger.quantities import finest, values
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
 from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import Velocity, dual_norm, maximum, norm
 
@@ -45,20 +44,10 @@ class BoundedVelocity(ListedNumbers):
     label = "(4.1)"
     claim = "u^h ∈ W^{1,∞}(0,T;V) uniformly in h and k, for solutions with a bounded u̇"
     checks = (
-        Check(
-            "bounded",
-            "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k",
-            quantities.values(*STEPS),
-            Window(0.5, 1.5, "for all h and k"),
-            CheckKind.CLAIM,
+        paper_claim(
+            "bounded", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k", values(*STEPS), Window(0.5, 1.5, "for all h and k")
         ),
-        Check(
-            "limit",
-            "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, finest h and k",
-            quantities.finest(list(STEPS)[-1]),
-            LIMIT,
-            CheckKind.CONSEQUENCE,
-        ),
+        consequence("limit", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, finest h and k", finest(list(STEPS)[-1]), LIMIT),
     )
     quick = grid(FEW, ("shaken",), (8, 16))
     full = grid((*EVOLVING, "lift-and-land", *SOFTENING), ("unstructured",), (8, 16, 32))
@@ -66,7 +55,7 @@ class BoundedVelocity(ListedNumbers):
     def setup(self, setting: Setting) -> Experiment:
         return Experiment.at(setting, BACKWARD_EULER, 1)
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         velocity = Velocity(setup.solution, setup.space)
         exact = float(velocity.norm(np.linspace(0, setup.problem.T, SUPREMUM_AT + 1)).max())
         return with_h(setup.space.h, {k: fastest(setup.problem, steps) / exact for k, steps in STEPS.items()})
@@ -118,15 +107,9 @@ class Dependence(ListedNumbers):
     label = "Thm 2.2"
     claim = "u^h depends continuously on f and u_0, with the rate ω = L_G/m_A: what Thm 2.2 gives on V^h"
     checks = (
-        Check(
-            "bound",
-            "‖u − v‖_V / e^{ωt}(‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = L_G/m_A",
-            quantities.values("bound"),
-            NEVER,
-            CheckKind.CLAIM,
-        ),
-        Check("monotone", UNDAMPED, quantities.values("monotone"), NEVER, CheckKind.CLAIM),
-        Check("first-step", AFTER_ONE_STEP, quantities.values("first step"), SHARP, CheckKind.CONSEQUENCE),
+        paper_claim("bound", "‖u − v‖_V / e^{ωt}(‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = L_G/m_A", values("bound"), NEVER),
+        paper_claim("monotone", UNDAMPED, values("monotone"), NEVER),
+        consequence("first-step", AFTER_ONE_STEP, values("first step"), SHARP),
     )
     quick = grid(FEW, ("unstructured",), (6,))
     full = (
@@ -138,7 +121,7 @@ class Dependence(ListedNumbers):
         solution = resolve(setting.case).solution
         return Experiment.at(setting, BACKWARD_EULER, max(12, math.ceil(4 * solution.law.kappa * solution.body.T)))
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         omega = setup.solution.law.kappa
         trajectory, others = list(setup.march(setup.steps)), perturbations(setup.problem, setup.space)
         found = np.array([quotients(setup.problem, trajectory, other) for other in others])
