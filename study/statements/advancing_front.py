@@ -50,7 +50,6 @@ from manufactured.natural_motion import NAME
 from manufactured.tensors import Array
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import load_from_forces
-from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.check import ENOUGH, accuracy, consequence
 from study.ledger.quantities import fitted, over_refinements, values
@@ -62,7 +61,7 @@ from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
 from study.statements.half_derivative import HALF_DERIVATIVE, RADIUS, front_at, half_quotient
 from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
-from study.statements.shared.meshes import space_of
+from study.statements.shared.meshes import posed
 from study.statements.shared.norms import ContactWork, Velocity, dual_norm, maximum, midpoints
 
 DEGREE, RAISED = 2, 6
@@ -143,7 +142,7 @@ class AdvancingFront(ListedNumbers):
         return 150.0 * setting.level**3
 
     def measure(self, setting: Setting) -> Numbers:
-        space, solution, steps = space_of(setting), resolve(setting.case).solution, PER_CELL * setting.level
+        (space, solution), steps = posed(setting), PER_CELL * setting.level
         v_norm = ErrorNorm(solution, space)
         load = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, DEGREE))
         problem = SemiDiscrete.of(space, solution.law, load, v_norm.sample(0.0).interpolant)
@@ -162,7 +161,7 @@ class AdvancingFront(ListedNumbers):
         rates = Velocity(solution, space).interpolation_error(midpoints(problem.T, INSTANTS))
         found = {
             "error": error,
-            "rate": float(np.sqrt(problem.T * np.mean(rates**2))),
+            "rate": math.sqrt(problem.T * np.mean(rates**2)),
             "excess": furthest(problem, fine, path(linear, MIDPOINT, 2 * steps)),
             "time share": furthest(problem, fine[::2], coarse) / error,
             "quadrature": problem.T * maximum(changes) / error,

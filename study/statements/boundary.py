@@ -18,6 +18,7 @@ error of the tractions tends to 0 in two senses. Its orders are predicted for so
 The second half of the file constructs the smooth fields v, which other statements use as well.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 
@@ -120,16 +121,16 @@ def tractions(setup: Experiment) -> Numbers:
             forces, load = traction(stress[:, cells], part.normal), exact.surface_load(part, time)
             if kind is Kind.CONTACT:
                 tangential = forces - np.multiply.outer(part.normal, part.normal @ forces)
-                found["tangential"] += float(np.sum(tangential**2 * weights.sum(axis=1)))
+                found["tangential"] += np.sum(tangential**2 * weights.sum(axis=1))
             name = "contact" if kind is Kind.CONTACT else "loaded"
-            found[name] += float(np.sum((forces[..., None] - load) ** 2 * weights))
-            found["size"] += float(np.sum(load**2 * weights))
+            found[name] += np.sum((forces[..., None] - load) ** 2 * weights)
+            found["size"] += np.sum(load**2 * weights)
         for name, strains in zip(("loaded, weakly", "tangential, weakly"), tests, strict=True):
             works = [np.einsum("Icq,vIcq->v", stress[:, c, None] - exact.stress(time), e) for c, exact, e in strains]
-            found[name] = float(np.sum(np.sum(works, axis=0) ** 2))
+            found[name] = np.sum(np.sum(works, axis=0) ** 2)
         squares.append(found)
     total = pd.DataFrame(squares).sum()
-    return {name: float(np.sqrt(total[name] / total["size"])) for name in total.index if name != "size"}
+    return {name: math.sqrt(total[name] / total["size"]) for name in total.index if name != "size"}
 
 
 def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
@@ -161,7 +162,7 @@ def weighted_strains(setup: Experiment, fields: list[Field]) -> WeightedStrains:
     found, squares = [], np.zeros(len(fields))
     for rule in rules(setup.solution, setup.space.mesh, DEGREE):
         exact, strains = setup.solution.at(rule.points), np.array([strain(v, rule.points) for v in fields])
-        squares += [float(np.sum(exact.law.A(e) * e * rule.weights)) for e in strains]
+        squares += [np.sum(exact.law.A(e) * e * rule.weights) for e in strains]
         found.append((rule.cells, exact, strains * rule.weights))
     return [(cells, exact, strains / np.sqrt(squares)[:, None, None, None]) for cells, exact, strains in found]
 

@@ -141,8 +141,8 @@ class Forces:
             p = face.exact.pressure(times).reshape(-1, len(times))
             # Nodal forces λ are moments of a pressure, so the P1 pressure p^h follows from the mass matrix.
             p_h = face.functions @ np.linalg.solve(face.mass, multipliers.T[rows])
-            errors += float((face.weights @ (p - p_h) ** 2).sum())
-            sizes += float((face.weights @ p**2).sum())
+            errors += (face.weights @ (p - p_h) ** 2).sum()
+            sizes += (face.weights @ p**2).sum()
             exact.append(face.functions.T @ (face.weights[:, None] * p))
         y = np.concatenate(exact)
         missing = y - multipliers.T

@@ -260,7 +260,7 @@ class WorkOfContact(ListedNumbers):
             rng = np.random.default_rng(SEED)
             moved = zip(*(shaken(vertices, rng) for _ in range(DRAWS)), strict=True)
             works = total([np.array(of_piece) for of_piece in moved])
-            found |= {"mean work": math.sqrt(np.mean(works)), "spread": float(np.std(works) / np.mean(works))}
+            found |= {"mean work": math.sqrt(np.mean(works)), "spread": np.std(works) / np.mean(works)}
         return with_h(space.h, found)
 
     def checks_of(self, case: str, groups: Groups) -> Judged:

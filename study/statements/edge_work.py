@@ -31,7 +31,6 @@ import pandas as pd
 
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
-from study.fem.naming import resolve
 from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
 from study.fem.space import Space
 from study.ledger.check import accuracy, identity
@@ -39,7 +38,7 @@ from study.ledger.quantities import values
 from study.ledger.verdict import Verdict
 from study.ledger.window import at_least, at_most
 from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
-from study.statements.shared.meshes import space_of
+from study.statements.shared.meshes import posed
 from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 
@@ -92,17 +91,18 @@ class EdgeWork(ListedNumbers):
         return [*super().judge(rows), BOTH_KINDS.verdict(self, "all cases", {"all families": table})]
 
     def measure(self, setting: Setting) -> Numbers:
-        space, solution = space_of(setting), resolve(setting.case).solution
-        found: dict[str, list[float]] = {name: [0.0] for name in (WORK, OF_ALL, OVERALL, *BRANCHES)}
+        space, solution = posed(setting)
+        found: dict[str, list[float]] = {name: [0.0] for name in (WORK, OF_ALL, OVERALL)}
+        open_parts: list[float] = []
         for touching, open_part, quotients in mixed_edges(solution, space):
-            by_open_part = open_part >= EQUAL
             found[WORK] += [*(quotients / beta(open_part))]
             found[OVERALL] += [*quotients]
             found[OF_ALL] += [supremum(of_edge, rho) for of_edge in touching for rho in EXPONENTS]
-            found[BRANCHES[0]].append(float(np.sum(by_open_part)))
-            found[BRANCHES[1]].append(float(np.sum(~by_open_part)))
-        counts = {name: sum(found.pop(name)) for name in BRANCHES}
-        return with_h(space.h, {**{name: maximum(values) for name, values in found.items()}, **counts})
+            open_parts += [*open_part]
+        by_open_part = np.array(open_parts) >= EQUAL
+        counts = np.sum(by_open_part), np.sum(~by_open_part)
+        numbers: Numbers = {name: maximum(quotients) for name, quotients in found.items()}
+        return with_h(space.h, numbers | dict(zip(BRANCHES, counts, strict=True)))
 
 
 BOTH_KINDS = accuracy(

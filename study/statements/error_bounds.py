@@ -121,7 +121,7 @@ class ErrorBounds(ListedNumbers):
         """Yield two criteria for each of the bounds, which depend on the predicted exponent γ of the case."""
         (table, *_) = groups.values()
         names = *EXPONENTS.values(), LOGARITHM
-        known = {name: float(table[name].iloc[0]) if name in table else math.nan for name in names}
+        known = {name: table[name].iloc[0] if name in table else math.nan for name in names}
         for bound, column in EXPONENTS.items():
             number, gamma = bound.strip("()"), known[column]
             quantity = f"right-hand side of {bound} / error: change under refinement"

@@ -45,7 +45,6 @@ from manufactured.natural_motion import NAME
 from manufactured.singular import SingularFace, TravellingField
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel
 from study.fem.mesh import barycentric_gradients
-from study.fem.naming import resolve
 from study.fem.quadrature import gauss
 from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, Groups, consequence, identity
@@ -61,7 +60,7 @@ from study.statements.backward_euler import PROVED
 from study.statements.rollers import SEEDS
 from study.statements.shared.base import Judged, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment, with_cached_loads
-from study.statements.shared.meshes import space_of, split_random
+from study.statements.shared.meshes import posed, split_random
 from study.statements.shared.norms import maximum
 
 STEPS_PER_CELL = 4
@@ -194,7 +193,7 @@ class NodalErrors(ListedNumbers):
     )
 
     def measure(self, setting: Setting) -> Numbers:
-        solution, space = resolve(setting.case).solution, space_of(setting)
+        space, solution = posed(setting)
         (part,), (_, vertices), A, h = space.body.of(Kind.CONTACT), space.contact[0], solution.law.A, space.h
         condensed = Signorini(form(space, A), space.N)
         corners = space.mesh.p[:, vertices]

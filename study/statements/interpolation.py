@@ -35,6 +35,7 @@ from study.statements.shared.meshes import (
     law_of,
     named,
     place,
+    posed,
     space_of,
     split_random,
 )
@@ -100,7 +101,7 @@ class InterpolationInV(ListedNumbers):
         return [s for s in place(cases, EVERY, (8, 16, 32), (8, 12, 16)) if s.family != Graded().name]
 
     def measure(self, setting: Setting) -> Numbers:
-        space, solution = space_of(setting), resolve(setting.case).solution
+        space, solution = posed(setting)
         v_norm = ErrorNorm(solution, space, RAISED)
         samples = {v: v_norm.sample(fraction * solution.body.T) for v, fraction in INSTANTS.items()}
         errors = {v: v_norm.distance(sample, sample.interpolant) for v, sample in samples.items()}
@@ -133,8 +134,8 @@ def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
     for rule in rules(solution, space.mesh, DEGREE + RAISED):
         difference = strain(field, rule.points) - interpolant[:, rule.cells, None]
         viscous = solution.law.A.at(rule.points)(difference)
-        total += float(np.einsum("Inq,Inq,nq->", viscous, difference, rule.weights))
-    return float(np.sqrt(total))
+        total += np.einsum("Inq,Inq,nq->", viscous, difference, rule.weights)
+    return math.sqrt(total)
 
 
 # (5.24): interpolation of normal traces on contact faces.
@@ -215,10 +216,10 @@ def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
     times = {v: fraction * solution.body.T for v, fraction in INSTANTS.items()}
     pairs = {v: (exact.displacement(time), nodes.displacement(time)) for v, time in times.items()}
     found = {}
-    for name, (values, nodal) in {**pairs, SMOOTH: (field(x), field(vertices))}.items():
-        trace, corners = (np.tensordot(face.part.normal, v, axes=1) for v in (values, nodal))
+    for name, (inside, nodal) in {**pairs, SMOOTH: (field(x), field(vertices))}.items():
+        trace, corners = (np.tensordot(face.part.normal, v, axes=1) for v in (inside, nodal))
         difference = trace - np.einsum("an,anq->nq", corners, rule.shapes)
-        error = float(np.sqrt(np.sum(difference**2 * rule.weights)))
-        if error > ROUND_OFF * float(np.sqrt(np.sum(trace**2 * rule.weights))):
+        error, size = (math.sqrt(np.sum(values**2 * rule.weights)) for values in (difference, trace))
+        if error > ROUND_OFF * size:
             found[name] = error
     return found

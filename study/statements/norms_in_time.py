@@ -37,7 +37,6 @@ import pandas as pd
 
 from manufactured.catalogue import catalogue
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
-from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.ledger.check import ENOUGH, ROUNDING, Groups, consequence, paper_claim
 from study.ledger.quantities import change, values
@@ -45,7 +44,7 @@ from study.ledger.window import Window, around
 from study.solve.factorisation import Cholesky
 from study.statements.shared.base import EVOLVING, SOFTENING, Judged, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.meshes import named, place, space_of
+from study.statements.shared.meshes import named, place, posed
 from study.statements.shared.norms import dual_norm, maximum
 from study.statements.shared.scope import REGULAR
 
@@ -81,7 +80,7 @@ class LoadInTime(ListedNumbers):
     )
 
     def measure(self, setting: Setting) -> Numbers:
-        space, solution = space_of(setting), resolve(setting.case).solution
+        space, solution = posed(setting)
         v_norm, riesz = ErrorNorm(solution, space), Cholesky(unloaded(space, solution.law).M)
         times = np.linspace(0, solution.body.T, INTERVALS + 1)
         loads = np.array([v_norm.load(float(t)) for t in times])
@@ -135,7 +134,7 @@ class TractionInTime(ListedNumbers):
         return place([*cases, *named(UNBOUNDED)], REGULAR, (8, 16, 32), (2, 4, 8))
 
     def measure(self, setting: Setting) -> Numbers:
-        space, solution, squares, sides = space_of(setting), resolve(setting.case).solution, [], []
+        (space, solution), squares, sides = posed(setting), [], []
         for part in space.body.parts:
             rule = facet_rule(space.mesh, space.facets(part), part, (), FACET_POINTS if space.dim == 2 else 2)
             sides.append((part, solution.at(part.point(rule.s)), rule.weights))

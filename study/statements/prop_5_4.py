@@ -177,18 +177,19 @@ class Measurement:
 
     def errors(self) -> Numbers:
         """Return the largest errors, the times at which they occur, and the share of the error in time."""
-        times, error, interpolation, discrete, _ = self.history
-        first, second, third = (int(np.argmax(values)) for values in (error, interpolation, discrete))
+        times, *histories, _ = self.history
+        first, second, third = map(np.argmax, histories)
+        error, interpolation, discrete = histories
         return {
-            "error": float(error[first]),
-            "at": float(times[first]),
-            "interpolation_error": float(interpolation[second]),
-            "discrete_error": float(discrete[third]),
-            "time_share": self.drift / float(error[first]),
-            "interpolation_at": float(times[second]),
-            "discrete_at": float(times[third]),
-            "initial_error": float(error[0]),
-            "discrete_time_share": self.drift / float(discrete[third]),
+            "error": error[first],
+            "at": times[first],
+            "interpolation_error": interpolation[second],
+            "discrete_error": discrete[third],
+            "time_share": self.drift / error[first],
+            "interpolation_at": times[second],
+            "discrete_at": times[third],
+            "initial_error": error[0],
+            "discrete_time_share": self.drift / discrete[third],
         }
 
     def row(self) -> Numbers:

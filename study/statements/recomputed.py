@@ -19,6 +19,8 @@ or two. So trajectories and forces agree to 1e-9. These checks notice relative d
 value or a force.
 """
 
+from typing import Any
+
 import numpy as np
 
 from study.ledger.check import Check, accuracy
@@ -31,16 +33,17 @@ from study.statements.recomputed_solver import PlainProblem, Trajectory
 from study.statements.shared import estimates
 from study.statements.shared.base import REPORTED, Numbers, Statement
 from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 
 ERRORS = "error", "interpolation_error", "discrete_error"
 """Columns with the largest errors over the time nodes, by the second solver.
 
 They are the norms in V of the error u − u^h, the interpolation error u − Π^h u and the discrete error Π^h u − u^h."""
-GAPS = "start", "displacement", "multipliers"
+GAPS = "displacement", "multipliers"
 """Columns with relative differences between both solvers.
 
-They compare initial values, displacements at all times (both in the norm of V), and nodal contact forces."""
+They compare displacements at all times, in the norm of V, and nodal contact forces."""
 SAME_LOAD = "displacement_same_load", "multipliers_same_load"
 """Columns with the differences of displacements and contact forces if both solvers use the load of the study."""
 TINY = 1e-12
@@ -52,14 +55,14 @@ def recompute(setup: Experiment) -> Numbers:
 
     Both solvers use half the time step of the experiment, because the study measures errors with half the time step.
     """
-    plain = PlainProblem(setup.solution, setup.space.mesh)
-    own_load, same_load = plain.trajectories(2 * setup.steps, plain.load, setup.problem.load)
+    plain, steps = PlainProblem(setup.solution, setup.space.mesh), 2 * setup.steps
+    own_load, same_load = (plain.trajectory(steps, load) for load in (plain.load, setup.problem.load))
     errors = []
-    for time, u, _ in own_load:
+    for n, u in enumerate(own_load[0]):
+        time = n * setup.problem.T / steps
         interpolant = plain.interpolant(time)
-        errors.append([*plain.distance(time, u, interpolant), *plain.norms((interpolant - u)[:, None])])
-    largest_errors = map(float, np.max(errors, axis=0))
-    return dict(zip(ERRORS, largest_errors, strict=True)) | gaps(setup, plain, own_load, same_load)
+        errors.append([*plain.distance(time, u, interpolant), plain.norm(interpolant - u)])
+    return dict(zip(ERRORS, np.max(errors, axis=0), strict=True)) | gaps(setup, plain, own_load, same_load)
 
 
 def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load: Trajectory) -> Numbers:
@@ -76,19 +79,20 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
         own_load, same_load: the trajectories of the second solver with its own load and with the load of the study.
     """
     states = list(setup.march(2 * setup.steps))
-    norms = plain.norms(np.stack([u for _, u, _ in own_load], axis=1))
-    forces = np.linalg.norm([multipliers for *_, multipliers in own_load])
-    sizes = max(norms[0], TINY * norms.max()), norms.max(), forces
-    found: Numbers = {}
-    for names, trajectory in ((GAPS, own_load), (SAME_LOAD, same_load)):
-        pairs = list(zip(states, trajectory, strict=True))
-        missing = plain.norms(np.stack([ours.u - u for ours, (_, u, _) in pairs], axis=1))
-        missing_forces = np.linalg.norm([ours.multipliers - multipliers for ours, (*_, multipliers) in pairs])
-        differences = zip((missing[0], missing.max(), missing_forces), sizes, strict=True)
-        start, *others = [float(gap / size if size else gap > 0) for gap, size in differences]
-        # Both loads start from one initial value, which is compared in a column of GAPS alone.
-        found |= zip(names, [start, *others] if names is GAPS else others, strict=True)
-    return found
+    u, multipliers = (np.array([getattr(state, name) for state in states]) for name in ("u", "multipliers"))
+    sizes, size_of_forces = [plain.norm(v) for v in own_load[0]], np.linalg.norm(own_load[1])
+    # Both loads start from the same initial value.
+    start = max(sizes[0], TINY * max(sizes))
+    numbers: Numbers = {"start": quotient(plain.norm(u[0] - own_load[0][0]), start)}
+    for (of_displacement, of_forces), (displacements, forces) in ((GAPS, own_load), (SAME_LOAD, same_load)):
+        numbers[of_displacement] = maximum(map(plain.norm, u - displacements)) / maximum(sizes)
+        numbers[of_forces] = quotient(np.linalg.norm(multipliers - forces), size_of_forces)
+    return numbers
+
+
+def quotient(difference: Any, size: Any) -> float:
+    """Return a difference relative to a size; if the size is 0, whether there is a difference."""
+    return float(difference / size if size else difference > 0)
 
 
 def ratio(column: str, norm: str, window: Window) -> Check:

@@ -16,12 +16,13 @@ bound without G(·, 0), although (3.2) allows any G(·, 0) ∈ Q. **Measured and
   √(m_A/‖A‖), because ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V.
 """
 
+import math
+
 import numpy as np
 
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Tensors
 from study.fem.error_norm import ErrorNorm
-from study.fem.naming import resolve
 from study.fem.space import Space, on_cells
 from study.ledger.check import ROUNDING, identity, paper_claim
 from study.ledger.quantities import values
@@ -30,7 +31,7 @@ from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.meshes import space_of
+from study.statements.shared.meshes import posed
 from study.statements.shared.norms import Energies, dual_norm, midpoints
 from study.statements.thm_4_2 import beyond
 
@@ -68,7 +69,7 @@ class ResidualBound(ListedNumbers):
     full = grid((*EVOLVING, "anisotropic", "hexagon", *SOFTENING), ("unstructured",), (8, 16))
 
     def measure(self, setting: Setting) -> Numbers:
-        space, solution = space_of(setting), resolve(setting.case).solution
+        space, solution = posed(setting)
         problem, law = unloaded(space, solution.law), solution.law
         share = share_of_bound(Energies(solution, space), ErrorNorm(solution, space), problem, law)
         # The body at rest with the stress G(·, 0) = A ε(z).
@@ -76,7 +77,7 @@ class ResidualBound(ListedNumbers):
         R = space.functional(stress)
         bound = np.sqrt(np.sum(space.volumes * stress**2) / law.A.ellipticity)
         of_bound, least = dual_norm(R, Cholesky(problem.M)) / bound, np.sqrt(law.A.ellipticity / law.A.lipschitz)
-        rest = beyond(-R, problem.N) / float(np.linalg.norm(R))
+        rest = beyond(-R, problem.N) / math.sqrt(R @ R)
         return with_h(space.h, {"bound": share, "rest": rest, "prestress": of_bound, "attained": of_bound / least})
 
 

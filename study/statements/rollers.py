@@ -90,7 +90,6 @@ from manufactured.multiscale import ROLLERS, FadingFace
 from manufactured.multiscale.roller import START
 from manufactured.tensors import Array
 from study.fem.error_norm import FACET_POINTS
-from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.seminorm import gram
 from study.fem.space import Space, form
@@ -104,7 +103,7 @@ from study.solve.steps import step_size
 from study.solve.tableau import MIDPOINT
 from study.statements.contact_work import Resolved, pressing_on
 from study.statements.shared.base import Judged, ListedNumbers, Numbers, Setting, with_h
-from study.statements.shared.meshes import space_of
+from study.statements.shared.meshes import posed
 from study.statements.shared.norms import maximum
 
 # Cases and meshes, chosen to separate meshes with equal neighbourhoods of contact vertices from all others.
@@ -363,7 +362,7 @@ class Rollers(ListedNumbers):
         return 12.0 * setting.level**3
 
     def measure(self, setting: Setting) -> Numbers:
-        solution, space = resolve(setting.case).solution, space_of(setting)
+        space, solution = posed(setting)
         on, steps = OnContact(Resolved(solution, space)), round(PER_H * setting.level * space.body.T)
         found = Trajectories.of(on, steps)
         excess = found.excess()

@@ -57,7 +57,7 @@ class BoundedVelocity(ListedNumbers):
 
     def measure(self, setup: Experiment) -> Numbers:
         velocity = Velocity(setup.solution, setup.space)
-        exact = float(velocity.norm(np.linspace(0, setup.problem.T, SUPREMUM_AT + 1)).max())
+        exact = velocity.norm(np.linspace(0, setup.problem.T, SUPREMUM_AT + 1)).max()
         return with_h(setup.space.h, {k: fastest(setup.problem, steps) / exact for k, steps in STEPS.items()})
 
 
