@@ -92,7 +92,8 @@ def factor_fault(change: Callable[[Space, Array], Array]) -> Change:
     """Return the fault that changes the material factors of A and G on the cells; it needs a factor that varies."""
 
     def faulty(setup: Experiment, size: float) -> Faulty:
-        law, space = setup.solution.law, setup.space
+        law = setup.solution.law
+        space = setup.space
         varies = any(np.ptp(means(space, tensor.factor)) > 0 for tensor in (law.A, law.G))
         return with_factors(setup, lambda factor: change(space, factor)) if varies else None
 
@@ -101,7 +102,8 @@ def factor_fault(change: Callable[[Space, Array], Array]) -> Change:
 
 def with_factors(setup: Experiment, change: Callable[[Array], Array]) -> Experiment:
     """Return an experiment that is solved with changed material factors of A and of a linear G."""
-    law, space = setup.solution.law, setup.space
+    law = setup.solution.law
+    space = setup.space
     viscous, elastic = (change(means(space, tensor.factor)) for tensor in (law.A, law.G))
     faulty = with_viscosity(setup, law.A.reference, viscous)
     return with_elasticity(faulty, law.G.reference, elastic) or faulty
@@ -112,7 +114,9 @@ def exchanged(matrix: Array, size: float) -> Array:
 
     In a tensor that is not isotropic, the entry (1, 2) counts as λ and half of the last entry as μ.
     """
-    mu, lam, dim = matrix[-1, -1] / 2, matrix[0, 1], 2 if len(matrix) == 3 else 3
+    mu = matrix[-1, -1] / 2
+    lam = matrix[0, 1]
+    dim = 2 if len(matrix) == 3 else 3
     return matrix + size * (isotropic_matrix(lam, mu, dim) - isotropic_matrix(mu, lam, dim))
 
 
@@ -307,7 +311,8 @@ def along_contact(setup: Experiment, name: str, size: float, first_only: bool = 
 
     Their stiffness for an area is δ times the normal modulus of G or A, divided by a unit length.
     """
-    space, law = setup.space, setup.solution.law
+    space = setup.space
+    law = setup.solution.law
     if first_only and space.dim == 2:
         return None
     tensor = law.A if name == "M" else law.G
@@ -344,7 +349,9 @@ class Frictional:
     def __init__(
         self, S: sps.csc_array, N: sps.csr_array, T: sps.csr_array, owners: Array, friction: float, gap: Array | float
     ) -> None:
-        self.m, self.owners, self.friction = N.shape[0], owners, friction
+        self.m = N.shape[0]
+        self.owners = owners
+        self.friction = friction
         self.gap = np.concatenate([np.broadcast_to(gap, self.m), np.zeros(T.shape[0])])
         self.both = Signorini(S, sps.csr_array(sps.vstack([N, T])))
         self.normal = Signorini(S, N)
@@ -355,7 +362,8 @@ class Frictional:
         W = solver.W
         y = solver.factor.forward(b)
         free = y[solver.contact] @ solver.Y - self.gap
-        pressure, shear = np.zeros(m), np.zeros(len(free) - m)
+        pressure = np.zeros(m)
+        shear = np.zeros(len(free) - m)
         for _ in range(100):
             before = pressure
             pressure = self.normal.complementarity(free[:m] - W[:m, m:] @ shear)

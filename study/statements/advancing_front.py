@@ -78,13 +78,7 @@ INCREMENT = 1e-30
 """Imaginary increment with which a derivative is computed."""
 FROM = 16
 """The level from which the growth of the pairing is judged."""
-INTERPOLATION = around(1, STEEPER, "the order of the interpolation error; proved up to a logarithm")
-SINGULAR = between(0.5, 0.5, STEEPER, 0.25, "order from the two finest levels; smooth parts of u̇ raise it")
-TRAIL = between(1, 1.5, STEEPER, STEEPER, "3/2 if the front leaves the same error in every cell, 1 if not")
-LOCAL = at_most(0.01, "h² |log h|² is proved; 0.05 to 0.16 without cancellation")
-LOGARITHM = Window(0.1, 0.5, "growth like log n; bounded or like a power of n is excluded")
 NEGLIGIBLE = positive_at_most(0.02, "negligible against the error")
-FINER_QUADRATURE = "bound of the change of u^h under finer quadrature of f_0 / error"
 
 
 class AdvancingFront(ListedNumbers):
@@ -102,15 +96,21 @@ class AdvancingFront(ListedNumbers):
             "order",
             "order of ‖u − u^h‖ over two refinements",
             over_refinements("error", 2),
-            INTERPOLATION,
+            around(1, STEEPER, "the order of the interpolation error; proved up to a logarithm"),
             levels=ENOUGH,
         ),
-        consequence("rate", "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}", fitted("rate", last=2), SINGULAR, levels=ENOUGH),
+        consequence(
+            "rate",
+            "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}",
+            fitted("rate", last=2),
+            between(0.5, 0.5, STEEPER, 0.25, "order from the two finest levels; smooth parts of u̇ raise it"),
+            levels=ENOUGH,
+        ),
         consequence(
             "excess",
             "order of the excess ‖u^h − u^h_lin‖ over the linear problem",
             fitted("excess"),
-            TRAIL,
+            between(1, 1.5, STEEPER, STEEPER, "3/2 if the front leaves the same error in every cell, 1 if not"),
             levels=ENOUGH,
         ),
         accuracy("time", "change of u^h with half the time step / error", values("time share"), NEGLIGIBLE),
@@ -118,16 +118,21 @@ class AdvancingFront(ListedNumbers):
             "local",
             "work of the contact forces on violations of the constraint by P_hu / (h |log h|)²",
             values("local"),
-            LOCAL,
+            at_most(0.01, "h² |log h|² is proved; 0.05 to 0.16 without cancellation"),
         ),
         consequence(
             "pairing",
             "increment of max_t |∫_0^t (u̇^h, D_h)_V ds| when n is doubled",
             lambda table: np.diff(table[table["level"] >= FROM]["pairing"].to_numpy()),
-            LOGARITHM,
+            Window(0.1, 0.5, "growth like log n; bounded or like a power of n is excluded"),
         ),
         *HALF_DERIVATIVE,
-        accuracy("quadrature", FINER_QUADRATURE, values("quadrature"), NEGLIGIBLE),
+        accuracy(
+            "quadrature",
+            "bound of the change of u^h under finer quadrature of f_0 / error",
+            values("quadrature"),
+            NEGLIGIBLE,
+        ),
     )
     # No shaken meshes, because observed orders depend on the random size of the cells that the singular front passes.
     quick = grid((NAME,), ("unstructured",), (8, 16, 32))
@@ -142,19 +147,22 @@ class AdvancingFront(ListedNumbers):
         return 150.0 * setting.level**3
 
     def measure(self, setting: Setting) -> Numbers:
-        (space, solution), steps = posed(setting), PER_CELL * setting.level
+        space, solution = posed(setting)
+        steps = PER_CELL * setting.level
         v_norm = ErrorNorm(solution, space)
         load = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, DEGREE))
         problem = SemiDiscrete.of(space, solution.law, load, v_norm.sample(0.0).interpolant)
         # Without rows of N there is no contact condition, so the exact σ_ν acts as a given traction in the load.
         linear = replace(problem, N=problem.N[:0], load=lambda time: load(time) + pressure_load(solution, space, time))
-        coarse, states = path(problem, MIDPOINT, steps), list(MIDPOINT.march(problem, 2 * steps))
+        coarse = path(problem, MIDPOINT, steps)
+        states = list(MIDPOINT.march(problem, 2 * steps))
         fine = np.array([state.u for state in states])
         forces = np.array([state.multipliers for state in states[1:]])
         nodes = range(0, 2 * steps + 1, max(1, 2 * steps // INSTANTS))
         error = maximum(v_norm.distance(v_norm.sample(n * problem.T / (2 * steps)), fine[n]) for n in nodes)
         # A change δf of the load changes u^h by at most T max ‖δf‖_V, because the elasticity G is monotone.
-        riesz, changes = Cholesky(problem.M), []
+        riesz = Cholesky(problem.M)
+        changes = []
         for time in midpoints(problem.T, FEW):
             finer, coarser = (load_from_forces(solution, space, time, degree) for degree in (RAISED, DEGREE))
             changes.append(dual_norm(finer - coarser, riesz))
@@ -188,7 +196,8 @@ def violation(v_norm: ErrorNorm, problem: SemiDiscrete, forces: Array) -> float:
         problem: the semi-discrete problem.
         forces: the contact forces λ in the middle of each time step, (steps, m).
     """
-    project, A = Signorini(problem.M, problem.N), v_norm.A.matrix
+    project = Signorini(problem.M, problem.N)
+    A = v_norm.A.matrix
     times = midpoints(problem.T, len(forces))
     functionals = np.array([v_norm.space.functional(A @ v_norm.means(time)) for time in times])
     works = np.sum(forces * project.gap(functionals), axis=1)

@@ -48,7 +48,6 @@ FIELDS = 3
 FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
 STRONG = around(1, 0.25, "if the stress error is spread evenly; ‖σ − σ^h‖_Q = O(h) alone gives 1/2")
 SUPERCLOSE = between(1, 2, 0.25, 0, "order 2 where the triangles along Γ3 are symmetric")
-ON_TRIANGLES = "the check of σ^hν − σ_ν ν bounds ‖σ^h_τ‖, whose first-order part depends on the triangles along Γ3"
 WEAK = around(2, 0.3, "product of two errors O(h), σ − σ^h and v − Π^h v")
 
 
@@ -71,7 +70,9 @@ class NaturalConditions(ListedNumbers):
             fitted("tangential"),
             SUPERCLOSE,
             levels=ENOUGH,
-            if_missed=ON_TRIANGLES,
+            if_missed=(
+                "the check of σ^hν − σ_ν ν bounds ‖σ^h_τ‖, whose first-order part depends on the triangles along Γ3"
+            ),
         ),
         consequence(
             "loaded-weakly",
@@ -108,7 +109,9 @@ def tractions(setup: Experiment) -> Numbers:
     norms are root mean squares over several times. The work (f, v)_V is computed as (σ, ε(v))_Q with the exact stress
     σ. Both are equal by Green's formula (2.14) with (2.2), (2.4) and (2.5).
     """
-    space, mesh, sides = setup.space, setup.space.mesh, []
+    space = setup.space
+    mesh = setup.space.mesh
+    sides = []
     for kind in (Kind.LOADED, Kind.CONTACT):
         for part, facets in space.on(kind):
             rule = facet_rule(mesh, facets, part, (), FACET_POINTS)
@@ -118,7 +121,8 @@ def tractions(setup: Experiment) -> Numbers:
     for time, stress in discrete_stresses(setup):
         found = dict.fromkeys(("tangential", "contact", "loaded", "size"), 0.0)
         for kind, part, cells, weights, exact in sides:
-            forces, load = traction(stress[:, cells], part.normal), exact.surface_load(part, time)
+            forces = traction(stress[:, cells], part.normal)
+            load = exact.surface_load(part, time)
             if kind is Kind.CONTACT:
                 tangential = forces - np.multiply.outer(part.normal, part.normal @ forces)
                 found["tangential"] += np.sum(tangential**2 * weights.sum(axis=1))
@@ -139,11 +143,14 @@ def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
     The times are the midpoints of INSTANTS equal parts of [0, T], each with an odd number of time steps. So t is the
     midpoint of a step from t_{n−1} to t_n, and σ^h(t) = A ε((u_n − u_{n−1})/k) + G ε((u_n + u_{n−1})/2).
     """
-    space, cells, k = setup.space, on_cells(setup.space, setup.solution.law), setup.problem.T / setup.steps
+    space = setup.space
+    cells = on_cells(setup.space, setup.solution.law)
+    k = setup.problem.T / setup.steps
     each = setup.steps // INSTANTS
     for n, (before, after) in enumerate(pairwise(setup.march(setup.steps))):
         if n % each == each // 2:
-            old, new = space.strain(before.u), space.strain(after.u)
+            old = space.strain(before.u)
+            new = space.strain(after.u)
             yield (before.time + after.time) / 2, cells.stress((new - old) / k, (new + old) / 2)
 
 
@@ -159,9 +166,11 @@ def weighted_strains(setup: Experiment, fields: list[Field]) -> WeightedStrains:
 
     The fields are scaled to ‖v‖_V = 1.
     """
-    found, squares = [], np.zeros(len(fields))
+    found = []
+    squares = np.zeros(len(fields))
     for rule in rules(setup.solution, setup.space.mesh, DEGREE):
-        exact, strains = setup.solution.at(rule.points), np.array([strain(v, rule.points) for v in fields])
+        exact = setup.solution.at(rule.points)
+        strains = np.array([strain(v, rule.points) for v in fields])
         squares += [np.sum(exact.law.A(e) * e * rule.weights) for e in strains]
         found.append((rule.cells, exact, strains * rule.weights))
     return [(cells, exact, strains / np.sqrt(squares)[:, None, None, None]) for cells, exact, strains in found]
@@ -174,12 +183,14 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
         Fields that vanish on Γ1 and Γ3; and fields that vanish on Γ1, are tangential on one plane of Γ3 and vanish on
         the other planes of Γ3.
     """
-    clamped, contact = planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
+    clamped = planes(body, Kind.CLAMPED)
+    contact = planes(body, Kind.CONTACT)
     rng = np.random.default_rng(SEED)
     on_loaded = [vanishing(waves(body, rng), clamped + contact) for _ in range(FIELDS)]
 
     def tangential(part: Part, along: Field, inside: Field) -> Field:
-        others, tangents = [other for other in contact if other is not part], part.frame[:, :-1]
+        others = [other for other in contact if other is not part]
+        tangents = part.frame[:, :-1]
         projector = tangents @ tangents.T
 
         def field(x: Points) -> Vectors:

@@ -97,7 +97,8 @@ class PressedFace:
         shape = rule.weights.size, space.mesh.p.shape[1]
         self.every = sps.csr_array((rule.shapes.ravel(), (places.ravel(), corners.ravel())), shape=shape)
         self.functions = self.every[:, vertices]
-        self.weights, self.normal = rule.weights.ravel(), face.part.normal
+        self.weights = rule.weights.ravel()
+        self.normal = face.part.normal
         self.mass = (self.functions.T @ sps.diags_array(self.weights) @ self.functions).toarray()
         self.exact = solution.on(face, rule.s)
 
@@ -136,7 +137,9 @@ class Forces:
             times: the times, (n,).
             multipliers: the nodal contact forces λ at the times, (n, m).
         """
-        exact, errors, sizes = [], 0.0, 0.0
+        exact = []
+        errors = 0.0
+        sizes = 0.0
         for face, rows in zip(self.faces, self.rows, strict=True):
             p = face.exact.pressure(times).reshape(-1, len(times))
             # Nodal forces λ are moments of a pressure, so the P1 pressure p^h follows from the mass matrix.
@@ -164,7 +167,9 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
         and of the total force on each face; then the largest relative penetration, and the largest relative tensile
         force.
     """
-    k, multipliers, extremes = setup.problem.T / steps, [], []
+    k = setup.problem.T / steps
+    multipliers = []
+    extremes = []
     for state in setup.march(steps):
         pulling = -state.multipliers.min(initial=0.0)
         extremes.append([forces.penetration(state.u), abs(state.u).max(), pulling, abs(state.multipliers).max()])
@@ -196,8 +201,13 @@ NO_BOUND = "a face meets Γ1, so that the dual norm does not bound the error of 
 """Why no order of the resultant is claimed if a contact face meets the clamped boundary Γ1.
 
 The order would follow from the dual norm with v_ν = 1. But v = 0 on Γ1, so no v ∈ V has v_ν = 1 on the whole face."""
-STRIP = between(1, 1.5, 0.15, 0.7, "from the cells along Γ3; piecewise linear functions reach at most 2")
-PRESSURE = consequence("order-pressure", "order of ‖p − p^h‖_{L²(Γ3)}", fitted("pressure"), STRIP, levels=ENOUGH)
+PRESSURE = consequence(
+    "order-pressure",
+    "order of ‖p − p^h‖_{L²(Γ3)}",
+    fitted("pressure"),
+    between(1, 1.5, 0.15, 0.7, "from the cells along Γ3; piecewise linear functions reach at most 2"),
+    levels=ENOUGH,
+)
 OF_CHANCE = replace(PRESSURE, key="order-pressure-irregular", quantity=f"{PRESSURE.quantity}, irregular meshes")
 FEW_EDGES = "on irregular meshes the pressure error depends on a few long edges where p has a kink, and on the corners"
 CORNER_CELLS = "a face meets Γ1, and the error depends on whether one cell or two meet there"
@@ -213,8 +223,6 @@ RESULTANT = at_least(1, "the order of the dual norm; 2 if the contact zone is kn
 """Window of the order of the contact resultant.
 
 It has no upper end: parts of the error of the resultant may cancel, so its order may exceed 2."""
-SIZE = at_most(0.05, "of the exact resultant, on the finest level")
-TIME = at_most(0.5, "of each error; half as many steps show the error in time")
 NORMS = (
     consequence(
         "order-resultant",
@@ -223,10 +231,20 @@ NORMS = (
         RESULTANT,
         levels=ENOUGH,
     ),
-    consequence("resultant", "error of the contact resultant on each face", finest("resultant"), SIZE),
+    consequence(
+        "resultant",
+        "error of the contact resultant on each face",
+        finest("resultant"),
+        at_most(0.05, "of the exact resultant, on the finest level"),
+    ),
     # The error in time of the resultant is not judged: it can only lower the order, whose window has no upper end, and
     # on symmetric meshes the error in space may vanish, so that no error in time is small against it.
-    accuracy("time-share", "error in time / error, for both norms of p − p^h", values(*SHARES[:2]), TIME),
+    accuracy(
+        "time-share",
+        "error in time / error, for both norms of p − p^h",
+        values(*SHARES[:2]),
+        at_most(0.5, "of each error; half as many steps show the error in time"),
+    ),
 )
 ROUND_OFF = at_most(1e-10, "only rounding, because faces are straight and elements linear")
 EXACT = (
@@ -274,7 +292,8 @@ class ContactForce(Statement):
         return measure_contact(setup)
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
-        norms, clamped = [], any(table["clamped"].any() for table in groups.values())
+        norms = []
+        clamped = any(table["clamped"].any() for table in groups.values())
         for rule in NORMS:
             if clamped and rule.key == "order-resultant":
                 yield replace(rule, if_missed=NO_BOUND), groups

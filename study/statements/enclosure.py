@@ -44,7 +44,8 @@ from study.statements.shared.scope import Scope
 
 BOUNDED = "error", "lowest", "highest", "above", "below", "upper", "lower"
 PARTS = "residual", "contact", "oscillation", "bending"
-BOUNDS, ENCLOSURES = CsvFile("bounds.csv"), CsvFile("enclosures.csv")
+BOUNDS = CsvFile("bounds.csv")
+ENCLOSURES = CsvFile("enclosures.csv")
 KEY = BOUNDS.key
 TIMES = 96
 """Number of times for which ``enclosures.csv`` has the bounds of one computed displacement."""
@@ -227,7 +228,8 @@ class Bounds(Statement):
         Returns:
             The row of ``bounds.csv`` under the key "row", and columns of ``enclosures.csv`` under the key "times".
         """
-        problem, family = resolve_problem(setting.case), family_named(setting.family)
+        problem = resolve_problem(setting.case)
+        family = family_named(setting.family)
         scheme = choose("scheme", setting.scheme, SCHEMES)
         row, found = measure(problem, family, setting.level, scheme, self.steps(setting), setting.by)
         chosen = np.unique(np.linspace(0, len(found.times) - 1, TIMES).round().astype(int))
@@ -265,7 +267,6 @@ class Bounds(Statement):
 ABOVE = identity(
     "above", "largest error / upper bound", values("above"), positive_at_most(1.0, "at every sampled time")
 )
-BELOW = identity("below", "largest lower bound / error", values("below"), at_most(1.0, "at every sampled time"))
 ONLY_SHOWN = "this shows how sharp the bound is; the claim is only that the error never exceeds it"
 REACH = consequence(
     "upper", "largest upper bound / error over [T/2, T]", values("upper"), Window(), if_missed=ONLY_SHOWN
@@ -303,8 +304,19 @@ class EnclosedError(Bounds):
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         found: list[Verdict] = []
         for case, mine in rows[rows["trajectory"] == self.label].groupby("case", sort=False):
-            known, checked = bool(mine["known"].iloc[0]), mine[mine["level"] == CHECKED_LEVEL]
-            rules: list[tuple[Check, pd.DataFrame]] = [(rule, mine) for rule in (ABOVE, BELOW, REACH) if known]
+            known = bool(mine["known"].iloc[0])
+            checked = mine[mine["level"] == CHECKED_LEVEL]
+            rules: list[tuple[Check, pd.DataFrame]] = [
+                (rule, mine)
+                for rule in (
+                    ABOVE,
+                    identity(
+                        "below", "largest lower bound / error", values("below"), at_most(1.0, "at every sampled time")
+                    ),
+                    REACH,
+                )
+                if known
+            ]
             rules += [(rule, checked) for rule in TIGHT if case == CHECKED and len(checked)]
             found += [rule.verdict(self, str(case), {"": table}) for rule, table in rules]
             for (family, _), series in mine.groupby(["family", "scheme"], sort=False):
@@ -328,7 +340,8 @@ class EnclosedError(Bounds):
             levels: rows of ``bounds.csv``, from coarse to fine.
             known: whether the exact solution is known.
         """
-        coarse, fine = levels.iloc[0], levels.iloc[-1]
+        coarse = levels.iloc[0]
+        fine = levels.iloc[-1]
         ratio = math.log(coarse["h"] / fine["h"])
         first, last = ((line["lowest"], line["highest"]) for line in (coarse, fine))
         span = order_interval(first, last, ratio)
@@ -337,10 +350,13 @@ class EnclosedError(Bounds):
         order = math.nan if known else float(fine["expected_order"])
         quantity = f"order of max_t ‖u − u_h‖_V, k proportional to h, n = {coarse['level']} to {fine['level']}"
         if math.isnan(order):
-            window, verdict, expected = Window(math.nan, math.nan), REPORTED, KNOWN if known else UNPREDICTED
+            window = Window(math.nan, math.nan)
+            verdict = REPORTED
+            expected = KNOWN if known else UNPREDICTED
         else:
             window = around(order, ROOM, "the whole interval of possible orders")
-            verdict, expected = judge_interval(span, window), ""
+            verdict = judge_interval(span, window)
+            expected = ""
         return row(
             self, "order", quantity, window, (observed, span, verdict), case, family, expected, CheckKind.CONSEQUENCE
         )

@@ -82,8 +82,6 @@ INSTANTS = 64
 """Number of nodes of the midpoint rule that approximates norms in time."""
 ROUND_OFF = 1e-11
 """Relative tolerance for round-off: smaller contact pressures, compared with the size of the stresses, count as 0."""
-STEADY = Window(0.7, 1.4, "over two refinements: the orders differ by less than 1/4")
-PROVED = positive_at_most(1.0, "with the constant c of the proof")
 BOUNDS = "(5.21)", "(5.42)"
 EXPONENTS = {bound: f"γ of {bound}" for bound in BOUNDS}
 """Names of the columns with the exponents γ: (right side of the bound) / error is predicted to grow like h^{−γ}."""
@@ -123,10 +121,17 @@ class ErrorBounds(ListedNumbers):
         names = *EXPONENTS.values(), LOGARITHM
         known = {name: table[name].iloc[0] if name in table else math.nan for name in names}
         for bound, column in EXPONENTS.items():
-            number, gamma = bound.strip("()"), known[column]
+            number = bound.strip("()")
+            gamma = known[column]
             quantity = f"right-hand side of {bound} / error: change under refinement"
             growth = changing(bound, column)
-            steady = consequence(f"steady-{number}", quantity, growth, STEADY, levels=ENOUGH)
+            steady = consequence(
+                f"steady-{number}",
+                quantity,
+                growth,
+                Window(0.7, 1.4, "over two refinements: the orders differ by less than 1/4"),
+                levels=ENOUGH,
+            )
             if gamma > 0:
                 term = RATE if gamma == known[EXPONENTS["(5.21)"]] else TRACE
                 lower = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
@@ -139,7 +144,15 @@ class ErrorBounds(ListedNumbers):
             else:
                 yield steady, groups
             share = f"error / (c · right side of {bound})"
-            yield paper_claim(f"constant-{number}", share, values(f"{bound}, c"), PROVED), groups
+            yield (
+                paper_claim(
+                    f"constant-{number}",
+                    share,
+                    values(f"{bound}, c"),
+                    positive_at_most(1.0, "with the constant c of the proof"),
+                ),
+                groups,
+            )
 
 
 def changing(bound: str, prediction: str) -> Value:
@@ -165,27 +178,34 @@ def predicted(case: Case) -> Numbers:
 
 def constant(law: KelvinVoigt, T: float) -> float:
     """Return the constant c of the error estimate that the module docstring proves, for a law and the final time T."""
-    L, omega = law.kappa, law.growth
+    L = law.kappa
+    omega = law.growth
     on_rate = math.sqrt(4 * T + 2 * L * T**2 + L**2 * T**3 / 3)
     return math.exp(omega * T) * max(2 + L * T, on_rate)
 
 
 def sides(setup: Experiment) -> Numbers:
     """Return the quotients (right side) / error and error / (c · right side) for the bounds (5.21) and (5.42)."""
-    v_norm, problem, T = setup.v_norm, setup.problem, setup.problem.T
+    v_norm = setup.v_norm
+    problem = setup.problem
+    T = setup.problem.T
     states = setup.scheme.march(problem, setup.steps)
     error = maximum(v_norm.distance(v_norm.sample(state.time), state.u) for state in states)
-    start, velocity = v_norm.sample(0.0), Velocity(setup.solution, setup.space)
-    times, k = midpoints(T, INSTANTS), T / INSTANTS
+    start = v_norm.sample(0.0)
+    velocity = Velocity(setup.solution, setup.space)
+    times = midpoints(T, INSTANTS)
+    k = T / INSTANTS
     # The work of contact ∫ σ_ν (Π^hu_ν − u_ν) and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² over Γ3.
     works, squares, pressures = np.zeros((3, INSTANTS))
     mesh = setup.space.mesh
     for face in setup.solution.faces:
         facets = setup.space.facets(face.part)
         rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS)
-        exact, nodes = setup.solution.on(face, rule.s), setup.solution.at(mesh.p[:, mesh.facets[:, facets]])
+        exact = setup.solution.on(face, rule.s)
+        nodes = setup.solution.at(mesh.p[:, mesh.facets[:, facets]])
         nodal = np.tensordot(face.part.normal, nodes.displacement(times), axes=1)
-        eta, pressure = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes), exact.pressure(times)
+        eta = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes)
+        pressure = exact.pressure(times)
         pressure = np.where(abs(pressure) > ROUND_OFF * exact.stress_scale(), pressure, 0.0)
         works += np.tensordot(rule.weights, pressure * eta, axes=2)
         squares += np.tensordot(rule.weights, eta**2, axes=2)
@@ -194,7 +214,8 @@ def sides(setup: Experiment) -> Numbers:
     common = v_norm.distance(start, start.interpolant) + rate + v_norm.distance(start, problem.u0)
     work = math.sqrt(k * np.sum(abs(works)))
     trace = math.sqrt(k * np.sum(np.sqrt(squares)) * np.sqrt(pressures).max())
-    right, c = {"(5.21)": common + work, "(5.42)": common + trace}, constant(setup.solution.law, T)
+    right = {"(5.21)": common + work, "(5.42)": common + trace}
+    c = constant(setup.solution.law, T)
     return {
         **{name: value / error for name, value in {**right, RATE: rate, TRACE: trace}.items()},
         **{f"{name}, c": error / (c * value) for name, value in right.items()},

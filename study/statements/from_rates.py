@@ -21,7 +21,6 @@ from study.statements.shared.meshes import LEADING, split, value_of_case
 
 ROOM = 0.1
 """Observed orders approach the proved order from below, up to this number on these levels."""
-NEAR = around(1, 0.05, "on the finest level")
 
 
 class SizeOfInterpolation(FromRates):
@@ -32,7 +31,10 @@ class SizeOfInterpolation(FromRates):
     proposition = "Prop. 5.4"
     checks = (
         consequence(
-            "leading-term", "‖u − Π^h u‖_V / leading term", finest_quotient("interpolation_error", LEADING), NEAR
+            "leading-term",
+            "‖u − Π^h u‖_V / leading term",
+            finest_quotient("interpolation_error", LEADING),
+            around(1, 0.05, "on the finest level"),
         ),
     )
 

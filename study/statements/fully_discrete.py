@@ -40,12 +40,12 @@ ASYMPTOTIC = COUNTS[2:]
 """Numbers of time steps from which the order in k of the error in time, d, is computed."""
 SECOND = between(1.5, 2, 0.1, 0.1, "3/2 where vertices come into contact or leave it")
 ORDERS = {"backward-euler": around(1, 0.1), "bdf2": SECOND, "midpoint": SECOND}
-OPEN = "the paper leaves the fully discrete error open"
 
 
 def checks_of_scheme(scheme: Scheme) -> Iterator[Check]:
     """Yield the checks of a time scheme: the orders of the error in time in k and in h, and of the error in h."""
-    name, in_time = scheme.name, "‖u^h − u^{hk}‖"
+    name = scheme.name
+    in_time = "‖u^h − u^{hk}‖"
 
     def in_k(levels: pd.DataFrame) -> float:
         return power_law(levels, scheme)[0]
@@ -59,14 +59,18 @@ def checks_of_scheme(scheme: Scheme) -> Iterator[Check]:
         ("time-in-h", f"order s of {in_time} in h", in_h, around(0, 0.1)),
         ("error-in-h", "order p of ‖u − u^{hk}‖ in h", of_error, around(1, 0.15)),
     ):
-        key, quantity = f"{name}-{key}", f"{name}: {quantity}"
-        yield consequence(key, quantity, value, window, levels=ENOUGH, if_missed=OPEN)
+        key = f"{name}-{key}"
+        quantity = f"{name}: {quantity}"
+        yield consequence(
+            key, quantity, value, window, levels=ENOUGH, if_missed="the paper leaves the fully discrete error open"
+        )
 
 
 def power_law(levels: pd.DataFrame, scheme: Scheme) -> Array:
     """Return the exponents (q, s) of the error in time, d = C k^q h^s, by least squares for the smaller steps."""
     columns = [f"{scheme.name} {count} d" for count in ASYMPTOTIC]
-    d, h = levels[columns].to_numpy(), levels["h"].to_numpy()
+    d = levels[columns].to_numpy()
+    h = levels["h"].to_numpy()
     log_k, log_h = np.meshgrid(-np.log(ASYMPTOTIC), np.log(h))
     unknowns = np.column_stack([log_k.ravel(), log_h.ravel(), np.ones(d.size)])
     solution, *_ = np.linalg.lstsq(unknowns, np.log(d).ravel(), rcond=None)
@@ -85,7 +89,10 @@ class FullyDiscrete(ListedNumbers):
 
     def measure(self, setting: Setting) -> Numbers:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
-        v_norm, M, T, common = setup.v_norm, setup.problem.M, setup.problem.T, min(COUNTS)
+        v_norm = setup.v_norm
+        M = setup.problem.M
+        T = setup.problem.T
+        common = min(COUNTS)
         problem = with_cached_loads(setup.problem, 12)
         reference = path(problem, MIDPOINT, FINEST)[:: FINEST // common]
         samples = [v_norm.sample(n * T / common) for n in range(common + 1)]

@@ -65,7 +65,6 @@ FIELDS = {"smooth": SMOOTH, **{f"u-{fraction}": v for v, fraction in INSTANTS.it
 """Names of the interpolated functions in columns, by the keys of the checks."""
 REGULARITY = "τ"
 """Name of the column with the regularity τ of the trace: v_ν ∈ H^s(Γ3,i) for all s < τ."""
-NOT_IN_H2 = "the trace is not in H², so that (5.24) does not apply"
 SIZE, TRACE = "size of Γ3,{}", "{} on Γ3,{}"
 """Names of the columns for one contact face: its mesh size, and the interpolation error of a trace on it."""
 
@@ -130,7 +129,8 @@ def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
         space: the P1 space.
         field: the field, analytic in x.
     """
-    interpolant, total = space.strain(space.interpolate(field(space.mesh.p))), 0.0
+    interpolant = space.strain(space.interpolate(field(space.mesh.p)))
+    total = 0.0
     for rule in rules(solution, space.mesh, DEGREE + RAISED):
         difference = strain(field, rule.points) - interpolant[:, rule.cells, None]
         viscous = solution.law.A.at(rule.points)(difference)
@@ -160,7 +160,8 @@ class InterpolationOnContact(ListedNumbers):
         return [s for s in place(cases, EVERY, (16, 32, 64), (16, 24, 32)) if s.family not in without]
 
     def measure(self, setting: Setting) -> Numbers:
-        space, case = space_of(setting), resolve(setting.case)
+        space = space_of(setting)
+        case = resolve(setting.case)
         found = {REGULARITY: case.regularity.trace}
         for i, face in enumerate(case.solution.faces, start=1):
             found[SIZE.format(i)] = induced_size(space, face.part)
@@ -176,18 +177,27 @@ class InterpolationOnContact(ListedNumbers):
         of_solution = min(float(table[REGULARITY].min()) for table in groups.values())
         claimed = around(2.0, ROOM)
         for (name, v), face in product(FIELDS.items(), range(1, len(columns))):
-            key, column, size = f"{name}-face-{face}", TRACE.format(v, face), SIZE.format(face)
+            key = f"{name}-face-{face}"
+            column = TRACE.format(v, face)
+            size = SIZE.format(face)
             if not {size, column} <= columns:
                 continue
-            tau, quantity = math.inf if v == SMOOTH else of_solution, f"order of ‖v_ν − Π^h v_ν‖, v = {column}"
+            tau = math.inf if v == SMOOTH else of_solution
+            quantity = f"order of ‖v_ν − Π^h v_ν‖, v = {column}"
             if tau >= 2.5:
-                text, value, window = "level by level", level_by_level(column), claimed
+                text = "level by level"
+                value = level_by_level(column)
+                window = claimed
             elif tau > 2:
                 # Two refinements are judged together: the error in the cell of the front depends on where it is cut.
-                text, value, window = "over two refinements", over_refinements(column, 2), claimed
+                text = "over two refinements"
+                value = over_refinements(column, 2)
+                window = claimed
             else:
-                text, value, window = "fitted", fitted(column), around(tau, 0.3)
-            unclaimed = "" if tau > 2 else NOT_IN_H2
+                text = "fitted"
+                value = fitted(column)
+                window = around(tau, 0.3)
+            unclaimed = "" if tau > 2 else "the trace is not in H², so that (5.24) does not apply"
             check = paper_claim(
                 key, f"{quantity}, {text}", value, window, levels=ENOUGH, finest=tau >= 2.5, if_missed=unclaimed
             )
@@ -209,10 +219,14 @@ def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
 
     Functions with a linear trace are left out.
     """
-    mesh, facets = space.mesh, space.facets(face.part)
+    mesh = space.mesh
+    facets = space.facets(face.part)
     rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS + RAISED)
-    x, vertices = face.part.point(rule.s), mesh.p[:, mesh.facets[:, facets]]
-    exact, nodes, field = solution.at(x), solution.at(vertices), smooth(space.body)
+    x = face.part.point(rule.s)
+    vertices = mesh.p[:, mesh.facets[:, facets]]
+    exact = solution.at(x)
+    nodes = solution.at(vertices)
+    field = smooth(space.body)
     times = {v: fraction * solution.body.T for v, fraction in INSTANTS.items()}
     pairs = {v: (exact.displacement(time), nodes.displacement(time)) for v, time in times.items()}
     found = {}

@@ -26,7 +26,6 @@ from study.statements.shared.meshes import body_of, first_with_each, place, spac
 from study.statements.shared.scope import REGULAR
 
 VALUE = "smallest eigenvalue"
-FALLING = at_most(1 + ROUNDING, "on every level")
 LIMIT = Window(0.7, 1.0, "of the value on the finest level")
 """Window of (limit of the eigenvalue for h → 0) / (value on the finest level).
 
@@ -46,7 +45,8 @@ def extrapolated(table: pd.DataFrame) -> float:
     shrink.
     """
     first, second, last = table[VALUE].to_numpy()[-3:]
-    before, drop = first - second, second - last
+    before = first - second
+    drop = second - last
     return float((last - drop**2 / (before - drop)) / last if before > drop else -math.inf)
 
 
@@ -56,7 +56,13 @@ class Korn(ListedNumbers):
     label = "(2.17)"
     claim = "‖ε(v)‖_Q ≥ C_K ‖v‖_{H_1} on V, C_K > 0"
     checks = (
-        identity("falling", f"{VALUE} / value on the next coarser level", ratios(VALUE), FALLING, levels=2),
+        identity(
+            "falling",
+            f"{VALUE} / value on the next coarser level",
+            ratios(VALUE),
+            at_most(1 + ROUNDING, "on every level"),
+            levels=2,
+        ),
         paper_claim("limit", f"limit of the {VALUE} for h → 0", extrapolated, LIMIT, levels=ENOUGH),
     )
 

@@ -20,8 +20,12 @@ from study.statements.shared.base import Numbers, Setting, Statement
 from study.statements.shared.meshes import fits
 from study.statements.shared.scope import Scope
 
-FAMILY, LEVEL, STEPS = Unstructured(), 20, 64
-SOLID_FAMILY, SOLID_LEVEL, SOLID_STEPS = OneDiagonal(), 9, 32
+FAMILY = Unstructured()
+LEVEL = 20
+STEPS = 64
+SOLID_FAMILY = OneDiagonal()
+SOLID_LEVEL = 9
+SOLID_STEPS = 32
 INTERVALS = 16
 """Number of time intervals in the pictures of a case. The data are written at the ends of the intervals."""
 SHAPES = (0.25, 0.5, 1.0)
@@ -66,7 +70,9 @@ def record(name: str, motion: Motion, every: int) -> Numbers:
         ``vertices``, and ``level_exact`` is the level function ψ at these vertices and at the midpoints between them;
         the exact zone is {ψ ≥ 0}.
     """
-    solution, space, shown = motion.solution, motion.space, motion.frames[::every]
+    solution = motion.solution
+    space = motion.space
+    shown = motion.frames[::every]
     skin = Skin.of(space.mesh)
     times = np.array([frame.time for frame in shown])
     displacement = np.array([space.nodal(frame.u)[:, skin.vertices] for frame in shown])
@@ -107,12 +113,15 @@ def faces(
     solution: ExactSolution, space: Space, skin: Skin, times: Array, normal: Array, pressure: Array
 ) -> Iterator[Numbers]:
     """Yield the data of the contact faces for the pictures; ``record`` describes their contents."""
-    plane, start = space.dim == 2, 0
+    plane = space.dim == 2
+    start = 0
     write: Callable[[Array], Any] = short if plane else packed
     for i, (face, (part, vertices)) in enumerate(zip(solution.faces, space.contact, strict=True), start=1):
         s = part.coordinates(space.mesh.p[:, vertices])[0]
         order = np.argsort(s[0])
-        s, columns, nodes = s[:, order], start + order, np.searchsorted(skin.vertices, vertices[order])
+        s = s[:, order]
+        columns = start + order
+        nodes = np.searchsorted(skin.vertices, vertices[order])
         start += len(vertices)
         exact = solution.on(face, s)
         found = {
@@ -138,8 +147,10 @@ def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: A
     The zone is given at evenly spaced times and at times near which its connected parts appear, merge or vanish. The
     curves end at the first and the last contact vertex, because the pressure may be unbounded where Γ3 meets Γ1.
     """
-    fine, line = np.linspace(0, face.part.measure, POINTS + 1), np.linspace(s.min(), s.max(), LINE + 1)
-    level, exact = solution.on(face, fine[None]).level, solution.on(face, line[None])
+    fine = np.linspace(0, face.part.measure, POINTS + 1)
+    line = np.linspace(s.min(), s.max(), LINE + 1)
+    level = solution.on(face, fine[None]).level
+    exact = solution.on(face, line[None])
     instants = np.linspace(0, solution.body.T, 101).tolist()
     zone = {t: intervals(fine, level(t)) for t in instants}
     for before, after in pairwise(instants):
@@ -191,7 +202,8 @@ class Pictures(Statement):
         return [Setting(case, family.name, level) for case, (family, level) in zip(scope.cases, meshes, strict=True)]
 
     def measure(self, setting: Setting) -> Numbers:
-        case, steps = resolve(setting.case), STEPS if setting.dim == 2 else SOLID_STEPS
+        case = resolve(setting.case)
+        steps = STEPS if setting.dim == 2 else SOLID_STEPS
         motion = Motion.of(case.solution, family_named(setting.family), setting.level, steps)
         return record(case.name, motion, steps // INTERVALS)
 

@@ -42,7 +42,8 @@ class Convergence(Rates):
     claim = "‖u − u^h‖_{L∞(0,T;V)} → 0"
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
-        expected, (uniform, graded) = value_of_case(groups, "expected_order"), split(groups, lambda mesh: mesh.uniform)
+        expected = value_of_case(groups, "expected_order")
+        (uniform, graded) = split(groups, lambda mesh: mesh.uniform)
         falling = at_most(0.999, "on every level")
         ratio = "ratio of consecutive errors"
         yield paper_claim("falling", ratio, ratios("error"), falling, levels=LEVELS), groups

@@ -135,7 +135,8 @@ def measure(experiment: Experiment) -> Measurement:
 
     The result also has the distance of the two discrete solutions.
     """
-    v_norm, M = experiment.v_norm, experiment.problem.M
+    v_norm = experiment.v_norm
+    M = experiment.problem.M
     coarse = experiment.march(experiment.steps)
     history: list[tuple[float, ...]] = []
     drifts: list[float] = []
@@ -143,12 +144,14 @@ def measure(experiment: Experiment) -> Measurement:
     largest = 0.0
     for n, state in enumerate(experiment.march(2 * experiment.steps)):
         sample = v_norm.sample(state.time)
-        interpolant, discrete = sample.interpolant, sample.interpolant - state.u
+        interpolant = sample.interpolant
+        discrete = sample.interpolant - state.u
         measured = [v_norm.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)]
         history.append((state.time, *measured[:2], math.sqrt(discrete @ (M @ discrete)), measured[2]))
         residuals.append(state.residual())
         if n == 0 or measured[0] > largest:
-            largest, worst = measured[0], state
+            largest = measured[0]
+            worst = state
         if n % 2 == 0:
             difference = next(coarse).u - state.u
             drifts.append(math.sqrt(difference @ (M @ difference)))
@@ -194,7 +197,8 @@ class Measurement:
 
     def row(self) -> Numbers:
         """Return the errors and diagnostics as a row of ``rates.csv``, without case, mesh family and level."""
-        experiment, space = self.experiment, self.experiment.space
+        experiment = self.experiment
+        space = self.experiment.space
         return {
             "scheme": experiment.scheme.name,
             "dim": space.dim,
@@ -241,7 +245,9 @@ class Measurement:
         with RESPONSE steps. As long as the change is above NEGLIGIBLE, the number of steps is increased, up to the
         steps of u^h.
         """
-        experiment, problem, time = self.experiment, self.experiment.problem, self.worst.time
+        experiment = self.experiment
+        problem = self.experiment.problem
+        time = self.worst.time
         finer = ErrorNorm(experiment.solution, experiment.space, raised=2, along=())
         error = experiment.v_norm.distance(experiment.v_norm.sample(time), self.worst.u)
         raised = finer.distance(finer.sample(time), self.worst.u)
@@ -278,16 +284,24 @@ def size(levels: pd.DataFrame) -> float:
     return float(np.hypot(finest["error"], finest["discrete_error"]) / finest["interpolation_error"])
 
 
-PARALLELOGRAM = positive_at_most(1e-3, "an identity, up to rounding and the quadrature of the factor of A")
 SMALL = positive_at_most(0.02, "of the error")
 TOLERANCE = f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
-RESIDUAL, ACCEPTED = positive_at_most(1.0, TOLERANCE), "residual of the contact solves / largest accepted residual"
 SIZE = around(1, 0.1, "u − u^h and Π^h u − u^h are nearly orthogonal (Pythagoras)")
 SIZES = consequence("size", "size of the error: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖", size, SIZE)
 EVIDENCE = (
-    identity("parallelogram", "parallelogram law of u − u^h and u − Π^h u", values("parallelogram"), PARALLELOGRAM),
+    identity(
+        "parallelogram",
+        "parallelogram law of u − u^h and u − Π^h u",
+        values("parallelogram"),
+        positive_at_most(1e-3, "an identity, up to rounding and the quadrature of the factor of A"),
+    ),
     accuracy("time-share", "time share: error in time / error", values("time_share"), SMALL),
-    accuracy("residual", ACCEPTED, residual_shares, RESIDUAL),
+    accuracy(
+        "residual",
+        "residual of the contact solves / largest accepted residual",
+        residual_shares,
+        positive_at_most(1.0, TOLERANCE),
+    ),
     accuracy("clamped", "u^h = 0 on Γ1", values("clamped"), at_most(1e-10, "rounding")),
     accuracy("quadrature", "change of the error under finer quadrature", values("quadrature_change"), SMALL),
 )
@@ -298,19 +312,27 @@ IRREGULAR = "; on irregular meshes the leading term replaces h"
 
 On irregular meshes orders are orders in the leading term of the interpolation error, which replaces the mesh size h."""
 SOLID = around(1, 0.1, IRREGULAR.removeprefix("; "))
-PAIR = "order of ‖u − Π^h u‖_V, finest pair"
 SOLIDS = (
     paper_claim("order-finest", "order of the error, finest pair", over_refinements("error", 1), SOLID, levels=ENOUGH),
-    consequence("interpolation-order-finest", PAIR, over_refinements("interpolation_error", 1), SOLID, levels=ENOUGH),
+    consequence(
+        "interpolation-order-finest",
+        "order of ‖u − Π^h u‖_V, finest pair",
+        over_refinements("interpolation_error", 1),
+        SOLID,
+        levels=ENOUGH,
+    ),
 )
 """Additional criteria in 3D: there are few levels, so the order on the two finest levels must be closer to 1."""
-OF_THE_TERM = around(1, 0.15, "least squares; on irregular meshes this term replaces h")
-TERM = "order in h of the leading term of ‖u − Π^h u‖_V, fitted, irregular meshes"
-LEADING_ORDER = accuracy("leading-order", TERM, fitted(LEADING, last=ENOUGH + 1), OF_THE_TERM, levels=ENOUGH)
+LEADING_ORDER = accuracy(
+    "leading-order",
+    "order in h of the leading term of ‖u − Π^h u‖_V, fitted, irregular meshes",
+    fitted(LEADING, last=ENOUGH + 1),
+    around(1, 0.15, "least squares; on irregular meshes this term replaces h"),
+    levels=ENOUGH,
+)
 """A criterion for irregular meshes: the leading term of the interpolation error must be of order h.
 
 This is necessary, because the leading term replaces h on these meshes."""
-SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "u^h is superclose to Π^h u on one-diagonal meshes")
 OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
 DISCRETE = "order of ‖Π^h u − u^h‖_V"
 DISCRETE_ORDERS = {
@@ -318,7 +340,7 @@ DISCRETE_ORDERS = {
         "discrete-order-superclose",
         f"{DISCRETE}, superclose",
         fitted("discrete_error", last=ENOUGH),
-        SUPERCLOSE,
+        between(1.5, 2, 0.2, 0.2, "u^h is superclose to Π^h u on one-diagonal meshes"),
         levels=ENOUGH,
     ),
     False: consequence(
@@ -334,8 +356,6 @@ DISCRETE_ORDERS = {
 On one-diagonal meshes neighbouring triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (because
 of the traction boundary) to 2. On other meshes its order is at least the order of the error and at most 2."""
 SHARE = positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same error up to 20 %")
-TIME = positive_at_most(0.3, "of the discrete error")
-DISCRETE_TIME = "time share of ‖Π^h u − u^h‖_V: error in time / discrete error"
 DISCRETE_SIZES = (
     consequence(
         "discrete-share",
@@ -343,7 +363,12 @@ DISCRETE_SIZES = (
         finest_quotient("discrete_error", "interpolation_error"),
         SHARE,
     ),
-    accuracy("discrete-time-share", DISCRETE_TIME, values("discrete_time_share"), TIME),
+    accuracy(
+        "discrete-time-share",
+        "time share of ‖Π^h u − u^h‖_V: error in time / discrete error",
+        values("discrete_time_share"),
+        positive_at_most(0.3, "of the discrete error"),
+    ),
 )
 NOT_AT_START = 0.99
 """Upper bound of (error at t = 0) / (largest error) for which the largest error counts as attained after t = 0."""
@@ -382,7 +407,8 @@ class FirstOrder(Rates):
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
         expected = value_of_case(groups, "expected_order")
-        in_h, (irregular, _) = in_leading_term(groups), split_irregular(groups)
+        in_h = in_leading_term(groups)
+        (irregular, _) = split_irregular(groups)
         by_level = around(expected, 0.15, f"every consecutive order{IRREGULAR}")
         limit = around(expected, 0.1, f"extrapolated from the three finest levels{IRREGULAR}")
         yield (

@@ -54,7 +54,9 @@ class PlainProblem:
     """
 
     def __init__(self, solution: ExactSolution, mesh: Mesh) -> None:
-        self.solution, self.mesh, self.dim = solution, mesh, int(mesh.dim())
+        self.solution = solution
+        self.mesh = mesh
+        self.dim = int(mesh.dim())
         tolerance = ON * float(np.ptp(mesh.p))
         fixed = np.any([part.contains(mesh.p, tolerance) for part in solution.body.of(Kind.CLAMPED)], axis=0)
         self.free = np.flatnonzero(np.repeat(~fixed, self.dim))
@@ -93,8 +95,10 @@ class PlainProblem:
         within = self.cell, np.arange(self.cell.size)
         self.sums = sps.csr_array((self.weights, within), shape=(self.mesh.t.shape[1], self.cell.size))
         points = np.concatenate([rule.points.reshape(self.dim, -1) for rule in found], axis=1)
-        self.law, self.exact = self.solution.law.at(points), self.solution.at(points)
-        self.at_vertices, self.faces = self.solution.at(self.mesh.p), []
+        self.law = self.solution.law.at(points)
+        self.exact = self.solution.at(points)
+        self.at_vertices = self.solution.at(self.mesh.p)
+        self.faces = []
         boundary = self.mesh.boundary_facets()
         for face, vertices in zip(self.solution.faces, on, strict=True):
             facets = boundary[np.isin(self.mesh.facets[:, boundary], vertices).all(axis=0)]
@@ -188,7 +192,9 @@ class PlainProblem:
         Returns:
             The displacement u, (n,), and the multipliers λ, (m,).
         """
-        free, positive, multipliers = self._solve(b), last > 0, np.zeros(len(last))
+        free = self._solve(b)
+        positive = last > 0
+        multipliers = np.zeros(len(last))
         entering = self.N @ free
         multipliers[positive] = np.linalg.solve(self._normal[positive][:, positive], entering[positive])
         if not ((multipliers[positive] > 0).all() and (self._normal @ multipliers >= entering)[~positive].all()):
@@ -205,10 +211,15 @@ class PlainProblem:
         Returns:
             The displacements and the contact forces at the time nodes. The contact forces at t = 0 are set to 0.
         """
-        k, u, multipliers = self.solution.body.T / steps, self.interpolant(0.0), np.zeros(self.N.shape[0])
-        guess, displacements, forces = u, [u], [multipliers]
+        k = self.solution.body.T / steps
+        u = self.interpolant(0.0)
+        multipliers = np.zeros(self.N.shape[0])
+        guess = u
+        displacements = [u]
+        forces = [multipliers]
         for n in range(steps):
-            before, b = u, load((n + 0.5) * k) + self.M @ u / k
+            before = u
+            b = load((n + 0.5) * k) + self.M @ u / k
             for _ in range(ITERATIONS):
                 u, multipliers = self.contact(b - self.elastic((guess + before) / 2), k, multipliers)
                 if self.norm(u - guess) <= SETTLED * self.norm(u):

@@ -38,8 +38,6 @@ from study.statements.thm_4_2 import beyond
 INSTANTS = 32
 """Number of times over which maxima of norms are taken."""
 AT_REST = positive_at_most(1e-10, "0 up to rounding: u^h ≡ 0 is the solution, although the printed bound is 0")
-ATTAINED = Window(1 - ROUNDING, np.inf, "over √(m_A/‖A‖)")
-NEVER = at_most(1 + ROUNDING, "proved")
 
 
 class ResidualBound(ListedNumbers):
@@ -57,12 +55,17 @@ class ResidualBound(ListedNumbers):
         identity(
             "rest", "G(·, 0) = A ε(z): distance of −R from the contact forces / its size", values("rest"), AT_REST
         ),
-        identity("prestress", "G(·, 0) = A ε(z): ‖R‖ / (‖G(·, 0)‖_Q / √m_A)", values("prestress"), NEVER),
+        identity(
+            "prestress",
+            "G(·, 0) = A ε(z): ‖R‖ / (‖G(·, 0)‖_Q / √m_A)",
+            values("prestress"),
+            at_most(1 + ROUNDING, "proved"),
+        ),
         identity(
             "attained",
             "‖R‖ / (‖G(·, 0)‖_Q / √m_A) over √(m_A/‖A‖), its least possible value",
             values("attained"),
-            ATTAINED,
+            Window(1 - ROUNDING, np.inf, "over √(m_A/‖A‖)"),
         ),
     )
     quick = grid(("full-contact",), ("unstructured",), (8,))
@@ -70,13 +73,15 @@ class ResidualBound(ListedNumbers):
 
     def measure(self, setting: Setting) -> Numbers:
         space, solution = posed(setting)
-        problem, law = unloaded(space, solution.law), solution.law
+        problem = unloaded(space, solution.law)
+        law = solution.law
         share = share_of_bound(Energies(solution, space), ErrorNorm(solution, space), problem, law)
         # The body at rest with the stress G(·, 0) = A ε(z).
         stress = prestress(space, problem, law)
         R = space.functional(stress)
         bound = np.sqrt(np.sum(space.volumes * stress**2) / law.A.ellipticity)
-        of_bound, least = dual_norm(R, Cholesky(problem.M)) / bound, np.sqrt(law.A.ellipticity / law.A.lipschitz)
+        of_bound = dual_norm(R, Cholesky(problem.M)) / bound
+        least = np.sqrt(law.A.ellipticity / law.A.lipschitz)
         rest = beyond(-R, problem.N) / math.sqrt(R @ R)
         return with_h(space.h, {"bound": share, "rest": rest, "prestress": of_bound, "attained": of_bound / least})
 
@@ -86,9 +91,13 @@ def share_of_bound(energies: Energies, v_norm: ErrorNorm, problem: SemiDiscrete,
 
     The residual is a functional on V^h.
     """
-    riesz, exact, rows = Cholesky(problem.M), energies.exact, []
+    riesz = Cholesky(problem.M)
+    exact = energies.exact
+    rows = []
     for time in midpoints(v_norm.space.body.T, INSTANTS):
-        strain, rate, load = exact.strain(time), exact.strain_rate(time), v_norm.load(time)
+        strain = exact.strain(time)
+        rate = exact.strain_rate(time)
+        load = v_norm.load(time)
         residual = energies.functional(exact.law.stress(rate, strain)) - load
         norms = [energies.product(field, field) ** 0.5 for field in (rate, strain)]
         rows.append((dual_norm(residual, riesz), *norms, dual_norm(load, riesz)))

@@ -110,7 +110,8 @@ from study.statements.shared.norms import maximum
 ROLLER, PUSHING, STEEP, STANDING = ROLLERS
 PLAIN = "one-diagonal", "criss-cross"
 """Mesh families on which the cells around all vertices of Γ3 are arranged alike."""
-ALTERNATING, UNSTRUCTURED = "alternating", "unstructured"
+ALTERNATING = "alternating"
+UNSTRUCTURED = "unstructured"
 SEEDS = ("shaken", *(f"shaken-{seed}" for seed in range(1, 8)))
 """Random mesh families over which the measured excess is averaged. The finest level uses the first half of them."""
 LEVELS = 16, 32, 64, 128
@@ -147,18 +148,22 @@ class OnContact:
     """
 
     def __init__(self, at: Resolved) -> None:
-        space, solution = at.space, at.solution
-        self.at, self.M = at, form(space, solution.law.A)
+        space = at.space
+        solution = at.solution
+        self.at = at
+        self.M = form(space, solution.law.A)
         self.condensed = Signorini(self.M, space.N)
         inverse = np.linalg.inv(self.condensed.W)
         self.S = (inverse + inverse.T) / 2
         self.start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))
-        (self._face,), (_, vertices) = solution.faces, space.contact[0]
+        (self._face,) = solution.faces
+        (_, vertices) = space.contact[0]
         self.places = self._face.part.coordinates(space.mesh.p[:, vertices])[0]
 
     def functional(self, time: float) -> Array:
         """Return the functional (u(t), ·)_V of the exact displacement on V^h, (dofs,)."""
-        v_norm, law = self.at.v_norm, self.at.solution.law
+        v_norm = self.at.v_norm
+        law = self.at.solution.law
         return np.asarray(self.at.inclusion.T @ v_norm.space.functional(law.A.matrix @ v_norm.means(time)))
 
     def projected(self, time: float) -> Array:
@@ -202,7 +207,9 @@ class Trajectories:
 
         The values of ġ and g in the middle of a step are computed from g at its ends.
         """
-        T, k, N = on.at.space.body.T, step_size(on.at.space.body.T, steps), on.at.space.N
+        T = on.at.space.body.T
+        k = step_size(on.at.space.body.T, steps)
+        N = on.at.space.N
         pressing = pressing_on(on.at)
         projected = np.array([on.condensed.gap(on.functional(n * k)) for n in range(steps + 1)])
         forces = np.array([N @ pressing((n + 0.5) * k) for n in range(steps)])
@@ -211,7 +218,8 @@ class Trajectories:
         def during(values: Array) -> Callable[[float], Array]:
             return lambda time: values[round(time / k - 0.5)]
 
-        S, start = sps.csc_array(on.S), N @ on.start
+        S = sps.csc_array(on.S)
+        start = N @ on.start
         contact = SemiDiscrete(S, S, None, sps.csr_array(np.eye(len(start))), during(moved + forces), start, T)
         linear = replace(contact, N=contact.N[:0], load=during(moved))
         return cls(on, steps, k, projected, forces, path(contact, MIDPOINT, steps), path(linear, MIDPOINT, steps))
@@ -234,18 +242,25 @@ class Trajectories:
 
 def sides(found: Trajectories) -> Numbers:
     """Return the error, its bound, and the terms E_h, M_h, J_h of the bound, which the module docstring defines."""
-    on, at, space = found.on, found.on.at, found.on.at.space
-    distance, finer, measured = at.v_norm.distance, at.inclusion, []
+    on = found.on
+    at = found.on.at
+    space = found.on.at.space
+    distance = at.v_norm.distance
+    finer = at.inclusion
+    measured = []
     for n in range(0, found.steps + 1, max(1, found.steps // SAMPLED_PARTS)):
         time = n * found.k
-        sample, projected = at.v_norm.sample(time), finer @ on.projected(time)
+        sample = at.v_norm.sample(time)
+        projected = finer @ on.projected(time)
         error = distance(sample, finer @ found.displacement(n))
         measured.append((error, distance(sample, projected), interpolation_error(at.solution, space, time)))
     error, best, between = np.max(measured, axis=0)
     nodal = maximum(abs(g + on.gap(n * found.k)).max() for n, g in enumerate(found.projected))
-    (part,), (top,) = space.body.of(Kind.CONTACT), space.body.of(Kind.CLAMPED)
+    (part,) = space.body.of(Kind.CONTACT)
+    (top,) = space.body.of(Kind.CLAMPED)
     theta = space.interpolate(np.multiply.outer(part.normal, top.coordinates(space.mesh.p)[1]))
-    field, start = math.sqrt(theta @ (on.M @ theta)), distance(at.v_norm.sample(0.0), finer @ on.start)
+    field = math.sqrt(theta @ (on.M @ theta))
+    start = distance(at.v_norm.sample(0.0), finer @ on.start)
     force = found.k * found.forces.sum()
     right = best + start + 2 * field * nodal + math.sqrt(2 * (2 * nodal + between) * force)
     right *= math.exp(at.solution.law.kappa * space.body.T)
@@ -261,7 +276,8 @@ def nodal_error_near_patch(found: Trajectories, width: float) -> float:
         found: the solutions over time.
         width: the width ℓ of the roller.
     """
-    (s,), errors = found.on.places, []
+    (s,) = found.on.places
+    errors = []
     for n in range(found.steps // 2, found.steps + 1):
         near = abs(s - float(START) - n * found.k + width / 2) <= 2 * width
         errors.append(abs(found.projected[n] + found.on.gap(n * found.k))[near])
@@ -285,20 +301,13 @@ EXCESS = "order of the excess ‖u^h − u^h_lin‖_V"
 EQUAL = Window(0.75, 1.1, "1 up to a logarithm, as all vertices of Γ3 have equal neighbourhoods")
 HALF = around(0.5, 0.15, "the roller leaves different displacements at neighbouring vertices; equal ones give 1")
 ONE = around(1, 0.25, "displacements remain at few vertices only")
-ONE_MESH = around(0.5, 0.3, "a single random mesh on every level")
-SIMILAR = around(1, 0.1, "the solution near the patch looks alike for every ℓ = 2h")
-SUM = around(0.5, 0.35, "the vertices contribute like independent random numbers")
-LINEAR = Window(0.75, 1.1, "1 less a logarithm, as |u|_{H²} grows like |log ℓ|^{1/2}")
 STEPS = at_most(0.02, "of the excess, so the excess does not come from time steps")
-JUMP = around(2 * math.log(2), 0.15, "2 log 2 for a step of height 1; other powers of ℓ tend to 0 or infinity")
 AT_THE_START = (
     "this quantity was chosen after the maximum over time had shown orders above 1: with one diagonal that maximum "
     "occurs at the start, on all meshes except the finest"
 )
 AT_AN_END = "this quantity was chosen after M_h had shown orders above 1: with one diagonal M_h occurs at an end of Γ3"
 SMOOTHED = "the generator makes neighbourhoods nearly equal, and the order on a single mesh depends on chance"
-SCATTER = "order of the relative standard deviation over shaken meshes"
-BEST = "order of E_h = ‖u − P_hu‖_V, the error of the linear problem"
 NEAR_PATCH = "order of the nodal errors of P_hu next to the patch, one or two diagonals"
 FEW_VERTICES = "the order depends on the cells around few vertices"
 HALF_STEPS = "excess, k/2"
@@ -324,7 +333,8 @@ def over_seeds(groups: Groups) -> pd.DataFrame:
     if not set(SEEDS) <= set(groups):
         return pd.DataFrame()
     levels = pd.concat([groups[name] for name in SEEDS]).groupby("level")
-    mean, spread = levels["excess"].mean(), levels["excess"].std()
+    mean = levels["excess"].mean()
+    spread = levels["excess"].std()
     table = pd.DataFrame({"h": levels["h"].mean(), "excess": mean, "scatter": spread / mean}).reset_index()
     return table.sort_values("h", ascending=False)
 
@@ -363,13 +373,15 @@ class Rollers(ListedNumbers):
 
     def measure(self, setting: Setting) -> Numbers:
         space, solution = posed(setting)
-        on, steps = OnContact(Resolved(solution, space)), round(PER_H * setting.level * space.body.T)
+        on = OnContact(Resolved(solution, space))
+        steps = round(PER_H * setting.level * space.body.T)
         found = Trajectories.of(on, steps)
         excess = found.excess()
         numbers = {"excess": excess.max(), "excess at T": excess[-1], **sides(found)}
         if setting.family == PLAIN[0]:
             # The squared seminorm |q|²_{1/2} at the time T/2, for the linear interpolant of q on equal panels of Γ3.
-            (face,), panels = solution.faces, 4 * setting.level
+            (face,) = solution.faces
+            panels = 4 * setting.level
             assert isinstance(face, FadingFace)
             nodes = np.linspace(0, face.part.measure, panels + 1)
             q = Jet(sp.sympify(face.strain))(nodes[None], space.body.T / 2)[(0,)]
@@ -405,16 +417,53 @@ class Rollers(ListedNumbers):
         yield order("order-alternating", f"{EXCESS}, alternating diagonals", HALF), on(ALTERNATING)
         if kind != ROLLER:
             return
-        plain, shaken = on(*PLAIN), {SEEDS[0]: over_seeds(groups)}
+        plain = on(*PLAIN)
+        shaken = {SEEDS[0]: over_seeds(groups)}
         yield order("order-equal", f"{EXCESS}, one or two diagonals", EQUAL), plain
         at_end = f"{EXCESS} at T, one or two diagonals"
         yield order("order-end", at_end, EQUAL, "excess at T", AT_THE_START), plain
-        yield order("nodal-beside", NEAR_PATCH, SIMILAR, "M_h beside", AT_AN_END), plain
+        yield (
+            order(
+                "nodal-beside",
+                NEAR_PATCH,
+                around(1, 0.1, "the solution near the patch looks alike for every ℓ = 2h"),
+                "M_h beside",
+                AT_AN_END,
+            ),
+            plain,
+        )
         yield order("order-shaken", f"{EXCESS}, mean over shaken meshes", HALF), shaken
         unstructured = f"{EXCESS}, unstructured meshes"
-        yield order("order-unstructured", unstructured, ONE_MESH, "excess", SMOOTHED), on(UNSTRUCTURED)
-        yield order("scatter", SCATTER, SUM, "scatter", FEW_MESHES), shaken
-        yield order("best", BEST, LINEAR, "E_h", "a logarithm changes the order from level to level"), groups
+        yield (
+            order(
+                "order-unstructured",
+                unstructured,
+                around(0.5, 0.3, "a single random mesh on every level"),
+                "excess",
+                SMOOTHED,
+            ),
+            on(UNSTRUCTURED),
+        )
+        yield (
+            order(
+                "scatter",
+                "order of the relative standard deviation over shaken meshes",
+                around(0.5, 0.35, "the vertices contribute like independent random numbers"),
+                "scatter",
+                FEW_MESHES,
+            ),
+            shaken,
+        )
+        yield (
+            order(
+                "best",
+                "order of E_h = ‖u − P_hu‖_V, the error of the linear problem",
+                Window(0.75, 1.1, "1 less a logarithm, as |u|_{H²} grows like |log ℓ|^{1/2}"),
+                "E_h",
+                "a logarithm changes the order from level to level",
+            ),
+            groups,
+        )
         yield SHARE, groups
         yield TIME, {name: table for name, table in groups.items() if HALF_STEPS in table}
         yield GROWTH, on(PLAIN[0])
@@ -434,7 +483,7 @@ GROWTH = accuracy(
     "step",
     "growth of |q|²_{1/2,Γ3} with every halving of ℓ",
     lambda table: np.diff(table["|q|²"].to_numpy()),
-    JUMP,
+    around(2 * math.log(2), 0.15, "2 log 2 for a step of height 1; other powers of ℓ tend to 0 or infinity"),
     levels=ENOUGH,
     finest=True,
 )

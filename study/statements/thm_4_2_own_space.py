@@ -177,7 +177,8 @@ class Exact:
             weighted = np.moveaxis(shapes * rule.weights, 1, 0)
             best = np.linalg.solve(weighted @ np.moveaxis(shapes, 0, -1), weighted)
             self._blocks.append((rule.cells, rule.weights, shapes, best, solution.at(rule.points)))
-        self.inside, self._faces = solution.at(space.points), []
+        self.inside = solution.at(space.points)
+        self._faces = []
         for face in solution.faces:
             edges = space.parts[space.body.parts.index(face.part)]
             on = facet_rule(space.mesh, edges, face.part, face.rough, FACET_POINTS)
@@ -199,7 +200,8 @@ class Exact:
             time: the time.
             values: σ^h at the Q quadrature points of every cell in the stress space, (3, cells, Q).
         """
-        coefficients, squares = self.space.coefficients(values), np.zeros(3)
+        coefficients = self.space.coefficients(values)
+        squares = np.zeros(3)
         for cells, weights, shapes, best, fields in self._blocks:
             exact = fields.stress(time)
             mine = np.einsum("Ina,anq->Inq", coefficients[:, cells], shapes, optimize=True)
@@ -264,9 +266,11 @@ def primal_solution(solution: ExactSolution, space: StressSpace, steps: int) -> 
     Aε(δu^h) + Gε(u^h) with the discrete velocity δu^h of BDF2 at the quadrature points of the stress space. Their
     shapes are (2, vertices) and (3, cells, Q), or (3, cells, 1) if the material is homogeneous.
     """
-    law, displacements = solution.law, Space(space.mesh, solution.body)
+    law = solution.law
+    displacements = Space(space.mesh, solution.body)
     assert isinstance(law.G, Linear)
-    viscous, elastic = tensor_at(law.A, space.points), tensor_at(law.G, space.points)
+    viscous = tensor_at(law.A, space.points)
+    elastic = tensor_at(law.G, space.points)
     v_norm = ErrorNorm(solution, displacements)
     problem = SemiDiscrete.of(displacements, law, v_norm.load, v_norm.sample(0.0).interpolant)
     for state, velocity in islice(velocities(problem, BDF2, steps), 1, None):
@@ -276,12 +280,17 @@ def primal_solution(solution: ExactSolution, space: StressSpace, steps: int) -> 
 
 def measure(experiment: StressExperiment) -> Numbers:
     """Solve the stress and the displacement problem together, and return the measured columns of ``stresses.csv``."""
-    space, exact = experiment.space, Exact(experiment.solution, experiment.space)
+    space = experiment.space
+    exact = Exact(experiment.solution, experiment.space)
     clamped = sum(len(edges) for _, edges in space.on(Kind.CLAMPED))
     primal = primal_solution(experiment.solution, space, experiment.steps)
-    coarse, steps, drift = experiment.companion(), [], []
+    coarse = experiment.companion()
+    steps = []
+    drift = []
     for n, state in enumerate(experiment.march(), start=1):
-        stress, strain, moments = state.stress, exact.inside.strain(state.time), exact.moments(state.time)
+        stress = state.stress
+        strain = exact.inside.strain(state.time)
+        moments = exact.moments(state.time)
         nodal, primal_stress = next(primal)
         error, best, size_of_stress = exact.stress(state.time, stress.values)
         step = {
@@ -301,7 +310,8 @@ def measure(experiment: StressExperiment) -> Numbers:
         if n % 2 == 0:
             drift.append(norm_in_q(next(coarse).stress.values - stress.values, space))
     history = pd.DataFrame(steps)
-    largest, mean = history.max(skipna=False), np.sqrt((history**2).mean(skipna=False))
+    largest = history.max(skipna=False)
+    mean = np.sqrt((history**2).mean(skipna=False))
     return {
         "h": size(space.mesh),
         "steps": experiment.steps,
@@ -348,8 +358,6 @@ It is three standard deviations. In a pilot study on shaken meshes with n = 8, 1
 standard deviation was 0.03 to 0.19. Orders of sums over all cells scattered by 0.03 and need no additional
 tolerance."""
 TIME = positive_at_most(0.5, "with the order 3/2 in k, time steps then contribute at most 0.27 of the error")
-BY_CHANCE = "the maximum depends on the position of a front within its cell, which is accidental on every level"
-ADMISSIBLE = "pointwise violation of: σ^hν continuous, equal to P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3"
 RATIO = "‖σ − σ^h‖_Q / error of the best piecewise polynomials"
 QUANTITIES = {
     "stress": "‖σ − σ^h‖_Q",
@@ -385,7 +393,8 @@ def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
         family: the name of the mesh family.
     """
     s, rate = smoothness(regularity, family)
-    constant, r = min(1.0, rate), min(2.0, rate)
+    constant = min(1.0, rate)
+    r = min(2.0, rate)
     _, at_contact = smoothness(replace(regularity, corner=math.inf), family)
     in_time = 1.5 if regularity.moving else 2.0
     moments = min(2 * s, in_time)
@@ -414,7 +423,8 @@ def smoothness(regularity: Regularity, family: str) -> tuple[float, float]:
 
 def checks_of(regularity: Regularity, family: str) -> Iterator[Check]:
     """Yield the criteria for a solution with the given regularity on a mesh family."""
-    random, orders_of = family_named(family).random, predicted(regularity, family)
+    random = family_named(family).random
+    orders_of = predicted(regularity, family)
     for name, orders in orders_of.items():
         parts = CELLS if name in IN_CELLS else ALONG
         window = orders.window(CHANCE if parts == ALONG and random else 0.0)
@@ -429,13 +439,22 @@ def checks_of(regularity: Regularity, family: str) -> Iterator[Check]:
     yield consequence(
         "growth", grown, of_errors("ratio", growth), scatter if random else at_most(1.25, "bounded"), levels=PAIR
     )
-    yield identity("admissible", ADMISSIBLE, values("admissibility"), positive_at_most(1e-9))
+    yield identity(
+        "admissible",
+        "pointwise violation of: σ^hν continuous, equal to P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3",
+        values("admissibility"),
+        positive_at_most(1e-9),
+    )
     yield accuracy("time-share", "error of time steps and quadrature / ‖σ − σ^h‖_Q", values("time_share"), TIME)
     # On other meshes theory predicts the same order for the largest error in time as for the error in L²(0,T).
     window = Window()
     if "stress" in orders_of and not random:
         window = replace(orders_of["stress"].window(), why="the same order as for the norm in L²(0,T)")
-    reason = BY_CHANCE if random else ""
+    reason = (
+        "the maximum depends on the position of a front within its cell, which is accidental on every level"
+        if random
+        else ""
+    )
     order = fitted("stress_sup", last=JUDGED)
     yield consequence("order-sup", "order of max_n ‖σ − σ^h‖_Q", order, window, levels=PAIR, if_missed=reason)
 

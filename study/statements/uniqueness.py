@@ -33,12 +33,14 @@ EXACTLY, OTHERWISE = at_most(1e-9, _BY_WHAT), positive_at_most(1e-9, _BY_WHAT)
 """Windows of relative differences: for the same solver with another initial guess, and for another solver.
 
 The same solver may give exactly the same digits. The result of another solver differs at least by round-off."""
-INTERIOR = positive_at_most(1e-7, "the method stops at a duality gap of 1e-15, whose root bounds the difference")
 WAYS = {
     "random starts": ("from random active sets", EXACTLY),
     "least squares": ("by Lawson and Hanson's method on the dual", OTHERWISE),
     "fixed point": ("by a fixed-point iteration with all of G on the right-hand side", OTHERWISE),
-    "interior point": ("by an interior point method", INTERIOR),
+    "interior point": (
+        "by an interior point method",
+        positive_at_most(1e-7, "the method stops at a duality gap of 1e-15, whose root bounds the difference"),
+    ),
 }
 """Other ways to solve a problem, by their names in columns: each in words, with the window of the difference."""
 
@@ -119,7 +121,8 @@ class LeastSquares:
     """
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
-        self.N, self.L = N, cholesky(S.toarray(), lower=True)
+        self.N = N
+        self.L = cholesky(S.toarray(), lower=True)
         self.columns = solve_triangular(self.L, N.T.toarray(), lower=True)
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
@@ -131,9 +134,11 @@ class InteriorPoint:
     """Contact solver that solves a quadratic programme in all unknowns by an interior-point method (Clarabel)."""
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
-        rows, self.q = N.shape[0], np.zeros(N.shape[1])
+        rows = N.shape[0]
+        self.q = np.zeros(N.shape[1])
         self.unit = float(abs(S.diagonal()).max())
-        P, cones = sps.csc_matrix(sps.triu(S / self.unit)), [clarabel.NonnegativeConeT(rows)]
+        P = sps.csc_matrix(sps.triu(S / self.unit))
+        cones = [clarabel.NonnegativeConeT(rows)]
         how = settings(aim=Accuracy(gap=1e-15, feasibility=1e-14), enough=Accuracy(gap=1e-11, feasibility=1e-11))
         self.solver = clarabel.DefaultSolver(P, self.q, sps.csc_matrix(N), np.zeros(rows), cones, how)
 
@@ -170,8 +175,10 @@ class OneStress(ListedNumbers):
         return StressExperiment.at(setting, STEPS)
 
     def measure(self, experiment: StressExperiment) -> Numbers:
-        own, space = stresses(experiment), experiment.space
-        size, found = maximum(norm_in_q(stress, space) for stress in own), {}
+        own = stresses(experiment)
+        space = experiment.space
+        size = maximum(norm_in_q(stress, space) for stress in own)
+        found = {}
         for name, solver in RIVALS.items():
             pairs = zip(own, stresses(replace(experiment, solver=solver)), strict=True)
             found[name] = maximum(norm_in_q(a - b, space) for a, b in pairs) / size
