@@ -29,7 +29,6 @@ from study.statements.own_cases import judge_own, least_levels
 from study.statements.prop_5_4 import EVIDENCE, RATES, Rates
 from study.statements.shared.scope import regular
 
-FILE = "contact-test.csv"
 CHOSEN = {"every second vertex of Γ3 free": 1.0, "contact forces scaled": 0.1}
 """Name of a fault ↦ its size."""
 DEFECTS: dict[str, Fault] = {fault.name: fault for fault in FAULTS if fault.name in CHOSEN}
@@ -116,7 +115,8 @@ def contact_tests(plan: Plan) -> list[list[Job]]:
     for reference in plan.scope.cases:
         case = resolve(reference)
         if is_own(reference) and touches(case.solution):
-            place, levels = (reference, regular(case).name), plan.scope.levels_of(case).all
+            place = (reference, regular(case).name)
+            levels = plan.scope.levels_of(case).all
             jobs = [
                 job
                 for job in plan.jobs
@@ -132,4 +132,8 @@ def write_contact_test(tests: Sequence[Sequence[Job]], store: Store) -> list[Pat
     """Write ``contact-test.csv`` from stored results; return its path in a list, which is empty without tests."""
     if not tests:
         return []
-    return [write_csv(store.data / FILE, pd.DataFrame([row for jobs in tests for row in rows_of(jobs, store)]))]
+    return [
+        write_csv(
+            store.data / "contact-test.csv", pd.DataFrame([row for jobs in tests for row in rows_of(jobs, store)])
+        )
+    ]

@@ -9,7 +9,7 @@ fault.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -24,12 +24,15 @@ from manufactured.law import Yield, isotropic_matrix
 from manufactured.tensors import Array, Points
 from study.fem.error_norm import ErrorNorm, gaps_at_vertices
 from study.fem.independent import work_on
+from study.fem.mesh import facet_measures
 from study.fem.space import Space, means
 from study.solve.evolution import SemiDiscrete, remainder
-from study.solve.signorini import Signorini
+from study.solve.signorini import ContactSolver, Signorini
 from study.statements.shared.experiment import Experiment
 
-Change = Callable[[Experiment, float], Experiment | None]
+Faulty = Experiment | None
+"""An experiment with a fault; None where the fault cannot occur."""
+Change = Callable[[Experiment, float], Faulty]
 """Function of an experiment and a size δ that returns the experiment with the fault; None where it cannot occur."""
 
 
@@ -67,7 +70,7 @@ def with_viscosity(setup: Experiment, matrix: Array, factor: Array) -> Experimen
     return solving(setup, M=setup.space.form(matrix, factor))
 
 
-def with_elasticity(setup: Experiment, matrix: Array, factor: Array) -> Experiment | None:
+def with_elasticity(setup: Experiment, matrix: Array, factor: Array) -> Faulty:
     """Return an experiment that is solved with another linear elasticity; None if G is nonlinear."""
     if setup.problem.remainder is not None:
         return None
@@ -78,7 +81,7 @@ def tensor_fault(name: str, change: Callable[[Array, float], Array]) -> Change:
     """Return the fault that changes the constant tensor of A or G, by a function of the tensor and the size δ."""
     make = with_viscosity if name == "A" else with_elasticity
 
-    def faulty(setup: Experiment, size: float) -> Experiment | None:
+    def faulty(setup: Experiment, size: float) -> Faulty:
         tensor = getattr(setup.solution.law, name)
         return make(setup, change(tensor.reference, size), means(setup.space, tensor.factor))
 
@@ -88,16 +91,22 @@ def tensor_fault(name: str, change: Callable[[Array, float], Array]) -> Change:
 def factor_fault(change: Callable[[Space, Array], Array]) -> Change:
     """Return the fault that changes the material factors of A and G on the cells; it needs a factor that varies."""
 
-    def faulty(setup: Experiment, size: float) -> Experiment | None:
-        law, space = setup.solution.law, setup.space
-        factors = [means(space, tensor.factor) for tensor in (law.A, law.G)]
-        if not any(np.ptp(factor) > 0 for factor in factors):
-            return None
-        viscous, elastic = (change(space, factor) for factor in factors)
-        faulty = with_viscosity(setup, law.A.reference, viscous)
-        return with_elasticity(faulty, law.G.reference, elastic) or faulty
+    def faulty(setup: Experiment, size: float) -> Faulty:
+        law = setup.solution.law
+        space = setup.space
+        varies = any(np.ptp(means(space, tensor.factor)) > 0 for tensor in (law.A, law.G))
+        return with_factors(setup, lambda factor: change(space, factor)) if varies else None
 
     return faulty
+
+
+def with_factors(setup: Experiment, change: Callable[[Array], Array]) -> Experiment:
+    """Return an experiment that is solved with changed material factors of A and of a linear G."""
+    law = setup.solution.law
+    space = setup.space
+    viscous, elastic = (change(means(space, tensor.factor)) for tensor in (law.A, law.G))
+    faulty = with_viscosity(setup, law.A.reference, viscous)
+    return with_elasticity(faulty, law.G.reference, elastic) or faulty
 
 
 def exchanged(matrix: Array, size: float) -> Array:
@@ -105,7 +114,9 @@ def exchanged(matrix: Array, size: float) -> Array:
 
     In a tensor that is not isotropic, the entry (1, 2) counts as λ and half of the last entry as μ.
     """
-    mu, lam, dim = matrix[-1, -1] / 2, matrix[0, 1], 2 if len(matrix) == 3 else 3
+    mu = matrix[-1, -1] / 2
+    lam = matrix[0, 1]
+    dim = 2 if len(matrix) == 3 else 3
     return matrix + size * (isotropic_matrix(lam, mu, dim) - isotropic_matrix(mu, lam, dim))
 
 
@@ -130,7 +141,7 @@ def elasticity_scaled(setup: Experiment, size: float) -> Experiment:
     return solving(setup, reference=(1 + size) * problem.reference, remainder=scaled)
 
 
-def stressless_start(setup: Experiment, size: float) -> Experiment | None:
+def stressless_start(setup: Experiment, size: float) -> Faulty:
     """Compute elastic forces from the displacement since the start, u − u_0; None if the body starts at rest."""
     problem = setup.problem
 
@@ -140,7 +151,7 @@ def stressless_start(setup: Experiment, size: float) -> Experiment | None:
     return solving(setup, remainder=remainder) if problem.u0.any() else None
 
 
-def yield_radius(setup: Experiment, size: float) -> Experiment | None:
+def yield_radius(setup: Experiment, size: float) -> Faulty:
     """Solve with a convex set K in (3.3) whose radius is 1 + δ times as large."""
     G = setup.solution.law.G
     if not isinstance(G, Yield):
@@ -150,20 +161,18 @@ def yield_radius(setup: Experiment, size: float) -> Experiment | None:
     return solving(setup, remainder=remainder(setup.space, larger, factor))
 
 
-def linear_part_only(setup: Experiment, size: float) -> Experiment | None:
+def linear_part_only(setup: Experiment, size: float) -> Faulty:
     """Solve with the constant reference tensor in place of a nonlinear G."""
     return None if setup.problem.remainder is None else solving(setup, remainder=None)
 
 
 def cell_missing(setup: Experiment, size: float) -> Experiment:
     """Leave the cell nearest to the centre of the body out of both stiffness matrices."""
-    space, law = setup.space, setup.solution.law
-    centres = space.mesh.p[:, space.mesh.t].mean(axis=1)
-    middle = space.mesh.p.mean(axis=1)
-    missing = np.linalg.norm(centres - middle[:, None], axis=0).argmin()
-    present = np.arange(centres.shape[1]) != missing
-    faulty = with_viscosity(setup, law.A.reference, present * means(space, law.A.factor))
-    return with_elasticity(faulty, law.G.reference, present * means(space, law.G.factor)) or faulty
+    mesh = setup.space.mesh
+    away = mesh.p[:, mesh.t].mean(axis=1) - mesh.p.mean(axis=1, keepdims=True)
+    missing = np.linalg.norm(away, axis=0).argmin()
+    present = np.arange(away.shape[1]) != missing
+    return with_factors(setup, lambda factor: present * factor)
 
 
 # ---- (2.2), (2.4): body force and traction
@@ -219,7 +228,7 @@ def late(setup: Experiment, size: float) -> Experiment:
     return solving(setup, load=lambda time: right(max(time - delay, 0.0)))
 
 
-def step_of_unit_time(setup: Experiment, size: float) -> Experiment | None:
+def step_of_unit_time(setup: Experiment, size: float) -> Faulty:
     """Divide by 1/n instead of T/n to get velocities from n time steps."""
     T = setup.problem.T
     return None if T == 1 else solving(setup, M=sps.csc_array(T * setup.problem.M))
@@ -289,24 +298,21 @@ def tangents(space: Space) -> sps.csr_array:
 
 def areas(space: Space) -> Array:
     """Return the share of the vertices of Γ3 in the area of their part, in the order of the rows of N, (m,)."""
-    found = []
+    shares = []
     for part, numbers in space.contact:
-        facets = space.mesh.facets[:, space.facets(part)]
-        corners = space.mesh.p[:, facets]
-        edges = corners[:, 1:] - corners[:, :1]
-        gram = np.einsum("dkf,dlf->fkl", edges, edges)
-        measure = np.sqrt(np.linalg.det(gram)) / (1.0 if space.dim == 2 else 2.0)
-        shares = np.bincount(facets.ravel(), np.tile(measure / space.dim, space.dim), space.count)
-        found.append(shares[numbers])
-    return np.concatenate(found)
+        facets = space.facets(part)
+        measures = np.tile(facet_measures(space.mesh, facets) / space.dim, (space.dim, 1))
+        shares.append(space.scatter(space.mesh.facets[:, facets], measures[None])[0, numbers])
+    return np.concatenate(shares)
 
 
-def along_contact(setup: Experiment, name: str, size: float, first_only: bool = False) -> Experiment | None:
+def along_contact(setup: Experiment, name: str, size: float, first_only: bool = False) -> Faulty:
     """Solve with springs ("reference") or dashpots ("M") along Γ3.
 
     Their stiffness for an area is δ times the normal modulus of G or A, divided by a unit length.
     """
-    space, law = setup.space, setup.solution.law
+    space = setup.space
+    law = setup.solution.law
     if first_only and space.dim == 2:
         return None
     tensor = law.A if name == "M" else law.G
@@ -343,7 +349,9 @@ class Frictional:
     def __init__(
         self, S: sps.csc_array, N: sps.csr_array, T: sps.csr_array, owners: Array, friction: float, gap: Array | float
     ) -> None:
-        self.m, self.owners, self.friction = N.shape[0], owners, friction
+        self.m = N.shape[0]
+        self.owners = owners
+        self.friction = friction
         self.gap = np.concatenate([np.broadcast_to(gap, self.m), np.zeros(T.shape[0])])
         self.both = Signorini(S, sps.csr_array(sps.vstack([N, T])))
         self.normal = Signorini(S, N)
@@ -354,7 +362,8 @@ class Frictional:
         W = solver.W
         y = solver.factor.forward(b)
         free = y[solver.contact] @ solver.Y - self.gap
-        pressure, shear = np.zeros(m), np.zeros(len(free) - m)
+        pressure = np.zeros(m)
+        shear = np.zeros(len(free) - m)
         for _ in range(100):
             before = pressure
             pressure = self.normal.complementarity(free[:m] - W[:m, m:] @ shear)
@@ -396,53 +405,31 @@ def friction(setup: Experiment, size: float) -> Experiment:
     return solving(setup, solver=solver)
 
 
-def normals_changed(change: Callable[[Experiment, float], sps.csr_array | None]) -> Change:
-    """Return the fault that replaces the matrix N of the constraint."""
-
-    def faulty(setup: Experiment, size: float) -> Experiment | None:
-        N = change(setup, size)
-        return None if N is None else solving(setup, N=N)
-
-    return faulty
-
-
-def tilted(setup: Experiment, size: float) -> sps.csr_array:
-    """Return the normal components for normals that are turned by the angle δ towards the first tangent."""
+def tilted(setup: Experiment, size: float) -> Experiment:
+    """Turn the normals of the constraint by the angle δ towards the first tangent."""
 
     def turned(part: Part) -> Array:
         return np.cos(size) * part.normal[:, None] + np.sin(size) * part.frame[:, :1]
 
-    return components(setup.space, turned, once=False)
+    return solving(setup, N=components(setup.space, turned, once=False))
 
 
-def normals_of_next_part(setup: Experiment, size: float) -> sps.csr_array | None:
-    """Return the normal components with the normal of the next contact part; None if there is one part only."""
-    contact = setup.space.contact
-    parts = [part for part, _ in contact]
-    if len(parts) < 2:
-        return None
-    following = dict(zip(map(id, parts), [*parts[1:], parts[0]], strict=True))
-    return components(setup.space, lambda part: following[id(part)].normal[:, None], once=False)
+def normals_of_next_part(setup: Experiment, size: float) -> Faulty:
+    """Take the normal of the next contact part for the constraint; None if there is one part only."""
+    parts = [part for part, _ in setup.space.contact]
+    following = {id(part): after.normal[:, None] for part, after in zip(parts, [*parts[1:], parts[0]], strict=True)}
+    N = components(setup.space, lambda part: following[id(part)], once=False)
+    return solving(setup, N=N) if len(parts) > 1 else None
 
 
-def unconstrained(which: str) -> Change:
-    """Return the fault that leaves vertices of Γ3 without a constraint: "first", "middle", "last", "every other"."""
+def unconstrained(which: Callable[[int], Iterable[int]]) -> Change:
+    """Return the fault that leaves some of m vertices of Γ3 unconstrained; ``which`` returns their numbers for m."""
 
     def faulty(setup: Experiment, size: float) -> Experiment:
         count = setup.problem.N.shape[0]
-        place = {
-            "first": [0],
-            "middle": [count // 2],
-            "last": [count - 1],
-            "every other": range(0, count, 2),
-            "all": range(count),
-        }
-        held = np.setdiff1d(np.arange(count), place[which])
+        held = np.delete(np.arange(count), [*which(count)])
 
-        def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> Any:
-            if not len(held):
-                factor = Signorini(S, N).factor
-                return lambda b: (factor(b), np.zeros(count))
+        def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> ContactSolver:
             part = Signorini(S, N[held], gap=np.broadcast_to(gap, count)[held])
             return lambda b: spread(part(b), held, count)
 
@@ -451,11 +438,11 @@ def unconstrained(which: str) -> Change:
     return faulty
 
 
-def spread(found: tuple[Array, Array], held: Array, count: int) -> tuple[Array, Array]:
+def spread(solution: tuple[Array, Array], held: Array, count: int) -> tuple[Array, Array]:
     """Return a displacement and contact forces at all vertices, 0 where no constraint is held."""
     forces = np.zeros(count)
-    forces[held] = found[1]
-    return found[0], forces
+    u, forces[held] = solution
+    return u, forces
 
 
 def other_forces(rule: Callable[[Signorini, Array], Array]) -> Change:
@@ -519,7 +506,7 @@ def gap_fault(change: Callable[[Array], Array]) -> Change:
     It is None for cases without an initial gap.
     """
 
-    def faulty(setup: Experiment, size: float) -> Experiment | None:
+    def faulty(setup: Experiment, size: float) -> Faulty:
         if not np.any(setup.problem.gap):
             return None
         gap = np.array(setup.problem.gap)
@@ -534,7 +521,7 @@ def gap_fault(change: Callable[[Array], Array]) -> Change:
     return faulty
 
 
-def opposite_faces(setup: Experiment, size: float) -> Experiment | None:
+def opposite_faces(setup: Experiment, size: float) -> Faulty:
     """Find the faces of Γ2 in contact as well: u_ν ≤ 0 there."""
     space = setup.space
     taken = np.concatenate([numbers for _, numbers in space.contact])
@@ -548,12 +535,12 @@ def opposite_faces(setup: Experiment, size: float) -> Experiment | None:
     further = space.normal_components(more)
     count = setup.problem.N.shape[0]
 
-    def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> Any:
+    def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> ContactSolver:
         gaps = np.concatenate([np.broadcast_to(gap, count), np.zeros(further.shape[0])])
-        whole = Signorini(S, sps.csr_array(sps.vstack([N, further])), gap=gaps)
+        both = Signorini(S, sps.csr_array(sps.vstack([N, further])), gap=gaps)
 
         def solve(b: Array) -> tuple[Array, Array]:
-            u, forces = whole(b)
+            u, forces = both(b)
             return u, forces[:count]
 
         return solve
@@ -561,7 +548,7 @@ def opposite_faces(setup: Experiment, size: float) -> Experiment | None:
     return solving(setup, solver=solver)
 
 
-def gap_from_start(setup: Experiment, size: float) -> Experiment | None:
+def gap_from_start(setup: Experiment, size: float) -> Faulty:
     """Measure the gap from the start: (u − u_0)_ν ≤ 0; None if the body starts at rest."""
     start = setup.problem.u0
     return solving(setup, gap=setup.problem.N @ start) if start.any() else None
@@ -570,7 +557,7 @@ def gap_from_start(setup: Experiment, size: float) -> Experiment | None:
 # ---- (2.6): the initial condition
 
 
-def start_scaled(setup: Experiment, size: float) -> Experiment | None:
+def start_scaled(setup: Experiment, size: float) -> Faulty:
     """Start from (1 + δ) u_0; None if the body starts at rest."""
     u0 = setup.problem.u0
     return solving(setup, u0=(1 + size) * u0) if u0.any() else None
@@ -612,12 +599,12 @@ FAULTS = (
     ),
     Fault("load late by δT", "(3.7)", late, (0.1, 0.02)),
     Fault("every second vertex of Γ1 free", "(2.3)", partly_clamped),
-    Fault("no contact", "(2.5) u_ν ≤ 0", unconstrained("all")),
-    Fault("every second vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("every other")),
+    Fault("no contact", "(2.5) u_ν ≤ 0", unconstrained(range)),
+    Fault("every second vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained(lambda count: range(0, count, 2))),
     Fault("penetration of δ permitted", "(2.5) u_ν ≤ 0", relaxed, (0.1, 0.03)),
-    Fault("first vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("first"), single=True),
-    Fault("middle vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("middle"), single=True),
-    Fault("last vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("last"), single=True),
+    Fault("first vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained(lambda count: [0]), single=True),
+    Fault("middle vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained(lambda count: [count // 2]), single=True),
+    Fault("last vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained(lambda count: [count - 1]), single=True),
     Fault("springs of compliance δ", "(2.5) u_ν ≤ 0", springs, (0.1, 0.01)),
     Fault("no lift-off", "(2.5) σ_ν ≤ 0", other_forces(tied)),
     Fault("no lift-off after contact", "(2.5) σ_ν ≤ 0", other_forces(never_released)),
@@ -636,9 +623,9 @@ FAULTS = (
     Fault("springs along Γ3", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "reference", size), (0.3, 0.1)),
     Fault("dashpots along Γ3", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "M", size), (0.3, 0.1)),
     Fault("one tangent of Γ3 held", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "reference", 1e6, True)),
-    Fault("normals tilted by δ", "(2.5) u_ν", normals_changed(tilted), (0.35, 0.035)),
-    Fault("normals of the next part", "(2.5) u_ν", normals_changed(normals_of_next_part)),
-    Fault("normals inwards", "(2.5) u_ν", normals_changed(lambda setup, size: -setup.problem.N)),
+    Fault("normals tilted by δ", "(2.5) u_ν", tilted, (0.35, 0.035)),
+    Fault("normals of the next part", "(2.5) u_ν", normals_of_next_part),
+    Fault("normals inwards", "(2.5) u_ν", lambda setup, size: solving(setup, N=-setup.problem.N)),
     Fault("gap measured from u_0", "(2.5) gap", gap_from_start),
     Fault("initial gap left out", "(2.5) gap", gap_fault(lambda gap: 0 * gap)),
     Fault("initial gap reversed", "(2.5) gap", gap_fault(lambda gap: gap[::-1])),

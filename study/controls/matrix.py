@@ -95,8 +95,10 @@ class Measured:
 
 def measured_on(name: str) -> list[Measured]:
     """Return the statements of the matrix on a case, in the settings of the quick study."""
-    case, scope = resolve(name), quick()
-    family, levels = regular(case).name, scope.levels_of(case).all
+    case = resolve(name)
+    scope = quick()
+    family = regular(case).name
+    levels = scope.levels_of(case).all
     rates, _ = OF_RATES[case.proposition]
     steps = [RateSetting(name, family, n, scope.scheme, scope.steps(case, n)) for n in levels]
     found = [Measured(rates, tuple(steps))]
@@ -129,7 +131,8 @@ def rows_of(name: str, faults: Sequence[Fault] = FAULTS) -> Iterator[dict[str, A
 
 def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: float) -> dict[str, Any] | None:
     """Return the row of the matrix for one fault, size and case; None if the fault cannot occur in this case."""
-    case, right = resolve(rates.settings[0].case), rates.setups[-1]
+    case = resolve(rates.settings[0].case)
+    right = rates.setups[-1]
     faulty = fault.change(right, size)
     if faulty is None:
         return None
@@ -156,7 +159,8 @@ def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: floa
 
 def cached(setup: Experiment) -> Experiment:
     """Return an experiment whose loads and exact values are computed once for each time."""
-    v_norm, load = setup.v_norm, setup.problem.load
+    v_norm = setup.v_norm
+    load = setup.problem.load
     v_norm.sample = lru_cache(maxsize=None)(v_norm.sample)  # type: ignore[method-assign]
     return replace(setup, problem=replace(setup.problem, load=lru_cache(maxsize=None)(load)))
 

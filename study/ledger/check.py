@@ -6,6 +6,7 @@ A check gives one row of the ledger for each case.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -109,6 +110,10 @@ class Check:
         judged = replace(judged, verdict=MISSED if missed else REPORTED)
         text = f"predicted {self.window.text} ({agreement(judged)}); no claim, because {self.if_missed}"
         return replace(judged, expected=text)
+
+
+paper_claim, consequence, accuracy, identity = (partial(Check, kind=kind) for kind in CheckKind)
+"""Make checks of the four kinds; the arguments are the other fields of ``Check``."""
 
 
 def by_family(rows: pd.DataFrame) -> Groups:

@@ -50,11 +50,9 @@ from manufactured.natural_motion import NAME
 from manufactured.tensors import Array
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import load_from_forces
-from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, accuracy, consequence
+from study.ledger.quantities import fitted, over_refinements, values
 from study.ledger.window import STEEPER, Window, around, at_most, between, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
@@ -62,8 +60,8 @@ from study.solve.paths import furthest, path
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
 from study.statements.half_derivative import HALF_DERIVATIVE, RADIUS, front_at, half_quotient
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.statements.shared.meshes import space_of
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
+from study.statements.shared.meshes import posed
 from study.statements.shared.norms import ContactWork, Velocity, dual_norm, maximum, midpoints
 
 DEGREE, RAISED = 2, 6
@@ -80,13 +78,7 @@ INCREMENT = 1e-30
 """Imaginary increment with which a derivative is computed."""
 FROM = 16
 """The level from which the growth of the pairing is judged."""
-INTERPOLATION = around(1, STEEPER, "the order of the interpolation error; proved up to a logarithm")
-SINGULAR = between(0.5, 0.5, STEEPER, 0.25, "order from the two finest levels; smooth parts of u̇ raise it")
-TRAIL = between(1, 1.5, STEEPER, STEEPER, "3/2 if the front leaves the same error in every cell, 1 if not")
-LOCAL = at_most(0.01, "h² |log h|² is proved; 0.05 to 0.16 without cancellation")
-LOGARITHM = Window(0.1, 0.5, "growth like log n; bounded or like a power of n is excluded")
 NEGLIGIBLE = positive_at_most(0.02, "negligible against the error")
-FINER_QUADRATURE = "bound of the change of u^h under finer quadrature of f_0 / error"
 
 
 class AdvancingFront(ListedNumbers):
@@ -100,53 +92,47 @@ class AdvancingFront(ListedNumbers):
     claim = "‖u − u^h‖ ~ h at a natural front that advances, where C h |log h| is proved"
     outside_catalogue = True
     checks = (
-        Check(
+        consequence(
             "order",
             "order of ‖u − u^h‖ over two refinements",
-            quantities.over_refinements("error", 2),
-            INTERPOLATION,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            over_refinements("error", 2),
+            around(1, STEEPER, "the order of the interpolation error; proved up to a logarithm"),
+            levels=ENOUGH,
         ),
-        Check(
+        consequence(
             "rate",
             "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}",
-            quantities.fitted("rate", last=2),
-            SINGULAR,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            fitted("rate", last=2),
+            between(0.5, 0.5, STEEPER, 0.25, "order from the two finest levels; smooth parts of u̇ raise it"),
+            levels=ENOUGH,
         ),
-        Check(
+        consequence(
             "excess",
             "order of the excess ‖u^h − u^h_lin‖ over the linear problem",
-            quantities.fitted("excess"),
-            TRAIL,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            fitted("excess"),
+            between(1, 1.5, STEEPER, STEEPER, "3/2 if the front leaves the same error in every cell, 1 if not"),
+            levels=ENOUGH,
         ),
-        Check(
-            "time",
-            "change of u^h with half the time step / error",
-            quantities.values("time share"),
-            NEGLIGIBLE,
-            CheckKind.ACCURACY,
-        ),
-        Check(
+        accuracy("time", "change of u^h with half the time step / error", values("time share"), NEGLIGIBLE),
+        consequence(
             "local",
             "work of the contact forces on violations of the constraint by P_hu / (h |log h|)²",
-            quantities.values("local"),
-            LOCAL,
-            CheckKind.CONSEQUENCE,
+            values("local"),
+            at_most(0.01, "h² |log h|² is proved; 0.05 to 0.16 without cancellation"),
         ),
-        Check(
+        consequence(
             "pairing",
             "increment of max_t |∫_0^t (u̇^h, D_h)_V ds| when n is doubled",
             lambda table: np.diff(table[table["level"] >= FROM]["pairing"].to_numpy()),
-            LOGARITHM,
-            CheckKind.CONSEQUENCE,
+            Window(0.1, 0.5, "growth like log n; bounded or like a power of n is excluded"),
         ),
         *HALF_DERIVATIVE,
-        Check("quadrature", FINER_QUADRATURE, quantities.values("quadrature"), NEGLIGIBLE, CheckKind.ACCURACY),
+        accuracy(
+            "quadrature",
+            "bound of the change of u^h under finer quadrature of f_0 / error",
+            values("quadrature"),
+            NEGLIGIBLE,
+        ),
     )
     # No shaken meshes, because observed orders depend on the random size of the cells that the singular front passes.
     quick = grid((NAME,), ("unstructured",), (8, 16, 32))
@@ -160,27 +146,30 @@ class AdvancingFront(ListedNumbers):
         """
         return 150.0 * setting.level**3
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        space, solution, steps = space_of(setting), resolve(setting.case).solution, PER_CELL * setting.level
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
+        steps = PER_CELL * setting.level
         v_norm = ErrorNorm(solution, space)
         load = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, DEGREE))
         problem = SemiDiscrete.of(space, solution.law, load, v_norm.sample(0.0).interpolant)
         # Without rows of N there is no contact condition, so the exact σ_ν acts as a given traction in the load.
         linear = replace(problem, N=problem.N[:0], load=lambda time: load(time) + pressure_load(solution, space, time))
-        coarse, states = path(problem, MIDPOINT, steps), list(MIDPOINT.march(problem, 2 * steps))
+        coarse = path(problem, MIDPOINT, steps)
+        states = list(MIDPOINT.march(problem, 2 * steps))
         fine = np.array([state.u for state in states])
         forces = np.array([state.multipliers for state in states[1:]])
         nodes = range(0, 2 * steps + 1, max(1, 2 * steps // INSTANTS))
         error = maximum(v_norm.distance(v_norm.sample(n * problem.T / (2 * steps)), fine[n]) for n in nodes)
         # A change δf of the load changes u^h by at most T max ‖δf‖_V, because the elasticity G is monotone.
-        riesz, changes = Cholesky(problem.M), []
+        riesz = Cholesky(problem.M)
+        changes = []
         for time in midpoints(problem.T, FEW):
             finer, coarser = (load_from_forces(solution, space, time, degree) for degree in (RAISED, DEGREE))
             changes.append(dual_norm(finer - coarser, riesz))
         rates = Velocity(solution, space).interpolation_error(midpoints(problem.T, INSTANTS))
         found = {
             "error": error,
-            "rate": float(np.sqrt(problem.T * np.mean(rates**2))),
+            "rate": math.sqrt(problem.T * np.mean(rates**2)),
             "excess": furthest(problem, fine, path(linear, MIDPOINT, 2 * steps)),
             "time share": furthest(problem, fine[::2], coarse) / error,
             "quadrature": problem.T * maximum(changes) / error,
@@ -207,7 +196,8 @@ def violation(v_norm: ErrorNorm, problem: SemiDiscrete, forces: Array) -> float:
         problem: the semi-discrete problem.
         forces: the contact forces λ in the middle of each time step, (steps, m).
     """
-    project, A = Signorini(problem.M, problem.N), v_norm.A.matrix
+    project = Signorini(problem.M, problem.N)
+    A = v_norm.A.matrix
     times = midpoints(problem.T, len(forces))
     functionals = np.array([v_norm.space.functional(A @ v_norm.means(time)) for time in times])
     works = np.sum(forces * project.gap(functionals), axis=1)

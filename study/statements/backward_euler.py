@@ -30,18 +30,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 
-from manufactured.tensors import Array
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, ROUNDING, Check
+from study.ledger.check import ENOUGH, ROUNDING, accuracy, consequence, identity
 from study.ledger.orders import fit
-from study.ledger.verdict import CheckKind
+from study.ledger.quantities import Value, change, values
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum, minimum
 
@@ -54,36 +51,25 @@ QUANTITIES = "error", "by data", "by solution", "constant", "between", "midpoint
 COLUMNS = {quantity: [f"{count} {quantity}" for count in COUNTS] for quantity in QUANTITIES}
 """Names of the columns with each quantity, one column for each number of time steps."""
 PROVED = positive_at_most(1.0, "proved in the article for every h and k")
-UNIFORM = around(1, 0.1, "the constant does not depend on the mesh")
 BETWEEN = Window(
     0.2,
     1 + ROUNDING,
     "at most 1 is proved; predicted 1/2 to 2/3 if u̇^h changes steadily, 1 if it jumps in the middle of a step",
 )
 IN_K = around(1, 0.1, "least squares over six halvings of k, on every mesh")
-SAME_SOLUTION = positive_at_most(0.1, "the reference solution hardly changes the error")
 ERROR = "error in time of backward Euler, ‖u^h − û^{hk}‖_V"
 ERROR_OF_CONSTANT = "error in time of the piecewise constant function with the value U_n on (t_{n−1}, t_n]"
-INTERPOLATION = "error of u^h interpolated linearly between time nodes / (k/4 · largest change of u̇^h within a step)"
-ALL_TIMES = "midpoint rule: error in time at all t / (largest error at the nodes + k/2 (‖u̇^h(0+)‖_V + Var f))"
 CHANGE = f"change of the reference solution u^h from {FINEST // 2} to {FINEST} steps / smallest error in time"
 
 
-def order_in_k(key: str, quantity: str, window: Window, counts: Sequence[int], columns: Sequence[str]) -> Check:
-    """Return the check of the observed order of an error in the time step k.
-
-    The orders on all meshes must lie in the window; the order on the finest mesh is displayed.
+def orders_in_k(counts: Sequence[int], columns: Sequence[str]) -> Value:
+    """Return the function for the observed orders in the time step k on all levels, from columns with errors.
 
     Args:
-        key, quantity, window: key, description and tolerance window of the check.
         counts: numbers of steps.
         columns: for each number of steps, the name of the column with the error.
     """
-
-    def orders(levels: pd.DataFrame) -> Array:
-        return np.array([fit(1 / np.array(counts), row) for row in levels[list(columns)].to_numpy()])
-
-    return Check(key, quantity, orders, window, CheckKind.CONSEQUENCE, finest=True)
+    return lambda levels: np.array([fit(1 / np.array(counts), row) for row in levels[list(columns)].to_numpy()])
 
 
 class BackwardEuler(ListedNumbers):
@@ -93,39 +79,37 @@ class BackwardEuler(ListedNumbers):
     effort = 60
     claim = "max_t ‖u^h − û^{hk}‖_V ≤ k (‖u̇^h(0+)‖_V/√2 + 2 Var f) for backward Euler, for every h"
     checks = (
-        Check(
-            "data",
-            f"{ERROR} / its bound from the data",
-            quantities.values(*COLUMNS["by data"]),
-            PROVED,
-            CheckKind.IDENTITY,
+        identity("data", f"{ERROR} / its bound from the data", values(*COLUMNS["by data"]), PROVED),
+        identity(
+            "solution", f"{ERROR} / its bound from the computed values U_n", values(*COLUMNS["by solution"]), PROVED
         ),
-        Check(
-            "solution",
-            f"{ERROR} / its bound from the computed values U_n",
-            quantities.values(*COLUMNS["by solution"]),
-            PROVED,
-            CheckKind.IDENTITY,
+        identity("constant", f"{ERROR_OF_CONSTANT} / its bound", values(*COLUMNS["constant"]), PROVED),
+        consequence(
+            "between",
+            "error of u^h interpolated linearly between time nodes / (k/4 · largest change of u̇^h within a step)",
+            values(*COLUMNS["between"]),
+            BETWEEN,
         ),
-        Check(
-            "constant",
-            f"{ERROR_OF_CONSTANT} / its bound",
-            quantities.values(*COLUMNS["constant"]),
+        identity(
+            "midpoint",
+            "midpoint rule: error in time at all t / (largest error at the nodes + k/2 (‖u̇^h(0+)‖_V + Var f))",
+            values(*COLUMNS["midpoint"]),
             PROVED,
-            CheckKind.IDENTITY,
         ),
-        Check("between", INTERPOLATION, quantities.values(*COLUMNS["between"]), BETWEEN, CheckKind.CONSEQUENCE),
-        Check("midpoint", ALL_TIMES, quantities.values(*COLUMNS["midpoint"]), PROVED, CheckKind.IDENTITY),
-        order_in_k("order", f"order in k of the {ERROR}", IN_K, COUNTS, COLUMNS["error"]),
-        Check(
+        consequence("order", f"order in k of the {ERROR}", orders_in_k(COUNTS, COLUMNS["error"]), IN_K, finest=True),
+        consequence(
             "uniform",
             f"{ERROR} / its bound from the data, {LAST} steps: finest / coarsest mesh",
-            quantities.change(f"{LAST} by data"),
-            UNIFORM,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            change(f"{LAST} by data"),
+            around(1, 0.1, "the constant does not depend on the mesh"),
+            levels=ENOUGH,
         ),
-        Check("reference", CHANGE, quantities.values("reference"), SAME_SOLUTION, CheckKind.ACCURACY),
+        accuracy(
+            "reference",
+            CHANGE,
+            values("reference"),
+            positive_at_most(0.1, "the reference solution hardly changes the error"),
+        ),
     )
     quick = grid(("advance-recede",), ("shaken",), (4, 8, 16))
     full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))
@@ -133,27 +117,27 @@ class BackwardEuler(ListedNumbers):
     def setup(self, setting: Setting) -> Experiment:
         return Experiment.at(setting, MIDPOINT, FINEST)
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         problem = with_cached_loads(setup.problem)
         flow = GradientFlow(problem, np.array([problem.load(t) for t in problem.T * np.arange(FINEST + 1) / FINEST]))
-        exact, half = path(problem, MIDPOINT, FINEST), path(problem, MIDPOINT, FINEST // 2)
-        found: dict[str, float] = {}
+        exact = path(problem, MIDPOINT, FINEST)
+        half = path(problem, MIDPOINT, FINEST // 2)
+        found: Numbers = {}
         for count in COUNTS:
-            k, nodes = problem.T / count, exact[:: FINEST // count]
-            states, middle = path(problem, BACKWARD_EULER, count), path(problem, MIDPOINT, count)
+            k = problem.T / count
+            nodes = exact[:: FINEST // count]
+            states = path(problem, BACKWARD_EULER, count)
+            middle = path(problem, MIDPOINT, count)
             lines = [interpolated(values, FINEST) for values in (states, nodes, middle)]
             error, of_interpolation, of_midpoint = (furthest(problem, exact, line) for line in lines)
             of_constant = maximum(furthest(problem, exact, side) for side in last(states, FINEST))
             bound_of_midpoint = furthest(problem, nodes, middle) + k / 2 * flow.fastest
-            numbers = (
-                error,
-                error / flow.a_priori(count),
-                error / flow.a_posteriori(states),
-                of_constant / flow.piecewise_constant(count),
-                of_interpolation / (k / 4 * oscillation(problem, exact, count)),
-                of_midpoint / bound_of_midpoint,
-            )
-            found |= {f"{count} {name}": number for name, number in zip(QUANTITIES, numbers, strict=True)}
+            found[f"{count} error"] = error
+            found[f"{count} by data"] = error / flow.a_priori(count)
+            found[f"{count} by solution"] = error / flow.a_posteriori(states)
+            found[f"{count} constant"] = of_constant / flow.piecewise_constant(count)
+            found[f"{count} between"] = of_interpolation / (k / 4 * oscillation(problem, exact, count))
+            found[f"{count} midpoint"] = of_midpoint / bound_of_midpoint
         found["reference"] = furthest(problem, exact[::2], half) / minimum(found[name] for name in COLUMNS["error"])
         return with_h(setup.space.h, found)
 
@@ -168,6 +152,5 @@ class JumpingLoad(BackwardEuler):
         setup = super().setup(setting)
         problem = setup.problem
         jump = problem.load(problem.T) / 2
-        return replace(
-            setup, problem=replace(problem, load=lambda time: problem.load(time) + (time >= problem.T / 2) * jump)
-        )
+        jumping = replace(problem, load=lambda time: problem.load(time) + (time >= problem.T / 2) * jump)
+        return replace(setup, problem=jumping)

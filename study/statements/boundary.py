@@ -18,6 +18,7 @@ error of the tractions tends to 0 in two senses. Its orders are predicted for so
 The second half of the file constructs the smooth fields v, which other statements use as well.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 
@@ -30,12 +31,11 @@ from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, tracti
 from study.fem.error_norm import DEGREE, FACET_POINTS, rules
 from study.fem.quadrature import facet_rule
 from study.fem.space import on_cells
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, consequence
+from study.ledger.quantities import fitted
 from study.ledger.window import around, between
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import SEED, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import CELLS
 
@@ -48,7 +48,6 @@ FIELDS = 3
 FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
 STRONG = around(1, 0.25, "if the stress error is spread evenly; ‖σ − σ^h‖_Q = O(h) alone gives 1/2")
 SUPERCLOSE = between(1, 2, 0.25, 0, "order 2 where the triangles along Γ3 are symmetric")
-ON_TRIANGLES = "the check of σ^hν − σ_ν ν bounds ‖σ^h_τ‖, whose first-order part depends on the triangles along Γ3"
 WEAK = around(2, 0.3, "product of two errors O(h), σ − σ^h and v − Π^h v")
 
 
@@ -61,46 +60,33 @@ class NaturalConditions(ListedNumbers):
     label = "(4.13)"
     claim = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
     checks = (
-        Check(
-            "loaded",
-            "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))",
-            quantities.fitted("loaded"),
-            STRONG,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+        consequence("loaded", "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", fitted("loaded"), STRONG, levels=ENOUGH),
+        consequence(
+            "contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", fitted("contact"), STRONG, levels=ENOUGH
         ),
-        Check(
-            "contact",
-            "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))",
-            quantities.fitted("contact"),
-            STRONG,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
-        ),
-        Check(
+        consequence(
             "tangential",
             "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))",
-            quantities.fitted("tangential"),
+            fitted("tangential"),
             SUPERCLOSE,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
-            if_missed=ON_TRIANGLES,
+            levels=ENOUGH,
+            if_missed=(
+                "the check of σ^hν − σ_ν ν bounds ‖σ^h_τ‖, whose first-order part depends on the triangles along Γ3"
+            ),
         ),
-        Check(
+        consequence(
             "loaded-weakly",
             "order of σν − f_2 on Γ2, tested with smooth v",
-            quantities.fitted("loaded, weakly", power=CELLS),
+            fitted("loaded, weakly", power=CELLS),
             WEAK,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            levels=ENOUGH,
         ),
-        Check(
+        consequence(
             "tangential-weakly",
             "order of σ_τ on Γ3, tested with smooth v",
-            quantities.fitted("tangential, weakly", power=CELLS),
+            fitted("tangential, weakly", power=CELLS),
             WEAK,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            levels=ENOUGH,
         ),
     )
     quick = grid(("advance-recede",), ("shaken",), (12, 24, 48))
@@ -112,18 +98,20 @@ class NaturalConditions(ListedNumbers):
         steps = INSTANTS * (2 * (setting.level // 8) + 3)
         return Experiment.at(setting, MIDPOINT, steps)
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         return with_h(setup.space.h, tractions(setup))
 
 
-def tractions(setup: Experiment) -> dict[str, float]:
+def tractions(setup: Experiment) -> Numbers:
     """Return norms of the violations of the traction conditions, relative to the norm of σν on Γ2 ∪ Γ3.
 
     The violations are measured in L² on the boundary and, weakly, with smooth test fields v of norm ‖v‖_V = 1. All
     norms are root mean squares over several times. The work (f, v)_V is computed as (σ, ε(v))_Q with the exact stress
     σ. Both are equal by Green's formula (2.14) with (2.2), (2.4) and (2.5).
     """
-    space, mesh, sides = setup.space, setup.space.mesh, []
+    space = setup.space
+    mesh = setup.space.mesh
+    sides = []
     for kind in (Kind.LOADED, Kind.CONTACT):
         for part, facets in space.on(kind):
             rule = facet_rule(mesh, facets, part, (), FACET_POINTS)
@@ -133,19 +121,20 @@ def tractions(setup: Experiment) -> dict[str, float]:
     for time, stress in discrete_stresses(setup):
         found = dict.fromkeys(("tangential", "contact", "loaded", "size"), 0.0)
         for kind, part, cells, weights, exact in sides:
-            forces, load = traction(stress[:, cells], part.normal), exact.surface_load(part, time)
+            forces = traction(stress[:, cells], part.normal)
+            load = exact.surface_load(part, time)
             if kind is Kind.CONTACT:
                 tangential = forces - np.multiply.outer(part.normal, part.normal @ forces)
-                found["tangential"] += float(np.sum(tangential**2 * weights.sum(axis=1)))
+                found["tangential"] += np.sum(tangential**2 * weights.sum(axis=1))
             name = "contact" if kind is Kind.CONTACT else "loaded"
-            found[name] += float(np.sum((forces[..., None] - load) ** 2 * weights))
-            found["size"] += float(np.sum(load**2 * weights))
+            found[name] += np.sum((forces[..., None] - load) ** 2 * weights)
+            found["size"] += np.sum(load**2 * weights)
         for name, strains in zip(("loaded, weakly", "tangential, weakly"), tests, strict=True):
             works = [np.einsum("Icq,vIcq->v", stress[:, c, None] - exact.stress(time), e) for c, exact, e in strains]
-            found[name] = float(np.sum(np.sum(works, axis=0) ** 2))
+            found[name] = np.sum(np.sum(works, axis=0) ** 2)
         squares.append(found)
     total = pd.DataFrame(squares).sum()
-    return {name: float(np.sqrt(total[name] / total["size"])) for name in total.index if name != "size"}
+    return {name: math.sqrt(total[name] / total["size"]) for name in total.index if name != "size"}
 
 
 def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
@@ -154,11 +143,14 @@ def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
     The times are the midpoints of INSTANTS equal parts of [0, T], each with an odd number of time steps. So t is the
     midpoint of a step from t_{n−1} to t_n, and σ^h(t) = A ε((u_n − u_{n−1})/k) + G ε((u_n + u_{n−1})/2).
     """
-    space, cells, k = setup.space, on_cells(setup.space, setup.solution.law), setup.problem.T / setup.steps
+    space = setup.space
+    cells = on_cells(setup.space, setup.solution.law)
+    k = setup.problem.T / setup.steps
     each = setup.steps // INSTANTS
     for n, (before, after) in enumerate(pairwise(setup.march(setup.steps))):
         if n % each == each // 2:
-            old, new = space.strain(before.u), space.strain(after.u)
+            old = space.strain(before.u)
+            new = space.strain(after.u)
             yield (before.time + after.time) / 2, cells.stress((new - old) / k, (new + old) / 2)
 
 
@@ -174,10 +166,12 @@ def weighted_strains(setup: Experiment, fields: list[Field]) -> WeightedStrains:
 
     The fields are scaled to ‖v‖_V = 1.
     """
-    found, squares = [], np.zeros(len(fields))
+    found = []
+    squares = np.zeros(len(fields))
     for rule in rules(setup.solution, setup.space.mesh, DEGREE):
-        exact, strains = setup.solution.at(rule.points), np.array([strain(v, rule.points) for v in fields])
-        squares += [float(np.sum(exact.law.A(e) * e * rule.weights)) for e in strains]
+        exact = setup.solution.at(rule.points)
+        strains = np.array([strain(v, rule.points) for v in fields])
+        squares += [np.sum(exact.law.A(e) * e * rule.weights) for e in strains]
         found.append((rule.cells, exact, strains * rule.weights))
     return [(cells, exact, strains / np.sqrt(squares)[:, None, None, None]) for cells, exact, strains in found]
 
@@ -189,12 +183,14 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
         Fields that vanish on Γ1 and Γ3; and fields that vanish on Γ1, are tangential on one plane of Γ3 and vanish on
         the other planes of Γ3.
     """
-    clamped, contact = planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
+    clamped = planes(body, Kind.CLAMPED)
+    contact = planes(body, Kind.CONTACT)
     rng = np.random.default_rng(SEED)
     on_loaded = [vanishing(waves(body, rng), clamped + contact) for _ in range(FIELDS)]
 
     def tangential(part: Part, along: Field, inside: Field) -> Field:
-        others, tangents = [other for other in contact if other is not part], part.frame[:, :-1]
+        others = [other for other in contact if other is not part]
+        tangents = part.frame[:, :-1]
         projector = tangents @ tangents.T
 
         def field(x: Points) -> Vectors:

@@ -45,10 +45,8 @@ returns a mean of the values before and after the jump. So the error in L²(0,T)
 that depends on the position of the jump within the step. This order is only reported.
 """
 
-from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sps
@@ -56,17 +54,16 @@ import sympy as sp
 
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
-from study.fem.naming import is_own, name_of
+from study.fem.naming import is_own
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, Groups
-from study.ledger.datafiles import CsvFile, DataFile, Row
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
+from study.ledger.datafiles import CsvFile
+from study.ledger.quantities import finest, fitted, values
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import EVOLVING, Setting, Statement, steps_like_h
+from study.statements.shared.base import EVOLVING, Judged, Numbers, Setting, Statement, steps_like_h
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import split_irregular, split_superclose
 from study.statements.shared.scope import Scope
@@ -100,7 +97,8 @@ class PressedFace:
         shape = rule.weights.size, space.mesh.p.shape[1]
         self.every = sps.csr_array((rule.shapes.ravel(), (places.ravel(), corners.ravel())), shape=shape)
         self.functions = self.every[:, vertices]
-        self.weights, self.normal = rule.weights.ravel(), face.part.normal
+        self.weights = rule.weights.ravel()
+        self.normal = face.part.normal
         self.mass = (self.functions.T @ sps.diags_array(self.weights) @ self.functions).toarray()
         self.exact = solution.on(face, rule.s)
 
@@ -139,13 +137,15 @@ class Forces:
             times: the times, (n,).
             multipliers: the nodal contact forces λ at the times, (n, m).
         """
-        exact, errors, sizes = [], 0.0, 0.0
+        exact = []
+        errors = 0.0
+        sizes = 0.0
         for face, rows in zip(self.faces, self.rows, strict=True):
             p = face.exact.pressure(times).reshape(-1, len(times))
             # Nodal forces λ are moments of a pressure, so the P1 pressure p^h follows from the mass matrix.
             p_h = face.functions @ np.linalg.solve(face.mass, multipliers.T[rows])
-            errors += float((face.weights @ (p - p_h) ** 2).sum())
-            sizes += float((face.weights @ p**2).sum())
+            errors += (face.weights @ (p - p_h) ** 2).sum()
+            sizes += (face.weights @ p**2).sum()
             exact.append(face.functions.T @ (face.weights[:, None] * p))
         y = np.concatenate(exact)
         missing = y - multipliers.T
@@ -167,7 +167,9 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
         and of the total force on each face; then the largest relative penetration, and the largest relative tensile
         force.
     """
-    k, multipliers, extremes = setup.problem.T / steps, [], []
+    k = setup.problem.T / steps
+    multipliers = []
+    extremes = []
     for state in setup.march(steps):
         pulling = -state.multipliers.min(initial=0.0)
         extremes.append([forces.penetration(state.u), abs(state.u).max(), pulling, abs(state.multipliers).max()])
@@ -178,7 +180,7 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
     return np.sqrt(squares / sizes), float(inside / moved), float(pulled / pressed)
 
 
-def measure_contact(setup: Experiment) -> dict[str, Any]:
+def measure_contact(setup: Experiment) -> Numbers:
     """Return the measured columns of a row of ``contact.csv``, which follow the column ``level``.
 
     The number of time steps must be even.
@@ -199,9 +201,12 @@ NO_BOUND = "a face meets Γ1, so that the dual norm does not bound the error of 
 """Why no order of the resultant is claimed if a contact face meets the clamped boundary Γ1.
 
 The order would follow from the dual norm with v_ν = 1. But v = 0 on Γ1, so no v ∈ V has v_ν = 1 on the whole face."""
-STRIP = between(1, 1.5, 0.15, 0.7, "from the cells along Γ3; piecewise linear functions reach at most 2")
-PRESSURE = Check(
-    "order-pressure", "order of ‖p − p^h‖_{L²(Γ3)}", quantities.fitted("pressure"), STRIP, CheckKind.CONSEQUENCE, ENOUGH
+PRESSURE = consequence(
+    "order-pressure",
+    "order of ‖p − p^h‖_{L²(Γ3)}",
+    fitted("pressure"),
+    between(1, 1.5, 0.15, 0.7, "from the cells along Γ3; piecewise linear functions reach at most 2"),
+    levels=ENOUGH,
 )
 OF_CHANCE = replace(PRESSURE, key="order-pressure-irregular", quantity=f"{PRESSURE.quantity}, irregular meshes")
 FEW_EDGES = "on irregular meshes the pressure error depends on a few long edges where p has a kink, and on the corners"
@@ -210,61 +215,41 @@ SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "the order of ‖Π^h u − u^h‖_V on o
 OTHERS = between(1, 2, 0.15, 0.2, "the order of ‖Π^h u − u^h‖_V on other meshes")
 DUAL = "order of sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over V^h"
 DUAL_ORDERS = {
-    True: Check(
-        "order-dual-superclose",
-        f"{DUAL}, superclose",
-        quantities.fitted("dual"),
-        SUPERCLOSE,
-        CheckKind.CONSEQUENCE,
-        ENOUGH,
-    ),
-    False: Check(
-        "order-dual-other", f"{DUAL}, other families", quantities.fitted("dual"), OTHERS, CheckKind.CONSEQUENCE, ENOUGH
-    ),
+    True: consequence("order-dual-superclose", f"{DUAL}, superclose", fitted("dual"), SUPERCLOSE, levels=ENOUGH),
+    False: consequence("order-dual-other", f"{DUAL}, other families", fitted("dual"), OTHERS, levels=ENOUGH),
 }
 """The criteria for the order of the dual norm, on one-diagonal meshes (True) and on all others (False)."""
 RESULTANT = at_least(1, "the order of the dual norm; 2 if the contact zone is known")
 """Window of the order of the contact resultant.
 
 It has no upper end: parts of the error of the resultant may cancel, so its order may exceed 2."""
-SIZE = at_most(0.05, "of the exact resultant, on the finest level")
-TIME = at_most(0.5, "of each error; half as many steps show the error in time")
 NORMS = (
-    Check(
+    consequence(
         "order-resultant",
         "order of the error of the contact resultant on each face",
-        quantities.fitted("resultant"),
+        fitted("resultant"),
         RESULTANT,
-        CheckKind.CONSEQUENCE,
-        ENOUGH,
+        levels=ENOUGH,
     ),
-    Check(
+    consequence(
         "resultant",
         "error of the contact resultant on each face",
-        quantities.finest("resultant"),
-        SIZE,
-        CheckKind.CONSEQUENCE,
+        finest("resultant"),
+        at_most(0.05, "of the exact resultant, on the finest level"),
     ),
     # The error in time of the resultant is not judged: it can only lower the order, whose window has no upper end, and
     # on symmetric meshes the error in space may vanish, so that no error in time is small against it.
-    Check(
+    accuracy(
         "time-share",
         "error in time / error, for both norms of p − p^h",
-        quantities.values(*SHARES[:2]),
-        TIME,
-        CheckKind.ACCURACY,
+        values(*SHARES[:2]),
+        at_most(0.5, "of each error; half as many steps show the error in time"),
     ),
 )
 ROUND_OFF = at_most(1e-10, "only rounding, because faces are straight and elements linear")
 EXACT = (
-    Check(
-        "penetration",
-        "max (u^h_ν)_+ between vertices / max |u^h|",
-        quantities.values("penetration"),
-        ROUND_OFF,
-        CheckKind.IDENTITY,
-    ),
-    Check("pulling", "max λ_− / max |λ|", quantities.values("pulling"), ROUND_OFF, CheckKind.IDENTITY),
+    identity("penetration", "max (u^h_ν)_+ between vertices / max |u^h|", values("penetration"), ROUND_OFF),
+    identity("pulling", "max λ_− / max |λ|", values("pulling"), ROUND_OFF),
 )
 
 
@@ -303,14 +288,12 @@ class ContactForce(Statement):
     def setup(self, setting: Setting) -> Experiment:
         return Experiment.at(setting, MIDPOINT, self.steps(setting))
 
-    def measure(self, setup: Experiment) -> dict[str, Any]:
+    def measure(self, setup: Experiment) -> Numbers:
         return measure_contact(setup)
 
-    def records(self, setting: Setting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        yield self.file, {**vars(setting), "case": name_of(setting.case), **found}
-
-    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
-        norms, clamped = [], any(table["clamped"].any() for table in groups.values())
+    def checks_of(self, case: str, groups: Groups) -> Judged:
+        norms = []
+        clamped = any(table["clamped"].any() for table in groups.values())
         for rule in NORMS:
             if clamped and rule.key == "order-resultant":
                 yield replace(rule, if_missed=NO_BOUND), groups

@@ -53,14 +53,13 @@ from study.fem.naming import family_named, resolve
 from study.fem.refining import inclusion_of, refined
 from study.fem.seminorm import composite_gauss
 from study.fem.space import Space
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, Groups
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, Check, Groups, consequence
+from study.ledger.quantities import level_by_level, quotients
 from study.ledger.window import Window, around, at_least
 from study.solve.evolution import SemiDiscrete
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import SEED, Judged, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.meshes import space_of, split_irregular
 from study.statements.shared.norms import ContactWork, midpoints, norm
 
@@ -81,7 +80,8 @@ class Resolved:
     def __init__(self, solution: ExactSolution, space: Space) -> None:
         mesh, nodal = refined(space.mesh, lambda corners: least_depth(solution, corners) / PARTS)
         fine = Space(mesh, space.body)
-        self.solution, self.space = solution, space
+        self.solution = solution
+        self.space = space
         self.v_norm = ErrorNorm(solution, fine, along=())
         self.inclusion: sps.csr_array = inclusion_of(space, fine, nodal)
 
@@ -191,14 +191,8 @@ COARSE = 32
 
 def from_32(key: str, quantity: str, column: str, window: Window) -> Check:
     """Return the criterion for the observed orders of a column from level to level, without levels below n = 32."""
-    found = Check(
-        key,
-        f"{quantity}, level by level from n = 32",
-        quantities.level_by_level(column),
-        window,
-        CheckKind.CONSEQUENCE,
-        ENOUGH,
-        finest=True,
+    found = consequence(
+        key, f"{quantity}, level by level from n = 32", level_by_level(column), window, levels=ENOUGH, finest=True
     )
     return replace(found, value=lambda levels: found.value(levels[levels["level"] >= COARSE]))
 
@@ -207,31 +201,25 @@ ROOT = "order of ‖R(·; Π^h u − u)‖^{1/2}"
 FIRST_ORDER = around(1, 0.15, "there are wave trains of all widths from h/2 to 4h")
 HALF = around(0.5, 0.15, "the edges contribute to R like independent random numbers")
 NOT_RESOLVED = "a mesh resolves a wave train of width ℓ only for h < ℓ/10"
-WORK_SHARE = Check(
-    "share",
-    "smallest ‖R‖^{1/2} / error",
-    quantities.quotients("work", "error"),
-    at_least(0.02, "cases with a few smooth fronts have only 1e-6 to 1e-3"),
-    CheckKind.CONSEQUENCE,
-)
-EXCESS_SHARE = Check(
-    "excess-share",
-    "largest ‖u^h − u^h_lin‖_V / error",
-    quantities.quotients("excess", "error"),
-    Window(),
-    CheckKind.CONSEQUENCE,
-)
 ON_GRIDS = (
     from_32("order", f"{ROOT}, on grids", "work", FIRST_ORDER),
     from_32("order-mean", f"{ROOT}, R averaged over {DRAWS} random meshes", "mean work", FIRST_ORDER),
     from_32("spread", "order of the relative standard deviation of R over random vertices", "spread", HALF),
-    WORK_SHARE,
+    consequence(
+        "share",
+        "smallest ‖R‖^{1/2} / error",
+        quotients("work", "error"),
+        at_least(0.02, "cases with a few smooth fronts have only 1e-6 to 1e-3"),
+    ),
 )
 SINGLE = from_32("order-irregular", f"{ROOT}, on single irregular meshes", "work", FIRST_ORDER)
 ON_IRREGULAR_MESHES = replace(SINGLE, if_missed="on irregular meshes single orders depend on chance")
 ON_ALL_MESHES = (
     replace(from_32("error", "order of ‖u − u^h‖_V", "error", Window()), if_missed=NOT_RESOLVED),
-    replace(EXCESS_SHARE, if_missed="the study has no bound of this excess in V"),
+    replace(
+        consequence("excess-share", "largest ‖u^h − u^h_lin‖_V / error", quotients("excess", "error"), Window()),
+        if_missed="the study has no bound of this excess in V",
+    ),
     replace(from_32("excess", "order of ‖u^h − u^h_lin‖_V", "excess", Window()), if_missed=NOT_RESOLVED),
 )
 
@@ -253,11 +241,15 @@ class WorkOfContact(ListedNumbers):
         *grid(("trains",), ("unstructured",), (16, 32, 64, 128)),
     )
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        case, space = resolve(setting.case), space_of(setting)
-        steps, solution = rate_steps(space.body.T, setting.level, case.pace), case.solution
+    def measure(self, setting: Setting) -> Numbers:
+        case = resolve(setting.case)
+        space = space_of(setting)
+        steps = rate_steps(space.body.T, setting.level, case.pace)
+        solution = case.solution
         at = Resolved(solution, space)
-        v_norm, inclusion, press = at.v_norm, at.inclusion, pressing_on(at)
+        v_norm = at.v_norm
+        inclusion = at.inclusion
+        press = pressing_on(at)
         # Loads are cached, because both problems need them at the same times.
         load = lru_cache(maxsize=None)(lambda time: np.asarray(inclusion.T @ v_norm.load(time)))
         start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))
@@ -268,16 +260,17 @@ class WorkOfContact(ListedNumbers):
             error = v_norm.distance(v_norm.sample(state.time), inclusion @ state.u)
             sizes.append((error, norm(problem, state.u - free.u)))
         error, excess = np.max(sizes, axis=0)
-        total, vertices = TotalWork(solution), vertices_on(space)
+        total = TotalWork(solution)
+        vertices = vertices_on(space)
         found = {"error": error, "excess": excess, "work": math.sqrt(total(vertices))}
         if not family_named(setting.family).irregular:
             rng = np.random.default_rng(SEED)
             moved = zip(*(shaken(vertices, rng) for _ in range(DRAWS)), strict=True)
             works = total([np.array(of_piece) for of_piece in moved])
-            found |= {"mean work": math.sqrt(np.mean(works)), "spread": float(np.std(works) / np.mean(works))}
+            found |= {"mean work": math.sqrt(np.mean(works)), "spread": np.std(works) / np.mean(works)}
         return with_h(space.h, found)
 
-    def checks_of(self, case: str, groups: Groups) -> list[tuple[Check, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Judged:
         irregular, on_grid = split_irregular(groups)
         judged = (on_grid, ON_GRIDS), (irregular, (ON_IRREGULAR_MESHES,)), (groups, ON_ALL_MESHES)
         return [(rule, tables) for tables, rules in judged for rule in rules]

@@ -31,15 +31,14 @@ import pandas as pd
 
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
-from study.fem.naming import resolve
 from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
 from study.fem.space import Space
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.verdict import CheckKind, Verdict
+from study.ledger.check import accuracy, identity
+from study.ledger.quantities import values
+from study.ledger.verdict import Verdict
 from study.ledger.window import at_least, at_most
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.statements.shared.meshes import space_of
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
+from study.statements.shared.meshes import posed
 from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 
@@ -52,10 +51,11 @@ CHANGES = 16
 """Largest number of changes between contact and gap on an edge; 64 panels do not resolve more."""
 EXPONENTS = 0.05, 0.25, 0.5
 """The exponents ϱ = s − 1/2 for which suprema are computed, that is, s = 0.55, 0.75, 1."""
-WORK, OF_ALL, OVERALL = "R_E / bound", "supremum / bound", "R_E / (h² |σ_ν| |u_ν'|)"
+WORK = "R_E / bound"
+OF_ALL = "supremum / bound"
+OVERALL = "R_E / (h² |σ_ν| |u_ν'|)"
 BRANCHES = "edges by |N|", "edges by |C|"
 PROVED = at_most(1.0, "proved")
-SUPREMUM = "supremum of |R_E| / bound over all σ_ν, u_ν' with the same contact zone, s = 0.55, 0.75, 1"
 
 
 class EdgeWork(ListedNumbers):
@@ -73,20 +73,15 @@ class EdgeWork(ListedNumbers):
         *grid(("merging-patches", "natural-front", "rough-1.75"), ("one-diagonal", "unstructured"), (8, 16, 32, 64)),
     )
     checks = (
-        Check(
-            "solution",
-            "|R_E| / (β h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest",
-            quantities.values(WORK),
+        identity("solution", "|R_E| / (β h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", values(WORK), PROVED),
+        identity(
+            "all",
+            "supremum of |R_E| / bound over all σ_ν, u_ν' with the same contact zone, s = 0.55, 0.75, 1",
+            values(OF_ALL),
             PROVED,
-            CheckKind.IDENTITY,
         ),
-        Check("all", SUPREMUM, quantities.values(OF_ALL), PROVED, CheckKind.IDENTITY),
-        Check(
-            "constant",
-            "|R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest",
-            quantities.values(OVERALL),
-            at_most(C_0, "proved"),
-            CheckKind.IDENTITY,
+        identity(
+            "constant", "|R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", values(OVERALL), at_most(C_0, "proved")
         ),
     )
 
@@ -101,26 +96,26 @@ class EdgeWork(ListedNumbers):
         table = rows.pivot_table(index=["case", "family", "level"], columns="quantity", values="value")
         return [*super().judge(rows), BOTH_KINDS.verdict(self, "all cases", {"all families": table})]
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        space, solution = space_of(setting), resolve(setting.case).solution
-        found: dict[str, list[float]] = {name: [0.0] for name in (WORK, OF_ALL, OVERALL, *BRANCHES)}
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
+        found: dict[str, list[float]] = {name: [0.0] for name in (WORK, OF_ALL, OVERALL)}
+        open_parts: list[float] = []
         for touching, open_part, quotients in mixed_edges(solution, space):
-            by_open_part = open_part >= EQUAL
             found[WORK] += [*(quotients / beta(open_part))]
             found[OVERALL] += [*quotients]
             found[OF_ALL] += [supremum(of_edge, rho) for of_edge in touching for rho in EXPONENTS]
-            found[BRANCHES[0]].append(float(np.sum(by_open_part)))
-            found[BRANCHES[1]].append(float(np.sum(~by_open_part)))
-        counts = {name: sum(found.pop(name)) for name in BRANCHES}
-        return with_h(space.h, {**{name: maximum(values) for name, values in found.items()}, **counts})
+            open_parts += [*open_part]
+        by_open_part = np.array(open_parts) >= EQUAL
+        counts = np.sum(by_open_part), np.sum(~by_open_part)
+        numbers: Numbers = {name: maximum(quotients) for name, quotients in found.items()}
+        return with_h(space.h, numbers | dict(zip(BRANCHES, counts, strict=True)))
 
 
-BOTH_KINDS = Check(
+BOTH_KINDS = accuracy(
     "branches",
     "number of edges with β from |N|, and with β from |C|: the smaller number",
     lambda group: float(group[list(BRANCHES)].to_numpy().sum(axis=0).min()),
     at_least(1, "both expressions for β in the lemma are tested"),
-    CheckKind.ACCURACY,
 )
 
 
@@ -147,10 +142,13 @@ def mixed_edges(solution: ExactSolution, space: Space) -> Iterator[tuple[Array, 
         chosen = (changes >= 1) & (changes <= CHANGES)
         if not chosen.any():
             continue
-        places, ends, touching = [s[chosen] for s in places], ends[:, chosen], touching[chosen]
+        places = [s[chosen] for s in places]
+        ends = ends[:, chosen]
+        touching = touching[chosen]
         pressure = [solution.on(face, s[None]).stated_pressure(time) for s in places]
         slope = [face.gap_jet(s[None], time, 1)[(1,)] for s in places]
-        nodal, h = face.gap_jet(ends[None], time)[(0,)], ends[1] - ends[0]
+        nodal = face.gap_jet(ends[None], time)[(0,)]
+        h = ends[1] - ends[0]
         interpolant = nodal[0][:, None] * (1 - FIRST[0]) + nodal[1][:, None] * FIRST[0]
         gap = face.gap_jet(places[0][None], time)[(0,)]
         work = h * (pressure[0] * (interpolant - gap) @ FIRST[1])
@@ -182,10 +180,12 @@ def supremum(touching: Array, rho: float) -> float:
     contact = touching.reshape(PANELS, -1).mean(axis=1) >= 0.5
     if contact.all() or not contact.any():
         return 0.0
-    A, nodes = gram(PANELS, rho), np.linspace(0, 1, PANELS + 1)
+    A = gram(PANELS, rho)
+    nodes = np.linspace(0, 1, PANELS + 1)
     mass = np.where((nodes == 0) | (nodes == 1), 0.5, 1.0) / PANELS
     ends = np.flatnonzero(contact)[[0, -1]]
-    at_start, at_end = nodes * PANELS <= ends[0], nodes * PANELS > ends[1]
+    at_start = nodes * PANELS <= ends[0]
+    at_end = nodes * PANELS > ends[1]
     of_pressure = dual_products(A, contact, mass * np.array([1 - nodes, nodes]))
     of_slope = dual_products(A, ~contact, mass * np.array([at_start, at_end]))
     largest_value = float(np.max(np.linalg.eigvals(of_pressure @ of_slope).real, initial=0.0))

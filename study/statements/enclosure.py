@@ -12,7 +12,7 @@ exact solution is unknown.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -28,23 +28,24 @@ from study.bound.enclosing import Enclosure, enclose, known_error, order_interva
 from study.bound.trajectory import Refined, SmoothedInTime, Trajectory, compute
 from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve
-from study.ledger import quantities
-from study.ledger.check import Check, Groups
-from study.ledger.datafiles import CsvFile, DataFile, Row
+from study.ledger.check import Check, Groups, consequence, identity
+from study.ledger.datafiles import CsvFile, Row
 from study.ledger.orders import orders
+from study.ledger.quantities import values
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, CheckKind, Span, Verdict, row
 from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.evolution import Scheme
 from study.solve.steps import PACE, rate_steps
 from study.solve.tableau import SCHEMES
 from study.statements.shared import estimates
-from study.statements.shared.base import Setting, Statement
+from study.statements.shared.base import Numbers, Records, Setting, Statement
 from study.statements.shared.meshes import families
 from study.statements.shared.scope import Scope
 
 BOUNDED = "error", "lowest", "highest", "above", "below", "upper", "lower"
 PARTS = "residual", "contact", "oscillation", "bending"
-BOUNDS, ENCLOSURES = CsvFile("bounds.csv"), CsvFile("enclosures.csv")
+BOUNDS = CsvFile("bounds.csv")
+ENCLOSURES = CsvFile("enclosures.csv")
 KEY = BOUNDS.key
 TIMES = 96
 """Number of times for which ``enclosures.csv`` has the bounds of one computed displacement."""
@@ -221,13 +222,14 @@ class Bounds(Statement):
         found = bounds(scope.resolved(), scope.full)
         return [setting for setting in found if setting.trajectory == self.label]
 
-    def measure(self, setting: BoundSetting) -> dict[str, Any]:
+    def measure(self, setting: BoundSetting) -> Numbers:
         """Compute a displacement and bounds of its error on one mesh.
 
         Returns:
             The row of ``bounds.csv`` under the key "row", and columns of ``enclosures.csv`` under the key "times".
         """
-        problem, family = resolve_problem(setting.case), family_named(setting.family)
+        problem = resolve_problem(setting.case)
+        family = family_named(setting.family)
         scheme = choose("scheme", setting.scheme, SCHEMES)
         row, found = measure(problem, family, setting.level, scheme, self.steps(setting), setting.by)
         chosen = np.unique(np.linspace(0, len(found.times) - 1, TIMES).round().astype(int))
@@ -236,12 +238,12 @@ class Bounds(Statement):
             times[name] = [float(f"{value:.6g}") for value in getattr(found, name)[chosen]]
         return {"row": row, "times": times}
 
-    def records(self, setting: BoundSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
+    def records(self, setting: BoundSetting, found: Row) -> Records:
         """Yield one row of ``bounds.csv``, and one row of ``enclosures.csv`` for every time."""
         yield BOUNDS, found["row"]
         common = {name: found["row"][name] for name in KEY}
-        for values in zip(*found["times"].values(), strict=True):
-            yield ENCLOSURES, {**common, **dict(zip(found["times"], values, strict=True))}
+        for line in zip(*found["times"].values(), strict=True):
+            yield ENCLOSURES, {**common, **dict(zip(found["times"], line, strict=True))}
 
     def cost(self, setting: BoundSetting) -> float:
         """Return the expected run time in µs.
@@ -262,45 +264,17 @@ class Bounds(Statement):
 
 # The quotient error / upper bound must be positive. The quotient lower bound / error may be 0, because the lower bound
 # may be 0 on coarse meshes.
-ABOVE = Check(
-    "above",
-    "largest error / upper bound",
-    quantities.values("above"),
-    positive_at_most(1.0, "at every sampled time"),
-    CheckKind.IDENTITY,
-)
-BELOW = Check(
-    "below",
-    "largest lower bound / error",
-    quantities.values("below"),
-    at_most(1.0, "at every sampled time"),
-    CheckKind.IDENTITY,
+ABOVE = identity(
+    "above", "largest error / upper bound", values("above"), positive_at_most(1.0, "at every sampled time")
 )
 ONLY_SHOWN = "this shows how sharp the bound is; the claim is only that the error never exceeds it"
-REACH = Check(
-    "upper",
-    "largest upper bound / error over [T/2, T]",
-    quantities.values("upper"),
-    Window(),
-    CheckKind.CONSEQUENCE,
-    if_missed=ONLY_SHOWN,
+REACH = consequence(
+    "upper", "largest upper bound / error over [T/2, T]", values("upper"), Window(), if_missed=ONLY_SHOWN
 )
 HERE = f"at n = {CHECKED_LEVEL}"
 TIGHT = (
-    Check(
-        "tight-above",
-        f"upper bound / error {HERE}",
-        quantities.values("upper"),
-        Window(1.0, 1.15, "over [T/2, T]"),
-        CheckKind.CONSEQUENCE,
-    ),
-    Check(
-        "tight-below",
-        f"lower bound / error {HERE}",
-        quantities.values("lower"),
-        Window(0.85, 1.0, "over [T/2, T]"),
-        CheckKind.CONSEQUENCE,
-    ),
+    consequence("tight-above", f"upper bound / error {HERE}", values("upper"), Window(1.0, 1.15, "over [T/2, T]")),
+    consequence("tight-below", f"lower bound / error {HERE}", values("lower"), Window(0.85, 1.0, "over [T/2, T]")),
 )
 ROOM = 0.15
 """Tolerance around a predicted order. Other statements use the same tolerance for orders between levels."""
@@ -330,8 +304,19 @@ class EnclosedError(Bounds):
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         found: list[Verdict] = []
         for case, mine in rows[rows["trajectory"] == self.label].groupby("case", sort=False):
-            known, checked = bool(mine["known"].iloc[0]), mine[mine["level"] == CHECKED_LEVEL]
-            rules: list[tuple[Check, pd.DataFrame]] = [(rule, mine) for rule in (ABOVE, BELOW, REACH) if known]
+            known = bool(mine["known"].iloc[0])
+            checked = mine[mine["level"] == CHECKED_LEVEL]
+            rules: list[tuple[Check, pd.DataFrame]] = [
+                (rule, mine)
+                for rule in (
+                    ABOVE,
+                    identity(
+                        "below", "largest lower bound / error", values("below"), at_most(1.0, "at every sampled time")
+                    ),
+                    REACH,
+                )
+                if known
+            ]
             rules += [(rule, checked) for rule in TIGHT if case == CHECKED and len(checked)]
             found += [rule.verdict(self, str(case), {"": table}) for rule, table in rules]
             for (family, _), series in mine.groupby(["family", "scheme"], sort=False):
@@ -355,7 +340,8 @@ class EnclosedError(Bounds):
             levels: rows of ``bounds.csv``, from coarse to fine.
             known: whether the exact solution is known.
         """
-        coarse, fine = levels.iloc[0], levels.iloc[-1]
+        coarse = levels.iloc[0]
+        fine = levels.iloc[-1]
         ratio = math.log(coarse["h"] / fine["h"])
         first, last = ((line["lowest"], line["highest"]) for line in (coarse, fine))
         span = order_interval(first, last, ratio)
@@ -364,10 +350,13 @@ class EnclosedError(Bounds):
         order = math.nan if known else float(fine["expected_order"])
         quantity = f"order of max_t ‖u − u_h‖_V, k proportional to h, n = {coarse['level']} to {fine['level']}"
         if math.isnan(order):
-            window, verdict, expected = Window(math.nan, math.nan), REPORTED, KNOWN if known else UNPREDICTED
+            window = Window(math.nan, math.nan)
+            verdict = REPORTED
+            expected = KNOWN if known else UNPREDICTED
         else:
             window = around(order, ROOM, "the whole interval of possible orders")
-            verdict, expected = judge_interval(span, window), ""
+            verdict = judge_interval(span, window)
+            expected = ""
         return row(
             self, "order", quantity, window, (observed, span, verdict), case, family, expected, CheckKind.CONSEQUENCE
         )

@@ -47,7 +47,6 @@ order of the term:
 """
 
 import math
-from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -58,15 +57,24 @@ from manufactured.law import KelvinVoigt
 from study.fem.error_norm import FACET_POINTS
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, Groups
-from study.ledger.datafiles import DataFile, Row
+from study.ledger.check import ENOUGH, Groups, consequence, paper_claim
+from study.ledger.datafiles import Row
 from study.ledger.orders import fit
-from study.ledger.verdict import CheckKind
+from study.ledger.quantities import Value, of_errors, values
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import (
+    EVOLVING,
+    SOFTENING,
+    Judged,
+    ListedNumbers,
+    Numbers,
+    Records,
+    Setting,
+    grid,
+    with_h,
+)
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import Velocity, maximum, midpoints
 
@@ -74,8 +82,6 @@ INSTANTS = 64
 """Number of nodes of the midpoint rule that approximates norms in time."""
 ROUND_OFF = 1e-11
 """Relative tolerance for round-off: smaller contact pressures, compared with the size of the stresses, count as 0."""
-STEADY = Window(0.7, 1.4, "over two refinements: the orders differ by less than 1/4")
-PROVED = positive_at_most(1.0, "with the constant c of the proof")
 BOUNDS = "(5.21)", "(5.42)"
 EXPONENTS = {bound: f"γ of {bound}" for bound in BOUNDS}
 """Names of the columns with the exponents γ: (right side of the bound) / error is predicted to grow like h^{−γ}."""
@@ -102,39 +108,54 @@ class ErrorBounds(ListedNumbers):
         case = resolve(setting.case)
         return Experiment.at(setting, MIDPOINT, rate_steps(case.solution.body.T, setting.level, case.pace))
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         return with_h(setup.space.h, sides(setup))
 
-    def records(self, setting: Setting, found: Mapping[str, float]) -> Iterator[tuple[DataFile, Row]]:
+    def records(self, setting: Setting, found: Row) -> Records:
         """Yield the rows of ``statements.csv``, with the predictions for the case as further numbers."""
         return super().records(setting, {**found, **predicted(resolve(setting.case))})
 
-    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Judged:
         """Yield two criteria for each of the bounds, which depend on the predicted exponent γ of the case."""
         (table, *_) = groups.values()
         names = *EXPONENTS.values(), LOGARITHM
-        known = {name: float(table[name].iloc[0]) if name in table else math.nan for name in names}
+        known = {name: table[name].iloc[0] if name in table else math.nan for name in names}
         for bound, column in EXPONENTS.items():
-            number, gamma = bound.strip("()"), known[column]
+            number = bound.strip("()")
+            gamma = known[column]
             quantity = f"right-hand side of {bound} / error: change under refinement"
             growth = changing(bound, column)
-            steady = Check(f"steady-{number}", quantity, growth, STEADY, CheckKind.CONSEQUENCE, ENOUGH)
+            steady = consequence(
+                f"steady-{number}",
+                quantity,
+                growth,
+                Window(0.7, 1.4, "over two refinements: the orders differ by less than 1/4"),
+                levels=ENOUGH,
+            )
             if gamma > 0:
                 term = RATE if gamma == known[EXPONENTS["(5.21)"]] else TRACE
                 lower = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
                 window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
-                power = quantities.of_errors(term, lambda h, ratio: -fit(h, ratio))
-                yield Check(f"growth-{number}", lower, power, window, CheckKind.CONSEQUENCE, ENOUGH), groups
+                power = of_errors(term, lambda h, ratio: -fit(h, ratio))
+                yield consequence(f"growth-{number}", lower, power, window, levels=ENOUGH), groups
             elif bound == "(5.42)" and known[LOGARITHM] > 0:
                 lower = f"{quantity}, of lower order by |log h|^{{1/4}}"
                 yield replace(steady, quantity=lower, if_missed="a few levels cannot show a logarithm"), groups
             else:
                 yield steady, groups
             share = f"error / (c · right side of {bound})"
-            yield Check(f"constant-{number}", share, quantities.values(f"{bound}, c"), PROVED, CheckKind.CLAIM), groups
+            yield (
+                paper_claim(
+                    f"constant-{number}",
+                    share,
+                    values(f"{bound}, c"),
+                    positive_at_most(1.0, "with the constant c of the proof"),
+                ),
+                groups,
+            )
 
 
-def changing(bound: str, prediction: str) -> quantities.Value:
+def changing(bound: str, prediction: str) -> Value:
     """Return the function for the change of a bound under refinement; it needs the column with the prediction γ."""
 
     def value(table: pd.DataFrame) -> float:
@@ -143,7 +164,7 @@ def changing(bound: str, prediction: str) -> quantities.Value:
     return value
 
 
-def predicted(case: Case) -> dict[str, float]:
+def predicted(case: Case) -> Numbers:
     """Return the predictions for a case, by the names of columns.
 
     For each of the bounds (5.21) and (5.42), a column has the exponent γ for which bound / error is predicted to grow
@@ -157,27 +178,34 @@ def predicted(case: Case) -> dict[str, float]:
 
 def constant(law: KelvinVoigt, T: float) -> float:
     """Return the constant c of the error estimate that the module docstring proves, for a law and the final time T."""
-    L, omega = law.kappa, law.growth
+    L = law.kappa
+    omega = law.growth
     on_rate = math.sqrt(4 * T + 2 * L * T**2 + L**2 * T**3 / 3)
     return math.exp(omega * T) * max(2 + L * T, on_rate)
 
 
-def sides(setup: Experiment) -> dict[str, float]:
+def sides(setup: Experiment) -> Numbers:
     """Return the quotients (right side) / error and error / (c · right side) for the bounds (5.21) and (5.42)."""
-    v_norm, problem, T = setup.v_norm, setup.problem, setup.problem.T
+    v_norm = setup.v_norm
+    problem = setup.problem
+    T = setup.problem.T
     states = setup.scheme.march(problem, setup.steps)
     error = maximum(v_norm.distance(v_norm.sample(state.time), state.u) for state in states)
-    start, velocity = v_norm.sample(0.0), Velocity(setup.solution, setup.space)
-    times, k = midpoints(T, INSTANTS), T / INSTANTS
+    start = v_norm.sample(0.0)
+    velocity = Velocity(setup.solution, setup.space)
+    times = midpoints(T, INSTANTS)
+    k = T / INSTANTS
     # The work of contact ∫ σ_ν (Π^hu_ν − u_ν) and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² over Γ3.
     works, squares, pressures = np.zeros((3, INSTANTS))
     mesh = setup.space.mesh
     for face in setup.solution.faces:
         facets = setup.space.facets(face.part)
         rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS)
-        exact, nodes = setup.solution.on(face, rule.s), setup.solution.at(mesh.p[:, mesh.facets[:, facets]])
+        exact = setup.solution.on(face, rule.s)
+        nodes = setup.solution.at(mesh.p[:, mesh.facets[:, facets]])
         nodal = np.tensordot(face.part.normal, nodes.displacement(times), axes=1)
-        eta, pressure = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes), exact.pressure(times)
+        eta = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes)
+        pressure = exact.pressure(times)
         pressure = np.where(abs(pressure) > ROUND_OFF * exact.stress_scale(), pressure, 0.0)
         works += np.tensordot(rule.weights, pressure * eta, axes=2)
         squares += np.tensordot(rule.weights, eta**2, axes=2)
@@ -186,7 +214,8 @@ def sides(setup: Experiment) -> dict[str, float]:
     common = v_norm.distance(start, start.interpolant) + rate + v_norm.distance(start, problem.u0)
     work = math.sqrt(k * np.sum(abs(works)))
     trace = math.sqrt(k * np.sum(np.sqrt(squares)) * np.sqrt(pressures).max())
-    right, c = {"(5.21)": common + work, "(5.42)": common + trace}, constant(setup.solution.law, T)
+    right = {"(5.21)": common + work, "(5.42)": common + trace}
+    c = constant(setup.solution.law, T)
     return {
         **{name: value / error for name, value in {**right, RATE: rate, TRACE: trace}.items()},
         **{f"{name}, c": error / (c * value) for name, value in right.items()},

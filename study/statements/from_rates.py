@@ -12,16 +12,15 @@ The modules ``prop_5_3`` and ``prop_5_4`` measure these errors. The statements a
 
 from dataclasses import replace
 
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, Groups
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, Groups, consequence
+from study.ledger.quantities import finest_quotient, over_refinements
 from study.ledger.window import Window, around, at_least
 from study.statements.prop_5_4 import FromRates
+from study.statements.shared.base import Judged
 from study.statements.shared.meshes import LEADING, split, value_of_case
 
 ROOM = 0.1
 """Observed orders approach the proved order from below, up to this number on these levels."""
-NEAR = around(1, 0.05, "on the finest level")
 
 
 class SizeOfInterpolation(FromRates):
@@ -31,23 +30,21 @@ class SizeOfInterpolation(FromRates):
     claim = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
     proposition = "Prop. 5.4"
     checks = (
-        Check(
+        consequence(
             "leading-term",
             "‖u − Π^h u‖_V / leading term",
-            quantities.finest_quotient("interpolation_error", LEADING),
-            NEAR,
-            CheckKind.CONSEQUENCE,
+            finest_quotient("interpolation_error", LEADING),
+            around(1, 0.05, "on the finest level"),
         ),
     )
 
 
-SEEN = Check(
+SEEN = consequence(
     "order",
     "observed order on uniform meshes",
-    quantities.over_refinements("error", 2),
+    over_refinements("error", 2),
     Window(),
-    CheckKind.CONSEQUENCE,
-    ENOUGH,
+    levels=ENOUGH,
     if_missed="the paper claims an order only under (5.36)",
 )
 
@@ -63,7 +60,7 @@ class RegularityNeeded(FromRates):
     claim = "does Prop. 5.4 need the regularity (5.36) that it assumes?"
     proposition = "Prop. 5.3"
 
-    def checks_of(self, case: str, groups: Groups) -> list[tuple[Check, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Judged:
         proved = at_least(value_of_case(groups, "proved_order"), "the order that the proof gives")
         uniform, _ = split(groups, lambda family: family.uniform)
         reported = replace(SEEN, window=proved)

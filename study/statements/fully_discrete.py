@@ -22,14 +22,13 @@ import numpy as np
 import pandas as pd
 
 from manufactured.tensors import Array
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, Check, consequence
+from study.ledger.quantities import fitted
 from study.ledger.window import around, between
 from study.solve.evolution import Scheme
 from study.solve.paths import path
 from study.solve.tableau import MIDPOINT, SCHEMES
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum
 
@@ -41,12 +40,12 @@ ASYMPTOTIC = COUNTS[2:]
 """Numbers of time steps from which the order in k of the error in time, d, is computed."""
 SECOND = between(1.5, 2, 0.1, 0.1, "3/2 where vertices come into contact or leave it")
 ORDERS = {"backward-euler": around(1, 0.1), "bdf2": SECOND, "midpoint": SECOND}
-OPEN = "the paper leaves the fully discrete error open"
 
 
 def checks_of_scheme(scheme: Scheme) -> Iterator[Check]:
     """Yield the checks of a time scheme: the orders of the error in time in k and in h, and of the error in h."""
-    name, in_time = scheme.name, "‖u^h − u^{hk}‖"
+    name = scheme.name
+    in_time = "‖u^h − u^{hk}‖"
 
     def in_k(levels: pd.DataFrame) -> float:
         return power_law(levels, scheme)[0]
@@ -54,20 +53,24 @@ def checks_of_scheme(scheme: Scheme) -> Iterator[Check]:
     def in_h(levels: pd.DataFrame) -> float:
         return power_law(levels, scheme)[1]
 
-    of_error = quantities.fitted(f"{name} {COUNTS[-1]} e")
+    of_error = fitted(f"{name} {COUNTS[-1]} e")
     for key, quantity, value, window in (
         ("time-in-k", f"order q of {in_time} in k", in_k, ORDERS[name]),
         ("time-in-h", f"order s of {in_time} in h", in_h, around(0, 0.1)),
         ("error-in-h", "order p of ‖u − u^{hk}‖ in h", of_error, around(1, 0.15)),
     ):
-        kind = CheckKind.CONSEQUENCE
-        yield Check(f"{name}-{key}", f"{name}: {quantity}", value, window, kind, ENOUGH, if_missed=OPEN)
+        key = f"{name}-{key}"
+        quantity = f"{name}: {quantity}"
+        yield consequence(
+            key, quantity, value, window, levels=ENOUGH, if_missed="the paper leaves the fully discrete error open"
+        )
 
 
 def power_law(levels: pd.DataFrame, scheme: Scheme) -> Array:
     """Return the exponents (q, s) of the error in time, d = C k^q h^s, by least squares for the smaller steps."""
     columns = [f"{scheme.name} {count} d" for count in ASYMPTOTIC]
-    d, h = levels[columns].to_numpy(), levels["h"].to_numpy()
+    d = levels[columns].to_numpy()
+    h = levels["h"].to_numpy()
     log_k, log_h = np.meshgrid(-np.log(ASYMPTOTIC), np.log(h))
     unknowns = np.column_stack([log_k.ravel(), log_h.ravel(), np.ones(d.size)])
     solution, *_ = np.linalg.lstsq(unknowns, np.log(d).ravel(), rcond=None)
@@ -84,13 +87,16 @@ class FullyDiscrete(ListedNumbers):
     # The quick study leaves this statement out: nothing is claimed, and every mesh needs a solution with 1024 steps.
     full = grid(("advance-recede", "yield-and-release"), ("shaken",), (6, 12, 24))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
-        v_norm, M, T, common = setup.v_norm, setup.problem.M, setup.problem.T, min(COUNTS)
+        v_norm = setup.v_norm
+        M = setup.problem.M
+        T = setup.problem.T
+        common = min(COUNTS)
         problem = with_cached_loads(setup.problem, 12)
         reference = path(problem, MIDPOINT, FINEST)[:: FINEST // common]
         samples = [v_norm.sample(n * T / common) for n in range(common + 1)]
-        measured: dict[str, float] = {}
+        measured: Numbers = {}
         for scheme in SCHEMES:
             for count in COUNTS:
                 states = path(problem, scheme, count)[:: count // common]

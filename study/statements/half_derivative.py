@@ -33,7 +33,7 @@ the constraint where it is positive. θ(t) is the factor of the singular field.
   false in general. It is a maximum over random meshes: on a single one either sign may occur.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -45,12 +45,10 @@ from manufactured.natural_motion import NAME
 from manufactured.singular import SingularFace, TravellingField
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel
 from study.fem.mesh import barycentric_gradients
-from study.fem.naming import resolve
 from study.fem.quadrature import gauss
 from study.fem.space import Space, form
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, Groups
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, Groups, consequence, identity
+from study.ledger.quantities import change, values
 from study.ledger.window import at_least, at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
@@ -60,9 +58,9 @@ from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.backward_euler import PROVED
 from study.statements.rollers import SEEDS
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import Judged, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment, with_cached_loads
-from study.statements.shared.meshes import space_of, split_random
+from study.statements.shared.meshes import posed, split_random
 from study.statements.shared.norms import maximum
 
 STEPS_PER_CELL = 4
@@ -77,20 +75,18 @@ GAUSS_POINTS = 20
 """Number of Gauss points on each edge of a cell."""
 
 HALF_DERIVATIVE = (
-    Check(
+    identity(
         "half",
         "mean of ‖u̇^h(t + τ) − u̇^h(t)‖² over τ < δ, integrated over t / (C_2 δ), largest over δ",
-        quantities.values("half"),
+        values("half"),
         PROVED,
-        CheckKind.IDENTITY,
     ),
-    Check(
+    consequence(
         "half-growth",
         "the same quotient, finest / coarsest mesh",
-        quantities.change("half"),
+        change("half"),
         at_most(1.25, "the constant does not depend on the mesh"),
-        CheckKind.CONSEQUENCE,
-        ENOUGH,
+        levels=ENOUGH,
     ),
 )
 
@@ -136,7 +132,8 @@ def euler_quotient(flow: GradientFlow, kappa: float, states: Array) -> float:
         states: the displacements U_0, …, U_N, (N + 1, dofs).
     """
     rates = np.vstack([flow.start, np.diff(states, axis=0) / flow.interval])
-    jumps, speeds = norms(flow.problem, np.diff(rates, axis=0)), norms(flow.problem, rates[1:])
+    jumps = norms(flow.problem, np.diff(rates, axis=0))
+    speeds = norms(flow.problem, rates[1:])
     growth = kappa * flow.interval * speeds.sum()
     return float(jumps @ jumps / (flow.first**2 + 2 * speeds.max() * (flow.variation + growth)))
 
@@ -149,13 +146,7 @@ class HalfDerivative(ListedNumbers):
     effort = 10
     checks = (
         *HALF_DERIVATIVE,
-        Check(
-            "euler",
-            "backward Euler: Σ ‖δ_n − δ_{n−1}‖² / its bound",
-            quantities.values("euler"),
-            PROVED,
-            CheckKind.IDENTITY,
-        ),
+        identity("euler", "backward Euler: Σ ‖δ_n − δ_{n−1}‖² / its bound", values("euler"), PROVED),
     )
     quick = grid(("advance-recede",), ("one-diagonal",), (4, 8, 16))
     full = grid(("advance-recede", "travelling-patch", "yield-and-release"), ("one-diagonal",), (8, 16, 32))
@@ -163,8 +154,9 @@ class HalfDerivative(ListedNumbers):
     def setup(self, setting: Setting) -> Experiment:
         return Experiment.at(setting, MIDPOINT, STEPS_PER_CELL * setting.level)
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
-        problem, steps = with_cached_loads(setup.solved or setup.problem), setup.steps
+    def measure(self, setup: Experiment) -> Numbers:
+        problem = with_cached_loads(setup.solved or setup.problem)
+        steps = setup.steps
         loads = [problem.load(problem.T * n / steps) for n in range(steps + 1)]
         flow = GradientFlow(problem, np.array(loads))
         numbers = {
@@ -174,19 +166,11 @@ class HalfDerivative(ListedNumbers):
         return with_h(setup.space.h, numbers)
 
 
-CONSTANT = Check(
-    "constant",
-    "largest |(P_hu_s − Π^hu_s)_ν(a)| (h + |a − x|)^{1/2} / (θ h² |log h|)",
-    quantities.values("constant"),
-    at_most(1.5, "bounded on every mesh family"),
-    CheckKind.CONSEQUENCE,
-)
-SIGN = Check(
+SIGN = consequence(
     "sign",
     "largest (P_hu_s)_ν / (θ h^{3/2}) at vertices in contact behind the front, over shaken meshes",
     lambda table: table["signed"].max(),
     at_least(0.01, "so the constraint is violated behind the front"),
-    CheckKind.CONSEQUENCE,
 )
 
 
@@ -204,13 +188,17 @@ class NodalErrors(ListedNumbers):
         *grid((NAME,), SEEDS, (32,)),
     )
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        solution, space = resolve(setting.case).solution, space_of(setting)
-        (part,), (_, vertices), A, h = space.body.of(Kind.CONTACT), space.contact[0], solution.law.A, space.h
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
+        (part,) = space.body.of(Kind.CONTACT)
+        (_, vertices) = space.contact[0]
+        A = solution.law.A
+        h = space.h
         condensed = Signorini(form(space, A), space.N)
         corners = space.mesh.p[:, vertices]
         (s,) = part.coordinates(corners)[0]
-        constants, signed = [], []
+        constants = []
+        signed = []
         for time in MIDDLE + np.arange(FRONTS) / FRONTS * h / SPEED:
             behind = front_at(solution, time) - s
             near_front = partial(cut_solution, solution, time)
@@ -221,9 +209,17 @@ class NodalErrors(ListedNumbers):
         numbers = {"constant": maximum(constants) / (h**2 * abs(np.log(h))), "signed": maximum(signed) / h**1.5}
         return with_h(h, numbers)
 
-    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Judged:
         """Yield the check of the constant on all meshes, and that of the sign on all random meshes together."""
-        yield CONSTANT, groups
+        yield (
+            consequence(
+                "constant",
+                "largest |(P_hu_s − Π^hu_s)_ν(a)| (h + |a − x|)^{1/2} / (θ h² |log h|)",
+                values("constant"),
+                at_most(1.5, "bounded on every mesh family"),
+            ),
+            groups,
+        )
         random, _ = split_random(groups)
         if random:
             yield SIGN, {SEEDS[0]: pd.concat(random.values())}
@@ -260,7 +256,8 @@ def means_from_edges(
     """
     places, weights = gauss(points)
     corners = space.mesh.p[:, space.mesh.t[:, cells]]
-    first, second = corners[:, [1, 2, 0]], corners[:, [2, 0, 1]]
+    first = corners[:, [1, 2, 0]]
+    second = corners[:, [2, 0, 1]]
     x = first[..., None] + (second - first)[..., None] * places
     means = displacement(x.reshape(2, -1)).reshape(x.shape) @ weights
     gradients = barycentric_gradients(space.mesh)[cells]

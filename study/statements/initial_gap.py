@@ -18,13 +18,12 @@ criteria of Proposition 5.3. If g is forgotten or has the wrong sign, the error 
 (``study.controls``).
 """
 
-from collections.abc import Iterator
-
 from manufactured.case import INITIAL_GAP
-from study.ledger.check import Check, Groups
+from study.ledger.check import Groups
 from study.statements.from_rates import SizeOfInterpolation
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4 import FirstOrder, Rates
+from study.statements.shared.base import Judged
 from study.statements.shared.meshes import value_of_case
 
 
@@ -35,7 +34,7 @@ class InitialGap(Rates):
     claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h) for K = {v : v_ν ≤ g on Γ3}; the paper has g = 0"
     initial_gap = True
 
-    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Judged:
         smooth = value_of_case(groups, "expected_order") >= 1
         for statement in (FirstOrder(), SizeOfInterpolation()) if smooth else (Convergence(),):
             yield from statement.checks_of(case, groups)

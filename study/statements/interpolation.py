@@ -11,7 +11,6 @@ H^τ for τ < α + 1/2, and the predicted order is min(2, α + 1/2).
 """
 
 import math
-from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
@@ -23,12 +22,11 @@ from study.fem.mesh import Graded, Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, Groups
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, Groups, paper_claim
+from study.ledger.quantities import fitted, level_by_level, over_refinements
 from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves
-from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
+from study.statements.shared.base import SEED, Judged, ListedNumbers, Numbers, Setting, with_h
 from study.statements.shared.meshes import (
     CELLS,
     EVERY,
@@ -37,6 +35,7 @@ from study.statements.shared.meshes import (
     law_of,
     named,
     place,
+    posed,
     space_of,
     split_random,
 )
@@ -66,7 +65,6 @@ FIELDS = {"smooth": SMOOTH, **{f"u-{fraction}": v for v, fraction in INSTANTS.it
 """Names of the interpolated functions in columns, by the keys of the checks."""
 REGULARITY = "τ"
 """Name of the column with the regularity τ of the trace: v_ν ∈ H^s(Γ3,i) for all s < τ."""
-NOT_IN_H2 = "the trace is not in H², so that (5.24) does not apply"
 SIZE, TRACE = "size of Γ3,{}", "{} on Γ3,{}"
 """Names of the columns for one contact face: its mesh size, and the interpolation error of a trace on it."""
 
@@ -101,26 +99,26 @@ class InterpolationInV(ListedNumbers):
         # Graded meshes are left out: their cells at singular points are much smaller than h, which changes the order.
         return [s for s in place(cases, EVERY, (8, 16, 32), (8, 12, 16)) if s.family != Graded().name]
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        space, solution = space_of(setting), resolve(setting.case).solution
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
         v_norm = ErrorNorm(solution, space, RAISED)
         samples = {v: v_norm.sample(fraction * solution.body.T) for v, fraction in INSTANTS.items()}
         errors = {v: v_norm.distance(sample, sample.interpolant) for v, sample in samples.items()}
         return with_h(space.h, {**errors, SMOOTH: distance_in_V(solution, space, smooth(space.body))})
 
-    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Judged:
         by_cells = around(1.0, ROOM, "least squares, weighted by the number of cells")
         random, others = split_random(groups)
         for key, v in FIELDS.items():
             quantity = f"order of ‖v − Π^h v‖_V, v = {v}"
-            by_level = quantities.level_by_level(v)
+            by_level = level_by_level(v)
             if others:
-                check = Check(key, f"{quantity}, level by level", by_level, SHARP, CheckKind.CLAIM, ENOUGH, finest=True)
+                check = paper_claim(key, f"{quantity}, level by level", by_level, SHARP, levels=ENOUGH, finest=True)
                 yield check, others
             if random:
-                fitted = quantities.fitted(v, power=CELLS)
                 quantity = f"{quantity}, random meshes, fitted"
-                yield Check(f"{key}-random", quantity, fitted, by_cells, CheckKind.CLAIM, ENOUGH), random
+                order = fitted(v, power=CELLS)
+                yield paper_claim(f"{key}-random", quantity, order, by_cells, levels=ENOUGH), random
 
 
 def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
@@ -131,12 +129,13 @@ def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
         space: the P1 space.
         field: the field, analytic in x.
     """
-    interpolant, total = space.strain(space.interpolate(field(space.mesh.p))), 0.0
+    interpolant = space.strain(space.interpolate(field(space.mesh.p)))
+    total = 0.0
     for rule in rules(solution, space.mesh, DEGREE + RAISED):
         difference = strain(field, rule.points) - interpolant[:, rule.cells, None]
         viscous = solution.law.A.at(rule.points)(difference)
-        total += float(np.einsum("Inq,Inq,nq->", viscous, difference, rule.weights))
-    return float(np.sqrt(total))
+        total += np.einsum("Inq,Inq,nq->", viscous, difference, rule.weights)
+    return math.sqrt(total)
 
 
 # (5.24): interpolation of normal traces on contact faces.
@@ -160,15 +159,16 @@ class InterpolationOnContact(ListedNumbers):
         without = Graded().name, Shaken().name
         return [s for s in place(cases, EVERY, (16, 32, 64), (16, 24, 32)) if s.family not in without]
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        space, case = space_of(setting), resolve(setting.case)
+    def measure(self, setting: Setting) -> Numbers:
+        space = space_of(setting)
+        case = resolve(setting.case)
         found = {REGULARITY: case.regularity.trace}
         for i, face in enumerate(case.solution.faces, start=1):
             found[SIZE.format(i)] = induced_size(space, face.part)
             found |= {TRACE.format(v, i): error for v, error in on_face(case.solution, space, face).items()}
         return with_h(space.h, found)
 
-    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Judged:
         """Yield the criteria for the orders on all faces, in the mesh size on the face.
 
         For τ > 2 the paper claims the order 2. Otherwise min(2, τ) is predicted.
@@ -177,19 +177,30 @@ class InterpolationOnContact(ListedNumbers):
         of_solution = min(float(table[REGULARITY].min()) for table in groups.values())
         claimed = around(2.0, ROOM)
         for (name, v), face in product(FIELDS.items(), range(1, len(columns))):
-            key, column, size = f"{name}-face-{face}", TRACE.format(v, face), SIZE.format(face)
+            key = f"{name}-face-{face}"
+            column = TRACE.format(v, face)
+            size = SIZE.format(face)
             if not {size, column} <= columns:
                 continue
-            tau, quantity = math.inf if v == SMOOTH else of_solution, f"order of ‖v_ν − Π^h v_ν‖, v = {column}"
+            tau = math.inf if v == SMOOTH else of_solution
+            quantity = f"order of ‖v_ν − Π^h v_ν‖, v = {column}"
             if tau >= 2.5:
-                text, value, window = "level by level", quantities.level_by_level(column), claimed
+                text = "level by level"
+                value = level_by_level(column)
+                window = claimed
             elif tau > 2:
                 # Two refinements are judged together: the error in the cell of the front depends on where it is cut.
-                text, value, window = "over two refinements", quantities.over_refinements(column, 2), claimed
+                text = "over two refinements"
+                value = over_refinements(column, 2)
+                window = claimed
             else:
-                text, value, window = "fitted", quantities.fitted(column), around(tau, 0.3)
-            unclaimed = "" if tau > 2 else NOT_IN_H2
-            check = Check(key, f"{quantity}, {text}", value, window, CheckKind.CLAIM, ENOUGH, tau >= 2.5, unclaimed)
+                text = "fitted"
+                value = fitted(column)
+                window = around(tau, 0.3)
+            unclaimed = "" if tau > 2 else "the trace is not in H², so that (5.24) does not apply"
+            check = paper_claim(
+                key, f"{quantity}, {text}", value, window, levels=ENOUGH, finest=tau >= 2.5, if_missed=unclaimed
+            )
             yield check, {family: table.assign(h=table[size]) for family, table in groups.items() if size in table}
 
 
@@ -203,22 +214,26 @@ def induced_size(space: Space, part: Part) -> float:
     return float((math.factorial(along) * part.measure / len(space.facets(part))) ** (1 / along))
 
 
-def on_face(solution: ExactSolution, space: Space, face: Face) -> dict[str, float]:
+def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
     """Return interpolation errors in L² of normal traces on one contact face, by the names of the functions.
 
     Functions with a linear trace are left out.
     """
-    mesh, facets = space.mesh, space.facets(face.part)
+    mesh = space.mesh
+    facets = space.facets(face.part)
     rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS + RAISED)
-    x, vertices = face.part.point(rule.s), mesh.p[:, mesh.facets[:, facets]]
-    exact, nodes, field = solution.at(x), solution.at(vertices), smooth(space.body)
+    x = face.part.point(rule.s)
+    vertices = mesh.p[:, mesh.facets[:, facets]]
+    exact = solution.at(x)
+    nodes = solution.at(vertices)
+    field = smooth(space.body)
     times = {v: fraction * solution.body.T for v, fraction in INSTANTS.items()}
     pairs = {v: (exact.displacement(time), nodes.displacement(time)) for v, time in times.items()}
     found = {}
-    for name, (values, nodal) in {**pairs, SMOOTH: (field(x), field(vertices))}.items():
-        trace, corners = (np.tensordot(face.part.normal, v, axes=1) for v in (values, nodal))
+    for name, (inside, nodal) in {**pairs, SMOOTH: (field(x), field(vertices))}.items():
+        trace, corners = (np.tensordot(face.part.normal, v, axes=1) for v in (inside, nodal))
         difference = trace - np.einsum("an,anq->nq", corners, rule.shapes)
-        error = float(np.sqrt(np.sum(difference**2 * rule.weights)))
-        if error > ROUND_OFF * float(np.sqrt(np.sum(trace**2 * rule.weights))):
+        error, size = (math.sqrt(np.sum(values**2 * rule.weights)) for values in (difference, trace))
+        if error > ROUND_OFF * size:
             found[name] = error
     return found

@@ -17,17 +17,15 @@ import math
 
 import pandas as pd
 
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, ROUNDING, Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, ROUNDING, identity, paper_claim
+from study.ledger.quantities import ratios
 from study.ledger.window import Window, at_most
-from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, with_h
 from study.statements.shared.eigen import h1_product, smallest, strain_product
 from study.statements.shared.meshes import body_of, first_with_each, place, space_of
 from study.statements.shared.scope import REGULAR
 
 VALUE = "smallest eigenvalue"
-FALLING = at_most(1 + ROUNDING, "on every level")
 LIMIT = Window(0.7, 1.0, "of the value on the finest level")
 """Window of (limit of the eigenvalue for h → 0) / (value on the finest level).
 
@@ -47,7 +45,8 @@ def extrapolated(table: pd.DataFrame) -> float:
     shrink.
     """
     first, second, last = table[VALUE].to_numpy()[-3:]
-    before, drop = first - second, second - last
+    before = first - second
+    drop = second - last
     return float((last - drop**2 / (before - drop)) / last if before > drop else -math.inf)
 
 
@@ -57,21 +56,20 @@ class Korn(ListedNumbers):
     label = "(2.17)"
     claim = "‖ε(v)‖_Q ≥ C_K ‖v‖_{H_1} on V, C_K > 0"
     checks = (
-        Check(
+        identity(
             "falling",
             f"{VALUE} / value on the next coarser level",
-            quantities.ratios(VALUE),
-            FALLING,
-            CheckKind.IDENTITY,
-            2,
+            ratios(VALUE),
+            at_most(1 + ROUNDING, "on every level"),
+            levels=2,
         ),
-        Check("limit", f"limit of the {VALUE} for h → 0", extrapolated, LIMIT, CheckKind.CLAIM, ENOUGH),
+        paper_claim("limit", f"limit of the {VALUE} for h → 0", extrapolated, LIMIT, levels=ENOUGH),
     )
 
     def places(self, full: bool) -> list[Setting]:
         bodies = first_with_each(body_of)
         return place(bodies, REGULAR, (8, 16, 32, 64), (2, 4, 8)) if full else place(bodies, REGULAR, (4, 8, 16))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         space = space_of(setting)
         return with_h(space.h, {VALUE: smallest(strain_product(space), h1_product(space))})

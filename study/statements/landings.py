@@ -36,20 +36,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import scipy.sparse as sps
 
 from manufactured.tensors import Array
 from study.fem.space import Space
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.orders import fit
-from study.ledger.verdict import CheckKind
+from study.ledger.check import Check, consequence, identity
+from study.ledger.quantities import values
 from study.ledger.window import Window, around
 from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.paths import furthest, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.backward_euler import orders_in_k
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
 
 COUNTS = (16, 32, 64, 128, 256, 512, 1024)
@@ -58,22 +56,21 @@ FINEST = 8192
 """Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
 LANDING, RISE = 0.4, 0.075
 """Data of the problem with two unknowns: the time at which u_2 comes into contact, and then the velocity of u_1."""
-PROVED = Window(
-    math.sqrt(2) * 0.2 * RISE * (1 - 1e-9), math.sqrt(2) * 0.8 * RISE * (1 + 1e-9), "proved, both ends attained"
-)
 LAST = COUNTS[3:]
 """Numbers of time steps in the last three halvings, where the order 1 is expected."""
-LEFT, SECOND = around(1, 0.4, "excludes 3/2 and 2"), around(2, 0.3)
+LEFT = around(1, 0.4, "excludes 3/2 and 2")
+SECOND = around(2, 0.3)
 LOADS = {"own": "load of the case", "rolling": "load that moves along Γ3"}
 """Descriptions of the two loads, by their names in columns."""
 TWO_UNKNOWNS = "error / k for a problem with two unknowns"
-NO_THEORY = "no theory gives this order for P1 elements"
 
 
 def two_unknowns() -> SemiDiscrete:
     """Return the problem with two unknowns of the module docstring, on the time interval [0, 1]."""
-    S, none = sps.csc_array([[2.0, -1.0], [-1.0, 2.0]]), sps.csc_array((2, 2))
-    force, start = np.array([0.15, -2.0]), np.array([0.0, LANDING])
+    S = sps.csc_array([[2.0, -1.0], [-1.0, 2.0]])
+    none = sps.csc_array((2, 2))
+    force = np.array([0.15, -2.0])
+    start = np.array([0.0, LANDING])
     return SemiDiscrete(S, none, None, sps.csr_array(-np.eye(2)), lambda t: force, start, 1.0)
 
 
@@ -106,13 +103,11 @@ def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -
         counts: the numbers of time steps to which the order is fitted.
         window: the predicted order with its tolerance.
     """
-    columns = tuple(f"{load} {scheme.name} {count}" for count in counts)
-
-    def orders(levels: pd.DataFrame) -> Array:
-        return np.array([fit(1 / np.array(counts), row) for row in levels[list(columns)].to_numpy()])
-
+    in_k = orders_in_k(counts, [f"{load} {scheme.name} {count}" for count in counts])
     quantity = f"{scheme.name}: order in k from {counts[0]} to {counts[-1]} steps, {LOADS[load]}"
-    return Check(f"{scheme.name}-{load}", quantity, orders, window, CheckKind.CONSEQUENCE, if_missed=NO_THEORY)
+    return consequence(
+        f"{scheme.name}-{load}", quantity, in_k, window, if_missed="no theory gives this order for P1 elements"
+    )
 
 
 class Landings(ListedNumbers):
@@ -126,12 +121,15 @@ class Landings(ListedNumbers):
     claim = "if a vertex that lands lifts a loaded neighbour, second-order schemes have only order 1 in k"
     checks = (
         *(
-            Check(
+            identity(
                 f"{name}-two",
                 f"{name}: {TWO_UNKNOWNS}",
-                quantities.values(*(f"two {name} {count}" for count in COUNTS)),
-                PROVED,
-                CheckKind.IDENTITY,
+                values(*(f"two {name} {count}" for count in COUNTS)),
+                Window(
+                    math.sqrt(2) * 0.2 * RISE * (1 - 1e-9),
+                    math.sqrt(2) * 0.8 * RISE * (1 + 1e-9),
+                    "proved, both ends attained",
+                ),
             )
             for name in (BACKWARD_EULER.name, MIDPOINT.name)
         ),
@@ -142,8 +140,8 @@ class Landings(ListedNumbers):
     )
     full = grid(("travelling-patch",), ("one-diagonal", "shaken"), (8, 16))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        found: dict[str, float] = {}
+    def measure(self, setting: Setting) -> Numbers:
+        found: Numbers = {}
         for scheme in (BACKWARD_EULER, MIDPOINT):
             for count in COUNTS:
                 exact = solution_of_two_unknowns(np.arange(count + 1) / count)

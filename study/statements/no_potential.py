@@ -46,17 +46,16 @@ from scipy.interpolate import make_interp_spline
 
 from manufactured.no_potential import NAME
 from manufactured.tensors import Array
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, accuracy, consequence, identity
+from study.ledger.quantities import Value, change, fitted, values
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.euler_bounds import EulerBounds, backward_euler
 from study.solve.evolution import SemiDiscrete
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
-from study.statements.backward_euler import order_in_k
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.backward_euler import orders_in_k
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum, minimum
 
@@ -72,12 +71,10 @@ ROTATION, TURNS = 10.0, 1000
 """The test problem of a rotation in the plane: its angular velocity κ, and its number of time steps."""
 PROVED = positive_at_most(1.0, "proved for every h and k")
 IN_K = around(1, 0.1, "least squares over four halvings, every mesh")
-UNIFORM = around(1, 0.1, "the constant does not depend on the mesh")
-IN_H = around(1, 0.15, "least squares over all levels, k = T/(4n)")
-BEST = Window(0.8, 1.0, "0.855 predicted; a constant below 0.8 κT/2 would be too small")
-SMALL = positive_at_most(0.1, "so the reference solution hardly changes the error")
-ERROR, SHORTEST = "‖u^h − û^{hk}‖", f"equal {COUNTS[-1]} error"
-OF_BOUND, ORDER = f"{ERROR} / its bound from the", f"order of {ERROR} in k"
+ERROR = "‖u^h − û^{hk}‖"
+SHORTEST = f"equal {COUNTS[-1]} error"
+OF_BOUND = f"{ERROR} / its bound from the"
+ORDER = f"order of {ERROR} in k"
 HALF_STEPS = f"change of u^h from {FINEST // 2} to {FINEST} steps / smallest error"
 KINDS = "equal", "unequal"
 
@@ -96,8 +93,19 @@ def partition(kind: str, count: int) -> Array:
     return np.concatenate([[0], np.cumsum(np.tile([pair - short, short], count // 2))])
 
 
-def columns(kind: str, what: str) -> list[str]:
+def at_all_steps(column: str) -> Value:
+    """Return the function that gives a measured number, such as "equal error", for all numbers of time steps."""
+    return values(*columns(column))
+
+
+def in_k(kind: str) -> Value:
+    """Return the function for the observed orders in the time step k, for equal or unequal steps."""
+    return orders_in_k(COUNTS, columns(f"{kind} error"))
+
+
+def columns(column: str) -> list[str]:
     """Return the names of the columns with a measured number for all numbers of time steps."""
+    kind, what = column.split(" ", 1)
     return [f"{kind} {count} {what}" for count in COUNTS]
 
 
@@ -109,72 +117,57 @@ class NoPotential(ListedNumbers):
     claim = "max_t ‖u^h − û^{hk}‖_V ≤ c(κ, T, ‖u̇^h(0+)‖, Var f) k for backward Euler under (3.2) alone, for every h"
     outside_catalogue = True
     checks = (
-        Check(
-            "data-equal",
-            f"{OF_BOUND} data, equal steps",
-            quantities.values(*columns("equal", "by data")),
-            PROVED,
-            CheckKind.IDENTITY,
-        ),
-        Check(
-            "data-unequal",
-            f"{OF_BOUND} data, unequal steps",
-            quantities.values(*columns("unequal", "by data")),
-            PROVED,
-            CheckKind.IDENTITY,
-        ),
-        Check(
-            "solution-equal",
-            f"{OF_BOUND} solution, equal steps",
-            quantities.values(*columns("equal", "by solution")),
-            PROVED,
-            CheckKind.IDENTITY,
-        ),
-        Check(
+        identity("data-equal", f"{OF_BOUND} data, equal steps", at_all_steps("equal by data"), PROVED),
+        identity("data-unequal", f"{OF_BOUND} data, unequal steps", at_all_steps("unequal by data"), PROVED),
+        identity("solution-equal", f"{OF_BOUND} solution, equal steps", at_all_steps("equal by solution"), PROVED),
+        identity(
             "solution-unequal",
             f"{OF_BOUND} solution, unequal steps",
-            quantities.values(*columns("unequal", "by solution")),
+            at_all_steps("unequal by solution"),
             PROVED,
-            CheckKind.IDENTITY,
         ),
-        order_in_k("order-equal", f"{ORDER}, equal steps", IN_K, COUNTS, columns("equal", "error")),
-        order_in_k("order-unequal", f"{ORDER}, unequal steps", IN_K, COUNTS, columns("unequal", "error")),
-        Check(
+        consequence("order-equal", f"{ORDER}, equal steps", in_k("equal"), IN_K, finest=True),
+        consequence("order-unequal", f"{ORDER}, unequal steps", in_k("unequal"), IN_K, finest=True),
+        consequence(
             "uniform",
             f"{ERROR} with {COUNTS[-1]} steps, finest mesh / coarsest mesh",
-            quantities.change(SHORTEST),
-            UNIFORM,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            change(SHORTEST),
+            around(1, 0.1, "the constant does not depend on the mesh"),
+            levels=ENOUGH,
         ),
-        Check(
+        consequence(
             "order-both",
             f"order of max_n ‖u − U_n‖ in h for k = T/({PER_CELL}n)",
-            quantities.fitted("fully discrete"),
-            IN_H,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            fitted("fully discrete"),
+            around(1, 0.15, "least squares over all levels, k = T/(4n)"),
+            levels=ENOUGH,
         ),
-        Check(
+        consequence(
             "rotation",
             "error of a rotation in the plane / its bound from the data",
-            quantities.values("rotation"),
-            BEST,
-            CheckKind.CONSEQUENCE,
+            values("rotation"),
+            Window(0.8, 1.0, "0.855 predicted; a constant below 0.8 κT/2 would be too small"),
         ),
-        Check("reference", HALF_STEPS, quantities.values("reference"), SMALL, CheckKind.ACCURACY),
+        accuracy(
+            "reference",
+            HALF_STEPS,
+            values("reference"),
+            positive_at_most(0.1, "so the reference solution hardly changes the error"),
+        ),
     )
     quick = grid((NAME,), ("one-diagonal",), (6, 8, 12))
     full = grid((NAME,), ("one-diagonal", "unstructured"), (6, 12, 24))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
-        law, problem = setup.solution.law, with_cached_loads(setup.problem)
+        law = setup.solution.law
+        problem = with_cached_loads(setup.problem)
         times = problem.T * np.arange(FINEST + 1) / FINEST
         flow = GradientFlow(problem, np.array([problem.load(t) for t in times.tolist()]))
         bounds = EulerBounds(flow, law.kappa, law.growth)
-        exact, half = path(problem, MIDPOINT, FINEST), path(problem, MIDPOINT, FINEST // 2)
-        found: dict[str, float] = {}
+        exact = path(problem, MIDPOINT, FINEST)
+        half = path(problem, MIDPOINT, FINEST // 2)
+        found: Numbers = {}
         for kind, count in product(KINDS, COUNTS):
             nodes = partition(kind, count)
             states = backward_euler(problem, times[nodes].tolist())
@@ -199,7 +192,8 @@ def rotating() -> float:
     The problem is u̇ + Bu = 0, where B is κ times the rotation by a right angle.
     """
     turn = ROTATION * np.array([[0.0, 1.0], [-1.0, 0.0]])
-    none, start = sps.csc_array((2, 2)), np.array([1.0, 0.0])
+    none = sps.csc_array((2, 2))
+    start = np.array([1.0, 0.0])
     M = sps.csc_array(np.eye(2))
     problem = SemiDiscrete(M, none, turn.__matmul__, sps.csr_array((0, 2)), lambda t: np.zeros(2), start, 1.0)
     states = path(problem, BACKWARD_EULER, TURNS)

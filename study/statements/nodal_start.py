@@ -30,11 +30,10 @@ import numpy as np
 from manufactured.law import Linear
 from manufactured.tensors import Array, Points, dyad
 from study.fem.naming import resolve
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, consequence, identity
+from study.ledger.quantities import finest, level_by_level, values
 from study.ledger.window import Window, around, at_least, positive_at_most
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.meshes import space_of
 
@@ -42,9 +41,6 @@ FIRST = 3
 """The smallest level j of the spikes: the radius 4^{−j} is small compared with the distance 2^{−j} for j ≥ 3."""
 DIRECTION = np.array([0.0, 1.0])
 """The direction e_2 of the initial displacement."""
-PREDICTED = around(1, 0.05, "spikes of u_0 interpolate to hat functions of known norm")
-GROWS = Window(-1.5, -0.5, "the error grows at least like h^{−1/2}; every consecutive order")
-WORSE = at_least(3.0, "Π^h u_0 is a worse start than u_0^h = 0; finest grid")
 
 
 class NodalStart(ListedNumbers):
@@ -53,46 +49,41 @@ class NodalStart(ListedNumbers):
     label = "beyond: nodal start"
     claim = "the remark after (5.35) is false: ‖u_0 − Π^h u_0‖_V grows like h^{−1/2} for a u_0 ∈ K ∩ C(Ω̄)"
     checks = (
-        Check(
+        consequence(
             "size",
             "‖Π^h u_0‖_V / ((3μ + λ)(n − 4))^{1/2}",
-            quantities.values("size / predicted"),
-            PREDICTED,
-            CheckKind.CONSEQUENCE,
+            values("size / predicted"),
+            around(1, 0.05, "spikes of u_0 interpolate to hat functions of known norm"),
         ),
-        Check(
-            "proved",
-            "(5 m_A n/16)^{1/2} / ‖Π^h u_0‖_V",
-            quantities.values("proved / size"),
-            positive_at_most(1.0, "proved"),
-            CheckKind.IDENTITY,
+        identity(
+            "proved", "(5 m_A n/16)^{1/2} / ‖Π^h u_0‖_V", values("proved / size"), positive_at_most(1.0, "proved")
         ),
-        Check(
+        consequence(
             "growth",
             "order in h of ‖Π^h u_0‖_V − ‖u_0‖_V ≤ ‖u_0 − Π^h u_0‖_V",
-            quantities.level_by_level("error from below"),
-            GROWS,
-            CheckKind.CONSEQUENCE,
-            ENOUGH,
+            level_by_level("error from below"),
+            Window(-1.5, -0.5, "the error grows at least like h^{−1/2}; every consecutive order"),
+            levels=ENOUGH,
             finest=True,
         ),
-        Check(
+        consequence(
             "worse",
             "(‖Π^h u_0‖_V − ‖u_0‖_V) / ‖u_0‖_V",
-            quantities.finest("error / start at 0"),
-            WORSE,
-            CheckKind.CONSEQUENCE,
+            finest("error / start at 0"),
+            at_least(3.0, "Π^h u_0 is a worse start than u_0^h = 0; finest grid"),
         ),
     )
     quick = grid(("full-contact",), ("one-diagonal",), (8, 16, 32, 64))
     full = grid(("full-contact",), ("one-diagonal", "alternating"), (8, 16, 32, 64, 128))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        space, A = space_of(setting), resolve(setting.case).solution.law.A
+    def measure(self, setting: Setting) -> Numbers:
+        space = space_of(setting)
+        A = resolve(setting.case).solution.law.A
         # The grid has 2^i cells along a side. Spikes with j > i vanish at its vertices and do not change Π^h u_0.
         start = space.interpolate(np.multiply.outer(DIRECTION, spikes(space.mesh.p, setting.level.bit_length() - 1)))
         energy = start @ (unloaded(space, resolve(setting.case).solution.law).M @ start)
-        size, bound = math.sqrt(energy), norm_of_start(A)
+        size = math.sqrt(energy)
+        bound = norm_of_start(A)
         hats = 2 * mean_energy(A) * (setting.level - 4)
         least = math.sqrt(5 * A.ellipticity * setting.level / 16)
         found = {"size / predicted": size / math.sqrt(hats), "proved / size": least / size}

@@ -37,16 +37,14 @@ import pandas as pd
 
 from manufactured.catalogue import catalogue
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
-from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, ROUNDING, Check, Groups
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, ROUNDING, Groups, consequence, paper_claim
+from study.ledger.quantities import change, values
 from study.ledger.window import Window, around
 from study.solve.factorisation import Cholesky
-from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SOFTENING, Judged, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.meshes import named, place, space_of
+from study.statements.shared.meshes import named, place, posed
 from study.statements.shared.norms import dual_norm, maximum
 from study.statements.shared.scope import REGULAR
 
@@ -56,10 +54,7 @@ INTERVALS = 512
 COARSER = 16
 """Quotient of the lengths of long and short time intervals, over which increments of the load are compared."""
 VARIATION = f"variation of f^h on {INTERVALS} intervals / on {INTERVALS // 2} intervals"
-SETTLES = Window(1 - ROUNDING, 1.01, "the variation cannot fall; without a bound it grows by a power of 2")
 INCREMENTS = f"largest increment of f^h / largest increment over {COARSER} times as long intervals"
-CONTINUOUS = Window(1 / 32, 0.6, f"1/{COARSER} where ḟ is bounded, 1/2 for (t − t_0)^{{1/4}}, 1 for a jump")
-UNIFORM = around(1, 0.05, "f^h tends to f")
 WITHOUT = "ε(ü) ~ (s − c)^{α−4} with α = 13/4 is not square integrable and f has no bounded variation in V"
 
 
@@ -69,15 +64,24 @@ class LoadInTime(ListedNumbers):
     label = "(3.8), (5.9)"
     claim = "f ∈ W^{1,1}(0,T;V), and f^h ∈ W^{1,1}(0,T;V^h) uniformly in h"
     checks = (
-        Check("variation", VARIATION, quantities.values("variation"), SETTLES, CheckKind.CLAIM),
-        Check("increments", INCREMENTS, quantities.values("increments"), CONTINUOUS, CheckKind.CONSEQUENCE),
-        Check(
+        paper_claim(
+            "variation",
+            VARIATION,
+            values("variation"),
+            Window(1 - ROUNDING, 1.01, "the variation cannot fall; without a bound it grows by a power of 2"),
+        ),
+        consequence(
+            "increments",
+            INCREMENTS,
+            values("increments"),
+            Window(1 / 32, 0.6, f"1/{COARSER} where ḟ is bounded, 1/2 for (t − t_0)^{{1/4}}, 1 for a jump"),
+        ),
+        paper_claim(
             "uniform",
             "‖f^h‖_{W^{1,1}(0,T;V)}, finest mesh / coarsest mesh",
-            quantities.change("norm"),
-            UNIFORM,
-            CheckKind.CLAIM,
-            2,
+            change("norm"),
+            around(1, 0.05, "f^h tends to f"),
+            levels=2,
         ),
     )
     not_judged = MappingProxyType({"moving-rough": WITHOUT})
@@ -86,9 +90,10 @@ class LoadInTime(ListedNumbers):
         (*EVOLVING, "lift-and-land", "load-w11", "moving-rough", "hexagon", *SOFTENING), ("unstructured",), (16, 32)
     )
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        space, solution = space_of(setting), resolve(setting.case).solution
-        v_norm, riesz = ErrorNorm(solution, space), Cholesky(unloaded(space, solution.law).M)
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
+        v_norm = ErrorNorm(solution, space)
+        riesz = Cholesky(unloaded(space, solution.law).M)
         times = np.linspace(0, solution.body.T, INTERVALS + 1)
         loads = np.array([v_norm.load(float(t)) for t in times])
         # A finite norm shows in increments ‖f^h(t_i) − f^h(t_{i−1})‖_V that do not grow from grid to grid.
@@ -103,8 +108,6 @@ class LoadInTime(ListedNumbers):
 
 # The traction, σν ∈ L^∞(0,T;L²(Γ)).
 
-BOUNDED = around(1, 0.02, "the maximum has converged in space and time, which are refined together")
-LOGARITHM = around(1, 0.1, "logarithmic growth: the increments of the square do not fall")
 UNBOUNDED = "junction"
 """The case whose traction σν is not square integrable on the boundary."""
 
@@ -113,24 +116,6 @@ def last_increments(levels: pd.DataFrame) -> float:
     """Return the last over the previous increment of max_t ‖σν‖² under refinement."""
     increments = np.diff(levels["norm"].to_numpy() ** 2)
     return float(increments[-1] / increments[-2])
-
-
-SETTLED = Check(
-    "bounded",
-    "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh",
-    quantities.change("norm", since=-2),
-    BOUNDED,
-    CheckKind.CLAIM,
-    ENOUGH,
-)
-GROWING = Check(
-    "unbounded",
-    "σν ∉ L²(Γ): last / previous increment of max_t ‖σν‖²_{L²(Γ)} under refinement",
-    last_increments,
-    LOGARITHM,
-    CheckKind.CONSEQUENCE,
-    ENOUGH,
-)
 
 
 class TractionInTime(ListedNumbers):
@@ -146,8 +131,10 @@ class TractionInTime(ListedNumbers):
         cases = [case for case in catalogue() if case.proposition == "Prop. 5.4"] if full else named("advance-recede")
         return place([*cases, *named(UNBOUNDED)], REGULAR, (8, 16, 32), (2, 4, 8))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        space, solution, squares, sides = space_of(setting), resolve(setting.case).solution, [], []
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
+        squares = []
+        sides = []
         for part in space.body.parts:
             rule = facet_rule(space.mesh, space.facets(part), part, (), FACET_POINTS if space.dim == 2 else 2)
             sides.append((part, solution.at(part.point(rule.s)), rule.weights))
@@ -155,5 +142,24 @@ class TractionInTime(ListedNumbers):
             squares.append(sum(np.sum(exact.surface_load(part, time) ** 2 * w) for part, exact, w in sides))
         return with_h(space.h, {"norm": math.sqrt(maximum(squares))})
 
-    def checks_of(self, case: str, groups: Groups) -> list[tuple[Check, Groups]]:
-        return [(GROWING if case == UNBOUNDED else SETTLED, groups)]
+    def checks_of(self, case: str, groups: Groups) -> Judged:
+        return [
+            (
+                consequence(
+                    "unbounded",
+                    "σν ∉ L²(Γ): last / previous increment of max_t ‖σν‖²_{L²(Γ)} under refinement",
+                    last_increments,
+                    around(1, 0.1, "logarithmic growth: the increments of the square do not fall"),
+                    levels=ENOUGH,
+                )
+                if case == UNBOUNDED
+                else paper_claim(
+                    "bounded",
+                    "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh",
+                    change("norm", since=-2),
+                    around(1, 0.02, "the maximum has converged in space and time, which are refined together"),
+                    levels=ENOUGH,
+                ),
+                groups,
+            )
+        ]

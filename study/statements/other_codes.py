@@ -34,10 +34,11 @@ from study.ledger.codes import FROZEN, MADE, MARCH, NOT_EXPRESSED, OtherErrors
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, CheckKind, Found, Verdict, row
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import REPORTED as OF_FILE
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.tasks import FROZEN_TIMES, Task
 
-LABEL, ALL = "other codes", "all cases"
+LABEL = "other codes"
+ALL = "all cases"
 ROUNDED = at_most(1e-10, "of the error; ten times the rounding of numbers in a task file")
 DEFORMED = at_most(1e-8, "of the error; this code evaluates contact in the deformed position, 1e-5 away")
 OWN = at_most(0.1, "equal to nine digits; 1 if one code copies the solutions of another")
@@ -90,7 +91,7 @@ class OtherCodes(ListedNumbers):
         *grid(("cube-two-faces",), ("one-diagonal",), (3, 6)),
     )
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def measure(self, setting: Setting) -> Numbers:
         task = Task(resolve(setting.case), family_named(setting.family), setting.level)
         found = {FROZEN: task.error(FROZEN_TIMES)}
         if setting in MARCHED:
@@ -115,7 +116,8 @@ class OtherCodes(ListedNumbers):
         judged: Found = float("nan"), NOWHERE, UNDECIDED
         if len(run):
             differences = (run[ERROR] / run["value"] - 1).abs().to_numpy()
-            value, span = float(differences.max()), (float(differences.min()), float(differences.max()))
+            value = float(differences.max())
+            span = (float(differences.min()), float(differences.max()))
             verdict = FAILS if not peer.window.contains(*span) else UNDECIDED if missing else HOLDS
             judged = value, span, verdict
         short = f"{BECAUSE}{missing} problems lack an error" if missing else ""
@@ -144,7 +146,8 @@ class OtherCodes(ListedNumbers):
         parts = np.array([np.mean(pair[:, 0] == pair[:, 1]) for pair in both if len(pair)])
         judged: Found = float("nan"), NOWHERE, UNDECIDED
         if len(parts):
-            value, span = float(parts.max()), (float(parts.min()), float(parts.max()))
+            value = float(parts.max())
+            span = (float(parts.min()), float(parts.max()))
             judged = value, span, HOLDS if OWN.contains(*span) else FAILS
         quantity = "share of problems in which two codes have the same distance from the solution in K^h"
         return row(self, "own-digits", quantity, OWN, judged, ALL, kind=CheckKind.ACCURACY)

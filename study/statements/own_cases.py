@@ -78,13 +78,15 @@ def judge_own(verdicts: Sequence[Verdict], rows: pd.DataFrame) -> list[Verdict]:
         verdicts: the verdicts that a case of the catalogue would get.
         rows: the rows of the case in ``rates.csv``, with the predicted order.
     """
-    groups, expected = by_family(rows), float(rows["expected_order"].iloc[0])
+    groups = by_family(rows)
+    expected = float(rows["expected_order"].iloc[0])
     failed = {verdict.key for verdict in verdicts if verdict.verdict == FAILS and verdict.label in LABELS}
     causes = [what for key, what in (("time-share", "time steps"), ("quadrature", "quadrature")) if key in failed]
     verb = "disturbs" if causes == ["quadrature"] else "disturb"
     disturbed = f"{' and '.join(causes)} {verb} the errors: mend that first" if causes else ""
     levels = finer(sorted({*rows["level"].astype(int)}), int(rows["dim"].max()))
-    remedy, found = f"{TRY} {' '.join(map(str, levels))}", []
+    remedy = f"{TRY} {' '.join(map(str, levels))}"
+    found = []
     for verdict in verdicts:
         why = reason_of_force(verdict, verdicts, remedy) if verdict.label == ContactForce.label else ""
         if verdict.label in LABELS and verdict.verdict in (FAILS, UNDECIDED) and not math.isnan(verdict.observed):
@@ -100,7 +102,8 @@ def unclaimed(verdict: Verdict) -> Verdict:
     On one-diagonal meshes the order of the contact force is higher by one half. The paper does not claim this half, and
     it appears only on fine meshes if contact fronts are a few cells apart.
     """
-    superclose, other = DUAL_ORDERS[True], DUAL_ORDERS[False]
+    superclose = DUAL_ORDERS[True]
+    other = DUAL_ORDERS[False]
     missed = (verdict.label, verdict.key, verdict.verdict) == (ContactForce.label, superclose.key, FAILS)
     if not (missed and other.window.contains(verdict.observed)):
         return verdict
@@ -203,7 +206,8 @@ def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
     """
     found = list(levels)
     while len(found) < needed:
-        last, before = found[-1], found[-2] if len(found) > 1 else 0
+        last = found[-1]
+        before = found[-2] if len(found) > 1 else 0
         if last < 2 * before:
             found.append(2 * last - before)
         else:

@@ -16,12 +16,16 @@ from study.ledger.datafiles import JsonFiles
 from study.ledger.pictures import FINE, Facets, Packed, short
 from study.solve.motion import Motion, von_mises
 from study.statements.shared import estimates
-from study.statements.shared.base import Setting, Statement
+from study.statements.shared.base import Numbers, Setting, Statement
 from study.statements.shared.meshes import fits
 from study.statements.shared.scope import Scope
 
-FAMILY, LEVEL, STEPS = Unstructured(), 20, 64
-SOLID_FAMILY, SOLID_LEVEL, SOLID_STEPS = OneDiagonal(), 9, 32
+FAMILY = Unstructured()
+LEVEL = 20
+STEPS = 64
+SOLID_FAMILY = OneDiagonal()
+SOLID_LEVEL = 9
+SOLID_STEPS = 32
 INTERVALS = 16
 """Number of time intervals in the pictures of a case. The data are written at the ends of the intervals."""
 SHAPES = (0.25, 0.5, 1.0)
@@ -45,7 +49,7 @@ def mesh_for(body: Body) -> tuple[MeshFamily, int]:
     return SOLID_FAMILY, next((n for n in levels if fits(SOLID_FAMILY, body, n)), SOLID_LEVEL)
 
 
-def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
+def record(name: str, motion: Motion, every: int) -> Numbers:
     """Return the data for the pictures of a solution: contact gap, pressure, displacement and stress over time.
 
     The computed pressure at a vertex is its contact force divided by the integral of its shape function.
@@ -66,7 +70,9 @@ def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
         ``vertices``, and ``level_exact`` is the level function ψ at these vertices and at the midpoints between them;
         the exact zone is {ψ ≥ 0}.
     """
-    solution, space, shown = motion.solution, motion.space, motion.frames[::every]
+    solution = motion.solution
+    space = motion.space
+    shown = motion.frames[::every]
     skin = Skin.of(space.mesh)
     times = np.array([frame.time for frame in shown])
     displacement = np.array([space.nodal(frame.u)[:, skin.vertices] for frame in shown])
@@ -105,14 +111,17 @@ def contact_weights(space: Space) -> Array:
 
 def faces(
     solution: ExactSolution, space: Space, skin: Skin, times: Array, normal: Array, pressure: Array
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[Numbers]:
     """Yield the data of the contact faces for the pictures; ``record`` describes their contents."""
-    plane, start = space.dim == 2, 0
+    plane = space.dim == 2
+    start = 0
     write: Callable[[Array], Any] = short if plane else packed
     for i, (face, (part, vertices)) in enumerate(zip(solution.faces, space.contact, strict=True), start=1):
         s = part.coordinates(space.mesh.p[:, vertices])[0]
         order = np.argsort(s[0])
-        s, columns, nodes = s[:, order], start + order, np.searchsorted(skin.vertices, vertices[order])
+        s = s[:, order]
+        columns = start + order
+        nodes = np.searchsorted(skin.vertices, vertices[order])
         start += len(vertices)
         exact = solution.on(face, s)
         found = {
@@ -132,14 +141,16 @@ def faces(
             yield {**found, "level_exact": packed(between.level(times).T), "nodes": nodes.tolist()}
 
 
-def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: Array) -> dict[str, Any]:
+def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: Array) -> Numbers:
     """Return the exact contact zone of a contact face in 2D over time, and the curves of exact gap and pressure.
 
     The zone is given at evenly spaced times and at times near which its connected parts appear, merge or vanish. The
     curves end at the first and the last contact vertex, because the pressure may be unbounded where Γ3 meets Γ1.
     """
-    fine, line = np.linspace(0, face.part.measure, POINTS + 1), np.linspace(s.min(), s.max(), LINE + 1)
-    level, exact = solution.on(face, fine[None]).level, solution.on(face, line[None])
+    fine = np.linspace(0, face.part.measure, POINTS + 1)
+    line = np.linspace(s.min(), s.max(), LINE + 1)
+    level = solution.on(face, fine[None]).level
+    exact = solution.on(face, line[None])
     instants = np.linspace(0, solution.body.T, 101).tolist()
     zone = {t: intervals(fine, level(t)) for t in instants}
     for before, after in pairwise(instants):
@@ -154,7 +165,7 @@ def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: A
     }
 
 
-def packed(values: Array) -> dict[str, Any]:
+def packed(values: Array) -> Numbers:
     """Return values at points over time in the compressed format of the pictures, with many digits."""
     return Packed.of(values, FINE).record()
 
@@ -190,8 +201,9 @@ class Pictures(Statement):
         meshes = [mesh_for(resolve(reference).solution.body) for reference in scope.cases]
         return [Setting(case, family.name, level) for case, (family, level) in zip(scope.cases, meshes, strict=True)]
 
-    def measure(self, setting: Setting) -> dict[str, Any]:
-        case, steps = resolve(setting.case), STEPS if setting.dim == 2 else SOLID_STEPS
+    def measure(self, setting: Setting) -> Numbers:
+        case = resolve(setting.case)
+        steps = STEPS if setting.dim == 2 else SOLID_STEPS
         motion = Motion.of(case.solution, family_named(setting.family), setting.level, steps)
         return record(case.name, motion, steps // INTERVALS)
 

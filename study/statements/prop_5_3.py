@@ -12,15 +12,14 @@ a corner the order must be 1.
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, Groups
+from study.ledger.check import ENOUGH, Check, Groups, consequence, paper_claim
 from study.ledger.orders import limit
-from study.ledger.verdict import CheckKind
+from study.ledger.quantities import of_errors, over_refinements, ratios
 from study.ledger.window import STEEPER, Window, around, at_most
 from study.statements.prop_5_4 import EVIDENCE, SIZES, Rates
+from study.statements.shared.base import Judged
 from study.statements.shared.meshes import split, split_random, value_of_case
 
 LEVELS = ENOUGH + 1
@@ -42,11 +41,12 @@ class Convergence(Rates):
     label = proposition = "Prop. 5.3"
     claim = "‖u − u^h‖_{L∞(0,T;V)} → 0"
 
-    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
-        expected, (uniform, graded) = value_of_case(groups, "expected_order"), split(groups, lambda mesh: mesh.uniform)
+    def checks_of(self, case: str, groups: Groups) -> Judged:
+        expected = value_of_case(groups, "expected_order")
+        (uniform, graded) = split(groups, lambda mesh: mesh.uniform)
         falling = at_most(0.999, "on every level")
-        ratios = quantities.ratios("error")
-        yield Check("falling", "ratio of consecutive errors", ratios, falling, CheckKind.CLAIM, LEVELS), groups
+        ratio = "ratio of consecutive errors"
+        yield paper_claim("falling", ratio, ratios("error"), falling, levels=LEVELS), groups
         by_chance, others = split_random(uniform)
         steeper = f"s is {STEEPER:g} above the predicted order, the largest s that the check of the order allows"
         if others:
@@ -55,13 +55,8 @@ class Convergence(Rates):
         if by_chance:
             unjudged = _limit("limit-random", Window(), expected)
             yield replace(unjudged, if_missed="the limit varies with the seed"), by_chance
-        order = Check(
-            "order",
-            "observed order",
-            quantities.over_refinements("error", 2),
-            around(expected, STEEPER, NO_RATE),
-            CheckKind.CONSEQUENCE,
-            LEVELS,
+        order = consequence(
+            "order", "observed order", over_refinements("error", 2), around(expected, STEEPER, NO_RATE), levels=LEVELS
         )
         yield order, uniform
         if graded:
@@ -77,5 +72,5 @@ def _limit(key: str, window: Window, expected: float) -> Check:
     limit and the order, so another check judges the order.
     """
     quantity = "limit e∞ of the error e for h → 0, from e = e∞ + C h^s"
-    value = quantities.of_errors("error", lambda h, error: limit(h, error, expected))
-    return Check(key, quantity, value, window, CheckKind.CLAIM, LEVELS)
+    value = of_errors("error", lambda h, error: limit(h, error, expected))
+    return paper_claim(key, quantity, value, window, levels=LEVELS)

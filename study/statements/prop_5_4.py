@@ -30,9 +30,8 @@ its order and its share of the interpolation error are judged separately.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -41,17 +40,24 @@ from manufactured.body import Kind
 from manufactured.tensors import Array
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm
-from study.fem.naming import choose, name_of
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, ROUNDING, Check, Groups
-from study.ledger.datafiles import CsvFile, DataFile, Row, with_orders
-from study.ledger.verdict import CheckKind
+from study.fem.naming import choose
+from study.ledger.check import ENOUGH, ROUNDING, Check, Groups, accuracy, consequence, identity, paper_claim
+from study.ledger.datafiles import CsvFile, Row, with_orders
+from study.ledger.quantities import (
+    extrapolated,
+    finest_quotient,
+    fitted,
+    level_by_level,
+    over_refinements,
+    quotients,
+    values,
+)
 from study.ledger.window import Window, around, at_most, between, positive_at_most
 from study.solve import solver_choice
 from study.solve.evolution import State
 from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT, SCHEMES
-from study.statements.shared.base import Setting, Statement
+from study.statements.shared.base import Judged, Numbers, Records, Setting, Statement
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import LEADING, in_leading_term, split_irregular, split_superclose, value_of_case
 from study.statements.shared.norms import maximum
@@ -100,17 +106,16 @@ class Rates(FromRates):
     def setup(self, setting: RateSetting) -> Experiment:
         return Experiment.at(setting, choose("scheme", setting.scheme, SCHEMES), setting.steps)
 
-    def measure(self, setup: Experiment) -> dict[str, Any]:
+    def measure(self, setup: Experiment) -> Numbers:
         return measure(setup).row()
 
-    def records(self, setting: RateSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """Yield the measured row of ``rates.csv``, with the label of the proposition as a further column.
+    def records(self, setting: RateSetting, found: Row) -> Records:
+        """Return the measured row of ``rates.csv``, with the label of the proposition as a further column.
 
         The label is not a part of the measurement, so that a case may move between propositions without being measured
         again.
         """
-        place = {"case": name_of(setting.case), "family": setting.family, "level": setting.level}
-        yield self.file, {"claim": self.proposition, **place, **found}
+        return super().records(setting, {"claim": self.proposition, **found})
 
 
 # Measurement, with few steps where a few suffice, because it takes most of the run time of a study.
@@ -130,7 +135,8 @@ def measure(experiment: Experiment) -> Measurement:
 
     The result also has the distance of the two discrete solutions.
     """
-    v_norm, M = experiment.v_norm, experiment.problem.M
+    v_norm = experiment.v_norm
+    M = experiment.problem.M
     coarse = experiment.march(experiment.steps)
     history: list[tuple[float, ...]] = []
     drifts: list[float] = []
@@ -138,12 +144,14 @@ def measure(experiment: Experiment) -> Measurement:
     largest = 0.0
     for n, state in enumerate(experiment.march(2 * experiment.steps)):
         sample = v_norm.sample(state.time)
-        interpolant, discrete = sample.interpolant, sample.interpolant - state.u
+        interpolant = sample.interpolant
+        discrete = sample.interpolant - state.u
         measured = [v_norm.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)]
         history.append((state.time, *measured[:2], math.sqrt(discrete @ (M @ discrete)), measured[2]))
         residuals.append(state.residual())
         if n == 0 or measured[0] > largest:
-            largest, worst = measured[0], state
+            largest = measured[0]
+            worst = state
         if n % 2 == 0:
             difference = next(coarse).u - state.u
             drifts.append(math.sqrt(difference @ (M @ difference)))
@@ -170,25 +178,27 @@ class Measurement:
     residual: float
     worst: State
 
-    def errors(self) -> dict[str, float]:
+    def errors(self) -> Numbers:
         """Return the largest errors, the times at which they occur, and the share of the error in time."""
-        times, error, interpolation, discrete, _ = self.history
-        first, second, third = (int(np.argmax(values)) for values in (error, interpolation, discrete))
+        times, *histories, _ = self.history
+        first, second, third = map(np.argmax, histories)
+        error, interpolation, discrete = histories
         return {
-            "error": float(error[first]),
-            "at": float(times[first]),
-            "interpolation_error": float(interpolation[second]),
-            "discrete_error": float(discrete[third]),
-            "time_share": self.drift / float(error[first]),
-            "interpolation_at": float(times[second]),
-            "discrete_at": float(times[third]),
-            "initial_error": float(error[0]),
-            "discrete_time_share": self.drift / float(discrete[third]),
+            "error": error[first],
+            "at": times[first],
+            "interpolation_error": interpolation[second],
+            "discrete_error": discrete[third],
+            "time_share": self.drift / error[first],
+            "interpolation_at": times[second],
+            "discrete_at": times[third],
+            "initial_error": error[0],
+            "discrete_time_share": self.drift / discrete[third],
         }
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> Numbers:
         """Return the errors and diagnostics as a row of ``rates.csv``, without case, mesh family and level."""
-        experiment, space = self.experiment, self.experiment.space
+        experiment = self.experiment
+        space = self.experiment.space
         return {
             "scheme": experiment.scheme.name,
             "dim": space.dim,
@@ -235,7 +245,9 @@ class Measurement:
         with RESPONSE steps. As long as the change is above NEGLIGIBLE, the number of steps is increased, up to the
         steps of u^h.
         """
-        experiment, problem, time = self.experiment, self.experiment.problem, self.worst.time
+        experiment = self.experiment
+        problem = self.experiment.problem
+        time = self.worst.time
         finer = ErrorNorm(experiment.solution, experiment.space, raised=2, along=())
         error = experiment.v_norm.distance(experiment.v_norm.sample(time), self.worst.u)
         raised = finer.distance(finer.sample(time), self.worst.u)
@@ -272,38 +284,26 @@ def size(levels: pd.DataFrame) -> float:
     return float(np.hypot(finest["error"], finest["discrete_error"]) / finest["interpolation_error"])
 
 
-PARALLELOGRAM = positive_at_most(1e-3, "an identity, up to rounding and the quadrature of the factor of A")
 SMALL = positive_at_most(0.02, "of the error")
 TOLERANCE = f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
-RESIDUAL, ACCEPTED = positive_at_most(1.0, TOLERANCE), "residual of the contact solves / largest accepted residual"
 SIZE = around(1, 0.1, "u − u^h and Π^h u − u^h are nearly orthogonal (Pythagoras)")
-SIZES = Check(
-    "size",
-    "size of the error: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖",
-    size,
-    SIZE,
-    CheckKind.CONSEQUENCE,
-)
+SIZES = consequence("size", "size of the error: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖", size, SIZE)
 EVIDENCE = (
-    Check(
+    identity(
         "parallelogram",
         "parallelogram law of u − u^h and u − Π^h u",
-        quantities.values("parallelogram"),
-        PARALLELOGRAM,
-        CheckKind.IDENTITY,
+        values("parallelogram"),
+        positive_at_most(1e-3, "an identity, up to rounding and the quadrature of the factor of A"),
     ),
-    Check(
-        "time-share", "time share: error in time / error", quantities.values("time_share"), SMALL, CheckKind.ACCURACY
+    accuracy("time-share", "time share: error in time / error", values("time_share"), SMALL),
+    accuracy(
+        "residual",
+        "residual of the contact solves / largest accepted residual",
+        residual_shares,
+        positive_at_most(1.0, TOLERANCE),
     ),
-    Check("residual", ACCEPTED, residual_shares, RESIDUAL, CheckKind.ACCURACY),
-    Check("clamped", "u^h = 0 on Γ1", quantities.values("clamped"), at_most(1e-10, "rounding"), CheckKind.ACCURACY),
-    Check(
-        "quadrature",
-        "change of the error under finer quadrature",
-        quantities.values("quadrature_change"),
-        SMALL,
-        CheckKind.ACCURACY,
-    ),
+    accuracy("clamped", "u^h = 0 on Γ1", values("clamped"), at_most(1e-10, "rounding")),
+    accuracy("quadrature", "change of the error under finer quadrature", values("quadrature_change"), SMALL),
 )
 
 # Further criteria, which hold only with the regularity that Proposition 5.4 assumes.
@@ -312,53 +312,43 @@ IRREGULAR = "; on irregular meshes the leading term replaces h"
 
 On irregular meshes orders are orders in the leading term of the interpolation error, which replaces the mesh size h."""
 SOLID = around(1, 0.1, IRREGULAR.removeprefix("; "))
-PAIR = "order of ‖u − Π^h u‖_V, finest pair"
 SOLIDS = (
-    Check(
-        "order-finest",
-        "order of the error, finest pair",
-        quantities.over_refinements("error", 1),
-        SOLID,
-        CheckKind.CLAIM,
-        ENOUGH,
-    ),
-    Check(
+    paper_claim("order-finest", "order of the error, finest pair", over_refinements("error", 1), SOLID, levels=ENOUGH),
+    consequence(
         "interpolation-order-finest",
-        PAIR,
-        quantities.over_refinements("interpolation_error", 1),
+        "order of ‖u − Π^h u‖_V, finest pair",
+        over_refinements("interpolation_error", 1),
         SOLID,
-        CheckKind.CONSEQUENCE,
-        ENOUGH,
+        levels=ENOUGH,
     ),
 )
 """Additional criteria in 3D: there are few levels, so the order on the two finest levels must be closer to 1."""
-OF_THE_TERM = around(1, 0.15, "least squares; on irregular meshes this term replaces h")
-TERM = "order in h of the leading term of ‖u − Π^h u‖_V, fitted, irregular meshes"
-LEADING_ORDER = Check(
-    "leading-order", TERM, quantities.fitted(LEADING, last=ENOUGH + 1), OF_THE_TERM, CheckKind.ACCURACY, ENOUGH
+LEADING_ORDER = accuracy(
+    "leading-order",
+    "order in h of the leading term of ‖u − Π^h u‖_V, fitted, irregular meshes",
+    fitted(LEADING, last=ENOUGH + 1),
+    around(1, 0.15, "least squares; on irregular meshes this term replaces h"),
+    levels=ENOUGH,
 )
 """A criterion for irregular meshes: the leading term of the interpolation error must be of order h.
 
 This is necessary, because the leading term replaces h on these meshes."""
-SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "u^h is superclose to Π^h u on one-diagonal meshes")
 OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
 DISCRETE = "order of ‖Π^h u − u^h‖_V"
 DISCRETE_ORDERS = {
-    True: Check(
+    True: consequence(
         "discrete-order-superclose",
         f"{DISCRETE}, superclose",
-        quantities.fitted("discrete_error", last=ENOUGH),
-        SUPERCLOSE,
-        CheckKind.CONSEQUENCE,
-        ENOUGH,
+        fitted("discrete_error", last=ENOUGH),
+        between(1.5, 2, 0.2, 0.2, "u^h is superclose to Π^h u on one-diagonal meshes"),
+        levels=ENOUGH,
     ),
-    False: Check(
+    False: consequence(
         "discrete-order-others",
         f"{DISCRETE}, other families",
-        quantities.fitted("discrete_error", last=ENOUGH),
+        fitted("discrete_error", last=ENOUGH),
         OTHERS,
-        CheckKind.CONSEQUENCE,
-        ENOUGH,
+        levels=ENOUGH,
     ),
 }
 """Criteria for the order of the discrete error on one-diagonal meshes (True) and on others (False).
@@ -366,17 +356,19 @@ DISCRETE_ORDERS = {
 On one-diagonal meshes neighbouring triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (because
 of the traction boundary) to 2. On other meshes its order is at least the order of the error and at most 2."""
 SHARE = positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same error up to 20 %")
-TIME = positive_at_most(0.3, "of the discrete error")
-DISCRETE_TIME = "time share of ‖Π^h u − u^h‖_V: error in time / discrete error"
 DISCRETE_SIZES = (
-    Check(
+    consequence(
         "discrete-share",
         "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V",
-        quantities.finest_quotient("discrete_error", "interpolation_error"),
+        finest_quotient("discrete_error", "interpolation_error"),
         SHARE,
-        CheckKind.CONSEQUENCE,
     ),
-    Check("discrete-time-share", DISCRETE_TIME, quantities.values("discrete_time_share"), TIME, CheckKind.ACCURACY),
+    accuracy(
+        "discrete-time-share",
+        "time share of ‖Π^h u − u^h‖_V: error in time / discrete error",
+        values("discrete_time_share"),
+        positive_at_most(0.3, "of the discrete error"),
+    ),
 )
 NOT_AT_START = 0.99
 """Upper bound of (error at t = 0) / (largest error) for which the largest error counts as attained after t = 0."""
@@ -384,12 +376,11 @@ EXPECTED_AT_START = Window(0.8, 1 + ROUNDING, "by Pythagoras: a discrete share o
 AT_START = (
     "‖u − Π^h u‖_V is largest near t = 0, where nothing is solved; the checks of ‖Π^h u − u^h‖_V test the solution"
 )
-AFTER_START = Check(
+AFTER_START = accuracy(
     "start-share",
     "error at t = 0 / largest error",
-    quantities.quotients("initial_error", "error"),
+    quotients("initial_error", "error"),
     at_most(NOT_AT_START, "the largest error must occur after t = 0, where nothing is solved"),
-    CheckKind.ACCURACY,
 )
 
 
@@ -414,31 +405,26 @@ class FirstOrder(Rates):
     label = proposition = "Prop. 5.4"
     claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h)"
 
-    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Judged:
         expected = value_of_case(groups, "expected_order")
-        in_h, (irregular, _) = in_leading_term(groups), split_irregular(groups)
+        in_h = in_leading_term(groups)
+        (irregular, _) = split_irregular(groups)
         by_level = around(expected, 0.15, f"every consecutive order{IRREGULAR}")
         limit = around(expected, 0.1, f"extrapolated from the three finest levels{IRREGULAR}")
         yield (
-            Check(
+            paper_claim(
                 "order",
                 "order of the error, level by level",
-                quantities.level_by_level("error"),
+                level_by_level("error"),
                 by_level,
-                CheckKind.CLAIM,
-                ENOUGH,
+                levels=ENOUGH,
                 finest=True,
             ),
             in_h,
         )
         yield (
-            Check(
-                "order-extrapolated",
-                "order of the error, extrapolated",
-                quantities.extrapolated("error"),
-                limit,
-                CheckKind.CLAIM,
-                ENOUGH,
+            paper_claim(
+                "order-extrapolated", "order of the error, extrapolated", extrapolated("error"), limit, levels=ENOUGH
             ),
             in_h,
         )

@@ -19,55 +19,54 @@ or two. So trajectories and forces agree to 1e-9. These checks notice relative d
 value or a force.
 """
 
-from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
-from study.fem.naming import resolve
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.datafiles import CsvFile, DataFile, Row
-from study.ledger.verdict import CheckKind
+from study.ledger.check import Check, accuracy
+from study.ledger.datafiles import CsvFile
+from study.ledger.quantities import quotients, values
 from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import RATES, RateSetting
 from study.statements.recomputed_solver import PlainProblem, Trajectory
 from study.statements.shared import estimates
-from study.statements.shared.base import REPORTED, Statement
+from study.statements.shared.base import REPORTED, Numbers, Statement
 from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 
 ERRORS = "error", "interpolation_error", "discrete_error"
 """Columns with the largest errors over the time nodes, by the second solver.
 
 They are the norms in V of the error u − u^h, the interpolation error u − Π^h u and the discrete error Π^h u − u^h."""
-GAPS = "start", "displacement", "multipliers"
+GAPS = "displacement", "multipliers"
 """Columns with relative differences between both solvers.
 
-They compare initial values, displacements at all times (both in the norm of V), and nodal contact forces."""
+They compare displacements at all times, in the norm of V, and nodal contact forces."""
 SAME_LOAD = "displacement_same_load", "multipliers_same_load"
 """Columns with the differences of displacements and contact forces if both solvers use the load of the study."""
 TINY = 1e-12
 """An initial displacement counts as zero if its norm is at most this number times the largest norm over time."""
 
 
-def recompute(setup: Experiment) -> dict[str, float]:
+def recompute(setup: Experiment) -> Numbers:
     """Solve an experiment again by the second solver, and return the measured columns of ``recomputed.csv``.
 
     Both solvers use half the time step of the experiment, because the study measures errors with half the time step.
     """
     plain = PlainProblem(setup.solution, setup.space.mesh)
-    own_load, same_load = plain.trajectories(2 * setup.steps, plain.load, setup.problem.load)
+    steps = 2 * setup.steps
+    own_load, same_load = (plain.trajectory(steps, load) for load in (plain.load, setup.problem.load))
     errors = []
-    for time, u, _ in own_load:
+    for n, u in enumerate(own_load[0]):
+        time = n * setup.problem.T / steps
         interpolant = plain.interpolant(time)
-        errors.append([*plain.distance(time, u, interpolant), *plain.norms((interpolant - u)[:, None])])
-    largest_errors = map(float, np.max(errors, axis=0))
-    return dict(zip(ERRORS, largest_errors, strict=True)) | gaps(setup, plain, own_load, same_load)
+        errors.append([*plain.distance(time, u, interpolant), plain.norm(interpolant - u)])
+    return dict(zip(ERRORS, np.max(errors, axis=0), strict=True)) | gaps(setup, plain, own_load, same_load)
 
 
-def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load: Trajectory) -> dict[str, float]:
+def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load: Trajectory) -> Numbers:
     """Return the relative differences between the study and the second solver, by the names of columns.
 
     The columns ``GAPS`` have the differences of initial values, displacements and contact forces. The columns
@@ -81,19 +80,21 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
         own_load, same_load: the trajectories of the second solver with its own load and with the load of the study.
     """
     states = list(setup.march(2 * setup.steps))
-    norms = plain.norms(np.stack([u for _, u, _ in own_load], axis=1))
-    forces = np.linalg.norm([multipliers for *_, multipliers in own_load])
-    sizes = max(norms[0], TINY * norms.max()), norms.max(), forces
-    found: dict[str, float] = {}
-    for names, trajectory in ((GAPS, own_load), (SAME_LOAD, same_load)):
-        pairs = list(zip(states, trajectory, strict=True))
-        missing = plain.norms(np.stack([ours.u - u for ours, (_, u, _) in pairs], axis=1))
-        missing_forces = np.linalg.norm([ours.multipliers - multipliers for ours, (*_, multipliers) in pairs])
-        differences = zip((missing[0], missing.max(), missing_forces), sizes, strict=True)
-        start, *others = [float(gap / size if size else gap > 0) for gap, size in differences]
-        # Both loads start from one initial value, which is compared in a column of GAPS alone.
-        found |= zip(names, [start, *others] if names is GAPS else others, strict=True)
-    return found
+    u, multipliers = (np.array([getattr(state, name) for state in states]) for name in ("u", "multipliers"))
+    sizes = [plain.norm(v) for v in own_load[0]]
+    size_of_forces = np.linalg.norm(own_load[1])
+    # Both loads start from the same initial value.
+    start = max(sizes[0], TINY * max(sizes))
+    numbers: Numbers = {"start": quotient(plain.norm(u[0] - own_load[0][0]), start)}
+    for (of_displacement, of_forces), (displacements, forces) in ((GAPS, own_load), (SAME_LOAD, same_load)):
+        numbers[of_displacement] = maximum(map(plain.norm, u - displacements)) / maximum(sizes)
+        numbers[of_forces] = quotient(np.linalg.norm(multipliers - forces), size_of_forces)
+    return numbers
+
+
+def quotient(difference: Any, size: Any) -> float:
+    """Return a difference relative to a size; if the size is 0, whether there is a difference."""
+    return float(difference / size if size else difference > 0)
 
 
 def ratio(column: str, norm: str, window: Window) -> Check:
@@ -107,51 +108,36 @@ def ratio(column: str, norm: str, window: Window) -> Check:
     reported = f"{column}{REPORTED}"
 
     quantity = f"{norm} in rates.csv / computed again"
-    shares = quantities.quotients(reported, column)
-    return Check(column.replace("_", "-"), quantity, shares, window, CheckKind.ACCURACY)
+    shares = quotients(reported, column)
+    return accuracy(column.replace("_", "-"), quantity, shares, window)
 
 
 SAME = around(1, 0.005, "quadrature")
 FORCES = "|λ − λ̃| / |λ̃| over all steps"
 DISPLACEMENTS = "max_n ‖u^h_n − ũ^h_n‖_V / max_n ‖ũ^h_n‖_V"
 ALIKE = "both with the same load"
-STOPPED = positive_at_most(1e-9, "of ‖u^h‖_V; tolerances of both solvers")
-STOPPED_FORCES = at_most(1e-9, "of λ; tolerances of both solvers")
 TRAJECTORIES = (
-    Check(
-        "start",
-        "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V",
-        quantities.values("start"),
-        at_most(1e-10, "of ‖Π^h u_0‖_V; only rounding"),
-        CheckKind.ACCURACY,
+    accuracy(
+        "start", "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V", values("start"), at_most(1e-10, "of ‖Π^h u_0‖_V; only rounding")
     ),
-    Check(
+    accuracy(
         "displacement",
         DISPLACEMENTS,
-        quantities.values("displacement"),
+        values("displacement"),
         at_most(2e-3, "of ‖u^h‖_V; the load is integrated by two rules"),
-        CheckKind.ACCURACY,
     ),
-    Check(
-        "multipliers",
-        FORCES,
-        quantities.values("multipliers"),
-        at_most(0.01, "of λ; the load is integrated by two rules"),
-        CheckKind.ACCURACY,
-    ),
-    Check(
+    accuracy("multipliers", FORCES, values("multipliers"), at_most(0.01, "of λ; the load is integrated by two rules")),
+    accuracy(
         "displacement-same-load",
         f"{DISPLACEMENTS}, {ALIKE}",
-        quantities.values("displacement_same_load"),
-        STOPPED,
-        CheckKind.ACCURACY,
+        values("displacement_same_load"),
+        positive_at_most(1e-9, "of ‖u^h‖_V; tolerances of both solvers"),
     ),
-    Check(
+    accuracy(
         "multipliers-same-load",
         f"{FORCES}, {ALIKE}",
-        quantities.values("multipliers_same_load"),
-        STOPPED_FORCES,
-        CheckKind.ACCURACY,
+        values("multipliers_same_load"),
+        at_most(1e-9, "of λ; tolerances of both solvers"),
     ),
 )
 NARROW = ("travelling-patch",)
@@ -190,13 +176,8 @@ class Recomputed(Statement):
     def setup(self, setting: RateSetting) -> Experiment:
         return Experiment.at(setting, MIDPOINT, setting.steps)
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         return {"h": setup.space.h, **recompute(setup)}
-
-    def records(self, setting: RateSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """Yield the row of ``recomputed.csv``, with the same key as the row of this setting in ``rates.csv``."""
-        case = resolve(setting.case).name
-        yield self.file, {**{name: getattr(setting, name) for name in self.file.key}, "case": case, **found}
 
     def memory(self, setting: RateSetting) -> float:
         return estimates.SMALL if setting.dim == 2 else estimates.SOLID

@@ -12,7 +12,8 @@ first assumes that the positive multipliers are the same as in the last iteratio
 of Lawson and Hanson is used.
 """
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sps
@@ -24,7 +25,7 @@ from skfem import Mesh
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
 from manufactured.law import Linear
-from manufactured.tensors import Array, Tensors, dyad, mandel
+from manufactured.tensors import Array, Tensors, mandel
 from study.fem.error_norm import rules
 from study.fem.quadrature import facet_rule
 
@@ -38,8 +39,8 @@ ON = 1e-9
 """Relative tolerance for vertices on a boundary part.
 
 A vertex lies on the part if its distance is below this number times the largest extent of the mesh."""
-Trajectory = Sequence[tuple[float, Array, Array]]
-"""A discrete solution over time: time t_n, displacement u_n and contact forces λ_n for n = 0, 1, …"""
+Trajectory = tuple[Array, Array]
+"""A discrete solution at the time nodes: displacements u_n, (N + 1, n), and contact forces λ_n, (N + 1, m)."""
 
 
 class PlainProblem:
@@ -53,7 +54,9 @@ class PlainProblem:
     """
 
     def __init__(self, solution: ExactSolution, mesh: Mesh) -> None:
-        self.solution, self.mesh, self.dim = solution, mesh, int(mesh.dim())
+        self.solution = solution
+        self.mesh = mesh
+        self.dim = int(mesh.dim())
         tolerance = ON * float(np.ptp(mesh.p))
         fixed = np.any([part.contains(mesh.p, tolerance) for part in solution.body.of(Kind.CLAMPED)], axis=0)
         self.free = np.flatnonzero(np.repeat(~fixed, self.dim))
@@ -62,17 +65,17 @@ class PlainProblem:
         on = [np.flatnonzero(face.part.contains(mesh.p, tolerance)) for face in solution.faces]
         self._set_points(on)
         self._set_forms()
-        # The matrices of the contact problem: N, M⁻¹Nᵀ, Q = NM⁻¹Nᵀ and R with RᵀR = Q.
-        normals: list[Array] = []
-        at: list[int] = []
+        # The matrices of the contact problem: N, M⁻¹Nᵀ, Q = NM⁻¹Nᵀ and R with RᵀR = Q. A vertex on two faces with equal
+        # normals has one row.
+        rows: dict[tuple[int, ...], Array] = {}
         for face, vertices in zip(self.solution.faces, on, strict=True):
             normal = face.part.normal
-            known = [vertex for vertex, other in zip(at, normals, strict=True) if np.allclose(other, normal)]
-            new = [int(v) for v in vertices if self.numbers[self.dim * v] >= 0 and v not in known]
-            at, normals = [*at, *new], [*normals, *[normal] * len(new)]
-        columns = self.numbers[self.dim * np.array(at)[:, None] + np.arange(self.dim)]
-        rows = np.repeat(np.arange(len(at)), self.dim)
-        self.N = sps.csr_array((np.ravel(normals), (rows, columns.ravel())), shape=(len(at), self.free.size))
+            for vertex in vertices[~fixed[vertices]]:
+                rows[(vertex, *normal.round(9))] = normal
+        columns = self.numbers[self.dim * np.array([vertex for vertex, *_ in rows])[:, None] + np.arange(self.dim)]
+        numbers = np.repeat(np.arange(len(rows)), self.dim)
+        entries = np.ravel([*rows.values()]), (numbers, columns.ravel())
+        self.N = sps.csr_array(entries, shape=(len(rows), self.free.size))
         self._response = self._solve(self.N.T.toarray())
         self._normal = self.N @ self._response
         self._root = cholesky(self._normal)
@@ -80,8 +83,8 @@ class PlainProblem:
     def _set_points(self, on: list[Array]) -> None:
         """Set the quadrature points in the cells and on Γ3, with the law and the exact solution at these points.
 
-        The attribute ``faces`` has for each contact face the indices of its points, and the matrix that maps the stress
-        σ at these points to the load ∫ p v_ν of the pressure p = −σ_ν, (n, D · points).
+        The attribute ``faces`` has for each contact face its normal, the matrix that maps the pressure at its points to
+        nodal forces, (vertices, points), and the exact solution at the points.
 
         Args:
             on: for each contact face, the indices of the vertices on it.
@@ -91,31 +94,30 @@ class PlainProblem:
         self.weights = np.concatenate([rule.weights.ravel() for rule in found])
         within = self.cell, np.arange(self.cell.size)
         self.sums = sps.csr_array((self.weights, within), shape=(self.mesh.t.shape[1], self.cell.size))
-        points = [np.concatenate([rule.points.reshape(self.dim, -1) for rule in found], axis=1)]
-        self.law, self.at_vertices = self.solution.law.at(points[0]), self.solution.at(self.mesh.p)
-        self.faces, end = [], self.cell.size
+        points = np.concatenate([rule.points.reshape(self.dim, -1) for rule in found], axis=1)
+        self.law = self.solution.law.at(points)
+        self.exact = self.solution.at(points)
+        self.at_vertices = self.solution.at(self.mesh.p)
+        self.faces = []
         boundary = self.mesh.boundary_facets()
         for face, vertices in zip(self.solution.faces, on, strict=True):
             facets = boundary[np.isin(self.mesh.facets[:, boundary], vertices).all(axis=0)]
             count = POINTS if self.dim == 2 else SOLID_POINTS
             rule = facet_rule(self.mesh, facets, face.part, face.rough, count)
-            points.append(face.part.point(rule.s).reshape(self.dim, -1))
-            normal = face.part.normal
-            forces = np.multiply.outer(normal, rule.shapes * rule.weights)
-            positions = np.add.outer(np.arange(self.dim), self.dim * self.mesh.facets[:, rule.facets, None])
+            shares = rule.shapes * rule.weights
             columns = np.arange(rule.weights.size).reshape(rule.weights.shape)
-            at = tuple(np.broadcast_to(axis, forces.shape).ravel() for axis in (positions, columns))
-            nodal = sps.csr_array((forces.ravel(), at), shape=(self.numbers.size, rule.weights.size))
-            pressed = sps.kron(-dyad(normal, normal)[None], nodal[self.free], format="csr")
-            self.faces.append((slice(end, end + rule.weights.size), pressed))
-            end += rule.weights.size
-        self.exact = self.solution.at(np.concatenate(points, axis=1))
+            at = (
+                np.broadcast_to(axis, shares.shape).ravel()
+                for axis in (self.mesh.facets[:, rule.facets, None], columns)
+            )
+            nodal = sps.csr_array((shares.ravel(), tuple(at)), shape=(self.mesh.p.shape[1], columns.size))
+            self.faces.append((face.part.normal, nodal, self.solution.on(face, rule.s)))
 
     def _set_forms(self) -> None:
         """Set the strains of the basis functions in each cell, and the viscous and elastic forms.
 
         The strains of the basis functions φ_i e_j have the shape (cells, D, (d + 1) d). The attribute ``elastic`` is
-        the function v ↦ (Gε(v), ε(·))_Q, applied to each column of v, (n, c) → (n, c).
+        the function v ↦ (Gε(v), ε(·))_Q, (n,) → (n,).
         """
         corners = np.moveaxis(self.mesh.p[:, self.mesh.t], -1, 0).swapaxes(1, 2)
         gradients = np.linalg.inv(np.insert(corners, 0, 1.0, axis=2))[:, 1:]
@@ -127,7 +129,7 @@ class PlainProblem:
         if isinstance(self.solution.law.G, Linear):
             self.elastic = self._form(self.law.G).__matmul__
         else:
-            self.elastic = lambda v: np.stack([self.work(self.law.G(self.strain(one))) for one in v.T], axis=1)
+            self.elastic = lambda v: self.work(self.law.G(self.strain(v)))
 
     def _form(self, law: Callable[[Tensors], Tensors]) -> sps.csc_array:
         """Return the matrix of the form (Cε(u), ε(v))_Q for a linear law C, (n, n)."""
@@ -166,73 +168,73 @@ class PlainProblem:
 
         It is the functional v ↦ (σ, ε(v))_Q + ∫_{Γ3} p v_ν.
         """
-        stress = self.exact.stress(time)
-        pressed = [forces @ stress[:, points].ravel() for points, forces in self.faces]
-        return np.sum([self.work(stress[:, : self.cell.size]), *pressed], axis=0)
+        load = self.work(self.exact.stress(time))
+        for normal, nodal, exact in self.faces:
+            load += np.multiply.outer(nodal @ exact.pressure(time).ravel(), normal).ravel()[self.free]
+        return load
 
     def interpolant(self, time: float) -> Array:
         """Return the nodal interpolant Π^h u(t) of the exact displacement, (n,)."""
         return self.at_vertices.displacement(time).T.ravel()[self.free]
 
     def contact(self, b: Array, k: float, last: Array) -> tuple[Array, Array]:
-        """Solve the contact problem of one time step for several right-hand sides.
+        """Solve the contact problem of one time step.
 
         The problem is M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0. With Q = NM⁻¹Nᵀ, λ solves a complementarity problem
         with Qλ ≥ NM⁻¹b. First it is solved with the assumption that the same multipliers are positive as in ``last``.
         If this gives no solution, the method of Lawson and Hanson is used.
 
         Args:
-            b: the right-hand sides, (n, c).
+            b: the right-hand side, (n,).
             k: the time step.
-            last: multipliers of an earlier solution, (m, c).
+            last: multipliers of an earlier solution, (m,).
 
         Returns:
-            The displacements u, (n, c), and the multipliers λ, (m, c).
+            The displacement u, (n,), and the multipliers λ, (m,).
         """
         free = self._solve(b)
-        multipliers = np.zeros(last.shape)
-        for found, entering, positive in zip(multipliers.T, (self.N @ free).T, last.T > 0, strict=True):
-            found[positive] = np.linalg.solve(self._normal[positive][:, positive], entering[positive])
-            if not ((found[positive] > 0).all() and (self._normal @ found >= entering)[~positive].all()):
-                found[:] = nnls(self._root, solve_triangular(self._root, entering, trans="T"))[0]
+        positive = last > 0
+        multipliers = np.zeros(len(last))
+        entering = self.N @ free
+        multipliers[positive] = np.linalg.solve(self._normal[positive][:, positive], entering[positive])
+        if not ((multipliers[positive] > 0).all() and (self._normal @ multipliers >= entering)[~positive].all()):
+            multipliers, _ = nnls(self._root, solve_triangular(self._root, entering, trans="T"))
         return k * (free - self._response @ multipliers), multipliers
 
-    def trajectories(self, steps: int, *loads: Callable[[float], Array]) -> list[Trajectory]:
-        """Solve by the midpoint rule from the initial value Π^h u_0, for several loads together.
+    def trajectory(self, steps: int, load: Callable[[float], Array]) -> Trajectory:
+        """Solve by the midpoint rule from the initial value Π^h u_0.
 
         Args:
             steps: the number of time steps.
-            loads: functions t ↦ F(t), (n,).
+            load: the function t ↦ F(t), (n,).
 
         Returns:
-            One trajectory for each load. The contact forces at t = 0 are set to 0.
+            The displacements and the contact forces at the time nodes. The contact forces at t = 0 are set to 0.
         """
-        k, u = self.solution.body.T / steps, np.tile(self.interpolant(0.0)[:, None], len(loads))
-        guess, multipliers = u, np.zeros((self.N.shape[0], len(loads)))
-        states = [(0.0, u, multipliers)]
-        for n in range(1, steps + 1):
-            b = np.stack([load((n - 0.5) * k) for load in loads], axis=1) + self.M @ u / k
+        k = self.solution.body.T / steps
+        u = self.interpolant(0.0)
+        multipliers = np.zeros(self.N.shape[0])
+        guess = u
+        displacements = [u]
+        forces = [multipliers]
+        for n in range(steps):
             before = u
+            b = load((n + 0.5) * k) + self.M @ u / k
             for _ in range(ITERATIONS):
                 u, multipliers = self.contact(b - self.elastic((guess + before) / 2), k, multipliers)
-                changes, sizes = self.norms(np.hstack([u - guess, u])).reshape(2, -1)
-                if (changes <= SETTLED * sizes).all():
+                if self.norm(u - guess) <= SETTLED * self.norm(u):
                     break
                 guess = u
             guess = 2 * u - before
-            states.append((n * k, u, multipliers))
-        return [[(time, u[:, c], multipliers[:, c]) for time, u, multipliers in states] for c in range(len(loads))]
+            displacements.append(u)
+            forces.append(multipliers)
+        return np.array(displacements), np.array(forces)
 
-    def norms(self, functions: Array) -> Array:
-        """Return the norms ‖v‖_V of c P1 functions v, (c,).
-
-        Args:
-            functions: the degrees of freedom of one function in each column, (n, c).
-        """
-        return np.sqrt(np.einsum("nc,nc->c", functions, self.M @ functions))
+    def norm(self, v: Array) -> float:
+        """Return the norm ‖v‖_V of a P1 function v, (n,)."""
+        return math.sqrt(v @ (self.M @ v))
 
     def distance(self, time: float, *functions: Array) -> list[float]:
         """Return the distance ‖u(t) − v‖_V of the exact displacement from each of several P1 functions v."""
-        exact = self.exact.strain(time)[:, : self.cell.size]
-        missing = [exact - self.strain(v) for v in functions]
-        return [float(np.sqrt(np.einsum("Ip,Ip->p", self.law.A(each), each) @ self.weights)) for each in missing]
+        missing = [self.exact.strain(time) - self.strain(v) for v in functions]
+        return [math.sqrt(np.sum(self.law.A(each) * each, axis=0) @ self.weights) for each in missing]

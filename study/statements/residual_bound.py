@@ -16,30 +16,28 @@ bound without G(·, 0), although (3.2) allows any G(·, 0) ∈ Q. **Measured and
   √(m_A/‖A‖), because ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V.
 """
 
+import math
+
 import numpy as np
 
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Tensors
 from study.fem.error_norm import ErrorNorm
-from study.fem.naming import resolve
 from study.fem.space import Space, on_cells
-from study.ledger import quantities
-from study.ledger.check import ROUNDING, Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ROUNDING, identity, paper_claim
+from study.ledger.quantities import values
 from study.ledger.window import Window, at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
-from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.meshes import space_of
+from study.statements.shared.meshes import posed
 from study.statements.shared.norms import Energies, dual_norm, midpoints
 from study.statements.thm_4_2 import beyond
 
 INSTANTS = 32
 """Number of times over which maxima of norms are taken."""
 AT_REST = positive_at_most(1e-10, "0 up to rounding: u^h ≡ 0 is the solution, although the printed bound is 0")
-ATTAINED = Window(1 - ROUNDING, np.inf, "over √(m_A/‖A‖)")
-NEVER = at_most(1 + ROUNDING, "proved")
 
 
 class ResidualBound(ListedNumbers):
@@ -51,48 +49,40 @@ class ResidualBound(ListedNumbers):
     label = "(5.27)"
     claim = "|R(s; v)| ≤ c (‖u‖_{W^{1,∞}(0,T;V)} + ‖f‖_{L∞(0,T;V)} + ‖G(·, 0)‖_Q) ‖v‖_V, c and G(·, 0) explicit"
     checks = (
-        Check(
-            "bound",
-            "max_s ‖R(s)‖ / the bound, exact solution",
-            quantities.values("bound"),
-            positive_at_most(1.0, "proved"),
-            CheckKind.CLAIM,
+        paper_claim(
+            "bound", "max_s ‖R(s)‖ / the bound, exact solution", values("bound"), positive_at_most(1.0, "proved")
         ),
-        Check(
-            "rest",
-            "G(·, 0) = A ε(z): distance of −R from the contact forces / its size",
-            quantities.values("rest"),
-            AT_REST,
-            CheckKind.IDENTITY,
+        identity(
+            "rest", "G(·, 0) = A ε(z): distance of −R from the contact forces / its size", values("rest"), AT_REST
         ),
-        Check(
+        identity(
             "prestress",
             "G(·, 0) = A ε(z): ‖R‖ / (‖G(·, 0)‖_Q / √m_A)",
-            quantities.values("prestress"),
-            NEVER,
-            CheckKind.IDENTITY,
+            values("prestress"),
+            at_most(1 + ROUNDING, "proved"),
         ),
-        Check(
+        identity(
             "attained",
             "‖R‖ / (‖G(·, 0)‖_Q / √m_A) over √(m_A/‖A‖), its least possible value",
-            quantities.values("attained"),
-            ATTAINED,
-            CheckKind.IDENTITY,
+            values("attained"),
+            Window(1 - ROUNDING, np.inf, "over √(m_A/‖A‖)"),
         ),
     )
     quick = grid(("full-contact",), ("unstructured",), (8,))
     full = grid((*EVOLVING, "anisotropic", "hexagon", *SOFTENING), ("unstructured",), (8, 16))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        space, solution = space_of(setting), resolve(setting.case).solution
-        problem, law = unloaded(space, solution.law), solution.law
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
+        problem = unloaded(space, solution.law)
+        law = solution.law
         share = share_of_bound(Energies(solution, space), ErrorNorm(solution, space), problem, law)
         # The body at rest with the stress G(·, 0) = A ε(z).
         stress = prestress(space, problem, law)
         R = space.functional(stress)
         bound = np.sqrt(np.sum(space.volumes * stress**2) / law.A.ellipticity)
-        of_bound, least = dual_norm(R, Cholesky(problem.M)) / bound, np.sqrt(law.A.ellipticity / law.A.lipschitz)
-        rest = beyond(-R, problem.N) / float(np.linalg.norm(R))
+        of_bound = dual_norm(R, Cholesky(problem.M)) / bound
+        least = np.sqrt(law.A.ellipticity / law.A.lipschitz)
+        rest = beyond(-R, problem.N) / math.sqrt(R @ R)
         return with_h(space.h, {"bound": share, "rest": rest, "prestress": of_bound, "attained": of_bound / least})
 
 
@@ -101,9 +91,13 @@ def share_of_bound(energies: Energies, v_norm: ErrorNorm, problem: SemiDiscrete,
 
     The residual is a functional on V^h.
     """
-    riesz, exact, rows = Cholesky(problem.M), energies.exact, []
+    riesz = Cholesky(problem.M)
+    exact = energies.exact
+    rows = []
     for time in midpoints(v_norm.space.body.T, INSTANTS):
-        strain, rate, load = exact.strain(time), exact.strain_rate(time), v_norm.load(time)
+        strain = exact.strain(time)
+        rate = exact.strain_rate(time)
+        load = v_norm.load(time)
         residual = energies.functional(exact.law.stress(rate, strain)) - load
         norms = [energies.product(field, field) ** 0.5 for field in (rate, strain)]
         rows.append((dual_norm(residual, riesz), *norms, dual_norm(load, riesz)))

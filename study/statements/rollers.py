@@ -75,7 +75,7 @@ orders at T and near the patch are reported.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -90,13 +90,11 @@ from manufactured.multiscale import ROLLERS, FadingFace
 from manufactured.multiscale.roller import START
 from manufactured.tensors import Array
 from study.fem.error_norm import FACET_POINTS
-from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.seminorm import gram
 from study.fem.space import Space, form
-from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, Groups
-from study.ledger.verdict import CheckKind
+from study.ledger.check import ENOUGH, Check, Groups, accuracy, consequence, identity
+from study.ledger.quantities import fitted, quotients
 from study.ledger.window import Window, around, at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
@@ -104,15 +102,16 @@ from study.solve.signorini import Signorini
 from study.solve.steps import step_size
 from study.solve.tableau import MIDPOINT
 from study.statements.contact_work import Resolved, pressing_on
-from study.statements.shared.base import ListedNumbers, Setting, with_h
-from study.statements.shared.meshes import space_of
+from study.statements.shared.base import Judged, ListedNumbers, Numbers, Setting, with_h
+from study.statements.shared.meshes import posed
 from study.statements.shared.norms import maximum
 
 # Cases and meshes, chosen to separate meshes with equal neighbourhoods of contact vertices from all others.
 ROLLER, PUSHING, STEEP, STANDING = ROLLERS
 PLAIN = "one-diagonal", "criss-cross"
 """Mesh families on which the cells around all vertices of Γ3 are arranged alike."""
-ALTERNATING, UNSTRUCTURED = "alternating", "unstructured"
+ALTERNATING = "alternating"
+UNSTRUCTURED = "unstructured"
 SEEDS = ("shaken", *(f"shaken-{seed}" for seed in range(1, 8)))
 """Random mesh families over which the measured excess is averaged. The finest level uses the first half of them."""
 LEVELS = 16, 32, 64, 128
@@ -149,18 +148,22 @@ class OnContact:
     """
 
     def __init__(self, at: Resolved) -> None:
-        space, solution = at.space, at.solution
-        self.at, self.M = at, form(space, solution.law.A)
+        space = at.space
+        solution = at.solution
+        self.at = at
+        self.M = form(space, solution.law.A)
         self.condensed = Signorini(self.M, space.N)
         inverse = np.linalg.inv(self.condensed.W)
         self.S = (inverse + inverse.T) / 2
         self.start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))
-        (self._face,), (_, vertices) = solution.faces, space.contact[0]
+        (self._face,) = solution.faces
+        (_, vertices) = space.contact[0]
         self.places = self._face.part.coordinates(space.mesh.p[:, vertices])[0]
 
     def functional(self, time: float) -> Array:
         """Return the functional (u(t), ·)_V of the exact displacement on V^h, (dofs,)."""
-        v_norm, law = self.at.v_norm, self.at.solution.law
+        v_norm = self.at.v_norm
+        law = self.at.solution.law
         return np.asarray(self.at.inclusion.T @ v_norm.space.functional(law.A.matrix @ v_norm.means(time)))
 
     def projected(self, time: float) -> Array:
@@ -204,7 +207,9 @@ class Trajectories:
 
         The values of ġ and g in the middle of a step are computed from g at its ends.
         """
-        T, k, N = on.at.space.body.T, step_size(on.at.space.body.T, steps), on.at.space.N
+        T = on.at.space.body.T
+        k = step_size(on.at.space.body.T, steps)
+        N = on.at.space.N
         pressing = pressing_on(on.at)
         projected = np.array([on.condensed.gap(on.functional(n * k)) for n in range(steps + 1)])
         forces = np.array([N @ pressing((n + 0.5) * k) for n in range(steps)])
@@ -213,7 +218,8 @@ class Trajectories:
         def during(values: Array) -> Callable[[float], Array]:
             return lambda time: values[round(time / k - 0.5)]
 
-        S, start = sps.csc_array(on.S), N @ on.start
+        S = sps.csc_array(on.S)
+        start = N @ on.start
         contact = SemiDiscrete(S, S, None, sps.csr_array(np.eye(len(start))), during(moved + forces), start, T)
         linear = replace(contact, N=contact.N[:0], load=during(moved))
         return cls(on, steps, k, projected, forces, path(contact, MIDPOINT, steps), path(linear, MIDPOINT, steps))
@@ -234,22 +240,30 @@ class Trajectories:
         return on.projected(n * self.k) + left + on.condensed.factor(on.at.space.N.T @ forces)
 
 
-def sides(found: Trajectories) -> dict[str, float]:
+def sides(found: Trajectories) -> Numbers:
     """Return the error, its bound, and the terms E_h, M_h, J_h of the bound, which the module docstring defines."""
-    on, at, space, T = found.on, found.on.at, found.on.at.space, found.on.at.space.body.T
-    times = {n: n * found.k for n in range(0, found.steps + 1, max(1, found.steps // SAMPLED_PARTS))}
-    samples = {n: at.v_norm.sample(time) for n, time in times.items()}
-    distance, finer = at.v_norm.distance, at.inclusion
-    best = maximum(distance(sample, finer @ on.projected(times[n])) for n, sample in samples.items())
-    error = maximum(distance(sample, finer @ found.displacement(n)) for n, sample in samples.items())
+    on = found.on
+    at = found.on.at
+    space = found.on.at.space
+    distance = at.v_norm.distance
+    finer = at.inclusion
+    measured = []
+    for n in range(0, found.steps + 1, max(1, found.steps // SAMPLED_PARTS)):
+        time = n * found.k
+        sample = at.v_norm.sample(time)
+        projected = finer @ on.projected(time)
+        error = distance(sample, finer @ found.displacement(n))
+        measured.append((error, distance(sample, projected), interpolation_error(at.solution, space, time)))
+    error, best, between = np.max(measured, axis=0)
     nodal = maximum(abs(g + on.gap(n * found.k)).max() for n, g in enumerate(found.projected))
-    between = maximum(interpolation_error(at.solution, space, time) for time in times.values())
-    (part,), (top,) = space.body.of(Kind.CONTACT), space.body.of(Kind.CLAMPED)
+    (part,) = space.body.of(Kind.CONTACT)
+    (top,) = space.body.of(Kind.CLAMPED)
     theta = space.interpolate(np.multiply.outer(part.normal, top.coordinates(space.mesh.p)[1]))
     field = math.sqrt(theta @ (on.M @ theta))
-    force, start = found.k * float(found.forces.sum()), distance(samples[0], finer @ on.start)
-    growth, work = math.exp(at.solution.law.kappa * T), math.sqrt(2 * (2 * nodal + between) * force)
-    right = growth * (best + start + 2 * field * nodal + work)
+    start = distance(at.v_norm.sample(0.0), finer @ on.start)
+    force = found.k * found.forces.sum()
+    right = best + start + 2 * field * nodal + math.sqrt(2 * (2 * nodal + between) * force)
+    right *= math.exp(at.solution.law.kappa * space.body.T)
     return {"error": error, "right side": right, "E_h": best, "M_h": nodal, "J_h": between, "force": force}
 
 
@@ -262,7 +276,8 @@ def nodal_error_near_patch(found: Trajectories, width: float) -> float:
         found: the solutions over time.
         width: the width ℓ of the roller.
     """
-    (s,), errors = found.on.places, []
+    (s,) = found.on.places
+    errors = []
     for n in range(found.steps // 2, found.steps + 1):
         near = abs(s - float(START) - n * found.k + width / 2) <= 2 * width
         errors.append(abs(found.projected[n] + found.on.gap(n * found.k))[near])
@@ -286,21 +301,17 @@ EXCESS = "order of the excess ‖u^h − u^h_lin‖_V"
 EQUAL = Window(0.75, 1.1, "1 up to a logarithm, as all vertices of Γ3 have equal neighbourhoods")
 HALF = around(0.5, 0.15, "the roller leaves different displacements at neighbouring vertices; equal ones give 1")
 ONE = around(1, 0.25, "displacements remain at few vertices only")
-ONE_MESH = around(0.5, 0.3, "a single random mesh on every level")
-SIMILAR = around(1, 0.1, "the solution near the patch looks alike for every ℓ = 2h")
-SUM = around(0.5, 0.35, "the vertices contribute like independent random numbers")
-LINEAR = Window(0.75, 1.1, "1 less a logarithm, as |u|_{H²} grows like |log ℓ|^{1/2}")
 STEPS = at_most(0.02, "of the excess, so the excess does not come from time steps")
-JUMP = around(2 * math.log(2), 0.15, "2 log 2 for a step of height 1; other powers of ℓ tend to 0 or infinity")
 AT_THE_START = (
     "this quantity was chosen after the maximum over time had shown orders above 1: with one diagonal that maximum "
     "occurs at the start, on all meshes except the finest"
 )
 AT_AN_END = "this quantity was chosen after M_h had shown orders above 1: with one diagonal M_h occurs at an end of Γ3"
 SMOOTHED = "the generator makes neighbourhoods nearly equal, and the order on a single mesh depends on chance"
-SCATTER = "order of the relative standard deviation over shaken meshes"
-BEST = "order of E_h = ‖u − P_hu‖_V, the error of the linear problem"
 NEAR_PATCH = "order of the nodal errors of P_hu next to the patch, one or two diagonals"
+FEW_VERTICES = "the order depends on the cells around few vertices"
+HALF_STEPS = "excess, k/2"
+"""Name of the column with the excess for half the time step."""
 FEW_MESHES = "eight meshes determine a standard deviation only up to a quarter"
 
 
@@ -311,7 +322,7 @@ def change_by_half_steps(levels: pd.DataFrame) -> Array:
     result is empty if no level was measured with half the time step.
     """
     both = levels.dropna()
-    return abs(both["excess, k/2"] / both["excess"] - 1).to_numpy()
+    return abs(both[HALF_STEPS] / both["excess"] - 1).to_numpy()
 
 
 def over_seeds(groups: Groups) -> pd.DataFrame:
@@ -322,7 +333,8 @@ def over_seeds(groups: Groups) -> pd.DataFrame:
     if not set(SEEDS) <= set(groups):
         return pd.DataFrame()
     levels = pd.concat([groups[name] for name in SEEDS]).groupby("level")
-    mean, spread = levels["excess"].mean(), levels["excess"].std()
+    mean = levels["excess"].mean()
+    spread = levels["excess"].std()
     table = pd.DataFrame({"h": levels["h"].mean(), "excess": mean, "scatter": spread / mean}).reset_index()
     return table.sort_values("h", ascending=False)
 
@@ -359,15 +371,17 @@ class Rollers(ListedNumbers):
         """
         return 12.0 * setting.level**3
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        solution, space = resolve(setting.case).solution, space_of(setting)
-        on, steps = OnContact(Resolved(solution, space)), round(PER_H * setting.level * space.body.T)
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
+        on = OnContact(Resolved(solution, space))
+        steps = round(PER_H * setting.level * space.body.T)
         found = Trajectories.of(on, steps)
         excess = found.excess()
         numbers = {"excess": excess.max(), "excess at T": excess[-1], **sides(found)}
         if setting.family == PLAIN[0]:
             # The squared seminorm |q|²_{1/2} at the time T/2, for the linear interpolant of q on equal panels of Γ3.
-            (face,), panels = solution.faces, 4 * setting.level
+            (face,) = solution.faces
+            panels = 4 * setting.level
             assert isinstance(face, FadingFace)
             nodes = np.linspace(0, face.part.measure, panels + 1)
             q = Jet(sp.sympify(face.strain))(nodes[None], space.body.T / 2)[(0,)]
@@ -375,14 +389,14 @@ class Rollers(ListedNumbers):
         if setting.case == f"{ROLLER}-{setting.level}" and setting.family in PLAIN:
             numbers["M_h beside"] = nodal_error_near_patch(found, 2 / setting.level)
         if setting.level == HALVED and setting.family not in SEEDS[1:]:
-            numbers["excess, k/2"] = Trajectories.of(on, 2 * steps).excess().max()
+            numbers[HALF_STEPS] = Trajectories.of(on, 2 * steps).excess().max()
         return with_h(space.h, numbers)
 
     def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
         """Divide measured rows by kinds of rollers, which are the names of the cases without the level."""
         return super().by_case(rows.assign(case=rows["case"].str.rpartition("-")[0]))
 
-    def checks_of(self, kind: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
+    def checks_of(self, kind: str, groups: Groups) -> Judged:
         """Yield the criteria for a kind of roller, each with the measurements on the mesh families that it judges.
 
         The excess is the distance of u^h from the solution of the linear problem with the exact pressure as a traction.
@@ -392,75 +406,89 @@ class Rollers(ListedNumbers):
             # A missing family gets an empty table, so that the check is undecided.
             return {name: groups.get(name, pd.DataFrame()) for name in families}
 
-        proved = at_most(1.0, "proved")
+        yield BOUND, groups
+        if kind == STANDING:
+            # The excess on a single shaken mesh depends on the cells around few vertices.
+            still = f"{EXCESS}, patches that do not move"
+            yield order("order-standing", still, ONE), {k: v for k, v in groups.items() if k not in SEEDS}
+            single = f"{still}, single shaken meshes"
+            yield order("order-standing-shaken", single, ONE, "excess", FEW_VERTICES), on(SEEDS[0])
+            return
+        yield order("order-alternating", f"{EXCESS}, alternating diagonals", HALF), on(ALTERNATING)
+        if kind != ROLLER:
+            return
+        plain = on(*PLAIN)
+        shaken = {SEEDS[0]: over_seeds(groups)}
+        yield order("order-equal", f"{EXCESS}, one or two diagonals", EQUAL), plain
+        at_end = f"{EXCESS} at T, one or two diagonals"
+        yield order("order-end", at_end, EQUAL, "excess at T", AT_THE_START), plain
         yield (
-            Check(
-                "bound",
-                "error / right side of the bound",
-                quantities.quotients("error", "right side"),
-                proved,
-                CheckKind.IDENTITY,
+            order(
+                "nodal-beside",
+                NEAR_PATCH,
+                around(1, 0.1, "the solution near the patch looks alike for every ℓ = 2h"),
+                "M_h beside",
+                AT_AN_END,
+            ),
+            plain,
+        )
+        yield order("order-shaken", f"{EXCESS}, mean over shaken meshes", HALF), shaken
+        unstructured = f"{EXCESS}, unstructured meshes"
+        yield (
+            order(
+                "order-unstructured",
+                unstructured,
+                around(0.5, 0.3, "a single random mesh on every level"),
+                "excess",
+                SMOOTHED,
+            ),
+            on(UNSTRUCTURED),
+        )
+        yield (
+            order(
+                "scatter",
+                "order of the relative standard deviation over shaken meshes",
+                around(0.5, 0.35, "the vertices contribute like independent random numbers"),
+                "scatter",
+                FEW_MESHES,
+            ),
+            shaken,
+        )
+        yield (
+            order(
+                "best",
+                "order of E_h = ‖u − P_hu‖_V, the error of the linear problem",
+                Window(0.75, 1.1, "1 less a logarithm, as |u|_{H²} grows like |log ℓ|^{1/2}"),
+                "E_h",
+                "a logarithm changes the order from level to level",
             ),
             groups,
         )
-        if kind == STANDING:
-            excess, fixed = f"{EXCESS}, patches that do not move", {k: v for k, v in groups.items() if k not in SEEDS}
-            yield (
-                Check("order-standing", excess, quantities.fitted("excess"), ONE, CheckKind.CONSEQUENCE, ENOUGH),
-                fixed,
-            )
-            single = Check(
-                "order-standing-shaken",
-                f"{excess}, single shaken meshes",
-                quantities.fitted("excess"),
-                ONE,
-                CheckKind.CONSEQUENCE,
-                ENOUGH,
-            )
-            yield replace(single, if_missed="the order depends on the cells around few vertices"), on(SEEDS[0])
-            return
-        yield (
-            Check(
-                "order-alternating",
-                f"{EXCESS}, alternating diagonals",
-                quantities.fitted("excess"),
-                HALF,
-                CheckKind.CONSEQUENCE,
-                ENOUGH,
-            ),
-            on(ALTERNATING),
-        )
-        if kind != ROLLER:
-            return
-        plain, shaken = on(*PLAIN), {SEEDS[0]: over_seeds(groups)}
-        # Orders with a reason are reported and not judged.
-        for key, quantity, window, column, mine, reason in (
-            ("order-equal", f"{EXCESS}, one or two diagonals", EQUAL, "excess", plain, ""),
-            ("order-end", f"{EXCESS} at T, one or two diagonals", EQUAL, "excess at T", plain, AT_THE_START),
-            ("nodal-beside", NEAR_PATCH, SIMILAR, "M_h beside", plain, AT_AN_END),
-            ("order-shaken", f"{EXCESS}, mean over shaken meshes", HALF, "excess", shaken, ""),
-            ("order-unstructured", f"{EXCESS}, unstructured meshes", ONE_MESH, "excess", on(UNSTRUCTURED), SMOOTHED),
-            ("scatter", SCATTER, SUM, "scatter", shaken, FEW_MESHES),
-            ("best", BEST, LINEAR, "E_h", groups, "a logarithm changes the order from level to level"),
-        ):
-            criterion = Check(key, quantity, quantities.fitted(column), window, CheckKind.CONSEQUENCE, ENOUGH)
-            yield replace(criterion, if_missed=reason) if reason else criterion, mine
-        share = Check(
-            "share", "largest excess / error", quantities.quotients("excess", "error"), Window(), CheckKind.CONSEQUENCE
-        )
-        yield replace(share, if_missed="the study has no bound of this excess in V"), groups
-        columns = "excess", "excess, k/2"
-        halved = {name: table for name, table in groups.items() if columns[1] in table}
-        yield (
-            Check("time", "change of the excess with half the step", change_by_half_steps, STEPS, CheckKind.ACCURACY),
-            halved,
-        )
-        # The growth from every level to the next must lie in the window; the last one is displayed.
-        quantity = "growth of |q|²_{1/2,Γ3} with every halving of ℓ"
-        growth = Check("step", quantity, growth_of_trace, JUMP, CheckKind.ACCURACY, ENOUGH, finest=True)
-        yield growth, on(PLAIN[0])
+        yield SHARE, groups
+        yield TIME, {name: table for name, table in groups.items() if HALF_STEPS in table}
+        yield GROWTH, on(PLAIN[0])
 
 
-def growth_of_trace(table: pd.DataFrame) -> Array:
-    """Return the growth of |q|²_{1/2,Γ3} from every level to the next."""
-    return np.diff(table["|q|²"].to_numpy())
+BOUND = identity("bound", "error / right side of the bound", quotients("error", "right side"), at_most(1.0, "proved"))
+SHARE = consequence(
+    "share",
+    "largest excess / error",
+    quotients("excess", "error"),
+    Window(),
+    if_missed="the study has no bound of this excess in V",
+)
+TIME = accuracy("time", "change of the excess with half the step", change_by_half_steps, STEPS)
+# The growth from every level to the next must lie in the window; the last one is displayed.
+GROWTH = accuracy(
+    "step",
+    "growth of |q|²_{1/2,Γ3} with every halving of ℓ",
+    lambda table: np.diff(table["|q|²"].to_numpy()),
+    around(2 * math.log(2), 0.15, "2 log 2 for a step of height 1; other powers of ℓ tend to 0 or infinity"),
+    levels=ENOUGH,
+    finest=True,
+)
+
+
+def order(key: str, quantity: str, window: Window, column: str = "excess", if_missed: str = "") -> Check:
+    """Return the check of the fitted order of a column; with a reason ``if_missed`` nothing is claimed."""
+    return consequence(key, quantity, fitted(column), window, levels=ENOUGH, if_missed=if_missed)

@@ -44,14 +44,13 @@ from manufactured.law import (
 from manufactured.tensors import Array, Tensors, size
 from study.fem.naming import resolve
 from study.fem.space import Space, form
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import consequence, identity, paper_claim
+from study.ledger.quantities import values
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
-from study.statements.shared.base import SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import SEED, SOFTENING, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum, norm
 from study.statements.wellposed import Perturbation, along_the_contact, perturbations, quotients, smooth
@@ -65,8 +64,6 @@ KINDS = 5
 SMALL = 0.01
 """Largest strain at the final time of the solution along an eigenvector. It is so small that the law is linear."""
 SEEN = around(1, 1e-3, "the midpoint rule changes the rate by at most 3.3e-4")
-NEVER = positive_at_most(1 + 1e-7, "proved; tolerance for fixed-point iterations")
-ATTAINED = Window(1 - 1e-7, 1 + 1e-7, "equality up to rounding, because B = −ωI")
 GROWTH = "measured growth rate of ‖u − v‖_V / predicted rate"
 DISTANCE = "largest ‖u − v‖_V / its bound, u and v with different loads or initial displacements"
 ALL = "for every ω and T"
@@ -107,42 +104,29 @@ class SolutionDivergence(ListedNumbers):
         "faster than e^{ωt} with ω = L_G/m_A"
     )
     checks = (
-        Check(
-            "rate",
-            f"{GROWTH} c, scaled law of the case, {ALL}",
-            quantities.values(*columns("own", "rate")),
-            SEEN,
-            CheckKind.CONSEQUENCE,
-        ),
-        Check(
-            "rate-even",
-            f"{GROWTH} ω, law G = −ωA, {ALL}",
-            quantities.values(*columns("even", "rate")),
-            SEEN,
-            CheckKind.CONSEQUENCE,
-        ),
-        Check(
+        consequence("rate", f"{GROWTH} c, scaled law of the case, {ALL}", values(*columns("own", "rate")), SEEN),
+        consequence("rate-even", f"{GROWTH} ω, law G = −ωA, {ALL}", values(*columns("even", "rate")), SEEN),
+        paper_claim(
             "bound",
             f"{DISTANCE}, scaled law of the case, {ALL}",
-            quantities.values(*columns("own", "bound")),
-            NEVER,
-            CheckKind.CLAIM,
+            values(*columns("own", "bound")),
+            positive_at_most(1 + 1e-7, "proved; tolerance for fixed-point iterations"),
         ),
-        Check(
+        identity(
             "bound-even",
             f"{DISTANCE}, law G = −ωA, {ALL}",
-            quantities.values(*columns("even", "bound")),
-            ATTAINED,
-            CheckKind.IDENTITY,
+            values(*columns("even", "bound")),
+            Window(1 - 1e-7, 1 + 1e-7, "equality up to rounding, because B = −ωI"),
         ),
     )
     quick = grid(("softening",), ("shaken",), (4,))
     full = grid(SOFTENING, ("unstructured",), (6, 12))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        setup, law = Experiment.at(setting, MIDPOINT, 1), resolve(setting.case).solution.law
+    def measure(self, setting: Setting) -> Numbers:
+        setup = Experiment.at(setting, MIDPOINT, 1)
+        law = resolve(setting.case).solution.law
         setup = replace(setup, problem=with_cached_loads(setup.problem, 9))
-        found: dict[str, float] = {}
+        found: Numbers = {}
         for omega, T in SWEEP:
             for name, mine in (("own", scaled(law, omega)), ("even", even_law(law.dim, omega))):
                 found[column(name, "rate", omega, T)] = growth_rate(setup.space, mine, T)
@@ -161,7 +145,8 @@ def scaled(law: KelvinVoigt, omega: float) -> KelvinVoigt:
     Raises:
         TypeError: G is neither linear nor combined.
     """
-    factor, G = omega / law.kappa, law.G
+    factor = omega / law.kappa
+    G = law.G
     if isinstance(G, Combined):
         yielding = Yield(factor * G.yielding.beta, G.yielding.convex)
         multiple: Elasticity = Combined(factor * G.prestress, Indefinite(factor * G.linear.matrix), yielding)
@@ -182,10 +167,13 @@ def softest_mode(space: Space, law: KelvinVoigt) -> tuple[float, Array, Array]:
         displacements with Nv = 0, v is the eigenvector of G'(0) with respect to M with the smallest eigenvalue, −c.
     """
     slope = derivative(law.G.at(space.mesh.p[:, :1]), np.zeros((size(space.dim), 1)))[0]
-    M, G, N = form(space, law.A).toarray(), space.form(slope).toarray(), space.N.toarray()
+    M = form(space, law.A).toarray()
+    G = space.form(slope).toarray()
+    N = space.N.toarray()
     Z = null_space(N)
     values, vectors = eigh(Z.T @ G @ Z, Z.T @ M @ Z, subset_by_index=[0, 0])
-    c, v = -float(values[0]), Z @ vectors[:, 0]
+    c = -float(values[0])
+    v = Z @ vectors[:, 0]
     return c, v, -np.linalg.pinv(N.T) @ (c * (M @ v) + G @ v)
 
 
@@ -219,7 +207,9 @@ def over_bound(setup: Experiment, law: KelvinVoigt, T: float) -> float:
     max(−m, 0)/m_A ≤ ω with the monotonicity constant m of G; f_j and g_j are the loads of u and v. The solution u has
     the load of the experiment, with time scaled to T; v has another load or another initial value.
     """
-    space, steps, pace = setup.space, steps_for(law, T), setup.problem.T / T
+    space = setup.space
+    steps = steps_for(law, T)
+    pace = setup.problem.T / T
     problem = replace(SemiDiscrete.of(space, law, lambda t: setup.problem.load(t * pace), setup.problem.u0), T=T)
     trajectory = list(BACKWARD_EULER.march(problem, steps))
     field = along_the_contact(problem, smooth(space, np.random.default_rng(SEED)))

@@ -26,28 +26,25 @@ tested in a process that has no displacement solver (``tests/controls/test_fault
 ``thm_4_2_own_space`` solves Problem 3.2 on a stress space without using displacements.
 """
 
-from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sps
 from scipy.optimize import nnls
 
 from manufactured.tensors import Array
-from study.fem.naming import name_of
 from study.fem.space import on_cells
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.datafiles import CsvFile, DataFile, Row
+from study.ledger.check import accuracy, identity, paper_claim
+from study.ledger.datafiles import CsvFile, Row
+from study.ledger.quantities import quotients, values
 from study.ledger.text import power_of_ten
-from study.ledger.verdict import CheckKind
 from study.ledger.window import at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.steps import step_size
 from study.solve.stress_problem import StressError, StressProblem
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.shared.base import Setting, Statement
+from study.statements.shared.base import Numbers, Setting, Statement
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.scope import Scope
 
@@ -111,11 +108,17 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
     Raises:
         StepsError: the steps are so long that the problem of a step may have no or several solutions.
     """
-    space, law, M = stresses.space, stresses.law, displacements.M
-    cells, k, root, radius = on_cells(space, law), step_size(displacements.T, steps), np.sqrt(space.volumes), 0.0
+    space = stresses.space
+    law = stresses.law
+    M = displacements.M
+    cells = on_cells(space, law)
+    k = step_size(displacements.T, steps)
+    root = np.sqrt(space.volumes)
+    radius = 0.0
     BACKWARD_EULER.require_unique(k, law.growth)
     q = 1 / (1 - k * law.growth)  # Errors of earlier steps are multiplied at most by this factor in ‖·‖_V.
-    worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
+    worst = np.zeros(5)
+    sizes = np.full(5, np.finfo(float).tiny)
     pairs = zip(BACKWARD_EULER.march(displacements, steps), stresses.march(steps), strict=True)
     for (before, _), (primal, dual) in pairwise(pairs):
         strain = space.strain(primal.u)
@@ -133,7 +136,8 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
         ]
         of_both = np.sqrt(primal.u @ (M @ primal.u)), np.linalg.norm(root * stress)
         size = [*of_both, np.linalg.norm(load), abs(load @ dual.u), abs(dual.u).max()]
-        worst, sizes = np.maximum(worst, now), np.maximum(sizes, size)
+        worst = np.maximum(worst, now)
+        sizes = np.maximum(sizes, size)
     bounds = radius * np.sqrt([q * k, law.A.lipschitz / k + law.G.lipschitz]) / sizes[:2]
     return Gaps(*(float(value) for value in [*(worst / sizes), *bounds]))
 
@@ -152,7 +156,7 @@ LEAST = 1e-9
 """Smallest reported difference. Smaller ones depend on the iteration at which a solver stops."""
 
 
-def magnitudes(found: Mapping[str, float]) -> dict[str, float]:
+def magnitudes(found: Row) -> Numbers:
     """Return differences of the solutions of both problems, and their bounds, rounded up to powers of ten.
 
     Only their size is meaningful, because they depend on the duality gap at which the interior-point method happens to
@@ -173,11 +177,7 @@ def magnitudes(found: Mapping[str, float]) -> dict[str, float]:
 
 OF_BOUND = "difference between Problems 3.1 and 3.2 / its bound from the duality gap"
 PROVED = positive_at_most(1.0, "proved")
-ALLOWED = "bound of the difference from the duality gap / size of the solution"
-AGREEMENT, INSIDE = positive_at_most(1e-7, "at every step"), at_most(1e-7, "at every step")
-SHARP = positive_at_most(
-    1e-5, "32 steps, each with the root of a duality gap of 1e-15, and norms that differ by a factor 10"
-)
+AGREEMENT = positive_at_most(1e-7, "at every step")
 
 
 class SameMesh(Statement):
@@ -193,37 +193,25 @@ class SameMesh(Statement):
     of_every_case = True
     per_step = 70.0, 1000.0
     checks = (
-        Check(
-            "displacement",
-            f"displacement {OF_BOUND}",
-            quantities.quotients("displacement_gap", "displacement_bound"),
-            PROVED,
-            CheckKind.CLAIM,
+        paper_claim(
+            "displacement", f"displacement {OF_BOUND}", quotients("displacement_gap", "displacement_bound"), PROVED
         ),
-        Check(
-            "stress", f"stress {OF_BOUND}", quantities.quotients("stress_gap", "stress_bound"), PROVED, CheckKind.CLAIM
+        paper_claim("stress", f"stress {OF_BOUND}", quotients("stress_gap", "stress_bound"), PROVED),
+        accuracy(
+            "allowed",
+            "bound of the difference from the duality gap / size of the solution",
+            lambda of: of[[*BOUNDS]].to_numpy().max(axis=1),
+            positive_at_most(
+                1e-5, "32 steps, each with the root of a duality gap of 1e-15, and norms that differ by a factor 10"
+            ),
         ),
-        Check("allowed", ALLOWED, lambda of: of[[*BOUNDS]].to_numpy().max(axis=1), SHARP, CheckKind.ACCURACY),
-        Check(
-            "admissibility",
-            "violation of σ^h ∈ Σ^h(t)",
-            quantities.values("admissibility"),
-            AGREEMENT,
-            CheckKind.IDENTITY,
-        ),
-        Check(
-            "energy",
-            "violation of (σ, ε(u))_Q = (f, u)_V, (4.14)",
-            quantities.values("energy_gap"),
-            AGREEMENT,
-            CheckKind.IDENTITY,
-        ),
-        Check(
+        identity("admissibility", "violation of σ^h ∈ Σ^h(t)", values("admissibility"), AGREEMENT),
+        identity("energy", "violation of (σ, ε(u))_Q = (f, u)_V, (4.14)", values("energy_gap"), AGREEMENT),
+        paper_claim(
             "membership",
             "violation of u ∈ K^h, which Problem 3.2 does not impose",
-            quantities.values("membership"),
-            INSIDE,
-            CheckKind.CLAIM,
+            values("membership"),
+            at_most(1e-7, "at every step"),
         ),
     )
 
@@ -239,13 +227,11 @@ class SameMesh(Statement):
     def setup(self, setting: Setting) -> Experiment:
         return Experiment.at(setting, BACKWARD_EULER, self.steps(setting))
 
-    def measure(self, setup: Experiment) -> dict[str, Any]:
+    def measure(self, setup: Experiment) -> Numbers:
         """Solve Problem 3.1 as ``setup`` says, and Problem 3.2 for the exact solution, and compare both."""
         gaps_of_both = gaps(setup.solved or setup.problem, stress_problem(setup), setup.steps)
-        return {"h": setup.space.h, "steps": setup.steps, **magnitudes(gaps_of_both._asdict())}
-
-    def records(self, setting: Setting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        yield self.file, {**vars(setting), "case": name_of(setting.case), "form": "strains of V^h", **found}
+        place = {"h": setup.space.h, "steps": setup.steps, "form": "strains of V^h"}
+        return {**place, **magnitudes(gaps_of_both._asdict())}
 
     def steps(self, setting: Setting) -> int:
         """Return the number of time steps, two for every cell along a side."""

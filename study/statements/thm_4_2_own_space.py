@@ -34,11 +34,11 @@ for the same time steps. Its multipliers are compared with displacements.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import pandas as pd
@@ -54,17 +54,17 @@ from study.fem.mesh import Graded, MeshFamily, size
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.datafiles import CsvFile, DataFile, Row
+from study.ledger.check import Check, accuracy, consequence, identity
+from study.ledger.datafiles import CsvFile
 from study.ledger.orders import weighted_order
-from study.ledger.verdict import CheckKind, Verdict
+from study.ledger.quantities import fitted, of_errors, values
+from study.ledger.verdict import Verdict
 from study.ledger.window import Window, at_least, at_most, between, positive_at_most
 from study.solve.evolution import SemiDiscrete, velocities
 from study.solve.signorini import Signorini
 from study.solve.tableau import BDF2, Tableau
 from study.statements.shared import estimates
-from study.statements.shared.base import Setting, Statement, grid, steps_like_h
+from study.statements.shared.base import Numbers, Setting, Statement, grid, steps_like_h
 from study.statements.shared.meshes import ALONG, CELLS
 from study.stresses.composite import alfeld_split, barycentric, bernstein
 from study.stresses.hybrid import DualState, StressEvolution, act, tensor_at
@@ -177,7 +177,8 @@ class Exact:
             weighted = np.moveaxis(shapes * rule.weights, 1, 0)
             best = np.linalg.solve(weighted @ np.moveaxis(shapes, 0, -1), weighted)
             self._blocks.append((rule.cells, rule.weights, shapes, best, solution.at(rule.points)))
-        self.inside, self._faces = solution.at(space.points), []
+        self.inside = solution.at(space.points)
+        self._faces = []
         for face in solution.faces:
             edges = space.parts[space.body.parts.index(face.part)]
             on = facet_rule(space.mesh, edges, face.part, face.rough, FACET_POINTS)
@@ -199,14 +200,15 @@ class Exact:
             time: the time.
             values: σ^h at the Q quadrature points of every cell in the stress space, (3, cells, Q).
         """
-        coefficients, squares = self.space.coefficients(values), np.zeros(3)
+        coefficients = self.space.coefficients(values)
+        squares = np.zeros(3)
         for cells, weights, shapes, best, fields in self._blocks:
             exact = fields.stress(time)
             mine = np.einsum("Ina,anq->Inq", coefficients[:, cells], shapes, optimize=True)
             nearest = np.einsum("naq,Inq,anp->Inp", best, exact, shapes, optimize=True)
             squares += [np.einsum("Inq,Inq,nq->", d, d, weights) for d in (exact - mine, exact - nearest, exact)]
-        error, least, size = np.sqrt(squares)
-        return float(error), float(least), float(size)
+        error, least, size = np.sqrt(squares).tolist()
+        return error, least, size
 
     def pressure(self, time: float, tractions: Array) -> float:
         """Return the error of the contact pressure at one time, ‖σ_ν − σ^h_ν‖ in L²(Γ3).
@@ -264,9 +266,11 @@ def primal_solution(solution: ExactSolution, space: StressSpace, steps: int) -> 
     Aε(δu^h) + Gε(u^h) with the discrete velocity δu^h of BDF2 at the quadrature points of the stress space. Their
     shapes are (2, vertices) and (3, cells, Q), or (3, cells, 1) if the material is homogeneous.
     """
-    law, displacements = solution.law, Space(space.mesh, solution.body)
+    law = solution.law
+    displacements = Space(space.mesh, solution.body)
     assert isinstance(law.G, Linear)
-    viscous, elastic = tensor_at(law.A, space.points), tensor_at(law.G, space.points)
+    viscous = tensor_at(law.A, space.points)
+    elastic = tensor_at(law.G, space.points)
     v_norm = ErrorNorm(solution, displacements)
     problem = SemiDiscrete.of(displacements, law, v_norm.load, v_norm.sample(0.0).interpolant)
     for state, velocity in islice(velocities(problem, BDF2, steps), 1, None):
@@ -274,43 +278,48 @@ def primal_solution(solution: ExactSolution, space: StressSpace, steps: int) -> 
         yield displacements.nodal(state.u), act(viscous, rate) + act(elastic, strain)
 
 
-def measure(experiment: StressExperiment) -> dict[str, float]:
+def measure(experiment: StressExperiment) -> Numbers:
     """Solve the stress and the displacement problem together, and return the measured columns of ``stresses.csv``."""
-    space, exact = experiment.space, Exact(experiment.solution, experiment.space)
+    space = experiment.space
+    exact = Exact(experiment.solution, experiment.space)
     clamped = sum(len(edges) for _, edges in space.on(Kind.CLAMPED))
     primal = primal_solution(experiment.solution, space, experiment.steps)
-    coarse, steps, drift = experiment.companion(), [], []
+    coarse = experiment.companion()
+    steps = []
+    drift = []
     for n, state in enumerate(experiment.march(), start=1):
-        stress, strain, moments = state.stress, exact.inside.strain(state.time), exact.moments(state.time)
+        stress = state.stress
+        strain = exact.inside.strain(state.time)
+        moments = exact.moments(state.time)
         nodal, primal_stress = next(primal)
-        error, best, whole = exact.stress(state.time, stress.values)
-        steps.append(
-            {
-                "stress": error,
-                "best": best,
-                "exact stress": whole,
-                "strain": norm_in_q(strain - state.strain, space),
-                "exact strain": norm_in_q(strain, space),
-                "pressure": exact.pressure(state.time, stress.tractions),
-                "primal_stress": norm_in_q(stress.values - primal_stress, space),
-                "displacement": exact.mean_square(stress.moments - moments),
-                "primal_displacement": exact.mean_square(stress.moments - exact.moments_of(nodal)),
-                "exact displacement": exact.mean_square(moments),
-                "admissibility": inadmissible(space, state),
-            }
-        )
+        error, best, size_of_stress = exact.stress(state.time, stress.values)
+        step = {
+            "stress": error,
+            "best": best,
+            "exact stress": size_of_stress,
+            "strain": norm_in_q(strain - state.strain, space),
+            "exact strain": norm_in_q(strain, space),
+            "pressure": exact.pressure(state.time, stress.tractions),
+            "primal_stress": norm_in_q(stress.values - primal_stress, space),
+            "displacement": exact.mean_square(stress.moments - moments),
+            "primal_displacement": exact.mean_square(stress.moments - exact.moments_of(nodal)),
+            "exact displacement": exact.mean_square(moments),
+            "admissibility": inadmissible(space, state),
+        }
+        steps.append(step)
         if n % 2 == 0:
             drift.append(norm_in_q(next(coarse).stress.values - stress.values, space))
-    history = {name: np.array([step[name] for step in steps]) for name in steps[0]}
-    mean = {name: float(np.sqrt(np.mean(values**2))) for name, values in history.items()}
+    history = pd.DataFrame(steps)
+    largest = history.max(skipna=False)
+    mean = np.sqrt((history**2).mean(skipna=False))
     return {
         "h": size(space.mesh),
         "steps": experiment.steps,
         "unknowns": 2 * (space.degree + 1) * (len(space.lengths) - clamped),
         **{name: mean[name] / mean[f"exact {size}"] for name, size in RELATIVE_TO.items()},
-        "stress_sup": float(history["stress"].max() / history["exact stress"].max()),
-        "admissibility": float(history["admissibility"].max()),
-        "time_share": float(np.sqrt(np.mean(np.array(drift) ** 2))) / mean["stress"],
+        "stress_sup": largest["stress"] / largest["exact stress"],
+        "admissibility": largest["admissibility"],
+        "time_share": np.sqrt(np.mean(np.square(drift))) / mean["stress"],
     }
 
 
@@ -322,10 +331,9 @@ def inadmissible(space: StressSpace, state: DualState) -> float:
     tractions = state.stress.tractions
     total = np.zeros((len(space.lengths), *tractions.shape[2:]))
     np.add.at(total, space.edges, tractions)
+    total -= state.loads.surface  # It is zero outside Γ2.
     for _, edges in space.on(Kind.CLAMPED):
         total[edges] = 0.0
-    for _, edges in space.on(Kind.LOADED):
-        total[edges] -= state.loads.surface[edges]
     for _, edges in space.on(Kind.CONTACT):
         total[edges, :, 0] = np.maximum(total[edges, :, 0], 0.0)
     return float(abs(total).max() / abs(tractions).max())
@@ -350,8 +358,6 @@ It is three standard deviations. In a pilot study on shaken meshes with n = 8, 1
 standard deviation was 0.03 to 0.19. Orders of sums over all cells scattered by 0.03 and need no additional
 tolerance."""
 TIME = positive_at_most(0.5, "with the order 3/2 in k, time steps then contribute at most 0.27 of the error")
-BY_CHANCE = "the maximum depends on the position of a front within its cell, which is accidental on every level"
-ADMISSIBLE = "pointwise violation of: σ^hν continuous, equal to P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3"
 RATIO = "‖σ − σ^h‖_Q / error of the best piecewise polynomials"
 QUANTITIES = {
     "stress": "‖σ − σ^h‖_Q",
@@ -387,7 +393,8 @@ def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
         family: the name of the mesh family.
     """
     s, rate = smoothness(regularity, family)
-    constant, r = min(1.0, rate), min(2.0, rate)
+    constant = min(1.0, rate)
+    r = min(2.0, rate)
     _, at_contact = smoothness(replace(regularity, corner=math.inf), family)
     in_time = 1.5 if regularity.moving else 2.0
     moments = min(2 * s, in_time)
@@ -416,54 +423,40 @@ def smoothness(regularity: Regularity, family: str) -> tuple[float, float]:
 
 def checks_of(regularity: Regularity, family: str) -> Iterator[Check]:
     """Yield the criteria for a solution with the given regularity on a mesh family."""
-    random, orders_of = family_named(family).random, predicted(regularity, family)
+    random = family_named(family).random
+    orders_of = predicted(regularity, family)
     for name, orders in orders_of.items():
         parts = CELLS if name in IN_CELLS else ALONG
         window = orders.window(CHANCE if parts == ALONG and random else 0.0)
-        yield Check(
-            f"order-{name}",
-            f"order of {QUANTITIES[name]}",
-            quantities.fitted(name, last=JUDGED, power=parts),
-            window,
-            CheckKind.CONSEQUENCE,
-            PAIR,
+        yield consequence(
+            f"order-{name}", f"order of {QUANTITIES[name]}", fitted(name, last=JUDGED, power=parts), window, levels=PAIR
         )
     # The ratio on the finest level is displayed, because it matters most.
-    ratios = Check("ratio", RATIO, quantities.values("ratio"), at_least(1), CheckKind.CONSEQUENCE, finest=True)
-    yield replace(ratios, if_missed="the best polynomials come from a larger space")
+    larger = "the best polynomials come from a larger space"
+    yield consequence("ratio", RATIO, values("ratio"), at_least(1), finest=True, if_missed=larger)
     scatter = at_most(1.35, "bounded; two standard deviations are added for random meshes")
     grown = f"growth of {RATIO}, from the coarsest to the finest mesh, fitted"
-    yield Check(
-        "growth",
-        grown,
-        quantities.of_errors("ratio", growth),
-        scatter if random else at_most(1.25, "bounded"),
-        CheckKind.CONSEQUENCE,
-        PAIR,
+    yield consequence(
+        "growth", grown, of_errors("ratio", growth), scatter if random else at_most(1.25, "bounded"), levels=PAIR
     )
-    yield Check(
-        "admissible", ADMISSIBLE, quantities.values("admissibility"), positive_at_most(1e-9), CheckKind.IDENTITY
+    yield identity(
+        "admissible",
+        "pointwise violation of: σ^hν continuous, equal to P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3",
+        values("admissibility"),
+        positive_at_most(1e-9),
     )
-    yield Check(
-        "time-share",
-        "error of time steps and quadrature / ‖σ − σ^h‖_Q",
-        quantities.values("time_share"),
-        TIME,
-        CheckKind.ACCURACY,
-    )
+    yield accuracy("time-share", "error of time steps and quadrature / ‖σ − σ^h‖_Q", values("time_share"), TIME)
     # On other meshes theory predicts the same order for the largest error in time as for the error in L²(0,T).
     window = Window()
     if "stress" in orders_of and not random:
         window = replace(orders_of["stress"].window(), why="the same order as for the norm in L²(0,T)")
-    at_worst = Check(
-        "order-sup",
-        "order of max_n ‖σ − σ^h‖_Q",
-        quantities.fitted("stress_sup", last=JUDGED),
-        window,
-        CheckKind.CONSEQUENCE,
-        PAIR,
+    reason = (
+        "the maximum depends on the position of a front within its cell, which is accidental on every level"
+        if random
+        else ""
     )
-    yield replace(at_worst, if_missed=BY_CHANCE) if random else at_worst
+    order = fitted("stress_sup", last=JUDGED)
+    yield consequence("order-sup", "order of max_n ‖σ − σ^h‖_Q", order, window, levels=PAIR, if_missed=reason)
 
 
 def growth(h: Array, ratio: Array) -> float:
@@ -494,11 +487,8 @@ class OwnSpace(Statement):
     def setup(self, setting: Setting) -> StressExperiment:
         return StressExperiment.at(setting, self.steps(setting))
 
-    def measure(self, setup: StressExperiment) -> dict[str, Any]:
+    def measure(self, setup: StressExperiment) -> Numbers:
         return measure(setup)
-
-    def records(self, setting: Setting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        yield self.file, {**vars(setting), **found}
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         found: list[Verdict] = []

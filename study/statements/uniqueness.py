@@ -15,15 +15,14 @@ from scipy.optimize import nnls
 
 from manufactured.tensors import Array, Points, Tensors
 from study.fem.mesh import size as mesh_size
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import Check, consequence
+from study.ledger.quantities import values
 from study.ledger.window import at_most, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.interior_point import Accuracy, settings
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import maximum, norm
 from study.statements.thm_4_2_own_space import StressExperiment, norm_in_q
@@ -34,12 +33,14 @@ EXACTLY, OTHERWISE = at_most(1e-9, _BY_WHAT), positive_at_most(1e-9, _BY_WHAT)
 """Windows of relative differences: for the same solver with another initial guess, and for another solver.
 
 The same solver may give exactly the same digits. The result of another solver differs at least by round-off."""
-INTERIOR = positive_at_most(1e-7, "the method stops at a duality gap of 1e-15, whose root bounds the difference")
 WAYS = {
     "random starts": ("from random active sets", EXACTLY),
     "least squares": ("by Lawson and Hanson's method on the dual", OTHERWISE),
     "fixed point": ("by a fixed-point iteration with all of G on the right-hand side", OTHERWISE),
-    "interior point": ("by an interior point method", INTERIOR),
+    "interior point": (
+        "by an interior point method",
+        positive_at_most(1e-7, "the method stops at a duality gap of 1e-15, whose root bounds the difference"),
+    ),
 }
 """Other ways to solve a problem, by their names in columns: each in words, with the window of the difference."""
 
@@ -53,10 +54,7 @@ def differences(of: str, *ways: str, on: str = "") -> tuple[Check, ...]:
         on: text to add to the description of the interior point method.
     """
     texts = {name: f"difference of the {of} {WAYS[name][0]}{on if name == 'interior point' else ''}" for name in ways}
-    return tuple(
-        Check(name.replace(" ", "-"), text, quantities.values(name), WAYS[name][1], CheckKind.CONSEQUENCE)
-        for name, text in texts.items()
-    )
+    return tuple(consequence(name.replace(" ", "-"), text, values(name), WAYS[name][1]) for name, text in texts.items())
 
 
 class OneTrajectory(ListedNumbers):
@@ -82,7 +80,7 @@ class OneTrajectory(ListedNumbers):
     def setup(self, setting: Setting) -> Experiment:
         return Experiment.at(setting, BACKWARD_EULER, STEPS)
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         found = {}
         for name, rival in rivals(setup.problem).items():
             pairs = zip(setup.march(setup.steps), setup.scheme.march(rival, setup.steps), strict=True)
@@ -123,7 +121,8 @@ class LeastSquares:
     """
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
-        self.N, self.L = N, cholesky(S.toarray(), lower=True)
+        self.N = N
+        self.L = cholesky(S.toarray(), lower=True)
         self.columns = solve_triangular(self.L, N.T.toarray(), lower=True)
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
@@ -135,9 +134,11 @@ class InteriorPoint:
     """Contact solver that solves a quadratic programme in all unknowns by an interior-point method (Clarabel)."""
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
-        rows, self.q = N.shape[0], np.zeros(N.shape[1])
+        rows = N.shape[0]
+        self.q = np.zeros(N.shape[1])
         self.unit = float(abs(S.diagonal()).max())
-        P, cones = sps.csc_matrix(sps.triu(S / self.unit)), [clarabel.NonnegativeConeT(rows)]
+        P = sps.csc_matrix(sps.triu(S / self.unit))
+        cones = [clarabel.NonnegativeConeT(rows)]
         how = settings(aim=Accuracy(gap=1e-15, feasibility=1e-14), enough=Accuracy(gap=1e-11, feasibility=1e-11))
         self.solver = clarabel.DefaultSolver(P, self.q, sps.csc_matrix(N), np.zeros(rows), cones, how)
 
@@ -173,9 +174,11 @@ class OneStress(ListedNumbers):
     def setup(self, setting: Setting) -> StressExperiment:
         return StressExperiment.at(setting, STEPS)
 
-    def measure(self, experiment: StressExperiment) -> dict[str, float]:
-        own, space = stresses(experiment), experiment.space
-        size, found = maximum(norm_in_q(stress, space) for stress in own), {}
+    def measure(self, experiment: StressExperiment) -> Numbers:
+        own = stresses(experiment)
+        space = experiment.space
+        size = maximum(norm_in_q(stress, space) for stress in own)
+        found = {}
         for name, solver in RIVALS.items():
             pairs = zip(own, stresses(replace(experiment, solver=solver)), strict=True)
             found[name] = maximum(norm_in_q(a - b, space) for a, b in pairs) / size

@@ -32,7 +32,8 @@ class Listed(Statement):
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         """Return one row for each entry of ``lines``. The rows are reported only, because nothing is measured."""
-        none, nothing = Window(math.nan, math.nan), (math.nan, (math.nan, math.nan), REPORTED)
+        none = Window(math.nan, math.nan)
+        nothing = (math.nan, (math.nan, math.nan), REPORTED)
         return [
             row(self, key, quantity, none, nothing, place, expected=comment)
             for key, place, quantity, comment in self.lines

@@ -10,15 +10,14 @@ import numpy as np
 from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger import quantities
-from study.ledger.check import Check
-from study.ledger.verdict import CheckKind
+from study.ledger.check import consequence, paper_claim
+from study.ledger.quantities import finest, values
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
 from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import Velocity, dual_norm, maximum, norm
 
@@ -32,7 +31,6 @@ SUPREMUM_AT = 192
 """Number of time intervals at whose ends the exact velocity is evaluated for its supremum over time.
 
 It is twice the largest number of time steps of u^h."""
-LIMIT = around(1, 0.1, "u̇^h → u̇, and u̇ is continuous except at isolated times")
 
 
 class BoundedVelocity(ListedNumbers):
@@ -45,19 +43,14 @@ class BoundedVelocity(ListedNumbers):
     label = "(4.1)"
     claim = "u^h ∈ W^{1,∞}(0,T;V) uniformly in h and k, for solutions with a bounded u̇"
     checks = (
-        Check(
-            "bounded",
-            "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k",
-            quantities.values(*STEPS),
-            Window(0.5, 1.5, "for all h and k"),
-            CheckKind.CLAIM,
+        paper_claim(
+            "bounded", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k", values(*STEPS), Window(0.5, 1.5, "for all h and k")
         ),
-        Check(
+        consequence(
             "limit",
             "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, finest h and k",
-            quantities.finest(list(STEPS)[-1]),
-            LIMIT,
-            CheckKind.CONSEQUENCE,
+            finest(list(STEPS)[-1]),
+            around(1, 0.1, "u̇^h → u̇, and u̇ is continuous except at isolated times"),
         ),
     )
     quick = grid(FEW, ("shaken",), (8, 16))
@@ -66,15 +59,16 @@ class BoundedVelocity(ListedNumbers):
     def setup(self, setting: Setting) -> Experiment:
         return Experiment.at(setting, BACKWARD_EULER, 1)
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         velocity = Velocity(setup.solution, setup.space)
-        exact = float(velocity.norm(np.linspace(0, setup.problem.T, SUPREMUM_AT + 1)).max())
+        exact = velocity.norm(np.linspace(0, setup.problem.T, SUPREMUM_AT + 1)).max()
         return with_h(setup.space.h, {k: fastest(setup.problem, steps) / exact for k, steps in STEPS.items()})
 
 
 def fastest(problem: SemiDiscrete, steps: int) -> float:
     """Return the largest discrete velocity ‖(u_n − u_{n−1})/k‖_V of backward Euler over all steps."""
-    k, states = problem.T / steps, BACKWARD_EULER.march(problem, steps)
+    k = problem.T / steps
+    states = BACKWARD_EULER.march(problem, steps)
     return maximum(norm(problem, (after.u - before.u) / k) for before, after in pairwise(states))
 
 
@@ -83,9 +77,6 @@ def fastest(problem: SemiDiscrete, steps: int) -> float:
 SIZES = (0.1, 1.0, 10.0)
 """Sizes of the perturbations of load and initial displacement, relative to the data."""
 NEVER = positive_at_most(1 + 1e-7, f"tolerance for fixed-point iterations that stop at {FIXED_POINT:g}")
-SHARP = Window(0.5, 1 + 1e-7, "without contact it is at least e^{−ωk}/(1 + ωk), ωk ≤ 1/4")
-UNDAMPED = "‖u − v‖_V / (‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = 0, allowed by monotone G"
-AFTER_ONE_STEP = "‖u − v‖_V / its bound after one step, ω = L_G/m_A, f − g constant and not acting on the contact"
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,15 +109,19 @@ class Dependence(ListedNumbers):
     label = "Thm 2.2"
     claim = "u^h depends continuously on f and u_0, with the rate ω = L_G/m_A: what Thm 2.2 gives on V^h"
     checks = (
-        Check(
-            "bound",
-            "‖u − v‖_V / e^{ωt}(‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = L_G/m_A",
-            quantities.values("bound"),
+        paper_claim("bound", "‖u − v‖_V / e^{ωt}(‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = L_G/m_A", values("bound"), NEVER),
+        paper_claim(
+            "monotone",
+            "‖u − v‖_V / (‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = 0, allowed by monotone G",
+            values("monotone"),
             NEVER,
-            CheckKind.CLAIM,
         ),
-        Check("monotone", UNDAMPED, quantities.values("monotone"), NEVER, CheckKind.CLAIM),
-        Check("first-step", AFTER_ONE_STEP, quantities.values("first step"), SHARP, CheckKind.CONSEQUENCE),
+        consequence(
+            "first-step",
+            "‖u − v‖_V / its bound after one step, ω = L_G/m_A, f − g constant and not acting on the contact",
+            values("first step"),
+            Window(0.5, 1 + 1e-7, "without contact it is at least e^{−ωk}/(1 + ωk), ωk ≤ 1/4"),
+        ),
     )
     quick = grid(FEW, ("unstructured",), (6,))
     full = (
@@ -138,9 +133,10 @@ class Dependence(ListedNumbers):
         solution = resolve(setting.case).solution
         return Experiment.at(setting, BACKWARD_EULER, max(12, math.ceil(4 * solution.law.kappa * solution.body.T)))
 
-    def measure(self, setup: Experiment) -> dict[str, float]:
+    def measure(self, setup: Experiment) -> Numbers:
         omega = setup.solution.law.kappa
-        trajectory, others = list(setup.march(setup.steps)), perturbations(setup.problem, setup.space)
+        trajectory = list(setup.march(setup.steps))
+        others = perturbations(setup.problem, setup.space)
         found = np.array([quotients(setup.problem, trajectory, other) for other in others])
         damped = found * np.exp(-omega * np.array([state.time for state in trajectory[1:]]))
         return with_h(setup.space.h, {"bound": damped.max(), "monotone": found.max(), "first step": damped[0, 0]})
@@ -156,9 +152,11 @@ def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbatio
         trajectory: its solution u_n by backward Euler.
         other: the perturbation.
     """
-    steps, riesz = len(trajectory) - 1, Cholesky(problem.M)
+    steps = len(trajectory) - 1
+    riesz = Cholesky(problem.M)
     changed = replace(problem, load=lambda t: problem.load(t) + other.change(t), u0=other.start)
-    bound, found = norm(problem, problem.u0 - other.start), []
+    bound = norm(problem, problem.u0 - other.start)
+    found = []
     for u, v in zip(trajectory[1:], islice(BACKWARD_EULER.march(changed, steps), 1, None), strict=True):
         bound += problem.T / steps * dual_norm(other.change(u.time), riesz)
         found.append(norm(problem, u.u - v.u) / bound)
@@ -170,7 +168,9 @@ def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]
 
     The first perturbation is a constant load that moves no vertex of Γ3 along ν.
     """
-    rng, riesz, onto = np.random.default_rng(SEED), Cholesky(problem.M), Signorini(problem.M, problem.N)
+    rng = np.random.default_rng(SEED)
+    riesz = Cholesky(problem.M)
+    onto = Signorini(problem.M, problem.N)
     load = maximum(norm(problem, riesz(problem.load(float(t)))) for t in np.linspace(0, problem.T, 9))
     pressing = riesz(problem.N.T @ np.ones(problem.N.shape[0]))
     for relative in SIZES:
@@ -184,7 +184,8 @@ def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]
 
 def smooth(space: Space, rng: np.random.Generator) -> Array:
     """Return a random smooth displacement: the interpolant of a few waves, set to zero at the clamped vertices."""
-    low, high = space.mesh.p.min(axis=1), space.mesh.p.max(axis=1)
+    low = space.mesh.p.min(axis=1)
+    high = space.mesh.p.max(axis=1)
     x = (space.mesh.p - low[:, None]) / (high - low)[:, None]
     waves = rng.uniform(-np.pi, np.pi, (4, space.dim)) @ x + rng.uniform(0, 2 * np.pi, (4, 1))
     return space.interpolate(rng.standard_normal((space.dim, 4)) @ np.cos(waves))

@@ -117,7 +117,8 @@ class CompositeElement:
 
         The derivative ∂_j of Σ c_α B_α has the coefficients k Σ_i c_{β+e_i} ∂_j λ_i.
         """
-        k, lower = self.degree, indices(self.degree - 1)
+        k = self.degree
+        lower = indices(self.degree - 1)
         place = {alpha: row for row, alpha in enumerate(indices(k))}
         found = np.zeros((3, len(lower), 2, 3, self.polynomials, 3))
         for third, vertices in enumerate(np.moveaxis(thirds(CORNERS), 2, 0)):
@@ -141,7 +142,8 @@ class CompositeElement:
             subtriangle, Bernstein polynomial, Mandel component.
         """
         place = {alpha: row for row, alpha in enumerate(indices(self.degree))}
-        found, normal = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3)), np.array([along[1], -along[0]])
+        found = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3))
+        normal = np.array([along[1], -along[0]])
         for step in range(self.degree + 1):
             alpha = [0, 0, 0]
             alpha[first], alpha[second] = self.degree - step, step

@@ -100,7 +100,8 @@ class Equilibrium:
         self._of_strains = np.concatenate([stiffness, stiffness @ R.swapaxes(1, 2)], axis=2)
         self._of_moments = R @ self._of_strains
         self._tractions = slice(stiffness.shape[-1], None)
-        n, edges = space.degree + 1, space.mesh.facets.shape[1]
+        n = space.degree + 1
+        edges = space.mesh.facets.shape[1]
         # The moments are numbered edge by edge, on an edge by Bernstein polynomial, and for a polynomial by component.
         self.total = 2 * n * edges
         self.numbers = (2 * n * space.edges[:, :, None] + np.arange(2 * n)).reshape(space.cells, -1)
@@ -196,7 +197,8 @@ class Equilibrium:
         """
         joined = _times(known, self._of_strains)
         of_cells = tractions.reshape(*joined.shape[:-1], -1) - joined[..., self._tractions]
-        numbers, several = self.numbers.ravel(), of_cells.shape[:-2]
+        numbers = self.numbers.ravel()
+        several = of_cells.shape[:-2]
         sums = [np.bincount(numbers, each, self.total) for each in of_cells.reshape(-1, numbers.size)]
         g = loads.surface.reshape(*several, -1) - np.reshape(sums, (*several, -1))
         return joined, g[..., self.free]
@@ -311,7 +313,8 @@ class StressEvolution:
     def initial(self) -> DualState:
         """Return the state at t_0 with the strain ε(u_0) of the initial displacement; its stress is NaN."""
         space = self.space
-        strain, edges = self.data.initial(space.points), np.full((len(space.lengths), space.degree + 1, 2), np.nan)
+        strain = self.data.initial(space.points)
+        edges = np.full((len(space.lengths), space.degree + 1, 2), np.nan)
         stress = EquilibratedStress(np.full_like(strain, np.nan), edges[space.edges], edges)
         return DualState(0.0, stress, strain, self.loads(0.0))
 
@@ -322,7 +325,8 @@ class StressEvolution:
             EquilibriumError: the scheme evaluates G at another time than t_n, or G is not linear.
             StepsError: G is not monotone, and a step of this length may have several solutions.
         """
-        law, points = self.data.law, self.space.points
+        law = self.data.law
+        points = self.space.points
         if scheme.theta != 1:
             raise EquilibriumError(
                 f"{scheme.name} balances forces between time nodes, but Problem 3.2 needs the balance at t_n; take "

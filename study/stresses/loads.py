@@ -105,7 +105,8 @@ class ProjectedLoads:
     """
 
     def __init__(self, data: Data, space: StressSpace, raised: int = 0) -> None:
-        self.space, self.data = space, data
+        self.space = space
+        self.data = data
         self._thirds, self._corners = alfeld_split(space.mesh)
         self._degree = max(DEGREE, 2 * space.degree) + raised
         self._lines = [Line(*line) for line in data.lines]
@@ -124,7 +125,8 @@ class ProjectedLoads:
         return Loads(force.reshape(space.cells, 3, -1, 2), surface)
 
     def _block(self, rule: CellRule) -> _Block:
-        mesh, degree = self.space.mesh, self.space.degree
+        mesh = self.space.mesh
+        degree = self.space.degree
         # Not ``fem.mesh.barycentric``, because the mesh sorts the vertices of its cells.
         local = barycentric(self._corners[:, :, rule.cells], rule.points)
         # The subtriangles 3 n, 3 n + 1 and 3 n + 2 belong to the cell n.
@@ -155,9 +157,12 @@ class ProjectedLoads:
 
     def at(self, time: float) -> Snapshot:
         """Return the projected loads P f_0 and P f_2 at a time, and norms of the part f − P f that is left out."""
-        space, thirds = self.space, 3 * self.space.cells
+        space = self.space
+        thirds = 3 * self.space.cells
         lower, more = (degree * (degree + 1) // 2 for degree in (space.degree, space.degree + 1))
-        force, squares, moments = np.empty((thirds, lower, 2)), np.empty(thirds), np.empty((thirds, more, 2))
+        force = np.empty((thirds, lower, 2))
+        squares = np.empty(thirds)
+        moments = np.empty((thirds, more, 2))
         for block, values in self._evaluated(time):
             here = block.rule.cells
             force[here], squares[here], moments[here] = block.split(values)
@@ -208,7 +213,9 @@ class _Block:
     """
 
     def __init__(self, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:
-        self.rule, self._make_whole, self.projected = rule, whole, _Projection(shapes, rule.weights)
+        self.rule = rule
+        self._make_whole = whole
+        self.projected = _Projection(shapes, rule.weights)
 
     @cached_property
     def _whole(self) -> Array:
@@ -250,13 +257,15 @@ class _Edges:
         # The positions at which the part crosses lines where the data are not smooth.
         found = []
         for direction, offset in data.lines:
-            slope, start = np.dot(direction, part.tangent), np.dot(direction, part.start)
+            slope = np.dot(direction, part.tangent)
+            start = np.dot(direction, part.start)
             if abs(slope) > PARALLEL and 0 < (offset - start) / slope < part.measure:
                 found.append(float((offset - start) / slope))
         crossings = tuple(sorted(found))
         graded = partial(facet_rule, space.mesh, edges, part, crossings)
         rule = graded(GRADED_POINTS) if crossings else _divided(graded(EDGE_POINTS))
-        self.edges, self.weights = edges, rule.weights
+        self.edges = edges
+        self.weights = rule.weights
         self.projected = _Projection(bernstein(space.degree, rule.shapes), rule.weights)
         self.load = data.surface_load(part, part.point(rule.s))
 
@@ -268,7 +277,8 @@ class _Edges:
 
 def _divided(rule: FacetRule) -> FacetRule:
     """Repeat a quadrature rule on each of ``EDGE_PARTS`` equal parts of every facet."""
-    first, s = rule.shapes[0], rule.s[0]
+    first = rule.shapes[0]
+    s = rule.s[0]
     slope = (s[:, 1] - s[:, 0]) / (first[:, 1] - first[:, 0])
     places = np.concatenate([(first + part) / EDGE_PARTS for part in range(EDGE_PARTS)], axis=1)
     moved = s[:, :1] + slope[:, None] * (places - first[:, :1])

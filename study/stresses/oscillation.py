@@ -73,14 +73,16 @@ class DividedTriangle:
         space = element.space.reshape(-1, element.space.shape[-1])
         size = space.shape[1]
         of_child = element.tractions.reshape(3, degree + 1, 2, -1) @ space / 2
-        jumps, outer = np.zeros((3, degree + 1, 2, 4, size)), np.zeros((3, 2, degree + 1, 2, 4, size))
+        jumps = np.zeros((3, degree + 1, 2, 4, size))
+        outer = np.zeros((3, 2, degree + 1, 2, 4, size))
         for side, traction in enumerate(of_child):
             # The second traction is reversed, because the two children run through their common side in opposite
             # directions.
             jumps[side, :, :, side], jumps[side, :, :, 3] = traction, -traction[::-1]
             for half, child in enumerate(SIDES[side]):
                 outer[side, half, :, :, child] = traction
-        self.inner, self.outer = jumps.reshape(-1, 4 * size), outer.reshape(3, 2, degree + 1, 2, -1)
+        self.inner = jumps.reshape(-1, 4 * size)
+        self.outer = outer.reshape(3, 2, degree + 1, 2, -1)
         divergence = element.divergence.reshape(-1, space.shape[0]) @ space
         self.divergence = np.kron(np.diag([2.0, 2.0, 2.0, -2.0]), divergence)
         barycentric, weights = simplex_rule(2, 2 * degree)
@@ -151,7 +153,8 @@ class BalancingStresses:
             compliance: the inverse A⁻¹ of the viscosity in Mandel form, (3, 3) or (cells, 3, 3).
             scale: the factor with ‖load‖² = scale × ∫ |F d|² for loads d on the reference triangle, (cells,).
         """
-        J, E = abs(np.linalg.det(F)), basis(2)
+        J = abs(np.linalg.det(F))
+        E = basis(2)
         push = np.einsum("Iil,cij,Jjk,clk->cIJ", E, F, E, F, optimize=True) / J[:, None, None]
         metric = push.swapaxes(1, 2) @ compliance @ push * J[:, None, None]
         every = np.concatenate([self.free, self.lifts], axis=2)

@@ -105,7 +105,8 @@ class StressSpace(MeshedBody):
     @cached_property
     def _piola(self) -> Array:
         """The Piola transformation σ̂ ↦ F σ̂ Fᵀ / det F from the reference triangle, in Mandel form, (cells, 3, 3)."""
-        F, E = self.map, basis(2)
+        F = self.map
+        E = basis(2)
         pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / self.determinant[:, None, None, None]
         return np.einsum("Iil,cJil->cIJ", E, pushed)
 
@@ -156,7 +157,8 @@ class StressSpace(MeshedBody):
             compliance: the inverse stiffness C⁻¹ in Mandel form, (3, 3), or at the quadrature points, (cells, Q, 3, 3).
         """
         # All cells have the same basis up to the Piola transformation, so the product of two large matrices suffices.
-        piola, reference = self._piola[:, None], self._reference.reshape(3, self.weights.shape[1], -1)
+        piola = self._piola[:, None]
+        reference = self._reference.reshape(3, self.weights.shape[1], -1)
         pulled = self.weights[..., None, None] * (piola.swapaxes(2, 3) @ compliance @ piola)
         products = np.einsum("Iqa,Jqb->qIJab", reference, reference)
         p = reference.shape[-1]
@@ -270,7 +272,8 @@ class StressSpace(MeshedBody):
             (lower), component (2). Column order of the values: Mandel component (3), quadrature point (Q). Column order
             of the tractions: side (3), Bernstein polynomial (n), component (2).
         """
-        lift, tractions = self.element.lift, self.element.tractions
+        lift = self.element.lift
+        tractions = self.element.tractions
         rows = int(np.prod(lift.shape[3:]))
         values = np.einsum("qta,taJubi->ubiJq", self._values, lift)
         on_sides = np.tensordot(lift, tractions, axes=((0, 1, 2), (3, 4, 5)))

@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from study.fem.naming import resolve
+from study.fem.naming import name_of, resolve
 from study.ledger.check import Check, Groups, by_case, by_family
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.verdict import Verdict
@@ -42,6 +42,14 @@ class Setting:
 
 REPORTED = "_reported"
 """Suffix of the names of the columns that come from the second data file, ``Statement.joined_file``."""
+
+
+Numbers = dict[str, Any]
+"""Measured numbers, by their names."""
+Records = Iterator[tuple[DataFile, Row]]
+"""Data files, each with a row that a measurement adds to it."""
+Judged = Iterable[tuple[Check, Groups]]
+"""Checks of a case, each with the tables of levels that it judges, by mesh family."""
 
 
 class Statement:
@@ -106,7 +114,7 @@ class Statement:
         """
         return setting
 
-    def measure(self, setup: Any) -> Mapping[str, Any]:
+    def measure(self, setup: Any) -> Row:
         """Return the measured numbers, by their names.
 
         Args:
@@ -114,18 +122,20 @@ class Statement:
         """
         raise NotImplementedError(f"{type(self).__name__}: nothing is measured")
 
-    def run(self, setting: Any) -> Mapping[str, Any]:
+    def run(self, setting: Any) -> Row:
         """Return the measured numbers of one setting, by their names."""
         return self.measure(self.setup(setting))
 
-    def records(self, setting: Any, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
+    def records(self, setting: Any, found: Row) -> Records:
         """Yield pairs of a data file and a row that one measurement adds to it.
+
+        By default it is one row with the setting and the measured numbers.
 
         Args:
             setting: the setting of the measurement.
             found: the measured numbers, as returned by ``measure``.
         """
-        yield self.file, found
+        yield self.file, {**vars(setting), "case": name_of(setting.case), **found}
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         """Compare the measured numbers with the criteria, and return one verdict for each check.
@@ -140,7 +150,7 @@ class Statement:
         """Divide measured rows, and return pairs of a case and its tables of levels, by mesh family."""
         return [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
 
-    def checks_of(self, case: str, groups: Groups) -> Iterable[tuple[Check, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Judged:
         """Return the criteria for a case, each with the tables that it judges. By default ``checks`` judge all tables.
 
         Args:
@@ -204,7 +214,7 @@ class ListedNumbers(Statement):
     file: DataFile = LISTED
     effort: float = 1.0
 
-    def records(self, setting: Setting, found: Mapping[str, float]) -> Iterator[tuple[DataFile, Row]]:
+    def records(self, setting: Setting, found: Row) -> Records:
         """Yield one row of ``statements.csv`` for every measured number except the mesh size, which is in every row."""
         common = {"label": self.label, **vars(setting), "h": found["h"]}
         for quantity, value in found.items():
@@ -234,6 +244,6 @@ def grid(cases: Sequence[str], families: Sequence[str], levels: Sequence[int]) -
     return [Setting(case, family, n) for case in cases for family in families for n in levels]
 
 
-def with_h(h: float, values: Mapping[str, float]) -> dict[str, float]:
+def with_h(h: float, values: Mapping[str, float]) -> Numbers:
     """Return measured numbers with the mesh size under the key "h", as ``ListedNumbers.measure`` must return them."""
     return {"h": h, **{name: float(value) for name, value in values.items()}}

@@ -22,6 +22,7 @@ from functools import lru_cache
 from manufactured.body import Body
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
+from manufactured.exact import ExactSolution
 from study.fem.mesh import MeshError, MeshFamily, boundary_parts
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
@@ -66,6 +67,11 @@ def space_of(setting: Setting) -> Space:
     """Return the P1 displacement space V^h for the case and the mesh of a setting."""
     body = resolve(setting.case).solution.body
     return Space(family_named(setting.family)(body, setting.level), body)
+
+
+def posed(setting: Setting) -> tuple[Space, ExactSolution]:
+    """Return the P1 displacement space V^h of a setting, and the exact solution of its case."""
+    return space_of(setting), resolve(setting.case).solution
 
 
 def families(case: Case) -> list[str]:
