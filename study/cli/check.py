@@ -17,7 +17,7 @@ from study.ledger.verdict import Verdict
 from study.present.outcome import ledger_text, write_junit
 from study.present.pages import expected_texts
 from study.run.check import compare_again, draw_jobs, expected_seconds, planned_jobs, verify
-from study.run.executor import Pool, Processes
+from study.run.executor import local_pool
 from study.run.judgement import claims, claims_file, compare_claims, data_files, verdicts
 from study.run.provenance import compare_sums
 from study.run.store import Store
@@ -78,13 +78,11 @@ def _again(options: argparse.Namespace) -> int:
     about = f"measured again: {len(jobs)} of {len(every)} measurements, drawn with --seed {seed}"
     print(f"\n{folded(f'{about}, about {expected_seconds(jobs):.0f} s of computing time')}", flush=True)
     with (
-        Processes(min(options.jobs, len(jobs))) as processes,
+        local_pool(min(options.jobs, len(jobs))) as pool,
         progress_bar(round(sum(job.cost for job in jobs))) as bar,
     ):
         tolerance = Tolerance(options.tolerance, options.absolute)
-        comparison = compare_again(
-            options.out, jobs, Pool.of(processes), tolerance, lambda cost: bar.update(round(cost))
-        )
+        comparison = compare_again(options.out, jobs, pool, tolerance, lambda cost: bar.update(round(cost)))
     if not comparison.differs:
         print(f"all numbers agree within {options.tolerance:g} relative + {options.absolute:g}")
         return OK

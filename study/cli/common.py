@@ -1,4 +1,4 @@
-"""Functions that several commands use: exit codes, progress bars, drawing of figures, lists of files."""
+"""Functions that several commands use: exit codes, progress bars, lists of files."""
 
 import sys
 from collections.abc import Callable, Sequence
@@ -12,8 +12,6 @@ from study.cli.options import FAILED, OK, UNCLEAR
 from study.ledger.files import UsageError
 from study.ledger.text import folded
 from study.ledger.verdict import ROW_KEY, UNDECIDED, Verdict, exit_code
-from study.present.drawing import ARTICLE, Drawing, Output, draw_figures
-from study.run.executor import Processes
 
 Result = TypeVar("Result")
 SURE = 0.1
@@ -113,25 +111,6 @@ def with_progress(name: str, T: float, compute: Callable[[Callable[[float], obje
     """
     with progress_bar(100, name) as bar:
         return compute(lambda time: bar.update(round(100 * time / T) - bar.n))
-
-
-def draw(directory: Path, processes: Processes, chosen: Sequence[Drawing], output: Output = ARTICLE) -> list[Path]:
-    """Draw figures, show the progress, and return the files.
-
-    Parameters:
-        directory: the result directory.
-        processes: worker processes, which draw the figures.
-        chosen: the figures.
-        output: use, formats, resolution and style of the figures.
-    """
-    with progress_bar(0) as bar:
-
-        def show(done: int, total: int, name: str) -> None:
-            bar.total = total
-            bar.set_description(f"figure {name}", refresh=False)
-            bar.update()
-
-        return draw_figures(directory, chosen, processes.map, show, output)
 
 
 def tell_written(paths: Sequence[Path], more: str = "") -> None:

@@ -2,15 +2,17 @@
 
 import argparse
 import shutil
+from collections.abc import Sequence
 from contextlib import nullcontext
+from pathlib import Path
 
 from matplotlib import rcParams
 
-from study.cli.common import draw, tell_written
+from study.cli.common import progress_bar, tell_written
 from study.cli.options import OK
 from study.ledger.files import UsageError
-from study.present.drawing import Output, in_style
-from study.present.figures import drawings_of
+from study.present.drawing import ARTICLE, Drawing, Output, draw_figures, in_style
+from study.present.figures import drawings, drawings_of, overview
 from study.present.report import write_report
 from study.present.tables import write_tables
 from study.run.executor import Processes
@@ -52,3 +54,32 @@ def do_figures(options: argparse.Namespace) -> int:
         chosen = [drawing for drawing in found if not (options.overview and drawing.case)]
         tell_written(draw(options.out, executor, chosen, output))
     return OK
+
+
+def write_overview(options: argparse.Namespace, directory: Path) -> list[Path]:
+    """Write the tables and figures of a run, and return their files.
+
+    Figures of single cases are only drawn if the user has selected cases. For all cases they take too long.
+    """
+    chosen = drawings(directory) if options.case else overview(directory)
+    with Processes(options.jobs) as processes:
+        return [*write_tables(directory), *draw(directory, processes, chosen)]
+
+
+def draw(directory: Path, processes: Processes, chosen: Sequence[Drawing], output: Output = ARTICLE) -> list[Path]:
+    """Draw figures, show the progress, and return the files.
+
+    Parameters:
+        directory: the result directory.
+        processes: worker processes, which draw the figures.
+        chosen: the figures.
+        output: use, formats, resolution and style of the figures.
+    """
+    with progress_bar(0) as bar:
+
+        def show(done: int, total: int, name: str) -> None:
+            bar.total = total
+            bar.set_description(f"figure {name}", refresh=False)
+            bar.update()
+
+        return draw_figures(directory, chosen, processes.map, show, output)

@@ -3,26 +3,26 @@
 import argparse
 import shlex
 import sys
-from collections.abc import Sequence
-from contextlib import nullcontext
+from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from study.cli.common import code_of, draw, known_undecided, progress_bar, tell_written
+from study.cli.common import ProgressBar, code_of, known_undecided, progress_bar, tell_written
 from study.controls.contact_test import DEFECTS, contact_tests, defective, write_contact_test
-from study.fem.naming import absolute, choose
+from study.fem.naming import absolute, choose, name_of
 from study.ledger.datafiles import read_claims
 from study.ledger.text import folded
-from study.present.figures import drawings, overview
 from study.present.outcome import contact_test_text, ledger_text, orders_text, rates_text
-from study.present.tables import write_tables
-from study.run.executor import Pool, Processes, connected, execute, refuse_too_large, unfinished
-from study.run.judgement import collect, judge
-from study.run.plan import Plan, full, quick
+from study.run.executor import Pool, connected, execute, local_pool, refuse_too_large, unfinished
+from study.run.judgement import collect, judge, judge_stored
+from study.run.plan import Job, Plan, full, quick
+from study.run.proof import prove, save_proofs
 from study.run.provenance import read_provenance, refuse_to_replace
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
 from study.statements.own_cases import TRY, enough, finer, least_levels
+from study.statements.shared.base import Statement
 from study.statements.shared.scope import Levels, Scope
 
 PLACES = {"quick": Path("results/quick"), "full": Path("results")}
@@ -47,21 +47,22 @@ def do_run(options: argparse.Namespace) -> int:
     if options.levels:
         scope = with_levels_of(store.directory, scope)
     plan = Plan.of(scope)
-    # More processes than jobs or cases would have nothing to do.
-    with (
-        Processes(min(options.jobs, max(len(plan.jobs), len(scope.cases)))) as processes,
-        connected(options.cluster, plan.scope.cases) if options.cluster else nullcontext(Pool.of(processes)) as pool,
-    ):
+    # More processes than jobs would have nothing to do.
+    workers = min(options.jobs, len(plan.jobs))
+    with connected(options.cluster, scope.cases) if options.cluster else local_pool(workers) as pool:
         refuse_too_large(unfinished(plan.jobs, store), pool)
-        plan.check(processes.map)
+        proofs = prove(plan.stages()[0], scope.cases, store, pool)
+        plan.check()
         with store.locked():
-            tested = measure(plan, store, pool, Pool.of(processes))
+            save_proofs(proofs, store)
+            tested = measure(plan, store, pool)
             verdicts = judge(store.directory)
             written = []
             if options.figures:
-                # Figures of single cases are only drawn if the user has selected cases. For all they take too long.
-                chosen = drawings(store.directory) if options.case else overview(store.directory)
-                written = [*write_tables(store.directory), *draw(store.directory, processes, chosen)]
+                # Imported only to draw, because Matplotlib takes half a second.
+                from study.cli.present import write_overview
+
+                written = write_overview(options, store.directory)
     data = ", ".join(path.name for path in sorted(store.data.glob("[!.]*")))
     print("\n" + folded(f"data: {store.data}/{data}"))
     if options.figures:
@@ -75,19 +76,13 @@ def do_run(options: argparse.Namespace) -> int:
     return code_of(verdicts, options.undecided)
 
 
-def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[str]:
+def measure(plan: Plan, store: Store, pool: Pool) -> list[Path]:
     """Make the measurements (jobs) of a plan whose results are not stored, and write the data files.
 
     Cases that users define are also measured with deliberate defects of the program (``study.controls.contact_test``).
 
-    Parameters:
-        plan: the plan.
-        store: the result directory.
-        pool: the worker processes for the measurements of the plan.
-        own_processes: the worker processes for the measurements with defects; they run on this machine.
-
     Returns:
-        The names of the additional data files that only users' cases have.
+        The additional data files that only users' cases have.
     """
     refuse_to_replace(plan, store.directory)
     store.check()
@@ -95,11 +90,35 @@ def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[s
     repeated = [job for jobs in tests for defect in DEFECTS for job in defective(jobs, defect)]
     jobs = *plan.jobs, *repeated
     with progress_bar(round(sum(job.cost for job in jobs)), f"{len(jobs)} jobs") as bar:
-        execute(plan.jobs, store, pool, bar.notify_after_stored())
-        execute(repeated, store, own_processes, bar.notify_after_stored())
+        for stage in plan.stages():
+            save_proofs(prove(stage, plan.scope.cases, store, pool), store)
+            execute(stage, store, pool, bar.notify_after_stored(), verdict_printer(stage, store, bar))
+        execute(repeated, store, pool, bar.notify_after_stored())
         written = write_contact_test(tests, store)
         collect(plan, store, written)
-    return [path.name for path in written]
+    return written
+
+
+def verdict_printer(jobs: Sequence[Job], store: Store, bar: ProgressBar) -> Callable[[Job], None]:
+    """Return a function that prints the verdicts on a statement for a case when all its measurements are finished.
+
+    The function is called with each finished job. Statements that are judged from several files are left out.
+    """
+    groups: dict[tuple[Statement, str], list[Job]] = {}
+    for job in unfinished(jobs, store):
+        groups.setdefault((job.statement, job.case), []).append(job)
+    left = {group: len(of_group) for group, of_group in groups.items()}
+
+    def tell(job: Job) -> None:
+        group = job.statement, job.case
+        left[group] -= 1
+        if left[group] == 0:
+            all_jobs = [other for other in jobs if (other.statement, other.case) == group]
+            if counts := Counter(verdict.verdict for verdict in judge_stored(all_jobs, store)):
+                words = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+                bar.write(f"{job.statement.label}, {name_of(job.case)}: {words}", file=sys.stderr)
+
+    return tell
 
 
 def with_levels_of(directory: Path, scope: Scope) -> Scope:

@@ -20,7 +20,7 @@ from study.controls.seeded import seeded
 from study.fem.naming import family_named
 from study.ledger.seeds import FalseAlarms, RowKey, SeedRecord
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
-from study.run.executor import Pool, Processes, execute
+from study.run.executor import Pool, execute, local_pool
 from study.run.judgement import collect, judge
 from study.run.store import Store
 
@@ -60,8 +60,7 @@ def do_seeds(options: argparse.Namespace) -> int:
         # A seed that is too long for the name of a directory raises an error here.
         family_named(f"shaken-{options.seed}")
     Store(options.out).check()
-    with Processes(options.jobs) as processes:
-        pool = Pool.of(processes)
+    with local_pool(options.jobs) as pool:
         if options.seed is not None:
             return _again(options.seed, options.out, pool)
         with Store(options.out).locked():

@@ -21,7 +21,7 @@ from study.fem.naming import is_own, resolve
 from study.ledger.datafiles import Row, write_csv
 from study.ledger.verdict import HOLDS, Verdict
 from study.run.fingerprint import code_hash
-from study.run.judgement import stored_rows
+from study.run.judgement import stored_tables
 from study.run.plan import Job, Plan
 from study.run.store import Store
 from study.statements.contact_force import EXACT, ContactForce, touches
@@ -97,8 +97,7 @@ def verdicts(jobs: Sequence[Job], store: Store) -> dict[str, Verdict]:
     Returns:
         "LABEL, KEY" ↦ the check, with the label of its statement and its key (short name).
     """
-    order = resolve(jobs[0].setting.case).order
-    tables = {file: pd.DataFrame(rows).assign(expected_order=order) for file, rows in stored_rows(jobs, store).items()}
+    tables = stored_tables(jobs, store)
     statements = dict.fromkeys(job.statement for job in jobs)
     found = judge_own([verdict for one in statements for verdict in one.judge(tables[one.file])], tables[RATES])
     return {f"{one.label}, {one.key}": one for one in found if one.key not in OF_THE_PROGRAM}

@@ -24,7 +24,6 @@ from study.ledger.verdict import (
     VERDICTS,
     Verdict,
 )
-from study.present.charts import order_differences
 from study.present.notation import counted
 
 FEW_CASES = 3
@@ -61,6 +60,9 @@ def orders_text(directory: Path) -> str:
 
     The differences are those of ``order_differences``. Without observed orders the text is empty.
     """
+    # Imported here, because Matplotlib takes half a second, and most commands draw nothing.
+    from study.present.charts import order_differences
+
     rates = read_rates(directory)
     differences = order_differences(rates, expected_orders(directory, rates))["difference"]
     if differences.empty:

@@ -103,10 +103,6 @@ def _refuse_unplanned(
 
 # Functions that measure a sample of the rows again.
 
-LEAST_COST = 0.3e6
-"""Smallest cost in µs that is used for the probability of drawing a job. Without this limit, the few cheapest jobs
-would be drawn too often."""
-
 
 def planned_jobs(directory: Path) -> tuple[Job, ...]:
     """Return all jobs, that is measurements, whose rows are in the tables of a result directory.
@@ -136,7 +132,7 @@ def draw_jobs(jobs: Sequence[Job], count: int, seed: int) -> list[Job]:
         count: size of the sample; if there are fewer jobs, all are returned.
         seed: seed of the random generator, 0 or more; the same seed gives the same sample.
     """
-    weights = 1 / np.maximum([job.cost for job in jobs], LEAST_COST)
+    weights = 1 / np.array([job.cost for job in jobs])
     size = min(count, len(jobs))
     drawn = np.random.default_rng(seed).choice(len(jobs), size, replace=False, p=weights / weights.sum())
     return [jobs[i] for i in drawn]
@@ -144,7 +140,7 @@ def draw_jobs(jobs: Sequence[Job], count: int, seed: int) -> list[Job]:
 
 def expected_seconds(jobs: Sequence[Job]) -> float:
     """Return the expected computing time of jobs in seconds."""
-    return float(np.maximum([job.cost for job in jobs], LEAST_COST).sum()) / 1e6
+    return sum(job.cost for job in jobs) / 1e6
 
 
 def compare_again(

@@ -13,27 +13,27 @@ import multiprocessing
 import os
 import signal
 import socket
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from threading import Thread
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, Protocol, TypeVar
 
 import psutil
 from threadpoolctl import threadpool_limits
 
 from study.fem.naming import resolve
 from study.ledger.files import JobsError, UsageError
-from study.run.fingerprint import code_hash, problem, versions
-from study.run.plan import Job
+from study.run.fingerprint import ALL_CODE, code_hash, problem, versions
 from study.run.store import Store
 from study.statements.enclosure import resolve_problem
 
 P = ParamSpec("P")
 T = TypeVar("T")
+AnyJob = TypeVar("AnyJob", bound="Work")
 Notify = Callable[[float], None]
 """Function that shows progress; it is called with the cost of each finished job."""
 GIB = 2.0**30
@@ -106,87 +106,128 @@ def _end_with_parent() -> None:
     Thread(target=watch, daemon=True).start()
 
 
-@dataclass(frozen=True)
-class Pool:
-    """An executor that makes measurements (jobs), and the limits on its processes and memory.
+class Work(Protocol):
+    """A job as the executor sees it: a measurement, or the self-proof of a case.
 
     Attributes:
-        executor: runs the jobs.
-        workers: largest number of jobs that run at the same time, each with one thread.
-        each: memory in bytes that one job may use.
-        together: memory in bytes that all running jobs may use together.
-        failure: returns why the executor can finish no further job; an empty text if it works.
+        key: name of the file with the result.
+        case: the case. A worker prefers jobs of the case for which it has already compiled the formulas.
+        cost: expected computing time in µs.
+        memory: largest memory of the process that runs the job, in bytes.
     """
 
-    executor: Executor
-    workers: int
+    @property
+    def key(self) -> str: ...
+    @property
+    def case(self) -> str: ...
+    @property
+    def cost(self) -> float: ...
+    @property
+    def memory(self) -> float: ...
+    def fingerprint(self) -> str: ...
+    def run(self) -> Mapping[str, Any]: ...
+
+
+@dataclass(frozen=True)
+class Pool:
+    """Executors that make measurements (jobs), and the limits on their memory.
+
+    Attributes:
+        executors: each runs one job at a time, with one thread. The same executor may occur several times.
+        each: memory in bytes that one job may use.
+        together: memory in bytes that all running jobs may use together.
+        failure: returns why the executors can finish no further job; an empty text if they work.
+    """
+
+    executors: Sequence[Executor]
     each: float
     together: float
     failure: Callable[[], str] = str
 
-    @classmethod
-    def of(cls, processes: Processes) -> Pool:
-        """Return the pool of local processes, which together may use all available memory of this machine."""
+
+@contextmanager
+def local_pool(workers: int) -> Iterator[Pool]:
+    """Start worker processes on this machine, which together may use all its available memory."""
+    with ExitStack() as stack:
+        executors = [stack.enter_context(Processes(1)) for _ in range(workers)]
         memory = available()
-        return cls(processes, processes.workers, memory, memory)
+        yield Pool(executors, memory, memory)
 
 
-def unfinished(jobs: Sequence[Job], store: Store) -> list[Job]:
+def unfinished(jobs: Sequence[AnyJob], store: Store) -> list[AnyJob]:
     """Return the jobs whose results are not stored, the most expensive first."""
     missing = [job for job in jobs if store.load(job.key, job.fingerprint()) is None]
     return sorted(missing, key=lambda job: -job.cost)
 
 
-def refuse_too_large(jobs: Sequence[Job], pool: Pool) -> None:
+def refuse_too_large(jobs: Sequence[Work], pool: Pool) -> None:
     """Raise UsageError if the largest job needs more memory than is available."""
     if jobs:
         largest = max(jobs, key=lambda job: job.memory)
         require(largest.key, largest.memory, pool.each)
 
 
-def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> None:
-    """Run the jobs whose results are not stored, the most expensive first, and store each result when its job ends.
+def execute(
+    jobs: Sequence[AnyJob],
+    store: Store,
+    pool: Pool,
+    notify: Notify,
+    tell: Callable[[AnyJob], object] = lambda job: None,
+) -> None:
+    """Run the jobs whose results are not stored, and store each result when its job ends.
 
-    If a worker is killed, it is unknown which of the running jobs used too much memory. These jobs wait until all other
-    jobs have ended, and then run one by one. If a worker is killed again, the job that it ran is the cause.
+    If a worker is killed, its job may have used too much memory. The job waits until all other jobs have ended, and
+    then runs alone. If the worker is killed again, the job is the cause.
 
     Parameters:
         jobs: the jobs.
         store: contains stored results and receives new ones.
-        pool: the executor and its limits.
+        pool: the executors and their limits.
         notify: called with the cost of each finished job, and first with the cost of all jobs with stored results.
+        tell: called with each job when its result has been stored.
 
     Raises:
         UsageError: a job needs more memory than is available; no job has started.
         JobsError: some jobs failed. It is raised after all other jobs have ended, and names each failed job and its
-            error. Or the executor has failed.
+            error. Or the executors have failed.
         BrokenExecutor: a worker of an executor other than ``Processes`` was killed.
     """
     waiting = unfinished(jobs, store)
     refuse_too_large(waiting, pool)
     notify(sum(job.cost for job in jobs) - sum(job.cost for job in waiting))
-    running: dict[Future[Mapping[str, Any]], Job] = {}
+    running: dict[Future[Mapping[str, Any]], tuple[int, AnyJob]] = {}
+    cases: dict[int, str] = {}
     suspects: set[str] = set()
     failures: list[str] = []
     try:
         # An executor may run jobs in threads of this process, so the limit of one thread per job is set here, too.
         with threadpool_limits(1):
             while waiting or running:
-                for job in startable(waiting, running.values(), suspects, pool):
-                    waiting.remove(job)
-                    running[pool.executor.submit(run_job, job)] = job
+                busy = {number for number, _ in running.values()}
+                for number in set(range(len(pool.executors))) - busy:
+                    occupied = [job for _, job in running.values()]
+                    job = next_job(waiting, occupied, suspects, cases.get(number, ""), pool.together)
+                    if job is not None:
+                        waiting.remove(job)
+                        cases[number] = job.case
+                        running[pool.executors[number].submit(run_job, job)] = number, job
                 ended = wait(running, SILENCE, return_when=FIRST_COMPLETED).done
                 if not ended and (failure := pool.failure()):
                     running.clear()  # ``cancel`` would wait for the executor
                     raise JobsError("\n".join([failure, *failures]))
                 for future in ended:
-                    job = running.pop(future)
+                    _, job = running.pop(future)
                     killed = not future.cancelled() and isinstance(future.exception(), BrokenExecutor)
                     if killed and job.key not in suspects:
                         suspects.add(job.key)
                         waiting.append(job)
+                    elif reason := _failure(job, future):
+                        failures.append(reason)
+                        notify(job.cost)
                     else:
-                        failures += _finish(job, future, store, notify)
+                        store.save(job.key, job.fingerprint(), future.result())
+                        notify(job.cost)
+                        tell(job)
     finally:
         for future in running:
             future.cancel()
@@ -194,29 +235,26 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
         raise JobsError("\n".join([f"{len(failures)} job(s) failed, all other results are stored:", *failures]))
 
 
-def startable(waiting: Sequence[Job], running: Iterable[Job], suspects: set[str], pool: Pool) -> Iterator[Job]:
-    """Yield the jobs that may start now.
+def next_job(
+    waiting: Sequence[AnyJob], running: Sequence[AnyJob], suspects: set[str], case: str, together: float
+) -> AnyJob | None:
+    """Return the job that an idle worker starts now; None if it must wait.
 
     Parameters:
         waiting: jobs that have not started, the most expensive first.
-        running: jobs that are running.
-        suspects: keys of jobs that were running when a worker was killed. Such a job runs only while no other job runs.
-        pool: the limits of workers and memory.
+        running: the running jobs of all workers.
+        suspects: keys of jobs whose worker was killed. They are chosen last, and run only while no other job runs.
+        case: the case of the last job of the worker. Other jobs of this case are preferred.
+        together: memory in bytes that all running jobs may use together.
     """
-    started = [*running]
-    for job in [*waiting]:
-        if started:
-            if len(started) >= pool.workers:
-                return
-            if suspects & {job.key, *(other.key for other in started)}:
-                continue
-            if sum(other.memory for other in started) + job.memory > pool.together:
-                continue
-        started.append(job)
-        yield job
+    room = together - sum(job.memory for job in running)
+    if running:
+        alone = suspects & {job.key for job in running}
+        waiting = [job for job in waiting if not alone and job.key not in suspects and job.memory <= room]
+    return max(waiting, key=lambda job: (job.key not in suspects, job.case == case), default=None)
 
 
-def run_job(job: Job) -> Mapping[str, Any]:
+def run_job(job: Work) -> Mapping[str, Any]:
     """Run a job in one thread and return its result; the other cores are used by other worker processes."""
     try:
         with threadpool_limits(1):
@@ -226,24 +264,17 @@ def run_job(job: Job) -> Mapping[str, Any]:
             gc.collect()
 
 
-def _finish(job: Job, future: Future[Mapping[str, Any]], store: Store, notify: Notify) -> list[str]:
-    """Store the result of a job that has ended, or report why it failed.
-
-    Returns:
-        A list with the reason if the job failed, otherwise an empty list.
-    """
+def _failure(job: Work, future: Future[Mapping[str, Any]]) -> str:
+    """Return why a job that has ended has no result; an empty text if it has one."""
     if future.cancelled():
-        return [f"{job.key}: its cluster no longer answers; run the same command again"]
+        return f"{job.key}: its cluster no longer answers; run the same command again"
     error = future.exception()
-    if error is None:
-        store.save(job.key, job.fingerprint(), future.result())
-    notify(job.cost)
     if isinstance(error, BrokenExecutor):
-        return [
+        return (
             f"{job.key}: its process was killed twice, the second time while no other job was running: is there less "
             f"memory than the {job.memory / GIB:.1f} GiB it needs? The same command tries again"
-        ]
-    return [f"{job.key}: {type(error).__name__}: {error}"] if error else []
+        )
+    return f"{job.key}: {type(error).__name__}: {error}" if error else ""
 
 
 def require(what: str, need: float, room: float) -> None:
@@ -385,7 +416,7 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
             return f"the Dask scheduler at {address} {LOST}"
         return "" if workers.keys() & present.keys() else f"the last worker of the cluster at {address} {LOST}"
 
-    return Pool(executor, len(workers), each, float("inf"), failure)
+    return Pool([executor] * len(workers), each, float("inf"), failure)
 
 
 def identity(references: Sequence[str]) -> dict[str, str]:
@@ -399,4 +430,4 @@ def identity(references: Sequence[str]) -> dict[str, str]:
     for cached in (resolve, resolve_problem, problem):
         cached.cache_clear()
     problems = {reference: problem(reference) for reference in references}
-    return {**versions(), "study": version("signorini-study"), "code": code_hash(), **problems}
+    return {**versions(), "study": version("signorini-study"), "code": code_hash(ALL_CODE), **problems}

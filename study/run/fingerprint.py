@@ -14,7 +14,7 @@ import ast
 import hashlib
 import platform
 import uuid
-from collections.abc import Iterable
+from collections.abc import Iterable, Set
 from dataclasses import fields, is_dataclass, replace
 from enum import Enum
 from functools import cache
@@ -40,6 +40,8 @@ COMPUTING = (
     "study/ledger/text.py",
 )
 """The modules on which results depend. The last two round the numbers of pictures and of measurements."""
+ALL_CODE = ("manufactured/**/*.py", "study/**/*.py")
+"""All modules of the two packages: of the continuous problem, and of the study."""
 SINGLE = ("manufactured/cases/*.py", "study/statements/*.py")
 """The modules of single cases and statements. A result depends only on its own case, its own statement and imports."""
 LISTS = ("manufactured/catalogue.py", "manufactured/colours.py", "manufactured/html.py", "manufactured/body/html.py")
@@ -81,9 +83,18 @@ def of_data(data: Data) -> str:
     return _digest(_value_of(data))
 
 
+def of_solution(reference: str) -> str:
+    """Return the cache key of a result that depends only on the exact solution of a case.
+
+    Parameters:
+        reference: the name of the case, or FILE.py:NAME.
+    """
+    return _hash([problem(reference)], code_hash(ALL_CODE[:1]))
+
+
 def of_everything() -> str:
     """Return the cache key of a result that depends on all code of the project."""
-    return _hash([], code_hash(("manufactured/**/*.py", "study/**/*.py")))
+    return _hash([], code_hash(ALL_CODE))
 
 
 @cache
@@ -115,13 +126,22 @@ def measuring_code(own: tuple[str, ...]) -> str:
     Parameters:
         own: the names of the modules of its statement and of its case.
     """
-    computing, single, lists = (_modules(patterns) for patterns in (COMPUTING, SINGLE, LISTS))
-    found: frozenset[str] = frozenset()
-    new = computing - single | {file for name in own for file in _files(name)}
-    while new := (new & computing) - found - lists:
-        found |= new
-        new = frozenset(file for module in new for file in _imported(module))
-    return _hash_of(found)
+    return _hash_of(_with_imports(_common(), {file for name in own for file in _files(name)}))
+
+
+@cache
+def _common() -> frozenset[str]:
+    """Return the modules on which every measurement depends."""
+    return _with_imports(frozenset(), _modules(COMPUTING) - _modules(SINGLE))
+
+
+def _with_imports(modules: frozenset[str], new: Set[str]) -> frozenset[str]:
+    """Return modules with new modules and everything that these import, if results depend on it."""
+    computing = _modules(COMPUTING) - _modules(LISTS)
+    while new := (new & computing) - modules:
+        modules |= new
+        new = {file for module in new for file in _parsed(module)[1]}
+    return modules
 
 
 @cache
@@ -137,37 +157,35 @@ def _files(name: str) -> tuple[str, str]:
 
 
 @cache
-def _imported(module: str) -> frozenset[str]:
-    """Return the files that can hold the modules imported by a module; not all of them exist."""
-    names = set[str]()
+def _parsed(module: str) -> tuple[str, frozenset[str]]:
+    """Return a hash of a module without docstrings, and the files that can hold the modules that it imports.
+
+    Not all of these files exist.
+    """
+    tree, names = ast.parse((ROOT / module).read_text(encoding="utf-8")), set[str]()
     package = ".".join(Path(module).parent.parts)
-    for node in ast.walk(ast.parse((ROOT / module).read_text(encoding="utf-8"))):
+    for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom):
             source = resolve_name("." * node.level + (node.module or ""), package)
             names |= {source, *(f"{source}.{alias.name}" for alias in node.names)}
         elif isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
-    return frozenset(file for name in names for file in _files(name))
+    return _digest(_without_docstrings(tree)), frozenset(file for name in names for file in _files(name))
 
 
 def _hash_of(modules: Iterable[str]) -> str:
-    return _digest([(module, _code(module)) for module in sorted(modules)])
+    return _digest([(module, _parsed(module)[0]) for module in sorted(modules)])
 
 
-@cache
-def _code(module: str) -> str:
-    return _digest(without_docstrings((ROOT / module).read_text(encoding="utf-8")))
+def _without_docstrings(node: object) -> object:
+    """Return a syntax tree as nested lists, without docstrings and other strings that are statements."""
+    if isinstance(node, ast.AST):
+        return [type(node).__name__, *[_without_docstrings(getattr(node, field, None)) for field in node._fields]]
+    return [_without_docstrings(item) for item in node if not _is_text(item)] if isinstance(node, list) else node
 
 
-def without_docstrings(text: str) -> str:
-    """Return the syntax tree of a module as text, without docstrings and other strings that are statements."""
-    return ast.dump(_WithoutDocstrings().visit(ast.parse(text)))
-
-
-class _WithoutDocstrings(ast.NodeTransformer):
-    def visit_Expr(self, node: ast.Expr) -> ast.Expr | None:
-        is_text = isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
-        return None if is_text else node
+def _is_text(node: object) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
 
 
 @cache

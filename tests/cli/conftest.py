@@ -6,8 +6,9 @@ import fcntl
 import os
 import re
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ from study.cli.main import main
 from study.fem.mesh import MeshFamily
 from study.fem.naming import resolve
 from study.present.figures import drawings
+from study.run.executor import GIB, Pool
 from study.statements.shared.scope import Scope
 
 TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorials" / "own-case.md"
@@ -30,20 +32,19 @@ def two_families(scope: Scope, case: Case) -> list[MeshFamily]:
     return [family for family in families if family.name in ("one-diagonal", "shaken")] or families
 
 
-class InThisProcess(ThreadPoolExecutor):
+@contextmanager
+def in_this_process(workers: int) -> Iterator[Pool]:
     """Takes the place of worker processes, which would import and compile all again; ``tests/run`` tests those."""
-
-    workers = 1
-
-    def __init__(self, workers: int) -> None:
-        super().__init__(1)
+    with ThreadPoolExecutor(1) as executor:
+        yield Pool([executor], 64 * GIB, 64 * GIB)
 
 
 def shorten(patch: pytest.MonkeyPatch) -> None:
     """Leave out of runs two mesh families."""
     patch.setattr(run, "contact_tests", lambda plan: [])
-    for module in (run, check, present):
-        patch.setattr(module, "Processes", InThisProcess)
+    for module in (run, check):
+        patch.setattr(module, "local_pool", in_this_process)
+    patch.setattr(present, "Processes", lambda workers: ThreadPoolExecutor(1))
     patch.setattr(Scope, "families_of", two_families)
 
 
@@ -62,7 +63,7 @@ def run_tutorial(directory: Path) -> None:
     with pytest.MonkeyPatch.context() as patch:
         shorten(patch)
         # Drawing all figures takes most of the time, and tests/present draws them.
-        patch.setattr(run, "drawings", lambda directory: drawings(directory)[:1])
+        patch.setattr(present, "drawings", lambda directory: drawings(directory)[:1])
         assert main([*command, "--out", str(directory / "results")]) == 0
 
 

@@ -24,7 +24,7 @@ from study.ledger.files import UsageError
 from study.ledger.seeds import FalseAlarms, RowKey, Seed, SeedRecord, interval, seeds_needed
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 from study.ledger.window import at_most
-from study.run.executor import Pool, Processes, execute
+from study.run.executor import execute, local_pool
 from study.run.judgement import collect
 from study.run.plan import Plan
 from study.run.store import Store
@@ -196,8 +196,8 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Plan]:
 
 
 def measurements(directory: Path, plan: Plan) -> tuple[Path, Plan]:
-    with Processes(1) as processes:
-        execute(plan.jobs, Store(directory), Pool.of(processes), lambda _: None)
+    with local_pool(1) as pool:
+        execute(plan.jobs, Store(directory), pool, lambda _: None)
     collect(plan, Store(directory))
     return directory, plan
 

@@ -26,8 +26,10 @@ import psutil
 import pytest
 from distributed import LocalCluster
 
+from manufactured.self_proof import SelfProofError
+from manufactured.self_proof.finding import Finding
 from study.bound.trajectory import Refined
-from study.cli import common
+from study.cli import run as run_command
 from study.cli.main import main
 from study.ledger.files import StoreError, UsageError
 from study.run.executor import (
@@ -39,13 +41,15 @@ from study.run.executor import (
     connected,
     execute,
     identity,
+    local_pool,
+    next_job,
     refuse_too_large,
     run_job,
-    startable,
 )
 from study.run.fingerprint import versions
 from study.run.judgement import collect
 from study.run.plan import Job, Plan, quick
+from study.run.proof import prove, save_proofs
 from study.run.store import Store
 from study.statements.enclosure import BoundSetting, EnclosedError
 from study.statements.prop_5_4 import FirstOrder, RateSetting
@@ -59,13 +63,13 @@ def ignore(cost: float) -> None: ...
 
 
 def pool(executor: Executor, workers: int = 2, together: float = 64 * GIB) -> Pool:
-    return Pool(executor, workers, together, together)
+    return Pool([executor] * workers, together, together)
 
 
-def computed(scope: Scope, directory: Path, executor: Executor) -> dict[str, bytes]:
+def computed(scope: Scope, directory: Path, jobs_of: Pool) -> dict[str, bytes]:
     """The data files of a study by their names."""
     plan, store = Plan.of(scope), Store(directory)
-    execute(plan.jobs, store, pool(executor), ignore)
+    execute(plan.jobs, store, jobs_of, ignore)
     collect(plan, store)
     return {str(path.relative_to(directory)): path.read_bytes() for path in directory.rglob("*") if path.is_file()}
 
@@ -90,9 +94,9 @@ def test_another_executor_gives_the_same_files_byte_for_byte(tmp_path) -> None:
     levels = Levels((2, 4))
     few = replace(quick(), cases=("advance-recede",), plane=levels, rough=levels, equivalence=(2,))
     small = replace(few, every_family=False, statements=False)
-    with Processes(2) as executor:
-        by_processes = computed(small, tmp_path / "processes", executor)
-    assert computed(small, tmp_path / "here", AtOnce()) == by_processes
+    with local_pool(2) as two:
+        by_processes = computed(small, tmp_path / "processes", two)
+    assert computed(small, tmp_path / "here", pool(AtOnce())) == by_processes
     assert any(name.startswith("data/jobs/rates__advance-recede") for name in by_processes)
 
 
@@ -102,6 +106,7 @@ class Toy:
     cost: float = 1.0
     memory: float = 0.0
     deed: Callable[[], object] = bool
+    case: str = ""
 
     @property
     def key(self) -> str:
@@ -139,21 +144,67 @@ def test_a_large_process_does_not_keep_what_a_job_leaves_in_circles_of_reference
 LARGE, LARGER, SMALL, TINY = Toy("large", 9, 6), Toy("larger", 8, 7), Toy("small", 7, 3), Toy("tiny", 1, 1)
 
 
+HEX, DISC = replace(SMALL, case="hexagon"), replace(TINY, case="cube-disc")
+
+
 @pytest.mark.parametrize(
     ("waiting", "running", "suspects", "starting"),
     [
-        pytest.param([LARGE, LARGER, SMALL, TINY], [], "", [LARGE, SMALL, TINY], id="those for which there is memory"),
-        pytest.param([LARGER], [SMALL, TINY], "", [], id="none while memory is taken"),
-        pytest.param([LARGER], [TINY], "", [LARGER], id="all memory"),
-        pytest.param([TINY] * 4, [], "", [TINY] * 3, id="one for each worker"),
-        pytest.param([SMALL, LARGE], [], "large", [SMALL], id="a suspect waits for others"),
-        pytest.param([LARGE, TINY], [], "large tiny", [LARGE], id="a suspect runs alone"),
-        pytest.param([TINY], [LARGE], "large tiny", [], id="nothing runs beside a suspect"),
+        pytest.param([LARGE, LARGER, SMALL], [], "", LARGE, id="the most expensive one"),
+        pytest.param([LARGER, SMALL, TINY], [LARGE], "", SMALL, id="one for which there is memory"),
+        pytest.param([LARGER], [SMALL, TINY], "", None, id="none while memory is taken"),
+        pytest.param([LARGER], [SMALL], "", LARGER, id="all memory"),
+        pytest.param([LARGE, HEX, DISC], [], "", HEX, id="one of the case whose formulas are compiled"),
+        pytest.param([LARGE, HEX], [DISC, LARGE], "", HEX, id="one of this case for which there is memory"),
+        pytest.param([LARGE, SMALL], [], "large", SMALL, id="a suspect waits for others"),
+        pytest.param([LARGE, TINY], [], "large tiny", LARGE, id="a suspect runs alone"),
+        pytest.param([SMALL, TINY], [LARGE], "large", None, id="nothing runs beside a suspect"),
+        pytest.param([TINY], [SMALL], "tiny", None, id="a suspect starts beside nothing"),
+        pytest.param([], [], "", None, id="nothing is left"),
     ],
 )
-def test_jobs_start_while_workers_and_memory_last(waiting, running, suspects: str, starting) -> None:
-    three = pool(AtOnce(), workers=3, together=10)
-    assert [*startable(waiting, running, set(suspects.split()), three)] == starting
+def test_an_idle_worker_takes_the_job_that_memory_and_its_last_case_suggest(
+    waiting: list[Toy], running: list[Toy], suspects: str, starting: Toy | None
+) -> None:
+    assert next_job(waiting, running, set(suspects.split()), "hexagon", 10) == starting
+
+
+def test_as_many_jobs_run_at_once_as_there_are_executors(tmp_path) -> None:
+    class Slow(AtOnce):
+        """Finishes its jobs when three are running."""
+
+        begun: list[Future[Any]] = []
+
+        def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+            self.begun.append(future := Future())
+            if len(self.begun) == 3:
+                for each in self.begun:
+                    each.set_result({})
+                self.begun.clear()
+            return future
+
+    execute([Toy(f"toy {i}") for i in range(6)], Store(tmp_path), pool(Slow(), workers=3), ignore)
+    assert len([*tmp_path.glob("data/jobs/*.json")]) == 6
+
+
+def test_a_solution_is_proved_once_and_only_if_it_is_measured(tmp_path, monkeypatch) -> None:
+    store, cases = Store(tmp_path), ("full-contact", "advance-recede")
+    proofs = prove([full_contact(2)], cases, store, pool(AtOnce()))
+    assert [proof.case for proof in proofs] == ["full-contact"]
+    assert not store.data.exists()
+    save_proofs(proofs, store)
+    assert prove([full_contact(2)], cases, store, pool(AtOnce())) == []
+    monkeypatch.setattr("study.run.fingerprint.versions", lambda: {"sympy": "another"})
+    assert prove([full_contact(2)], cases, store, pool(AtOnce())) == proofs
+
+
+def test_a_violated_condition_is_raised_and_not_stored(tmp_path, monkeypatch) -> None:
+    violated = Finding("(2.3) u = 0 on Γ1", 1.0, 1e-9, (0.0, 0.0), 0.5)
+    monkeypatch.setattr("study.run.proof.examine", lambda solution: [violated, replace(violated, defect=0.0)])
+    with pytest.raises(SelfProofError, match="full-contact does not prove itself") as raised:
+        prove([full_contact(2)], ("full-contact",), Store(tmp_path), pool(AtOnce()))
+    assert raised.value.findings == [violated]
+    assert [*tmp_path.iterdir()] == []
 
 
 def test_a_job_that_raises_is_named_and_the_others_are_kept(tmp_path) -> None:
@@ -187,8 +238,8 @@ OTHERS = [Toy(f"other {i}") for i in range(4)]
 def test_a_run_goes_on_with_new_workers_when_one_is_killed(tmp_path) -> None:
     store, jobs = Store(tmp_path), [Toy("hit", 2, deed=DieOnce(tmp_path / "mark")), *OTHERS]
     spent: list[float] = []
-    with Processes(2) as executor:
-        execute(jobs, store, pool(executor), spent.append)
+    with local_pool(2) as two:
+        execute(jobs, store, two, spent.append)
     assert store.load("hit", "hit") == {"done": "survived"}
     assert all(store.load(job.key, job.key) for job in jobs)
     assert sum(spent) == sum(job.cost for job in jobs)
@@ -207,8 +258,8 @@ def test_processes_end_although_work_was_cancelled() -> None:
 
 def test_a_job_that_kills_its_process_again_when_it_is_alone_is_refused_by_name(tmp_path) -> None:
     store, jobs = Store(tmp_path), [Toy("killer", 2, GIB, deed=die), *OTHERS]
-    with Processes(2) as executor, pytest.raises(JobsError, match=r"^1 job.*\nkiller: .* killed twice.*1\.0 GiB"):
-        execute(jobs, store, pool(executor), ignore)
+    with local_pool(2) as two, pytest.raises(JobsError, match=r"^1 job.*\nkiller: .* killed twice.*1\.0 GiB"):
+        execute(jobs, store, two, ignore)
     assert all(store.load(job.key, job.key) for job in OTHERS)
 
 
@@ -456,8 +507,6 @@ def test_workers_with_several_threads_are_refused() -> None:
 def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(cluster, tmp_path, monkeypatch) -> None:
     (tmp_path / "mine.py").write_text(MINE)
     monkeypatch.chdir(tmp_path)
-    # Figures are drawn here from the data in any case.
-    monkeypatch.setattr("study.cli.common.draw_figures", lambda *arguments, **options: [])
     run = ["run", "--case", "mine.py:mine", "--levels", "2", "4", "--jobs", "2"]
     codes = {main([*run, "--out", "processes"]), main([*run, "--out", "cluster", "--cluster", cluster])}
     assert len(codes) == 1
@@ -475,7 +524,7 @@ def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(
     [("versions", {**versions(), "numpy": "another"}, r"numpy [\d.]+"), ("code_hash", "another", r"code \w+")],
 )
 def test_a_worker_that_would_compute_something_else_is_refused(cluster, monkeypatch, name, value, told) -> None:
-    monkeypatch.setattr(f"study.run.executor.{name}", lambda: value)
+    monkeypatch.setattr(f"study.run.executor.{name}", lambda *patterns: value)
     told = rf"the worker tcp://127.* would not compute the same: {told}, here another"
     with pytest.raises(UsageError, match=told), connected(cluster, ["full-contact"]):
         pass
@@ -523,7 +572,7 @@ def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_
                     process.suspend() if victim.startswith("stopped") else process.kill()
 
         with connected(address, ["full-contact"]) as two:
-            processes["one worker"] = [psutil.Process(two.executor.submit(os.getpid).result())]
+            processes["one worker"] = [psutil.Process(two.executors[0].submit(os.getpid).result())]
             execute(jobs, store, two, kill_once)
 
     with (
@@ -561,8 +610,8 @@ def command(out: Path) -> None:
     with open(os.devnull, "w") as nowhere:
         for stream in (1, 2):
             os.dup2(nowhere.fileno(), stream)
-    common.draw_figures = lambda *arguments, **options: []  # type: ignore[assignment]
-    Plan.check = lambda *arguments: None  # type: ignore[method-assign, assignment]
+    Plan.check = lambda *arguments: None  # type: ignore[method-assign]
+    run_command.prove = lambda *arguments: []
     os._exit(main([*RUN, str(out)]))
 
 
