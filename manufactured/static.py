@@ -1,17 +1,28 @@
 """Problems of static linear elasticity with contact, without viscosity and time."""
 
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import sympy as sp
+
 from manufactured.arguments import checked
-from manufactured.body import Body
+from manufactured.body import Body, Kind
+from manufactured.body.part import ROUNDING
 from manufactured.data import Data
-from manufactured.data.compiled_formulas import compiled
+from manufactured.data.compiled_formulas import compiled, own_formula
 from manufactured.data.problem_data import Formulas, Tractions
 from manufactured.factor import x1, x2, x3
 from manufactured.law import Elasticity, Indefinite, KelvinVoigt, LawError, Linear, isotropic
 from manufactured.symbols import FormulaError
+from manufactured.tensors import Points
 
 
 class Static(Data):
     """The data of a static contact problem: find u ∈ K with (Gε(u), ε(v − u))_Q ≥ (f, v − u)_V for all v ∈ K.
+
+    Where a displacement is prescribed on parts of ``body``, K contains the displacements with these values.
 
     There is no viscosity. The law has A = G, so that ‖·‖_V is the energy norm (Gε(v), ε(v))_Q^½. Instances are made by
     ``static``.
@@ -21,7 +32,13 @@ class Static(Data):
 
 
 @checked(FormulaError)
-def static(body: Body, G: Elasticity, f0: Formulas | None = None, f2: Tractions | None = None) -> Static:
+def static(
+    body: Body,
+    G: Elasticity,
+    f0: Formulas | None = None,
+    f2: Tractions | None = None,
+    u: Tractions | None = None,
+) -> Static:
     """Return the data of a static contact problem, from formulas of x1, x2 (x3).
 
     Args:
@@ -30,9 +47,12 @@ def static(body: Body, G: Elasticity, f0: Formulas | None = None, f2: Tractions 
             ``isotropic(mu, lam)``, or any ``Linear``.
         f0: the components of the body force; by default 0.
         f2: a dict from numbers of parts in ``body.parts`` to the components of the traction on them.
+        u: a dict from numbers of CLAMPED or ROLLER parts to the components of the displacement prescribed there, which
+            have to be linear along the part. On a ROLLER only the normal component is prescribed. By default 0.
 
     Raises:
-        FormulaError: a load has a wrong number of components or other symbols (also t), or f_2 is not on Γ2.
+        FormulaError: a load has a wrong number of components or other symbols (also t), f_2 is not on Γ2, or u is not
+            on Γ1 or on a roller, is not linear, or jumps between two parts.
         LawError: G is not linear and elliptic, or G and the body have different dimensions.
 
     >>> from manufactured import unit_square
@@ -46,9 +66,52 @@ def static(body: Body, G: Elasticity, f0: Formulas | None = None, f2: Tractions 
     f0 = (0,) * body.dim if f0 is None else f0
     for name, load in (("f0", f0), *((f"f2 on part {number}", load) for number, load in (f2 or {}).items())):
         compiled(load, body.dim, name, (x1, x2, x3)[: body.dim])  # refuses t, which ``formulas`` accepts
-    data = Static.formulas(body, KelvinVoigt(G, G, "static"), f0, f2)
+    data = Static.formulas(_moved(body, u or {}), KelvinVoigt(G, G, "static"), f0, f2)
     assert isinstance(data, Static)
     return data
+
+
+def _moved(body: Body, u: Mapping[int, Formulas]) -> Body:
+    """Return the body with displacements that are prescribed on some of its parts.
+
+    Raises:
+        FormulaError: as in ``static``.
+    """
+    parts = list(body.parts)
+    for number, formulas in u.items():
+        held = [i for i, part in enumerate(parts) if part.kind in (Kind.CLAMPED, Kind.ROLLER)]
+        if number not in held or body.dim != 2:
+            raise FormulaError(f"u is given on part {number}, but the CLAMPED and ROLLER parts of the plane are {held}")
+        at = compiled(formulas, 2, f"u on part {number}", (x1, x2))
+        for formula in map(own_formula, formulas):
+            if not formula.is_polynomial(x1, x2) or sp.Poly(formula, x1, x2).total_degree() > 1:
+                raise FormulaError(
+                    f"u on part {number} is {formula}, and only linear displacements can be prescribed: divide the side"
+                    " by vertices, and give a linear formula such as 0.1*x1 on each"
+                )
+        parts[number] = replace(parts[number], displacement=at(parts[number].corners))
+    body = replace(body, parts=tuple(parts))
+    for corner in body.vertices.T if u else ():
+        _check_corner(body, corner[:, None])
+    return body
+
+
+def _check_corner(body: Body, corner: Points) -> None:
+    """Refuse displacements that differ at a common corner of two parts, or that press a contact side there."""
+    reach = ROUNDING * float(np.ptp(body.vertices, axis=1).max())
+    here = [part for part in body.parts if part.kind is not Kind.LOADED and part.contains(corner, reach).all()]
+    size = max(abs(part.prescribed(part.corners)).max() for part in body.parts)
+    for part, other in combinations(here, 2):
+        jump = (part.prescribed(corner) - other.prescribed(corner))[:, 0]
+        # Sides that are not clamped prescribe the normal component only.
+        for side in (part, other):
+            if side.kind is not Kind.CLAMPED:
+                jump = (side.normal @ jump) * side.normal
+        if abs(jump).max() > ROUNDING * size:
+            raise FormulaError(
+                f"the displacements prescribed on two sides differ by {abs(jump).max():.3g} at their common corner "
+                f"{corner[:, 0].tolist()}: let them agree there; a CONTACT side counts as 0 along its normal"
+            )
 
 
 @checked(LawError)

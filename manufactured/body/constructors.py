@@ -17,8 +17,9 @@ def polygon(
     T: float = 1.0,
     refine: Sequence[tuple[float, float]] = (),
     interfaces: Sequence[tuple[tuple[float, float], tuple[float, float]]] = (),
+    holes: Sequence[tuple[Sequence[tuple[float, float]], Sequence[Kind]]] = (),
 ) -> Body:
-    """Return a polygon with a boundary condition on every side.
+    """Return a polygon with a boundary condition on every side, perhaps with holes.
 
     Args:
         vertices: the vertices, counter-clockwise. If the boundary condition changes within a straight side, list the
@@ -28,16 +29,21 @@ def polygon(
         T: the final time.
         refine: vertices towards which graded meshes are refined.
         interfaces: pairs of points; the material changes along the segments between them.
+        holes: for each hole its vertices, clockwise, and the kinds of its sides. The numbers of its sides follow those
+            of the sides before.
 
     >>> sides = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED]
     >>> polygon([(0, 0), (1, 0), (0, 1)], sides).measure
     0.5
     """
-    if len(vertices) != len(kinds):
-        raise BodyError(f"{len(vertices)} vertices need {len(vertices)} kinds, got {len(kinds)}")
-    ends = list(zip(vertices, [*vertices[1:], *vertices[:1]], strict=True))
+    parts: list[Part] = []
+    for corners, of_sides in ((vertices, kinds), *holes):
+        if len(corners) != len(of_sides):
+            raise BodyError(f"{len(corners)} vertices need {len(corners)} kinds, got {len(of_sides)}")
+        ends = zip(corners, [*corners[1:], *corners[:1]], strict=True)
+        parts += [Part(kind, _columns(pair)) for kind, pair in zip(of_sides, ends, strict=True)]
     return Body(
-        tuple(Part(kind, _columns(pair)) for kind, pair in zip(kinds, ends, strict=True)),
+        tuple(parts),
         T,
         tuple(tuple(float(c) for c in point) for point in refine),
         tuple(Part(Kind.INTERFACE, _columns(pair)) for pair in interfaces),

@@ -15,6 +15,8 @@ SLENDER = 1000.0
 
 The constant of Korn's inequality grows with this ratio.
 """
+HELD = 1e-3
+"""Rollers hold a body if their conditions, for lengths relative to its size, have singular values above this number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,17 +26,18 @@ class Body:
 
     Attributes:
         parts: the parts of the boundary ∂Ω; in 2D in counter-clockwise order, each starting at the end of the previous
-            part.
+            part. The parts of each hole follow in clockwise order.
         T: the final time.
         refine: vertices of Ω towards which graded meshes refine, such as re-entrant corners and ends of Γ1.
         interfaces: segments of the kind ``Kind.INTERFACE`` that cut a polygon Ω from boundary to boundary. The material
             changes along them, and every mesh must contain them as edges.
 
     Raises:
-        BodyError: there are fewer than d + 1 parts, gaps between parts, or inward normals; there is no clamped part Γ1
-            (Korn's inequality (2.17) needs meas Γ1 > 0); T ≤ 0; the body is too thin; a point of ``refine`` is not a
-            vertex; or an interface does not cut Ω. A body may have no contact part Γ3: ``study bound`` serves it, but
-            an ``ExactSolution`` needs Γ3.
+        BodyError: there are fewer than d + 1 parts, gaps between parts, or inward normals; a rigid motion is possible,
+            because there is neither a clamped part Γ1 nor rollers that exclude it (Korn's inequality (2.17) needs meas
+            Γ1 > 0 or such rollers); a roller is not parallel to an axis; T ≤ 0; the body is too thin; a point of
+            ``refine`` is not a vertex; or an interface does not cut Ω. A body may have no contact part Γ3: ``study
+            bound`` serves it, but an ``ExactSolution`` needs Γ3.
     """
 
     parts: tuple[Part, ...]
@@ -59,6 +62,21 @@ class Body:
         apart = np.linalg.norm(corners[:, :, None] - corners[:, None, :], axis=0)
         first = (apart <= ROUNDING * apart.max()).argmax(axis=1)
         return corners[:, first == np.arange(len(first))]
+
+    @cached_property
+    def loops(self) -> list[tuple[Part, ...]]:
+        """The parts of the outline of a polygon, then the parts of each hole; a loop ends where it began."""
+        loops, first = [], 0
+        for number, part in enumerate(self.parts, start=1):
+            if _meets(part.end, self.parts[first].start, self):
+                loops.append(self.parts[first:number])
+                first = number
+        return loops
+
+    @property
+    def is_moved(self) -> bool:
+        """Whether displacements are prescribed on parts of the boundary."""
+        return any(part.displacement is not None for part in self.parts)
 
     @cached_property
     def measure(self) -> float:
@@ -111,10 +129,7 @@ def check(body: Body) -> None:
     """Raise BodyError if the parts do not form a body of the contact problem; ``Body`` lists the conditions."""
     _check_parts(body)
     _check_closed(body)
-    if not body.of(Kind.CLAMPED):
-        raise BodyError(
-            "no side of the body is CLAMPED, so it could move without deforming: give one of its sides the kind CLAMPED"
-        )
+    _check_held(body)
     across = float(np.ptp(body.vertices, axis=1).max())
     if across**body.dim > SLENDER * body.measure:
         raise BodyError(
@@ -145,14 +160,57 @@ def _check_parts(body: Body) -> None:
             f"got {len(body.parts)} in {body.dim if body.parts else 'no'} dimensions"
         )
     if body.dim == 2:
+        closing = [loop[-1] for loop in body.loops]
         for i, (part, after) in enumerate(zip(body.parts, body.parts[1:] + body.parts[:1], strict=True)):
-            if not np.allclose(part.end, after.start):
+            if part not in closing and not _meets(part.end, after.start, body):
                 ends, starts = part.end.tolist(), after.start.tolist()
                 raise BodyError(f"part {i} ends at {ends} but the next starts at {starts}")
+        for hole in body.loops[1:]:
+            _check_hole(body, hole)
     if body.measure <= 0:
         raise BodyError(
             f"the parts enclose {'the area' if body.dim == 2 else 'the volume'} {body.measure:.6g}; "
             "list corners counter-clockwise, in 3D seen from outside"
+        )
+
+
+def _meets(end: Points, start: Points, body: Body) -> bool:
+    """Return whether two points are equal up to rounding errors of the size of a body."""
+    return bool(abs(end - start).max() <= ROUNDING * np.ptp(body.vertices, axis=1).max())
+
+
+def _check_hole(body: Body, hole: tuple[Part, ...]) -> None:
+    """Refuse a hole that is listed counter-clockwise, leaves the body, or crosses another loop."""
+    name = f"the hole that starts at {hole[0].start.tolist()}"
+    if sum(part.vector @ part.start for part in hole) >= 0:
+        raise BodyError(f"{name} is listed counter-clockwise: list it clockwise")
+    inside = np.array([part.corners.mean(axis=1) - ROUNDING * part.measure * part.normal for part in hole]).T
+    others = [part for part in body.parts if part not in hole]
+    if any(_cross(part, other) for part in hole for other in others) or not body.contains(inside).all():
+        raise BodyError(f"{name} does not lie inside the outline, apart from other holes: move or shrink it")
+
+
+def _check_held(body: Body) -> None:
+    """Refuse bodies that can move without deforming, and rollers that are not parallel to an axis.
+
+    A rigid motion of the plane is a + b (−x_2, x_1). Rollers exclude it if the conditions at their ends determine the
+    three numbers.
+    """
+    rollers, size = body.of(Kind.ROLLER), float(np.ptp(body.vertices, axis=1).max())
+    for part in rollers:
+        if np.sort(abs(part.normal))[-2] > ROUNDING:
+            raise BodyError(
+                f"the ROLLER side from {part.start.tolist()} to {part.end.tolist()} is not parallel to an axis: turn "
+                "the coordinates such that all ROLLER sides are"
+            )
+    if body.of(Kind.CLAMPED):
+        return
+    ends = [(part.normal, (x - body.vertices[:, 0]) / size) for part in rollers for x in part.corners.T]
+    rows = [(*normal, normal[1] * x[0] - normal[0] * x[1]) for normal, x in ends]
+    if body.dim != 2 or not rows or np.linalg.matrix_rank(rows, tol=HELD) < 3:
+        raise BodyError(
+            "no side of the body is CLAMPED, so it could move without deforming: give one of its sides the kind CLAMPED"
+            ", or give sides in both directions the kind ROLLER"
         )
 
 
@@ -207,10 +265,15 @@ def _check_interface(body: Body, interface: Part) -> None:
         )
 
 
+def _cross(part: Part, other: Part) -> bool:
+    """Return whether two segments cross, that is, whether each has its ends on different sides of the other."""
+    sides = [part.coordinates(other.corners)[1], other.coordinates(part.corners)[1]]
+    return all(np.prod(side) < -ROUNDING * abs(side).max() ** 2 for side in sides)
+
+
 def _check_apart(interface: Part, other: Part) -> None:
-    """Raise BodyError if two interfaces cross, that is, if each has its ends on different sides of the other."""
-    sides = [one.coordinates(two.corners)[1] for one, two in ((interface, other), (other, interface))]
-    if all(np.prod(side) < -ROUNDING * abs(side).max() ** 2 for side in sides):
+    """Raise BodyError if two interfaces cross."""
+    if _cross(interface, other):
         raise BodyError(
             f"the interfaces from {interface.start.tolist()} and from {other.start.tolist()} cross; "
             "they may meet on the boundary only"

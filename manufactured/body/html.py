@@ -5,16 +5,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from manufactured.body.part import Kind, Part
-from manufactured.colours import BLUE, DARK, GREY, VERMILLION
+from manufactured.colours import BLUE, DARK, GREEN, GREY, VERMILLION
 
 WIDTH = 240
 """Width of the picture of a body in pixels."""
-COLOURS = {Kind.CLAMPED: DARK, Kind.LOADED: BLUE, Kind.CONTACT: VERMILLION, Kind.INTERFACE: GREY}
+COLOURS = {Kind.CLAMPED: DARK, Kind.LOADED: BLUE, Kind.CONTACT: VERMILLION, Kind.ROLLER: GREEN, Kind.INTERFACE: GREY}
 """Colours of boundary parts. Dark grey, blue and vermillion are distinguishable for people with colour blindness."""
 NAMES = {
     Kind.CLAMPED: "Γ1, clamped",
     Kind.LOADED: "Γ2, loaded",
     Kind.CONTACT: "Γ3, contact",
+    Kind.ROLLER: "roller",
     Kind.INTERFACE: "interface",
 }
 """Names of boundary parts in the legend of a picture."""

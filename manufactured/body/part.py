@@ -29,11 +29,16 @@ class BodyError(ValueError):
 
 
 class Kind(Enum):
-    """The role of a part: clamped (2.3), loaded (2.4) or contact (2.5), or an interface between two materials."""
+    """The role of a part: clamped (2.3), loaded (2.4), contact (2.5), or an interface between two materials.
+
+    A roller, for example a line of symmetry, has no normal displacement and no tangential traction; it is not part of
+    the paper, and `study bound` serves it.
+    """
 
     CLAMPED = "Γ1"
     LOADED = "Γ2"
     CONTACT = "Γ3"
+    ROLLER = "roller"
     INTERFACE = "interface"
 
 
@@ -50,6 +55,8 @@ class Part:
         kind: the boundary condition.
         corners: the c corners, (d, c). In 2D c = 2, and the body lies to the left of the direction from the first to
             the second corner. In 3D c ≥ 3, and the corners are counter-clockwise seen from outside.
+        displacement: the prescribed displacement at the corners, (d, c), of a segment; it is linear in between. On a
+            roller only its normal component is prescribed. None means 0.
 
     Raises:
         BodyError: the corners are no finite numbers, are repeated, do not lie in one plane, or form no convex polygon.
@@ -57,6 +64,7 @@ class Part:
 
     kind: Kind
     corners: Array
+    displacement: Array | None = None
 
     def __post_init__(self) -> None:
         dim, count = self.corners.shape if self.corners.ndim == 2 else (0, 0)
@@ -169,6 +177,14 @@ class Part:
         """Return whether points lie on the part or its boundary, up to a distance ``tolerance``: (d, ...) → (...)."""
         s, y = self.coordinates(x)
         return (abs(y) <= tolerance) & self.covers(s, tolerance)
+
+    def prescribed(self, x: Points) -> Points:
+        """Return the prescribed displacement at points of the segment, (d, n) → (d, n)."""
+        if self.displacement is None:
+            return np.zeros_like(x)
+        share = self.coordinates(x)[0][0] / self.measure
+        start, end = self.displacement.T
+        return np.multiply.outer(start, 1 - share) + np.multiply.outer(end, share)
 
     def sample(self, rng: np.random.Generator, count: int) -> Points:
         """Return uniformly distributed random points of the part, (d, count)."""

@@ -253,8 +253,9 @@ def _check_start(data: Data, inside: Points, rng: np.random.Generator) -> None:
     for part in data.body.parts:
         x = part.sample(rng, POINTS)
         u = _finite("u_0", data.start(x), x, dim, "")
-        if part.kind is Kind.CLAMPED and abs(u).max() > ROUNDING * size:
-            raise LoadError(f"u_0 is {abs(u).max():.3g} on a CLAMPED part, where it has to be 0; change u_0")
+        held = abs(u if part.kind is Kind.CLAMPED else part.normal @ u).max()
+        if part.kind in (Kind.CLAMPED, Kind.ROLLER) and held > ROUNDING * size:
+            raise LoadError(f"u_0 is {held:.3g} on a {part.kind.name} part, where it has to be 0; change u_0")
         beyond = part.normal @ u - _initial_gap(data, part, x)
         if part.kind is Kind.CONTACT and beyond.max() > ROUNDING * size:
             raise LoadError(f"u_0ν is {beyond.max():.3g} > 0 on a CONTACT part, where it may not penetrate; change u_0")

@@ -57,6 +57,8 @@ class ExactSolution:
         pieces = self.body.of(Kind.CONTACT)
         if not pieces:
             raise BodyError("the body has no part Γ3, which the Signorini condition (2.5) needs: give a side this kind")
+        if self.body.of(Kind.ROLLER):
+            raise BodyError("the body has a ROLLER side, which exact solutions do not serve: give it another kind")
         if [face.part for face in self.faces] != list(pieces):
             got = f"{len(self.faces)} contact faces"
             strange = [str(k) for k, face in enumerate(self.faces, start=1) if face.part not in pieces]

@@ -215,7 +215,7 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
     Returns:
         ``row``: the row of ``levels.csv`` without orders; ``series``: the rows of ``enclosure.csv``; ``inside``:
         whether the error lies in the enclosure, if it is known; ``sentences``: texts that say whether the bounds are
-        guaranteed.
+        guaranteed; ``on_cells``: for static problems ‖ũ − u_h‖² on every cell.
     """
     enclosure = found.enclosure
     row = {
@@ -238,6 +238,7 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
         "series": series(level, found).to_dict("list"),
         "inside": enclosure.contains and (found.plain is None or found.plain.contains),
         "sentences": [*enclosure.evidence.sentences, *found.remarks],
+        "on_cells": enclosure.on_cells.tolist(),
     }
 
 

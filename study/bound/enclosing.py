@@ -11,7 +11,7 @@ smoothed in time; then only the upper bound is useful.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain, pairwise
 
 import numpy as np
@@ -60,6 +60,8 @@ class Enclosure:
         evidence: whether the bounds are guaranteed or estimated, and why.
         norm: an interval that contains max_t ‖u(t)‖_V.
         products: the products in V of the pair (ũ, u_h), summed over these times, (2, 2).
+        on_cells: for static problems the squared distance ‖ũ − u_h‖² on every cell of u_h, (cells of u_h,). It
+            estimates the error on a single cell, which is not bounded.
     """
 
     h: float
@@ -74,6 +76,7 @@ class Enclosure:
     evidence: Evidence
     norm: tuple[float, float]
     products: Array
+    on_cells: Array = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
         """Raise BoundError unless all bounds are finite, because maxima and minima taken later could hide a NaN."""

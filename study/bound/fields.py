@@ -2,7 +2,7 @@
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile, is_zipfile
@@ -47,7 +47,7 @@ class Field:
     u: Array
 
 
-def read(path: Path | str, name: str | None = None) -> Field:
+def read(path: Path | str, name: str | None = None, step: int | None = None) -> Field:
     """Read a mesh, times and displacements from a file.
 
     Args:
@@ -55,6 +55,7 @@ def read(path: Path | str, name: str | None = None) -> Field:
             file; an .xdmf file with a time series; or for a static problem a file with one mesh, such as .vtu.
         name: the name of the displacement field in a mesh file. By default this is a name in ``DISPLACEMENT``, or the
             only field of vectors in the file.
+        step: the number of the load step that is read, counted from 0, or from −1 backwards. By default all are read.
 
     Raises:
         BoundError: the file cannot be read, or has no displacement.
@@ -69,12 +70,11 @@ def read(path: Path | str, name: str | None = None) -> Field:
     kind = path.suffix.lower()
     try:
         if kind == ".npz":
-            return _npz(path)
-        if kind == ".pvd":
-            return _together(path, _pvd(path), name)
-        if kind in (".xdmf", ".xmf"):
-            return _together(path, _xdmf(path), name)
-        return _together(path, [(None, _read_mesh(path))], name)
+            field = _npz(path)
+        else:
+            meshes = {".pvd": _pvd, ".xdmf": _xdmf, ".xmf": _xdmf}.get(kind, _single)
+            field = _together(path, meshes(path), name)
+        return field if step is None else _at_step(path, field, step)
     except (BoundError, MemoryError):
         raise
     except ImportError as error:
@@ -84,6 +84,15 @@ def read(path: Path | str, name: str | None = None) -> Field:
     # A broken file may raise any error of NumPy, zipfile, zlib, h5py or meshio.
     except Exception as error:
         raise BoundError(f"{path} cannot be read: {type(error).__name__}: {error}") from error
+
+
+def _at_step(path: Path, field: Field, step: int) -> Field:
+    """Return the displacement of one load step, without times."""
+    steps = field.u if field.u.ndim == 3 else field.u[None]
+    count = len(steps)
+    if not -count <= step < count:
+        raise BoundError(f"{path} has {count} load steps: --step is 0 to {count - 1}, or -1 for the last, got {step}")
+    return replace(field, times=None, u=steps[step])
 
 
 def _npz(path: Path) -> Field:
@@ -133,6 +142,10 @@ def _read_mesh(path: Path) -> Any:
     # For broken files meshio prints a message and raises SystemExit, or an error of the library that it uses.
     except (SystemExit, Exception) as error:
         raise BoundError(f"{path} is broken or incomplete: write it again ({type(error).__name__}: {error})") from error
+
+
+def _single(path: Path) -> Iterator[tuple[float | None, Any]]:
+    yield None, _read_mesh(path)
 
 
 def _pvd(path: Path) -> Iterator[tuple[float | None, Any]]:
@@ -208,8 +221,15 @@ def _triangles(path: Path, mesh: Any) -> Array:
     kinds = sorted({(block.type, block.data.shape[1]) for block in blocks})
     if len(kinds) != 1 or kinds[0][1] not in CELLS.get(kinds[0][0], ()):
         names = ", ".join(f"{kind} with {count} points" for kind, count in kinds) or "none"
+        advice = ""
+        if any(kind.startswith("quad") for kind, _ in kinds):
+            advice = (
+                ": a displacement on quadrilaterals is bilinear there, and another function if they are split into "
+                "triangles, so compute again on triangles"
+            )
         raise BoundError(
             f"{path} has cells of the kinds {names}, expected linear or quadratic triangles, with 3 or 6 points, alone"
+            f"{advice}"
         )
     return np.concatenate([block.data for block in blocks])
 

@@ -10,7 +10,6 @@ and its time steps have equal length.
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sps
@@ -49,6 +48,10 @@ SCALED, IN_TIME, ALIKE, NEAR = 0.03, 0.1, 0.7, 0.02
 more than ``IN_TIME``, because long time steps and penalties change the factor by some per cent; and if the relative
 distance that remains after division by this factor is below ``ALIKE``. A usual mistake explains the factor
 if the factors that it can have differ from it by less than ``NEAR``, relatively."""
+AS_PRESCRIBED = 1e-15
+"""A prescribed displacement counts as exact up to this fraction of the largest displacement."""
+LOW_END = 0.1
+"""The lower end of an interval counts as small up to this fraction of the upper end."""
 FLAT = 1e-12
 """A triangle counts as degenerate if its area divided by its squared diameter is below this number."""
 
@@ -102,9 +105,9 @@ def bounded_displacement(
     remarks = [*suspicion(found, data), *computed.remarks, *found.remarks]
     if computed.offset:
         remarks.append(f"the error of the displacement in the file lies in {interval(*ends, 4)}")
-    if low == 0 and computed.degree == 2:
-        more = refined.refinements + 1
-        remarks.append(f"the lower end is 0, because ũ is hardly better than u_h of degree 2: try --refine {more}")
+    if low <= LOW_END * high and computed.degree == 2:
+        much, more = "0" if low == 0 else "small", refined.refinements + 1
+        remarks.append(f"the lower end is {much}, because ũ is hardly better than u_h of degree 2: try --refine {more}")
     return replace(found, remarks=tuple(remarks))
 
 
@@ -114,6 +117,8 @@ def suspicion(found: BoundedSolution, data: Data) -> list[str]:
     The sentence asks for the mistake that usually gives this factor.
     """
     factor, rest = found.enclosure.factor
+    if data.body.is_moved:
+        return []  # the factor of a Galerkin solution is then not 1, and wrong prescribed values are refused
     if not (abs(factor - 1) > (SCALED if isinstance(data, Static) else IN_TIME) and rest < ALIKE):
         return []
     stiff, side = abs(data.law.A.matrix[0, :2])
@@ -187,7 +192,7 @@ def given(
     points, triangles, times, u = _arrays(points, triangles, np.zeros(1) if times is None else times, u)
     if isinstance(data, Static):
         if len(times) > 1:
-            raise BoundError(f"the problem is static, and u_h has {len(times)} times: give one of them")
+            raise BoundError(f"the problem is static, and u_h has {len(times)} times: choose one by --step")
         times, u = np.array([0.0, data.body.T]), np.concatenate([u, u])
     times = _checked_times(times, data.body.T)
     points, triangles, u, remarks = _joined(points, triangles, u)
@@ -242,10 +247,10 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
             if name == "u":
                 where = f" at t = {times[first[0]]:.6g}, x = {_shown(points[first[1], :2])}"
             raise BoundError(f"{name} has {(~np.isfinite(array)).sum()} numbers that are not finite, the first{where}")
-    if triangles.size == 0 or triangles.min() < 0 or triangles.max() >= len(points):
+    least, most = triangles.min(initial=len(points)), triangles.max(initial=-1)
+    if least < 0 or not least <= most < len(points):
         raise BoundError(
-            f"triangles have point numbers from {triangles.min(initial=0)} to {triangles.max(initial=0)}, expected "
-            f"0 to {len(points) - 1}; numbers start at 0"
+            f"triangles have point numbers from {least} to {most}, expected 0 to {len(points) - 1}; numbers start at 0"
         )
     return points[:, :2], triangles.astype(np.int64), times, u[..., :2]
 
@@ -393,8 +398,8 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
         stray = middle[:, ~on_part]
         raise BoundError(
             f"the mesh does not cover the body: {stray.shape[1]} sides of triangles have a triangle on one side only "
-            f"and lie on no part of the boundary, the first near x = {_shown(stray[:, 0])}. The mesh has a hole or "
-            "hanging nodes there, or it is the mesh of another body"
+            f"and lie on no part of the boundary, the first near x = {_shown(stray[:, 0])}. The mesh has a hole "
+            "that the body lacks, or hanging nodes there, or it is the mesh of another body"
         )
     try:
         boundary_parts(mesh, body)
@@ -404,66 +409,58 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
 
 def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
     """Return a list with a sentence that says how far u_h penetrates the foundation; empty if it does not."""
+    space = Quadratic(found.mesh, found.body)
     values, worst = found.nodes.reshape(len(found.times), -1, 2), (0.0, 0, 0)
-    for part, edges in zip(found.body.parts, boundary_parts(found.mesh, found.body), strict=True):
-        if part.kind is Kind.CONTACT:
-            on = np.unique(found.mesh.facets[:, edges])
-            if found.degree == 2:
-                on = np.concatenate([on, found.mesh.p.shape[1] + edges])
-            normal = values[:, on] @ part.normal
-            place = divmod(int(normal.argmax()), len(on))
-            worst = max(worst, (float(normal[place]), place[0], int(on[place[1]])))
+    for part in found.body.of(Kind.CONTACT):
+        on = space.numbers_on(part)
+        on = on[on < values.shape[1]]
+        normal = values[:, on] @ part.normal
+        place = divmod(int(normal.argmax()), len(on))
+        worst = max(worst, (float(normal[place]), place[0], int(on[place[1]])))
     depth, time, node = worst
     if depth <= CLAMPED * abs(found.nodes).max():
         return []
-    x = np.hstack([found.mesh.p, found.mesh.p[:, found.mesh.facets].mean(axis=1)])
     share, when = 100 * depth / abs(found.nodes).max(), f"t = {found.times[time]:.4g}, " if moving else ""
     return [
         f"u_h penetrates the foundation at its nodes by up to {depth:.3g}, {share:.2g} % of its largest component, at "
-        f"{when}x = {_shown(x[:, node])}"
+        f"{when}x = {_shown(space.nodes[:, node])}"
     ]
 
 
-class _Unclamped(Quadratic):
-    """Displacements of degree 2 that need not vanish on the clamped boundary Γ1."""
-
-    @cached_property
-    def free(self) -> Array:
-        return np.arange(self.dim * self.count)
-
-
 def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDisplacement:
-    """Return a displacement that vanishes on the clamped boundary Γ1.
+    """Return a displacement with the prescribed values on CLAMPED and ROLLER sides, which are 0 by default.
 
-    If the displacement ``found`` vanishes on Γ1 up to round-off, it is returned. Otherwise, if ``nearest`` is true, the
-    result is the field nearest to ``found`` in ‖·‖_V among all fields that vanish on Γ1. If ``nearest`` is false,
+    If the displacement ``found`` has these values up to round-off, it is returned. Otherwise, if ``nearest`` is true,
+    the result is the field nearest to ``found`` in ‖·‖_V among all fields with these values. If ``nearest`` is false,
     BoundError is raised.
     """
     mesh, size = found.mesh, float(abs(found.nodes).max())
-    clamped = Quadratic(mesh, found.body)
-    fixed = np.setdiff1d(np.arange(2 * clamped.count), clamped.free)
+    space = Discretisation(data, mesh)
+    V = space.displacements
+    fixed = np.setdiff1d(np.arange(2 * V.count), V.free)
     coefficients = on_refinement(mesh, found.degree, mesh) @ found.nodes.T
-    largest = float(abs(coefficients[fixed]).max(initial=0.0))
-    if largest <= CLAMPED * size:
+    beyond = coefficients - V.prescribed[:, None]
+    largest = float(abs(beyond[fixed]).max(initial=0.0))
+    # Prescribed values may have rounding errors, and a common motion of all points would hide errors of the strain.
+    if largest <= (AS_PRESCRIBED if found.body.is_moved else CLAMPED) * size:
         return found
-    # u_h does not vanish on Γ1, so the matrix of (Aε(v), ε(w))_Q is needed for displacements without this constraint.
-    V = _Unclamped(mesh, found.body)
-    M = V.form(data.law.A.matrix, data.law.A.factor(V.points))
-    projected, free = np.zeros_like(coefficients), clamped.free
-    projected[free] = splu(sps.csc_array(M[free][:, free])).solve((M @ coefficients)[free])
-    difference = coefficients - projected
-    offset, whole = (math.sqrt(max(np.einsum("it,it->t", v, M @ v).max(), 0.0)) for v in (difference, coefficients))
+    nearest |= found.body.is_moved and largest <= SINGLE * size
+    difference = beyond.copy()
+    difference[V.free] -= splu(space.M).solve((space.unheld_matrix @ beyond)[V.free])
+    projected = coefficients - difference
+    squares = (np.einsum("it,it->t", v, space.unheld_matrix @ v).max() for v in (difference, coefficients))
+    offset, whole = (math.sqrt(max(square, 0.0)) for square in squares)
     share = f"{offset:.3g} = {100 * offset / whole if whole else math.inf:.2g} % of the largest ‖u_h‖_V"
+    kinds = "CLAMPED or ROLLER" if found.body.of(Kind.ROLLER) else "CLAMPED"
+    differs, wanted = ("differs by", "as prescribed") if found.body.is_moved else ("reaches", "0")
+    what = f"u_h {differs} {largest:.3g} on a {kinds} side"
     if not nearest:
         raise BoundError(
-            f"u_h reaches {largest:.3g} on a CLAMPED side, {100 * largest / size:.2g} % of its largest component, and "
-            f"has to be 0 there. The nearest field that vanishes there differs from it by {share}: with --nearest "
+            f"{what}, {100 * largest / size:.2g} % of its largest component, and "
+            f"has to be {wanted} there. The nearest field that is so differs from it by {share}: with --nearest "
             "(nearest=True) the error of that field is enclosed, and the difference is added"
         )
-    remark = (
-        f"u_h reaches {largest:.3g} on a CLAMPED side, so the bounds are about the nearest field that vanishes there; "
-        f"it differs from u_h by at most {share}"
-    )
+    remark = f"{what}, so the bounds are about the nearest field that is {wanted} there; it differs from u_h by {share}"
     # A ``GivenDisplacement`` stores nodal values, and not Bernstein coefficients.
     values = splu(sps.csc_array(on_refinement(mesh, 2, mesh))).solve(projected).T
     return replace(found, degree=2, nodes=values, remarks=(*found.remarks, remark), offset=offset)

@@ -23,6 +23,7 @@ between ``LEAST`` and ``MOST``. Then squares of data and of residuals are normal
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -33,7 +34,7 @@ from manufactured.body import Body, Kind
 from manufactured.data import Data, Expressions
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array
-from study.fem.mesh import FAMILIES
+from study.fem.mesh import FAMILIES, MeshError
 from study.stresses.composite import thirds
 from study.stresses.hybrid import Equilibrium
 from study.stresses.loads import Loads
@@ -43,8 +44,11 @@ from study.stresses.stress_space import StressSpace
 LEAST, MOST = 1e-25, 1e25
 SMALLEST, LARGEST = 1e-50, 1e100
 """The error bound, if it is not 0, and all quantities whose squares are summed must lie between these numbers."""
-LEVEL = 2
-"""Level of the coarse mesh on which C_Ω and C_Γ are computed. On finer meshes they change by a few per cent only."""
+COARSE_LEVELS = (2, 3, 4, 6, 8)
+"""Levels of the coarse mesh on which C_Ω and C_Γ are computed; the first at which the mesh fits the body is taken.
+
+On finer meshes the constants change by a few per cent only.
+"""
 DEGREE = 2
 """Polynomial degree of the stresses that balance linear loads when C_Ω and C_Γ are computed."""
 
@@ -134,8 +138,7 @@ def load_constants(body: Body, A: Linear) -> LoadConstants:
         body: the body.
         A: the viscosity, the same at all points.
     """
-    family = next(family for family in FAMILIES if family.serves(body))
-    space = StressSpace(family(body, LEVEL), body, DEGREE)
+    space = _coarse_stresses(body)
     compliance = np.linalg.inv(A.matrix)
     equilibrium, components = Equilibrium(space, compliance), np.eye(2)
     # A basis of the forces that are linear on every cell, given by their values at the vertices of the thirds of cells.
@@ -156,6 +159,18 @@ def load_constants(body: Body, A: Linear) -> LoadConstants:
     loads = Loads(np.zeros((len(surface), space.cells, 3, 3, 2)), surface)
     on_edges = _largest_ratio(equilibrium, loads, mass) + np.concatenate(sides).max() ** 2
     return LoadConstants(float(np.sqrt(volume)), float(np.sqrt(on_edges)))
+
+
+def _coarse_stresses(body: Body) -> StressSpace:
+    """Return stresses on the coarsest mesh that fits the body; next to holes the coarsest ones may not."""
+    family = next(family for family in FAMILIES if family.serves(body))
+    for level in COARSE_LEVELS:
+        with suppress(MeshError):
+            return StressSpace(family(body, level), body, DEGREE)
+    raise BoundError(
+        f"no mesh of level {COARSE_LEVELS[-1]} or coarser fits the body, so the work of loads cannot be bounded: leave "
+        "out small holes, or give loads that are polynomials of degree 3"
+    )
 
 
 def _largest_ratio(equilibrium: Equilibrium, loads: Loads, mass: Array) -> float:

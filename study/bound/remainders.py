@@ -211,11 +211,15 @@ class Sampling:
     def missed(self, oscillation: Oscillation, a: float, b: float) -> Missed:
         """Return bounds of the loads f_0 and f_2 minus their samples for a ≤ t ≤ b.
 
-        If the error bound is only estimated, the bounds are zero.
+        If the error bound is only estimated, the bounds are zero. They are zero for cubic polynomials, too, and the
+        constants are then not computed.
         """
+        nothing = Missed(np.zeros(self.space.cells), 0.0, np.zeros(self.space.cells))
         if self.reasons:
-            return Missed(np.zeros(self.space.cells), 0.0, np.zeros(self.space.cells))
-        (e, p, q), (e_Γ, p_Γ, q_Γ) = self._remainders(a, b)
+            return nothing
+        (e, p, q), (e_Γ, p_Γ, q_Γ) = remainders = self._remainders(a, b)
+        if not any(each.any() for each in remainders):
+            return nothing
         C = self.constants
         rest = C.volume * np.linalg.norm(2 * e + q) + C.surface * np.linalg.norm(2 * e_Γ + q_Γ)
         in_cells = C.volume * proportional((2 * e) ** 2)

@@ -9,6 +9,22 @@ e = u − ũ
 where η_T bounds the loads that the projection leaves out on a cell T. So ‖e‖ ≤ y = R/2 + (R²/4 + c)^½. This is the
 bound of Prager and Synge with contact. Without a contact side c is 0, and the bound is y = R, as in textbooks.
 
+**Rollers and prescribed displacements.** On rollers, for example lines of symmetry, e_ν = 0 and σ̃_τ = 0, so that the
+rollers add nothing to the work of σ̃ on e. If a displacement is prescribed, u and ũ have the same values on Γ1 (and the
+same normal components on rollers), so e vanishes there and the proof is unchanged. ũ has these values exactly, because
+they are linear on each side. Rigid motions are excluded by ``Body``, and the constants of ``study.bound.problem`` are
+computed with the same boundary conditions, τ_τ = 0 on rollers. The topology of the body is used nowhere, so holes
+change nothing: σ̃ is found by its tractions and not by a stress function.
+
+**The energy ‖u‖².** Without contact, and with nothing prescribed, (u, ũ) = f(ũ) in the energy inner product. So
+‖u‖² = ‖ũ‖² + 2 (e, ũ) + ‖e‖² = 2 f(ũ) − ‖ũ‖² + ‖e‖². The work f̃(ũ) of the projected loads differs from f(ũ) by the
+samples only, because ũ is of degree 2 and f − P f is orthogonal to such functions. If δ bounds the dual norm of the
+loads minus their samples,
+
+    2 f̃(ũ) − ‖ũ‖² − 2 δ ‖ũ‖ ≤ ‖u‖² ≤ 2 f̃(ũ) − ‖ũ‖² + y² + 2 δ ‖ũ‖.
+
+If ũ is the Galerkin solution, f̃(ũ) = ‖ũ‖². With contact or prescribed displacements, ‖ũ‖ − y ≤ ‖u‖ ≤ ‖ũ‖ + y is used.
+
 With ũ = u_h this is an upper bound of the error of u_h. With a displacement ũ of degree 2 on a refined mesh and
 d = ‖ũ − u_h‖ it gives both ends, d − y ≤ ‖u − u_h‖ ≤ d + y.
 
@@ -21,16 +37,20 @@ from functools import cached_property
 
 import numpy as np
 
-from manufactured.tensors import Array
+from manufactured.body import Kind
+from manufactured.tensors import Array, Tensors
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import POOR, Enclosure
-from study.bound.problem import SMALLEST, require_visible
+from study.bound.problem import SMALLEST, BoundError, require_visible
 from study.bound.remainders import Evidence, proportional
 from study.bound.terms import Shares
-from study.bound.trajectory import Computed, DiscreteSolution, prolongation
+from study.bound.trajectory import Computed, DiscreteSolution, on_refinement, prolongation
 from study.fem.space import Space, form
 from study.solve.signorini import Signorini
 from study.solve.solver_choice import contact_solver
+
+ENERGY_ROUNDING = 1e-11
+"""Relative rounding error of ‖ũ‖² for which the interval of the energy ‖u‖² is widened."""
 
 
 class StaticDiscretisation(Discretisation):
@@ -40,16 +60,33 @@ class StaticDiscretisation(Discretisation):
     def compliance(self) -> Array:
         return np.asarray(np.linalg.inv(self.data.law.A.matrix))
 
+    def strain(self, v: Array) -> Tensors:
+        """Return the strain at the quadrature points, with the strain of the prescribed displacement."""
+        corners = self.unheld.strains(np.eye(3)) @ self.displacements.coefficients(v).ravel()
+        return self.at_points(corners)
+
+    def load_beside(self, moved: Array) -> Array:
+        """Return the load vector minus the work (Gε(w), ε(φ_i))_Q of a displacement w, (dofs,).
+
+        Args:
+            moved: all coefficients of w, (2 · number of basis functions,).
+        """
+        return np.asarray(self.load(0.0) - (self.unheld_matrix @ moved)[self.displacements.free])
+
     def squares(self, stress: Array) -> Array:
         """Return the squared norm ‖τ‖²_{G⁻¹} of a stress on every cell, (3, cells, Q) → (cells,)."""
         strain = np.tensordot(self.compliance, stress, axes=1) * self.inverse_viscosity
         return np.asarray(np.einsum("Icq,Icq,cq->c", stress, strain, self.stresses.weights))
 
 
-def compute_static(discretisation: Discretisation) -> DiscreteSolution:
+def compute_static(coarse: Discretisation) -> DiscreteSolution:
     """Return the P1 solution u_h of the static problem, stored as a displacement that is constant in time."""
-    data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
-    load = prolongation(space, discretisation).T @ discretisation.load(0.0)
+    fine = StaticDiscretisation(coarse.data, coarse.mesh)
+    data, space = fine.data, Space(fine.mesh, fine.data.body)
+    if not space.dofs:
+        raise BoundError("no vertex of the mesh can move: take a finer level")
+    moved = on_refinement(space.mesh, 1, fine.mesh) @ space.prescribed
+    load = prolongation(space, fine).T @ fine.load_beside(moved)
     u, _ = contact_solver(space)(form(space, data.law.A), space.N)(load)
     return DiscreteSolution(space, np.array([u, u]), np.array([0.0, data.body.T]), 1)
 
@@ -70,25 +107,34 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     u_h = computed.on(fine)(0.0)
     v = u_h
     if refinements is not None:
-        v, _ = Signorini(fine.M, fine.displacements.N, fine.displacements.free_points)(fine.load(0.0))
+        V = fine.displacements
+        v, _ = Signorini(fine.M, V.N, V.free_points)(fine.load_beside(V.prescribed))
     # The bound y of ‖u − ũ‖, from the stress σ̃, and the contributions of the cells to y.
     snapshot, sampling, T = fine.snapshot(0.0), fine.sampling, fine.data.body.T
     missed = sampling.missed(fine.oscillation, 0.0, T)
     stress = fine.nearest_stress(snapshot.loads, fine.elastic(v), v)
-    products = np.maximum(-fine.equilibrium.pressure(stress) * fine.normal_moments(v), 0.0).sum(axis=1)
+    work = np.maximum(-fine.equilibrium.pressure(stress) * fine.normal_moments(v), 0.0).sum(axis=1)
     squares = (np.sqrt(fine.squares(stress.values)) + fine.oscillation(snapshot.left_out) + missed.cells) ** 2
-    R, c = math.sqrt(squares.sum()) + missed.everywhere, float(products.sum())
+    R, c = math.sqrt(squares.sum()) + missed.everywhere, float(work.sum())
     y = R / 2 + math.sqrt(R**2 / 4 + c)
     cells = proportional(squares) + missed.in_cells
-    np.add.at(cells, fine.cells_at_contact, (y - R) * products / max(c, np.finfo(float).tiny))
+    np.add.at(cells, fine.cells_at_contact, (y - R) * work / max(c, np.finfo(float).tiny))
     shares = Shares(cells, 0.0).scaled_to(y)
     evidence = Evidence(sampling.reasons, sampling.worst(0.0, T) if missed.everywhere > POOR * y else "")
     # Both ends for ‖u − u_h‖.
-    d, size = float(fine.norm(v - u_h)), float(fine.norm(v))
+    d, products = float(fine.norm(v - u_h)), fine.products(v, u_h)
+    size = math.sqrt(products[0, 0])
     require_visible(fine.data, d + y, bool(fine.load(0.0).any()))
     y, above = max(y, SMALLEST) if y > 0 else y, np.array([d + y])
     cells, zero, unknown = np.zeros(fine.mesh.t.shape[1]), np.zeros(1), np.full(1, math.nan)
     norm = max(0.0, size - y), size + y
+    if not (fine.data.body.of(Kind.CONTACT) or fine.data.body.is_moved):
+        rest = (2 * missed.everywhere + ENERGY_ROUNDING * size) * size
+        energy = 2 * float(fine.load(0.0) @ v) - size**2
+        norm = math.sqrt(max(0.0, energy - rest)), math.sqrt(energy + y**2 + rest)
     bounds = zero, np.array([d]), np.array([y]), unknown
-    found = Enclosure(computed.h, *bounds, (), d + y, cells, above, evidence, norm, fine.products(v, u_h))
+    distances = fine.squares(fine.elastic(v) - fine.elastic(u_h))
+    # A refinement lists the parts of all cells in the order of the cells, again and again.
+    on_cells = distances.reshape(-1, coarse.mesh.t.shape[1]).sum(axis=0)
+    found = Enclosure(computed.h, *bounds, (), d + y, cells, above, evidence, norm, products, on_cells)
     return found, shares

@@ -53,17 +53,22 @@ class Computed(ABC):
 
     @property
     @abstractmethod
+    def own_mesh(self) -> Mesh:
+        """The mesh of u_h."""
+
+    @property
+    @abstractmethod
     def h(self) -> float:
         """The mesh size."""
+
+    @abstractmethod
+    def nodal(self, time: float) -> Array:
+        """Return the values of u_h at all nodes, two components for each node in turn."""
 
     @property
     def T(self) -> float:
         """The final time."""
         return float(self.times[-1])
-
-    @abstractmethod
-    def prolongation(self, fine: Discretisation) -> sps.csr_array:
-        """Return the matrix from stored values to coefficients of degree 2 on the same or a finer mesh."""
 
     def at(self, time: float) -> Array:
         """Return the values of u_h at any time, linearly interpolated, (number of values,)."""
@@ -77,8 +82,8 @@ class Computed(ABC):
         Its values are coefficients of degree 2 on the mesh of ``fine``, (dofs,). This mesh is the mesh of u_h or a
         uniform refinement of it.
         """
-        J = self.prolongation(fine)
-        return lambda time: J @ self.at(time)
+        J = sps.csr_array(on_refinement(self.own_mesh, self.degree, fine.mesh)[fine.displacements.free])
+        return lambda time: J @ self.nodal(time)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,11 +105,15 @@ class DiscreteSolution(Computed):
     degree: int = 1
 
     @property
+    def own_mesh(self) -> Mesh:
+        return self.space.mesh
+
+    @property
     def h(self) -> float:
         return self.space.h
 
-    def prolongation(self, fine: Discretisation) -> sps.csr_array:
-        return prolongation(self.space, fine)
+    def nodal(self, time: float) -> Array:
+        return self.space.coefficients(self.at(time)).ravel()
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,8 +146,12 @@ class GivenDisplacement(Computed):
     def h(self) -> float:
         return mesh_size(self.mesh)
 
-    def prolongation(self, fine: Discretisation) -> sps.csr_array:
-        return sps.csr_array(on_refinement(self.mesh, self.degree, fine.mesh)[fine.displacements.free])
+    @property
+    def own_mesh(self) -> Mesh:
+        return self.mesh
+
+    def nodal(self, time: float) -> Array:
+        return self.at(time)
 
 
 def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> DiscreteSolution:

@@ -54,6 +54,11 @@ def statement(data: Data) -> dict[str, Any]:
     """
     if data.body.dim != 2 or data.body.interfaces:
         raise BoundError("certificates support plane bodies without interfaces")
+    if data.body.of(Kind.ROLLER) or len(data.body.loops) > 1 or data.body.is_moved:
+        raise BoundError(
+            "certificates support neither ROLLER sides nor holes nor prescribed displacements; use `study bound`, "
+            "which does"
+        )
     expressions = data.formulas_of
     if not isinstance(expressions, Expressions):
         raise BoundError(

@@ -22,13 +22,14 @@ from study.cli.adapt import do_adapt
 from study.cli.common import tell_written, with_progress
 from study.cli.displacement import Displacement, displacements_in_files
 from study.cli.options import FAILED, OK
-from study.cli.problem import draw_problem
+from study.cli.problem import OUTPUT, draw_problem
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError
 from study.ledger.text import folded
-from study.present.bounds import text
+from study.present.bounds import text, worst_tenth
 from study.present.drawing import draw_one
 from study.present.figures import figure
+from study.present.problem import error_map
 from study.run.executor import available, require
 from study.run.fingerprint import of_data, of_problem
 from study.run.store import Store
@@ -44,8 +45,8 @@ def do_bound(options: argparse.Namespace) -> int:
     """
     if options.displacement and options.adapt is not None:
         raise UsageError("--adapt computes the displacements itself: give --adapt or --displacement, not both")
-    if not options.displacement and (options.field or options.nearest):
-        raise UsageError("--field and --nearest need a file: give it with --displacement FILE")
+    if not options.displacement and (options.field or options.nearest or options.step is not None):
+        raise UsageError("--field, --step and --nearest need a file: give it with --displacement FILE")
     if options.adapt is not None:
         return do_adapt(options)
     name, data, case = resolve_data(options.problem)
@@ -70,7 +71,10 @@ def do_bound(options: argparse.Namespace) -> int:
             no_figure = "the figure shows one mesh of each size, and two files have meshes of the same size"
         else:
             written += draw_one(store.directory, figure("enclosure", over_time, name))
-        written += draw_problem(store.directory, name, data, *displacements[-1].shown())
+        mesh, displacement_over_time = displacements[-1].shown()
+        written += draw_problem(store.directory, name, data, mesh, displacement_over_time)
+        if any(rows[-1]["on_cells"]):
+            written += draw_one(store.directory, error_map(name, *mesh, rows[-1]["on_cells"]), OUTPUT)
     tell_written(written)
     names = [one.file_name for one in displacements if one.file_name]
     if names and no_figure:
@@ -79,6 +83,8 @@ def do_bound(options: argparse.Namespace) -> int:
         if one.remark:
             print(folded(one.remark))
     sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
+    if any(rows[-1]["on_cells"]):
+        sentences.append(worst_tenth(rows[-1]["on_cells"]))
     last = pd.DataFrame(rows[-1]["series"])
     print(f"\n{text(name, table, last, sentences, data.in_time, names or None)}\n")
     return OK if case is None or all(row["inside"] for row in rows) else FAILED

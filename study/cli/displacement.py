@@ -86,7 +86,7 @@ def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined)
     Raises:
         UsageError: there is too little memory to bound the error on this mesh, or the mesh has too many triangles.
     """
-    field = fields.read(path, options.field)
+    field = fields.read(path, options.field, options.step)
     cells = len(field.triangles)
     fixed, need = (estimates.bound(count, refined.refinements) for count in (0, cells))
     room = available()

@@ -117,12 +117,12 @@ JSON = option("--json", action="store_true", help="print as JSON")
 JOBS = option("--jobs", type=int, within=Range(1, "1 to 1024", 1024), default=os.cpu_count() or 1,
               help="number of processes (default: all cores)")  # fmt: skip
 SCOPE = (
-    " Served: plane polygons with straight sides, each clamped, free, loaded, or touching a rigid foundation without "
-    "friction; linear elasticity, and viscoelasticity with small strains; displacements that are linear or quadratic "
-    "on triangles (P1, P2). Not served: 3D and axisymmetry, friction, large strains, holes, sides that only roll, "
-    "displacements prescribed other than 0, quadrilaterals. Instead: give a curved side as the polygon of the mesh; "
-    "compute the whole of a symmetric body; state a rolling side as CONTACT if it is pressed all along; if all clamped "
-    "sides move alike and there is no contact, subtract their motion; compute again on triangles."
+    " Served: plane polygons with straight sides, also with holes, each side clamped, free, loaded, rolling (a line of "
+    "symmetry), or touching a rigid foundation without friction; linear elasticity, and viscoelasticity with small "
+    "strains; in static problems also prescribed displacements that are linear on each side; displacements that are "
+    "linear or quadratic on triangles (P1, P2). Not served: 3D and axisymmetry, friction, large strains, rollers that "
+    "are not parallel to an axis, prescribed displacements in time, quadrilaterals. Instead: give a curved side as the "
+    "polygon of the mesh; turn the coordinates; compute again on triangles."
 )
 """What ``study bound`` serves, what it does not serve, and what to do instead."""
 UNDECIDED = option(
@@ -211,6 +211,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
                help="enclose the errors of displacements in files (.npz, .vtu and others) instead of computing one"),
         option("--field", metavar="NAME",
                help="name of the displacement in the file (default: u, displacement, or the only vector field)"),
+        option("--step", type=int, metavar="N",
+               help="the load step in the file that a static problem describes, counted from 0; -1 is the last"),
         option("--nearest", action="store_true",
                help="if the displacement is not zero on the clamped part, bound the error of the nearest one that "
                "is"),

@@ -53,7 +53,10 @@ def draw_problem(
         (vertices, cells), (times, displacements) = mesh, over_time
         largest = int(abs(displacements).max(axis=(1, 2)).argmax())
         time, displacement = times[largest], displacements[largest]
-    sides = [Side(part.kind.name, part.corners, *_traction(data, part, float(time))) for part in body.parts]
+    sides = []
+    for part in body.parts:
+        moved = float(np.linalg.norm(part.prescribed(part.corners), axis=0).max())
+        sides.append(Side(part.kind.name, part.corners, *_traction(data, part, float(time)), moved))
     inside = body.sample(np.random.default_rng(0), SAMPLES)
     middle = inside[:, np.linalg.norm(inside - inside.mean(axis=1, keepdims=True), axis=0).argmin()]
     force = data.body_force(middle[:, None])(float(time))[:, 0]

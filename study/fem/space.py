@@ -1,5 +1,8 @@
 """Finite element displacements that vanish on Γ1, and the bilinear forms of the law on them.
 
+On rollers the normal component vanishes. If a displacement is prescribed on Γ1 or on rollers, it is added by
+``Displacements.coefficients``; strains and forms are those of the free part.
+
 ``Displacements`` is the common base of degree 1 (``Space``, the V^h of the paper) and degree 2 (``Quadratic``).
 
 A displacement v is stored as the vector of its free coefficients, (dofs,): d numbers for every scalar basis function
@@ -27,6 +30,8 @@ from study.fem.mesh import MeshedBody, barycentric_gradients
 from study.fem.mesh import size as mesh_size
 from study.fem.quadrature import Line, cell_rules
 
+COMPONENT = 1e-9
+"""A component of a unit normal counts as 0 up to this number."""
 FACTOR_DEGREE = 6
 """Degree of the quadrature rule for the mean of a material factor α on a cell. Cells are cut where α jumps."""
 
@@ -72,10 +77,27 @@ class Displacements(MeshedBody, ABC):
     @cached_property
     def free(self) -> Array:
         """Positions of the free coefficients among all d · ``count`` coefficients, (dofs,)."""
-        fixed = np.zeros(self.count, dtype=bool)
-        for part in self.body.of(Kind.CLAMPED):
-            fixed[self.numbers_on(part)] = True
-        return np.flatnonzero(np.repeat(~fixed, self.dim))
+        return np.flatnonzero(~self._held[0])
+
+    @cached_property
+    def _held(self) -> tuple[Array, Array]:
+        """For all d · ``count`` coefficients whether they are fixed, and the prescribed values, 0 for free ones.
+
+        Rollers are parallel to an axis, so that they fix one of the components.
+        """
+        fixed, values = np.zeros((self.count, self.dim), dtype=bool), np.zeros((self.count, self.dim))
+        for kind in (Kind.CLAMPED, Kind.ROLLER):
+            for part in self.body.of(kind):
+                numbers = self.numbers_on(part)
+                components = abs(part.normal) > 0.5 if kind is Kind.ROLLER else np.ones(self.dim, dtype=bool)
+                where = np.ix_(numbers, components)
+                fixed[where], values[where] = True, part.prescribed(self.nodes[:, numbers]).T[:, components]
+        return fixed.ravel(), values.ravel()
+
+    @property
+    def prescribed(self) -> Array:
+        """All coefficients of the prescribed displacement, 0 for free coefficients, (d · count,)."""
+        return self._held[1]
 
     @property
     def dofs(self) -> int:
@@ -89,12 +111,13 @@ class Displacements(MeshedBody, ABC):
 
     @property
     def free_points(self) -> Points:
-        """The nodes of the free basis functions, in the order of the unknowns, (d, dofs/d)."""
-        return self.nodes[:, self.free[:: self.dim] // self.dim]
+        """The nodes of the free basis functions, in the order of the unknowns, (d, dofs/d); with rollers (d, dofs)."""
+        every = 1 if self.body.of(Kind.ROLLER) else self.dim
+        return self.nodes[:, self.free[::every] // self.dim]
 
     def coefficients(self, v: Array) -> Array:
-        """Return all coefficients of a displacement, including the zeros on Γ1: (dofs,) → (count, d)."""
-        full = np.zeros(self.dim * self.count)
+        """Return all coefficients of a displacement, including the prescribed ones: (dofs,) → (count, d)."""
+        full = self.prescribed.copy()
         full[self.free] = v
         return full.reshape(-1, self.dim)
 
@@ -155,10 +178,12 @@ class Displacements(MeshedBody, ABC):
         If a function belongs to two parts with the same normal, it is listed for the first part only, so that ``N`` has
         no equal rows.
         """
-        fixed = np.setdiff1d(np.arange(self.count), self.free[:: self.dim] // self.dim)
+        held = np.ones((self.count, self.dim), dtype=bool)
+        held.ravel()[self.free] = False
         found: list[tuple[Part, Array]] = []
         for part in self.body.of(Kind.CONTACT):
             same = [numbers for other, numbers in found if np.allclose(other.normal, part.normal)]
+            fixed = np.flatnonzero(held[:, abs(part.normal) > COMPONENT].all(axis=1))
             found.append((part, np.setdiff1d(self.numbers_on(part), np.concatenate([fixed, *same]))))
         return found
 

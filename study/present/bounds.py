@@ -11,8 +11,8 @@ from study.ledger.text import down, interval, up, width
 
 LINES = 8
 """The printed table shows the error at no more than this number of times."""
-SHOWN, PERCENT = 4, 3
-"""Numbers of significant digits in the printed table: of error bounds, and of error bounds in per cent."""
+SHOWN, PERCENT, ENERGY = 4, 3, 6
+"""Numbers of significant digits in printed texts: of error bounds, of error bounds in per cent, and of energies."""
 NORM = {True: "‖u(t) − u_h(t)‖_V", False: "‖u − u_h‖_G"}
 """Whether a problem is in time ↦ the error in its norm; for static problems this is the energy norm."""
 MEANING = {
@@ -46,11 +46,24 @@ def text(
     known, last = bool(table["error"].notna().all()), table.iloc[-1]
     size = "max ‖u(t)‖_V" if in_time else "‖u‖_G"
     share = f"% of u: per cent of {size}, which lies in {interval(last['norm_low'], last['norm_high'], SHOWN)}"
+    if not in_time:
+        energy = interval(last["norm_low"] ** 2, last["norm_high"] ** 2, ENERGY)
+        share += f"; its square, the energy, lies in {energy}"
     lines = [f"{name}: {NORM[in_time]} enclosed, {'exact solution known' if known else 'solution unknown'}"]
     lines += [*(textwrap.fill(sentence, width()) for sentence in (*sentences, MEANING[in_time], share)), ""]
     # A static problem has one time only, and the last table already shows its enclosure.
     over = [*_over_time(over_time, known, names[-1] if names else ""), ""] if in_time else []
     return "\n".join([*lines, *over, *_intervals(table, known, in_time, names)])
+
+
+def worst_tenth(squares: Sequence[float]) -> str:
+    """Return a sentence on how much the worst tenth of the triangles contributes to ‖ũ − u_h‖².
+
+    Args:
+        squares: ‖ũ − u_h‖² on every triangle.
+    """
+    share = sum(sorted(squares)[-math.ceil(len(squares) / 10) :]) / sum(squares)
+    return f"the worst tenth of the triangles has {100 * share:.0f} % of ‖ũ − u_h‖², as cells.png shows"
 
 
 def adaptive_text(

@@ -30,16 +30,18 @@ class Side:
     """One side of a plane body.
 
     Attributes:
-        kind: CLAMPED, LOADED or CONTACT.
+        kind: CLAMPED, LOADED, CONTACT or ROLLER.
         ends: the coordinates of both ends, (2, 2), one column for each end; the body lies to the left.
         points: points on the side at which its traction is known, (2, n).
         traction: the traction at these points, (2, n).
+        moved: the size of the displacement that is prescribed on the side; 0 if there is none.
     """
 
     kind: str
     ends: Array
     points: Array
     traction: Array
+    moved: float = 0.0
 
     @property
     def normal(self) -> Array:
@@ -93,6 +95,35 @@ class ProblemPicture:
         return Drawing("problem", partial(draw_problem, self), text, f"The problem {self.name}")
 
 
+def error_map(name: str, vertices: Array, cells: Array, squares: Sequence[float]) -> Drawing:
+    """Return the figure ``cells``: a map of ‖ũ − u_h‖², per area, on the cells of a mesh.
+
+    Parameters:
+        name: the name of the problem.
+        vertices, cells: the mesh, (2, vertices) and (3, cells).
+        squares: the squared distances on the cells.
+    """
+    text = (
+        f"{name}: distance of u_h from the better displacement ũ on each triangle, in the energy norm, divided by the "
+        "root of the area. It estimates where the error arises; the error of a single triangle is not bounded."
+    )
+    draw = partial(_draw_map, vertices, cells, np.array(squares))
+    return Drawing("cells", draw, text, f"Where the error of {name} arises")
+
+
+def _draw_map(vertices: Array, cells: Array, squares: Array) -> Figure:
+    figure = Figure(figsize=(1.4 * column_width(), column_width()), layout="constrained")
+    axes = figure.subplots()
+    corners = vertices[:, cells[1:]] - vertices[:, cells[:1]]
+    areas = abs(np.linalg.det(np.moveaxis(corners, 2, 0))) / 2
+    density = np.sqrt(squares / areas)
+    drawn = axes.tripcolor(Triangulation(*vertices, cells.T), density, cmap="viridis", edgecolors="0.6", linewidth=0.2)
+    figure.colorbar(drawn, ax=axes, label=r"$(\Vert\tilde u - u_h\Vert_T^2/|T|)^{1/2}$")
+    axes.set_aspect("equal")
+    axes.set(xlabel="$x_1$", ylabel="$x_2$")
+    return figure
+
+
 def draw_problem(picture: ProblemPicture) -> Figure:
     """Draw outline, supports, loads, the mesh and its displacement, if there is one."""
     wide, high = np.ptp(picture.corners, axis=1)
@@ -106,7 +137,6 @@ def draw_problem(picture: ProblemPicture) -> Figure:
         x, y = picture.vertices + picture.factor * picture.displacement
         axes.triplot(Triangulation(x, y, picture.cells), color=BLUE, lw=0.4, zorder=2)
         handles.append(entry(f"displacement × {picture.factor:g}", color=BLUE, lw=0.8))
-    axes.fill(*picture.corners, facecolor="none", edgecolor=BLACK, lw=0.9, zorder=4)
     for number, side in enumerate(picture.sides):
         _draw_side(axes, side, number, picture.size)
     _draw_loads(axes, picture)
@@ -121,19 +151,25 @@ def draw_problem(picture: ProblemPicture) -> Figure:
 
 
 RIM: dict[str, Any] = {"edgecolor": FOUNDATION_EDGE, "linewidth": 0.4}
-BANDS = {"CLAMPED": RIM | {"hatch": "/////", "facecolor": "white"}, "CONTACT": RIM | {"facecolor": FOUNDATION}}
+BANDS = {
+    "CLAMPED": RIM | {"hatch": "/////", "facecolor": "white"},
+    "CONTACT": RIM | {"facecolor": FOUNDATION},
+    "ROLLER": RIM | {"hatch": "oo", "facecolor": "white"},
+}
 """Kind of a supported side ↦ the style of the band that is drawn outside of it."""
 
 
 def _draw_side(axes: Axes, side: Side, number: int, size: float) -> None:
     """Draw the support of a side outside of the body, and its number inside."""
     outward, middle = BAND * size * side.normal, side.ends.mean(axis=1)
+    axes.plot(*side.ends, color=BLACK, lw=0.9, zorder=4)
     if side.kind in BANDS:
         band = np.hstack([side.ends, side.ends[:, ::-1] + outward[:, None]])
         axes.fill(*band, zorder=3, **BANDS[side.kind])
-    box = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": GREEN, "linewidth": 0.6}
     x, y = middle - NUMBER * outward
-    axes.text(x, y, str(number), color=GREEN, ha="center", va="center", bbox=box, zorder=6)
+    label, frame = (f"{number}: |u| ≤ {side.moved:.3g}", "round") if side.moved else (str(number), "circle")
+    box = {"boxstyle": f"{frame},pad=0.15", "facecolor": "white", "edgecolor": GREEN, "linewidth": 0.6}
+    axes.text(x, y, label, color=GREEN, ha="center", va="center", bbox=box, zorder=6)
 
 
 def _draw_loads(axes: Axes, picture: ProblemPicture) -> None:

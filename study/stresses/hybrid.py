@@ -2,7 +2,7 @@
 
 **One stress** (``Equilibrium``). Among all composite stresses τ with
 
-    Div τ + P f_0 = 0 in Ω,     τν = P f_2 on Γ2,     τ_τ = 0 and τ_ν ≤ 0 on Γ3
+    Div τ + P f_0 = 0 in Ω,     τν = P f_2 on Γ2,     τ_τ = 0 and τ_ν ≤ 0 on Γ3,     τ_τ = 0 on rollers
 
 the minimiser of ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q is computed. The conditions are the strong form of (3.9), with the projection
 P of ``study.stresses.loads``. On edges P f_2 and τ_ν are polynomials of degree k. τ_ν ≤ 0 is required of their
@@ -14,7 +14,8 @@ are eliminated on every cell. This leaves
 
     minimise ½ mᵀ S m − gᵀ m   with m_ν ≤ 0 on Γ3,      S = Σ_T R (C⁻¹ on Div τ = 0)⁻¹ Rᵀ,
 
-where R maps the stresses with Div τ = 0 to their tractions. S is symmetric, and positive definite if meas Γ1 > 0. This
+where R maps the stresses with Div τ = 0 to their tractions. On rollers m_ν = 0. S is symmetric, and positive definite
+if meas Γ1 > 0 or rollers exclude rigid motions. This
 is the form of one step of Problem 5.1, so the same contact solver is used; its multipliers are the Bernstein
 coefficients of the pressure −τ_ν.
 
@@ -108,6 +109,10 @@ class Equilibrium:
         free = np.ones((edges, 2 * n), dtype=bool)
         for _, clamped in space.on(Kind.CLAMPED):
             free[clamped] = False
+        # On rollers the normal moments are 0 and the tangential ones are free, so that τ_τ = 0.
+        rollers = space.on(Kind.ROLLER)
+        for _, edges in rollers:
+            free[edges, ::2] = False
         self.free = np.flatnonzero(free.ravel())
         # Bodies without contact have no array to concatenate, so the list starts with an empty array.
         self.contact = np.concatenate([np.empty(0, dtype=np.int64), *(mine for _, mine in space.on(Kind.CONTACT))])
@@ -124,7 +129,8 @@ class Equilibrium:
         self._at_contact = sps.csr_array(self.S)[self._normal]
         midpoints = space.mesh.p[:, space.mesh.facets].mean(axis=1)
         try:
-            self.solve = solver(self.S, self.N, midpoints[:, self.free[:: 2 * n] // (2 * n)])
+            # With rollers, the edges have different numbers of unknowns.
+            self.solve = solver(self.S, self.N, midpoints[:, self.free[:: 1 if rollers else 2 * n] // (2 * n)])
         except np.linalg.LinAlgError as error:
             raise MeshError(_too_thin(space.mesh, compliance)) from error
 

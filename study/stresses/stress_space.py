@@ -2,8 +2,8 @@
 
 On every cell, a stress is the sum of a stress with the required divergence (``lift``) and a stress with Div σ = 0
 (``combined``). A stress is stored in two ways: by its values at the points of a quadrature rule, which integrates
-products of two stresses exactly, and by the Bernstein coefficients of its tractions on the edges. On Γ3 tractions have
-normal and tangential components (ν, τ), elsewhere Cartesian ones.
+products of two stresses exactly, and by the Bernstein coefficients of its tractions on the edges. On Γ3 and on rollers
+tractions have normal and tangential components (ν, τ), elsewhere Cartesian ones.
 """
 
 from dataclasses import dataclass
@@ -78,9 +78,9 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def frames(self) -> Array:
-        """The axes of tractions on every edge, as rows: (ν, τ) on Γ3, Cartesian elsewhere, (edges, 2, 2)."""
+        """The axes of tractions on every edge, as rows: (ν, τ) on Γ3 and rollers, else Cartesian, (edges, 2, 2)."""
         found = np.tile(np.eye(2), (self.mesh.facets.shape[1], 1, 1))
-        for part, edges in self.on(Kind.CONTACT):
+        for part, edges in (*self.on(Kind.CONTACT), *self.on(Kind.ROLLER)):
             found[edges] = np.array([part.normal, part.tangent])
         return found
 
