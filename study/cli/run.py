@@ -13,9 +13,9 @@ from study.controls.contact_test import DEFECTS, contact_tests, defective, write
 from study.fem.naming import absolute, choose
 from study.ledger.datafiles import read_claims
 from study.ledger.text import folded
+from study.present.article import write_tables
 from study.present.figures import drawings, overview
 from study.present.outcome import contact_test_text, ledger_text, orders_text, rates_text
-from study.present.tables import write_tables
 from study.run.executor import Pool, Processes, connected, execute, refuse_too_large, unfinished
 from study.run.judgement import collect, judge
 from study.run.plan import Plan, full, quick
