@@ -238,12 +238,6 @@ def order_differences(rates: pd.DataFrame, expected: Mapping[str, float], refine
     return table.assign(difference=table["observed"] - table["predicted"])
 
 
-def spread(values: Sequence[float]) -> str:
-    """Return the smallest and the largest value as text, or the only value."""
-    low, high = (f"{value:.3g}" for value in (min(values), max(values)))
-    return low if low == high else f"{low} … {high}"
-
-
 def _all_cases(rates: pd.DataFrame) -> str:
     count = rates["case"].nunique()
     return f"{'all ' if count > 1 else ''}{counted(count, 'case')}"
@@ -291,23 +285,9 @@ def caption_convergence(rates: pd.DataFrame, order: float) -> str:
     """Return the caption of ``draw_convergence``."""
     last, graded = last_orders(rates)
     finest = rates.groupby("family").tail(1).query("discrete_error > 0")
-    seen = []
-    if last:
-        seen.append(f"on the two finest meshes of a family the order is {spread(last)}, expected {order:.3g}")
-    if graded:
-        seen.append(f"meshes graded towards the singularity reach the order {spread(graded)}")
-    if len(finest):
-        closer = spread(finest["error"] / finest["discrete_error"])
-        seen.append(f"on the finest meshes u^h is {closer} times closer to Π^h u than to u")
-    share = 100 * rates["time_share"].max()
-    seen.append(f"discretisation in time contributes at most {share:.2g} % of the error on any mesh")
-    return caption(
-        "convergence",
-        case=rates["case"].iloc[0],
-        families=", ".join(rates["family"].unique()),
-        seen="; ".join(seen),
-        negligible=NEGLIGIBLE,
-    )
+    closer = finest["error"] / finest["discrete_error"]
+    values = {"last": last, "graded": graded, "closer": closer, "negligible": NEGLIGIBLE}
+    return caption("convergence", rates=rates, order=order, **values)
 
 
 def draw_overview(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
@@ -325,18 +305,9 @@ def draw_overview(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
 
 def caption_overview(rates: pd.DataFrame, expected: Mapping[str, float]) -> str:
     """Return the caption of ``draw_overview``."""
-    table = order_differences(rates, expected, refinements=1).sort_values("difference")
+    differences = order_differences(rates, expected, refinements=1).set_index("case")["difference"]
     graded = [order for _, rows in rates.groupby("case") for order in last_orders(rows)[1]]
-    seen = ["single levels show no order"]
-    if len(table):
-        low, high = (f"{row.difference:+.2g} ({row.case})" for row in table.iloc[[0, -1]].itertuples())
-        seen = [
-            "whether the curves run parallel to their triangles; the last order differs from the expected one by "
-            f"{low} to {high}"
-        ]
-    if graded:
-        seen.append(f"meshes graded towards a singularity reach the order {spread(graded)}")
-    return caption("overview", cases=_all_cases(rates), claim=rates["claim"].iloc[0], seen="; ".join(seen))
+    return caption("overview", rates=rates, cases=_all_cases(rates), differences=differences, graded=graded)
 
 
 def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
@@ -365,9 +336,7 @@ def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
 
 def caption_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> str:
     """Return the caption of ``draw_orders``."""
-    difference = order_differences(rates, expected)["difference"]
-    low, high, sequences = difference.min(), difference.max(), counted(len(difference), "sequence")
-    return caption("orders", cases=_all_cases(rates), low=low, high=high, sequences=sequences)
+    return caption("orders", cases=_all_cases(rates), differences=order_differences(rates, expected)["difference"])
 
 
 def over_constants(rates: pd.DataFrame) -> pd.DataFrame:
@@ -407,9 +376,7 @@ def caption_collapsed(rates: pd.DataFrame) -> str:
     """Return the caption of ``draw_collapsed``."""
     table = over_constants(rates)
     finest = table.groupby(["case", "family"], sort=False)["relative"].last().groupby("family", sort=False)
-    ranges = ", ".join(f"{ratios.min():.2f} … {ratios.max():.2f} ({family})" for family, ratios in finest)
-    low, high = table["relative"].min(), table["relative"].max()
-    return caption("collapsed", cases=_all_cases(rates), low=low, high=high, finest=ranges)
+    return caption("collapsed", cases=_all_cases(rates), relative=table["relative"], finest=finest)
 
 
 def order_in_words(rates: pd.DataFrame) -> str:
@@ -484,14 +451,8 @@ def caption_enclosure(series: pd.DataFrame, title: str) -> str:
     known, ends = bool(series["error"].notna().all()), enclosure_ends(series)
     inside = ends[(ends["error"] - ends["distance"]).abs() <= ends["bound"]]
     final = ends.loc[ends.groupby("level")["time"].idxmax()]
-    bands = [f"{interval(row.lower, row.upper, 3)} with n = {row.level}" for row in final.itertuples()]
-    return caption(
-        "enclosure",
-        title=title,
-        line="the error itself" if known else "the distance to a more accurate displacement ũ",
-        seen=f"the error lies in its band at {len(inside)} of {len(ends)} times; " if known else "",
-        last=", ".join(bands),
-    )
+    values = {"known": known, "ends": ends, "inside": inside, "final": final}
+    return caption("enclosure", title=title, interval=interval, **values)
 
 
 SCHEMES: dict[str, Style] = {
@@ -553,18 +514,7 @@ def caption_effectivity(known: pd.DataFrame) -> str:
     """Return the caption of ``draw_effectivity``."""
     plain, enclosed = (known[known["trajectory"] == name] for name in ("bound", "enclosure"))
     wrong = int((known["upper"] < 1).sum() + (enclosed["lower"] > 1).sum())
-    seen = [f"{counted(wrong, 'bound') if wrong else 'no bounds'} on the wrong side of the error"]
-    if len(plain):
-        medians = [f"{rows['upper'].median():.3g} with {scheme}" for scheme, rows in plain.groupby("scheme")]
-        seen.append(
-            f"from u_h alone the bound is {spread(plain['upper'])} times the error, the median {', '.join(medians)}"
-        )
-    if len(enclosed):
-        seen.append(
-            f"an enclosure by a more accurate displacement has its lower end at {spread(enclosed['lower'])} and its "
-            f"upper end at {spread(enclosed['upper'])} times the error"
-        )
-    return caption("effectivity", cases=counted(known["case"].nunique(), "case"), seen="; ".join(seen))
+    return caption("effectivity", known=known, plain=plain, enclosed=enclosed, wrong=wrong)
 
 
 @dataclass(frozen=True, eq=False)
@@ -619,9 +569,7 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
 
 def caption_adapted(result: AdaptiveRefinement) -> str:
     """Return the caption of ``draw_adapted``."""
-    against = ", for meshes refined everywhere as well" if len(result.uniform) else ""
-    contact = "with what of Γ3 is in contact at the last time in colour, " if result.closed.size else ""
-    return caption("adaptive", name=result.name, contact=contact, norm=result.norm, against=against)
+    return caption("adaptive", result=result)
 
 
 # Contact.
@@ -660,14 +608,7 @@ def caption_work(rows: pd.DataFrame) -> str:
         last = of_case.sort_values("level").tail(3)
         for term, of_term in by_term.items():
             of_term += orders(last["h"].to_numpy(), last[term].to_numpy()).tolist()
-    seen = "single levels show no order"
-    if by_term["work"]:
-        seen = (
-            f"on the finest meshes with one diagonal the order of the work is {spread(by_term['work'])}, while the "
-            f"error, for which the trains are hardly resolved, has {spread(by_term['error'])}; on irregular meshes the "
-            "work scatters about the same line"
-        )
-    return caption("contact-work", seen=seen)
+    return caption("contact-work", **by_term)
 
 
 def roller_rows(statements: pd.DataFrame) -> pd.DataFrame:
@@ -710,10 +651,9 @@ def draw_rollers(rows: pd.DataFrame) -> Figure:
 
 def caption_rollers(rows: pd.DataFrame) -> str:
     """Return the caption of ``draw_rollers``."""
-    means = [(family, table) for family, table in roller_means(rows) if len(table) > 1]
-    fits = [f"{fit(table['h'].to_numpy(), table['mean'].to_numpy()):.2f} ({family})" for family, table in means]
-    seen = f"orders over all levels are {', '.join(fits)}" if fits else "single levels show no order"
-    return caption("rollers", seen=seen)
+    means = {family: table for family, table in roller_means(rows) if len(table) > 1}
+    fits = {family: fit(table["h"].to_numpy(), table["mean"].to_numpy()) for family, table in means.items()}
+    return caption("rollers", fits=fits)
 
 
 # Other codes, cost, and deliberate faults.
@@ -760,14 +700,7 @@ def caption_codes(codes: Codes) -> str:
     rows, tolerance = _complete(codes), 0.15
     passing = rows[abs(rows["order_in_v"] - 1) <= tolerance]
     bad = passing[passing["class"].isin(["stagnates", "wrong"])]
-    return caption(
-        "codes",
-        runs=counted(len(rows), "run"),
-        codes=counted(rows["code"].nunique(), "contact code"),
-        bad=counted(len(bad), "run"),
-        tolerance=tolerance,
-        most=bad["excess"].max(),
-    )
+    return caption("codes", rows=rows, bad=bad, tolerance=tolerance)
 
 
 SHADES = (
@@ -816,12 +749,4 @@ def caption_faults(matrix: pd.DataFrame) -> str:
     """Return the caption of the matrix of faults."""
     by_fault = matrix[matrix["by_error"] != ""].groupby("fault")["case"].nunique()
     never = [fault for fault in matrix["fault"].unique() if fault not in by_fault]
-    fewest = by_fault.min()
-    told = f"errors notice every fault, in {fewest} cases or more" if fewest > 1 else "errors notice every fault"
-    if never:
-        told = f"errors notice all faults but {len(never)}: {', '.join(never)}"
-    return (
-        f"Deliberate faults of the program (rows, with the equation that they violate) and cases (columns). The shade "
-        "says which checks fail. A dot: the fault does not change the discrete solution of this case. "
-        f"What to see: {told}."
-    )
+    return caption("faults", never=never, fewest=by_fault.min())

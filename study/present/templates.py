@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -68,9 +69,14 @@ def spans(rows: pd.DataFrame) -> str:
     return "; ".join(f"{case}: {span(part)}" for case, part in rows.groupby("case", sort=False))
 
 
-def digits(value: float) -> str:
-    """Return a number as text with at most three significant digits."""
-    return f"{value:.3g}"
+def spread(values: Sequence[float]) -> str:
+    """Return the smallest and the largest value as text, or the only value."""
+    return " … ".join(dict.fromkeys(digits(value) for value in (min(values), max(values))))
+
+
+def digits(value: float, count: int = 3) -> str:
+    """Return a number as text with a number of significant digits."""
+    return f"{value:.{count}g}"
 
 
 def deviation(rows: pd.DataFrame) -> float:
@@ -98,7 +104,22 @@ def plain(text: str) -> str:
     return re.sub(r"([\\|*_<#])", r"\\\1", text)
 
 
-FILTERS = plain, encode, least, most, span, spans, digits, deviation, two_digits_up, percent, power, typeset, counted
+FILTERS = (
+    plain,
+    encode,
+    least,
+    most,
+    span,
+    spans,
+    spread,
+    digits,
+    deviation,
+    two_digits_up,
+    percent,
+    power,
+    typeset,
+    counted,
+)
 ENVIRONMENT.filters |= {function.__name__: function for function in FILTERS} | {"down_to": below, "up_to": above}
 
 
