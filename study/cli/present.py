@@ -11,10 +11,10 @@ from matplotlib import rcParams
 from study.cli.common import progress_bar, tell_written
 from study.cli.options import OK
 from study.ledger.files import UsageError
+from study.present.article import write_tables
 from study.present.drawing import ARTICLE, Drawing, Output, draw_figures, in_style
 from study.present.figures import drawings, drawings_of, overview
 from study.present.report import write_report
-from study.present.tables import write_tables
 from study.run.executor import Processes
 from study.run.judgement import claims_file, compare_claims, judge, verdicts
 from study.run.provenance import read_provenance

@@ -299,13 +299,13 @@ def caption_body(picture: Picture) -> str:
     """Return the caption of ``draw_body``."""
     scale, stresses = BodyScale(picture), picture.von_mises.max(axis=1)
     worst = max(picture.shown, key=lambda instant: float(stresses[instant]))
-    touching = [sum(int(face.touching[instant].sum()) for face in picture.faces) for instant in picture.shown]
+    touching = sum(face.touching.sum(axis=1) for face in picture.faces)
     return caption(
-        "body-solid" if picture.polygons else "body-plane",
+        "body",
         picture=picture,
         scale=scale,
         gap=scale.gap if scale.gap > ROUND_OFF else 0.0,
-        touching=", ".join(map(str, touching)),
+        touching=np.asarray(touching)[picture.shown],
         vertices=sum(face.pressure.shape[1] for face in picture.faces),
         stress=stresses[worst],
         time=picture.times[worst],

@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import cycle
+from itertools import cycle, product
 from typing import Any
 
 import numpy as np
@@ -46,13 +46,12 @@ from study.present.notation import counted
 
 # Axes, ticks, legends and slope triangles.
 
-HEIGHTS = {1: (1,), 2: (3, 2)}
-"""Number of axes that are drawn one above the other ↦ their relative heights."""
 DASHED: Style = {"ls": "--", "lw": 0.7}
 DOTTED: Style = {"ls": ":", "lw": 0.9, "alpha": 0.8}
 HOLLOW: Style = {"mfc": "white"}
 RANGE: Style = {"alpha": 0.35, "lw": 0}
 RULE: Style = {"color": GREY, "lw": 0.6}
+TRIANGLE_STYLE: Style = {"facecolor": TRIANGLE, "edgecolor": OUTLINE, "lw": 0.6, "zorder": 1.5}
 TINY: Style = {"ms": 2.4}
 """The markers of small axes."""
 MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
@@ -60,31 +59,52 @@ MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5
 MESH_SIZE = "mesh size $h$"
 
 
-def stacked_axes(count: int = 1) -> tuple[Figure, list[Axes]]:
-    """Return a figure as wide as a column of text, and its axes, which lie one above the other."""
-    figure = Figure(figsize=(column_width(), 3.8 + 0.2 * count))
-    panels = figure.subplots(count, sharex=True, squeeze=False, height_ratios=HEIGHTS[count])[:, 0]
+def stacked_axes(*heights: int) -> tuple[Figure, list[Axes]]:
+    """Return a figure as wide as a column of text, and its axes, which lie one above the other.
+
+    Parameters:
+        heights: the relative heights of the axes.
+    """
+    figure = Figure(figsize=(column_width(), 3.8 + 0.2 * len(heights)))
+    panels = figure.subplots(len(heights), sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     for axes in panels:
         axes.grid(True)
     return figure, list(panels)
 
 
-def grid_of_axes(titles: Sequence[str], columns: int) -> tuple[Figure, list[Axes]]:
-    """Return a figure with small logarithmic axes in a grid, one for each title; a row has common limits."""
-    count = len(titles)
-    rows = math.ceil(count / columns)
+def draw_cases(
+    rows: pd.DataFrame, quantities: Mapping[str, tuple[str, Style]], slopes: Mapping[str, float], columns: int
+) -> Figure:
+    """Draw quantities against the mesh size in small axes in a grid, one for each case; a row has common limits.
+
+    Parameters:
+        rows: a table with the columns ``case``, ``family``, ``h`` and the quantities.
+        quantities: column ↦ its text in the legend, and the style of its lines; a line for each mesh family.
+        slopes: case ↦ slope of its triangle.
+        columns: the number of columns of the grid.
+    """
+    cases, styles = rows["case"].unique(), family_styles(rows["family"])
+    lines = math.ceil(len(cases) / columns)
     width = min(max(column_width(), 0.5 + 1.05 * columns), page_width())
-    figure = Figure(figsize=(width, 0.8 + (0.15 + 0.9 * (width - 0.5) / columns) * rows))
-    panels = figure.subplots(rows, columns, sharex=True, sharey="row", squeeze=False).ravel()
-    for i, (axes, title) in enumerate(zip(panels, titles, strict=False)):
-        axes.set(xscale="log", yscale="log")
-        axes.set_title(textwrap.fill(title, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
-        axes.tick_params(labelbottom=i + columns >= count)
+    figure = Figure(figsize=(width, 0.8 + (0.15 + 0.9 * (width - 0.5) / columns) * lines))
+    panels = figure.subplots(lines, columns, sharex=True, sharey="row", squeeze=False).ravel()
+    shown = dict(zip(cases, panels, strict=False))
+    for i, (case, axes) in enumerate(shown.items()):
+        for column, (_, style) in quantities.items():
+            plot_families(axes, rows[rows["case"] == case], column, styles, style | TINY)
+        axes.set_title(textwrap.fill(case, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
+        axes.tick_params(labelbottom=i + columns >= len(cases))
         axes.grid(True)
-    for axes in panels[count:]:
+    # Triangles come last, because axes of a row share their limits.
+    for case, axes in shown.items():
+        draw_slope(axes, slopes[case], small=True)
+    for axes in panels[len(cases) :]:
         axes.set_visible(False)
+    label_ticks(shown.values(), least=2)
     figure.supxlabel(MESH_SIZE)
-    return figure, list(panels[:count])
+    kinds = [entry(text, color=DARK, marker="o", **style) for text, style in quantities.values() if text]
+    legend(figure, [*families(styles)[1:], *kinds], columns=3 if kinds else len(styles), side="upper")
+    return figure
 
 
 def label_ticks(panels: Iterable[Axes], least: int = 3) -> None:
@@ -125,46 +145,40 @@ def families(styles: Mapping[str, Style], **more: Any) -> list[Line2D]:
     return [entry("mesh family", ls=""), *(entry(family, **style, **more) for family, style in styles.items())]
 
 
-def plot_families(
-    axes: Axes, rows: pd.DataFrame, column: str, styles: Mapping[str, Style], more: Style
-) -> list[Line2D]:
-    """Plot a column of a table over the mesh size, a line for each mesh family, and return the lines."""
-    lines = []
+def plot_families(axes: Axes, rows: pd.DataFrame, column: str, styles: Mapping[str, Style], more: Style) -> None:
+    """Plot a column of a table over the mesh size, both logarithmic, with a line for each mesh family."""
     for family, of_family in by_family(rows).items():
-        lines += axes.loglog(of_family["h"], of_family[column], **styles[family] | more)
-    return lines
+        axes.loglog(of_family["h"], of_family[column], **styles[family] | more)
 
 
-def draw_slope(axes: Axes, lines: Sequence[Line2D], slope: float, small: bool = False) -> None:
-    """Draw a triangle with a slope above the left end of increasing lines, where they leave room.
+def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
+    """Draw a triangle with a slope above the left end of the increasing lines of axes, where they leave room.
 
     Nothing is drawn if the slope is NaN, or if every line has a single point.
 
     Parameters:
         axes: the axes, whose scales are logarithmic.
-        lines: the lines of which the triangle keeps clear.
         slope: the slope.
         small: whether the axes are so small that the slope must be written above the triangle, not to its left.
     """
-    curves = [np.log10(line.get_xydata()) for line in lines]
+    curves = [np.log10(line.get_xydata()) for line in axes.get_lines()]
     if math.isnan(slope) or max(map(len, curves)) < 2:
         return
     decades = float(np.ptp(np.log10(axes.get_ylim())))
     x = np.concatenate(curves)[:, 0]
     start, end = x.min() + np.ptp(x) * np.array([0.09, 0.37])
-    at, base = np.linspace(start, end, 50), -math.inf
-    for curve in curves:
-        heights = np.interp(at, *curve[np.argsort(curve[:, 0])].T)
-        base = max(base, float((heights - slope * (at - start)).max()) + 0.06 * decades)
+    at = np.linspace(start, end, 50)
+    heights = [np.interp(at, *curve[np.argsort(curve[:, 0])].T) - slope * (at - start) for curve in curves]
+    base = float(np.nanmax(heights)) + 0.06 * decades
     top = base + slope * (end - start)
-    (x0, y0), (x1, y1), _ = corners = 10 ** np.array([[start, base], [end, top], [start, top]])
-    axes.fill(*corners.T, facecolor=TRIANGLE, edgecolor=OUTLINE, lw=0.6, zorder=1.5)
+    axes.fill([10**start, 10**end, 10**start], [10**base, 10**top, 10**top], **TRIANGLE_STYLE)
     text: dict[str, Any] = {"textcoords": "offset points", "fontsize": rcParams["xtick.labelsize"]}
+    beside, above_it = (10**start, 10 ** ((base + top) / 2)), (10 ** ((start + end) / 2), 10**top)
     if not small:
-        axes.annotate(f"{slope:.3g}", (x0, np.sqrt(y0 * y1)), (-2, 0), ha="right", va="center", **text)
-    axes.annotate(f"{slope:.3g}" if small else "1", (np.sqrt(x0 * x1), y1), (0, 1.5), ha="center", va="bottom", **text)
+        axes.annotate(f"{slope:.3g}", beside, (-2, 0), ha="right", va="center", **text)
+    axes.annotate(f"{slope:.3g}" if small else "1", above_it, (0, 1.5), ha="center", va="bottom", **text)
     # The text needs room above the triangle.
-    axes.update_datalim([(x1, y1 * 10 ** ((0.13 if small else 0.05) * decades))])
+    axes.update_datalim([(10**end, 10 ** (top + (0.13 if small else 0.05) * decades))])
     axes.autoscale_view()
 
 
@@ -185,20 +199,20 @@ def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
             left out.
         refinements: the number of refinements between the two meshes; less if there are fewer levels.
     """
-    found = {}
+    by_name = {}
     for family, rows in by_family(rates).items():
         ends = rows.tail(refinements + 1).iloc[[0, -1]]
         if len(rows) > 1:
             with suppress(RatesError):
-                found[family] = float(orders(ends["h"].to_numpy(), ends["error"].to_numpy())[0])
-    return found
+                by_name[family] = float(orders(ends["h"].to_numpy(), ends["error"].to_numpy())[0])
+    return by_name
 
 
 def last_orders(rates: pd.DataFrame) -> tuple[list[float], list[float]]:
     """Return the observed orders over the last refinement in two lists: graded meshes are in the second list."""
-    found = finest_orders(rates, refinements=1)
-    graded = [found.pop("graded")] if "graded" in found else []
-    return list(found.values()), graded
+    by_name = finest_orders(rates, refinements=1)
+    graded = [by_name.pop("graded")] if "graded" in by_name else []
+    return list(by_name.values()), graded
 
 
 def order_differences(rates: pd.DataFrame, expected: Mapping[str, float], refinements: int = 2) -> pd.DataFrame:
@@ -224,12 +238,6 @@ def order_differences(rates: pd.DataFrame, expected: Mapping[str, float], refine
     return table.assign(difference=table["observed"] - table["predicted"])
 
 
-def spread(values: Sequence[float]) -> str:
-    """Return the smallest and the largest value as text, or the only value."""
-    low, high = (f"{value:.3g}" for value in (min(values), max(values)))
-    return low if low == high else f"{low} … {high}"
-
-
 def _all_cases(rates: pd.DataFrame) -> str:
     count = rates["case"].nunique()
     return f"{'all ' if count > 1 else ''}{counted(count, 'case')}"
@@ -240,6 +248,12 @@ def _all_cases(rates: pd.DataFrame) -> str:
 NEGLIGIBLE = 1e-3
 """In a chart of errors, values below this fraction of the smallest error are not shown, because the vertical axis would
 become too long."""
+ERRORS: dict[str, tuple[str, Style]] = {
+    "error": (r"error $\|u-u^h\|_V$", {}),
+    "discrete_error": (r"discrete error $\|\Pi^hu-u^h\|_V$", DASHED | HOLLOW),
+    "in_time": ("share of time discretisation", {"marker": "", **DOTTED}),
+}
+"""Column ↦ its text in the legend, and the style of its lines."""
 MOST_COLUMNS = 5
 """The largest number of columns of the figure with axes for each case."""
 
@@ -253,47 +267,27 @@ def draw_convergence(rates: pd.DataFrame, order: float) -> Figure:
         rates: the rows of one case in ``rates.csv``.
         order: the expected order, which is the slope of the triangle.
     """
-    figure, (axes,) = stacked_axes()
-    styles = family_styles(rates["family"])
+    figure, (axes,) = stacked_axes(1)
+    styles, lowest = family_styles(rates["family"]), NEGLIGIBLE * rates["error"].min()
     rates = rates.assign(in_time=rates["time_share"] * rates["error"])
-    lowest = NEGLIGIBLE * rates["error"].min()
-    shown = rates.assign(**{name: rates[name].where(rates[name] >= lowest) for name in ("in_time", "discrete_error")})
-    plot_families(axes, shown, "in_time", styles, {"marker": "", **DOTTED})
-    plot_families(axes, shown, "discrete_error", styles, DASHED | HOLLOW)
-    lines = plot_families(axes, shown, "error", styles, {})
-    draw_slope(axes, lines, order)
+    for column, (_, style) in ERRORS.items():
+        shown = rates.assign(**{column: rates[column].where(rates[column] >= lowest)})
+        plot_families(axes, shown, column, styles, style)
+    draw_slope(axes, order)
     label_ticks([axes])
     axes.set(title=rates["case"].iloc[0], xlabel=MESH_SIZE, ylabel=r"maximum over time in $\|\cdot\|_V$")
-    kinds = [
-        entry(r"error $\|u-u^h\|_V$", color=DARK, marker="o"),
-        entry(r"discrete error $\|\Pi^hu-u^h\|_V$", color=DARK, marker="o", **DASHED, **HOLLOW),
-        entry("share of time discretisation", color=DARK, **DOTTED),
-    ]
+    kinds = [entry(text, color=DARK, **{"marker": "o"} | style) for text, style in ERRORS.values()]
     add_legend(figure, families(styles), kinds)
     return figure
 
 
 def caption_convergence(rates: pd.DataFrame, order: float) -> str:
     """Return the caption of ``draw_convergence``."""
-    finest = [rows.iloc[-1] for rows in by_family(rates).values()]
     last, graded = last_orders(rates)
-    closer = [row["error"] / row["discrete_error"] for row in finest if row["discrete_error"] > 0]
-    seen = []
-    if last:
-        seen.append(f"on the two finest meshes of a family the order is {spread(last)}, expected {order:.3g}")
-    if graded:
-        seen.append(f"meshes graded towards the singularity reach the order {spread(graded)}")
-    if closer:
-        seen.append(f"on the finest meshes u^h is {spread(closer)} times closer to Π^h u than to u")
-    share = 100 * rates["time_share"].max()
-    seen.append(f"discretisation in time contributes at most {share:.2g} % of the error on any mesh")
-    return caption(
-        "convergence",
-        case=rates["case"].iloc[0],
-        families=", ".join(rates["family"].unique()),
-        seen="; ".join(seen),
-        negligible=NEGLIGIBLE,
-    )
+    finest = rates.groupby("family").tail(1).query("discrete_error > 0")
+    closer = finest["error"] / finest["discrete_error"]
+    values = {"last": last, "graded": graded, "closer": closer, "negligible": NEGLIGIBLE}
+    return caption("convergence", rates=rates, order=order, **values)
 
 
 def draw_overview(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
@@ -303,35 +297,17 @@ def draw_overview(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
         rates: the rows of these cases in ``rates.csv``.
         expected: case ↦ expected order.
     """
-    cases = list(dict.fromkeys(rates["case"]))
-    figure, panels = grid_of_axes(cases, min(MOST_COLUMNS, len(cases)))
-    styles = family_styles(rates["family"])
-    lines = [
-        plot_families(axes, rates[rates["case"] == case], "error", styles, TINY)
-        for axes, case in zip(panels, cases, strict=True)
-    ]
-    for axes, of_case, case in zip(panels, lines, cases, strict=True):
-        draw_slope(axes, of_case, expected[case], small=True)
-    label_ticks(panels, least=2)
+    columns = min(MOST_COLUMNS, rates["case"].nunique())
+    figure = draw_cases(rates, {"error": ("", {})}, expected, columns)
     figure.supylabel(r"$\max_t\,\|u-u^h\|_V$")
-    legend(figure, families(styles)[1:], columns=len(styles), side="upper")
     return figure
 
 
 def caption_overview(rates: pd.DataFrame, expected: Mapping[str, float]) -> str:
     """Return the caption of ``draw_overview``."""
-    table = order_differences(rates, expected, refinements=1)
-    graded = [order for _, rows in rates.groupby("case", sort=False) for order in last_orders(rows)[1]]
-    seen = ["single levels show no order"]
-    if len(table):
-        low, high = (table.loc[index] for index in (table["difference"].idxmin(), table["difference"].idxmax()))
-        seen = [
-            "whether the curves run parallel to their triangles; the last order differs from the expected one by "
-            f"{low['difference']:+.2g} ({low['case']}) to {high['difference']:+.2g} ({high['case']})"
-        ]
-    if graded:
-        seen.append(f"meshes graded towards a singularity reach the order {spread(graded)}")
-    return caption("overview", cases=_all_cases(rates), claim=rates["claim"].iloc[0], seen="; ".join(seen))
+    differences = order_differences(rates, expected, refinements=1).set_index("case")["difference"]
+    graded = [order for _, rows in rates.groupby("case") for order in last_orders(rows)[1]]
+    return caption("overview", rates=rates, cases=_all_cases(rates), differences=differences, graded=graded)
 
 
 def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
@@ -343,7 +319,7 @@ def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
     """
     table = order_differences(rates, expected)
     styles = family_styles(table["family"])
-    figure, (axes,) = stacked_axes()
+    figure, (axes,) = stacked_axes(1)
     top = max(1.1, float(table[["predicted", "observed"]].to_numpy().max()) + 0.1)
     axes.plot([0, top], [0, top], color=GREY)
     for number, (family, style) in enumerate(styles.items()):
@@ -360,9 +336,7 @@ def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
 
 def caption_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> str:
     """Return the caption of ``draw_orders``."""
-    difference = order_differences(rates, expected)["difference"]
-    low, high, sequences = difference.min(), difference.max(), counted(len(difference), "sequence")
-    return caption("orders", cases=_all_cases(rates), low=low, high=high, sequences=sequences)
+    return caption("orders", cases=_all_cases(rates), differences=order_differences(rates, expected)["difference"])
 
 
 def over_constants(rates: pd.DataFrame) -> pd.DataFrame:
@@ -383,7 +357,7 @@ def draw_collapsed(rates: pd.DataFrame) -> Figure:
     The upper axes show error / C, the lower axes error / (C h), both against the mesh size h.
     """
     styles = family_styles(rates["family"])
-    figure, (errors, ratios) = stacked_axes(2)
+    figure, (errors, ratios) = stacked_axes(3, 2)
     ends = [rates["h"].min(), rates["h"].max()]
     errors.loglog(ends, ends, color=GREY)
     ratios.axhline(1, **RULE)
@@ -402,9 +376,7 @@ def caption_collapsed(rates: pd.DataFrame) -> str:
     """Return the caption of ``draw_collapsed``."""
     table = over_constants(rates)
     finest = table.groupby(["case", "family"], sort=False)["relative"].last().groupby("family", sort=False)
-    ranges = ", ".join(f"{ratios.min():.2f} … {ratios.max():.2f} ({family})" for family, ratios in finest)
-    low, high = table["relative"].min(), table["relative"].max()
-    return caption("collapsed", cases=_all_cases(rates), low=low, high=high, finest=ranges)
+    return caption("collapsed", cases=_all_cases(rates), relative=table["relative"], finest=finest)
 
 
 def order_in_words(rates: pd.DataFrame) -> str:
@@ -450,7 +422,7 @@ def draw_enclosure(series: pd.DataFrame, title: str) -> Figure:
     """
     known, ends = bool(series["error"].notna().all()), enclosure_ends(series)
     column, name = ("error", "error") if known else ("distance", r"$\|\tilde u-u_h\|_V$")
-    figure, (errors, ratios) = stacked_axes(2)
+    figure, (errors, ratios) = stacked_axes(3, 2)
     errors.set_yscale("log")
     lowest, levels = float(ends["upper"].min()) / 3, []
     for (level, rows), colour in zip(ends.groupby("level"), cycle(COLOURS), strict=False):
@@ -479,14 +451,8 @@ def caption_enclosure(series: pd.DataFrame, title: str) -> str:
     known, ends = bool(series["error"].notna().all()), enclosure_ends(series)
     inside = ends[(ends["error"] - ends["distance"]).abs() <= ends["bound"]]
     final = ends.loc[ends.groupby("level")["time"].idxmax()]
-    bands = [f"{interval(row.lower, row.upper, 3)} with n = {row.level}" for row in final.itertuples()]
-    return caption(
-        "enclosure",
-        title=title,
-        line="the error itself" if known else "the distance to a more accurate displacement ũ",
-        seen=f"the error lies in its band at {len(inside)} of {len(ends)} times; " if known else "",
-        last=", ".join(bands),
-    )
+    values = {"known": known, "ends": ends, "inside": inside, "final": final}
+    return caption("enclosure", title=title, interval=interval, **values)
 
 
 SCHEMES: dict[str, Style] = {
@@ -506,27 +472,29 @@ def draw_effectivity(known: pd.DataFrame) -> Figure:
         known: the rows of ``bounds.csv`` whose error is known. ``upper`` and ``lower`` are the worst ratios of the
             bounds to the error in the second half of time.
     """
-    # A slide has room for a line per scheme.
+    # A slide has room for a line per scheme. Elsewhere the markers of the schemes are shifted, or they would hide each
+    # other.
     line, shift = ("scheme", 0.0) if is_slide() else ("case", 0.22)
-    names = list(dict.fromkeys(known[line]))
-    row = {name: number for number, name in enumerate(reversed(names))}
+    names = known[line].unique()[::-1].tolist()
     used = {scheme: style for scheme, style in SCHEMES.items() if (known["scheme"] == scheme).any()}
+    shifts = {scheme: shift * (number - 1) for number, scheme in enumerate(used)}
+    known = known.assign(
+        y=known[line].map(names.index) + known["scheme"].map(shifts), size=_marker_area(known["level"])
+    )
     figure = Figure(figsize=(page_width(), 1.2 + 0.15 * len(names)))
     left, right = figure.subplots(1, 2, sharey=True)
-    for axes, trajectory, columns in ((left, "bound", ("upper",)), (right, "enclosure", ("lower", "upper"))):
-        for number, (scheme, style) in enumerate(used.items()):
+    for axes, trajectory, ends in ((left, "bound", ("upper",)), (right, "enclosure", ("lower", "upper"))):
+        for scheme, end in product(used, ends):
             rows = known[(known["trajectory"] == trajectory) & (known["scheme"] == scheme)]
-            # The markers of each scheme are shifted vertically, because they would hide each other.
-            y = rows[line].map(row) + shift * (number - 1)
-            look: dict[str, Any] = {"s": _marker_area(rows["level"]), "marker": style["marker"], "linewidth": 0.6}
-            for column in columns:
-                face = style["color"] if column == "upper" else "white"
-                axes.scatter(rows[column], y, edgecolor=style["color"], facecolor=face, zorder=3, **look)
+            style = used[scheme]
+            look = {"marker": style["marker"], "edgecolor": style["color"], "linewidth": 0.6, "zorder": 3}
+            face = style["color"] if end == "upper" else "white"
+            axes.scatter(rows[end], rows["y"], _marker_area(rows["level"]), facecolor=face, **look)
         axes.axvline(1, color=BLACK, lw=0.7)
         axes.grid(True)
     left.set_xscale("log")
     label_ticks([left], least=4)
-    left.set_yticks(list(row.values()), list(row))
+    left.set_yticks(range(len(names)), names)
     left.set(ylim=(-0.7, len(names) - 0.3), xlabel="bound / error" if is_slide() else "bound from $u_h$ alone / error")
     right.set(xlim=(0, None), xlabel="enclosure / error" if is_slide() else "ends of the enclosure / error")
     handles = [dots(scheme, **style) for scheme, style in used.items()]
@@ -546,18 +514,7 @@ def caption_effectivity(known: pd.DataFrame) -> str:
     """Return the caption of ``draw_effectivity``."""
     plain, enclosed = (known[known["trajectory"] == name] for name in ("bound", "enclosure"))
     wrong = int((known["upper"] < 1).sum() + (enclosed["lower"] > 1).sum())
-    seen = [f"{counted(wrong, 'bound') if wrong else 'no bounds'} on the wrong side of the error"]
-    if len(plain):
-        medians = [f"{rows['upper'].median():.3g} with {scheme}" for scheme, rows in plain.groupby("scheme")]
-        seen.append(
-            f"from u_h alone the bound is {spread(plain['upper'])} times the error, the median {', '.join(medians)}"
-        )
-    if len(enclosed):
-        seen.append(
-            f"an enclosure by a more accurate displacement has its lower end at {spread(enclosed['lower'])} and its "
-            f"upper end at {spread(enclosed['upper'])} times the error"
-        )
-    return caption("effectivity", cases=counted(known["case"].nunique(), "case"), seen="; ".join(seen))
+    return caption("effectivity", known=known, plain=plain, enclosed=enclosed, wrong=wrong)
 
 
 @dataclass(frozen=True, eq=False)
@@ -591,19 +548,17 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
     handles = []
     for which, colour, text in ((result.closed, VERMILLION, "in contact"), (~result.closed, BLUE, "open")):
         mesh.add_collection(LineCollection(list(result.edges[:, :, which].T), colors=colour, linewidths=2.5, zorder=3))
-        if result.closed.size:
-            handles.append(entry(rf"$\Gamma_3$ {text}", color=colour, lw=2.5))
+        handles += [entry(rf"$\Gamma_3$ {text}", color=colour, lw=2.5)] * bool(result.closed.size)
     mesh.set(aspect="equal", title=f"mesh {rows['mesh'].iloc[-1]}, {rows['cells'].iloc[-1]} cells")
     mesh.axis("off")
-
     handles += bounds.loglog(rows["dofs"], rows["bound"], color=BLUE, marker="o", label="adaptive")
     if len(result.uniform):
         style: Style = {"color": GREY, "marker": "s", "label": "refined everywhere"}
         handles += bounds.plot(result.uniform["dofs"], result.uniform["plain"], **style)
-    if rows["error"].notna().all():
-        bounds.plot(rows["dofs"], rows["error"], color=BLUE, ls=":")
-    x = np.geomspace(rows["dofs"].iloc[0], rows["dofs"].iloc[-1], 3)
-    y = 0.7 * rows["bound"].iloc[-1] * (x / x[-1]) ** -0.5
+    bounds.plot(rows["dofs"], rows["error"], color=BLUE, ls=":")
+    first, last = rows.iloc[0], rows.iloc[-1]
+    x = np.geomspace(first["dofs"], last["dofs"], 3)
+    y = 0.7 * last["bound"] * (x / last["dofs"]) ** -0.5
     bounds.plot(x, y, color=DARK, ls="--", lw=0.8)
     place: dict[str, Any] = {"textcoords": "offset points", "xytext": (-5, -5), "ha": "right", "va": "top"}
     bounds.annotate("slope $-1/2$", (x[1], y[1]), **place)
@@ -614,9 +569,7 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
 
 def caption_adapted(result: AdaptiveRefinement) -> str:
     """Return the caption of ``draw_adapted``."""
-    against = ", for meshes refined everywhere as well" if len(result.uniform) else ""
-    contact = "with what of Γ3 is in contact at the last time in colour, " if result.closed.size else ""
-    return caption("adaptive", name=result.name, contact=contact, norm=result.norm, against=against)
+    return caption("adaptive", result=result)
 
 
 # Contact.
@@ -630,9 +583,10 @@ CONTACT_TERMS: dict[str, tuple[str, Style]] = {
 
 
 def work_rows(statements: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of ``statements.csv`` for ``draw_work``."""
+    """Return a table for ``draw_work`` from ``statements.csv``, with a column for each of ``CONTACT_TERMS``."""
     chosen = statements["label"].eq("beyond: work of contact") & statements["quantity"].isin(CONTACT_TERMS)
-    return statements[chosen]
+    key = ["case", "family", "level", "h"]
+    return statements[chosen].pivot_table("value", key, "quantity", sort=False).reset_index()
 
 
 def draw_work(rows: pd.DataFrame) -> Figure:
@@ -642,38 +596,19 @@ def draw_work(rows: pd.DataFrame) -> Figure:
     solution of the linear problem with the exact contact pressure as traction.
 
     Parameters:
-        rows: the rows that ``work_rows`` returns.
+        rows: the table that ``work_rows`` returns.
     """
-    cases = list(dict.fromkeys(rows["case"]))
-    figure, panels = grid_of_axes(cases, 2)
-    styles = family_styles(rows["family"])
-    lines: list[list[Line2D]] = [[] for _ in cases]
-    for axes, case, of_case in zip(panels, cases, lines, strict=True):
-        for quantity, (_, style) in CONTACT_TERMS.items():
-            chosen = rows[(rows["case"] == case) & (rows["quantity"] == quantity)]
-            of_case += plot_families(axes, chosen, "value", styles, style | TINY)
-    for axes, of_case in zip(panels, lines, strict=True):
-        draw_slope(axes, of_case, 1.0, small=True)
-    label_ticks(panels, least=2)
-    kinds = [entry(text, color=DARK, marker="o", **style) for text, style in CONTACT_TERMS.values()]
-    legend(figure, [*families(styles)[1:], *kinds], columns=3, side="upper")
-    return figure
+    return draw_cases(rows, CONTACT_TERMS, dict.fromkeys(rows["case"], 1.0), columns=2)
 
 
 def caption_work(rows: pd.DataFrame) -> str:
     """Return the caption of ``draw_work``."""
-    found: dict[str, list[float]] = {name: [] for name in CONTACT_TERMS}
-    for (_, quantity), of_case in rows[rows["family"] == "one-diagonal"].groupby(["case", "quantity"]):
+    by_term: dict[str, list[float]] = {"work": [], "error": []}
+    for _, of_case in rows[rows["family"] == "one-diagonal"].groupby("case"):
         last = of_case.sort_values("level").tail(3)
-        found[str(quantity)] += orders(last["h"].to_numpy(), last["value"].to_numpy()).tolist()
-    seen = "single levels show no order"
-    if found["work"]:
-        seen = (
-            f"on the finest meshes with one diagonal the order of the work is {spread(found['work'])}, while the "
-            f"error, for which the trains are hardly resolved, has {spread(found['error'])}; on irregular meshes the "
-            "work scatters about the same line"
-        )
-    return caption("contact-work", seen=seen)
+        for term, of_term in by_term.items():
+            of_term += orders(last["h"].to_numpy(), last[term].to_numpy()).tolist()
+    return caption("contact-work", **by_term)
 
 
 def roller_rows(statements: pd.DataFrame) -> pd.DataFrame:
@@ -699,15 +634,15 @@ def draw_rollers(rows: pd.DataFrame) -> Figure:
     Parameters:
         rows: the rows that ``roller_rows`` returns.
     """
-    styles, lines, lowest = family_styles(rows["family"]), [], rows.loc[rows["value"].idxmin()]
-    figure, (axes,) = stacked_axes()
+    styles, lowest = family_styles(rows["family"]), rows.loc[rows["value"].idxmin()]
+    figure, (axes,) = stacked_axes(1)
     for family, table in roller_means(rows):
         if family == "shaken":
             axes.fill_between(table["h"], table["min"], table["max"], color=styles[family]["color"], **RANGE)
-        lines += axes.loglog(table["h"], table["mean"], **styles[family])
+        axes.loglog(table["h"], table["mean"], **styles[family])
+    draw_slope(axes, 0.5)
     ends = rows.loc[rows["family"] == lowest["family"], "h"].agg(["min", "max"])
     axes.plot(ends, 0.8 * lowest["value"] / lowest["h"] * ends, color=GREY, **DOTTED)
-    draw_slope(axes, lines, 0.5)
     label_ticks([axes])
     axes.set(xlabel=MESH_SIZE, ylabel=r"excess $\max_t\,\|u^h-u^h_\mathrm{lin}\|_V$")
     add_legend(figure, families(styles), [entry("slope 1", color=GREY, **DOTTED)])
@@ -716,10 +651,9 @@ def draw_rollers(rows: pd.DataFrame) -> Figure:
 
 def caption_rollers(rows: pd.DataFrame) -> str:
     """Return the caption of ``draw_rollers``."""
-    means = [(family, table) for family, table in roller_means(rows) if len(table) > 1]
-    fits = [f"{fit(table['h'].to_numpy(), table['mean'].to_numpy()):.2f} ({family})" for family, table in means]
-    seen = f"orders over all levels are {', '.join(fits)}" if fits else "single levels show no order"
-    return caption("rollers", seen=seen)
+    means = {family: table for family, table in roller_means(rows) if len(table) > 1}
+    fits = {family: fit(table["h"].to_numpy(), table["mean"].to_numpy()) for family, table in means.items()}
+    return caption("rollers", fits=fits)
 
 
 # Other codes, cost, and deliberate faults.
@@ -738,7 +672,7 @@ def draw_codes(codes: Codes) -> Figure:
     the finest mesh.
     """
     rows = _complete(codes)
-    figure, (order, share) = stacked_axes(2)
+    figure, (order, share) = stacked_axes(3, 2)
     share.loglog()
     handles = []
     for grade, style in GRADE_STYLES.items():
@@ -766,75 +700,7 @@ def caption_codes(codes: Codes) -> str:
     rows, tolerance = _complete(codes), 0.15
     passing = rows[abs(rows["order_in_v"] - 1) <= tolerance]
     bad = passing[passing["class"].isin(["stagnates", "wrong"])]
-    return caption(
-        "codes",
-        runs=counted(len(rows), "run"),
-        codes=counted(rows["code"].nunique(), "contact code"),
-        bad=counted(len(bad), "run"),
-        tolerance=tolerance,
-        most=bad["excess"].max(),
-    )
-
-
-KIB = 1024
-COSTS: dict[str, tuple[str, Style]] = {
-    "level_seconds": ("a level: all steps", {}),
-    "factor_seconds": ("once: factorising or coarsening", DASHED),
-    "step_seconds": ("one step in time", DOTTED),
-}
-"""Column of ``benchmarks/growth.csv`` ↦ its text in the legend, and the style of its lines."""
-
-
-def growth_series(growth: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
-    """Yield the name and the rows of each dimension and solver in ``benchmarks/growth.csv``, few to many unknowns."""
-    for (dim, solver), rows in growth.groupby(["dim", "solver"], sort=False):
-        yield f"{dim}D, {solver}", rows.sort_values("dofs")
-
-
-def draw_growth(growth: pd.DataFrame) -> Figure:
-    """Draw the cost of a solution against the number of unknowns.
-
-    The upper axes show seconds, the lower axes memory per unknown; each dimension and solver has a colour.
-
-    Parameters:
-        growth: the content of ``benchmarks/growth.csv``.
-    """
-    figure, (seconds, memory) = stacked_axes(2)
-    memory.loglog()
-    seconds.set_yscale("log")
-    solvers = []
-    for (name, rows), colour, marker in zip(growth_series(growth), cycle(COLOURS), cycle("os^DvP"), strict=False):
-        style: Style = {"color": colour, "marker": marker}
-        for column, (_, stroke) in COSTS.items():
-            seconds.plot(rows["dofs"], rows[column], **style | stroke)
-        memory.plot(rows["dofs"], rows["peak_bytes"] / rows["dofs"] / KIB, **style)
-        solvers.append(entry(f"{name} ({len(rows)} {'mesh' if len(rows) == 1 else 'meshes'})", **style))
-    # The line of slope 1 starts above the curves so that it does not cover them.
-    ends = growth["dofs"].agg(["min", "max"]).to_numpy(dtype=float)
-    first = growth[growth["dofs"] == ends[0]]
-    seconds.plot(ends, 1.6 * (first["level_seconds"] / first["dofs"]).max() * ends, color=GREY)
-    label_ticks([seconds, memory], least=2)
-    seconds.set_ylabel("seconds")
-    memory.set(xlabel="unknowns", ylabel="KiB per unknown")
-    kinds = [entry(text, color=DARK, **style) for text, style in COSTS.values()]
-    add_legend(figure, solvers, [*kinds, entry("slope 1", color=GREY)])
-    return figure
-
-
-def caption_growth(growth: pd.DataFrame) -> str:
-    """Return the caption of ``draw_growth``."""
-    seen = []
-    for name, rows in growth_series(growth):
-        last = rows.iloc[-1]
-        text = (
-            f"{name}: {last['level_seconds']:.3g} s and {last['peak_bytes'] / KIB**3:.2g} GiB for {last['dofs']:.0f} "
-            "unknowns"
-        )
-        if last["dofs"] > rows["dofs"].iloc[0]:
-            exponent, _ = np.polyfit(np.log(rows["dofs"]), np.log(rows["level_seconds"]), 1)
-            text += f", time growing like unknowns^{exponent:.2f}"
-        seen.append(text)
-    return caption("growth", seen="; ".join(seen))
+    return caption("codes", rows=rows, bad=bad, tolerance=tolerance)
 
 
 SHADES = (
@@ -853,28 +719,29 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     Parameters:
         matrix: the table ``faults.csv``.
     """
-    size, errors, others = matrix["size"].abs(), matrix["by_error"] != "", matrix["by_others"] != ""
-    smallest = size == size.groupby([matrix["fault"], matrix["case"]]).transform("min")
-    shade = np.select([errors & smallest, errors, others], [4, 3, 2], 1)
-    invisible = matrix["distance"] < INVISIBLE * matrix["error"]
-    cells = matrix.assign(shade=shade, invisible=invisible).groupby(["fault", "case"], sort=False)
-    table = cells.agg({"shade": "max", "invisible": "all"}).unstack(fill_value=0)
+    by_case = matrix.groupby(["fault", "case"], sort=False)
+    smallest = matrix["size"].abs() == by_case["size"].transform(lambda sizes: sizes.abs().min())
+    errors, others = matrix["by_error"] != "", matrix["by_others"] != ""
+    shade = pd.Series(np.select([errors & smallest, errors, others], [4, 3, 2], 1), matrix.index)
+    visible = ~(matrix["distance"] < INVISIBLE * matrix["error"])  # Without a distance nothing is known.
     equations, cases = matrix.groupby("fault", sort=False)["equation"].first(), matrix["case"].unique()
-    shades, marks = (table[name].loc[equations.index, cases].to_numpy() for name in ("shade", "invisible"))
-
+    shades, marks = (
+        values.groupby([matrix["fault"], matrix["case"]]).max().unstack().loc[equations.index, cases]
+        for values in (shade, visible.astype(float))
+    )
     figure = Figure(figsize=(page_width(), 1.9 + 0.155 * len(equations)))
     axes = figure.subplots()
-    colours, texts = zip(*SHADES, strict=True)
-    axes.pcolormesh(shades, cmap=ListedColormap(colours), vmin=-0.5, vmax=4.5, edgecolors="white", linewidth=0.5)
-    rows, columns = np.nonzero(marks)
+    style: dict[str, Any] = {"vmin": -0.5, "vmax": 4.5, "edgecolors": "white", "linewidth": 0.5}
+    colours = ListedColormap([colour for colour, _ in SHADES])
+    axes.pcolormesh(shades.fillna(0).to_numpy(), cmap=colours, **style)
+    rows, columns = np.nonzero(marks == 0)
     axes.plot(columns + 0.5, rows + 0.5, ".", color=GREY, markersize=3)
     axes.invert_yaxis()
     axes.set_xticks(np.arange(len(cases)) + 0.5, cases, rotation=90)
     axes.set_yticks(np.arange(len(equations)) + 0.5, equations.index + "   " + equations)
     axes.tick_params(length=0, labelsize="x-small")
-    style: dict[str, Any] = {"edgecolor": DARK, "linewidth": 0.3}
-    handles = [Patch(facecolor=colour, label=text, **style) for colour, text in zip(colours, texts, strict=True)]
-    legend(figure, [*handles[::-1], dots("invisible", marker=".", color=GREY)], 3, "upper", wide=True)
+    handles = [Patch(facecolor=colour, label=text, edgecolor=DARK, linewidth=0.3) for colour, text in SHADES[::-1]]
+    legend(figure, [*handles, dots("invisible", marker=".", color=GREY)], 3, "upper", wide=True)
     return figure
 
 
@@ -882,12 +749,4 @@ def caption_faults(matrix: pd.DataFrame) -> str:
     """Return the caption of the matrix of faults."""
     by_fault = matrix[matrix["by_error"] != ""].groupby("fault")["case"].nunique()
     never = [fault for fault in matrix["fault"].unique() if fault not in by_fault]
-    fewest = by_fault.min()
-    told = f"errors notice every fault, in {fewest} cases or more" if fewest > 1 else "errors notice every fault"
-    if never:
-        told = f"errors notice all faults but {len(never)}: {', '.join(never)}"
-    return (
-        f"Deliberate faults of the program (rows, with the equation that they violate) and cases (columns). The shade "
-        "says which checks fail. A dot: the fault does not change the discrete solution of this case. "
-        f"What to see: {told}."
-    )
+    return caption("faults", never=never, fewest=by_fault.min())

@@ -12,31 +12,30 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
-from numpy.typing import NDArray
 
 from manufactured.colours import BLACK, BLUE, GREEN, GREY, PURPLE, SKY, VERMILLION
 from study.present.body import ROUND_OFF, ramp
-from study.present.drawing import RIM, SURFACE, caption, column_width, dots, entry, is_slide, legend
+from study.present.drawing import RIM, SURFACE, Style, caption, column_width, dots, entry, is_slide, legend
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment, misplaced_length
 
 ZONE_POINTS, ZONE_CUT = 401, 0.01
 """The number of positions along a face at which the exact zone is drawn, and the largest depth inside of it."""
 MAP_LEVELS = 10
 """The number of colours of a map."""
-HARMLESS = "where gap and pressure vanish to high order at a front, this hardly changes the error in the norm of V"
-"""Text for captions on why a misplaced front has little effect on the error."""
 LINES = ((BLACK, "o"), (GREEN, "s"), (PURPLE, "^"))
 """Colour and marker of the first, second and third contact face."""
-INSIDE: dict[str, Any] = {"color": BLUE, "mew": 0}
-STRAY: dict[str, Any] = {"color": BLUE, "mfc": "white", "mew": 0.5}
+INSIDE: Style = {"color": BLUE, "mew": 0}
+STRAY: Style = {"color": BLUE, "mfc": "white", "mew": 0.5}
 """The styles of nodes in contact inside the exact contact zone, and of nodes in contact outside of it."""
-FRONT: dict[str, Any] = {"color": VERMILLION, "lw": 1.0}
-NODES: dict[str, Any] = {"mfc": "white", "ms": 2.6}
+FRONT: Style = {"color": VERMILLION, "lw": 1.0}
+NODES: Style = {"mfc": "white", "ms": 2.6}
 """The style of computed values at nodes."""
+LABELS = {"gap": "gap $w$", "pressure": "pressure $p$"}
+COLOURS = {"gap": BLUE, "pressure": VERMILLION}
+"""The labels and colours of gap and pressure."""
 
 
 def draw_zone(picture: Picture) -> Figure:
@@ -48,22 +47,21 @@ def draw_zone(picture: Picture) -> Figure:
     count = len(picture.segments)
     figure = Figure(figsize=(column_width() + 0.8 * (count - 1), 3.2))
     *panels, last = figure.subplots(1, count + 1, sharey=True, width_ratios=(*[1] * count, 0.4))
-    for axes, face in zip(panels, picture.segments, strict=True):
+    handles = _zone_handles(picture)
+    for axes, face, (colour, marker) in zip(panels, picture.segments, cycle(LINES), strict=False):
+        name = f"${picture.symbol(face)}$"
         _draw_zone_of_face(axes, face, count)
-        axes.set_xlabel(rf"{'position $s$ along' if count < 3 else '$s$ on'} ${picture.symbol(face)}$")
-    errors: list[Line2D] = []
-    largest = 2.0
-    for face, (colour, marker) in zip(picture.segments, cycle(LINES), strict=False):
-        error = misplaced_length(face)
-        largest = max(largest, 1.05 * float(error.max()))
-        style: dict[str, Any] = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.7, "clip_on": False}
-        errors += last.plot(error, picture.times[1:], label=rf"fronts on ${picture.symbol(face)}$", **style)
+        axes.set_xlabel(f"position $s$ along {name}" if count < 3 else f"$s$ on {name}")
+        style: Style = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.7, "clip_on": False}
+        lines = last.plot(misplaced_length(face), picture.times[1:], label=f"fronts on {name}", **style)
+        handles += lines if count > 1 else []
+    largest = max(2.0, 1.05 * last.dataLim.xmax)
     last.set(xlim=(0, largest), xlabel="error in cells" if count == 1 else "error\nin cells")
     last.xaxis.set_major_locator(MaxNLocator(3, integer=True))
     last.grid(True)
     panels[0].set_ylabel(r"time $t$")
     figure.suptitle(f"{picture.heading}: contact zone")
-    legend(figure, [*_zone_handles(picture), *(errors if count > 1 else [])], columns=2 if count < 3 else 3)
+    legend(figure, handles, columns=2 if count < 3 else 3)
     return figure
 
 
@@ -94,47 +92,35 @@ def _zone_handles(picture: Picture) -> list[Artist]:
     return handles
 
 
-def _strays(picture: Picture) -> tuple[float, float]:
-    """Return the largest exact gap and computed pressure at nodes that are in contact outside the exact zone.
+def _strays(picture: Picture, name: str) -> float:
+    """Return the largest gap or pressure at nodes that are in contact outside the exact zone.
+
+    Parameters:
+        picture: the run.
+        name: "gap_exact" or "pressure".
 
     Returns:
-        The largest gap and the largest pressure at these nodes, in per cent of the largest value on all faces; 0 if
-        there are no such nodes.
+        The largest value at these nodes, in per cent of the largest value on all faces; 0 if there are no such nodes.
     """
-    where = [face.outside for face in picture.faces]
-    shares = []
-    for name in ("gap_exact", "pressure"):
-        values = [getattr(face, name) for face in picture.faces]
-        largest = max(float(each.max(initial=0.0)) for each in values) or 1.0
-        stray = max(float(each[nodes].max(initial=0.0)) for each, nodes in zip(values, where, strict=True))
-        shares.append(100 * stray / largest)
-    return shares[0], shares[1]
+    values = np.concatenate([getattr(face, name).ravel() for face in picture.faces])
+    strays = np.concatenate([face.outside.ravel() for face in picture.faces])
+    return 100 * float(values[strays].max(initial=0.0)) / (float(values.max(initial=0.0)) or 1.0)
 
 
 def _worst(picture: Picture, errors: Sequence[Array]) -> tuple[FaceHistory, float, str]:
     """Return the face with the largest error after t = 0, this error, and a text with the face and the time."""
-    face, worst = max(zip(picture.faces, errors, strict=True), key=lambda pair: float(pair[1].max()))
-    when = int(np.argmax(worst))
-    return face, float(worst[when]), f"on {picture.name(face)} at t = {picture.times[1:][when]:.3g}"
+    number = int(np.argmax([error.max() for error in errors]))
+    face, error = picture.faces[number], errors[number]
+    when = picture.times[1:][int(np.argmax(error))]
+    return face, float(error.max()), f"on {picture.name(face)} at t = {when:.3g}"
 
 
 def caption_zone(picture: Picture) -> str:
     """Return the caption of ``draw_zone``."""
     errors = [misplaced_length(face) for face in picture.segments]
     _, worst, where = _worst(picture, errors)
-    seen = "no node is ever on the wrong side"
-    if worst > 0:
-        seen = (
-            f"computed fronts are off by {np.mean(errors):.2g} cells on average and by {worst:.2g} at most, {where}, "
-            f"all fronts of a face added up; {HARMLESS}"
-        )
-    gap, pressure = _strays(picture)
-    if pressure:
-        seen += (
-            f"; hollow dots lie outside of it, where the exact gap is at most {gap:.2g} % and the computed pressure "
-            f"{pressure:.2g} % of the largest"
-        )
-    return caption("zone", picture=picture, seen=seen)
+    strays = {"gap": _strays(picture, "gap_exact"), "pressure": _strays(picture, "pressure")}
+    return caption("zone", picture=picture, mean=np.mean(errors), worst=worst, where=where, **strays)
 
 
 def draw_profiles(picture: Picture) -> Figure:
@@ -144,36 +130,32 @@ def draw_profiles(picture: Picture) -> Figure:
     values at the nodes. If there are several faces, a slide has a column for each face, at the time of the largest
     pressure.
     """
-    faces, heading = picture.segments, picture.heading
-    rows = [[(face, instant) for instant in picture.shown] for face in faces]
-    titles = [picture.clock(instant) for instant in picture.shown]
+    faces, shown, heading = picture.segments, picture.shown, picture.heading
+    titles = [picture.clock(instant) for instant in shown]
+    rows = [[(face, instant) for instant in shown] for face in faces]
     if is_slide() and len(faces) > 1:
-        highest = [max(float(face.pressure[instant].max()) for face in faces) for instant in picture.shown]
-        loudest = picture.shown[int(np.argmax(highest))]
-        rows = [[(face, loudest) for face in faces]]
+        loudest = max(shown, key=lambda instant: max(face.pressure[instant].max() for face in faces))
         titles = [f"${picture.symbol(face)}$" for face in faces]
-        heading += f", {picture.clock(loudest)}"
+        rows, heading = [[(face, loudest) for face in faces]], f"{heading}, {picture.clock(loudest)}"
     figure = Figure(figsize=(column_width(), 0.9 + 2.2 * len(rows)))
     panels = figure.subplots(2 * len(rows), len(titles), sharey="row", squeeze=False)
-    for row, gaps, pressures in zip(rows, panels[::2], panels[1::2], strict=True):
-        for (face, instant), gap, pressure in zip(row, gaps, pressures, strict=True):
-            draw_profile(gap, face, face.line_gap[instant], face.gap[instant], BLUE)
-            draw_profile(pressure, face, face.line_pressure[instant], face.pressure[instant], VERMILLION)
-            gap.tick_params(labelbottom=False)
-            pressure.set_xlabel(rf"$s$ on ${picture.symbol(face)}$")
-        for axes, label in ((gaps[0], "gap $w$"), (pressures[0], "pressure $p$")):
+    for number, row in enumerate(rows):
+        for (name, colour), line in zip(COLOURS.items(), panels[2 * number :], strict=False):
+            for (face, instant), axes in zip(row, line, strict=True):
+                exact, computed = getattr(face, f"line_{name}")[instant], getattr(face, name)[instant]
+                draw_profile(axes, face, exact, computed, colour)
+                axes.tick_params(labelbottom=name == "pressure")
+                axes.set_xlabel(rf"$s$ on ${picture.symbol(face)}$" if name == "pressure" else "")
             # The axis includes zero, so that round-off around a constant does not fill the panel.
-            low, high = axes.get_ylim()
+            low, high = line[0].get_ylim()
             high = high if high > ROUND_OFF else 1.0
-            axes.set(ylim=(min(low, -0.06 * high), high), ylabel=label)
+            line[0].set(ylim=(min(low, -0.06 * high), high), ylabel=LABELS[name])
     for axes, title in zip(panels[0], titles, strict=True):
         axes.set_title(title)
     figure.align_ylabels(panels[:, 0])
     figure.suptitle(heading)
-    computed = [
-        dots(f"computed {name}", color=colour, **NODES) for name, colour in (("gap", BLUE), ("pressure", VERMILLION))
-    ]
-    legend(figure, [entry("exact", color=BLACK, lw=0.9), *computed], columns=3, wide=True)
+    markers = [dots(f"computed {name}", color=colour, **NODES) for name, colour in COLOURS.items()]
+    legend(figure, [entry("exact", color=BLACK, lw=0.9), *markers], columns=3, wide=True)
     return figure
 
 
@@ -197,11 +179,12 @@ def _largest_differences(picture: Picture) -> dict[str, str]:
     exact value, unless this value is zero up to rounding.
     """
     texts = {}
-    for name in ("gap", "pressure"):
-        computed = [getattr(face, name)[picture.shown] for face in picture.faces]
-        exact = [getattr(face, f"{name}_exact")[picture.shown] for face in picture.faces]
-        difference = max(float(abs(a - b).max()) for a, b in zip(computed, exact, strict=True))
-        size = max(float(abs(values).max()) for values in exact)
+    for name in LABELS:
+        computed, exact = (
+            np.concatenate([getattr(face, attribute)[picture.shown].ravel() for face in picture.faces])
+            for attribute in (name, f"{name}_exact")
+        )
+        difference, size = float(abs(computed - exact).max()), float(abs(exact).max())
         relative = f"{100 * difference / size:.2g} % of the largest" if size > ROUND_OFF else ""
         texts[name] = relative or f"{difference:.1e}, the largest being 0"
     return texts
@@ -221,9 +204,8 @@ def draw_fronts(picture: Picture) -> Figure:
     panels = grid[0].subgridspec(rows, len(picture.shown)).subplots(sharex="row", sharey="row", squeeze=False)
     counts = figure.add_subplot(grid[1])
     for face, row, (colour, marker) in zip(picture.polygons, panels, cycle(LINES), strict=False):
-        strays = face.outside
         for axes, instant in zip(row, picture.shown, strict=True):
-            _draw_zone_map(axes, face, instant, strays[instant])
+            _draw_zone_map(axes, face, instant)
         times, label = picture.times[1:], f"${picture.symbol(face)}$"
         counts.plot(times, face.inside.sum(axis=1)[1:], color=colour, lw=0.8)
         counts.plot(times, face.touching.sum(axis=1)[1:], marker, color=colour, mfc="white", ms=2.6, label=label)
@@ -243,13 +225,8 @@ def caption_fronts(picture: Picture) -> str:
     # Nodes in contact outside the exact zone, and nodes in the exact zone that are not in contact.
     wrong = [(face.touching != face.inside)[1:].sum(axis=1) for face in picture.polygons]
     face, worst, where = _worst(picture, wrong)
-    seen = f"none of the {sum(len(face.nodes) for face in picture.polygons)} nodes is ever on the wrong side"
-    if worst > 0:
-        seen = (
-            f"{np.mean(wrong):.2g} nodes of a face are on the wrong side of the front on average and {worst:.0f} of "
-            f"{face.x.shape[1]} at most, {where}; {HARMLESS}"
-        )
-    return caption("fronts", picture=picture, seen=seen)
+    counts = {"nodes": face.x.shape[1], "all_nodes": sum(len(face.nodes) for face in picture.polygons)}
+    return caption("fronts", picture=picture, mean=np.mean(wrong), worst=int(worst), where=where, **counts)
 
 
 def draw_maps(picture: Picture) -> Figure:
@@ -259,18 +236,16 @@ def draw_maps(picture: Picture) -> Figure:
 
     Surfaces show exact values, dots show computed values at the nodes, in the same colours.
     """
-    instants, rows = picture.shown, 2 * len(picture.polygons)
-    figure = Figure(figsize=(column_width(), 0.7 + 1.05 * rows))
-    panels = figure.subplots(rows, len(instants), sharex="row", sharey="row", squeeze=False)
-    quantities = ("gap", "gap $w$"), ("pressure", "pressure $p$")
-    faces = [(face, quantity) for face in picture.polygons for quantity in quantities]
-    for row, (face, (name, label)) in zip(panels, faces, strict=True):
+    shown, faces = picture.shown, [(face, name) for face in picture.polygons for name in LABELS]
+    figure = Figure(figsize=(column_width(), 0.7 + 1.05 * len(faces)))
+    panels = figure.subplots(len(faces), len(shown), sharex="row", sharey="row", squeeze=False)
+    for row, (face, name) in zip(panels, faces, strict=True):
         exact, computed = getattr(face, f"{name}_exact"), getattr(face, name)
-        top = float(max(exact[instants].max(), computed[instants].max())) or 1.0
-        for axes, instant in zip(row, instants, strict=True):
+        top = float(max(exact[shown].max(), computed[shown].max())) or 1.0
+        for axes, instant in zip(row, shown, strict=True):
             draw_map(axes, face, instant, name, top)
         bar = figure.colorbar(row[-1].collections[0], ax=list(row), fraction=0.05, ticks=[0, top], format="%.3g")
-        bar.set_label(label)
+        bar.set_label(LABELS[name])
     _label_maps(panels, picture, [face for face, _ in faces])
     figure.suptitle(picture.heading)
     marks = dots("computed", mfc="white", mec=RIM, mew=0.4, ms=2.6)
@@ -304,9 +279,9 @@ def draw_map(axes: Axes, face: Polygon, instant: int, name: str, top: float) -> 
     _draw_front(axes, face, face.level[instant])
 
 
-def _draw_zone_map(axes: Axes, face: Polygon, instant: int, stray: NDArray[np.bool_]) -> None:
-    """Draw the map of the exact contact zone on a face in 3D, and the nodes in contact; ``stray`` are those outside."""
-    level = face.level[instant]
+def _draw_zone_map(axes: Axes, face: Polygon, instant: int) -> None:
+    """Draw the map of the exact contact zone on a face in 3D, and the nodes in contact."""
+    level, stray = face.level[instant], face.outside[instant]
     if level.max() >= 0:
         axes.tricontourf(_refined(face), level, [0, level.max() + 1], colors=[SKY], alpha=0.45)
     for nodes, style in ((face.touching[instant] & ~stray, INSIDE), (stray, STRAY)):
@@ -345,22 +320,20 @@ def draw_energy(picture: Picture) -> Figure:
     """
     energy = picture.energy
     figure = Figure(figsize=(column_width(), 3.4))
-    above, below = figure.subplots(2, sharex=True, height_ratios=(3, 1))
-    handles = [
-        *above.plot(energy.times, energy.work, color=BLACK, label=r"work of the load"),
-        *above.plot(energy.times, energy.dissipated, color=VERMILLION, label=r"dissipated by $\mathcal{A}$"),
-        *above.plot(energy.times, energy.stored - energy.stored[0], color=BLUE, label=r"stored in $\mathcal{G}$"),
-        *above.plot(energy.times, energy.contact, color=GREEN, ls="--", label="work of contact"),
-    ]
-    below.plot(energy.times, 100 * energy.defect / energy.largest, color=GREY)
-    below.axhline(0, color=BLACK, lw=0.4)
-    for axes in (above, below):
+    terms, defect = figure.subplots(2, sharex=True, height_ratios=(3, 1))
+    terms.plot(energy.times, energy.work, color=BLACK, label=r"work of the load")
+    terms.plot(energy.times, energy.dissipated, color=VERMILLION, label=r"dissipated by $\mathcal{A}$")
+    terms.plot(energy.times, energy.stored - energy.stored[0], color=BLUE, label=r"stored in $\mathcal{G}$")
+    terms.plot(energy.times, energy.contact, color=GREEN, ls="--", label="work of contact")
+    defect.plot(energy.times, 100 * energy.defect / energy.largest, color=GREY)
+    defect.axhline(0, color=BLACK, lw=0.4)
+    for axes in (terms, defect):
         axes.grid(True)
-    above.set_ylabel("energy since $t=0$")
-    below.set(xlabel="time $t$", ylabel="defect in %", xlim=(energy.times[0], energy.times[-1]))
+    terms.set_ylabel("energy since $t=0$")
+    defect.set(xlabel="time $t$", ylabel="defect in %", xlim=(energy.times[0], energy.times[-1]))
     figure.align_ylabels()
     figure.suptitle(picture.heading)
-    legend(figure, handles, columns=2)
+    legend(figure, terms.get_lines(), columns=2)
     return figure
 
 
@@ -368,19 +341,10 @@ def caption_energy(picture: Picture) -> str:
     """Return the caption of ``draw_energy``."""
     energy, scale = picture.energy, picture.energy.largest
     worst = int(np.argmax(abs(energy.defect)))
-    stored, of_contact = (
-        # Smaller values are round-off.
-        f"{value:.3g}" if abs(value) > 1e-12 * scale else "0"
-        for value in (energy.stored[-1] - energy.stored[0], energy.contact[-1])
-    )
-    return caption(
-        "energy",
-        picture=picture,
-        end=energy.times[-1],
-        work=energy.work[-1],
-        dissipated=energy.dissipated[-1],
-        stored=stored,
-        contact=of_contact,
-        defect=100 * abs(energy.defect[worst]) / scale,
-        worst=energy.times[worst],
-    )
+    ends = {name: getattr(energy, name)[-1] for name in ("work", "dissipated", "stored", "contact")}
+    ends["stored"] -= energy.stored[0]
+    for name in ("stored", "contact"):
+        if abs(ends[name]) <= 1e-12 * scale:
+            ends[name] = 0.0  # It is round-off.
+    defect = 100 * abs(energy.defect[worst]) / scale
+    return caption("energy", picture=picture, defect=defect, worst=energy.times[worst], end=energy.times[-1], **ends)

@@ -21,6 +21,7 @@ from manufactured.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, 
 from study.ledger.datafiles import DataError
 from study.ledger.files import UsageError, write_text, write_whole
 from study.present.notation import read_page
+from study.present.templates import ENVIRONMENT
 
 OUTLINE, RIM, SURFACE = "0.35", "0.4", "0.6"
 FOUNDATION, FOUNDATION_EDGE, TRIANGLE = "0.82", "0.25", "0.93"
@@ -50,7 +51,7 @@ STYLES = Path(__file__).parent
 
 ``style.mplstyle`` is for all figures; a file ``USE.mplstyle`` has entries that replace some of them for one use."""
 CAPTIONS: dict[str, str] = read_page("captions")
-"""Name of a caption ↦ its text, with names of values in braces."""
+"""Name of a caption ↦ its template."""
 SEEN = "What to see: "
 """The words in a caption that are followed by the main point of the figure."""
 SHEET = 6
@@ -272,8 +273,8 @@ def _save(figure: Figure, drawing: Drawing, suffix: str, path: Path) -> None:
 
 
 def caption(name: str, /, **values: object) -> str:
-    """Return the text of ``page/captions.toml`` with this name, with values in place of the names in braces."""
-    return CAPTIONS[name].format(**values)
+    """Return the text that the template of ``page/captions.toml`` with this name makes from values."""
+    return ENVIRONMENT.from_string(CAPTIONS[name]).render(values)
 
 
 def caption_text(drawing: Drawing) -> str:

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from study.ledger.codes import Codes
-from study.ledger.datafiles import expected_orders, read_csv, read_rates, read_table
+from study.ledger.datafiles import expected_orders, read_csv, read_rates
 from study.ledger.files import UsageError
 from study.present import body, charts, contact, problem
 from study.present.drawing import SHEET, Drawing
@@ -68,11 +68,6 @@ FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., str], str]] = {
         charts.draw_codes,
         charts.caption_codes,
         "order in V and distance from the right solution against the error of the pressure, for all contact codes",
-    ),
-    "growth": (
-        charts.draw_growth,
-        charts.caption_growth,
-        "seconds and memory per unknown against the number of unknowns, all logarithmic",
     ),
     "faults": (charts.draw_faults, charts.caption_faults, "The matrix of deliberate faults"),
     "body": (body.draw_body, body.caption_body, "The deformed body on its foundation, with stresses and contact"),
@@ -159,8 +154,7 @@ def overview(directory: Path) -> list[Drawing]:
 
     The figures are ``problem``, a sketch; ``collapsed``, ``orders`` and ``convergence`` for the cases of Prop. 5.4 and
     ``convergence-prop-5-3`` for the cases of Prop. 5.3; ``contact-work`` and ``rollers`` if they were measured;
-    ``effectivity`` from ``bounds.csv``; ``growth`` from ``benchmarks/growth.csv`` and ``codes`` from ``codes/``, if
-    these exist.
+    ``effectivity`` from ``bounds.csv``; ``codes`` from ``codes/``, if it exists.
 
     Raises:
         DataError: a data file is missing or damaged.
@@ -186,10 +180,6 @@ def overview(directory: Path) -> list[Drawing]:
         columns = ("label", "case", "family", "level", "h", "quantity", "value")
         statements = read_csv(directory, "statements.csv", columns)
         tables |= {"contact-work": charts.work_rows(statements), "rollers": charts.roller_rows(statements)}
-    path = directory / "benchmarks" / "growth.csv"
-    if path.is_file():
-        needed = ["n", "dofs", "factor_seconds", "step_seconds", "level_seconds", "peak_bytes", "dim", "solver"]
-        tables["growth"] = read_table(path, needed, "make bench-growth").dropna(subset=needed)
     bounds = read_csv(directory, "bounds.csv", ("case", "scheme", "trajectory", "level", "upper", "lower"))
     tables["effectivity"] = bounds[bounds["upper"].notna()]
     if (data / "faults.csv").is_file():

@@ -10,7 +10,7 @@ import tomllib
 import unicodedata
 from collections.abc import Iterable, Sequence
 from functools import cache
-from itertools import groupby
+from itertools import accumulate, groupby
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
@@ -41,57 +41,48 @@ _PROSE: dict[str, str] = _LATEX["prose"]
 # Γ3,i, L∞ and e∞ have no script marks in plain text but scripts in a formula.
 _LITERAL = re.compile(r"Γ\d(?:,\w)?|L∞|\be∞")
 _LITERALS = {"Γ": "Γ_{{{}}}", "L": "L^{}", "e": "e_{}"}
-_SCRIPT = re.compile(r"(?:^|[^A-Za-z])(?:[A-Za-z]|max|min|sup|inf|lim)[\^_]|\d\^|[)\]}][\^_]|^O\(|^[=<>]$")
-_SHORT = re.compile(r"(?:\(?[B-HJ-Zb-z]\)?|[+/|]|\(?[-+]?[\d./]+\)?|[A-Z]?\([^()]*\))[,;]?")
+_SCRIPT = re.compile(
+    r"(?:^|[^A-Za-z])(?:[A-Za-z][\u0300-\u036f]?|max|min|sup|inf|lim)[\^_]|\d\^|[)\]}][\^_]|^O\(|^[=<>]$|^\[-?[\d.]|^-[\d.]+[,;]?$"
+)
+_SHORT = re.compile(r"(?:\(?[B-HJ-Zb-z][)\]]?|[+/|]|\(?[-+]?[\d./]+[)\]]?|[A-Z]?\((?!.*[a-z]{2})[^()]*\))[,;]?")
 _TAIL = re.compile(r"[.,;:]+$")
-_NUMBER = re.compile(r"(-?[\d.]+)(?:e([+-]\d+))?|(-?)inf")
+_NUMBER = re.compile(r"(-?)(?:[\d.]+|(inf))")
 # The subscript of u_lin is a word; elsewhere a script without braces is one character, as in P_hu.
 _TOKEN = re.compile(r"[\^_]\{(?:[^{}]|\{[^{}]*\})*\}|_lin\b|[\^_].|[A-Za-z]{2,}|.", re.DOTALL)
 
-_SPELLINGS = {"u̇(t)": "u̇", "~": "∼", "ᵀ": "^{T}", "𝓛": "L", "½": "^{1/2}", "Nv": "N v", "(Nv)": "(N v)"}
-_EXPONENT = re.compile(r"\^(\d+(?:\.\d+)?)")
-_LETTER = re.compile(r"(?:[|(]*[A-HJ-Zb-z]|[|(]+a)(?:[(|);,:]+[A-Za-z0-9.]*)*|a[)|]+[;,]?|[|+/=a]|[0-9.]+")
+_SPELLINGS = {"u̇(t)": "u̇", "~": "∼", "ᵀ": "^{T}", "𝓛": "L", "½": "^{1/2}", "Nv": "N v"}
+_PATTERNS = {
+    re.compile(r"\^(\d+(?:\.\d+)?)"): r"^{\1}",
+    re.compile(r"(?<![\d.])1e(?:\+|(-))0*(\d+)"): r"10^{\1\2}",
+    re.compile(r"(\d)e(?:\+|(-))0*(\d+)"): r"\1·10^{\2\3}",
+}
+"""Numbers in superscripts, powers of ten and their multiples, and how they are written with braces."""
+_RANGE = re.compile(r"-?[\d.]+–-?[\d.]+")
+_LETTER = re.compile(r"(?:[|(]*[A-HJ-Zb-z]|[|(]+a)(?:[(|);,:]+[A-Za-z0-9.]*)*|a[)|]+[;,]?")
 _TWO = re.compile(r"[a-z]{2}")
-_WORD_OR_FORMULA = re.compile(r"\\\(.*?\\\)\S*|\S+")
 
 
 @cache
 def encode(text: str) -> str:
-    """Return a line of plain Unicode text as LaTeX, with formulas where the text has mathematical words.
+    """Return a line of plain Unicode text as LaTeX, with formulas where the text has mathematical words or letters.
 
     Results are cached, because the columns of tables repeat few texts.
     """
-    number = _NUMBER.fullmatch(text)
-    if number:
-        mantissa, exponent, sign_of_infinity = number.groups()
-        if mantissa is None:
-            return rf"\({sign_of_infinity}\infty\)"
-        if exponent is not None:
-            return rf"\({mantissa}\cdot 10^{{{int(exponent)}}}\)"
-        return rf"\({mantissa}\)" if mantissa.startswith("-") else mantissa
-    if len(text) == 1 and text.isalpha():
-        return rf"\({_formula(text)}\)"
-    words = _LITERAL.sub(lambda match: _LITERALS[match.group()[0]].format(match.group()[1:]), text).split(" ")
-    runs = groupby(zip(words, _kinds(words), strict=True), key=itemgetter(1))
-    return " ".join(
-        _run([word for word, _ in run]) if mathematical else " ".join(prose(word) for word, _ in run)
-        for mathematical, run in runs
-    )
-
-
-def encode_letters(text: str) -> str:
-    """Return a line of plain Unicode text as LaTeX, like ``encode``, but with single letters as formulas, too."""
-    for sign, plain in _SPELLINGS.items():
-        text = text.replace(sign, plain)
-    found = _WORD_OR_FORMULA.findall(encode(_EXPONENT.sub(r"^{\1}", text)))
-    words = [rf"\({word}\)" if _LETTER.fullmatch(word) else word for word in found]
-    for i, word in enumerate(words):
-        inner = word.removeprefix(r"\(").removesuffix(r"\)")
-        between = 0 < i < len(words) - 1 and words[i - 1].endswith(r"\)") and words[i + 1].startswith(r"\(")
-        # A sign, a number or the letter a stays prose unless it is between two formulas.
-        if re.fullmatch(r"[|+/=a]|[0-9.]+", inner) and not between:
-            words[i] = inner
-    return " ".join(words).replace(r"\) \(", " ")
+    if _RANGE.fullmatch(text):
+        return "--".join(map(encode, text.split("–")))
+    if number := _NUMBER.fullmatch(text):
+        sign, infinity = number.groups()
+        return rf"\({sign}\infty\)" if infinity else rf"\({text}\)" if sign else text
+    for spelling, usual in _SPELLINGS.items():
+        text = text.replace(spelling, usual)
+    for pattern, braced in _PATTERNS.items():
+        text = pattern.sub(braced, text)
+    words = _LITERAL.sub(lambda match: _LITERALS[match[0][0]].format(match[0][1:]), text).split(" ")
+    parts, marked = [], zip(_kinds(words), _clauses(words), words, strict=True)
+    for (mathematical, _), run in groupby(marked, key=itemgetter(0, 1)):
+        text = " ".join(word for *_, word in run)
+        parts.append(_run(text) if mathematical else prose(text))
+    return " ".join(parts)
 
 
 def prose(text: str) -> str:
@@ -122,27 +113,6 @@ def tabular(headings: Sequence[str], alignment: str, rows: Iterable[Sequence[str
     return "\n".join([*lines, *map(_row, rows), r"\bottomrule", r"\end{tabular}", ""])
 
 
-def longtable(headings: Sequence[str], alignment: Sequence[str], groups: Sequence[tuple[str, list[list[str]]]]) -> str:
-    """Return a LaTeX table that may fill several pages; it needs the packages array, booktabs and longtable.
-
-    Parameters:
-        headings: the headings of the columns, in LaTeX.
-        alignment: the alignment of each column.
-        groups: titles and rows of groups, in LaTeX. A title is a line above the group, unless it is empty.
-    """
-    lines = ["% \\input this fragment; it needs the packages array, booktabs and longtable."]
-    lines += [rf"\begin{{longtable}}[l]{{@{{}}{''.join(alignment)}@{{}}}}", r"\toprule", _row(headings), r"\midrule"]
-    lines += [r"\endhead", r"\bottomrule", r"\endfoot"]
-    for i, (title, rows) in enumerate(groups):
-        # The star keeps LaTeX from breaking the page between a title and its first row.
-        lines += [r"\addlinespace"] if i and title else []
-        # A title folds at the line width but must not widen the columns below it.
-        box = rf"\makebox[0pt][l]{{\parbox[t]{{\linewidth}}{{\raggedright {title}\strut}}}}"
-        lines += [rf"\multicolumn{{{len(headings)}}}{{@{{}}l@{{}}}}{{{box}}} \\*"] if title else []
-        lines += map(_row, rows)
-    return "\n".join([*lines, r"\end{longtable}", ""])
-
-
 def _row(cells: Sequence[str]) -> str:
     return " & ".join(cells) + r" \\"
 
@@ -156,21 +126,27 @@ def _kinds(words: Sequence[str]) -> list[bool]:
     for word in words:
         marked = any(c in _RAISED or c in _LOWERED or c in _COMMANDS for c in word) or bool(_SCRIPT.search(word))
         dotted = any(c in "\u0307\u0303" for c in unicodedata.normalize("NFD", word))
-        kinds.append(marked or (dotted and len(_TAIL.sub("", word)) <= 3))
+        few_letters = len(_TAIL.sub("", word)) <= 3
+        kinds.append(marked or (dotted and few_letters) or bool(_LETTER.fullmatch(word)))
     short = [bool(_SHORT.fullmatch(word)) for word in words]
     for i in range(1, len(words)):
-        kinds[i] |= short[i] and kinds[i - 1] and not _TAIL.search(words[i - 1])
+        before = words[i - 1]
+        kinds[i] |= short[i] and kinds[i - 1] and (before.startswith("[") or not _TAIL.search(before))
     for i in reversed(range(len(words) - 1)):
-        kinds[i] |= short[i] and kinds[i + 1]
+        kinds[i] |= short[i] and kinds[i + 1] and not words[i].endswith((";", ":"))
     return kinds
 
 
-def _run(words: Sequence[str]) -> str:
+def _clauses(words: Sequence[str]) -> list[int]:
+    """Return the number of the clause of each word; a semicolon or a colon outside of parentheses ends a clause."""
+    ends = [word.endswith((";", ":")) and word.count("(") == word.count(")") for word in words]
+    return list(accumulate(ends[:-1], initial=0))
+
+
+def _run(text: str) -> str:
     """Return words of mathematics as one formula, with the final punctuation outside."""
-    text = " ".join(words)
     tail = _TAIL.search(text)
-    body = text[: tail.start()] if tail else text
-    return rf"\({_formula(body)}\)" + (tail.group() if tail else "")
+    return rf"\({_formula(text[: tail.start()])}\){tail[0]}" if tail else rf"\({_formula(text)}\)"
 
 
 def _formula(text: str) -> str:
@@ -216,7 +192,7 @@ def _joined(atoms: list[str]) -> str:
             merged.append(atom)
     text = ""
     for atom in merged:
-        text += " " if re.search(r"\\[A-Za-z]+$", text) and atom[:1].isalpha() else ""
+        text += " " if re.search(r"\\[A-Za-z]+$", text) and atom[:1].isalnum() else ""
         text += atom
     return re.sub(r" +", " ", text).strip()
 

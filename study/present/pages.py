@@ -7,6 +7,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cached_property
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -16,15 +17,13 @@ import pandas as pd
 from manufactured.colours import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.fem.mesh import FAMILIES
 from study.ledger.codes import MADE, Codes
-from study.ledger.datafiles import DataError, by_claim, count_kinds, count_verdicts
-from study.ledger.faults import in_words
+from study.ledger.datafiles import DataError, by_claim, count_verdicts
 from study.ledger.faults import missed as missed_faults
 from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.schema import TABLES as SCHEMA
 from study.ledger.schema import markdown as described
-from study.ledger.seeds import LARGEST_RATE, seeds_needed
-from study.ledger.text import above, below, cell, up
+from study.ledger.text import cell
 from study.ledger.verdict import (
     FAILS,
     HOLDS,
@@ -35,24 +34,20 @@ from study.ledger.verdict import (
     CheckKind,
     is_of_the_paper,
 )
-from study.present.article import joined, numbers, of_checks, two_digits_up, without_5_36
+from study.present.article import contact_codes, slips, texts
 from study.present.drawing import caption_text, in_style
 from study.present.figures import drawings
-from study.present.full_run import FullRun
 from study.present.notation import counted, read_page, typeset
 from study.present.picture import Picture, picture_path, read_record
-from study.present.report import PAGES
 from study.present.show import write_gif
-from study.present.tables import texts
+from study.present.templates import ENVIRONMENT, MISPRINTS, FullRun, context, render
 
 BY_TABLES, BY_FIGURES, BY_PAGES = "study tables --out {}", "study figures --out {}", "make pages"
 """The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
 FILM, FILM_DPI, FILM_COLOURS = "hexagon", 66, 32
 """The case that the animation at the top of the README shows, its dots per inch, and the number of its colours."""
 TEXTS = read_page("results")
-"""Texts about the results, with names of values in braces."""
-MISPRINTS = "slips"
-"""The label of the checks that list misprints."""
+"""Texts about the results, which are templates."""
 CLAIMED = (FAILS, UNDECIDED, HOLDS)
 """Verdicts on claims, from worst to best."""
 PLURAL = {HOLDS: "hold", FAILS: "fail"}
@@ -115,16 +110,16 @@ def expected_texts(directory: Path) -> dict[Path, tuple[str, str]]:
     Raises:
         DataError: a data file is missing or damaged.
     """
-    found = {path: (text, BY_TABLES) for path, text in texts(directory).items()}
+    expected = {path: (text, BY_TABLES) for path, text in texts(directory).items()}
     for drawing in drawings(directory):
-        found[directory / "figures" / f"{drawing.name}.txt"] = caption_text(drawing), BY_FIGURES
+        expected[directory / "figures" / f"{drawing.name}.txt"] = caption_text(drawing), BY_FIGURES
     data, root = FullRun.read(directory), directory.resolve().parent
     if data and (root / "pyproject.toml").is_file():
         for name, badge in badges(data, root / "pyproject.toml").items():
-            found[directory / "badges" / name] = badge, BY_PAGES
+            expected[directory / "badges" / name] = badge, BY_PAGES
         if (root / "README.md").is_file():
-            found[root / "README.md"] = refreshed(root / "README.md", data), BY_PAGES
-    return {path: (text, made_by.format(directory)) for path, (text, made_by) in found.items() if path.is_file()}
+            expected[root / "README.md"] = refreshed(root / "README.md", data), BY_PAGES
+    return {path: (text, made_by.format(directory)) for path, (text, made_by) in expected.items() if path.is_file()}
 
 
 def put(text: str, name: str, table: str) -> str:
@@ -150,121 +145,95 @@ def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 # Answer and results: claim, prediction, observation, verdict
 
 
+class Sentences:
+    """The sentences about the results of a full run, with its numbers.
+
+    Parameters:
+        data: the data of the run.
+    """
+
+    def __init__(self, data: FullRun) -> None:
+        self.data = data
+
+    @cached_property
+    def values(self) -> dict[str, Any]:
+        """The names that the templates of the sentences use: those of ``context``, and further ones."""
+        data, claims = self.data, self.data.claims
+        of_rough, own = data.checks("Prop. 5.3", "order"), data.checks("Thm 4.2, own space", "order-stress")
+        predicted = of_rough["case"].map(data.cases["expected_order"])
+        is_smooth = own["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
+        unclaimed = claims[claims["verdict"].isin(UNCLAIMED)]
+        failing = count_verdicts(claims[claims["label"].map(is_of_the_paper)])[FAILS]
+        return context(data) | {
+            "verdicts_in_words": verdicts_in_words,
+            "contradict": f"{failing} of its checks contradict" if failing else "none of its checks contradicts",
+            "predictions": unclaimed[unclaimed["expected"].str.startswith("predicted ")],
+            "misprints": slips(data),
+            "predicted": predicted,
+            "difference": (of_rough["observed"] - predicted).abs().max(),
+            "steps": data.rates.loc[data.rates["claim"] == "Prop. 5.3", "order"].dropna(),
+            "own_smooth": own[is_smooth],
+            "own_others": own[~is_smooth],
+        }
+
+    def text(self, template: str) -> str:
+        """Return a sentence with its numbers, in plain text."""
+        return ENVIRONMENT.from_string(template).render(self.values)
+
+    def lines(self, names: Iterable[str]) -> dict[str, list[str]]:
+        """Return name ↦ claim, prediction, observation and verdict for lines of the tables of results."""
+        lines = {}
+        for name in names:
+            line = TEXTS["lines"][name]
+            counts = line.get("label"), line.get("keys", ()), line.get("noun", "checks")
+            verdict = self.text(line["verdict"]) if "verdict" in line else _verdict(self.data.claims, *counts)
+            lines[name] = [*(self.text(line[part]) for part in ("claim", "predicted", "observed")), verdict]
+        return lines
+
+
 def answer(data: FullRun) -> str:
     """Return the claims of the paper, the tests and their result in a few sentences, in Markdown.
 
     The page that shows the sentences defines the targets of the links [problem], [faults], [ledger], [results],
     [misprints] and [bounds].
     """
-    values = _values(data)
-    return "".join(f"- **{lead}.** {_literal(text.format_map(values))}\n" for lead, text in TEXTS["answer"].items())
+    sentences = Sentences(data)
+    return "".join(f"- **{lead}.** {_literal(sentences.text(text))}\n" for lead, text in TEXTS["answer"].items())
 
 
 def short(data: FullRun) -> str:
     """Return the main result in one sentence, in Markdown."""
-    failing = count_verdicts(data.claims[data.claims["label"].map(is_of_the_paper)])[FAILS]
-    contradict = f"{failing} of its checks contradict" if failing else "none of its checks contradicts"
-    return str(TEXTS["short"]).format_map({"contradict": contradict} | numbers(data)) + "\n"
+    return Sentences(data).text(TEXTS["short"]) + "\n"
 
 
 def headline(data: FullRun) -> str:
     """Return the main results with links to the code behind them, in Markdown; DataError if checks are missing."""
     files = {"smooth": "prop_5_4", "rough": "prop_5_3", "own_space": "thm_4_2_own_space", "bound": "enclosure"}
     lines = []
-    for name, (claim, _, observed, verdict) in _result_lines(data, files).items():
+    for name, (claim, _, observed, verdict) in Sentences(data).lines(files).items():
         lines.append([_literal(claim), _literal(observed), verdict, f"[code](study/statements/{files[name]}.py)"])
     return markdown(["claim", "observed", "verdict", "source"], lines)
 
 
 def results(data: FullRun) -> str:
     """Return the table of results in Markdown: claims, predictions, observations rounded outwards, and verdicts."""
-    lines = _result_lines(data, TEXTS["lines"]).values()
-    return markdown(["claim", "predicted", "observed", "verdict"], [list(map(_literal, line)) for line in lines])
+    lines = Sentences(data).lines(TEXTS["lines"]).values()
+    return _table(["claim", "predicted", "observed", "verdict"], lines)
 
 
-def _result_lines(data: FullRun, names: Iterable[str]) -> dict[str, list[str]]:
-    """Return name ↦ claim, prediction, observation and verdict for lines of the tables of results."""
-    values, found = _values(data), {}
-    for name in names:
-        line = TEXTS["lines"][name]
-        texts = [line[part].format_map(values) for part in ("claim", "predicted", "observed")]
-        counts = () if "verdict" in line else (line["label"], line.get("keys", ()), line.get("noun", "checks"))
-        found[name] = [*texts, _verdict(data, *counts) if counts else line["verdict"].format_map(values)]
-    return found
-
-
-def _values(data: FullRun) -> dict[str, Any]:
-    """Return the values in the texts: the numbers in the papers, and further ones, which only the pages have."""
-    of_data = (make(data) for make in (numbers, _counts, _convergence, _beyond, _alarms))
-    return joined(of_checks(data, "pages"), *of_data)
-
-
-def _counts(data: FullRun) -> dict[str, Any]:
-    """Return the numbers of checks and predictions in the texts that say what was tested."""
-    unclaimed = data.claims.loc[data.claims["verdict"].isin(UNCLAIMED), "expected"]
-    return {
-        **{f"kind_{name}": count for name, count in count_kinds(data.claims).items()},
-        "holding": verdicts_in_words(data.claims, "checks").partition("; ")[0].capitalize(),
-        "predictions": unclaimed.str.startswith("predicted ").sum(),
-        "misprints": (data.claims["label"] == MISPRINTS).sum(),
-    }
-
-
-def _convergence(data: FullRun) -> dict[str, Any]:
-    """Return further values in the texts on Proposition 5.3, and on Theorem 4.2 without and with its own space."""
-    rough, measured = data.rows("Prop. 5.3", "order"), data.rows("Thm 4.2, own space", "order-stress")
-    predicted = data.cases.loc[rough["case"], "expected_order"].to_numpy()
-    steps = data.rates.loc[data.rates["claim"] == "Prop. 5.3", "order"].dropna()
-    meets = measured["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
-    others = measured[~meets]
-    return {
-        "predicted": f"{predicted.min():.3g} to {predicted.max():.3g}",
-        "difference": above((rough["observed"] - predicted).abs().max(), 2),
-        "steps": f"{below(steps.min(), 2)} to {above(steps.max(), 2)}",
-        "limit_window": 100 * data.rows("Prop. 5.3", "limit")["window_high"].max(),
-        **{name: two_digits_up(data.equivalence[name].max()) for name in ("stress_bound", "stress_gap")},
-        "own_smooth_cases": counted(measured.loc[meets, "case"].nunique(), "smooth case"),
-        "own_smooth": _range(measured[meets]),
-        "own_other_cases": counted(others["case"].nunique(), "other case"),
-        "own_others": "; ".join(f"{case}: {_range(rows)}" for case, rows in others.groupby("case", sort=False)),
-    }
-
-
-def _beyond(data: FullRun) -> dict[str, Any]:
-    """Return further values in the texts on error bounds and on the assumption (5.36)."""
-    known = data.bounds[data.bounds["trajectory"] == "bound"]
-    return {
-        "bounds_known": len(known),
-        "bound_median": above(known["upper"].median(), 2),
-        "trace_proved": data.cases.loc[without_5_36(data)["case"], "proved_order"].min(),
-    }
-
-
-def _alarms(data: FullRun) -> dict[str, Any]:
-    """Return the values in the texts on noticed deliberate defects, and on false alarms on random meshes."""
-    return {
-        "faulty": FAILS if missed_faults(data.faults) else HOLDS,
-        "faults_missed": in_words(missed_faults(data.faults)),
-        "alarms": data.alarms,
-        "alarm_low": 100 * data.alarms.low,
-        "alarm_high": 100 * data.alarms.high,
-        "promise": 100 * LARGEST_RATE,
-        "seeds_needed": seeds_needed(),
-    }
-
-
-def _verdict(data: FullRun, label: str, keys: Sequence[str] = (), noun: str = "checks") -> str:
+def _verdict(claims: pd.DataFrame, label: str, keys: Sequence[str] = (), noun: str = "checks") -> str:
     """Return the worst verdict on a statement, and how many of its checks have each verdict.
 
     Then follows how many of them can only fail if the program is wrong.
 
     Parameters:
+        claims: all checks.
         label: the label of the statement.
         keys: the keys of the checks that test the statement directly; the numbers for all further checks then follow.
             If there are no keys, all checks are counted together.
         noun: what these checks are called.
     """
-    rows = data.claims[data.claims["label"] == label]
+    rows = claims[claims["label"] == label]
     tests = rows[rows["key"].isin(keys)] if keys else rows
     count = count_verdicts(tests)
     text = next((f"{one}: {verdicts_in_words(tests, noun)}" for one in CLAIMED if count[one]), REPORTED)
@@ -292,16 +261,9 @@ def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
     return f"{text}; {counted(missed, 'prediction')} of this study missed" if missed else text
 
 
-def _range(rows: pd.DataFrame) -> str:
-    """Return the smallest low end and the largest high end of checks as text, rounded outwards."""
-    return f"{below(rows['low'].min(), 2)} to {above(rows['high'].max(), 2)}"
-
-
 def misprints(data: FullRun) -> str:
     """Return the misprints in the paper, in Markdown: place, printed text, corrected text."""
-    rows = data.claims.loc[data.claims["label"] == MISPRINTS, ["case", "quantity", "expected"]].itertuples(index=False)
-    lines = [[_literal(str(cell).removeprefix("read: ")) for cell in row] for row in rows]
-    return markdown(["place", "printed", "read"], lines)
+    return _table(["place", "printed", "read"], slips(data))
 
 
 def missed(data: FullRun) -> str:
@@ -312,16 +274,16 @@ def missed(data: FullRun) -> str:
     """
     lines = []
     for row in data.claims[data.claims["verdict"] == MISSED].to_dict("records"):
-        mine = (one for one in TEXTS["learned"] if one["label"] == row["label"] and one["key"] in row["key"])
-        if not (learned := next(mine, None)):
+        lessons = TEXTS["learned"].get(row["label"], {})
+        lesson = next((lesson for key, lesson in lessons.items() if key in row["key"]), None)
+        if lesson is None:
             raise DataError(
                 f"the prediction of {row['label']}, {row['key']} for {row['case']} was missed: say in "
-                "study/present/page/results.toml, [[learned]], what was learned"
+                "study/present/page/results.toml, [learned], what was learned"
             )
-        predicted = str(row["expected"]).removeprefix("predicted ").partition(" (wrong)")[0]
-        texts = row["label"], row["case"], row["quantity"], predicted, cell(row["observed"]), learned["lesson"]
-        lines.append([_literal(str(text)) for text in texts])
-    return markdown(["statement", "case", "quantity", "predicted", "observed", "what was learned"], lines)
+        predicted = row["expected"].removeprefix("predicted ").partition(" (wrong)")[0]
+        lines.append([row["label"], row["case"], row["quantity"], predicted, cell(row["observed"]), lesson])
+    return _table(["statement", "case", "quantity", "predicted", "observed", "what was learned"], lines)
 
 
 # Lists: statements, numbered formulas, other codes, changed windows.
@@ -345,8 +307,7 @@ def _verdicts(rows: pd.DataFrame) -> str:
 
 def formulas(data: FullRun) -> str:
     """Return all numbered formulas and statements of the paper, each with its checks or the reason why it has none."""
-    lines = [[numbers, _literal(says), _literal(rows)] for numbers, says, rows in numbered_lines(data.claims)]
-    return markdown(["number", "says", "rows, or why there are none"], lines)
+    return _table(["number", "says", "rows, or why there are none"], numbered_lines(data.claims))
 
 
 def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
@@ -379,7 +340,7 @@ def mesh_families(data: FullRun) -> str:
     return markdown(["mesh family", "meshes", "all angles in the plane are larger than"], rows)
 
 
-def codes_table(found: Codes | None) -> str:
+def codes_table(results: Codes | None) -> str:
     """Return a table of other people's contact codes in Markdown, with a line for each code and its parameters.
 
     A line says how the errors behave on finer meshes (the class, and the number of series of meshes with this class),
@@ -388,22 +349,10 @@ def codes_table(found: Codes | None) -> str:
     Raises:
         DataError: the results are missing.
     """
-    if found is None:
+    if results is None:
         raise DataError(f"results of other codes are missing: make them with `{MADE}`")
-    lines = [
-        [
-            f"{row['code']} {row['version']}",
-            str(row["variant"]),
-            str(row["classes"]),
-            f"{below(row['order_low'], 2)} … {above(row['order_high'], 2)}",
-            up(row["share"], 2),
-            up(row["excess"], 3),
-            up(row["invariance"], 2),
-        ]
-        for row in found.rows().to_dict("records")
-    ]
     header = ["code", "parameters", "class (series of meshes)", "order in V", "distance / error"]
-    return markdown([*header, "pressure error ratio", "effect of scaling"], lines)
+    return markdown([*header, "pressure error ratio", "effect of scaling"], contact_codes(results))
 
 
 def windows(data: FullRun) -> str:
@@ -419,6 +368,11 @@ def windows(data: FullRun) -> str:
     return markdown(["rows", "window", "reason for the window"], lines)
 
 
+def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown, whose cells are plain texts."""
+    return markdown(header, [[_literal(text) for text in row] for row in rows])
+
+
 def _literal(text: str) -> str:
     """Return a plain text as Markdown, with superscripts and subscripts in HTML and with ``*`` and ``_`` escaped."""
     return re.sub(r"([*_])", r"\\\1", typeset(text))
@@ -432,10 +386,7 @@ def badge(name: str, says: str, colour: str) -> str:
 
     The width follows from the number of letters.
     """
-    margin = 6
-    left, right = (round(6.4 * len(text)) + 2 * margin for text in (name, says))
-    sizes = {"left": left, "right": right, "margin": margin}
-    return PAGES.get_template("badge.svg").render(name=name, says=says, colour=colour, dark=DARK, **sizes) + "\n"
+    return render("badge.svg", {"name": name, "says": says, "colour": colour, "dark": DARK}) + "\n"
 
 
 def badges(data: FullRun, project: Path) -> dict[str, str]:

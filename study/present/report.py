@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 from matplotlib import rcParams
 from PIL import Image
@@ -27,7 +26,8 @@ from study.ledger.datafiles import (
     read_rates,
 )
 from study.ledger.files import write_text
-from study.ledger.text import significant
+from study.ledger.text import cell, significant
+from study.present import tables
 from study.present.charts import enclosed_series, finest_orders, order_differences
 from study.present.drawing import Drawing, Output, in_style
 from study.present.figures import figure
@@ -35,7 +35,8 @@ from study.present.notation import counted, read_page, typeset
 from study.present.outcome import conclusion, orders_text
 from study.present.picture import Picture, picture_path, read_record
 from study.present.show import film_images, image_of
-from study.present.tables import BOUNDS, EQUIVALENCE, FAULTS, LEDGER, RATES, STRESSES, Table, columns
+from study.present.tables import Table
+from study.present.templates import render
 
 CHECKS = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
 FRAME_STEP, FRAME_DPI, ZONE_DPI, QUALITY = 4, 110, 160, 25
@@ -44,10 +45,6 @@ WEB = Output("web")
 
 TEXTS = read_page("texts")
 """Texts of the page: ``meanings``, verdict ↦ its meaning, and ``letters``, table or place ↦ symbol ↦ its meaning."""
-PAGES = Environment(
-    loader=PackageLoader("study.present", "page"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
-)
-PAGES.filters["typeset"] = typeset
 
 
 def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[..., Iterable[Any]] = map) -> Path:
@@ -69,30 +66,29 @@ def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[
     groups: list[dict[str, Any]] = [
         {"label": label, "says": says, "counts": count_verdicts(rows), "judges": judges.get(label, [])}
         | {"rows": rows[CHECKS].to_numpy().tolist()}
-        for label, says, rows in by_claim(LEDGER.table(directory).cells)
+        for label, says, rows in by_claim(all_rows(directory))
     ]
     cases = case_pages(directory, claims, rates, run_map)
-    page = PAGES.get_template("page.html").render(
-        **TEXTS,
-        counts=count_verdicts(claims),
-        conclusion=conclusion(count_verdicts(claims), orders_text(directory)),
+    values = {
+        "counts": count_verdicts(claims),
+        "conclusion": conclusion(count_verdicts(claims), orders_text(directory)),
         # The page opens with the 2D case that has the most contact faces.
-        shown=max(cases, key=lambda case: (case["facts"]["dimension"] == 2) * case["faces"]),
-        collapsed=svg_chart(figure("collapsed", smooth)) if len(smooth) else "",
-        orders=svg_chart(figure("orders", rates, predicted)) if len(order_differences(rates, predicted)) else "",
-        rows=len(claims),
-        groups=groups,
-        labels=list(dict.fromkeys(group["label"] for group in groups)),
-        # A row is about a case, or about a place in the paper.
-        places=list(dict.fromkeys(row[0] for group in groups for row in group["rows"] if row[0])),
-        cases=cases,
-        names={case["name"] for case in cases},
-        bounds=BOUNDS.table(directory),
-        faults=FAULTS.table(directory) if FAULTS.is_measured(directory) else None,
-        provenance=provenance,
-        files=_files(directory),
-    )
-    return write_text(directory / "report.html", page + "\n")
+        "shown": max(cases, key=lambda case: (case["facts"]["dimension"] == 2) * case["faces"]),
+        "collapsed": svg_chart(figure("collapsed", smooth)) if len(smooth) else "",
+        "orders": svg_chart(figure("orders", rates, predicted)) if len(order_differences(rates, predicted)) else "",
+        "groups": groups,
+        "cases": cases,
+        "bounds": tables.bounds(directory),
+        "faults": tables.faults(directory),
+        "provenance": provenance,
+        "files": _files(directory),
+    }
+    return write_text(directory / "report.html", render("page.html", TEXTS | values) + "\n")
+
+
+def all_rows(directory: Path) -> pd.DataFrame:
+    """Return the texts of all cells of the ledger."""
+    return tables.all_checks(directory).map(cell)
 
 
 def _files(directory: Path) -> Table:
@@ -104,7 +100,7 @@ def _files(directory: Path) -> Table:
         {"file": name, "size": significant(len(content) / 1000), "sha": sha256(content).hexdigest()}
         for name, content in contents.items()
     ]
-    return Table("files", columns("files"), pd.DataFrame(rows))
+    return Table.of("files", pd.DataFrame(rows), grouped=0)
 
 
 def case_pages(
@@ -127,11 +123,11 @@ def case_pages(
         DataError: a data file is missing or damaged.
     """
     enclosures = read_csv(directory, "enclosures.csv")
-    tables = [
-        (RATES.table(directory), "Errors on every mesh", ["case", "claim"]),
-        (STRESSES.table(directory), "The stress problem on its own space", ["case"]),
-        (EQUIVALENCE.table(directory), "The stress problem on the strains of V^h", ["case"]),
-        (BOUNDS.table(directory), "Bounds of the error", ["case"]),
+    shown = [
+        (tables.rates(directory), "Errors on every mesh", ["case", "claim"]),
+        (tables.stresses(directory), "The stress problem on its own space", ["case"]),
+        (tables.equivalence(directory), "The stress problem on the strains of V^h", ["case"]),
+        (tables.bounds(directory), "Bounds of the error", ["case"]),
     ]
     pages = []
     cases = read_csv(directory, "cases.csv")
@@ -143,7 +139,7 @@ def case_pages(
         charts = [figure("convergence", errors, float(fact["expected_order"]), name=name)] if len(errors) else []
         enclosed = enclosed_series(enclosures[enclosures["case"] == name])
         charts += [figure("enclosure", rows, title, name=title) for _, rows, title in enclosed]
-        of_case = [(caption, table.of_case(name, without)) for table, caption, without in tables]
+        of_case = [(caption, table.of_case(name, without)) for table, caption, without in shown]
         page = {
             "name": name,
             "facts": fact,

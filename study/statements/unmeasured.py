@@ -42,7 +42,7 @@ class Listed(Statement):
 
 def lines_of(name: str) -> list[tuple[str, str, str, str]]:
     """Return the lines of a list in ``unmeasured.toml``, with their attributes in the order of ``Listed.lines``."""
-    return [(line["key"], line["place"], line["quantity"], line["comment"]) for line in TEXTS[name]]
+    return [(key, place, quantity, comment) for key, (place, quantity, comment) in TEXTS[name].items()]
 
 
 class Misprints(Listed):

@@ -20,10 +20,9 @@ from changed import overridden
 from study.ledger.datafiles import DataError
 from study.ledger.verdict import CheckKind, window_share, worst_value
 from study.ledger.window import Window, around, at_least, at_most
-from study.present import article as papers
-from study.present.article import ACCOUNTS, BEYOND, account, article, group_of, window_ends
-from study.present.full_run import FullRun
+from study.present.article import BEYOND, article, group_of, window_ends
 from study.present.notation import prose
+from study.present.templates import EVIDENCE, FullRun, context, evidence, render
 
 ROOT = Path(__file__).parents[2]
 PAPER, RESULTS = ROOT / "paper", ROOT / "results"
@@ -175,7 +174,7 @@ def test_extremes_are_rounded_outwards_and_zero_is_zero(full: FullRun, claims: p
     rows = (claims["label"] == "Prop. 5.4") & (claims["key"] == "order")
     rounded = claims.assign(low=claims["low"].mask(rows, 0.8999), high=claims["high"].mask(rows, 1.1001))
     changed = overridden(copy(full), claims=rounded, equivalence=full.equivalence.assign(membership=0.0))
-    found = macros(papers.macros(changed))
+    found = macros(render("numbers.tex.j2", context(changed)))
     assert (found["orderLevelMin"], found["orderLevelMax"], found["agreeMembership"]) == ("0.89", "1.11", "0")
 
 
@@ -194,14 +193,14 @@ def test_every_row_is_counted_once_in_the_table_and_belongs_to_one_class_of_the_
     *groups, total = np.array([cells[1:] for cells in cells_of("verdicts")[1:]], dtype=int)
     assert (np.sum(groups, axis=0) == total).all()
     assert total.sum() == len(claims)
-    numbers = {name: int(NUMBERS[f"account{name.capitalize()}"]) for name in ACCOUNTS}
+    numbers = {name: int(NUMBERS[f"account{name.capitalize()}"]) for name in EVIDENCE}
     assert sum(numbers.values()) == len(claims)
     judged = sum(numbers[kind] for kind in CheckKind)
     assert judged == (~claims["verdict"].isin(["missed", "reported"])).sum()
     assert numbers["wrong"] == (claims["verdict"] == "missed").sum()
     stated = claims["expected"].str.extract(r"\((met|undecided|wrong)\)")[0].dropna()
     assert len(stated) > 50
-    assert (claims.loc[stated.index].apply(account, axis=1) == stated).all()
+    assert (claims.loc[stated.index].apply(evidence, axis=1) == stated).all()
 
 
 def test_an_order_of_the_source_that_is_wrong_by_one_would_fail(claims: pd.DataFrame) -> None:
@@ -265,11 +264,11 @@ def test_a_statement_belongs_to_the_group_with_the_longest_beginning() -> None:
 @pytest.mark.parametrize(
     ("window", "shown"),
     [
-        (around(1, 0.15, "every consecutive order"), r"\([0.85, 1.15]\)"),
-        (Window(0.7, 1.4, "over two refinements"), r"\([0.7, 1.4]\)"),
-        (at_most(0.02, "of the error"), r"\(\leq 0.02\)"),
-        (at_most(1e-12, low=-np.inf), r"\(\leq 10^{-12}\)"),
-        (at_least(0.5, "of that at the vertex"), r"\(\geq 0.5\)"),
+        (around(1, 0.15, "every consecutive order"), "[0.85, 1.15]"),
+        (Window(0.7, 1.4, "over two refinements"), "[0.7, 1.4]"),
+        (at_most(0.02, "of the error"), "≤ 0.02"),
+        (at_most(1e-12, low=-np.inf), "≤ 1e-12"),
+        (at_least(0.5, "of that at the vertex"), "≥ 0.5"),
     ],
 )
 def test_a_table_shows_the_ends_of_a_window(window: Window, shown: str) -> None:
@@ -303,8 +302,8 @@ def test_only_a_full_run_with_its_faults_makes_the_inputs_of_the_papers(lacking:
 
 def test_a_row_that_a_paper_names_may_not_be_missing(full: FullRun, claims: pd.DataFrame) -> None:
     with pytest.raises(DataError, match="natural-front"):
-        overridden(copy(full), claims=claims[claims["case"] != "natural-front"]).rows(
-            "(5.36)", "order", "natural-front"
+        overridden(copy(full), claims=claims[claims["case"] != "natural-front"]).checks(
+            "(5.36)", "order", case="natural-front"
         )
     with pytest.raises(DataError, match=r"Thm 4\.2"):
-        papers.macros(overridden(copy(full), claims=claims[claims["label"] != "Thm 4.2"]))
+        render("numbers.tex.j2", context(overridden(copy(full), claims=claims[claims["label"] != "Thm 4.2"])))

@@ -68,13 +68,16 @@ def test_where_the_error_is_unknown_the_distance_to_a_better_displacement_takes_
 def test_the_slope_triangle_has_its_slope_and_keeps_clear_of_the_curves(slope: float) -> None:
     h = 2.0 ** -np.arange(8, 2, -1, dtype=float)
     points = [(h, 3 * h**0.5), (h / 1.4, h**1.5), (h[::-1], h[::-1] + 0.1)]
-    axes = Figure().subplots()
-    lines = [line for x, y in points for line in axes.loglog(x, y)]
-    draw_slope(axes, lines, math.nan)
-    draw_slope(axes, axes.loglog(1.0, 1.0), slope)
-    draw_slope(axes, lines, slope)
+    axes, single = Figure().subplots(2)
+    for x, y in points:
+        axes.loglog(x, y)
+    draw_slope(axes, math.nan)
+    single.loglog(1.0, 1.0)
+    draw_slope(single, slope)
+    assert not axes.patches + single.patches
+    draw_slope(axes, slope)
     (triangle,) = axes.patches
-    (x0, y0), (x1, y1), corner, _ = np.log10(triangle.get_xy())
+    (x0, y0), (x1, y1), corner, *_ = np.log10(triangle.get_xy())
     assert (y1 - y0) / (x1 - x0) == pytest.approx(slope)
     assert corner == pytest.approx([x0, y1])
     assert axes.get_ylim()[1] > 10**y1

@@ -16,7 +16,7 @@ from matplotlib.text import Text
 from PIL import Image
 
 from study.cli.main import main
-from study.ledger.datafiles import DataError, read_rates
+from study.ledger.datafiles import read_rates
 from study.ledger.files import UsageError
 from study.present.body import DISPLACEMENT, magnification
 from study.present.charts import finest_orders, order_in_words
@@ -28,27 +28,9 @@ SMALLEST = 7.0
 """Points, of all text but scripts."""
 
 
-def growth() -> pd.DataFrame:
-    """A direct solver of cost n^{3/2} and one of cost n."""
-    dofs, frames = np.array([1e3, 1e4, 1e5]), []
-    for dim, solver, power in ((2, "direct", 1.5), (3, "multigrid", 1.0)):
-        seconds = 1e-6 * dofs**power
-        costs = {"factor_seconds": seconds, "step_seconds": 2 * seconds, "level_seconds": 20 * seconds}
-        costs |= {"n": [8, 16, 32], "dofs": dofs, "peak_bytes": 1024**3 + 1e3 * dofs}
-        frames.append(pd.DataFrame(costs).assign(dim=dim, solver=solver))
-    return pd.concat(frames)
-
-
-def write_growth(directory: Path, table: pd.DataFrame) -> None:
-    (directory / "benchmarks").mkdir(exist_ok=True)
-    table.to_csv(directory / "benchmarks" / "growth.csv", index=False)
-
-
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    directory = copy_results(tmp_path_factory.mktemp("results"))
-    write_growth(directory, growth())
-    return directory
+    return copy_results(tmp_path_factory.mktemp("results"))
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +73,7 @@ def cut_off_or_tiny(figure: Figure) -> list[str]:
 def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(figures, every: bool) -> None:
     with in_style():
         narrowest, widest = column_width(), page_width()
-    for name in figures if every else ("effectivity", "growth", f"energy-{CORNER}"):
+    for name in figures if every else ("effectivity", "collapsed", f"energy-{CORNER}"):
         figure = drawn(figures[name])
         assert narrowest <= figure.get_figwidth() <= widest, name
         assert cut_off_or_tiny(figure) == [], name
@@ -126,17 +108,6 @@ def test_upper_bounds_below_the_error_are_counted_and_unknown_errors_make_no_eff
     assert "1 bound on the wrong side of the error" in named(alone, "effectivity").caption
     bounds.assign(upper=np.nan, lower=np.nan).to_csv(path, index=False)
     assert "effectivity" not in [drawing.name for drawing in drawings(alone)]
-
-
-def test_the_growth_of_cost_is_drawn_once_it_is_measured_and_a_damaged_table_is_named(alone: Path) -> None:
-    assert "growth" not in [drawing.name for drawing in drawings(alone)]
-    write_growth(alone, growth())
-    caption = named(alone, "growth").caption
-    assert "2D, direct: 632 s and 1.1 GiB for 100000 unknowns, time growing like unknowns^1.50" in caption
-    assert "3D, multigrid: 2 s and 1.1 GiB for 100000 unknowns, time growing like unknowns^1.00" in caption
-    write_growth(alone, growth().drop(columns="dofs"))
-    with pytest.raises(DataError, match=r"growth\.csv lacks the columns dofs.*make bench"):
-        drawings(alone)
 
 
 # Uses: articles, slides, pages.

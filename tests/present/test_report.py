@@ -20,8 +20,8 @@ from study.ledger.files import write_packed
 from study.ledger.pictures import Packed
 from study.present.notation import typeset
 from study.present.picture import Picture, picture_path, read_record
-from study.present.report import TEXTS, draw_case, write_report
-from study.present.tables import BOUNDS, EQUIVALENCE, LEDGER, RATES, STRESSES
+from study.present.report import TEXTS, all_rows, draw_case, write_report
+from study.present.tables import bounds, columns_of, equivalence, rates, stresses
 from study.run.fingerprint import ROOT
 from study.run.plan import full
 from study.run.provenance import read_provenance, sources
@@ -97,7 +97,7 @@ def test_every_row_of_the_ledger_is_on_the_page_in_its_order(directory: Path, pa
     columns = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
     start = page.rows.index(columns) + 1
     rows = [list(map(plain, row)) for row in page.rows[start:] if len(row) == len(columns)]
-    expected = [list(map(plain, row)) for row in LEDGER.table(directory).cells[columns].to_numpy()]
+    expected = [list(map(plain, row)) for row in all_rows(directory)[columns].to_numpy()]
     assert rows[: len(expected)] == expected
     heads = [plain(row[0]) for row in page.rows[start:] if len(row) == 1]
     statements = pd.read_csv(directory / "data" / "claims.csv")[["label", "statement"]].drop_duplicates()
@@ -117,9 +117,9 @@ def test_the_numbers_of_verdicts_are_those_of_the_ledger(directory: Path, page: 
 
 def test_every_row_of_the_other_tables_is_on_the_page(directory: Path, page: Page) -> None:
     rows = [list(map(plain, row)) for row in page.rows]
-    for layout in (RATES, EQUIVALENCE, STRESSES, BOUNDS):
-        left_out = [] if layout is BOUNDS else ["case", "claim"]
-        cells = layout.table(directory).cells.drop(columns=left_out, errors="ignore").to_numpy().tolist()
+    for table in (rates, equivalence, stresses, bounds):
+        left_out = [] if table is bounds else ["case", "claim"]
+        cells = table(directory).cells.drop(columns=left_out, errors="ignore").to_numpy().tolist()
         assert cells
         assert [row for row in cells if list(map(plain, row)) not in rows] == []
     faults = pd.read_csv(directory / "data" / "faults.csv")["fault"]
@@ -131,13 +131,13 @@ SYMBOL = re.compile(r"[^\W\d_]\^h|‖_\w|\b[^\W\d_]\b(?!\^)")
 
 
 def test_symbols_in_the_heading_of_a_table_are_explained_beside_it() -> None:
-    for layout in (RATES, STRESSES, EQUIVALENCE, BOUNDS):
+    for name in ("rates", "stresses", "equivalence", "bounds"):
         # The page of a case explains the norms above the charts of the errors.
-        letters = TEXTS["letters"][layout.name] | (TEXTS["letters"]["norms"] if layout is RATES else {})
+        letters = TEXTS["letters"][name] | (TEXTS["letters"]["norms"] if name == "rates" else {})
         said = " ".join(f"{letter} {meaning}" for letter, meaning in letters.items())
-        symbols = {symbol for column in layout.columns for symbol in SYMBOL.findall(column.heading)}
-        assert symbols, layout.name
-        assert {symbol for symbol in symbols if symbol not in said} == set(), layout.name
+        symbols = {symbol for column in columns_of(name) for symbol in SYMBOL.findall(column.heading)}
+        assert symbols, name
+        assert {symbol for symbol in symbols if symbol not in said} == set(), name
 
 
 def test_text_of_the_data_cannot_become_markup(page: Page) -> None:

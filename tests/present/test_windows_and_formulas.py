@@ -9,8 +9,8 @@ from committed import RESULTS
 from study.ledger.datafiles import DataError, read_claims
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.verdict import HOLDS, UNCLAIMED
-from study.present.full_run import FullRun
 from study.present.pages import numbered_lines, windows
+from study.present.templates import FullRun
 from study.statements import STATEMENTS
 from study.statements.pictures import Pictures
 from study.statements.unmeasured import Listed, WithoutRow

@@ -11,8 +11,8 @@ from pages import README, ROOT, SITE, Page
 
 from manufactured.colours import VERMILLION
 from study.ledger.datafiles import DataError
-from study.present.full_run import FullRun
 from study.present.pages import badges, main, misprints, refresh, verdicts_in_words
+from study.present.templates import FullRun
 from study.statements.prop_5_3 import LIMIT
 
 
