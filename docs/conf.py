@@ -7,7 +7,16 @@ sys.path.insert(0, str(Path(__file__).parent / "extensions"))
 
 project = html_title = "Signorini study"
 author = "the authors of the Signorini study"
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton", "sphinx_design", "mathml", "api", "gallery"]
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "mathml",
+    "api",
+    "gallery",
+]
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
 napoleon_use_ivar = True

@@ -57,7 +57,7 @@ invisible if both agree.
 A and G are the viscosity tensor and the elasticity tensor of the law; α and m are the exponents of gap and pressure at
 a contact front; (5.36) is the smoothness that Proposition 5.4 assumes. [A first exact
 solution](/notebooks/exact-solution.ipynb) shows how to evaluate a case. [How the exact solutions are
-made](/explanation/exact-solutions.md) explains the exponents, and [Notation](/reference/glossary.md#letters-of-the-paper) lists the
+made](/explanation/exact-solutions.md) explains the exponents, and the [glossary](/reference/glossary.md) lists the
 letters.
 """
 DOCS = Path(__file__).parents[1]

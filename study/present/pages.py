@@ -96,7 +96,7 @@ def refreshed(page: Path, data: FullRun) -> str:
     if END not in text:
         raise DataError(
             f"{page} has no place for a table: a line <!-- NAME -->, then a line {END}, where NAME is the name of a "
-            "table: headline, results, statements, cases, codes or another entry of study.present.pages.TABLES"
+            "table: short, results, statements, codes or another entry of study.present.pages.TABLES"
         )
     return text
 
@@ -197,22 +197,17 @@ def answer(data: FullRun) -> str:
     The page that shows the sentences defines the targets of the links [problem], [faults], [ledger], [results],
     [misprints] and [bounds].
     """
-    sentences = Sentences(data)
-    return "".join(f"- **{lead}.** {_literal(sentences.text(text))}\n" for lead, text in TEXTS["answer"].items())
+    return _list(data, "answer")
 
 
 def short(data: FullRun) -> str:
-    """Return the main result in one sentence, in Markdown."""
-    return Sentences(data).text(TEXTS["short"]) + "\n"
+    """Return the result in a few lines, in Markdown, with the same links."""
+    return _list(data, "short")
 
 
-def headline(data: FullRun) -> str:
-    """Return the main results with links to the code behind them, in Markdown; DataError if checks are missing."""
-    files = {"smooth": "prop_5_4", "rough": "prop_5_3", "own_space": "thm_4_2_own_space", "bound": "enclosure"}
-    lines = []
-    for name, (claim, _, observed, verdict) in Sentences(data).lines(files).items():
-        lines.append([_literal(claim), _literal(observed), verdict, f"[code](study/statements/{files[name]}.py)"])
-    return markdown(["claim", "observed", "verdict", "source"], lines)
+def _list(data: FullRun, name: str) -> str:
+    sentences = Sentences(data)
+    return "".join(f"- **{lead}.** {_literal(sentences.text(text))}\n" for lead, text in TEXTS[name].items())
 
 
 def results(data: FullRun) -> str:
@@ -286,7 +281,7 @@ def missed(data: FullRun) -> str:
     return _table(["statement", "case", "quantity", "predicted", "observed", "what was learned"], lines)
 
 
-# Lists: statements, numbered formulas, other codes, changed windows.
+# Lists: statements, numbered formulas, other codes.
 
 
 def statements(data: FullRun) -> str:
@@ -355,19 +350,6 @@ def codes_table(results: Codes | None) -> str:
     return markdown([*header, "pressure error ratio", "effect of scaling"], contact_codes(results))
 
 
-def windows(data: FullRun) -> str:
-    """Return the present tolerance windows in Markdown, one line for all checks with the same label and key.
-
-    Among the windows of such checks, the one of the first check is shown.
-    """
-    claimed = data.claims[~data.claims["verdict"].isin(UNCLAIMED)]
-    lines = []
-    for (label, key), rows in claimed.groupby(["label", "key"], sort=False):
-        window, _, reason = str(rows["expected"].iloc[0]).partition(": ")
-        lines.append([f"{_literal(label)} *{key}* ({len(rows)})", _literal(window), _literal(reason)])
-    return markdown(["rows", "window", "reason for the window"], lines)
-
-
 def _table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a table in Markdown, whose cells are plain texts."""
     return markdown(header, [[_literal(text) for text in row] for row in rows])
@@ -414,9 +396,8 @@ def columns(data: FullRun) -> str:
 
 
 # The names of these functions are the names of places on pages.
-NAMED = short, answer, headline, results, misprints, missed, statements, formulas, mesh_families, windows, columns
+NAMED = short, answer, results, misprints, missed, statements, formulas, mesh_families, columns
 TABLES: dict[str, Callable[[FullRun], str]] = {table.__name__: table for table in NAMED} | {
-    "cases": lambda data: str(len(data.cases)),
     "codes": lambda data: codes_table(data.codes),
     "marches": lambda data: codes_table(data.marches),
 }

@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 from docutils.utils.math.latex2mathml import tex2mathml
-from pages import BLOCK, PAGES, README, ROOT, SITE, Page, words
+from pages import PAGES, README, ROOT, SITE, Page, words
 
 from manufactured import catalogue
 from study.cli.main import main, parser
@@ -26,13 +26,12 @@ from study.statements.enclosure import resolve_problem
 
 CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
 LONG = {"README.md", *(f"docs/how-to/{name}.md" for name in ("adapt", "certify", "figures", "verify-a-contact-code"))}
-LONG |= {
-    f"docs/tutorials/{name}.md"
-    for name in ("own-case", "bound", "static", "calculix")
-}
+LONG |= {f"docs/tutorials/{name}.md" for name in ("own-case", "bound", "static", "calculix")}
 """Pages whose commands take longer than three seconds, for the slow tests, which `make tutorials` runs. The case of
 ``own-case.md`` is what the tests of most commands start from (``cli/conftest.py``)."""
-LONG_PYTHON = {f"docs/{name}.md" for name in ("how-to/verify-a-contact-code", "tutorials/own-case", "tutorials/your-displacement")}
+LONG_PYTHON = {
+    f"docs/{name}.md" for name in ("how-to/verify-a-contact-code", "tutorials/own-case", "tutorials/your-displacement")
+}
 """Pages whose Python takes longer than three seconds."""
 NEEDS = {"docs/tutorials/dolfinx.md": "dolfinx"}
 """Pages that need a program which no wheel has."""
@@ -147,8 +146,7 @@ def test_files_that_a_page_links_to_or_names_are_there(part: str, pattern: str) 
 
 
 def test_the_readme_can_be_read_in_a_few_minutes() -> None:
-    assert len(README.text.splitlines()) <= 200
-    assert len(BLOCK.sub("", README.text).splitlines()) <= 150
+    assert len(README.text.split()) <= 900
 
 
 def test_the_page_on_exact_solutions_says_why_each_case_is_there() -> None:
