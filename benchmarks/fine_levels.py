@@ -30,11 +30,10 @@ from study.fem.error_norm import ErrorNorm
 from study.fem.naming import resolve
 from study.fem.space import form
 from study.solve.signorini import Signorini
-from study.statements.contact_work import Resolved
-from study.statements.half_derivative import means_from_edges
-from study.statements.rollers import PER_H, OnContact, Trajectories
+from study.statements.moving_fronts import means_from_edges
 from study.statements.shared.base import Setting
 from study.statements.shared.meshes import space_of
+from study.statements.work_of_contact import PER_H, OnContact, Resolved, Trajectories
 
 FILE = Path(__file__).parents[1] / "results" / "benchmarks" / "fine-levels.csv"
 LEVELS = (16, 32, 64, 128, 256, 512)

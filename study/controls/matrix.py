@@ -27,9 +27,7 @@ from study.fem.naming import resolve
 from study.ledger.verdict import FAILS, CheckKind, Verdict
 from study.run.plan import quick
 from study.statements.contact_force import ContactForce, touches
-from study.statements.from_rates import SizeOfInterpolation
-from study.statements.initial_gap import InitialGap
-from study.statements.prop_5_3 import Convergence
+from study.statements.prop_5_3 import Convergence, InitialGap, SizeOfInterpolation
 from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting, measure
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.experiment import Experiment
