@@ -24,10 +24,10 @@ from manufactured.law import Yield, isotropic_matrix
 from manufactured.tensors import Array, Points
 from study.fem.error_norm import ErrorNorm, gaps_at_vertices
 from study.fem.independent import work_on
-from study.fem.mesh import facet_measures
 from study.fem.space import Space, means
 from study.solve.evolution import SemiDiscrete, remainder
 from study.solve.signorini import ContactSolver, Signorini
+from study.statements.pictures import contact_weights
 from study.statements.shared.experiment import Experiment
 
 Faulty = Experiment | None
@@ -296,16 +296,6 @@ def tangents(space: Space) -> sps.csr_array:
     return components(space, lambda part: part.frame[:, :-1])
 
 
-def areas(space: Space) -> Array:
-    """Return the share of the vertices of Γ3 in the area of their part, in the order of the rows of N, (m,)."""
-    shares = []
-    for part, numbers in space.contact:
-        facets = space.facets(part)
-        measures = np.tile(facet_measures(space.mesh, facets) / space.dim, (space.dim, 1))
-        shares.append(space.scatter(space.mesh.facets[:, facets], measures[None])[0, numbers])
-    return np.concatenate(shares)
-
-
 def along_contact(setup: Experiment, name: str, size: float, first_only: bool = False) -> Faulty:
     """Solve with springs ("reference") or dashpots ("M") along Γ3.
 
@@ -317,7 +307,7 @@ def along_contact(setup: Experiment, name: str, size: float, first_only: bool = 
         return None
     tensor = law.A if name == "M" else law.G
     T = components(space, lambda part: part.frame[:, :1] if first_only else part.frame[:, :-1])
-    weights = areas(space)[owners(space, 1 if first_only else space.dim - 1)]
+    weights = contact_weights(space)[owners(space, 1 if first_only else space.dim - 1)]
     modulus = np.linalg.eigvalsh(tensor.reference)[-1]
     stiffness = T.T @ sps.diags_array(size * modulus * weights) @ T
     matrix = getattr(setup.problem, name)
@@ -484,7 +474,7 @@ def springs(setup: Experiment, size: float) -> Experiment:
     """
     space = setup.space
     modulus = np.linalg.eigvalsh(setup.solution.law.A.reference)[-1]
-    compliance = size / (modulus * areas(space))
+    compliance = size / (modulus * contact_weights(space))
 
     class Springs(Signorini):
         def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None, gap: Array | float = 0.0):

@@ -65,13 +65,13 @@ class Measured:
         """The measured numbers without a fault."""
         return [self.statement.measure(setup) for setup in self.setups]
 
-    def failing(self, fault: Fault | None = None, size: float = 0.0) -> list[Verdict] | None:
-        """Return the checks that fail with a fault, or without; None if the fault cannot occur here."""
+    def failing(self, fault: Fault | None = None, size: float = 0.0) -> list[Verdict]:
+        """Return the checks that fail with a fault, or without; none if the fault cannot occur here."""
         measured = []
         for setup, right in zip(self.setups, self.right, strict=True):
             faulty = fault.change(setup, size) if fault else setup
             if faulty is None:
-                return None
+                return []
             measured.append({**right, **self._again(faulty)} if fault else right)
         return [verdict for verdict in self._judged(measured) if verdict.verdict == FAILS]
 
@@ -117,7 +117,7 @@ def rows_of(name: str, faults: Sequence[Fault] = FAULTS) -> Iterator[dict[str, A
     case = resolve(name)
     with threadpool_limits(1), np.errstate(all="ignore"):
         rates, *others = measured = measured_on(name)
-        wrong = [verdict for one in measured for verdict in one.failing() or []]
+        wrong = [verdict for one in measured for verdict in one.failing()]
         if wrong:
             raise ValueError(f"{name}: without a fault these checks fail: {', '.join(v.key for v in wrong)}")
         for fault in faults:
@@ -145,8 +145,8 @@ def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: floa
     }
     try:
         row["distance"] = distance_of_solutions(right, faulty)
-        failing = rates.failing(fault, size) or []
-        of_others = [verdict for one in others for verdict in one.failing(fault, size) or []]
+        failing = rates.failing(fault, size)
+        of_others = [verdict for one in others for verdict in one.failing(fault, size)]
     except (ArithmeticError, np.linalg.LinAlgError, RuntimeError) as error:
         return {**row, "distance": math.inf, "by_error": "", "by_others": f"stopped by {type(error).__name__}"}
     by_error = [verdict.key for verdict in failing if verdict.kind in BY_ORDER_OR_SIZE]

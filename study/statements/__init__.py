@@ -27,20 +27,21 @@ from study.statements.unmeasured import Misprints, Untested, WithoutRow
 from study.statements.wellposed import BoundedVelocity, Dependence, Korn, SolutionDivergence
 from study.statements.work_of_contact import EdgeWork, Rollers, WorkOfContact
 
-STATEMENTS: tuple[Statement, ...] = (
+IN_ORDER: tuple[type[Statement], ...] = (
     # The order is the order of the paper: first the problem, its data, existence and uniqueness.
-    *(Korn(), Dependence(), SolutionDivergence(), LoadInTime(), BoundedVelocity(), OneTrajectory()),
-    *(SameMesh(), OwnSpace(), OneStress(), TractionInTime(), NaturalConditions()),
+    *(Korn, Dependence, SolutionDivergence, LoadInTime, BoundedVelocity, OneTrajectory),
+    *(SameMesh, OwnSpace, OneStress, TractionInTime, NaturalConditions),
     # Then the discretisation, the error estimate and convergence.
-    *(ErrorBounds(), InterpolationInV(), SizeOfInterpolation(), InterpolationOnContact(), ResidualBound()),
-    *(Convergence(), NodalStart(), FirstOrder(), RegularityNeeded()),
+    *(ErrorBounds, InterpolationInV, SizeOfInterpolation, InterpolationOnContact, ResidualBound),
+    *(Convergence, NodalStart, FirstOrder, RegularityNeeded),
     # The paper does not compute contact forces; comparisons with other solvers and codes test the program.
-    *(ContactForce(), Recomputed(), OtherCodes()),
+    *(ContactForce, Recomputed, OtherCodes),
     # Theorems and experiments of this study, which the paper does not have.
-    *(EdgeWork(), WorkOfContact(), Rollers(), AdvancingFront(), HalfDerivative(), NodalErrors()),
-    *(BackwardEuler(), JumpingLoad(), NoPotential(), FullyDiscrete()),
-    *(Landings(), InitialGap(), BoundedError(), EnclosedError()),
+    *(EdgeWork, WorkOfContact, Rollers, AdvancingFront, HalfDerivative, NodalErrors),
+    *(BackwardEuler, JumpingLoad, NoPotential, FullyDiscrete),
+    *(Landings, InitialGap, BoundedError, EnclosedError),
     # Misprints, untested claims and pictures, which have no tolerance window.
-    *(Misprints(), Untested(), WithoutRow(), Pictures()),
+    *(Misprints, Untested, WithoutRow, Pictures),
 )
+STATEMENTS: tuple[Statement, ...] = tuple(statement() for statement in IN_ORDER)
 """All statements. The commands measure them, and the ledger, the table of all checks, lists them in this order."""

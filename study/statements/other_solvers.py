@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
@@ -25,7 +25,7 @@ from study.ledger.check import Check, accuracy
 from study.ledger.codes import FROZEN, MADE, MARCH, NOT_EXPRESSED, OtherErrors
 from study.ledger.datafiles import CsvFile
 from study.ledger.quantities import quotients, values
-from study.ledger.verdict import BECAUSE, FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, CheckKind, Found, Verdict, row
+from study.ledger.verdict import BECAUSE, HOLDS, NOWHERE, REPORTED, UNDECIDED, Verdict, row
 from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import RATES, RateSetting
@@ -529,29 +529,16 @@ class OtherCodes(ListedNumbers):
 
         It is undecided if the code lacks a problem without a documented reason.
         """
-        mine = rows_of(rows, peer.code, peer.variant)
-        run = mine[mine[CLASS] != NOT_EXPRESSED]
-        missing = len(rows[PROBLEM].drop_duplicates()) - len(mine)
-        judged: Found = float("nan"), NOWHERE, UNDECIDED
-        if len(run):
-            differences = (run[ERROR] / run["value"] - 1).abs().to_numpy()
-            value = float(differences.max())
-            span = (float(differences.min()), float(differences.max()))
-            verdict = FAILS if not peer.window.contains(*span) else UNDECIDED if missing else HOLDS
-            judged = value, span, verdict
-        short = f"{BECAUSE}{missing} problems lack an error" if missing else ""
+        problems = rows_of(rows, peer.code, peer.variant)
+        run = problems[problems[CLASS] != NOT_EXPRESSED]
+        missing = len(rows[PROBLEM].drop_duplicates()) - len(problems)
         name = f"{peer.code} {' '.join(sorted(run[VERSION].unique()))}, {peer.variant}"
         quantity = f"{name}: |‖u − u^h‖_V / error of this study − 1|, {len(run)} problems"
-        return row(
-            self,
-            peer.key,
-            quantity,
-            peer.window,
-            judged,
-            ALL,
-            expected=f"{peer.window.text}{short}",
-            kind=CheckKind.ACCURACY,
-        )
+        judged = accuracy(peer.key, quantity, differences, peer.window, levels=0).verdict(self, ALL, {"": run})
+        if not missing:
+            return judged
+        verdict = UNDECIDED if judged.verdict == HOLDS else judged.verdict
+        return replace(judged, verdict=verdict, expected=f"{judged.expected}{BECAUSE}{missing} problems lack an error")
 
     def own_digits(self, rows: pd.DataFrame) -> Verdict:
         """Return the check that no code copied the results of another.
@@ -562,14 +549,9 @@ class OtherCodes(ListedNumbers):
         names = [OURS, *((peer.code, peer.variant) for peer in PEERS)]
         columns = [rows_of(rows, *name).set_index(PROBLEM)[DISTANCE].dropna() for name in names]
         both = [pd.concat(pair, axis=1, join="inner").to_numpy() for pair in combinations(columns, 2)]
-        parts = np.array([np.mean(pair[:, 0] == pair[:, 1]) for pair in both if len(pair)])
-        judged: Found = float("nan"), NOWHERE, UNDECIDED
-        if len(parts):
-            value = float(parts.max())
-            span = (float(parts.min()), float(parts.max()))
-            judged = value, span, HOLDS if OWN.contains(*span) else FAILS
+        shares = np.array([np.mean(pair[:, 0] == pair[:, 1]) for pair in both if len(pair)])
         quantity = "share of problems in which two codes have the same distance from the solution in K^h"
-        return row(self, "own-digits", quantity, OWN, judged, ALL, kind=CheckKind.ACCURACY)
+        return accuracy("own-digits", quantity, lambda _: shares, OWN, levels=0).verdict(self, ALL, {"": rows})
 
     def cost(self, setting: Setting) -> float:
         """Return the expected run time in µs.
@@ -577,6 +559,11 @@ class OtherCodes(ListedNumbers):
         For a solution in time it is higher, because the code solves as many time steps as there are cells along a side.
         """
         return super().cost(setting) * (setting.level if setting in MARCHED else 1)
+
+
+def differences(rows: pd.DataFrame) -> Array:
+    """Return the relative differences of the errors of another code and of this study."""
+    return (rows[ERROR] / rows["value"] - 1).abs().to_numpy()
 
 
 def rows_of(rows: pd.DataFrame, code: str, variant: str) -> pd.DataFrame:

@@ -587,11 +587,4 @@ class Landings(ListedNumbers):
                 for count in HALVED_STEPS:
                     error = furthest(problem, exact[:: LANDING_STEPS // count], path(problem, scheme, count))
                     found[f"{load} {scheme.name} {count}"] = error
-            found[f"{load} landings"] = float(landings(problem, exact))
         return with_h(setup.space.h, found)
-
-
-def landings(problem: SemiDiscrete, states: Array) -> int:
-    """Return how many times a vertex of Γ3 comes into contact, counted over all vertices and time steps."""
-    touching = -1e-12 * abs(states).max() <= (problem.N @ states[1:].T).T
-    return int((touching[1:] & ~touching[:-1]).sum())

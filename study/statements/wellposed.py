@@ -47,11 +47,6 @@ LIMIT = Window(0.7, 1.0, "of the value on the finest level")
 
 Eigenvalues that tend to zero leave the window. Values like h^p extrapolate to 0. The slowest decay is 1/(c + |log h|),
 which occurs if Γ1 is a point; it extrapolates to less than 0.7 of the last value."""
-OVER = "eigenvalue, finest level / next coarser level"
-SETTLED = Window(0.75, 1.25)
-"""Window of the quotient of eigenvalues on neighbouring levels.
-
-It excludes powers of h: even h^{1/2} would change by the factor 0.71 or 1.41."""
 
 
 def extrapolated(table: pd.DataFrame) -> float:
