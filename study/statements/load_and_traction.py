@@ -200,6 +200,10 @@ SUPERCLOSE = between(1, 2, 0.25, 0, "order 2 where the triangles along Γ3 are s
 WEAK = around(2, 0.3, "product of two errors O(h), σ − σ^h and v − Π^h v")
 
 
+WEAKLY = "loaded, weakly", "tangential, weakly"
+"""Columns with the violations of the traction conditions on Γ2 and on Γ3, tested with smooth fields."""
+
+
 class NaturalConditions(ListedNumbers):
     """Measures how far the discrete stress violates the traction conditions on Γ2 and Γ3.
 
@@ -286,24 +290,22 @@ def tractions(setup: Experiment) -> Numbers:
             rule = facet_rule(mesh, facets, part, (), FACET_POINTS)
             sides.append((kind, part, mesh.f2t[0, facets], rule.weights, setup.solution.at(part.point(rule.s))))
     tests = [weighted_strains(setup, fields) for fields in smooth_fields(space.body)]
-    squares = []
+    squares: Numbers = dict.fromkeys(("tangential", "contact", "loaded", *WEAKLY), 0.0)
+    size = 0.0
     for time, stress in discrete_stresses(setup):
-        found = dict.fromkeys(("tangential", "contact", "loaded", "size"), 0.0)
         for kind, part, cells, weights, exact in sides:
             forces = traction(stress[:, cells], part.normal)
             load = exact.surface_load(part, time)
             if kind is Kind.CONTACT:
                 tangential = forces - np.multiply.outer(part.normal, part.normal @ forces)
-                found["tangential"] += np.sum(tangential**2 * weights.sum(axis=1))
+                squares["tangential"] += np.sum(tangential**2 * weights.sum(axis=1))
             name = "contact" if kind is Kind.CONTACT else "loaded"
-            found[name] += np.sum((forces[..., None] - load) ** 2 * weights)
-            found["size"] += np.sum(load**2 * weights)
-        for name, strains in zip(("loaded, weakly", "tangential, weakly"), tests, strict=True):
+            squares[name] += np.sum((forces[..., None] - load) ** 2 * weights)
+            size += np.sum(load**2 * weights)
+        for name, strains in zip(WEAKLY, tests, strict=True):
             works = [np.einsum("Icq,vIcq->v", stress[:, c, None] - exact.stress(time), e) for c, exact, e in strains]
-            found[name] = np.sum(np.sum(works, axis=0) ** 2)
-        squares.append(found)
-    total = pd.DataFrame(squares).sum()
-    return {name: math.sqrt(total[name] / total["size"]) for name in total.index if name != "size"}
+            squares[name] += np.sum(np.sum(works, axis=0) ** 2)
+    return {name: math.sqrt(square / size) for name, square in squares.items()}
 
 
 def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
