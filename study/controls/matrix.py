@@ -79,13 +79,13 @@ class Measured:
         """Return the numbers that a fault can change."""
         if not isinstance(self.statement, Rates):
             return self.statement.measure(faulty)
-        found = measure(faulty)
-        return {**found.errors(), "residual": found.residual, "clamped": found.clamped()}
+        measurement = measure(faulty)
+        return {**measurement.errors(), "residual": measurement.residual, "clamped": measurement.clamped()}
 
     def _judged(self, measured: Sequence[Mapping[str, Any]]) -> list[Verdict]:
         case = resolve(self.settings[0].case)
         pairs = zip(self.settings, measured, strict=True)
-        rows = [row for setting, found in pairs for _, row in self.statement.records(setting, found)]
+        rows = [row for setting, numbers in pairs for _, row in self.statement.records(setting, numbers)]
         table = pd.DataFrame(rows).assign(expected_order=case.order)
         judges = OF_RATES[case.proposition] if isinstance(self.statement, Rates) else (self.statement,)
         return [verdict for judge in judges for verdict in judge.judge(table)]
@@ -99,13 +99,13 @@ def measured_on(name: str) -> list[Measured]:
     levels = scope.levels_of(case).all
     rates, _ = OF_RATES[case.proposition]
     steps = [RateSetting(name, family, n, scope.scheme, scope.steps(case, n)) for n in levels]
-    found = [Measured(rates, tuple(steps))]
+    statements = [Measured(rates, tuple(steps))]
     if case.proposition == "Prop. 5.4" and touches(case.solution):
-        found.append(Measured(ContactForce(), tuple(Setting(name, family, n) for n in levels)))
+        statements.append(Measured(ContactForce(), tuple(Setting(name, family, n) for n in levels)))
     if not case.solution.has_initial_gap:
         coarsest = scope.equivalence[0] if case.solution.body.dim == 2 else scope.solid_equivalence[0]
-        found.append(Measured(SameMesh(), (Setting(name, family, coarsest),)))
-    return found
+        statements.append(Measured(SameMesh(), (Setting(name, family, coarsest),)))
+    return statements
 
 
 def rows_of(name: str, faults: Sequence[Fault] = FAULTS) -> Iterator[dict[str, Any]]:

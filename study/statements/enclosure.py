@@ -189,27 +189,27 @@ def measure(
     check_force(problem.case)
     discretisation = Discretisation(problem.data, family(problem.data.body, level))
     computed = compute(discretisation, scheme, steps)
-    found = enclose(discretisation, computed, trajectory, known_error(problem.case, computed))
-    late = found.times >= computed.T / 2
-    parts = {part: np.sum([getattr(interval, part) for interval in found.intervals]) for part in PARTS}
+    enclosure = enclose(discretisation, computed, trajectory, known_error(problem.case, computed))
+    late = enclosure.times >= computed.T / 2
+    parts = {part: np.sum([getattr(interval, part) for interval in enclosure.intervals]) for part in PARTS}
     row = {
         "case": problem.name,
         "family": family.name,
         "scheme": scheme.name,
         "trajectory": trajectory.name,
         "level": level,
-        "h": found.h,
+        "h": enclosure.h,
         "steps": computed.steps,
         "expected_order": problem.order,
-        "error": found.error.max(),
-        "lowest": found.lowest,
-        "highest": found.highest,
-        "above": (found.error / found.upper).max(),
-        "below": (found.lower / found.error).max(),
-        "upper": (found.upper / found.error)[late].max(),
-        "lower": (found.lower / found.error)[late].min(),
+        "error": enclosure.error.max(),
+        "lowest": enclosure.lowest,
+        "highest": enclosure.highest,
+        "above": (enclosure.error / enclosure.upper).max(),
+        "below": (enclosure.lower / enclosure.error).max(),
+        "upper": (enclosure.upper / enclosure.error)[late].max(),
+        "lower": (enclosure.lower / enclosure.error)[late].min(),
     }
-    return row | parts, found
+    return row | parts, enclosure
 
 
 class Bounds(Statement):
@@ -219,8 +219,8 @@ class Bounds(Statement):
 
     def settings(self, scope: Scope) -> list[BoundSetting]:
         """Return the settings for the cases of the study and for problems whose solution is unknown."""
-        found = bounds(scope.resolved(), scope.full)
-        return [setting for setting in found if setting.trajectory == self.label]
+        settings = bounds(scope.resolved(), scope.full)
+        return [setting for setting in settings if setting.trajectory == self.label]
 
     def measure(self, setting: BoundSetting) -> Numbers:
         """Compute a displacement and bounds of its error on one mesh.
@@ -231,11 +231,11 @@ class Bounds(Statement):
         problem = resolve_problem(setting.case)
         family = family_named(setting.family)
         scheme = choose("scheme", setting.scheme, SCHEMES)
-        row, found = measure(problem, family, setting.level, scheme, self.steps(setting), setting.by)
-        chosen = np.unique(np.linspace(0, len(found.times) - 1, TIMES).round().astype(int))
-        times: dict[str, list[float]] = {"time": np.round(found.times[chosen], 9).tolist()}
+        row, enclosure = measure(problem, family, setting.level, scheme, self.steps(setting), setting.by)
+        chosen = np.unique(np.linspace(0, len(enclosure.times) - 1, TIMES).round().astype(int))
+        times: dict[str, list[float]] = {"time": np.round(enclosure.times[chosen], 9).tolist()}
         for name in ("error", "distance", "bound"):
-            times[name] = [float(f"{value:.6g}") for value in getattr(found, name)[chosen]]
+            times[name] = [float(f"{value:.6g}") for value in getattr(enclosure, name)[chosen]]
         return {"row": row, "times": times}
 
     def records(self, setting: BoundSetting, found: Row) -> Records:
@@ -292,8 +292,8 @@ class BoundedError(Bounds):
     checks = ABOVE, REACH
 
     def by_case(self, rows: pd.DataFrame) -> list[tuple[str, Groups]]:
-        mine = rows[(rows["trajectory"] == self.label) & rows["known"]]
-        return [(str(case), {"": of_case}) for case, of_case in mine.groupby("case", sort=False)]
+        of_kind = rows[(rows["trajectory"] == self.label) & rows["known"]]
+        return [(str(case), {"": of_case}) for case, of_case in of_kind.groupby("case", sort=False)]
 
 
 class EnclosedError(Bounds):

@@ -135,9 +135,9 @@ class NodalStart(ListedNumbers):
         bound = norm_of_start(A)
         hats = 2 * mean_energy(A) * (setting.level - 4)
         least = math.sqrt(5 * A.ellipticity * setting.level / 16)
-        found = {"size / predicted": size / math.sqrt(hats), "proved / size": least / size}
+        shares = {"size / predicted": size / math.sqrt(hats), "proved / size": least / size}
         errors = {"error from below": size - bound, "error / start at 0": (size - bound) / bound}
-        return with_h(space.h, found | errors)
+        return with_h(space.h, shares | errors)
 
 
 def spikes(x: Points, last: int) -> Array:
@@ -310,11 +310,11 @@ class InterpolationOnContact(ListedNumbers):
     def measure(self, setting: Setting) -> Numbers:
         space = space_of(setting)
         case = resolve(setting.case)
-        found = {REGULARITY: case.regularity.trace}
+        numbers = {REGULARITY: case.regularity.trace}
         for i, face in enumerate(case.solution.faces, start=1):
-            found[SIZE.format(i)] = induced_size(space, face.part)
-            found |= {TRACE_ERROR.format(v, i): error for v, error in on_face(case.solution, space, face).items()}
-        return with_h(space.h, found)
+            numbers[SIZE.format(i)] = induced_size(space, face.part)
+            numbers |= {TRACE_ERROR.format(v, i): error for v, error in on_face(case.solution, space, face).items()}
+        return with_h(space.h, numbers)
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
         """Yield the criteria for the orders on all faces, in the mesh size on the face.
@@ -377,14 +377,14 @@ def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
     field = smooth(space.body)
     times = {v: fraction * solution.body.T for v, fraction in FUNCTIONS.items()}
     pairs = {v: (exact.displacement(time), nodes.displacement(time)) for v, time in times.items()}
-    found = {}
+    errors = {}
     for name, (inside, nodal) in {**pairs, SMOOTH: (field(x), field(vertices))}.items():
         trace, corners = (np.tensordot(face.part.normal, v, axes=1) for v in (inside, nodal))
         difference = trace - np.einsum("an,anq->nq", corners, rule.shapes)
         error, size = (math.sqrt(np.sum(values**2 * rule.weights)) for values in (difference, trace))
         if error > NO_ERROR * size:
-            found[name] = error
-    return found
+            errors[name] = error
+    return errors
 
 
 RESIDUAL_TIMES = 32
@@ -622,10 +622,10 @@ def predicted(case: Case) -> Numbers:
     For each of the bounds (5.21) and (5.42), a column has the exponent γ for which bound / error is predicted to grow
     like h^{−γ}. One more column tells whether the bound (5.42) has a logarithmic factor.
     """
-    found = case.regularity
-    proved = {"(5.21)": found.rate_smoothness, "(5.42)": found.proved_order}
+    regularity = case.regularity
+    proved = {"(5.21)": regularity.rate_smoothness, "(5.42)": regularity.proved_order}
     growth = {column: max(case.order - proved[bound], 0.0) for bound, column in EXPONENTS.items()}
-    return {**growth, LOGARITHM: float(found.trace == 2)}
+    return {**growth, LOGARITHM: float(regularity.trace == 2)}
 
 
 def constant(law: KelvinVoigt, T: float) -> float:

@@ -125,8 +125,8 @@ class LoadInTime(ListedNumbers):
             for step in (1, 2, COARSER)
         )
         size = np.mean([dual_norm(F, riesz) for F in loads]) * solution.body.T
-        found = {"variation": fine.sum() / half.sum(), "increments": fine.max() / coarse.max()}
-        return with_h(space.h, {**found, "norm": size + fine.sum()})
+        numbers = {"variation": fine.sum() / half.sum(), "increments": fine.max() / coarse.max()}
+        return with_h(space.h, {**numbers, "norm": size + fine.sum()})
 
 
 # The traction, σν ∈ L^∞(0,T;L²(Γ)).
@@ -337,14 +337,14 @@ def weighted_strains(setup: Experiment, fields: list[Field]) -> WeightedStrains:
 
     The fields are scaled to ‖v‖_V = 1.
     """
-    found = []
+    scaled = []
     squares = np.zeros(len(fields))
     for rule in rules(setup.solution, setup.space.mesh, DEGREE):
         exact = setup.solution.at(rule.points)
         strains = np.array([strain(v, rule.points) for v in fields])
         squares += [np.sum(exact.law.A(e) * e * rule.weights) for e in strains]
-        found.append((rule.cells, exact, strains * rule.weights))
-    return [(cells, exact, strains / np.sqrt(squares)[:, None, None, None]) for cells, exact, strains in found]
+        scaled.append((rule.cells, exact, strains * rule.weights))
+    return [(cells, exact, strains / np.sqrt(squares)[:, None, None, None]) for cells, exact, strains in scaled]
 
 
 def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
@@ -379,12 +379,12 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
 
 def planes(body: Body, kind: Kind) -> list[Part]:
     """Return one boundary part of the given kind for each line (in 3D: plane) that contains such parts."""
-    found: list[Part] = []
+    distinct: list[Part] = []
     for part in body.of(kind):
-        parallel = [other for other in found if np.allclose(part.normal, other.normal)]
+        parallel = [other for other in distinct if np.allclose(part.normal, other.normal)]
         if not any(np.allclose(part.normal @ (part.start - other.start), 0) for other in parallel):
-            found.append(part)
-    return found
+            distinct.append(part)
+    return distinct
 
 
 def distances(x: Points, parts: list[Part]) -> Array:

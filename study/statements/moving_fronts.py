@@ -417,7 +417,7 @@ class AdvancingFront(ListedNumbers):
             finer, coarser = (load_from_forces(solution, space, time, degree) for degree in (RAISED, DEGREE))
             changes.append(dual_norm(finer - coarser, riesz))
         rates = Velocity(solution, space).interpolation_error(midpoints(problem.T, INSTANTS))
-        found = {
+        numbers = {
             "error": error,
             "rate": math.sqrt(problem.T * np.mean(rates**2)),
             "excess": furthest(problem, fine, path(linear, MIDPOINT, 2 * steps)),
@@ -427,7 +427,7 @@ class AdvancingFront(ListedNumbers):
             "pairing": pairing(solution, space, problem.M @ np.diff(fine, axis=0).T),
             "half": half_quotient(problem, fine),
         }
-        return with_h(space.h, found)
+        return with_h(space.h, numbers)
 
 
 def pressure_load(solution: ExactSolution, space: Space, time: float) -> Array:

@@ -110,12 +110,12 @@ class PlainProblem:
         Args:
             on: for each contact face, the indices of the vertices on it.
         """
-        found = rules(self.solution, self.mesh, DEGREE if self.dim == 2 else SOLID_DEGREE)
-        self.cell = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in found])
-        self.weights = np.concatenate([rule.weights.ravel() for rule in found])
+        on_cells = rules(self.solution, self.mesh, DEGREE if self.dim == 2 else SOLID_DEGREE)
+        self.cell = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in on_cells])
+        self.weights = np.concatenate([rule.weights.ravel() for rule in on_cells])
         within = self.cell, np.arange(self.cell.size)
         self.sums = sps.csr_array((self.weights, within), shape=(self.mesh.t.shape[1], self.cell.size))
-        points = np.concatenate([rule.points.reshape(self.dim, -1) for rule in found], axis=1)
+        points = np.concatenate([rule.points.reshape(self.dim, -1) for rule in on_cells], axis=1)
         self.law = self.solution.law.at(points)
         self.exact = self.solution.at(points)
         self.at_vertices = self.solution.at(self.mesh.p)
@@ -512,10 +512,10 @@ class OtherCodes(ListedNumbers):
 
     def measure(self, setting: Setting) -> Numbers:
         task = Task(resolve(setting.case), family_named(setting.family), setting.level)
-        found = {FROZEN: task.error(FROZEN_TIMES)}
+        errors = {FROZEN: task.error(FROZEN_TIMES)}
         if setting in MARCHED:
-            found[MARCH] = task.error_of_march(setting.level)
-        return with_h(task.space.h, found)
+            errors[MARCH] = task.error_of_march(setting.level)
+        return with_h(task.space.h, errors)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         if CODE not in rows or rows[CODE].isna().all():

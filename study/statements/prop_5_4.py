@@ -270,9 +270,9 @@ class Measurement:
         steps = RESPONSE
         while True:
             drift = maximum([math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps)])
-            found = (abs(raised - error) + drift) / error
-            if not found > NEGLIGIBLE or steps >= 2 * experiment.steps:
-                return found
+            effect = (abs(raised - error) + drift) / error
+            if not effect > NEGLIGIBLE or steps >= 2 * experiment.steps:
+                return effect
             steps = min(MORE * steps, 2 * experiment.steps)
 
 
@@ -437,8 +437,8 @@ class FirstOrder(Rates):
         )
         yield SIZES, in_h
         for superclose, criterion in DISCRETE_ORDERS.items():
-            if mine := split_superclose(groups)[superclose]:
-                yield criterion, mine
+            if tables := split_superclose(groups)[superclose]:
+                yield criterion, tables
         for rule in (*DISCRETE_SIZES, start_share(groups), *EVIDENCE):
             yield rule, groups
         for criterion in SOLIDS if value_of_case(groups, "dim") == 3 else ():

@@ -204,9 +204,9 @@ class Exact:
         squares = np.zeros(3)
         for cells, weights, shapes, best, fields in self._blocks:
             exact = fields.stress(time)
-            mine = np.einsum("Ina,anq->Inq", coefficients[:, cells], shapes, optimize=True)
+            discrete = np.einsum("Ina,anq->Inq", coefficients[:, cells], shapes, optimize=True)
             nearest = np.einsum("naq,Inq,anp->Inp", best, exact, shapes, optimize=True)
-            squares += [np.einsum("Inq,Inq,nq->", d, d, weights) for d in (exact - mine, exact - nearest, exact)]
+            squares += [np.einsum("Inq,Inq,nq->", d, d, weights) for d in (exact - discrete, exact - nearest, exact)]
         error, least, size = np.sqrt(squares).tolist()
         return error, least, size
 
@@ -220,8 +220,8 @@ class Exact:
         square = 0.0
         for edges, shapes, weights, fields in self._faces:
             exact = fields.pressure(time)
-            mine = -np.einsum("na,anq->nq", self.space.boundary_tractions(edges, tractions)[..., 0], shapes)
-            square += float(np.vdot((exact - mine) ** 2, weights))
+            discrete = -np.einsum("na,anq->nq", self.space.boundary_tractions(edges, tractions)[..., 0], shapes)
+            square += float(np.vdot((exact - discrete) ** 2, weights))
         return float(np.sqrt(square))
 
     def moments(self, time: float) -> Array:
@@ -398,7 +398,7 @@ def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
     _, at_contact = smoothness(replace(regularity, corner=math.inf), family)
     in_time = 1.5 if regularity.moving else 2.0
     moments = min(2 * s, in_time)
-    found = {
+    predictions = {
         "stress": Orders(r, max(r, 2.0) if r >= 1 else r),
         "strain": Orders(min(r, in_time), 2.0 if r >= 1 else r),
         "pressure": Orders(min(r, at_contact - 0.5), 2.0),
@@ -406,7 +406,7 @@ def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
         "primal_stress": Orders(constant, constant),
         "primal_displacement": Orders(moments, max(moments, 2.0)),
     }
-    return {name: orders for name, orders in found.items() if orders.window().low > 0}
+    return {name: orders for name, orders in predictions.items() if orders.window().low > 0}
 
 
 def smoothness(regularity: Regularity, family: str) -> tuple[float, float]:
@@ -491,12 +491,12 @@ class OwnSpace(Statement):
         return measure(setup)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        found: list[Verdict] = []
+        judged: list[Verdict] = []
         for (case, family), series in rows.groupby(["case", "family"], sort=False):
             levels = series.sort_values("h", ascending=False).assign(ratio=series["stress"] / series["best"])
             checks = checks_of(resolve(str(case)).regularity, str(family))
-            found += [rule.verdict(self, str(case), {str(family): levels}, str(family)) for rule in checks]
-        return found
+            judged += [rule.verdict(self, str(case), {str(family): levels}, str(family)) for rule in checks]
+        return judged
 
     def memory(self, setting: Setting) -> float:
         return estimates.stress(setting.level)

@@ -138,7 +138,7 @@ class BackwardEuler(ListedNumbers):
         flow = GradientFlow(problem, np.array([problem.load(t) for t in problem.T * np.arange(FINEST + 1) / FINEST]))
         exact = path(problem, MIDPOINT, FINEST)
         half = path(problem, MIDPOINT, FINEST // 2)
-        found: Numbers = {}
+        numbers: Numbers = {}
         for count in COUNTS:
             k = problem.T / count
             nodes = exact[:: FINEST // count]
@@ -148,14 +148,14 @@ class BackwardEuler(ListedNumbers):
             error, of_interpolation, of_midpoint = (furthest(problem, exact, line) for line in lines)
             of_constant = maximum(furthest(problem, exact, side) for side in last(states, FINEST))
             bound_of_midpoint = furthest(problem, nodes, middle) + k / 2 * flow.fastest
-            found[f"{count} error"] = error
-            found[f"{count} by data"] = error / flow.a_priori(count)
-            found[f"{count} by solution"] = error / flow.a_posteriori(states)
-            found[f"{count} constant"] = of_constant / flow.piecewise_constant(count)
-            found[f"{count} between"] = of_interpolation / (k / 4 * oscillation(problem, exact, count))
-            found[f"{count} midpoint"] = of_midpoint / bound_of_midpoint
-        found["reference"] = furthest(problem, exact[::2], half) / minimum(found[name] for name in COLUMNS["error"])
-        return with_h(setup.space.h, found)
+            numbers[f"{count} error"] = error
+            numbers[f"{count} by data"] = error / flow.a_priori(count)
+            numbers[f"{count} by solution"] = error / flow.a_posteriori(states)
+            numbers[f"{count} constant"] = of_constant / flow.piecewise_constant(count)
+            numbers[f"{count} between"] = of_interpolation / (k / 4 * oscillation(problem, exact, count))
+            numbers[f"{count} midpoint"] = of_midpoint / bound_of_midpoint
+        numbers["reference"] = furthest(problem, exact[::2], half) / minimum(numbers[name] for name in COLUMNS["error"])
+        return with_h(setup.space.h, numbers)
 
 
 class JumpingLoad(BackwardEuler):
@@ -322,23 +322,23 @@ class NoPotential(ListedNumbers):
         bounds = EulerBounds(flow, law.kappa, law.growth)
         exact = path(problem, MIDPOINT, REFERENCE_STEPS)
         half = path(problem, MIDPOINT, REFERENCE_STEPS // 2)
-        found: Numbers = {}
+        numbers: Numbers = {}
         for kind, count in product(KINDS, STEP_COUNTS):
             nodes = partition(kind, count)
             states = backward_euler(problem, times[nodes].tolist())
             # Between its nodes, the solution is interpolated linearly in time.
             error = furthest(problem, exact, make_interp_spline(nodes, states, k=1)(np.arange(REFERENCE_STEPS + 1)))
-            found[f"{kind} {count} error"] = error
-            found[f"{kind} {count} by data"] = error / bounds.by_data(nodes)
-            found[f"{kind} {count} by solution"] = error / bounds.by_solution(nodes, states)
-        smallest = minimum(found[f"{kind} {STEP_COUNTS[-1]} error"] for kind in KINDS)
-        found["reference"] = furthest(problem, exact[::2], half) / smallest
+            numbers[f"{kind} {count} error"] = error
+            numbers[f"{kind} {count} by data"] = error / bounds.by_data(nodes)
+            numbers[f"{kind} {count} by solution"] = error / bounds.by_solution(nodes, states)
+        smallest = minimum(numbers[f"{kind} {STEP_COUNTS[-1]} error"] for kind in KINDS)
+        numbers["reference"] = furthest(problem, exact[::2], half) / smallest
         # Errors in time cannot show a wrong solver, so the error against the exact solution is measured for k ~ h.
         steps = PER_CELL * setting.level
         instants = (problem.T * np.arange(steps + 1) / steps).tolist()
         pairs = zip(instants, backward_euler(problem, instants), strict=True)
-        found["fully discrete"] = maximum(setup.v_norm.distance(setup.v_norm.sample(t), u) for t, u in pairs)
-        return with_h(setup.space.h, {**found, "rotation": rotating()})
+        numbers["fully discrete"] = maximum(setup.v_norm.distance(setup.v_norm.sample(t), u) for t, u in pairs)
+        return with_h(setup.space.h, {**numbers, "rotation": rotating()})
 
 
 def rotating() -> float:
@@ -572,12 +572,12 @@ class Landings(ListedNumbers):
     full = grid(("travelling-patch",), ("one-diagonal", "shaken"), (8, 16))
 
     def measure(self, setting: Setting) -> Numbers:
-        found: Numbers = {}
+        numbers: Numbers = {}
         for scheme in (BACKWARD_EULER, MIDPOINT):
             for count in HALVED_STEPS:
                 exact = solution_of_two_unknowns(np.arange(count + 1) / count)
                 error = furthest(two_unknowns(), path(two_unknowns(), scheme, count), exact)
-                found[f"two {scheme.name} {count}"] = count * error
+                numbers[f"two {scheme.name} {count}"] = count * error
         setup = Experiment.at(setting, MIDPOINT, LANDING_STEPS)
         rolled = replace(setup.problem, load=rolling(setup.space), u0=np.zeros(setup.space.dofs))
         loads = {"own": setup.problem, "rolling": rolled}
@@ -586,5 +586,5 @@ class Landings(ListedNumbers):
             for scheme in (BDF2, MIDPOINT):
                 for count in HALVED_STEPS:
                     error = furthest(problem, exact[:: LANDING_STEPS // count], path(problem, scheme, count))
-                    found[f"{load} {scheme.name} {count}"] = error
-        return with_h(setup.space.h, found)
+                    numbers[f"{load} {scheme.name} {count}"] = error
+        return with_h(setup.space.h, numbers)

@@ -219,9 +219,9 @@ class Dependence(ListedNumbers):
         omega = setup.solution.law.kappa
         trajectory = list(setup.march(setup.steps))
         others = perturbations(setup.problem, setup.space)
-        found = np.array([quotients(setup.problem, trajectory, other) for other in others])
-        damped = found * np.exp(-omega * np.array([state.time for state in trajectory[1:]]))
-        return with_h(setup.space.h, {"bound": damped.max(), "monotone": found.max(), "first step": damped[0, 0]})
+        ratios = np.array([quotients(setup.problem, trajectory, other) for other in others])
+        damped = ratios * np.exp(-omega * np.array([state.time for state in trajectory[1:]]))
+        return with_h(setup.space.h, {"bound": damped.max(), "monotone": ratios.max(), "first step": damped[0, 0]})
 
 
 def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbation) -> Array:
@@ -238,11 +238,11 @@ def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbatio
     riesz = Cholesky(problem.M)
     changed = replace(problem, load=lambda t: problem.load(t) + other.change(t), u0=other.start)
     bound = norm(problem, problem.u0 - other.start)
-    found = []
+    ratios = []
     for u, v in zip(trajectory[1:], islice(BACKWARD_EULER.march(changed, steps), 1, None), strict=True):
         bound += problem.T / steps * dual_norm(other.change(u.time), riesz)
-        found.append(norm(problem, u.u - v.u) / bound)
-    return np.array(found)
+        ratios.append(norm(problem, u.u - v.u) / bound)
+    return np.array(ratios)
 
 
 def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]:
@@ -375,12 +375,12 @@ class SolutionDivergence(ListedNumbers):
         setup = Experiment.at(setting, MIDPOINT, 1)
         law = resolve(setting.case).solution.law
         setup = replace(setup, problem=with_cached_loads(setup.problem, 9))
-        found: Numbers = {}
+        numbers: Numbers = {}
         for omega, T in SWEEP:
-            for name, mine in (("own", scaled(law, omega)), ("even", even_law(law.dim, omega))):
-                found[column(name, "rate", omega, T)] = growth_rate(setup.space, mine, T)
-                found[column(name, "bound", omega, T)] = over_bound(setup, mine, T)
-        return with_h(setup.space.h, found)
+            for name, softening in (("own", scaled(law, omega)), ("even", even_law(law.dim, omega))):
+                numbers[column(name, "rate", omega, T)] = growth_rate(setup.space, softening, T)
+                numbers[column(name, "bound", omega, T)] = over_bound(setup, softening, T)
+        return with_h(setup.space.h, numbers)
 
 
 def even_law(dim: int, omega: float) -> KelvinVoigt:

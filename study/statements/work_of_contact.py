@@ -122,16 +122,16 @@ class EdgeWork(ListedNumbers):
 
     def measure(self, setting: Setting) -> Numbers:
         space, solution = posed(setting)
-        found: dict[str, list[float]] = {name: [0.0] for name in (WORK, OF_ALL, OVERALL)}
+        ratios: dict[str, list[float]] = {name: [0.0] for name in (WORK, OF_ALL, OVERALL)}
         open_parts: list[float] = []
         for touching, open_part, of_bound in mixed_edges(solution, space):
-            found[WORK] += [*(of_bound / beta(open_part))]
-            found[OVERALL] += [*of_bound]
-            found[OF_ALL] += [supremum(of_edge, rho) for of_edge in touching for rho in EXPONENTS]
+            ratios[WORK] += [*(of_bound / beta(open_part))]
+            ratios[OVERALL] += [*of_bound]
+            ratios[OF_ALL] += [supremum(of_edge, rho) for of_edge in touching for rho in EXPONENTS]
             open_parts += [*open_part]
         by_open_part = np.array(open_parts) >= EQUAL_BRANCHES
         counts = np.sum(by_open_part), np.sum(~by_open_part)
-        numbers: Numbers = {name: maximum(values) for name, values in found.items()}
+        numbers: Numbers = {name: maximum(values) for name, values in ratios.items()}
         return with_h(space.h, numbers | dict(zip(BRANCHES, counts, strict=True)))
 
 
@@ -268,14 +268,14 @@ def least_depth(solution: ExactSolution, corners: Points) -> Array:
         solution: the exact solution.
         corners: the corners of the cells, (2, 3, cells).
     """
-    found = np.full(corners.shape[2:], math.inf)
+    depths = np.full(corners.shape[2:], math.inf)
     for face in solution.faces:
         assert isinstance(face, ContactFace | FadingFace)
         (along,), into = face.part.coordinates(corners)
         depth = face.least_depth if isinstance(face, FadingFace) else face.profile.depth
         met = (into.min(axis=0) < depth) & (along.max(axis=0) > 0) & (along.min(axis=0) < face.part.measure)
-        found[met] = np.minimum(found[met], depth)
-    return found
+        depths[met] = np.minimum(depths[met], depth)
+    return depths
 
 
 def pressing_on(at: Resolved) -> Callable[[float], Array]:
@@ -363,10 +363,10 @@ COARSEST_LEVEL = 32
 
 def from_32(key: str, quantity: str, column: str, window: Window) -> Check:
     """Return the criterion for the observed orders of a column from level to level, without levels below n = 32."""
-    found = consequence(
+    check = consequence(
         key, f"{quantity}, level by level from n = 32", level_by_level(column), window, levels=ENOUGH, finest=True
     )
-    return replace(found, value=lambda levels: found.value(levels[levels["level"] >= COARSEST_LEVEL]))
+    return replace(check, value=lambda levels: check.value(levels[levels["level"] >= COARSEST_LEVEL]))
 
 
 ROOT = "order of ‖R(·; Π^h u − u)‖^{1/2}"
@@ -470,13 +470,13 @@ class WorkOfContact(ListedNumbers):
         error, excess = np.max(sizes, axis=0)
         total = TotalWork(solution)
         vertices = vertices_on(space)
-        found = {"error": error, "excess": excess, "work": math.sqrt(total(vertices))}
+        numbers = {"error": error, "excess": excess, "work": math.sqrt(total(vertices))}
         if not family_named(setting.family).irregular:
             rng = np.random.default_rng(SEED)
             moved = zip(*(shaken(vertices, rng) for _ in range(DRAWS)), strict=True)
             works = total([np.array(of_piece) for of_piece in moved])
-            found |= {"mean work": math.sqrt(np.mean(works)), "spread": np.std(works) / np.mean(works)}
-        return with_h(space.h, found)
+            numbers |= {"mean work": math.sqrt(np.mean(works)), "spread": np.std(works) / np.mean(works)}
+        return with_h(space.h, numbers)
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
         irregular, on_grid = split_irregular(groups)
@@ -618,47 +618,47 @@ class Trajectories:
         return on.projected(n * self.k) + left + on.condensed.factor(on.at.space.N.T @ forces)
 
 
-def sides(found: Trajectories) -> Numbers:
+def sides(solutions: Trajectories) -> Numbers:
     """Return the error, its bound, and the terms E_h, M_h, J_h of the bound, which the module docstring defines."""
-    on = found.on
-    at = found.on.at
-    space = found.on.at.space
+    on = solutions.on
+    at = solutions.on.at
+    space = solutions.on.at.space
     distance = at.v_norm.distance
     finer = at.inclusion
     measured = []
-    for n in range(0, found.steps + 1, max(1, found.steps // SAMPLED_PARTS)):
-        time = n * found.k
+    for n in range(0, solutions.steps + 1, max(1, solutions.steps // SAMPLED_PARTS)):
+        time = n * solutions.k
         sample = at.v_norm.sample(time)
         projected = finer @ on.projected(time)
-        error = distance(sample, finer @ found.displacement(n))
+        error = distance(sample, finer @ solutions.displacement(n))
         measured.append((error, distance(sample, projected), interpolation_error(at.solution, space, time)))
     error, best, between = np.max(measured, axis=0)
-    nodal = maximum(abs(g + on.gap(n * found.k)).max() for n, g in enumerate(found.projected))
+    nodal = maximum(abs(g + on.gap(n * solutions.k)).max() for n, g in enumerate(solutions.projected))
     (part,) = space.body.of(Kind.CONTACT)
     (top,) = space.body.of(Kind.CLAMPED)
     theta = space.interpolate(np.multiply.outer(part.normal, top.coordinates(space.mesh.p)[1]))
     field = math.sqrt(theta @ (on.M @ theta))
     start = distance(at.v_norm.sample(0.0), finer @ on.start)
-    force = found.k * found.forces.sum()
+    force = solutions.k * solutions.forces.sum()
     right = best + start + 2 * field * nodal + math.sqrt(2 * (2 * nodal + between) * force)
     right *= math.exp(at.solution.law.kappa * space.body.T)
     return {"error": error, "right side": right, "E_h": best, "M_h": nodal, "J_h": between, "force": force}
 
 
-def nodal_error_near_patch(found: Trajectories, width: float) -> float:
+def nodal_error_near_patch(solutions: Trajectories, width: float) -> float:
     """Return the largest nodal error |(P_hu − u)_ν| at vertices near the roller, for t ≥ T/2.
 
     Near means within 2ℓ of the middle of the contact patch. At these times the patch is far from all corners.
 
     Args:
-        found: the solutions over time.
+        solutions: the solutions over time.
         width: the width ℓ of the roller.
     """
-    (s,) = found.on.places
+    (s,) = solutions.on.places
     errors = []
-    for n in range(found.steps // 2, found.steps + 1):
-        near = abs(s - float(START) - n * found.k + width / 2) <= 2 * width
-        errors.append(abs(found.projected[n] + found.on.gap(n * found.k))[near])
+    for n in range(solutions.steps // 2, solutions.steps + 1):
+        near = abs(s - float(START) - n * solutions.k + width / 2) <= 2 * width
+        errors.append(abs(solutions.projected[n] + solutions.on.gap(n * solutions.k))[near])
     return float(np.concatenate(errors).max())
 
 
@@ -834,9 +834,9 @@ class Rollers(ListedNumbers):
         space, solution = posed(setting)
         on = OnContact(Resolved(solution, space))
         steps = round(PER_H * setting.level * space.body.T)
-        found = Trajectories.of(on, steps)
-        excess = found.excess()
-        numbers = {"excess": excess.max(), "excess at T": excess[-1], **sides(found)}
+        solutions = Trajectories.of(on, steps)
+        excess = solutions.excess()
+        numbers = {"excess": excess.max(), "excess at T": excess[-1], **sides(solutions)}
         if setting.family == PLAIN[0]:
             # The squared seminorm |q|²_{1/2} at the time T/2, for the linear interpolant of q on equal panels of Γ3.
             (face,) = solution.faces
@@ -846,7 +846,7 @@ class Rollers(ListedNumbers):
             q = Jet(sp.sympify(face.strain))(nodes[None], space.body.T / 2)[(0,)]
             numbers["|q|²"] = q @ gram(panels, 0.5) @ q
         if setting.case == f"{ROLLER}-{setting.level}" and setting.family in PLAIN:
-            numbers["M_h beside"] = nodal_error_near_patch(found, 2 / setting.level)
+            numbers["M_h beside"] = nodal_error_near_patch(solutions, 2 / setting.level)
         if setting.level == HALVED and setting.family not in SEEDS[1:]:
             numbers[HALF_STEPS] = Trajectories.of(on, 2 * steps).excess().max()
         return with_h(space.h, numbers)

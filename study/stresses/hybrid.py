@@ -110,7 +110,9 @@ class Equilibrium:
             free[clamped] = False
         self.free = np.flatnonzero(free.ravel())
         # Bodies without contact have no array to concatenate, so the list starts with an empty array.
-        self.contact = np.concatenate([np.empty(0, dtype=np.int64), *(mine for _, mine in space.on(Kind.CONTACT))])
+        self.contact = np.concatenate(
+            [np.empty(0, dtype=np.int64), *(on_part for _, on_part in space.on(Kind.CONTACT))]
+        )
         # For the constraints on Γ3: the positions of the normal moments among all unknown moments.
         self._normal = np.searchsorted(self.free, (2 * n * self.contact[:, None] + 2 * np.arange(n)).ravel())
         count = len(self._normal)
@@ -214,10 +216,10 @@ class Equilibrium:
         # The moments of all edges are the unknown ones, and zeros on Γ1.
         all_shifted, moments = np.zeros((2, *v.shape[:-1], self.total))
         all_shifted[..., self.free], moments[..., self.free] = shifted, v
-        found = _times(all_shifted[..., self.numbers], self._of_moments) - known
+        corrections = _times(all_shifted[..., self.numbers], self._of_moments) - known
         return EquilibratedStress(
-            values + self.space.combined(found[..., : self._tractions.start]),
-            tractions + found[..., self._tractions].reshape(tractions.shape),
+            values + self.space.combined(corrections[..., : self._tractions.start]),
+            tractions + corrections[..., self._tractions].reshape(tractions.shape),
             moments.reshape(*v.shape[:-1], -1, self.space.degree + 1, 2),
         )
 
