@@ -282,7 +282,7 @@ def measure(experiment: StressExperiment) -> Numbers:
     """Solve the stress and the displacement problem together, and return the measured columns of ``stresses.csv``."""
     space = experiment.space
     exact = Exact(experiment.solution, experiment.space)
-    clamped = sum(len(edges) for _, edges in space.on(Kind.CLAMPED))
+    clamped = len(space.edges_on(Kind.CLAMPED))
     primal = primal_solution(experiment.solution, space, experiment.steps)
     coarse = experiment.companion()
     steps = []
@@ -332,10 +332,9 @@ def inadmissible(space: StressSpace, state: DualState) -> float:
     total = np.zeros((len(space.lengths), *tractions.shape[2:]))
     np.add.at(total, space.edges, tractions)
     total -= state.loads.surface  # It is zero outside Γ2.
-    for _, edges in space.on(Kind.CLAMPED):
-        total[edges] = 0.0
-    for _, edges in space.on(Kind.CONTACT):
-        total[edges, :, 0] = np.maximum(total[edges, :, 0], 0.0)
+    total[space.edges_on(Kind.CLAMPED)] = 0.0
+    contact = space.edges_on(Kind.CONTACT)
+    total[contact, :, 0] = np.maximum(total[contact, :, 0], 0.0)
     return float(abs(total).max() / abs(tractions).max())
 
 

@@ -257,7 +257,7 @@ def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Arr
         For each of the three side numbers: the cells with this side on Γ2, (n,); the edges there, (n,); and the bounds,
         (n,).
     """
-    loaded = np.concatenate([np.empty(0, dtype=int), *(edges for _, edges in space.on(Kind.LOADED))])
+    loaded = space.edges_on(Kind.LOADED)
     sides = []
     for side in range(len(SIDES)):
         cells = np.flatnonzero(np.isin(space.edges[:, side], loaded))

@@ -70,6 +70,10 @@ class StressSpace(MeshedBody):
         """For each of the three sides of every cell, the number of this edge in the mesh, (cells, 3)."""
         return self.mesh.t2f[list(FACETS)].T
 
+    def edges_on(self, kind: Kind) -> Array:
+        """Return the numbers of the edges on all boundary parts of a kind, which may be none, (e,)."""
+        return np.concatenate([np.empty(0, dtype=np.int64), *(edges for _, edges in self.on(kind))])
+
     @cached_property
     def lengths(self) -> Array:
         """The lengths of the edges, (edges,)."""
