@@ -44,7 +44,6 @@ from study.present.picture import Picture, picture_path, read_record
 from study.present.report import PAGES
 from study.present.show import write_gif
 from study.present.tables import texts
-from study.run.provenance import sources
 
 BY_TABLES, BY_FIGURES, BY_PAGES = "study tables --out {}", "study figures --out {}", "make pages"
 """The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
@@ -331,10 +330,8 @@ def missed(data: FullRun) -> str:
 def statements(data: FullRun) -> str:
     """Return all statements with their verdicts, the code files that judge them and their data files, in Markdown."""
     lines = []
-    current = sources()
     for label, claim, rows in by_claim(data.claims):
-        # The files of today's program: the data may have been measured when a statement stood in another file.
-        where = current[label]
+        where = data.provenance["statements"].get(label, {"code": [], "data": ["provenance.json"]})
         code = ", ".join(f"[`{path}`](../../{path})" for path in where["code"])
         files = ", ".join(f"`{name}`" for name in where["data"])
         lines.append([_literal(label), _literal(claim), _verdicts(rows), f"{code}: {files}"])
