@@ -35,12 +35,10 @@ from study.fem.space import form
 from study.solve.evolution import SemiDiscrete
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
-from study.statements.advancing_front import DEGREE, INSTANTS
-from study.statements.contact_work import Resolved
-from study.statements.half_derivative import means_from_edges
-from study.statements.rollers import PER_H, OnContact, Trajectories
+from study.statements.moving_fronts import DEGREE, INSTANTS, means_from_edges
 from study.statements.shared.base import Setting
 from study.statements.shared.meshes import space_of
+from study.statements.work_of_contact import PER_H, OnContact, Resolved, Trajectories
 
 FILE = Path(__file__).parents[1] / "results" / "benchmarks" / "fine-levels.csv"
 LEVELS = (16, 32, 64, 128, 256, 512)

@@ -19,7 +19,7 @@ import pandas as pd
 from study.controls.faults import FAULTS, Fault
 from study.fem.naming import is_own, resolve
 from study.ledger.datafiles import Row, write_csv
-from study.ledger.verdict import HOLDS, Verdict
+from study.ledger.verdict import HOLDS
 from study.run.fingerprint import code_hash
 from study.run.judgement import stored_tables
 from study.run.plan import Job, Plan
@@ -75,14 +75,14 @@ def rows_of(jobs: Sequence[Job], store: Store) -> Iterator[Row]:
         jobs: the measurements of the case that were repeated with each defect, as ``contact_tests`` returns them.
         store: has the results of all measurements.
     """
-    sound = {name for name, verdict in verdicts(jobs, store).items() if verdict.verdict == HOLDS}
+    sound, setting = holding(jobs, store), jobs[0].setting
+    levels = sorted({job.setting.level for job in jobs})
     for defect in DEFECTS:
-        after = verdicts(defective(jobs, defect), store)
-        noticed = sorted(name for name in sound if name not in after or after[name].verdict != HOLDS)
+        noticed = sorted(sound - holding(defective(jobs, defect), store))
         yield {
-            "case": resolve(jobs[0].setting.case).name,
-            "family": jobs[0].setting.family,
-            "levels": " ".join(map(str, sorted({job.setting.level for job in jobs}))),
+            "case": resolve(setting.case).name,
+            "family": setting.family,
+            "levels": " ".join(map(str, levels)),
             "defect": defect,
             "what": defect,
             "holding": len(sound),
@@ -91,16 +91,16 @@ def rows_of(jobs: Sequence[Job], store: Store) -> Iterator[Row]:
         }
 
 
-def verdicts(jobs: Sequence[Job], store: Store) -> dict[str, Verdict]:
-    """Judge the stored results of jobs on one case; return the checks that compare with the exact solution.
+def holding(jobs: Sequence[Job], store: Store) -> set[str]:
+    """Judge the stored results of jobs on one case; return the checks that hold and compare with the exact solution.
 
-    Returns:
-        "LABEL, KEY" ↦ the check, with the label of its statement and its key (short name).
+    A check is named "LABEL, KEY", after the label of its statement and its key.
     """
     tables = stored_tables(jobs, store)
     statements = dict.fromkeys(job.statement for job in jobs)
-    found = judge_own([verdict for one in statements for verdict in one.judge(tables[one.file])], tables[RATES])
-    return {f"{one.label}, {one.key}": one for one in found if one.key not in OF_THE_PROGRAM}
+    judged = [verdict for statement in statements for verdict in statement.judge(tables[statement.file])]
+    of_case = [v for v in judge_own(judged, tables[RATES]) if v.key not in OF_THE_PROGRAM]
+    return {f"{verdict.label}, {verdict.key}" for verdict in of_case if verdict.verdict == HOLDS}
 
 
 def contact_tests(plan: Plan) -> list[list[Job]]:
@@ -110,21 +110,16 @@ def contact_tests(plan: Plan) -> list[list[Job]]:
     measurements of the case on the finest levels of one mesh family that is not random. The number of levels is the
     smallest that suffices for a verdict on an observed order.
     """
-    found = []
+    tests = []
     for reference in plan.scope.cases:
         case = resolve(reference)
         if is_own(reference) and touches(case.solution):
             place = (reference, regular(case).name)
-            levels = plan.scope.levels_of(case).all
-            jobs = [
-                job
-                for job in plan.jobs
-                if isinstance(job.statement, Rates | ContactForce)
-                and (job.setting.case, job.setting.family) == place
-                and job.setting.level in levels[-least_levels(case.proposition) :]
-            ]
-            found.append(jobs)
-    return found
+            finest = plan.scope.levels_of(case).all[-least_levels(case.proposition) :]
+            of_contact = [job for job in plan.jobs if isinstance(job.statement, Rates | ContactForce)]
+            settings = [(job, job.setting) for job in of_contact]
+            tests.append([job for job, at in settings if (at.case, at.family) == place and at.level in finest])
+    return tests
 
 
 def write_contact_test(tests: Sequence[Sequence[Job]], store: Store) -> list[Path]:

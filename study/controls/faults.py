@@ -24,10 +24,10 @@ from manufactured.law import Yield, isotropic_matrix
 from manufactured.tensors import Array, Points
 from study.fem.error_norm import ErrorNorm, gaps_at_vertices
 from study.fem.independent import work_on
-from study.fem.mesh import facet_measures
 from study.fem.space import Space, means
 from study.solve.evolution import SemiDiscrete, remainder
 from study.solve.signorini import ContactSolver, Signorini
+from study.statements.pictures import contact_weights
 from study.statements.shared.experiment import Experiment
 
 Faulty = Experiment | None
@@ -65,25 +65,26 @@ def solving(setup: Experiment, **changes: Any) -> Experiment:
 # ---- (2.1), (3.1), (3.2): the law
 
 
-def with_viscosity(setup: Experiment, matrix: Array, factor: Array) -> Experiment:
-    """Return an experiment that is solved with another viscosity: a tensor (D, D) times a factor on cells (cells,)."""
-    return solving(setup, M=setup.space.form(matrix, factor))
+def with_tensor(setup: Experiment, name: str, matrix: Array, factor: Array) -> Faulty:
+    """Return an experiment that is solved with another tensor A or G; None if G is changed and is nonlinear.
 
-
-def with_elasticity(setup: Experiment, matrix: Array, factor: Array) -> Faulty:
-    """Return an experiment that is solved with another linear elasticity; None if G is nonlinear."""
-    if setup.problem.remainder is not None:
+    Args:
+        setup: the experiment.
+        name: "A" or "G".
+        matrix: the tensor in Mandel form, (D, D).
+        factor: the material factor on the cells, (cells,).
+    """
+    if name == "G" and setup.problem.remainder is not None:
         return None
-    return solving(setup, reference=setup.space.form(matrix, factor))
+    return solving(setup, **{"M" if name == "A" else "reference": setup.space.form(matrix, factor)})
 
 
 def tensor_fault(name: str, change: Callable[[Array, float], Array]) -> Change:
     """Return the fault that changes the constant tensor of A or G, by a function of the tensor and the size δ."""
-    make = with_viscosity if name == "A" else with_elasticity
 
     def faulty(setup: Experiment, size: float) -> Faulty:
         tensor = getattr(setup.solution.law, name)
-        return make(setup, change(tensor.reference, size), means(setup.space, tensor.factor))
+        return with_tensor(setup, name, change(tensor.reference, size), means(setup.space, tensor.factor))
 
     return faulty
 
@@ -102,11 +103,10 @@ def factor_fault(change: Callable[[Space, Array], Array]) -> Change:
 
 def with_factors(setup: Experiment, change: Callable[[Array], Array]) -> Experiment:
     """Return an experiment that is solved with changed material factors of A and of a linear G."""
-    law = setup.solution.law
-    space = setup.space
-    viscous, elastic = (change(means(space, tensor.factor)) for tensor in (law.A, law.G))
-    faulty = with_viscosity(setup, law.A.reference, viscous)
-    return with_elasticity(faulty, law.G.reference, elastic) or faulty
+    for name in ("A", "G"):
+        tensor = getattr(setup.solution.law, name)
+        setup = with_tensor(setup, name, tensor.reference, change(means(setup.space, tensor.factor))) or setup
+    return setup
 
 
 def exchanged(matrix: Array, size: float) -> Array:
@@ -283,7 +283,8 @@ def components(space: Space, directions: Callable[[Part], Array], once: bool = T
         once: whether vertices that lie on several parts are left out.
     """
     every = np.concatenate([numbers for _, numbers in space.contact])
-    repeated = [number for number in every if (every == number).sum() > 1] if once else []
+    vertices, counts = np.unique(every, return_counts=True)
+    repeated = vertices[counts > 1] if once else vertices[:0]
     rows = []
     for part, numbers in space.contact:
         single = np.setdiff1d(numbers, repeated)
@@ -296,32 +297,21 @@ def tangents(space: Space) -> sps.csr_array:
     return components(space, lambda part: part.frame[:, :-1])
 
 
-def areas(space: Space) -> Array:
-    """Return the share of the vertices of Γ3 in the area of their part, in the order of the rows of N, (m,)."""
-    shares = []
-    for part, numbers in space.contact:
-        facets = space.facets(part)
-        measures = np.tile(facet_measures(space.mesh, facets) / space.dim, (space.dim, 1))
-        shares.append(space.scatter(space.mesh.facets[:, facets], measures[None])[0, numbers])
-    return np.concatenate(shares)
-
-
 def along_contact(setup: Experiment, name: str, size: float, first_only: bool = False) -> Faulty:
     """Solve with springs ("reference") or dashpots ("M") along Γ3.
 
     Their stiffness for an area is δ times the normal modulus of G or A, divided by a unit length.
     """
     space = setup.space
-    law = setup.solution.law
     if first_only and space.dim == 2:
         return None
-    tensor = law.A if name == "M" else law.G
-    T = components(space, lambda part: part.frame[:, :1] if first_only else part.frame[:, :-1])
-    weights = areas(space)[owners(space, 1 if first_only else space.dim - 1)]
+    directions = 1 if first_only else space.dim - 1
+    T = components(space, lambda part: part.frame[:, :directions])
+    weights = contact_weights(space)[owners(space, directions)]
+    tensor = getattr(setup.solution.law, "A" if name == "M" else "G")
     modulus = np.linalg.eigvalsh(tensor.reference)[-1]
     stiffness = T.T @ sps.diags_array(size * modulus * weights) @ T
-    matrix = getattr(setup.problem, name)
-    return solving(setup, **{name: sps.csc_array(matrix + stiffness)})
+    return solving(setup, **{name: sps.csc_array(getattr(setup.problem, name) + stiffness)})
 
 
 def owners(space: Space, directions: int) -> Array:
@@ -484,7 +474,7 @@ def springs(setup: Experiment, size: float) -> Experiment:
     """
     space = setup.space
     modulus = np.linalg.eigvalsh(setup.solution.law.A.reference)[-1]
-    compliance = size / (modulus * areas(space))
+    compliance = size / (modulus * contact_weights(space))
 
     class Springs(Signorini):
         def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None, gap: Array | float = 0.0):

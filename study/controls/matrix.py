@@ -27,9 +27,7 @@ from study.fem.naming import resolve
 from study.ledger.verdict import FAILS, CheckKind, Verdict
 from study.run.plan import quick
 from study.statements.contact_force import ContactForce, touches
-from study.statements.from_rates import SizeOfInterpolation
-from study.statements.initial_gap import InitialGap
-from study.statements.prop_5_3 import Convergence
+from study.statements.prop_5_3 import Convergence, InitialGap, SizeOfInterpolation
 from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting, measure
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.experiment import Experiment
@@ -67,13 +65,13 @@ class Measured:
         """The measured numbers without a fault."""
         return [self.statement.measure(setup) for setup in self.setups]
 
-    def failing(self, fault: Fault | None = None, size: float = 0.0) -> list[Verdict] | None:
-        """Return the checks that fail with a fault, or without; None if the fault cannot occur here."""
+    def failing(self, fault: Fault | None = None, size: float = 0.0) -> list[Verdict]:
+        """Return the checks that fail with a fault, or without; none if the fault cannot occur here."""
         measured = []
         for setup, right in zip(self.setups, self.right, strict=True):
             faulty = fault.change(setup, size) if fault else setup
             if faulty is None:
-                return None
+                return []
             measured.append({**right, **self._again(faulty)} if fault else right)
         return [verdict for verdict in self._judged(measured) if verdict.verdict == FAILS]
 
@@ -81,13 +79,13 @@ class Measured:
         """Return the numbers that a fault can change."""
         if not isinstance(self.statement, Rates):
             return self.statement.measure(faulty)
-        found = measure(faulty)
-        return {**found.errors(), "residual": found.residual, "clamped": found.clamped()}
+        measurement = measure(faulty)
+        return {**measurement.errors(), "residual": measurement.residual, "clamped": measurement.clamped()}
 
     def _judged(self, measured: Sequence[Mapping[str, Any]]) -> list[Verdict]:
         case = resolve(self.settings[0].case)
         pairs = zip(self.settings, measured, strict=True)
-        rows = [row for setting, found in pairs for _, row in self.statement.records(setting, found)]
+        rows = [row for setting, numbers in pairs for _, row in self.statement.records(setting, numbers)]
         table = pd.DataFrame(rows).assign(expected_order=case.order)
         judges = OF_RATES[case.proposition] if isinstance(self.statement, Rates) else (self.statement,)
         return [verdict for judge in judges for verdict in judge.judge(table)]
@@ -101,13 +99,13 @@ def measured_on(name: str) -> list[Measured]:
     levels = scope.levels_of(case).all
     rates, _ = OF_RATES[case.proposition]
     steps = [RateSetting(name, family, n, scope.scheme, scope.steps(case, n)) for n in levels]
-    found = [Measured(rates, tuple(steps))]
+    statements = [Measured(rates, tuple(steps))]
     if case.proposition == "Prop. 5.4" and touches(case.solution):
-        found.append(Measured(ContactForce(), tuple(Setting(name, family, n) for n in levels)))
+        statements.append(Measured(ContactForce(), tuple(Setting(name, family, n) for n in levels)))
     if not case.solution.has_initial_gap:
         coarsest = scope.equivalence[0] if case.solution.body.dim == 2 else scope.solid_equivalence[0]
-        found.append(Measured(SameMesh(), (Setting(name, family, coarsest),)))
-    return found
+        statements.append(Measured(SameMesh(), (Setting(name, family, coarsest),)))
+    return statements
 
 
 def rows_of(name: str, faults: Sequence[Fault] = FAULTS) -> Iterator[dict[str, Any]]:
@@ -119,7 +117,7 @@ def rows_of(name: str, faults: Sequence[Fault] = FAULTS) -> Iterator[dict[str, A
     case = resolve(name)
     with threadpool_limits(1), np.errstate(all="ignore"):
         rates, *others = measured = measured_on(name)
-        wrong = [verdict for one in measured for verdict in one.failing() or []]
+        wrong = [verdict for one in measured for verdict in one.failing()]
         if wrong:
             raise ValueError(f"{name}: without a fault these checks fail: {', '.join(v.key for v in wrong)}")
         for fault in faults:
@@ -147,8 +145,8 @@ def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: floa
     }
     try:
         row["distance"] = distance_of_solutions(right, faulty)
-        failing = rates.failing(fault, size) or []
-        of_others = [verdict for one in others for verdict in one.failing(fault, size) or []]
+        failing = rates.failing(fault, size)
+        of_others = [verdict for one in others for verdict in one.failing(fault, size)]
     except (ArithmeticError, np.linalg.LinAlgError, RuntimeError) as error:
         return {**row, "distance": math.inf, "by_error": "", "by_others": f"stopped by {type(error).__name__}"}
     by_error = [verdict.key for verdict in failing if verdict.kind in BY_ORDER_OR_SIZE]

@@ -11,8 +11,8 @@ from study.fem.naming import family_named
 from study.run.plan import Job, Plan, full, quick
 from study.statements import STATEMENTS
 from study.statements.enclosure import Bounds
-from study.statements.interpolation import InterpolationOnContact
-from study.statements.other_codes import OtherCodes
+from study.statements.error_estimate import InterpolationOnContact
+from study.statements.other_solvers import OtherCodes
 from study.statements.pictures import Pictures
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.meshes import is_random

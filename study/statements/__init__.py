@@ -3,53 +3,45 @@
 Statements that go beyond the paper come last.
 """
 
-from study.statements.advancing_front import AdvancingFront
-from study.statements.backward_euler import BackwardEuler, JumpingLoad
-from study.statements.boundary import NaturalConditions
 from study.statements.contact_force import ContactForce
-from study.statements.contact_work import WorkOfContact
-from study.statements.edge_work import EdgeWork
 from study.statements.enclosure import BoundedError, EnclosedError
-from study.statements.error_bounds import ErrorBounds
-from study.statements.from_rates import RegularityNeeded, SizeOfInterpolation
-from study.statements.fully_discrete import FullyDiscrete
-from study.statements.half_derivative import HalfDerivative, NodalErrors
-from study.statements.initial_gap import InitialGap
-from study.statements.interpolation import InterpolationInV, InterpolationOnContact
-from study.statements.korn import Korn
-from study.statements.landings import Landings
-from study.statements.no_potential import NoPotential
-from study.statements.nodal_start import NodalStart
-from study.statements.norms_in_time import LoadInTime, TractionInTime
-from study.statements.other_codes import OtherCodes
+from study.statements.error_estimate import (
+    ErrorBounds,
+    InterpolationInV,
+    InterpolationOnContact,
+    NodalStart,
+    ResidualBound,
+)
+from study.statements.load_and_traction import LoadInTime, NaturalConditions, TractionInTime
+from study.statements.moving_fronts import AdvancingFront, HalfDerivative, NodalErrors
+from study.statements.other_solvers import OtherCodes, Recomputed
 from study.statements.pictures import Pictures
-from study.statements.prop_5_3 import Convergence
+from study.statements.prop_5_3 import Convergence, InitialGap, RegularityNeeded, SizeOfInterpolation
 from study.statements.prop_5_4 import FirstOrder
-from study.statements.recomputed import Recomputed
-from study.statements.residual_bound import ResidualBound
-from study.statements.rollers import Rollers
 from study.statements.shared.base import Statement
-from study.statements.solution_divergence import SolutionDivergence
 from study.statements.thm_4_2 import SameMesh
 from study.statements.thm_4_2_own_space import OwnSpace
+from study.statements.time_steps import BackwardEuler, FullyDiscrete, JumpingLoad, Landings, NoPotential
 from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.unmeasured import Misprints, Untested, WithoutRow
-from study.statements.wellposed import BoundedVelocity, Dependence
+from study.statements.wellposed import BoundedVelocity, Dependence, Korn, SolutionDivergence
+from study.statements.work_of_contact import EdgeWork, Rollers, WorkOfContact
 
-STATEMENTS: tuple[Statement, ...] = (
+IN_ORDER: tuple[type[Statement], ...] = (
     # The order is the order of the paper: first the problem, its data, existence and uniqueness.
-    *(Korn(), Dependence(), SolutionDivergence(), LoadInTime(), BoundedVelocity(), OneTrajectory()),
-    *(SameMesh(), OwnSpace(), OneStress(), TractionInTime(), NaturalConditions()),
+    *(Korn, Dependence, SolutionDivergence, LoadInTime, BoundedVelocity, OneTrajectory),
+    *(SameMesh, OwnSpace, OneStress, TractionInTime, NaturalConditions),
     # Then the discretisation, the error estimate and convergence.
-    *(ErrorBounds(), InterpolationInV(), SizeOfInterpolation(), InterpolationOnContact(), ResidualBound()),
-    *(Convergence(), NodalStart(), FirstOrder(), RegularityNeeded()),
+    *(ErrorBounds, InterpolationInV, SizeOfInterpolation, InterpolationOnContact, ResidualBound),
+    *(Convergence, NodalStart, FirstOrder, RegularityNeeded),
     # The paper does not compute contact forces; comparisons with other solvers and codes test the program.
-    *(ContactForce(), Recomputed(), OtherCodes()),
+    *(ContactForce, Recomputed, OtherCodes),
     # Theorems and experiments of this study, which the paper does not have.
-    *(EdgeWork(), WorkOfContact(), Rollers(), AdvancingFront(), HalfDerivative(), NodalErrors()),
-    *(BackwardEuler(), JumpingLoad(), NoPotential(), FullyDiscrete()),
-    *(Landings(), InitialGap(), BoundedError(), EnclosedError()),
+    *(EdgeWork, WorkOfContact, Rollers, AdvancingFront, HalfDerivative, NodalErrors),
+    *(BackwardEuler, JumpingLoad, NoPotential, FullyDiscrete),
+    *(Landings, InitialGap, BoundedError, EnclosedError),
     # Misprints, untested claims and pictures, which have no tolerance window.
-    *(Misprints(), Untested(), WithoutRow(), Pictures()),
+    *(Misprints, Untested, WithoutRow, Pictures),
 )
+STATEMENTS: tuple[Statement, ...] = tuple(statement() for statement in IN_ORDER)
 """All statements. The commands measure them, and the ledger, the table of all checks, lists them in this order."""

@@ -124,7 +124,9 @@ class Forces:
         self.rows = [slice(*pair) for pair in pairwise(ends)]
         # The matrix N has no rows for vertices on Γ1, so a face that meets Γ1 has fewer rows than vertices.
         corners = (np.unique(space.mesh.facets[:, space.facets(part)]) for part, _ in space.contact)
-        self.clamped = sum(len(mine) > len(free) for mine, (_, free) in zip(corners, space.contact, strict=True))
+        self.clamped = sum(
+            len(all_corners) > len(free) for all_corners, (_, free) in zip(corners, space.contact, strict=True)
+        )
         self.W = Signorini(setup.problem.M, space.N, space.free_points).W
 
     def squares(self, times: Array, multipliers: Array) -> tuple[Array, Array]:
@@ -150,8 +152,8 @@ class Forces:
         y = np.concatenate(exact)
         missing = y - multipliers.T
         total, lost = (np.array([values[rows].sum(axis=0) for rows in self.rows]) for values in (y, missing))
-        found = errors, np.vdot(missing, self.W @ missing), np.vdot(lost, lost)
-        return np.array(found), np.array([sizes, np.vdot(y, self.W @ y), np.vdot(total, total)])
+        squared = errors, np.vdot(missing, self.W @ missing), np.vdot(lost, lost)
+        return np.array(squared), np.array([sizes, np.vdot(y, self.W @ y), np.vdot(total, total)])
 
     def penetration(self, u: Array) -> float:
         """Return the largest penetration (u_ν)_+ of a P1 displacement over the quadrature points on Γ3."""
@@ -307,12 +309,12 @@ class ContactForce(Statement):
         elif irregular:
             yield replace(OF_CHANCE, if_missed=FEW_EDGES), irregular
         for superclose, rule in DUAL_ORDERS.items():
-            if mine := split_superclose(groups)[superclose]:
+            if tables := split_superclose(groups)[superclose]:
                 reason = CORNER_CELLS if clamped and not superclose else rule.if_missed
-                norms.append((replace(rule, if_missed=reason), mine))
-        for rule, mine in norms:
+                norms.append((replace(rule, if_missed=reason), tables))
+        for rule, tables in norms:
             jump = around(0.5, 0.2, "k^{1/2}") if rule.key.startswith("order") else Window()
-            yield replace(replace(rule, window=jump), if_missed=NO_ORDER) if case == LANDS else rule, mine
+            yield replace(replace(rule, window=jump), if_missed=NO_ORDER) if case == LANDS else rule, tables
         yield from ((rule, groups) for rule in EXACT)
 
     def steps(self, setting: Setting) -> int:

@@ -28,7 +28,7 @@ from study.bound.enclosing import Enclosure, enclose, known_error, order_interva
 from study.bound.trajectory import Refined, SmoothedInTime, Trajectory, compute
 from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve
-from study.ledger.check import Check, Groups, consequence, identity
+from study.ledger.check import Groups, consequence, identity
 from study.ledger.datafiles import CsvFile, Row
 from study.ledger.orders import orders
 from study.ledger.quantities import values
@@ -189,27 +189,27 @@ def measure(
     check_force(problem.case)
     discretisation = Discretisation(problem.data, family(problem.data.body, level))
     computed = compute(discretisation, scheme, steps)
-    found = enclose(discretisation, computed, trajectory, known_error(problem.case, computed))
-    late = found.times >= computed.T / 2
-    parts = {part: float(np.sum([getattr(interval, part) for interval in found.intervals])) for part in PARTS}
+    enclosure = enclose(discretisation, computed, trajectory, known_error(problem.case, computed))
+    late = enclosure.times >= computed.T / 2
+    parts = {part: np.sum([getattr(interval, part) for interval in enclosure.intervals]) for part in PARTS}
     row = {
         "case": problem.name,
         "family": family.name,
         "scheme": scheme.name,
         "trajectory": trajectory.name,
         "level": level,
-        "h": found.h,
+        "h": enclosure.h,
         "steps": computed.steps,
         "expected_order": problem.order,
-        "error": float(found.error.max()),
-        "lowest": found.lowest,
-        "highest": found.highest,
-        "above": float((found.error / found.upper).max()),
-        "below": float((found.lower / found.error).max()),
-        "upper": float((found.upper / found.error)[late].max()),
-        "lower": float((found.lower / found.error)[late].min()),
+        "error": enclosure.error.max(),
+        "lowest": enclosure.lowest,
+        "highest": enclosure.highest,
+        "above": (enclosure.error / enclosure.upper).max(),
+        "below": (enclosure.lower / enclosure.error).max(),
+        "upper": (enclosure.upper / enclosure.error)[late].max(),
+        "lower": (enclosure.lower / enclosure.error)[late].min(),
     }
-    return row | parts, found
+    return row | parts, enclosure
 
 
 class Bounds(Statement):
@@ -219,8 +219,8 @@ class Bounds(Statement):
 
     def settings(self, scope: Scope) -> list[BoundSetting]:
         """Return the settings for the cases of the study and for problems whose solution is unknown."""
-        found = bounds(scope.resolved(), scope.full)
-        return [setting for setting in found if setting.trajectory == self.label]
+        settings = bounds(scope.resolved(), scope.full)
+        return [setting for setting in settings if setting.trajectory == self.label]
 
     def measure(self, setting: BoundSetting) -> Numbers:
         """Compute a displacement and bounds of its error on one mesh.
@@ -231,11 +231,11 @@ class Bounds(Statement):
         problem = resolve_problem(setting.case)
         family = family_named(setting.family)
         scheme = choose("scheme", setting.scheme, SCHEMES)
-        row, found = measure(problem, family, setting.level, scheme, self.steps(setting), setting.by)
-        chosen = np.unique(np.linspace(0, len(found.times) - 1, TIMES).round().astype(int))
-        times: dict[str, list[float]] = {"time": np.round(found.times[chosen], 9).tolist()}
+        row, enclosure = measure(problem, family, setting.level, scheme, self.steps(setting), setting.by)
+        chosen = np.unique(np.linspace(0, len(enclosure.times) - 1, TIMES).round().astype(int))
+        times: dict[str, list[float]] = {"time": np.round(enclosure.times[chosen], 9).tolist()}
         for name in ("error", "distance", "bound"):
-            times[name] = [float(f"{value:.6g}") for value in getattr(found, name)[chosen]]
+            times[name] = [float(f"{value:.6g}") for value in getattr(enclosure, name)[chosen]]
         return {"row": row, "times": times}
 
     def records(self, setting: BoundSetting, found: Row) -> Records:
@@ -267,6 +267,7 @@ class Bounds(Statement):
 ABOVE = identity(
     "above", "largest error / upper bound", values("above"), positive_at_most(1.0, "at every sampled time")
 )
+BELOW = identity("below", "largest lower bound / error", values("below"), at_most(1.0, "at every sampled time"))
 ONLY_SHOWN = "this shows how sharp the bound is; the claim is only that the error never exceeds it"
 REACH = consequence(
     "upper", "largest upper bound / error over [T/2, T]", values("upper"), Window(), if_missed=ONLY_SHOWN
@@ -291,8 +292,8 @@ class BoundedError(Bounds):
     checks = ABOVE, REACH
 
     def by_case(self, rows: pd.DataFrame) -> list[tuple[str, Groups]]:
-        mine = rows[(rows["trajectory"] == self.label) & rows["known"]]
-        return [(str(case), {"": of_case}) for case, of_case in mine.groupby("case", sort=False)]
+        of_kind = rows[(rows["trajectory"] == self.label) & rows["known"]]
+        return [(str(case), {"": of_case}) for case, of_case in of_kind.groupby("case", sort=False)]
 
 
 class EnclosedError(Bounds):
@@ -302,31 +303,22 @@ class EnclosedError(Bounds):
     claim = "d(t) − y(t) ≤ ‖u(t) − u_h(t)‖_V ≤ d(t) + y(t), without the exact solution"
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        found: list[Verdict] = []
-        for case, mine in rows[rows["trajectory"] == self.label].groupby("case", sort=False):
-            known = bool(mine["known"].iloc[0])
-            checked = mine[mine["level"] == CHECKED_LEVEL]
-            rules: list[tuple[Check, pd.DataFrame]] = [
-                (rule, mine)
-                for rule in (
-                    ABOVE,
-                    identity(
-                        "below", "largest lower bound / error", values("below"), at_most(1.0, "at every sampled time")
-                    ),
-                    REACH,
-                )
-                if known
-            ]
-            rules += [(rule, checked) for rule in TIGHT if case == CHECKED and len(checked)]
-            found += [rule.verdict(self, str(case), {"": table}) for rule, table in rules]
-            for (family, _), series in mine.groupby(["family", "scheme"], sort=False):
+        judged: list[Verdict] = []
+        for name, of_case in rows[rows["trajectory"] == self.label].groupby("case", sort=False):
+            case = str(name)
+            known = bool(of_case["known"].iloc[0])
+            judged += [rule.verdict(self, case, {"": of_case}) for rule in (ABOVE, BELOW, REACH) if known]
+            checked = of_case[of_case["level"] == CHECKED_LEVEL]
+            if case == CHECKED and len(checked):
+                judged += [rule.verdict(self, case, {"": checked}) for rule in TIGHT]
+            for (family, _), series in of_case.groupby(["family", "scheme"], sort=False):
                 levels = series.sort_values("h", ascending=False)
                 if len(levels) > 1:
-                    found.append(self.judge_order(str(case), str(family), levels, known))
+                    judged.append(self.judge_order(case, str(family), levels, known))
                 if len(levels) > 2:
-                    of_pair = self.judge_order(str(case), str(family), levels.tail(2), known)
-                    found.append(replace(of_pair, key="order-last", verdict=REPORTED, expected=LAST))
-        return found
+                    of_pair = self.judge_order(case, str(family), levels.tail(2), known)
+                    judged.append(replace(of_pair, key="order-last", verdict=REPORTED, expected=LAST))
+        return judged
 
     def judge_order(self, case: str, family: str, levels: pd.DataFrame, known: bool) -> Verdict:
         """Return the verdict on the interval that contains the observed order from the coarsest to the finest level.
@@ -340,15 +332,14 @@ class EnclosedError(Bounds):
             levels: rows of ``bounds.csv``, from coarse to fine.
             known: whether the exact solution is known.
         """
-        coarse = levels.iloc[0]
-        fine = levels.iloc[-1]
-        ratio = math.log(coarse["h"] / fine["h"])
-        first, last = ((line["lowest"], line["highest"]) for line in (coarse, fine))
-        span = order_interval(first, last, ratio)
-        sizes = [line["error"] if known else line["lowest"] + line["highest"] for line in (coarse, fine)]
-        observed = float(orders(np.array([coarse["h"], fine["h"]]), np.array(sizes))[0])
-        order = math.nan if known else float(fine["expected_order"])
-        quantity = f"order of max_t ‖u − u_h‖_V, k proportional to h, n = {coarse['level']} to {fine['level']}"
+        ends = levels.iloc[[0, -1]]
+        sizes = (ends["error"] if known else ends["lowest"] + ends["highest"]).to_numpy()
+        observed = float(orders(ends["h"].to_numpy(), sizes)[0])
+        first, last = ends[["lowest", "highest"]].itertuples(index=False, name=None)
+        span = order_interval(first, last, math.log(ends["h"].iloc[0] / ends["h"].iloc[1]))
+        coarse, fine = ends["level"]
+        order = math.nan if known else float(ends["expected_order"].iloc[1])
+        quantity = f"order of max_t ‖u − u_h‖_V, k proportional to h, n = {coarse} to {fine}"
         if math.isnan(order):
             window = Window(math.nan, math.nan)
             verdict = REPORTED

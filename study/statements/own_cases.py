@@ -86,14 +86,14 @@ def judge_own(verdicts: Sequence[Verdict], rows: pd.DataFrame) -> list[Verdict]:
     disturbed = f"{' and '.join(causes)} {verb} the errors: mend that first" if causes else ""
     levels = finer(sorted({*rows["level"].astype(int)}), int(rows["dim"].max()))
     remedy = f"{TRY} {' '.join(map(str, levels))}"
-    found = []
+    judged = []
     for verdict in verdicts:
         why = reason_of_force(verdict, verdicts, remedy) if verdict.label == ContactForce.label else ""
         if verdict.label in LABELS and verdict.verdict in (FAILS, UNDECIDED) and not math.isnan(verdict.observed):
             why = disturbed if disturbed and verdict.key in OF_ERRORS else reason(verdict, groups, expected, remedy)
         undecided = replace(verdict, expected=f"{verdict.expected}{BECAUSE}{why}", verdict=UNDECIDED)
-        found.append(undecided if why else unclaimed(verdict))
-    return found
+        judged.append(undecided if why else unclaimed(verdict))
+    return judged
 
 
 def unclaimed(verdict: Verdict) -> Verdict:
@@ -137,7 +137,7 @@ def reason(verdict: Verdict, groups: Groups, expected: float, remedy: str) -> st
     if key == "limit":
         # Orders over two refinements, because single orders alternate with the position of the front in its cell.
         over_two = [orders[1:] + orders[:-1] for orders in orders_of(groups, "error")]
-        slower = any(len(found) < 2 or found[-1] < found[0] for found in over_two)
+        slower = any(len(of_family) < 2 or of_family[-1] < of_family[0] for of_family in over_two)
         return "" if slower else f"errors fall more slowly than h^s, and do not slow down: {remedy}"
     if key == "discrete-order-superclose" and verdict.observed > verdict.window_high:
         return f"Π^h u − u^h falls faster than it can on fine meshes: {NOT_YET}: {remedy}"
@@ -165,8 +165,8 @@ def reason_of_force(verdict: Verdict, verdicts: Sequence[Verdict], remedy: str) 
 
 def orders_of(groups: Groups, column: str) -> list[Array]:
     """Return for every mesh family the observed orders of a column from level to level, without NaN."""
-    found = [since_before(group["h"].to_numpy(), group[column].to_numpy()) for group in groups.values()]
-    return [orders[~np.isnan(orders)] for orders in found]
+    series = [since_before(group["h"].to_numpy(), group[column].to_numpy()) for group in groups.values()]
+    return [orders[~np.isnan(orders)] for orders in series]
 
 
 def why_missed(series: Sequence[Array], target: float, room: float, remedy: str) -> str:
@@ -204,15 +204,15 @@ def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
     In the plane 32 is appended to 8, 16, and 15 to 9, 12. In 3D 12 is appended to 8, because 16 would cost 2⁵ times
     more.
     """
-    found = list(levels)
-    while len(found) < needed:
-        last = found[-1]
-        before = found[-2] if len(found) > 1 else 0
+    extended = list(levels)
+    while len(extended) < needed:
+        last = extended[-1]
+        before = extended[-2] if len(extended) > 1 else 0
         if last < 2 * before:
-            found.append(2 * last - before)
+            extended.append(2 * last - before)
         else:
-            found.append(2 * last if dim == 2 else last + max(1, last // 2))
-    return found
+            extended.append(2 * last if dim == 2 else last + max(1, last // 2))
+    return extended
 
 
 def least_levels(proposition: str) -> int:

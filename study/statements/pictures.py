@@ -124,7 +124,7 @@ def faces(
         nodes = np.searchsorted(skin.vertices, vertices[order])
         start += len(vertices)
         exact = solution.on(face, s)
-        found = {
+        data = {
             "face": i,
             "normal": part.normal.tolist(),
             "s": short(s[0] if plane else s),
@@ -135,10 +135,10 @@ def faces(
             "pressure_exact": write(exact.pressure(times).T),
         }
         if plane:
-            yield {**found, **exact_zone_and_lines(solution, face, s, times)}
+            yield {**data, **exact_zone_and_lines(solution, face, s, times)}
         else:
             between = solution.on(face, Facets.between(nodes, skin.triangles).refined(s))
-            yield {**found, "level_exact": packed(between.level(times).T), "nodes": nodes.tolist()}
+            yield {**data, "level_exact": packed(between.level(times).T), "nodes": nodes.tolist()}
 
 
 def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: Array) -> Numbers:

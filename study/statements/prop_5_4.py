@@ -14,7 +14,8 @@ discretisation.
 **Judged.** Orders must be 1 from both sides, because (5.37) is sharp for piecewise linear functions. The size of the
 error is judged by three relations; the first one shares no code with the computation of the errors:
 
-* ‖u − Π^h u‖_V agrees with its leading term, which is computed from second derivatives of u (``from_rates``, (5.23));
+* ‖u − Π^h u‖_V agrees with its leading term, which is computed from second derivatives of u (``SizeOfInterpolation``,
+  (5.23));
 * (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖ = 1 within 10 %. If u^h were the best approximation of u in V^h,
   this would be Pythagoras' theorem; contact and memory change it little. This relates the error to the interpolation
   error;
@@ -59,7 +60,13 @@ from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT, SCHEMES
 from study.statements.shared.base import Judged, Numbers, Records, Setting, Statement
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.meshes import LEADING, in_leading_term, split_irregular, split_superclose, value_of_case
+from study.statements.shared.meshes import (
+    LEADING,
+    in_leading_term,
+    split_irregular,
+    split_superclose,
+    value_of_case,
+)
 from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 
@@ -263,9 +270,9 @@ class Measurement:
         steps = RESPONSE
         while True:
             drift = maximum([math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps)])
-            found = (abs(raised - error) + drift) / error
-            if not found > NEGLIGIBLE or steps >= 2 * experiment.steps:
-                return found
+            effect = (abs(raised - error) + drift) / error
+            if not effect > NEGLIGIBLE or steps >= 2 * experiment.steps:
+                return effect
             steps = min(MORE * steps, 2 * experiment.steps)
 
 
@@ -430,8 +437,8 @@ class FirstOrder(Rates):
         )
         yield SIZES, in_h
         for superclose, criterion in DISCRETE_ORDERS.items():
-            if mine := split_superclose(groups)[superclose]:
-                yield criterion, mine
+            if tables := split_superclose(groups)[superclose]:
+                yield criterion, tables
         for rule in (*DISCRETE_SIZES, start_share(groups), *EVIDENCE):
             yield rule, groups
         for criterion in SOLIDS if value_of_case(groups, "dim") == 3 else ():

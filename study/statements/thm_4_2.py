@@ -156,7 +156,7 @@ LEAST = 1e-9
 """Smallest reported difference. Smaller ones depend on the iteration at which a solver stops."""
 
 
-def magnitudes(found: Row) -> Numbers:
+def magnitudes(differences: Row) -> Numbers:
     """Return differences of the solutions of both problems, and their bounds, rounded up to powers of ten.
 
     Only their size is meaningful, because they depend on the duality gap at which the interior-point method happens to
@@ -165,13 +165,13 @@ def magnitudes(found: Row) -> Numbers:
     not rounded, and neither is its bound, so that rounding does not change the verdict.
 
     Args:
-        found: the fields of ``Gaps`` by name.
+        differences: the fields of ``Gaps`` by name.
     """
-    rounded = dict(found)
+    rounded = dict(differences)
     for what in ("displacement", "stress"):
         names = gap, bound = f"{what}_gap", f"{what}_bound"
-        if found[gap] <= found[bound]:
-            rounded |= {name: power_of_ten(found[name], LEAST) for name in names}
+        if differences[gap] <= differences[bound]:
+            rounded |= {name: power_of_ten(differences[name], LEAST) for name in names}
     return rounded
 
 

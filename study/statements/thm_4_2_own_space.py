@@ -204,9 +204,9 @@ class Exact:
         squares = np.zeros(3)
         for cells, weights, shapes, best, fields in self._blocks:
             exact = fields.stress(time)
-            mine = np.einsum("Ina,anq->Inq", coefficients[:, cells], shapes, optimize=True)
+            discrete = np.einsum("Ina,anq->Inq", coefficients[:, cells], shapes, optimize=True)
             nearest = np.einsum("naq,Inq,anp->Inp", best, exact, shapes, optimize=True)
-            squares += [np.einsum("Inq,Inq,nq->", d, d, weights) for d in (exact - mine, exact - nearest, exact)]
+            squares += [np.einsum("Inq,Inq,nq->", d, d, weights) for d in (exact - discrete, exact - nearest, exact)]
         error, least, size = np.sqrt(squares).tolist()
         return error, least, size
 
@@ -220,8 +220,8 @@ class Exact:
         square = 0.0
         for edges, shapes, weights, fields in self._faces:
             exact = fields.pressure(time)
-            mine = -np.einsum("na,anq->nq", self.space.boundary_tractions(edges, tractions)[..., 0], shapes)
-            square += float(np.vdot((exact - mine) ** 2, weights))
+            discrete = -np.einsum("na,anq->nq", self.space.boundary_tractions(edges, tractions)[..., 0], shapes)
+            square += float(np.vdot((exact - discrete) ** 2, weights))
         return float(np.sqrt(square))
 
     def moments(self, time: float) -> Array:
@@ -282,7 +282,7 @@ def measure(experiment: StressExperiment) -> Numbers:
     """Solve the stress and the displacement problem together, and return the measured columns of ``stresses.csv``."""
     space = experiment.space
     exact = Exact(experiment.solution, experiment.space)
-    clamped = sum(len(edges) for _, edges in space.on(Kind.CLAMPED))
+    clamped = len(space.edges_on(Kind.CLAMPED))
     primal = primal_solution(experiment.solution, space, experiment.steps)
     coarse = experiment.companion()
     steps = []
@@ -332,10 +332,9 @@ def inadmissible(space: StressSpace, state: DualState) -> float:
     total = np.zeros((len(space.lengths), *tractions.shape[2:]))
     np.add.at(total, space.edges, tractions)
     total -= state.loads.surface  # It is zero outside Γ2.
-    for _, edges in space.on(Kind.CLAMPED):
-        total[edges] = 0.0
-    for _, edges in space.on(Kind.CONTACT):
-        total[edges, :, 0] = np.maximum(total[edges, :, 0], 0.0)
+    total[space.edges_on(Kind.CLAMPED)] = 0.0
+    contact = space.edges_on(Kind.CONTACT)
+    total[contact, :, 0] = np.maximum(total[contact, :, 0], 0.0)
     return float(abs(total).max() / abs(tractions).max())
 
 
@@ -398,7 +397,7 @@ def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
     _, at_contact = smoothness(replace(regularity, corner=math.inf), family)
     in_time = 1.5 if regularity.moving else 2.0
     moments = min(2 * s, in_time)
-    found = {
+    predictions = {
         "stress": Orders(r, max(r, 2.0) if r >= 1 else r),
         "strain": Orders(min(r, in_time), 2.0 if r >= 1 else r),
         "pressure": Orders(min(r, at_contact - 0.5), 2.0),
@@ -406,7 +405,7 @@ def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
         "primal_stress": Orders(constant, constant),
         "primal_displacement": Orders(moments, max(moments, 2.0)),
     }
-    return {name: orders for name, orders in found.items() if orders.window().low > 0}
+    return {name: orders for name, orders in predictions.items() if orders.window().low > 0}
 
 
 def smoothness(regularity: Regularity, family: str) -> tuple[float, float]:
@@ -491,12 +490,12 @@ class OwnSpace(Statement):
         return measure(setup)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        found: list[Verdict] = []
+        judged: list[Verdict] = []
         for (case, family), series in rows.groupby(["case", "family"], sort=False):
             levels = series.sort_values("h", ascending=False).assign(ratio=series["stress"] / series["best"])
             checks = checks_of(resolve(str(case)).regularity, str(family))
-            found += [rule.verdict(self, str(case), {str(family): levels}, str(family)) for rule in checks]
-        return found
+            judged += [rule.verdict(self, str(case), {str(family): levels}, str(family)) for rule in checks]
+        return judged
 
     def memory(self, setting: Setting) -> float:
         return estimates.stress(setting.level)

@@ -81,13 +81,13 @@ class OneTrajectory(ListedNumbers):
         return Experiment.at(setting, BACKWARD_EULER, STEPS)
 
     def measure(self, setup: Experiment) -> Numbers:
-        found = {}
+        numbers = {}
         for name, rival in rivals(setup.problem).items():
             pairs = zip(setup.march(setup.steps), setup.scheme.march(rival, setup.steps), strict=True)
             both = [(norm(setup.problem, u.u - v.u), norm(setup.problem, u.u)) for u, v in pairs]
             difference, size = np.max(both, axis=0)
-            found[name] = difference / size
-        return with_h(setup.space.h, found)
+            numbers[name] = difference / size
+        return with_h(setup.space.h, numbers)
 
 
 def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
@@ -178,11 +178,11 @@ class OneStress(ListedNumbers):
         own = stresses(experiment)
         space = experiment.space
         size = maximum(norm_in_q(stress, space) for stress in own)
-        found = {}
+        numbers = {}
         for name, solver in RIVALS.items():
             pairs = zip(own, stresses(replace(experiment, solver=solver)), strict=True)
-            found[name] = maximum(norm_in_q(a - b, space) for a, b in pairs) / size
-        return with_h(mesh_size(space.mesh), found)
+            numbers[name] = maximum(norm_in_q(a - b, space) for a, b in pairs) / size
+        return with_h(mesh_size(space.mesh), numbers)
 
 
 def stresses(experiment: StressExperiment) -> list[Tensors]:

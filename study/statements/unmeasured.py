@@ -5,7 +5,6 @@ The texts of the rows are in ``unmeasured.toml``."""
 
 import math
 import tomllib
-from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -24,25 +23,21 @@ class Listed(Statement):
     """Base class of statements that are lists of texts without data.
 
     Attributes:
-        lines: tuples of a key, a place in the paper, the text at this place, and a comment.
+        texts: the name of the list in ``unmeasured.toml``. A line has a key, a place in the paper, the text at this
+            place as the quantity, and a comment.
     """
 
     file: DataFile = LISTED
-    lines: Sequence[tuple[str, str, str, str]] = ()
+    texts: str
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        """Return one row for each entry of ``lines``. The rows are reported only, because nothing is measured."""
+        """Return one row for each line of the list. The rows are reported only, because nothing is measured."""
         none = Window(math.nan, math.nan)
         nothing = (math.nan, (math.nan, math.nan), REPORTED)
         return [
             row(self, key, quantity, none, nothing, place, expected=comment)
-            for key, place, quantity, comment in self.lines
+            for key, (place, quantity, comment) in TEXTS[self.texts].items()
         ]
-
-
-def lines_of(name: str) -> list[tuple[str, str, str, str]]:
-    """Return the lines of a list in ``unmeasured.toml``, with their attributes in the order of ``Listed.lines``."""
-    return [(key, place, quantity, comment) for key, (place, quantity, comment) in TEXTS[name].items()]
 
 
 class Misprints(Listed):
@@ -50,7 +45,7 @@ class Misprints(Listed):
 
     label = "slips"
     claim = "misprints in the paper"
-    lines = lines_of("misprints")
+    texts = "misprints"
 
 
 class Untested(Listed):
@@ -58,7 +53,7 @@ class Untested(Listed):
 
     label = NOT_TESTED
     claim = "statements that finitely many computations cannot test"
-    lines = lines_of("untested")
+    texts = "untested"
 
 
 class WithoutRow(Listed):
@@ -66,4 +61,4 @@ class WithoutRow(Listed):
 
     label = NO_ROW
     claim = "formulas that need no row: definitions, restatements, and steps towards other statements"
-    lines = lines_of("without-row")
+    texts = "without-row"

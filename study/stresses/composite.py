@@ -120,14 +120,14 @@ class CompositeElement:
         k = self.degree
         lower = indices(self.degree - 1)
         place = {alpha: row for row, alpha in enumerate(indices(k))}
-        found = np.zeros((3, len(lower), 2, 3, self.polynomials, 3))
+        matrix = np.zeros((3, len(lower), 2, 3, self.polynomials, 3))
         for third, vertices in enumerate(np.moveaxis(thirds(CORNERS), 2, 0)):
             slopes = np.linalg.inv(np.vstack([np.ones(3), vertices]))[:, 1:]
             for vertex, gradient in enumerate(slopes):
                 for row, beta in enumerate(lower):
                     alpha = tuple(b + (i == vertex) for i, b in enumerate(beta))
-                    found[third, row, :, third, place[alpha]] += k * np.einsum("Iij,j->iI", basis(2), gradient)
-        return found
+                    matrix[third, row, :, third, place[alpha]] += k * np.einsum("Iij,j->iI", basis(2), gradient)
+        return matrix
 
     def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
         """Return the matrix from a stress to its traction |e| σν on an edge e of a subtriangle, in Bernstein form.
@@ -142,13 +142,13 @@ class CompositeElement:
             subtriangle, Bernstein polynomial, Mandel component.
         """
         place = {alpha: row for row, alpha in enumerate(indices(self.degree))}
-        found = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3))
+        matrix = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3))
         normal = np.array([along[1], -along[0]])
         for step in range(self.degree + 1):
             alpha = [0, 0, 0]
             alpha[first], alpha[second] = self.degree - step, step
-            found[step, :, third, place[tuple(alpha)]] = np.einsum("Iij,j->iI", basis(2), normal)
-        return found
+            matrix[step, :, third, place[tuple(alpha)]] = np.einsum("Iij,j->iI", basis(2), normal)
+        return matrix
 
     @cached_property
     def jumps(self) -> Array:
@@ -255,5 +255,5 @@ def barycentric(corners: Points, x: Points) -> Array:
         The barycentric coordinates, (3, n, q).
     """
     edges = np.moveaxis(corners[:, :2] - corners[:, 2:], 2, 0)
-    found = np.einsum("nvd,dnq->vnq", np.linalg.inv(edges), x - corners[:, 2][..., None])
-    return np.concatenate([found, 1 - found.sum(axis=0, keepdims=True)])
+    first = np.einsum("nvd,dnq->vnq", np.linalg.inv(edges), x - corners[:, 2][..., None])
+    return np.concatenate([first, 1 - first.sum(axis=0, keepdims=True)])

@@ -107,19 +107,16 @@ class Equilibrium:
         self.total = 2 * n * edges
         self.numbers = (2 * n * space.edges[:, :, None] + np.arange(2 * n)).reshape(space.cells, -1)
         free = np.ones((edges, 2 * n), dtype=bool)
-        for _, clamped in space.on(Kind.CLAMPED):
-            free[clamped] = False
+        free[space.edges_on(Kind.CLAMPED)] = False
         # On rollers the normal moments are 0 and the tangential ones are free, so that τ_τ = 0.
         rollers = space.on(Kind.ROLLER)
         for _, edges in rollers:
             free[edges, ::2] = False
         self.free = np.flatnonzero(free.ravel())
-        # Bodies without contact have no array to concatenate, so the list starts with an empty array.
-        self.contact = np.concatenate([np.empty(0, dtype=np.int64), *(mine for _, mine in space.on(Kind.CONTACT))])
+        self.contact = space.edges_on(Kind.CONTACT)
         # For the constraints on Γ3: the positions of the normal moments among all unknown moments.
         self._normal = np.searchsorted(self.free, (2 * n * self.contact[:, None] + 2 * np.arange(n)).ravel())
-        count = len(self._normal)
-        self.N = sps.csr_array((np.ones(count), (np.arange(count), self._normal)), shape=(count, len(self.free)))
+        self.N = sps.csr_array(sps.eye_array(len(self.free), format="csr")[self._normal])
         local = self._of_moments[..., self._tractions]
         rows = np.broadcast_to(self.numbers[:, :, None], local.shape)
         places = rows.ravel(), rows.swapaxes(1, 2).ravel()
@@ -220,10 +217,10 @@ class Equilibrium:
         # The moments of all edges are the unknown ones, and zeros on Γ1.
         all_shifted, moments = np.zeros((2, *v.shape[:-1], self.total))
         all_shifted[..., self.free], moments[..., self.free] = shifted, v
-        found = _times(all_shifted[..., self.numbers], self._of_moments) - known
+        corrections = _times(all_shifted[..., self.numbers], self._of_moments) - known
         return EquilibratedStress(
-            values + self.space.combined(found[..., : self._tractions.start]),
-            tractions + found[..., self._tractions].reshape(tractions.shape),
+            values + self.space.combined(corrections[..., : self._tractions.start]),
+            tractions + corrections[..., self._tractions].reshape(tractions.shape),
             moments.reshape(*v.shape[:-1], -1, self.space.degree + 1, 2),
         )
 

@@ -255,13 +255,13 @@ class _Edges:
 
     def __init__(self, data: Data, space: StressSpace, part: Part, edges: Array) -> None:
         # The positions at which the part crosses lines where the data are not smooth.
-        found = []
+        places = []
         for direction, offset in data.lines:
             slope = np.dot(direction, part.tangent)
             start = np.dot(direction, part.start)
             if abs(slope) > PARALLEL and 0 < (offset - start) / slope < part.measure:
-                found.append(float((offset - start) / slope))
-        crossings = tuple(sorted(found))
+                places.append(float((offset - start) / slope))
+        crossings = tuple(sorted(places))
         graded = partial(facet_rule, space.mesh, edges, part, crossings)
         rule = graded(GRADED_POINTS) if crossings else _divided(graded(EDGE_POINTS))
         self.edges = edges

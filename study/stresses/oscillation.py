@@ -231,8 +231,8 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
     leading = np.take_along_axis(shapes, abs(shapes).argmax(axis=1)[:, None], axis=1)
     shapes, where = np.unique(np.round(shapes * np.sign(leading), 12), axis=0, return_inverse=True)
     blocks = np.array_split(shapes.reshape(-1, 2, 2), max(1, len(shapes) // BLOCK))
-    found = [balancing_in_cell(q).constants(block, compliance, 1 / abs(np.linalg.det(block))) for block in blocks]
-    return np.sqrt(4 / 3) * np.concatenate(found)[where] * size
+    constants = [balancing_in_cell(q).constants(block, compliance, 1 / abs(np.linalg.det(block))) for block in blocks]
+    return np.sqrt(4 / 3) * np.concatenate(constants)[where] * size
 
 
 def side_constants(F: Array, compliance: Array, side: int) -> Array:
@@ -257,12 +257,12 @@ def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Arr
         For each of the three side numbers: the cells with this side on Γ2, (n,); the edges there, (n,); and the bounds,
         (n,).
     """
-    loaded = np.concatenate([np.empty(0, dtype=int), *(edges for _, edges in space.on(Kind.LOADED))])
-    found = []
+    loaded = space.edges_on(Kind.LOADED)
+    sides = []
     for side in range(len(SIDES)):
         cells = np.flatnonzero(np.isin(space.edges[:, side], loaded))
-        found.append((cells, space.edges[cells, side], side_constants(space.map[cells], compliance, side)))
-    return found
+        sides.append((cells, space.edges[cells, side], side_constants(space.map[cells], compliance, side)))
+    return sides
 
 
 class Oscillation:

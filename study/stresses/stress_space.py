@@ -70,6 +70,10 @@ class StressSpace(MeshedBody):
         """For each of the three sides of every cell, the number of this edge in the mesh, (cells, 3)."""
         return self.mesh.t2f[list(FACETS)].T
 
+    def edges_on(self, kind: Kind) -> Array:
+        """Return the numbers of the edges on all boundary parts of a kind, which may be none, (e,)."""
+        return np.concatenate([np.empty(0, dtype=np.int64), *(edges for _, edges in self.on(kind))])
+
     @cached_property
     def lengths(self) -> Array:
         """The lengths of the edges, (edges,)."""
@@ -79,10 +83,10 @@ class StressSpace(MeshedBody):
     @cached_property
     def frames(self) -> Array:
         """The axes of tractions on every edge, as rows: (ν, τ) on Γ3 and rollers, else Cartesian, (edges, 2, 2)."""
-        found = np.tile(np.eye(2), (self.mesh.facets.shape[1], 1, 1))
+        axes = np.tile(np.eye(2), (self.mesh.facets.shape[1], 1, 1))
         for part, edges in (*self.on(Kind.CONTACT), *self.on(Kind.ROLLER)):
-            found[edges] = np.array([part.normal, part.tangent])
-        return found
+            axes[edges] = np.array([part.normal, part.tangent])
+        return axes
 
     def boundary_tractions(self, edges: Array, tractions: Array) -> Array:
         """Return the tractions on given boundary edges with respect to the outward normal.
@@ -94,9 +98,9 @@ class StressSpace(MeshedBody):
         Returns:
             The tractions on the given edges, (..., e, n, 2).
         """
-        found = np.empty((*tractions.shape[:-4], len(self.lengths), *tractions.shape[-2:]))
-        found[..., self.edges, :, :] = tractions
-        return found[..., edges, :, :]
+        on_edges = np.empty((*tractions.shape[:-4], len(self.lengths), *tractions.shape[-2:]))
+        on_edges[..., self.edges, :, :] = tractions
+        return on_edges[..., edges, :, :]
 
     @property
     def element(self) -> CompositeElement:
@@ -147,8 +151,8 @@ class StressSpace(MeshedBody):
     @cached_property
     def _reference(self) -> Array:
         """The basis of stresses with Div σ̂ = 0 at the quadrature points of the reference triangle, (3 · Q, p)."""
-        found = np.einsum("qta,taJp->Jqp", self._values, self.element.divergence_free)
-        return found.reshape(-1, found.shape[-1])
+        values = np.einsum("qta,taJp->Jqp", self._values, self.element.divergence_free)
+        return values.reshape(-1, values.shape[-1])
 
     def gram(self, compliance: Array) -> Array:
         """Return the inner products ∫_T C⁻¹σ·τ of any two basis functions with Div σ = 0 on every cell, (cells, p, p).
@@ -196,8 +200,10 @@ class StressSpace(MeshedBody):
     def tractions(self) -> Array:
         """The tractions on the three sides of every basis function with Div σ = 0, (cells, 3, n, 2, p)."""
         reference = np.moveaxis(np.tensordot(self.element.tractions, self.element.divergence_free, axes=3), -1, 0)
-        found = self._to_edges(np.broadcast_to(reference[:, None], (len(reference), self.cells, *reference.shape[1:])))
-        return np.ascontiguousarray(np.moveaxis(found, 0, -1))
+        tractions = self._to_edges(
+            np.broadcast_to(reference[:, None], (len(reference), self.cells, *reference.shape[1:]))
+        )
+        return np.ascontiguousarray(np.moveaxis(tractions, 0, -1))
 
     @cached_property
     def _onto_edges(self) -> tuple[Array, Array]:

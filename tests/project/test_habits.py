@@ -27,7 +27,7 @@ from study.fem.mesh import OneDiagonal
 from study.ledger.verdict import HOLDS
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.from_rates import SizeOfInterpolation
+from study.statements.prop_5_3 import SizeOfInterpolation
 from study.statements.prop_5_4 import FirstOrder, measure
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment

@@ -24,10 +24,10 @@ from study.solve.tableau import MIDPOINT
 from study.statements import STATEMENTS
 from study.statements.contact_force import ContactForce
 from study.statements.enclosure import BOUNDED, KEY, PARTS, Bounds
+from study.statements.other_solvers import ERRORS as OF_SECOND
+from study.statements.other_solvers import Recomputed
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4 import FirstOrder, RateSetting
-from study.statements.recomputed import ERRORS as OF_SECOND
-from study.statements.recomputed import Recomputed
 from study.statements.shared.base import ListedNumbers, Setting
 from study.statements.thm_4_2 import SameMesh
 from study.statements.thm_4_2_own_space import ERRORS, OwnSpace

@@ -25,18 +25,16 @@ from study.run.fingerprint import ROOT, fingerprint, of_data, of_everything, of_
 from study.run.plan import Plan, full, quick
 from study.run.store import Store
 from study.statements import STATEMENTS
-from study.statements.contact_work import WorkOfContact
 from study.statements.enclosure import resolve_problem
-from study.statements.fully_discrete import FullyDiscrete
-from study.statements.initial_gap import InitialGap
-from study.statements.landings import Landings
 from study.statements.pictures import Pictures
+from study.statements.prop_5_3 import InitialGap
 from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting
-from study.statements.rollers import Rollers
 from study.statements.shared.base import Setting
 from study.statements.shared.meshes import body_of, first_with_each, law_of
 from study.statements.shared.scope import ON_EVERY_FAMILY, Levels, Scope, regular
 from study.statements.thm_4_2 import SameMesh
+from study.statements.time_steps import FullyDiscrete, Landings
+from study.statements.work_of_contact import Rollers, WorkOfContact
 
 SCOPES = ("quick", "full")
 
@@ -216,7 +214,7 @@ COMPUTE = (
 """Modules on which the order of convergence for the case *full-contact* depends."""
 REST = (
     *("study/run/executor.py", "study/cli/run.py", "manufactured/catalogue.py"),
-    *("manufactured/cases/corner.py", "study/statements/korn.py", "study/statements/__init__.py"),
+    *("manufactured/cases/corner.py", "study/statements/wellposed.py", "study/statements/__init__.py"),
 )
 """Other modules, among them another case, another statement and the lists of cases and statements."""
 CACHED = ("code_hash", "measuring_code", "_common", "_modules", "_parsed")

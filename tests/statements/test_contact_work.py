@@ -12,16 +12,24 @@ from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
-from study.statements.contact_work import (
+from study.statements.shared.base import Setting, grid
+from study.statements.shared.meshes import space_of
+from study.statements.work_of_contact import (
+    BRANCHES,
+    C_0,
+    EQUAL_BRANCHES,
+    OF_ALL,
+    OVERALL,
+    WORK,
+    EdgeWork,
     Resolved,
     TotalWork,
     WorkOfContact,
+    beta,
     pressing_on,
+    supremum,
     vertices_on,
 )
-from study.statements.edge_work import BRANCHES, C_0, EQUAL, OF_ALL, OVERALL, WORK, EdgeWork, beta, supremum
-from study.statements.shared.base import Setting, grid
-from study.statements.shared.meshes import space_of
 
 GRID = "one-diagonal"
 RHO = 0.05, 0.25, 0.5
@@ -37,7 +45,7 @@ def test_the_seminorm_of_a_straight_line_is_known_and_hat_functions_have_the_one
 
 
 def test_both_bounds_meet_where_the_constant_of_the_article_is() -> None:
-    assert beta(np.array(EQUAL)) == pytest.approx(C_0)
+    assert beta(np.array(EQUAL_BRANCHES)) == pytest.approx(C_0)
     assert beta(np.linspace(0.001, 0.999, 999)).max() <= C_0 < 0.388
 
 

@@ -10,15 +10,13 @@ from measured_rows import quick_rows, verdicts
 from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED
 from study.run.plan import quick
-from study.statements.boundary import NaturalConditions
-from study.statements.error_bounds import ErrorBounds
-from study.statements.interpolation import InterpolationInV, InterpolationOnContact
-from study.statements.korn import Korn
+from study.statements.error_estimate import ErrorBounds, InterpolationInV, InterpolationOnContact
+from study.statements.load_and_traction import NaturalConditions
 from study.statements.shared.base import ListedNumbers
 from study.statements.shared.meshes import EVERY, body_of, first_with_each, place, space_of
 from study.statements.shared.scope import Levels, Scope
 from study.statements.uniqueness import OneTrajectory
-from study.statements.wellposed import BoundedVelocity, Dependence
+from study.statements.wellposed import BoundedVelocity, Dependence, Korn
 
 EVOLUTION = OneTrajectory(), BoundedVelocity(), Dependence(), NaturalConditions(), ErrorBounds()
 STATEMENTS: tuple[ListedNumbers, ...] = (Korn(), InterpolationInV(), InterpolationOnContact(), *EVOLUTION)

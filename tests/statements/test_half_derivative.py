@@ -15,9 +15,8 @@ from study.fem.space import form
 from study.ledger.verdict import FAILS, HOLDS
 from study.solve.evolution import SemiDiscrete
 from study.solve.signorini import Signorini
-from study.statements import advancing_front, half_derivative
-from study.statements.advancing_front import AdvancingFront
-from study.statements.half_derivative import HalfDerivative, NodalErrors
+from study.statements import moving_fronts
+from study.statements.moving_fronts import AdvancingFront, HalfDerivative, NodalErrors
 from study.statements.shared.base import ListedNumbers, Setting
 
 
@@ -64,13 +63,13 @@ def test_the_quotient_of_a_velocity_that_jumps_once_is_known() -> None:
     one, zero = (sps.csc_array([[value]]) for value in (1.0, 0.0))
     problem = SemiDiscrete(one, zero, None, one, lambda time: np.ones(1), np.zeros(1), 1.0)
     states = np.minimum(times, 0.5)[:, None]
-    assert half_derivative.half_quotient(problem, states) == pytest.approx(1 / 3)
+    assert moving_fronts.half_quotient(problem, states) == pytest.approx(1 / 3)
 
 
 def test_nodal_errors_of_a_projection_in_another_norm_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     statement, settings = NodalErrors(), [Setting(NAME, "one-diagonal", 16)]
     assert verdicts(statement, rows(statement, settings)) == {"constant": HOLDS}
-    monkeypatch.setattr(half_derivative, "form", lambda space, tensor: form(space, tensor) / 4)
+    monkeypatch.setattr(moving_fronts, "form", lambda space, tensor: form(space, tensor) / 4)
     assert verdicts(statement, rows(statement, settings)) == {"constant": FAILS}
 
 
@@ -93,8 +92,8 @@ def test_with_one_diagonal_the_nodal_errors_have_one_sign_and_shaken_meshes_are_
     ids=["normals reversed", "weights that do not travel"],
 )
 def test_at_an_advancing_front_a_wrong_normal_or_a_front_at_rest_is_noticed(monkeypatch, name, wrong, key) -> None:
-    monkeypatch.setattr(advancing_front, "FROM", 8)
+    monkeypatch.setattr(moving_fronts, "FROM", 8)
     statement, settings = AdvancingFront(), [Setting(NAME, "one-diagonal", n) for n in (8, 16)]
     assert verdicts(statement, rows(statement, settings))[key] == HOLDS
-    monkeypatch.setattr(advancing_front, name, wrong)
+    monkeypatch.setattr(moving_fronts, name, wrong)
     assert verdicts(statement, rows(statement, settings))[key] == FAILS

@@ -15,8 +15,8 @@ from study.ledger.verdict import FAILS, HOLDS
 from study.run.judgement import joined
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
+from study.statements.other_solvers import Recomputed, recompute
 from study.statements.prop_5_4 import RATES, Measurement, measure
-from study.statements.recomputed import Recomputed, recompute
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
 

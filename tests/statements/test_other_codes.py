@@ -16,7 +16,7 @@ from study.fem.naming import resolve
 from study.ledger.codes import FROZEN, MARCH, MESH, NOT_EXPRESSED
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.run.judgement import joined
-from study.statements.other_codes import OURS, PEERS, OtherCodes, Peer
+from study.statements.other_solvers import OURS, PEERS, OtherCodes, Peer
 from study.statements.shared.base import LISTED, grid
 from study.statements.shared.tasks import Task
 

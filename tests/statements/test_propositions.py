@@ -16,10 +16,8 @@ from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, Che
 from study.ledger.window import STEEPER, Window
 from study.run.judgement import with_reasons
 from study.run.provenance import Complete
-from study.statements.from_rates import RegularityNeeded, SizeOfInterpolation
-from study.statements.initial_gap import InitialGap
 from study.statements.own_cases import enough, finer, judge_own, least_levels
-from study.statements.prop_5_3 import Convergence
+from study.statements.prop_5_3 import Convergence, InitialGap, RegularityNeeded, SizeOfInterpolation
 from study.statements.prop_5_4 import FirstOrder
 from study.statements.shared.meshes import CELLS, LEADING, in_leading_term, is_random
 from study.statements.thm_4_2 import SameMesh

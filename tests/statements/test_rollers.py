@@ -13,10 +13,10 @@ from study.ledger.verdict import FAILS, HOLDS, REPORTED
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
 from study.solve.tableau import MIDPOINT
-from study.statements import rollers as own
-from study.statements.contact_work import Resolved
+from study.statements import work_of_contact as own
 from study.statements.shared.base import Setting
 from study.statements.shared.meshes import space_of
+from study.statements.work_of_contact import Resolved
 
 
 def test_every_level_has_its_rollers_by_name_and_other_names_mean_none() -> None:

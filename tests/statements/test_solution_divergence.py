@@ -11,7 +11,7 @@ from manufactured.law import KelvinVoigt, isotropic
 from study.fem.mesh import Shaken
 from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
-from study.statements import solution_divergence as divergence
+from study.statements import wellposed as divergence
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
 

@@ -11,10 +11,10 @@ from measured_rows import invented, verdicts
 from manufactured import named
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED
 from study.solve.tableau import BACKWARD_EULER, SCHEMES
-from study.statements.error_bounds import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted
-from study.statements.fully_discrete import COUNTS, FullyDiscrete
+from study.statements.error_estimate import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
+from study.statements.time_steps import FEW_STEPS, FullyDiscrete
 from study.statements.wellposed import fastest, perturbations, quotients
 
 
@@ -78,7 +78,7 @@ def synthetic(**orders: float) -> pd.DataFrame:
     """Tables of e = h and d = 3 k^q h^0."""
     values: dict[str, object] = {}
     for scheme in SCHEMES:
-        for count in COUNTS:
+        for count in FEW_STEPS:
             values[f"{scheme.name} {count} d"] = 3 * count ** -orders[scheme.name]
             values[f"{scheme.name} {count} e"] = 1 / np.array([8.0, 16.0, 32.0])
     return invented(values)

@@ -5,10 +5,10 @@ import pytest
 from measured_rows import invented, measured, verdicts
 
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED
-from study.statements import interpolation
-from study.statements.interpolation import InterpolationInV, InterpolationOnContact
-from study.statements.korn import Korn
+from study.statements import error_estimate
+from study.statements.error_estimate import InterpolationInV, InterpolationOnContact
 from study.statements.shared.base import grid
+from study.statements.wellposed import Korn
 
 H = 1 / np.array([8.0, 16.0, 32.0])
 
@@ -33,7 +33,7 @@ def test_eigenvalues_that_rise_or_tend_to_zero_fail() -> None:
 )
 def test_the_order_in_v_is_judged_from_both_sides(order: float, verdict: str, family: str, scatter: float) -> None:
     """On random meshes the scatter of the coarsest one hardly counts."""
-    errors = dict.fromkeys(interpolation.FIELDS.values(), H**order * [scatter, 1, 1])
+    errors = dict.fromkeys(error_estimate.FIELDS.values(), H**order * [scatter, 1, 1])
     assert set(verdicts(InterpolationInV(), invented(errors, family=family)).values()) == {verdict}
 
 
@@ -46,8 +46,8 @@ def test_the_order_in_v_is_judged_from_both_sides(order: float, verdict: str, fa
     ],
 )
 def test_the_order_of_traces_is_two_where_it_is_claimed(tau: float, order: float, verdict: str) -> None:
-    column = interpolation.TRACE.format(next(iter(interpolation.INSTANTS)), 1)
-    rows = invented({interpolation.REGULARITY: tau, "size of Γ3,1": H, column: H**order})
+    column = error_estimate.TRACE_ERROR.format(next(iter(error_estimate.FUNCTIONS)), 1)
+    rows = invented({error_estimate.REGULARITY: tau, "size of Γ3,1": H, column: H**order})
     assert {*verdicts(InterpolationOnContact(), rows).values()} == {verdict}
 
 

@@ -1,0 +1,674 @@
+"""The error estimate of Problem 5.1 and its parts.
+
+The statements are (5.20), (5.21) and (5.42), bounds of the error; (5.23) and (5.24), interpolation errors; (5.27), a
+bound of the residual; and the remark after (5.35) on the nodal interpolant of the initial displacement.
+"""
+
+import math
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pandas as pd
+
+from manufactured.body import Body, Kind, Part
+from manufactured.case import Case
+from manufactured.exact import ExactSolution, Face
+from manufactured.law import KelvinVoigt, Linear
+from manufactured.tensors import Array, Points, Tensors, dyad
+from study.fem.error_norm import DEGREE, FACET_POINTS, ErrorNorm, rules
+from study.fem.mesh import Graded, Shaken
+from study.fem.naming import resolve
+from study.fem.quadrature import facet_rule
+from study.fem.space import Space, on_cells
+from study.ledger.check import ENOUGH, ROUNDING, Groups, consequence, identity, paper_claim
+from study.ledger.datafiles import Row
+from study.ledger.orders import fit
+from study.ledger.quantities import Value, finest, fitted, level_by_level, of_errors, over_refinements, values
+from study.ledger.window import Window, around, at_least, at_most, positive_at_most
+from study.solve.evolution import SemiDiscrete
+from study.solve.factorisation import Cholesky
+from study.solve.steps import rate_steps
+from study.solve.tableau import MIDPOINT
+from study.statements.load_and_traction import Field, planes, strain, vanishing, waves
+from study.statements.shared.base import (
+    EVOLVING,
+    SEED,
+    SOFTENING,
+    Judged,
+    ListedNumbers,
+    Numbers,
+    Records,
+    Setting,
+    grid,
+    with_h,
+)
+from study.statements.shared.eigen import unloaded
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.meshes import (
+    CELLS,
+    EVERY,
+    body_of,
+    first_with_each,
+    law_of,
+    named,
+    place,
+    posed,
+    space_of,
+    split_random,
+)
+from study.statements.shared.norms import Energies, Velocity, dual_norm, maximum, midpoints
+from study.statements.shared.scope import REGULAR
+from study.statements.thm_4_2 import beyond
+
+FIRST = 3
+"""The smallest level j of the spikes: the radius 4^{−j} is small compared with the distance 2^{−j} for j ≥ 3."""
+DIRECTION = np.array([0.0, 1.0])
+"""The direction e_2 of the initial displacement."""
+
+
+class NodalStart(ListedNumbers):
+    """Measures the norm of the interpolant Π^h u_0, and a lower bound of its error, for the counterexample u_0.
+
+    The remark after (5.35) is false in the plane: for u_0 ∈ V ∩ C(Ω̄), Π^h u_0 need not converge to u_0 in V.
+
+    The paper says that (5.25), ‖u_0 − u_0^h‖_V → 0, holds for the nodal interpolant u_0^h = Π^h u_0 if u_0 is
+    continuous. The following function is a counterexample on the unit square, for grids with n = 8, 16, 32, … cells
+    along a side (proof in paper/false_remark.tex): u_0 = v e_2 with
+
+        v = Σ_{j≥3} a_j Σ_{c ∈ A_j} λ_j(|x − c|),   a_j = 2^{−j/2},   A_j = {2^{−j}(p, q) : p, q odd} ∩ Ω,
+
+    and the spikes λ_j(r) = min{1, log(R_j/r)/4^j} for r < R_j = 4^{−j}, λ_j(r) = 0 for larger r. The sum converges
+    uniformly and in H¹, and u_0 = 0 on the boundary, so that u_0 ∈ K ∩ C(Ω̄). On the grid with n = 2^i every point of
+    A_j, j ≤ i, is a vertex, so the interpolant has the value a_j there, although the spike is much narrower than a
+    cell. ‖u_0‖_V has a bound in closed form and Π^h u_0 is known exactly, so ‖Π^h u_0‖_V − ‖u_0‖_V is a lower bound of
+    ‖u_0 − Π^h u_0‖_V without quadrature.
+
+    Predicted before measuring, with the Lamé constants μ, λ of A:
+
+    * ‖Π^h u_0‖_V = ((3μ + λ)(n − 4))^{1/2} up to 5 %: the 4^{j−1} spikes of level j ≤ i interpolate to hat functions of
+      the energy 6μ + 2λ times a_j², which have disjoint supports for one j, and Σ_j 2^{−j} 4^{j−1} = (n − 4)/2. Hats of
+      different levels do not share an edge of the grid; spikes wider than a cell change values by 1/64 of a_j at most.
+    * ‖Π^h u_0‖_V is at least (5 m_A n/16)^{1/2}, which is proved; the predicted value is about twice as large.
+    * The lower bound of ‖u_0 − Π^h u_0‖_V grows from every level to the next, with orders in h between −1.5 and −1/2,
+      since the constant ‖u_0‖_V is subtracted from a multiple of (n − 4)^{1/2}.
+    * On the finest grid it is at least three times ‖u_0‖_V, the error of the start u_0^h = 0.
+    """
+
+    label = "beyond: nodal start"
+    claim = "the remark after (5.35) is false: ‖u_0 − Π^h u_0‖_V grows like h^{−1/2} for a u_0 ∈ K ∩ C(Ω̄)"
+    checks = (
+        consequence(
+            "size",
+            "‖Π^h u_0‖_V / ((3μ + λ)(n − 4))^{1/2}",
+            values("size / predicted"),
+            around(1, 0.05, "spikes of u_0 interpolate to hat functions of known norm"),
+        ),
+        identity(
+            "proved", "(5 m_A n/16)^{1/2} / ‖Π^h u_0‖_V", values("proved / size"), positive_at_most(1.0, "proved")
+        ),
+        consequence(
+            "growth",
+            "order in h of ‖Π^h u_0‖_V − ‖u_0‖_V ≤ ‖u_0 − Π^h u_0‖_V",
+            level_by_level("error from below"),
+            Window(-1.5, -0.5, "the error grows at least like h^{−1/2}; every consecutive order"),
+            levels=ENOUGH,
+            finest=True,
+        ),
+        consequence(
+            "worse",
+            "(‖Π^h u_0‖_V − ‖u_0‖_V) / ‖u_0‖_V",
+            finest("error / start at 0"),
+            at_least(3.0, "Π^h u_0 is a worse start than u_0^h = 0; finest grid"),
+        ),
+    )
+    quick = grid(("full-contact",), ("one-diagonal",), (8, 16, 32, 64))
+    full = grid(("full-contact",), ("one-diagonal", "alternating"), (8, 16, 32, 64, 128))
+
+    def measure(self, setting: Setting) -> Numbers:
+        space = space_of(setting)
+        A = resolve(setting.case).solution.law.A
+        # The grid has 2^i cells along a side. Spikes with j > i vanish at its vertices and do not change Π^h u_0.
+        start = space.interpolate(np.multiply.outer(DIRECTION, spikes(space.mesh.p, setting.level.bit_length() - 1)))
+        energy = start @ (unloaded(space, resolve(setting.case).solution.law).M @ start)
+        size = math.sqrt(energy)
+        bound = norm_of_start(A)
+        hats = 2 * mean_energy(A) * (setting.level - 4)
+        least = math.sqrt(5 * A.ellipticity * setting.level / 16)
+        shares = {"size / predicted": size / math.sqrt(hats), "proved / size": least / size}
+        errors = {"error from below": size - bound, "error / start at 0": (size - bound) / bound}
+        return with_h(space.h, shares | errors)
+
+
+def spikes(x: Points, last: int) -> Array:
+    """Return the function v of the module docstring, a sum of spikes, at the vertices of a grid.
+
+    Spikes of levels j > last are left out. They vanish at all vertices, because their radius is smaller than the
+    distance of their centres from the vertices.
+
+    Args:
+        x: the vertices, (2, ...), with one value of v for each in the result, (...).
+        last: the level of the grid, which has 2^last cells along a side.
+    """
+    total = np.zeros(x.shape[1:])
+    for j in range(FIRST, last + 1):
+        spacing = 2.0**-j
+        # The ball around a spike lies in a square with sides 2^{1−j}, so only the nearest spike is non-zero at x.
+        centres = spacing * (2 * np.floor(x / (2 * spacing)) + 1)
+        r = np.linalg.norm(x - centres, axis=0)
+        with np.errstate(divide="ignore"):
+            total += 2 ** (-j / 2) * np.clip(np.log(4.0**-j / r) / 4**j, 0, 1)
+    return total
+
+
+def mean_energy(A: Linear) -> float:
+    """Return the energy ∫ A ε(v e_2)·ε(v e_2) of a field v e_2 with a radial function v and ∫ |∇v|² = 1.
+
+    The energy is ½ Σ_i A d_i·d_i with d_i = sym(e_i ⊗ e_2), which is (3μ + λ)/2 for an isotropic A.
+    """
+    directions = np.array([dyad(axis, DIRECTION) for axis in np.eye(2)])
+    return float(np.einsum("iI,IJ,iJ->", directions, A.matrix, directions)) / 2
+
+
+def norm_of_start(A: Linear) -> float:
+    """Return an upper bound of the norm ‖u_0‖_V of the counterexample.
+
+    It is the geometric series Σ_j a_j (4^{j−1} · 2π/4^j · ``mean_energy``)^{1/2} over the levels of the spikes.
+    """
+    return math.sqrt(math.pi / 2 * mean_energy(A)) * 2 ** (-FIRST / 2) / (1 - math.sqrt(0.5))
+
+
+TIMES = (0.23, 0.61)
+"""Times at which exact solutions are interpolated, as fractions of the final time T.
+
+In no case does contact begin or end at these times."""
+RAISED = 2
+"""How much the degree of quadrature rules on cells and the number of points on facets are raised.
+
+More accurate rules are needed, because kinks of the solution cross cells and facets."""
+NO_ERROR = 1e-10
+"""Relative errors below this number count as round-off.
+
+They occur if a trace is zero or linear, so that it has no interpolation error."""
+ROOM = 0.15
+"""Tolerance for observed orders.
+
+They scatter, because fronts cut cells at different places on each level and the meshes are not nested."""
+
+SMOOTH = "a smooth field"
+FUNCTIONS = {f"u({fraction:g} T)": fraction for fraction in TIMES}
+"""The times t of the interpolated functions u(t), as fractions of T, by the names of these functions in columns."""
+FIELDS = {"smooth": SMOOTH, **{f"u-{fraction}": v for v, fraction in FUNCTIONS.items()}}
+"""Names of the interpolated functions in columns, by the keys of the checks."""
+REGULARITY = "τ"
+"""Name of the column with the regularity τ of the trace: v_ν ∈ H^s(Γ3,i) for all s < τ."""
+SIZE, TRACE_ERROR = "size of Γ3,{}", "{} on Γ3,{}"
+"""Names of the columns for one contact face: its mesh size, and the interpolation error of a trace on it."""
+
+
+def smooth(body: Body) -> Field:
+    """Return a smooth random displacement field that vanishes on the clamped boundary Γ1."""
+    return vanishing(waves(body, np.random.default_rng(SEED)), planes(body, Kind.CLAMPED))
+
+
+# (5.23): interpolation in V.
+
+
+SHARP = around(1.0, ROOM)
+"""Tolerance window of the order in V, which is 1 for piecewise linear functions."""
+
+
+class InterpolationInV(ListedNumbers):
+    """Measures the interpolation error ‖v − Π^h v‖_V for solutions in H² on each cell, and judges its order.
+
+    On random meshes the order from two coarse levels depends on the random size of the cells where v is strongly
+    curved. Therefore on random meshes the order is fitted to all levels, with the numbers of cells as weights.
+
+    Interpolation errors of P1 elements, in V (5.23) and on the contact faces (5.24).
+
+    The paper states for v ∈ V that
+
+        ‖v − Π^h v‖_V = O(h)  for v ∈ H²(Ω)^d,      ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)} = O(h²)  for v_ν ∈ H²(Γ3,i).
+
+    The orders are measured for v = u(t) at fixed times, and for a smooth field v that vanishes on Γ1. Both orders are
+    sharp for piecewise linear functions, so the windows have two ends. (5.24) is printed with h instead of h². The
+    proof of Prop. 5.4 takes the root of this error in (5.42), so it needs h². If a gap behaves like s_+^α at a front,
+    the trace lies in H^τ for τ < α + 1/2, and the predicted order is min(2, α + 1/2).
+    """
+
+    label = "(5.23)"
+    claim = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
+
+    def places(self, full: bool) -> list[Setting]:
+        if not full:
+            return place(named("advance-recede"), REGULAR, (8, 16, 32))
+        cases = first_with_each(lambda case: (body_of(case), law_of(case), case.regularity.smoothness > 1))
+        cases = [case for case in cases if case.regularity.smoothness > 1]
+        # Graded meshes are left out: their cells at singular points are much smaller than h, which changes the order.
+        return [s for s in place(cases, EVERY, (8, 16, 32), (8, 12, 16)) if s.family != Graded().name]
+
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
+        v_norm = ErrorNorm(solution, space, RAISED)
+        samples = {v: v_norm.sample(fraction * solution.body.T) for v, fraction in FUNCTIONS.items()}
+        errors = {v: v_norm.distance(sample, sample.interpolant) for v, sample in samples.items()}
+        return with_h(space.h, {**errors, SMOOTH: distance_in_V(solution, space, smooth(space.body))})
+
+    def checks_of(self, case: str, groups: Groups) -> Judged:
+        by_cells = around(1.0, ROOM, "least squares, weighted by the number of cells")
+        random, others = split_random(groups)
+        for key, v in FIELDS.items():
+            quantity = f"order of ‖v − Π^h v‖_V, v = {v}"
+            by_level = level_by_level(v)
+            if others:
+                check = paper_claim(key, f"{quantity}, level by level", by_level, SHARP, levels=ENOUGH, finest=True)
+                yield check, others
+            if random:
+                quantity = f"{quantity}, random meshes, fitted"
+                order = fitted(v, power=CELLS)
+                yield paper_claim(f"{key}-random", quantity, order, by_cells, levels=ENOUGH), random
+
+
+def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
+    """Return the interpolation error ‖v − Π^h v‖_V of a smooth field v.
+
+    Args:
+        solution: the exact solution, whose viscosity defines the norm.
+        space: the P1 space.
+        field: the field, analytic in x.
+    """
+    interpolant = space.strain(space.interpolate(field(space.mesh.p)))
+    total = 0.0
+    for rule in rules(solution, space.mesh, DEGREE + RAISED):
+        difference = strain(field, rule.points) - interpolant[:, rule.cells, None]
+        viscous = solution.law.A.at(rule.points)(difference)
+        total += np.einsum("Inq,Inq,nq->", viscous, difference, rule.weights)
+    return math.sqrt(total)
+
+
+# (5.24): interpolation of normal traces on contact faces.
+
+
+class InterpolationOnContact(ListedNumbers):
+    """Measures the interpolation error of normal traces v_ν in L² on each contact face, and judges its order.
+
+    Linear traces are left out, because they have no interpolation error.
+    """
+
+    label = "(5.24)"
+    claim = "‖v_ν − Π^h v_ν‖_{L²(Γ3,i)} ≤ c h² |v_ν|_{H²(Γ3,i)}, printed with h"
+
+    def places(self, full: bool) -> list[Setting]:
+        if not full:
+            return place(named("advance-recede"), REGULAR, (16, 32, 64))
+        # Shaken meshes are left out: a few edges contribute most of the squared error Σ_e |e|⁵ |w''|²/120, so with
+        # random lengths of edges the order varies by 0.3 from seed to seed.
+        cases = first_with_each(lambda case: (body_of(case), case.regularity.trace))
+        without = Graded().name, Shaken().name
+        return [s for s in place(cases, EVERY, (16, 32, 64), (16, 24, 32)) if s.family not in without]
+
+    def measure(self, setting: Setting) -> Numbers:
+        space = space_of(setting)
+        case = resolve(setting.case)
+        numbers = {REGULARITY: case.regularity.trace}
+        for i, face in enumerate(case.solution.faces, start=1):
+            numbers[SIZE.format(i)] = induced_size(space, face.part)
+            numbers |= {TRACE_ERROR.format(v, i): error for v, error in on_face(case.solution, space, face).items()}
+        return with_h(space.h, numbers)
+
+    def checks_of(self, case: str, groups: Groups) -> Judged:
+        """Yield the criteria for the orders on all faces, in the mesh size on the face.
+
+        For τ > 2 the paper claims the order 2. Otherwise min(2, τ) is predicted.
+        """
+        columns = {str(column) for table in groups.values() for column in table}
+        of_solution = min(float(table[REGULARITY].min()) for table in groups.values())
+        claimed = around(2.0, ROOM)
+        for (name, v), face in product(FIELDS.items(), range(1, len(columns))):
+            key = f"{name}-face-{face}"
+            column = TRACE_ERROR.format(v, face)
+            size = SIZE.format(face)
+            if not {size, column} <= columns:
+                continue
+            tau = math.inf if v == SMOOTH else of_solution
+            quantity = f"order of ‖v_ν − Π^h v_ν‖, v = {column}"
+            if tau >= 2.5:
+                text = "level by level"
+                value = level_by_level(column)
+                window = claimed
+            elif tau > 2:
+                # Two refinements are judged together: the error in the cell of the front depends on where it is cut.
+                text = "over two refinements"
+                value = over_refinements(column, 2)
+                window = claimed
+            else:
+                text = "fitted"
+                value = fitted(column)
+                window = around(tau, 0.3)
+            unclaimed = "" if tau > 2 else "the trace is not in H², so that (5.24) does not apply"
+            check = paper_claim(
+                key, f"{quantity}, {text}", value, window, levels=ENOUGH, finest=tau >= 2.5, if_missed=unclaimed
+            )
+            yield check, {family: table.assign(h=table[size]) for family, table in groups.items() if size in table}
+
+
+def induced_size(space: Space, part: Part) -> float:
+    """Return the mesh size on a boundary part Γ3,i, which follows from its measure and its number of facets.
+
+    The mesh size is ((d − 1)! |Γ3,i| / number of facets)^{1/(d−1)}. On unstructured meshes this size is not exactly
+    proportional to h, because a part has a whole number of facets.
+    """
+    along = space.dim - 1
+    return float((math.factorial(along) * part.measure / len(space.facets(part))) ** (1 / along))
+
+
+def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
+    """Return interpolation errors in L² of normal traces on one contact face, by the names of the functions.
+
+    Functions with a linear trace are left out.
+    """
+    mesh = space.mesh
+    facets = space.facets(face.part)
+    rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS + RAISED)
+    x = face.part.point(rule.s)
+    vertices = mesh.p[:, mesh.facets[:, facets]]
+    exact = solution.at(x)
+    nodes = solution.at(vertices)
+    field = smooth(space.body)
+    times = {v: fraction * solution.body.T for v, fraction in FUNCTIONS.items()}
+    pairs = {v: (exact.displacement(time), nodes.displacement(time)) for v, time in times.items()}
+    errors = {}
+    for name, (inside, nodal) in {**pairs, SMOOTH: (field(x), field(vertices))}.items():
+        trace, corners = (np.tensordot(face.part.normal, v, axes=1) for v in (inside, nodal))
+        difference = trace - np.einsum("an,anq->nq", corners, rule.shapes)
+        error, size = (math.sqrt(np.sum(values**2 * rule.weights)) for values in (difference, trace))
+        if error > NO_ERROR * size:
+            errors[name] = error
+    return errors
+
+
+RESIDUAL_TIMES = 32
+"""Number of times over which maxima of norms are taken."""
+AT_REST = positive_at_most(1e-10, "0 up to rounding: u^h ≡ 0 is the solution, although the printed bound is 0")
+
+
+class ResidualBound(ListedNumbers):
+    """Compares the norm of the residual R with its bound.
+
+    This is done for exact solutions, and for a body at rest with G(·, 0) ≠ 0, for which the printed bound is 0.
+
+    (5.27): a bound of the residual R in V, with a term that is missing in the paper.
+
+    The bound is |R(s; v)| ≤ (‖u̇‖_{L∞(V)} + L ‖u‖_{L∞(V)} + ‖G(·, 0)‖_Q/√m_A + ‖f‖_{L∞(V)}) ‖v‖_V with L = L_G/m_A. It
+    follows from (5.13) term by term: |G ε(u)| ≤ |G(·, 0)| + L_G |ε(u)| and √m_A ‖ε(v)‖_Q ≤ ‖v‖_V. The paper prints the
+    bound without G(·, 0), although (3.2) allows any G(·, 0) ∈ Q. **Measured and judged** are two cases:
+
+    * *Exact solutions.* R(s; ·) is computed from its definition as a functional on V^h, with ‖R(s)‖² = RᵀM⁻¹R. Its
+      largest norm over the times is divided by the bound. Predicted quotients are 1/20 to 1/2: the four norms are not
+      attained together, and R is the work of the contact force, which is as large as the load where contact carries the
+      load. In ``advance-recede`` the quotient is only 0.009, because nearly all of the load bends the body away from
+      the foundation. So the window has no lower end. ``double-well`` has a G(·, 0) that is not zero.
+    * *A body at rest with a stress.* G is replaced by G(x, ε) − G(x, 0) + A ε(z) with z = −M⁻¹Nᵀμ and random μ > 0.
+      There is no load and no initial displacement. Then u^h ≡ 0 solves Problem 5.1 if R(s; v) = (A ε(z), ε(v))_Q ≥ 0 on
+      K^h, that is, if −R lies in the cone {Nᵀλ : λ ≥ 0}. R is not zero, but the printed bound is zero for every c, so
+      it is wrong. With the term of G(·, 0) the bound holds: the quotient of ‖R‖ = ‖z‖_V and ‖A ε(z)‖_Q/√m_A is at most
+      1. It is at least √(m_A/‖A‖), because ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V.
+    """
+
+    label = "(5.27)"
+    claim = "|R(s; v)| ≤ c (‖u‖_{W^{1,∞}(0,T;V)} + ‖f‖_{L∞(0,T;V)} + ‖G(·, 0)‖_Q) ‖v‖_V, c and G(·, 0) explicit"
+    checks = (
+        paper_claim(
+            "bound", "max_s ‖R(s)‖ / the bound, exact solution", values("bound"), positive_at_most(1.0, "proved")
+        ),
+        identity(
+            "rest", "G(·, 0) = A ε(z): distance of −R from the contact forces / its size", values("rest"), AT_REST
+        ),
+        identity(
+            "prestress",
+            "G(·, 0) = A ε(z): ‖R‖ / (‖G(·, 0)‖_Q / √m_A)",
+            values("prestress"),
+            at_most(1 + ROUNDING, "proved"),
+        ),
+        identity(
+            "attained",
+            "‖R‖ / (‖G(·, 0)‖_Q / √m_A) over √(m_A/‖A‖), its least possible value",
+            values("attained"),
+            Window(1 - ROUNDING, np.inf, "over √(m_A/‖A‖)"),
+        ),
+    )
+    quick = grid(("full-contact",), ("unstructured",), (8,))
+    full = grid((*EVOLVING, "anisotropic", "hexagon", *SOFTENING), ("unstructured",), (8, 16))
+
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
+        problem = unloaded(space, solution.law)
+        law = solution.law
+        share = share_of_bound(Energies(solution, space), ErrorNorm(solution, space), problem, law)
+        # The body at rest with the stress G(·, 0) = A ε(z).
+        stress = prestress(space, problem, law)
+        R = space.functional(stress)
+        bound = np.sqrt(np.sum(space.volumes * stress**2) / law.A.ellipticity)
+        of_bound = dual_norm(R, Cholesky(problem.M)) / bound
+        least = np.sqrt(law.A.ellipticity / law.A.lipschitz)
+        rest = beyond(-R, problem.N) / math.sqrt(R @ R)
+        return with_h(space.h, {"bound": share, "rest": rest, "prestress": of_bound, "attained": of_bound / least})
+
+
+def share_of_bound(energies: Energies, v_norm: ErrorNorm, problem: SemiDiscrete, law: KelvinVoigt) -> float:
+    """Return the largest norm of the residual over time divided by its bound, for an exact solution.
+
+    The residual is a functional on V^h.
+    """
+    riesz = Cholesky(problem.M)
+    exact = energies.exact
+    rows = []
+    for time in midpoints(v_norm.space.body.T, RESIDUAL_TIMES):
+        strain = exact.strain(time)
+        rate = exact.strain_rate(time)
+        load = v_norm.load(time)
+        residual = energies.functional(exact.law.stress(rate, strain)) - load
+        norms = [energies.product(field, field) ** 0.5 for field in (rate, strain)]
+        rows.append((dual_norm(residual, riesz), *norms, dual_norm(load, riesz)))
+    R, velocity, displacement, force = np.max(rows, axis=0)
+    stress_at_zero = exact.law.G(0 * exact.strain(0.0))
+    at_zero = np.sqrt(energies.work(stress_at_zero, stress_at_zero) / law.A.ellipticity)
+    return float(R / (velocity + law.kappa * displacement + at_zero + force))
+
+
+def prestress(space: Space, problem: SemiDiscrete, law: KelvinVoigt) -> Tensors:
+    """Return the stress A ε(z) of random contact forces on the cells: z = −M⁻¹Nᵀμ with random μ > 0."""
+    multipliers = np.random.default_rng(SEED).uniform(size=problem.N.shape[0])
+    return on_cells(space, law).A(space.strain(-Cholesky(problem.M)(problem.N.T @ multipliers)))
+
+
+INSTANTS = 64
+"""Number of nodes of the midpoint rule that approximates norms in time."""
+ROUND_OFF = 1e-11
+"""Relative tolerance for round-off: smaller contact pressures, compared with the size of the stresses, count as 0."""
+BOUNDS = "(5.21)", "(5.42)"
+EXPONENTS = {bound: f"γ of {bound}" for bound in BOUNDS}
+"""Names of the columns with the exponents γ: (right side of the bound) / error is predicted to grow like h^{−γ}."""
+RATE, TRACE = "‖η̇‖_{L²(0,T;V)}", "(‖σ_ν‖ ‖η_ν‖)^{1/2}"
+"""The terms of the bounds that may be of lower order than the error, as names of columns."""
+LOGARITHM = "τ = 2"
+"""Name of the column that tells whether the bound (5.42) has a logarithmic factor, which is so for τ = 2."""
+
+
+class ErrorBounds(ListedNumbers):
+    """Measures how far the bounds (5.21) and (5.42) exceed the error, with and without their constant c.
+
+    (5.20)–(5.21) and (5.42): the error of the semi-discrete problem (Problem 5.1), compared with its bounds.
+
+    The bounds are taken for v^h = Π^h u and u_0^h = Π^h u_0. With the error e = u − u^h and the interpolation error η =
+    u − Π^h u, their right sides without constants are
+
+        (5.21):  ‖η_0‖_V + ‖η̇‖_{L²(0,T;V)} + ‖R(·; −η)‖_{L¹(0,T)}^{1/2} + ‖e_0‖_V,
+        (5.42):  the same sum, but the third term is (‖σ_ν‖_{L^∞(0,T;L²(Γ3))} ‖η_ν‖_{L¹(0,T;L²(Γ3))})^{1/2}.
+
+    R(t; v) = ∫_{Γ3} σ_ν v_ν by (5.40), which ``residual`` compares with the definition of R. The paper includes ‖σ_ν‖
+    in the constant c. Here ‖σ_ν‖ is part of the bound, so the second bound is larger than the first by (5.41). Two
+    numbers are measured for each bound: right side / error under refinement, and error / (c · right side) with a
+    constant c that is proved as follows.
+
+    **The constant.** Let χ = Π^h u − u^h = e − η, and B the operator of (4.2). Then (5.12) says
+
+        ½ d/dt ‖χ‖_V² ≤ −(η̇, χ)_V − (Bu − BΠ^h u, χ)_V − (BΠ^h u − Bu^h, χ)_V + |R(·; −η)|.
+
+    By (4.3) the second product is at most L‖η‖_V ‖χ‖_V with L = L_G/m_A. The third is at most ω‖χ‖_V² with ω = max(−m,
+    0)/m_A ≤ L, where m is the constant of monotonicity of G, which is 0 for monotone G. Gronwall's inequality in the
+    form of Brézis, φ²/2 ≤ a²/2 + ∫ gφ ⇒ φ ≤ a + ∫ g, gives
+
+        ‖χ(t)‖_V ≤ e^{ωT} ((‖χ_0‖_V² + 2‖R‖_{L¹})^{1/2} + ∫_0^T (‖η̇‖_V + L‖η‖_V)),
+
+    From e = η + χ, ‖χ_0‖_V ≤ ‖e_0‖_V + ‖η_0‖_V and ‖η(s)‖_V ≤ ‖η_0‖_V + ∫_0^s ‖η̇‖_V, (5.17), it follows that
+
+        ‖e‖_V ≤ e^{ωT} ((2 + LT) ‖η_0‖_V + ∫_0^T (2 + L(T − s)) ‖η̇(s)‖_V ds + ‖e_0‖_V + (2‖R‖_{L¹})^{1/2})
+              ≤ c · (right side),   c = e^{ωT} max(2 + LT, ‖2 + L(T − ·)‖_{L²(0,T)}).
+
+    This proof avoids (5.15) and (5.16), whose term 2‖e‖_V ‖η‖_V would make c twice as large. The bound still
+    overestimates, because one constant serves several terms, and because L combines the largest slope of G with the
+    smallest eigenvalue of A.
+
+    **The ratio under refinement.** The error has the order min(1, s). The right side has the order of its term of
+    lowest order (``manufactured.regularity``): min(1, s') from η̇ in both bounds, and in (5.42) min(1, τ/2) from
+    ‖η_ν‖^{1/2}. Only the cell of the front contributes to ∫ σ_ν η_ν, which is of order λ and more. Let γ be the order
+    of the error minus the order of the term:
+
+    * γ = 0: the ratio does not change like a power of h.
+    * γ > 0: the bound is of lower order than the error, and the ratio is **not** bounded. The term over the error grows
+      like h^{−γ} (1/8 for ``rough-trace`` in (5.42), 1/4 for ``moving-rough`` in both). This exponent is judged: it
+      must be nearer to γ than to 0 or 2γ. Smoother parts, of a relative size h^{1/2}, change γ on coarse meshes, and
+      the place of a fixed front within its cell changes the term by a tenth. So the meshes are fine and structured, and
+      a fixed front, which is at 2/5 of the side, lies at 2/5 of a cell on all of them. A moving front passes all
+      positions in cells.
+    * τ = 2, where ‖η_ν‖ ~ h² |log h|^{1/2} (``natural-front``): the term grows like |log h|^{1/4}, no power of h. A few
+      meshes cannot distinguish it from a constant, so the change is reported and no bound is claimed.
+    """
+
+    label = "(5.20)–(5.21), (5.42)"
+    claim = "‖u − u^h‖_{L∞(0,T;V)} ≤ c (‖u_0 − v_0^h‖_V + ‖u̇ − v̇^h‖_{L²(0,T;V)} + ‖R‖^{1/2}) + c ‖u_0 − u_0^h‖_V"
+    quick = grid(("full-contact", "advance-recede"), ("shaken",), (6, 12, 24))
+    full = (
+        *grid((*EVOLVING, "rough-1.75"), ("one-diagonal",), (8, 16, 32)),
+        *grid((*EVOLVING, "rough-1.75", *SOFTENING, "heterogeneous", "corner"), ("unstructured",), (8, 16, 32)),
+        *grid(("natural-front", "rough-trace"), ("one-diagonal",), (16, 36, 81)),
+        *grid(("moving-rough",), ("one-diagonal",), (64, 128, 256)),
+    )
+
+    def setup(self, setting: Setting) -> Experiment:
+        case = resolve(setting.case)
+        return Experiment.at(setting, MIDPOINT, rate_steps(case.solution.body.T, setting.level, case.pace))
+
+    def measure(self, setup: Experiment) -> Numbers:
+        return with_h(setup.space.h, sides(setup))
+
+    def records(self, setting: Setting, found: Row) -> Records:
+        """Yield the rows of ``statements.csv``, with the predictions for the case as further numbers."""
+        return super().records(setting, {**found, **predicted(resolve(setting.case))})
+
+    def checks_of(self, case: str, groups: Groups) -> Judged:
+        """Yield two criteria for each of the bounds, which depend on the predicted exponent γ of the case."""
+        (table, *_) = groups.values()
+        names = *EXPONENTS.values(), LOGARITHM
+        known = {name: table[name].iloc[0] if name in table else math.nan for name in names}
+        for bound, column in EXPONENTS.items():
+            number = bound.strip("()")
+            gamma = known[column]
+            quantity = f"right-hand side of {bound} / error: change under refinement"
+            growth = changing(bound, column)
+            steady = consequence(
+                f"steady-{number}",
+                quantity,
+                growth,
+                Window(0.7, 1.4, "over two refinements: the orders differ by less than 1/4"),
+                levels=ENOUGH,
+            )
+            if gamma > 0:
+                term = RATE if gamma == known[EXPONENTS["(5.21)"]] else TRACE
+                lower = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
+                window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
+                power = of_errors(term, lambda h, ratio: -fit(h, ratio))
+                yield consequence(f"growth-{number}", lower, power, window, levels=ENOUGH), groups
+            elif bound == "(5.42)" and known[LOGARITHM] > 0:
+                lower = f"{quantity}, of lower order by |log h|^{{1/4}}"
+                yield replace(steady, quantity=lower, if_missed="a few levels cannot show a logarithm"), groups
+            else:
+                yield steady, groups
+            share = f"error / (c · right side of {bound})"
+            yield (
+                paper_claim(
+                    f"constant-{number}",
+                    share,
+                    values(f"{bound}, c"),
+                    positive_at_most(1.0, "with the constant c of the proof"),
+                ),
+                groups,
+            )
+
+
+def changing(bound: str, prediction: str) -> Value:
+    """Return the function for the change of a bound under refinement; it needs the column with the prediction γ."""
+
+    def value(table: pd.DataFrame) -> float:
+        return float(table[bound].iloc[-1] / table[bound].iloc[0] + 0 * table[prediction].iloc[0])
+
+    return value
+
+
+def predicted(case: Case) -> Numbers:
+    """Return the predictions for a case, by the names of columns.
+
+    For each of the bounds (5.21) and (5.42), a column has the exponent γ for which bound / error is predicted to grow
+    like h^{−γ}. One more column tells whether the bound (5.42) has a logarithmic factor.
+    """
+    regularity = case.regularity
+    proved = {"(5.21)": regularity.rate_smoothness, "(5.42)": regularity.proved_order}
+    growth = {column: max(case.order - proved[bound], 0.0) for bound, column in EXPONENTS.items()}
+    return {**growth, LOGARITHM: float(regularity.trace == 2)}
+
+
+def constant(law: KelvinVoigt, T: float) -> float:
+    """Return the constant c of the error estimate that the module docstring proves, for a law and the final time T."""
+    L = law.kappa
+    omega = law.growth
+    on_rate = math.sqrt(4 * T + 2 * L * T**2 + L**2 * T**3 / 3)
+    return math.exp(omega * T) * max(2 + L * T, on_rate)
+
+
+def sides(setup: Experiment) -> Numbers:
+    """Return the quotients (right side) / error and error / (c · right side) for the bounds (5.21) and (5.42)."""
+    v_norm = setup.v_norm
+    problem = setup.problem
+    T = setup.problem.T
+    states = setup.scheme.march(problem, setup.steps)
+    error = maximum(v_norm.distance(v_norm.sample(state.time), state.u) for state in states)
+    start = v_norm.sample(0.0)
+    velocity = Velocity(setup.solution, setup.space)
+    times = midpoints(T, INSTANTS)
+    k = T / INSTANTS
+    # The work of contact ∫ σ_ν (Π^hu_ν − u_ν) and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² over Γ3.
+    works, squares, pressures = np.zeros((3, INSTANTS))
+    mesh = setup.space.mesh
+    for face in setup.solution.faces:
+        facets = setup.space.facets(face.part)
+        rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS)
+        exact = setup.solution.on(face, rule.s)
+        nodes = setup.solution.at(mesh.p[:, mesh.facets[:, facets]])
+        nodal = np.tensordot(face.part.normal, nodes.displacement(times), axes=1)
+        eta = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes)
+        pressure = exact.pressure(times)
+        pressure = np.where(abs(pressure) > ROUND_OFF * exact.stress_scale(), pressure, 0.0)
+        works += np.tensordot(rule.weights, pressure * eta, axes=2)
+        squares += np.tensordot(rule.weights, eta**2, axes=2)
+        pressures += np.tensordot(rule.weights, pressure**2, axes=2)
+    rate = math.sqrt(k * np.sum(velocity.interpolation_error(times) ** 2))
+    common = v_norm.distance(start, start.interpolant) + rate + v_norm.distance(start, problem.u0)
+    work = math.sqrt(k * np.sum(abs(works)))
+    trace = math.sqrt(k * np.sum(np.sqrt(squares)) * np.sqrt(pressures).max())
+    right = {"(5.21)": common + work, "(5.42)": common + trace}
+    c = constant(setup.solution.law, T)
+    return {
+        **{name: value / error for name, value in {**right, RATE: rate, TRACE: trace}.items()},
+        **{f"{name}, c": error / (c * value) for name, value in right.items()},
+    }

@@ -1,0 +1,478 @@
+"""Beyond the paper: convergence at advancing natural fronts, and two lemmas with which its order is proved."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache, partial
+
+import numpy as np
+import pandas as pd
+
+from manufactured.body import Kind
+from manufactured.exact import ExactSolution
+from manufactured.natural_motion import NAME
+from manufactured.singular import SingularFace, TravellingField
+from manufactured.tensors import Array, Points, Tensors, Vectors, mandel
+from study.fem.error_norm import ErrorNorm
+from study.fem.independent import load_from_forces
+from study.fem.mesh import barycentric_gradients
+from study.fem.quadrature import gauss
+from study.fem.space import Space, form
+from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
+from study.ledger.quantities import change, fitted, over_refinements, values
+from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
+from study.solve.evolution import SemiDiscrete
+from study.solve.factorisation import Cholesky
+from study.solve.gradient_flow import GradientFlow
+from study.solve.paths import furthest, path
+from study.solve.signorini import Signorini
+from study.solve.tableau import BACKWARD_EULER, MIDPOINT
+from study.statements.shared.base import Judged, ListedNumbers, Numbers, Setting, grid, with_h
+from study.statements.shared.experiment import Experiment, with_cached_loads
+from study.statements.shared.meshes import posed, split_random
+from study.statements.shared.norms import ContactWork, Velocity, dual_norm, maximum, midpoints
+from study.statements.time_steps import PROVED
+from study.statements.work_of_contact import SEEDS
+
+STEPS_PER_CELL = 4
+"""Number of time steps for each cell along a side of the body."""
+RADIUS = 0.2
+"""Radius R of the cut-off about the front."""
+MIDDLE, SPEED, FRONTS = 0.625, 0.4, 8
+"""The time at which the front is in the middle of Γ3, its speed, and the number of its places in an edge."""
+BEHIND = 3.0
+"""Largest distance behind the front, in edges, at which signed nodal errors are measured."""
+GAUSS_POINTS = 20
+"""Number of Gauss points on each edge of a cell."""
+
+HALF_DERIVATIVE = (
+    identity(
+        "half",
+        "mean of ‖u̇^h(t + τ) − u̇^h(t)‖² over τ < δ, integrated over t / (C_2 δ), largest over δ",
+        values("half"),
+        PROVED,
+    ),
+    consequence(
+        "half-growth",
+        "the same quotient, finest / coarsest mesh",
+        change("half"),
+        at_most(1.25, "the constant does not depend on the mesh"),
+        levels=ENOUGH,
+    ),
+)
+
+
+def half_quotient(problem: SemiDiscrete, states: Array) -> float:
+    """Return the largest quotient of both sides of the lemma on half a derivative, over δ = 2k, 4k, 8k, … up to T/4.
+
+    The integrals are exact for the velocity of the midpoint rule, which is constant in every step.
+
+    Args:
+        problem: the semi-discrete problem.
+        states: the displacements that the midpoint rule computed, (steps + 1, dofs).
+    """
+    steps = len(states) - 1
+    k = problem.T / steps
+    velocities = np.diff(states, axis=0) / k
+    middles = (states[1:] + states[:-1]) / 2
+    forces = [problem.load(MIDPOINT.balanced(n, k)) - problem.elastic(u) for n, u in enumerate(middles, 1)]
+    g = Cholesky(problem.M)(np.array(forces))
+    speed = norms(problem, velocities).max()
+    variation = norms(problem, np.diff(g, axis=0)).sum()
+    constant = speed * (2 * variation + speed / 2 + norms(problem, g - velocities).max())
+    # jumps[i, j] is the distance of the velocities in the steps i and j.
+    jumps = np.array([norms(problem, velocities - velocity) for velocity in velocities])
+    quotients = []
+    for count in 2 ** np.arange(1, int(np.log2(steps / 4)) + 1):
+        shifted = [np.sum(np.diagonal(jumps, shift)[: steps - count] ** 2) for shift in range(count + 1)]
+        quotients.append(np.trapezoid(shifted) / count**2)
+    return maximum(quotients) / constant
+
+
+def norms(problem: SemiDiscrete, v: Array) -> Array:
+    """Return the norms ‖v_n‖_V of n displacements (n, dofs)."""
+    return np.sqrt(abs(np.sum(v.T * (problem.M @ v.T), axis=0)))
+
+
+def euler_quotient(flow: GradientFlow, kappa: float, states: Array) -> float:
+    """Return Σ ‖δ_n − δ_{n−1}‖² for backward Euler, divided by its bound.
+
+    Args:
+        flow: the problem, with its loads at t_0, …, t_N.
+        kappa: L_G/m_A.
+        states: the displacements U_0, …, U_N, (N + 1, dofs).
+    """
+    rates = np.vstack([flow.start, np.diff(states, axis=0) / flow.interval])
+    jumps = norms(flow.problem, np.diff(rates, axis=0))
+    speeds = norms(flow.problem, rates[1:])
+    growth = kappa * flow.interval * speeds.sum()
+    return float(jumps @ jumps / (flow.first**2 + 2 * speeds.max() * (flow.variation + growth)))
+
+
+class HalfDerivative(ListedNumbers):
+    """Measures half a derivative of the discrete velocity in time, over its bound.
+
+    Beyond the paper: u̇^h has half a derivative in time, and how large the nodal errors of the projection P_h are.
+
+    Both statements are lemmas with which the order of the error at moving fronts is proved (paper/velocity.tex,
+    paper/fronts.tex). Here they are measured themselves.
+
+    **Half a derivative.** With g = P_h(f − Bu^h), ξ = g − u̇^h, M = max ‖u̇^h‖, W = Var g, Ξ = max ‖ξ‖ in the norm of V
+    and C_2 = 2MW + M²/2 + MΞ, the lemma says for 0 < δ < T/2
+
+        1/δ ∫_0^δ ∫_0^{T−δ} ‖u̇^h(t + τ) − u̇^h(t)‖² dt dτ ≤ C_2 δ.
+
+    Measured is the largest quotient of both sides over δ = 2k, 4k, 8k, … up to T/4, for the midpoint rule with k =
+    T/(4n). Backward Euler has an exact counterpart for every step: with δ_0 = u̇^h(0+) and the difference quotients
+    δ_n,
+
+        Σ_n ‖δ_n − δ_{n−1}‖² ≤ ‖δ_0‖² + 2 max_n ‖δ_n‖ (Var f + κ Σ_n k ‖δ_n‖).
+
+    **Nodal errors.** u_s = ζ u is the part of an advancing natural front (``manufactured.natural_motion``) near the
+    front, cut off by ζ = (1 − r²/R²)_+^4 with R = 1/5. The lemma says, with L = |log h|, for all vertices a of Γ3
+
+        |(P_hu_s − Π^hu_s)_ν(a)| ≤ C h² L (h + |a − x(t)|)^{−1/2}.
+
+    Measured are the largest C/θ over eight places of the front in an edge, and the largest signed error
+    (P_hu_s)_ν(a)/(θ h^{3/2}) at vertices in contact at most three edges behind the front. There u_ν = 0, so P_hu_s
+    violates the constraint where it is positive. θ(t) is the factor of the singular field.
+
+    **Predicted** before these programs existed, from prototypes:
+
+    * Both quotients are at most 1, as proved. The first is about 0.13 (largest of 84 small systems) and does not grow
+      with n: finest / coarsest ≤ 1.25. If u̇^h had no bound in this norm, it would grow like n.
+    * C ≤ 1.5 on all mesh families: 0.3 to 0.9 for n ≤ 128, but 0.9 to 2.2 for a cut-off that keeps more of u. It may
+      still rise slowly.
+    * The largest signed nodal error over eight shaken meshes is at least 0.01: in the prototype, which did not cut u
+      off, single shaken meshes had −0.2 to 0.09. So an estimate by the sign, which fine meshes with one diagonal
+      suggest, is false in general. It is a maximum over random meshes: on a single one either sign may occur.
+    """
+
+    label = "beyond: half a derivative"
+    claim = "u̇^h has half a derivative in time, bounded independently of h, and so have velocities of backward Euler"
+    effort = 10
+    checks = (
+        *HALF_DERIVATIVE,
+        identity("euler", "backward Euler: Σ ‖δ_n − δ_{n−1}‖² / its bound", values("euler"), PROVED),
+    )
+    quick = grid(("advance-recede",), ("one-diagonal",), (4, 8, 16))
+    full = grid(("advance-recede", "travelling-patch", "yield-and-release"), ("one-diagonal",), (8, 16, 32))
+
+    def setup(self, setting: Setting) -> Experiment:
+        return Experiment.at(setting, MIDPOINT, STEPS_PER_CELL * setting.level)
+
+    def measure(self, setup: Experiment) -> Numbers:
+        problem = with_cached_loads(setup.solved or setup.problem)
+        steps = setup.steps
+        loads = [problem.load(problem.T * n / steps) for n in range(steps + 1)]
+        flow = GradientFlow(problem, np.array(loads))
+        numbers = {
+            "half": half_quotient(problem, path(problem, MIDPOINT, steps)),
+            "euler": euler_quotient(flow, setup.solution.law.kappa, path(problem, BACKWARD_EULER, steps)),
+        }
+        return with_h(setup.space.h, numbers)
+
+
+SIGN = consequence(
+    "sign",
+    "largest (P_hu_s)_ν / (θ h^{3/2}) at vertices in contact behind the front, over shaken meshes",
+    lambda table: table["signed"].max(),
+    at_least(0.01, "so the constraint is violated behind the front"),
+)
+
+
+class NodalErrors(ListedNumbers):
+    """Measures nodal errors of the projection P_h near an advancing natural front."""
+
+    label = "beyond: nodal errors"
+    claim = "|(P_hu_s − Π^hu_s)_ν(a)| ≤ C h² |log h| (h + |a − x(t)|)^{−1/2} on Γ3, with both signs on irregular meshes"
+    outside_catalogue = True
+    effort = 4
+    # Random meshes stand only on a level above the quick study, so that repetitions with other seeds leave them out.
+    quick = grid((NAME,), ("one-diagonal",), (16,))
+    full = (
+        *grid((NAME,), ("one-diagonal", "criss-cross", "alternating", "unstructured"), (16, 32, 64)),
+        *grid((NAME,), SEEDS, (32,)),
+    )
+
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
+        (part,) = space.body.of(Kind.CONTACT)
+        (_, vertices) = space.contact[0]
+        A = solution.law.A
+        h = space.h
+        condensed = Signorini(form(space, A), space.N)
+        corners = space.mesh.p[:, vertices]
+        (s,) = part.coordinates(corners)[0]
+        constants = []
+        signed = []
+        for time in MIDDLE + np.arange(FRONTS) / FRONTS * h / SPEED:
+            behind = front_at(solution, time) - s
+            near_front = partial(cut_solution, solution, time)
+            projected = condensed.gap(space.functional(A.matrix @ means_from_edges(near_front, space)))
+            error = (projected - part.normal @ near_front(corners)) / (time + 0.25)
+            constants.append(abs(error * np.sqrt(h + abs(behind))).max())
+            signed.append(error[(behind >= 0) & (behind <= BEHIND * h)].max())
+        numbers = {"constant": maximum(constants) / (h**2 * abs(np.log(h))), "signed": maximum(signed) / h**1.5}
+        return with_h(h, numbers)
+
+    def checks_of(self, case: str, groups: Groups) -> Judged:
+        """Yield the check of the constant on all meshes, and that of the sign on all random meshes together."""
+        yield (
+            consequence(
+                "constant",
+                "largest |(P_hu_s − Π^hu_s)_ν(a)| (h + |a − x|)^{1/2} / (θ h² |log h|)",
+                values("constant"),
+                at_most(1.5, "bounded on every mesh family"),
+            ),
+            groups,
+        )
+        random, _ = split_random(groups)
+        if random:
+            yield SIGN, {SEEDS[0]: pd.concat(random.values())}
+
+
+def front_at(solution: ExactSolution, time: float) -> float:
+    """Return the place c(t) of the front along Γ3."""
+    (face,) = solution.faces
+    assert isinstance(face, SingularFace)
+    assert isinstance(face.field, TravellingField)
+    return face.field.place_at(time)
+
+
+def cut_solution(solution: ExactSolution, time: float, x: Points) -> Vectors:
+    """Return u_s(x) = (1 − r²/R²)_+^4 u(x), where r is the distance from the front, (2, points)."""
+    place = solution.faces[0].part.point(np.array([[front_at(solution, time)]]))
+    cut = np.maximum(1 - np.sum((x - place) ** 2, axis=0) / RADIUS**2, 0.0) ** 4
+    return cut * solution.at(x).displacement(time)
+
+
+def means_from_edges(
+    displacement: Callable[[Points], Vectors], space: Space, cells: Array | slice = np.s_[:], points: int = GAUSS_POINTS
+) -> Tensors:
+    """Return the mean of the strain ε(u) on some cells, (D, n), from the displacement u on their edges.
+
+    By the divergence theorem, ∫_T ∇u = Σ_e ν_e ⊗ ∫_e u. On the edge e opposite to vertex i, |e| ν_e = −2|T| ∇λ_i. So
+    the mean of ∇u is −2 Σ_i ∇λ_i ⊗ ū_i, where ū_i is the mean of u on this edge.
+
+    Args:
+        displacement: the displacement u, a function of points.
+        space: the space V^h in 2D.
+        cells: the numbers of the cells, (n,).
+        points: number of Gauss points on each edge.
+    """
+    places, weights = gauss(points)
+    corners = space.mesh.p[:, space.mesh.t[:, cells]]
+    first = corners[:, [1, 2, 0]]
+    second = corners[:, [2, 0, 1]]
+    x = first[..., None] + (second - first)[..., None] * places
+    means = displacement(x.reshape(2, -1)).reshape(x.shape) @ weights
+    gradients = barycentric_gradients(space.mesh)[cells]
+    return mandel(-2 * np.einsum("din,nij->djn", means, gradients))
+
+
+DEGREE, RAISED = 2, 6
+"""Degree of the quadrature rule for f_0 on cells, and of a finer rule by which the quadrature error is estimated."""
+PER_CELL = 2
+"""Number of time steps for each cell along a side of the body.
+
+The solution with twice as many steps is used as the semi-discrete solution u^h."""
+INSTANTS, FEW = 32, 4
+"""Number of times at which errors and velocities are measured, and number at which two quadratures are compared.
+
+Errors are measured at about as many evenly spaced time nodes, or at all nodes if there are fewer."""
+INCREMENT = 1e-30
+"""Imaginary increment with which a derivative is computed."""
+FROM = 16
+"""The level from which the growth of the pairing is judged."""
+NEGLIGIBLE = positive_at_most(0.02, "negligible against the error")
+
+
+class AdvancingFront(ListedNumbers):
+    """Measures the error, the interpolation error of the velocity and the excess at an advancing natural front.
+
+    The excess ‖u^h − u^h_lin‖_V is the part of the error that is due to contact: u^h_lin solves the linear problem in
+    which the exact normal stress σ_ν is a given traction.
+
+    Beyond the paper: convergence where a contact zone grows and the solution is as singular as contact theory predicts.
+
+    A *natural front* is the moving end of a frictionless contact zone, with a singularity that is not made smoother on
+    purpose. If the front advances, the solution violates the regularity assumption (5.36).
+
+    Near a front between contact and separation, elastic displacements of finite energy without forces behave like
+    r^{1/2}; if they neither penetrate the foundation nor need tension, they behave like r^{3/2}. In σ = Aε(u̇) + Gε(u)
+    the velocity plays the role of the elastic displacement. Where the front c(t) moves, u ~ r^{3/2} gives u̇ ~ −ċ ∂_x u
+    ~ r^{1/2} and p ~ ċ r^{−1/2} for the contact pressure p. This p is positive if ċ > 0, but a tension if ċ < 0. So
+    receding fronts are expected to have gaps ~ r^{5/2} and p ~ r^{1/2}, which satisfies (5.36). paper/fronts.tex proves
+    a part of this in the proposition on moving fronts: no front has both a gap ~ r^{3/2} and a pressure in H^{1/2}.
+
+    The measured solution, ``manufactured.natural_motion``, is an advancing front in closed form; its forces f_0 and f_2
+    satisfy (3.4). **Predicted** are three orders:
+
+    * ‖u − u^h‖ ~ h, because u(t) ∈ H^{5/2−ε}. Theorem 4.1 and Proposition 5.3 apply. Proposition 5.4 does not apply;
+      its proof gives the order 1/2. After this prediction two theorems were proved, for polygons with the regularity
+      (Reg) of paper/fronts.tex and loads of bounded variation in time: the error is at most C h |log h| for fronts that
+      advance with a speed above a positive bound, as here, and at most C h^{9/10} |log h|^{3/5} for fronts of any
+      speed.
+    * ‖u̇ − Π^h u̇‖_{L²(0,T;V)} ~ h^{1/2}. Observed orders are higher on coarse meshes, because smooth parts have order
+      1.
+    * The *excess* ‖u^h − u^h_lin‖ has an order between 1 and 3/2; the proof gives 1/2. Here u^h_lin solves the linear
+      problem in which the exact normal stress σ_ν is a given traction. The front passes a cell in a time ~ h, during
+      which velocities have an error of h^{1/2}. So an error of h^{3/2} remains in each of h^{−1} cells. If this error
+      is the same in all cells, the sum is smooth and of order h^{3/2}; otherwise the sum is of order h.
+
+    **Predicted** for what the proofs of these theorems use, from a prototype with one diagonal and n ≤ 128. L is |log
+    h|:
+
+    * *(local)* is ∫_0^T (Σ_a λ_a (P_hu)_ν(a))^+ dt, the work of the discrete contact forces λ_a on violations of the
+      constraint by the projection P_hu. At most C h² L² is proved (last remark of paper/fronts.tex). The prototype has
+      at most 0.001 h² L². At most 0.01 h² L² is demanded: with |(P_hu)_ν(a)| in place of (P_hu)_ν(a) it would be 0.05
+      to 0.16. Unstructured meshes, which the prototype did not have, were found to need up to 0.0044.
+    * *Pairing*, the largest |∫_0^t (u̇^h, D_h)_V ds| over t, where D_h is the interpolant of ∂_x(ζ_0 W^h) ν at the
+      front and W^h = x (r² + h²)^{−1/4}. At most C L is proved (Lemma 2), because D_h travels and u̇^h has half a
+      derivative in time; from ‖D_h‖_V alone it could grow like h^{−1/2}. The prototype grows by 0.24 to 0.29 whenever n
+      is doubled. From n = 16 the increments must lie between 0.1 and 0.5: a bounded pairing falls below 0.1.
+    * *Half a derivative* of u̇^h in time: see ``HalfDerivative``, with the same windows.
+
+    The load is computed as (f_0, v) + (f_2, v)_{Γ2}, because f_0 is bounded, while the stress that ``ErrorNorm.load``
+    integrates is not.
+    """
+
+    label = "beyond: advancing front"
+    claim = "‖u − u^h‖ ~ h at a natural front that advances, where C h |log h| is proved"
+    outside_catalogue = True
+    checks = (
+        consequence(
+            "order",
+            "order of ‖u − u^h‖ over two refinements",
+            over_refinements("error", 2),
+            around(1, STEEPER, "the order of the interpolation error; proved up to a logarithm"),
+            levels=ENOUGH,
+        ),
+        consequence(
+            "rate",
+            "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}",
+            fitted("rate", last=2),
+            between(0.5, 0.5, STEEPER, 0.25, "order from the two finest levels; smooth parts of u̇ raise it"),
+            levels=ENOUGH,
+        ),
+        consequence(
+            "excess",
+            "order of the excess ‖u^h − u^h_lin‖ over the linear problem",
+            fitted("excess"),
+            between(1, 1.5, STEEPER, STEEPER, "3/2 if the front leaves the same error in every cell, 1 if not"),
+            levels=ENOUGH,
+        ),
+        accuracy("time", "change of u^h with half the time step / error", values("time share"), NEGLIGIBLE),
+        consequence(
+            "local",
+            "work of the contact forces on violations of the constraint by P_hu / (h |log h|)²",
+            values("local"),
+            at_most(0.01, "h² |log h|² is proved; 0.05 to 0.16 without cancellation"),
+        ),
+        consequence(
+            "pairing",
+            "increment of max_t |∫_0^t (u̇^h, D_h)_V ds| when n is doubled",
+            lambda table: np.diff(table[table["level"] >= FROM]["pairing"].to_numpy()),
+            Window(0.1, 0.5, "growth like log n; bounded or like a power of n is excluded"),
+        ),
+        *HALF_DERIVATIVE,
+        accuracy(
+            "quadrature",
+            "bound of the change of u^h under finer quadrature of f_0 / error",
+            values("quadrature"),
+            NEGLIGIBLE,
+        ),
+    )
+    # No shaken meshes, because observed orders depend on the random size of the cells that the singular front passes.
+    quick = grid((NAME,), ("unstructured",), (8, 16, 32))
+    full = grid((NAME,), ("one-diagonal", "unstructured"), (8, 16, 32, 64))
+
+    def cost(self, setting: Setting) -> float:
+        """Return the expected run time in µs.
+
+        The run time grows like n³ with the level n: there are n² cells, and the number of time steps is proportional
+        to n.
+        """
+        return 150.0 * setting.level**3
+
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
+        steps = PER_CELL * setting.level
+        v_norm = ErrorNorm(solution, space)
+        load = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, DEGREE))
+        problem = SemiDiscrete.of(space, solution.law, load, v_norm.sample(0.0).interpolant)
+        # Without rows of N there is no contact condition, so the exact σ_ν acts as a given traction in the load.
+        linear = replace(problem, N=problem.N[:0], load=lambda time: load(time) + pressure_load(solution, space, time))
+        coarse = path(problem, MIDPOINT, steps)
+        states = list(MIDPOINT.march(problem, 2 * steps))
+        fine = np.array([state.u for state in states])
+        forces = np.array([state.multipliers for state in states[1:]])
+        nodes = range(0, 2 * steps + 1, max(1, 2 * steps // INSTANTS))
+        error = maximum(v_norm.distance(v_norm.sample(n * problem.T / (2 * steps)), fine[n]) for n in nodes)
+        # A change δf of the load changes u^h by at most T max ‖δf‖_V, because the elasticity G is monotone.
+        riesz = Cholesky(problem.M)
+        changes = []
+        for time in midpoints(problem.T, FEW):
+            finer, coarser = (load_from_forces(solution, space, time, degree) for degree in (RAISED, DEGREE))
+            changes.append(dual_norm(finer - coarser, riesz))
+        rates = Velocity(solution, space).interpolation_error(midpoints(problem.T, INSTANTS))
+        numbers = {
+            "error": error,
+            "rate": math.sqrt(problem.T * np.mean(rates**2)),
+            "excess": furthest(problem, fine, path(linear, MIDPOINT, 2 * steps)),
+            "time share": furthest(problem, fine[::2], coarse) / error,
+            "quadrature": problem.T * maximum(changes) / error,
+            "local": violation(v_norm, problem, forces) / (space.h * math.log(space.h)) ** 2,
+            "pairing": pairing(solution, space, problem.M @ np.diff(fine, axis=0).T),
+            "half": half_quotient(problem, fine),
+        }
+        return with_h(space.h, numbers)
+
+
+def pressure_load(solution: ExactSolution, space: Space, time: float) -> Array:
+    """Return the exact contact force at one time as a load vector, v ↦ ∫_{Γ3} σ_ν v_ν, (dofs,).
+
+    The quadrature points are graded towards the front, where σ_ν is singular.
+    """
+    return ContactWork(solution, space, (front_at(solution, time),)).load(time)
+
+
+def violation(v_norm: ErrorNorm, problem: SemiDiscrete, forces: Array) -> float:
+    """Return ∫_0^T (Σ_a λ_a (P_hu)_ν(a))^+ dt, where P_h is the projection onto V^h in (·,·)_V.
+
+    Args:
+        v_norm: gives the exact solution u.
+        problem: the semi-discrete problem.
+        forces: the contact forces λ in the middle of each time step, (steps, m).
+    """
+    project = Signorini(problem.M, problem.N)
+    A = v_norm.A.matrix
+    times = midpoints(problem.T, len(forces))
+    functionals = np.array([v_norm.space.functional(A @ v_norm.means(time)) for time in times])
+    works = np.sum(forces * project.gap(functionals), axis=1)
+    return problem.T * float(np.mean(np.maximum(works, 0.0)))
+
+
+def pairing(solution: ExactSolution, space: Space, momenta: Array) -> float:
+    """Return the largest value of |∫_0^t (u̇^h, D_h)_V ds| over the time nodes t.
+
+    Args:
+        solution, space: the exact solution, which gives the front, and the space V^h.
+        momenta: the functionals (u_n − u_{n−1}, ·)_V of the time steps, (dofs, steps).
+    """
+    (face,) = solution.faces
+    (along,), into = face.part.coordinates(space.mesh.p)
+    times = midpoints(space.body.T, momenta.shape[1])
+    weights = [travelling_weight(along - front_at(solution, time), into, space.h) for time in times]
+    fields = [space.interpolate(np.multiply.outer(face.part.normal, weight)) for weight in weights]
+    return float(abs(np.cumsum(np.sum(np.array(fields) * momenta.T, axis=1))).max())
+
+
+def travelling_weight(x: Array, y: Array, h: float) -> Array:
+    """Return ∂_x(ζ_0 W^h) for W^h = x (x² + y² + h²)^{−1/4} and the cut-off ζ_0 = (1 − (x² + y²)/``RADIUS``²)_+^4."""
+    z = x + INCREMENT * 1j
+    inside = 1 - (z**2 + y**2) / RADIUS**2
+    values = z * (z**2 + y**2 + h**2) ** -0.25 * inside**4
+    # The imaginary part of f(x + iε) is ε f'(x) up to rounding.
+    return np.where(inside.real > 0, values.imag / INCREMENT, 0.0)

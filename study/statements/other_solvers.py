@@ -1,0 +1,574 @@
+"""Comparison of the results with a second, independent solver and with contact codes of other people."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import scipy.sparse as sps
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import nnls
+from scipy.sparse.linalg import splu
+from skfem import Mesh
+
+from manufactured.body import Kind
+from manufactured.exact import ExactSolution
+from manufactured.law import Linear
+from manufactured.tensors import Array, Tensors, mandel
+from study.fem.error_norm import rules
+from study.fem.naming import family_named, resolve
+from study.fem.quadrature import facet_rule
+from study.ledger.check import Check, accuracy
+from study.ledger.codes import FROZEN, MADE, MARCH, NOT_EXPRESSED, OtherErrors
+from study.ledger.datafiles import CsvFile
+from study.ledger.quantities import quotients, values
+from study.ledger.verdict import BECAUSE, HOLDS, NOWHERE, REPORTED, UNDECIDED, Verdict, row
+from study.ledger.window import Window, around, at_most, positive_at_most
+from study.solve.tableau import MIDPOINT
+from study.statements.prop_5_4 import RATES, RateSetting
+from study.statements.shared import estimates
+from study.statements.shared.base import REPORTED as OF_FILE
+from study.statements.shared.base import ListedNumbers, Numbers, Setting, Statement, grid, with_h
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import maximum
+from study.statements.shared.scope import Scope
+from study.statements.shared.tasks import FROZEN_TIMES, Task
+
+DEGREE, SOLID_DEGREE = 10, 6
+"""Degrees of the quadrature rule on cells in 2D and in 3D. The first solver uses the degrees 4 and 2."""
+POINTS, SOLID_POINTS = 20, 6
+"""Number of Gauss points on a contact facet in 2D, and in each direction of a facet in 3D."""
+SETTLED, ITERATIONS = 1e-12, 100
+"""Relative change at which the fixed-point iteration of a time step stops, and its largest number of iterations."""
+ON = 1e-9
+"""Relative tolerance for vertices on a boundary part.
+
+A vertex lies on the part if its distance is below this number times the largest extent of the mesh."""
+Trajectory = tuple[Array, Array]
+"""A discrete solution at the time nodes: displacements u_n, (N + 1, n), and contact forces λ_n, (N + 1, m)."""
+
+
+class PlainProblem:
+    """The semi-discrete contact problem (Problem 5.1) with P1 elements on one mesh.
+
+    A second, simple solver of the semi-discrete contact problem (Problem 5.1), for tests of the first solver.
+
+    The class ``Recomputed`` compares both. They share only the exact solution, the mesh, and the lines along which
+    cells are cut for quadrature. Here gradients come from inverse matrices of coordinates. Integrals are sums over the
+    points of a finer quadrature rule, without the faster formulas of ``study.fem``. The law is evaluated at these
+    points: in every iteration, or once for the matrix if it is linear. A step of the midpoint rule
+
+        M (u_n − u_{n−1})/k + (Gε((u_n + u_{n−1})/2), ε(·))_Q + Nᵀλ_n = F(t_{n−1/2})
+
+    is solved by a fixed-point iteration for u_n, also for a linear law, with a factorisation of M by SuperLU. The
+    iteration first assumes that the positive multipliers are the same as in the last iteration. If this gives no
+    solution, the method of Lawson and Hanson is used.
+
+    Attributes:
+        free: the indices of the n unknowns among the values at all vertices, which are ordered vertex by vertex, (n,).
+        M: the matrix of the viscous form (A ε(u), ε(v))_Q, (n, n).
+        N: the matrix that maps v to its normal displacements v_ν at the contact vertices that are not clamped, with one
+            row for each vertex and normal, (m, n).
+    """
+
+    def __init__(self, solution: ExactSolution, mesh: Mesh) -> None:
+        self.solution = solution
+        self.mesh = mesh
+        self.dim = int(mesh.dim())
+        tolerance = ON * float(np.ptp(mesh.p))
+        fixed = np.any([part.contains(mesh.p, tolerance) for part in solution.body.of(Kind.CLAMPED)], axis=0)
+        self.free = np.flatnonzero(np.repeat(~fixed, self.dim))
+        self.numbers = np.full(fixed.size * self.dim, -1)
+        self.numbers[self.free] = np.arange(self.free.size)
+        on = [np.flatnonzero(face.part.contains(mesh.p, tolerance)) for face in solution.faces]
+        self._set_points(on)
+        self._set_forms()
+        # The matrices of the contact problem: N, M⁻¹Nᵀ, Q = NM⁻¹Nᵀ and R with RᵀR = Q. A vertex on two faces with equal
+        # normals has one row.
+        rows: dict[tuple[int, ...], Array] = {}
+        for face, vertices in zip(self.solution.faces, on, strict=True):
+            normal = face.part.normal
+            for vertex in vertices[~fixed[vertices]]:
+                rows[(vertex, *normal.round(9))] = normal
+        columns = self.numbers[self.dim * np.array([vertex for vertex, *_ in rows])[:, None] + np.arange(self.dim)]
+        numbers = np.repeat(np.arange(len(rows)), self.dim)
+        entries = np.ravel([*rows.values()]), (numbers, columns.ravel())
+        self.N = sps.csr_array(entries, shape=(len(rows), self.free.size))
+        self._response = self._solve(self.N.T.toarray())
+        self._normal = self.N @ self._response
+        self._root = cholesky(self._normal)
+
+    def _set_points(self, on: list[Array]) -> None:
+        """Set the quadrature points in the cells and on Γ3, with the law and the exact solution at these points.
+
+        The attribute ``faces`` has for each contact face its normal, the matrix that maps the pressure at its points to
+        nodal forces, (vertices, points), and the exact solution at the points.
+
+        Args:
+            on: for each contact face, the indices of the vertices on it.
+        """
+        on_cells = rules(self.solution, self.mesh, DEGREE if self.dim == 2 else SOLID_DEGREE)
+        self.cell = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in on_cells])
+        self.weights = np.concatenate([rule.weights.ravel() for rule in on_cells])
+        within = self.cell, np.arange(self.cell.size)
+        self.sums = sps.csr_array((self.weights, within), shape=(self.mesh.t.shape[1], self.cell.size))
+        points = np.concatenate([rule.points.reshape(self.dim, -1) for rule in on_cells], axis=1)
+        self.law = self.solution.law.at(points)
+        self.exact = self.solution.at(points)
+        self.at_vertices = self.solution.at(self.mesh.p)
+        self.faces = []
+        boundary = self.mesh.boundary_facets()
+        for face, vertices in zip(self.solution.faces, on, strict=True):
+            facets = boundary[np.isin(self.mesh.facets[:, boundary], vertices).all(axis=0)]
+            count = POINTS if self.dim == 2 else SOLID_POINTS
+            rule = facet_rule(self.mesh, facets, face.part, face.rough, count)
+            shares = rule.shapes * rule.weights
+            columns = np.arange(rule.weights.size).reshape(rule.weights.shape)
+            at = (
+                np.broadcast_to(axis, shares.shape).ravel()
+                for axis in (self.mesh.facets[:, rule.facets, None], columns)
+            )
+            nodal = sps.csr_array((shares.ravel(), tuple(at)), shape=(self.mesh.p.shape[1], columns.size))
+            self.faces.append((face.part.normal, nodal, self.solution.on(face, rule.s)))
+
+    def _set_forms(self) -> None:
+        """Set the strains of the basis functions in each cell, and the viscous and elastic forms.
+
+        The strains of the basis functions φ_i e_j have the shape (cells, D, (d + 1) d). The attribute ``elastic`` is
+        the function v ↦ (Gε(v), ε(·))_Q, (n,) → (n,).
+        """
+        corners = np.moveaxis(self.mesh.p[:, self.mesh.t], -1, 0).swapaxes(1, 2)
+        gradients = np.linalg.inv(np.insert(corners, 0, 1.0, axis=2))[:, 1:]
+        jacobians = np.einsum("jk,cli->jlcik", np.eye(self.dim), gradients)
+        self.strains = np.moveaxis(mandel(jacobians), 0, 1).reshape(len(gradients), -1, (self.dim + 1) * self.dim)
+        self.local = (self.dim * self.mesh.t.T[..., None] + np.arange(self.dim)).reshape(len(gradients), -1)
+        self.M = self._form(self.law.A)
+        self._solve = splu(self.M, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve
+        if isinstance(self.solution.law.G, Linear):
+            self.elastic = self._form(self.law.G).__matmul__
+        else:
+            self.elastic = lambda v: self.work(self.law.G(self.strain(v)))
+
+    def _form(self, law: Callable[[Tensors], Tensors]) -> sps.csc_array:
+        """Return the matrix of the form (Cε(u), ε(v))_Q for a linear law C, (n, n)."""
+        columns = [self._tested(law(each[self.cell].T)) for each in np.moveaxis(self.strains, 2, 0)]
+        local = np.stack(columns, axis=2)
+        rows, cols = (np.broadcast_to(axis, local.shape) for axis in (self.local[..., None], self.local[:, None]))
+        size = self.numbers.size
+        full = sps.csc_array((local.ravel(), (rows.ravel(), cols.ravel())), shape=(size, size))
+        return sps.csc_array(full[self.free][:, self.free])
+
+    def _tested(self, stress: Tensors) -> Array:
+        """Return the integrals ∫_T σ·ε(φ) for the basis functions φ of each cell T, (cells, (d + 1) d).
+
+        Args:
+            stress: σ at the quadrature points in the cells, (D, points).
+        """
+        means = np.array([self.sums @ row for row in stress])
+        return np.einsum("Ic,cIk->ck", means, self.strains)
+
+    def work(self, stress: Tensors) -> Array:
+        """Return the work of a stress on strains as a load vector, v ↦ (σ, ε(v))_Q, (n,).
+
+        Args:
+            stress: σ at the quadrature points in the cells, (D, points).
+        """
+        return np.bincount(self.local.ravel(), self._tested(stress).ravel(), self.numbers.size)[self.free]
+
+    def strain(self, v: Array) -> Tensors:
+        """Return the strain ε(v) at the quadrature points in the cells, (D, points)."""
+        full = np.zeros(self.numbers.size)
+        full[self.free] = v
+        return np.take(np.einsum("cIk,ck->Ic", self.strains, full[self.local]), self.cell, axis=1)
+
+    def load(self, time: float) -> Array:
+        """Return the load vector at one time, from the exact stress and pressure, (n,).
+
+        It is the functional v ↦ (σ, ε(v))_Q + ∫_{Γ3} p v_ν.
+        """
+        load = self.work(self.exact.stress(time))
+        for normal, nodal, exact in self.faces:
+            load += np.multiply.outer(nodal @ exact.pressure(time).ravel(), normal).ravel()[self.free]
+        return load
+
+    def interpolant(self, time: float) -> Array:
+        """Return the nodal interpolant Π^h u(t) of the exact displacement, (n,)."""
+        return self.at_vertices.displacement(time).T.ravel()[self.free]
+
+    def contact(self, b: Array, k: float, last: Array) -> tuple[Array, Array]:
+        """Solve the contact problem of one time step.
+
+        The problem is M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0. With Q = NM⁻¹Nᵀ, λ solves a complementarity problem
+        with Qλ ≥ NM⁻¹b. First it is solved with the assumption that the same multipliers are positive as in ``last``.
+        If this gives no solution, the method of Lawson and Hanson is used.
+
+        Args:
+            b: the right-hand side, (n,).
+            k: the time step.
+            last: multipliers of an earlier solution, (m,).
+
+        Returns:
+            The displacement u, (n,), and the multipliers λ, (m,).
+        """
+        free = self._solve(b)
+        positive = last > 0
+        multipliers = np.zeros(len(last))
+        entering = self.N @ free
+        multipliers[positive] = np.linalg.solve(self._normal[positive][:, positive], entering[positive])
+        if not ((multipliers[positive] > 0).all() and (self._normal @ multipliers >= entering)[~positive].all()):
+            multipliers, _ = nnls(self._root, solve_triangular(self._root, entering, trans="T"))
+        return k * (free - self._response @ multipliers), multipliers
+
+    def trajectory(self, steps: int, load: Callable[[float], Array]) -> Trajectory:
+        """Solve by the midpoint rule from the initial value Π^h u_0.
+
+        Args:
+            steps: the number of time steps.
+            load: the function t ↦ F(t), (n,).
+
+        Returns:
+            The displacements and the contact forces at the time nodes. The contact forces at t = 0 are set to 0.
+        """
+        k = self.solution.body.T / steps
+        u = self.interpolant(0.0)
+        multipliers = np.zeros(self.N.shape[0])
+        guess = u
+        displacements = [u]
+        forces = [multipliers]
+        for n in range(steps):
+            before = u
+            b = load((n + 0.5) * k) + self.M @ u / k
+            for _ in range(ITERATIONS):
+                u, multipliers = self.contact(b - self.elastic((guess + before) / 2), k, multipliers)
+                if self.norm(u - guess) <= SETTLED * self.norm(u):
+                    break
+                guess = u
+            guess = 2 * u - before
+            displacements.append(u)
+            forces.append(multipliers)
+        return np.array(displacements), np.array(forces)
+
+    def norm(self, v: Array) -> float:
+        """Return the norm ‖v‖_V of a P1 function v, (n,)."""
+        return math.sqrt(v @ (self.M @ v))
+
+    def distance(self, time: float, *functions: Array) -> list[float]:
+        """Return the distance ‖u(t) − v‖_V of the exact displacement from each of several P1 functions v."""
+        missing = [self.exact.strain(time) - self.strain(v) for v in functions]
+        return [math.sqrt(np.sum(self.law.A(each) * each, axis=0) @ self.weights) for each in missing]
+
+
+ERRORS = "error", "interpolation_error", "discrete_error"
+"""Columns with the largest errors over the time nodes, by the second solver.
+
+They are the norms in V of the error u − u^h, the interpolation error u − Π^h u and the discrete error Π^h u − u^h."""
+GAPS = "displacement", "multipliers"
+"""Columns with relative differences between both solvers.
+
+They compare displacements at all times, in the norm of V, and nodal contact forces."""
+SAME_LOAD = "displacement_same_load", "multipliers_same_load"
+"""Columns with the differences of displacements and contact forces if both solvers use the load of the study."""
+TINY = 1e-12
+"""An initial displacement counts as zero if its norm is at most this number times the largest norm over time."""
+
+
+def recompute(setup: Experiment) -> Numbers:
+    """Solve an experiment again by the second solver, and return the measured columns of ``recomputed.csv``.
+
+    Both solvers use half the time step of the experiment, because the study measures errors with half the time step.
+    """
+    plain = PlainProblem(setup.solution, setup.space.mesh)
+    steps = 2 * setup.steps
+    own_load, same_load = (plain.trajectory(steps, load) for load in (plain.load, setup.problem.load))
+    errors = []
+    for n, u in enumerate(own_load[0]):
+        time = n * setup.problem.T / steps
+        interpolant = plain.interpolant(time)
+        errors.append([*plain.distance(time, u, interpolant), plain.norm(interpolant - u)])
+    return dict(zip(ERRORS, np.max(errors, axis=0), strict=True)) | gaps(setup, plain, own_load, same_load)
+
+
+def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load: Trajectory) -> Numbers:
+    """Return the relative differences between the study and the second solver, by the names of columns.
+
+    The columns ``GAPS`` have the differences of initial values, displacements and contact forces. The columns
+    ``SAME_LOAD`` have the differences of displacements and contact forces if both solvers use the load of the study.
+    A difference of displacements is the largest norm in V over time. A difference of contact forces is the
+    Euclidean norm over all times.
+
+    Args:
+        setup: the experiment of the study.
+        plain: the problem of the second solver.
+        own_load, same_load: the trajectories of the second solver with its own load and with the load of the study.
+    """
+    states = list(setup.march(2 * setup.steps))
+    u, multipliers = (np.array([getattr(state, name) for state in states]) for name in ("u", "multipliers"))
+    sizes = [plain.norm(v) for v in own_load[0]]
+    size_of_forces = np.linalg.norm(own_load[1])
+    # Both loads start from the same initial value.
+    start = max(sizes[0], TINY * max(sizes))
+    numbers: Numbers = {"start": quotient(plain.norm(u[0] - own_load[0][0]), start)}
+    for (of_displacement, of_forces), (displacements, forces) in ((GAPS, own_load), (SAME_LOAD, same_load)):
+        numbers[of_displacement] = maximum(map(plain.norm, u - displacements)) / maximum(sizes)
+        numbers[of_forces] = quotient(np.linalg.norm(multipliers - forces), size_of_forces)
+    return numbers
+
+
+def quotient(difference: Any, size: Any) -> float:
+    """Return a difference relative to a size; if the size is 0, whether there is a difference."""
+    return float(difference / size if size else difference > 0)
+
+
+def ratio(column: str, norm: str, window: Window) -> Check:
+    """Return the criterion for the quotient (error in ``rates.csv``) / (recomputed error), on every level.
+
+    Args:
+        column: the column with the error, which is also the key of the check.
+        norm: the formula of the error.
+        window: the tolerance window.
+    """
+    reported = f"{column}{OF_FILE}"
+
+    quantity = f"{norm} in rates.csv / computed again"
+    shares = quotients(reported, column)
+    return accuracy(column.replace("_", "-"), quantity, shares, window)
+
+
+SAME = around(1, 0.005, "quadrature")
+FORCES = "|λ − λ̃| / |λ̃| over all steps"
+DISPLACEMENTS = "max_n ‖u^h_n − ũ^h_n‖_V / max_n ‖ũ^h_n‖_V"
+ALIKE = "both with the same load"
+TRAJECTORIES = (
+    accuracy(
+        "start", "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V", values("start"), at_most(1e-10, "of ‖Π^h u_0‖_V; only rounding")
+    ),
+    accuracy(
+        "displacement",
+        DISPLACEMENTS,
+        values("displacement"),
+        at_most(2e-3, "of ‖u^h‖_V; the load is integrated by two rules"),
+    ),
+    accuracy("multipliers", FORCES, values("multipliers"), at_most(0.01, "of λ; the load is integrated by two rules")),
+    accuracy(
+        "displacement-same-load",
+        f"{DISPLACEMENTS}, {ALIKE}",
+        values("displacement_same_load"),
+        positive_at_most(1e-9, "of ‖u^h‖_V; tolerances of both solvers"),
+    ),
+    accuracy(
+        "multipliers-same-load",
+        f"{FORCES}, {ALIKE}",
+        values("multipliers_same_load"),
+        at_most(1e-9, "of λ; tolerances of both solvers"),
+    ),
+)
+NARROW = ("travelling-patch",)
+"""Cases whose contact patch is only two or three cells wide on the coarsest meshes."""
+
+
+class Recomputed(Statement):
+    """Compares errors, displacements and contact forces of the study with an independent computation.
+
+    Errors and discrete solutions agree with the results of a second, independent solver.
+
+    The criteria of Proposition 5.4 do not notice small mistakes: an error that is wrong by five per cent has the same
+    order. Therefore the rows of ``rates.csv`` on the coarsest meshes are computed again: ``PlainProblem`` solves
+    the same discrete problems with other quadrature, assembly and solvers. Its errors are compared with ``rates.csv``,
+    and its trajectories, the discrete solutions over time, with the trajectories of the study. A wrong load, modulus,
+    initial value or time step changes a trajectory to first order, but an error only to second order.
+
+    **Predicted** are the following differences. ``ErrorNorm`` integrates by rules of degree 4 with points moved along
+    the face, the second solver by rules of degree 10. By the triangle inequality, checks of ``rates.csv`` bound the
+    effect of quadrature by 2 %. Both rules cut the same cells, so their difference is much smaller: errors agree within
+    0.5 %, and the discrete errors, which are a few times smaller, within 1 %. Trajectories differ only because of the
+    load. Its relative quadrature error is smaller by a power of h than the error of the solution, so displacements
+    agree within 2e-3. Nodal forces are differences of large terms and agree within 1 %. The initial value Π^h u_0 needs
+    no quadrature.
+
+    If the second solver uses the load of the study, both solve the same discrete problem with exact quadrature. Both
+    solvers stop at 1e-12 of the solution, there are some tens of steps, and nodal forces are differences that lose a
+    digit or two. So trajectories and forces agree to 1e-9. These checks notice relative defects of 1e-9 in a modulus,
+    an initial value or a force.
+    """
+
+    label = "computed again"
+    claim = "the errors in rates.csv, computed again from Problem 5.1 with other quadrature, assembly and solvers"
+    file = CsvFile("recomputed.csv")
+    joined_file = RATES
+    per_step = 120.0, 600.0
+    checks = (
+        ratio("error", "‖u − u^h‖_V", SAME),
+        ratio("interpolation_error", "‖u − Π^h u‖_V", SAME),
+        ratio("discrete_error", "‖Π^h u − u^h‖_V", around(1, 0.01, "quadrature, also of the load")),
+        *TRAJECTORIES,
+    )
+
+    def settings(self, scope: Scope) -> list[RateSetting]:
+        """Return the settings: every case on all its mesh families in the study, on the coarsest level.
+
+        On random meshes the cases of Proposition 5.3 and the cases with a narrow contact patch are left out: their
+        quadrature error depends on the random size of the cells at the singularity or below the patch.
+        """
+        return [
+            RateSetting(reference, family.name, level, scope.scheme, scope.steps(case, level))
+            for reference, case, family in scope.on_families()
+            if scope.scheme == MIDPOINT.name
+            if not (family.random and (case.proposition == "Prop. 5.3" or case.name in NARROW))
+            for level in scope.levels_of(case).all[:1]
+        ]
+
+    def setup(self, setting: RateSetting) -> Experiment:
+        return Experiment.at(setting, MIDPOINT, setting.steps)
+
+    def measure(self, setup: Experiment) -> Numbers:
+        return {"h": setup.space.h, **recompute(setup)}
+
+    def memory(self, setting: RateSetting) -> float:
+        return estimates.SMALL if setting.dim == 2 else estimates.SOLID
+
+
+LABEL = "other codes"
+ALL = "all cases"
+ROUNDED = at_most(1e-10, "of the error; ten times the rounding of numbers in a task file")
+DEFORMED = at_most(1e-8, "of the error; this code evaluates contact in the deformed position, 1e-5 away")
+OWN = at_most(0.1, "equal to nine digits; 1 if one code copies the solutions of another")
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A contact code of other people, its parameters, and the tolerance for the relative difference of its errors.
+
+    Only codes are compared that, according to their documentation, impose the contact condition at vertices.
+    scikit-fem is not compared, because this study uses it for assembly.
+
+    Attributes:
+        key: the key of the check.
+        code, variant: the name and the parameters of the code, as in ``errors.csv``.
+        window: the window of |error of the code / error of this study − 1|.
+    """
+
+    key: str
+    code: str
+    variant: str
+    window: Window = ROUNDED
+
+
+OURS = "this study", "condensed active set"
+PEERS = (
+    Peer("snesvi", "DOLFINx + PETSc SNESVI", "vinewtonrsls, rtol 1e-12"),
+    Peer("getfem", "GetFEM", "nodal augmented Lagrangian, r = g"),
+    Peer("freefem", "FreeFEM", "scripted primal-dual active set"),
+    Peer("kratos", "Kratos", "ALM mortar, foundation as fine as the face", DEFORMED),
+)
+PLANE = "advance-recede", "rotated", "corner", "layered", "anisotropic", "lift-and-land"
+MARCHED = frozenset(grid(("advance-recede", "anisotropic"), ("one-diagonal",), (8, 16, 32)))
+"""The settings in which solutions in time are compared as well."""
+MODE, CODE, VERSION, VARIANT, CLASS, ERROR, DISTANCE = (name + OF_FILE for name in OtherErrors.columns[4:])
+PROBLEM = ["case", "family", "level", "quantity"]
+"""The columns that identify a problem. The column "quantity" is the mode, static ("frozen") or in time ("march")."""
+
+
+class OtherCodes(ListedNumbers):
+    """Measures errors of static problems and of solutions in time, and compares them with the errors of other codes.
+
+    Beyond the paper: errors of other people's contact codes on the same problems must agree with errors of this study.
+
+    A program may contain the same mistake as its author's test. Therefore contact codes of other people solved static
+    ("frozen") problems of these cases. The problems are plain data (``shared.tasks``) with mesh, loads and exact
+    solution. The codes used their own assembly and contact algorithms; for FreeFEM this is a loop in its scripting
+    language, as in its documentation. ``make codes`` wrote their errors in V, which a script computes that imports only
+    NumPy. Here the errors of the same problems are measured with the quadrature and the solver of this study, and both
+    are compared. In two cases, solutions in time by the midpoint rule are compared as well; each step of a code starts
+    from the result of its previous step.
+
+    **Predictions.** Numbers of a task are rounded to 13 digits. This changes a strain by about 1e-13 ‖u‖/h, which is at
+    most 1e-11 of the error on these meshes. A code that imposes the contact condition at vertices by multipliers finds
+    the solution in K^h up to rounding of its linear solver. With a condition number like h^−2 this rounding is less
+    than 1e-11. So errors agree to 1e-10. The same holds for solutions in time, because time steps do not amplify
+    perturbations. Kratos imposes contact in the deformed configuration. Therefore its loads are multiplied by 1e-5:
+    points then move by about 1e-5, and displacements change by about 1e-5 of their size. The first window for its
+    errors was 1e-5; 5e-10 was measured, and the window was narrowed.
+
+    **No copies.** A further check tests that no column of errors was copied from another code. Linear solvers of
+    different codes round differently. A task contains the solution in K^h with 14 digits. The distance of a code from
+    it consists of the missing digits, which are the same for all codes, and of the round-off of the code, about a
+    thousandth of the distance. So two codes agree by chance in the nine reported digits on one mesh in a million;
+    copied columns agree on all meshes. (The errors cannot be used for this test: in double precision they agree on up
+    to three meshes of eight.)
+    """
+
+    label = LABEL
+    claim = "other codes have the same errors as this study, in static problems and in time stepping"
+    joined_file = OtherErrors("codes/errors.csv", label=LABEL)
+    quick = grid(("advance-recede",), ("one-diagonal",), (8,))
+    full = (
+        *grid(PLANE, ("one-diagonal", "shaken"), (8, 16, 32)),
+        *grid(("cube-disc",), ("one-diagonal",), (4, 8)),
+        *grid(("cube-two-faces",), ("one-diagonal",), (3, 6)),
+    )
+
+    def measure(self, setting: Setting) -> Numbers:
+        task = Task(resolve(setting.case), family_named(setting.family), setting.level)
+        errors = {FROZEN: task.error(FROZEN_TIMES)}
+        if setting in MARCHED:
+            errors[MARCH] = task.error_of_march(setting.level)
+        return with_h(task.space.h, errors)
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        if CODE not in rows or rows[CODE].isna().all():
+            nothing = float("nan"), NOWHERE, REPORTED
+            made = f"no claim: these data lack the file with errors of other codes, which `{MADE}` makes"
+            return [row(self, "none", "errors of other codes", Window(), nothing, ALL, expected=made)]
+        return [*(self.agreement(rows, peer) for peer in PEERS), self.own_digits(rows)]
+
+    def agreement(self, rows: pd.DataFrame, peer: Peer) -> Verdict:
+        """Return the check that compares the errors of one code with the errors of this study.
+
+        It is undecided if the code lacks a problem without a documented reason.
+        """
+        problems = rows_of(rows, peer.code, peer.variant)
+        run = problems[problems[CLASS] != NOT_EXPRESSED]
+        missing = len(rows[PROBLEM].drop_duplicates()) - len(problems)
+        name = f"{peer.code} {' '.join(sorted(run[VERSION].unique()))}, {peer.variant}"
+        quantity = f"{name}: |‖u − u^h‖_V / error of this study − 1|, {len(run)} problems"
+        judged = accuracy(peer.key, quantity, differences, peer.window, levels=0).verdict(self, ALL, {"": run})
+        if not missing:
+            return judged
+        verdict = UNDECIDED if judged.verdict == HOLDS else judged.verdict
+        return replace(judged, verdict=verdict, expected=f"{judged.expected}{BECAUSE}{missing} problems lack an error")
+
+    def own_digits(self, rows: pd.DataFrame) -> Verdict:
+        """Return the check that no code copied the results of another.
+
+        For every pair of codes, problems are counted in which both have the same distance from the discrete solution.
+        The largest fraction of such problems is judged.
+        """
+        names = [OURS, *((peer.code, peer.variant) for peer in PEERS)]
+        columns = [rows_of(rows, *name).set_index(PROBLEM)[DISTANCE].dropna() for name in names]
+        both = [pd.concat(pair, axis=1, join="inner").to_numpy() for pair in combinations(columns, 2)]
+        shares = np.array([np.mean(pair[:, 0] == pair[:, 1]) for pair in both if len(pair)])
+        quantity = "share of problems in which two codes have the same distance from the solution in K^h"
+        return accuracy("own-digits", quantity, lambda _: shares, OWN, levels=0).verdict(self, ALL, {"": rows})
+
+    def cost(self, setting: Setting) -> float:
+        """Return the expected run time in µs.
+
+        For a solution in time it is higher, because the code solves as many time steps as there are cells along a side.
+        """
+        return super().cost(setting) * (setting.level if setting in MARCHED else 1)
+
+
+def differences(rows: pd.DataFrame) -> Array:
+    """Return the relative differences of the errors of another code and of this study."""
+    return (rows[ERROR] / rows["value"] - 1).abs().to_numpy()
+
+
+def rows_of(rows: pd.DataFrame, code: str, variant: str) -> pd.DataFrame:
+    """Return the rows with the errors of one code and variant.
+
+    The mode of the code, static or in time, must agree with the quantity of the row.
+    """
+    return rows[(rows[MODE] == rows["quantity"]) & (rows[CODE] == code) & (rows[VARIANT] == variant)]
