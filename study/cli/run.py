@@ -14,10 +14,9 @@ from study.fem.naming import absolute, choose, name_of
 from study.ledger.datafiles import read_claims
 from study.ledger.text import folded
 from study.present.outcome import contact_test_text, ledger_text, orders_text, rates_text
-from study.run.executor import Pool, connected, execute, local_pool, refuse_too_large, unfinished
+from study.run.executor import Pool, connected, execute, local_pool, prove, refuse_too_large, save_proofs, unfinished
 from study.run.judgement import collect, judge, judge_stored
 from study.run.plan import Job, Plan, full, quick
-from study.run.proof import prove, save_proofs
 from study.run.provenance import read_provenance, refuse_to_replace
 from study.run.store import Store
 from study.solve.tableau import SCHEMES

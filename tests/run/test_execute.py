@@ -43,13 +43,14 @@ from study.run.executor import (
     identity,
     local_pool,
     next_job,
+    prove,
     refuse_too_large,
     run_job,
+    save_proofs,
 )
 from study.run.fingerprint import versions
 from study.run.judgement import collect
 from study.run.plan import Job, Plan, quick
-from study.run.proof import prove, save_proofs
 from study.run.store import Store
 from study.statements.enclosure import BoundSetting, EnclosedError
 from study.statements.prop_5_4 import FirstOrder, RateSetting
@@ -200,7 +201,7 @@ def test_a_solution_is_proved_once_and_only_if_it_is_measured(tmp_path, monkeypa
 
 def test_a_violated_condition_is_raised_and_not_stored(tmp_path, monkeypatch) -> None:
     violated = Finding("(2.3) u = 0 on Γ1", 1.0, 1e-9, (0.0, 0.0), 0.5)
-    monkeypatch.setattr("study.run.proof.examine", lambda solution: [violated, replace(violated, defect=0.0)])
+    monkeypatch.setattr("study.run.executor.examine", lambda solution: [violated, replace(violated, defect=0.0)])
     with pytest.raises(SelfProofError, match="full-contact does not prove itself") as raised:
         prove([full_contact(2)], ("full-contact",), Store(tmp_path), pool(AtOnce()))
     assert raised.value.findings == [violated]
