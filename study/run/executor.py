@@ -38,8 +38,8 @@ from study.statements.shared import estimates
 P = ParamSpec("P")
 T = TypeVar("T")
 AnyJob = TypeVar("AnyJob", bound="Job | Proof")
-Notify = Callable[[float], None]
-"""Function that shows progress; it is called with the cost of each finished job."""
+Notify = Callable[[Job], object]
+"""Function that shows progress; it is called with each finished job."""
 GIB = 2.0**30
 SILENCE = 5.0
 """If no job ends within this number of seconds, it is checked whether the executor still works."""
@@ -149,13 +149,7 @@ def refuse_too_large(jobs: Sequence[Job], pool: Pool) -> None:
         require(largest.key, largest.memory, pool.each)
 
 
-def execute(
-    jobs: Sequence[Job],
-    store: Store,
-    pool: Pool,
-    notify: Notify,
-    tell: Callable[[Job], object] = lambda job: None,
-) -> None:
+def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> None:
     """Run the jobs whose results are not stored, and store each result when its job ends.
 
     If a worker is killed, its job may have used too much memory. The job waits until all other jobs have ended, and
@@ -165,8 +159,7 @@ def execute(
         jobs: the jobs.
         store: contains stored results and receives new ones.
         pool: the executors and their limits.
-        notify: called with the cost of each finished job, and first with the cost of all jobs with stored results.
-        tell: called with each job when its result has been stored.
+        notify: called with each job when its result has been stored.
 
     Raises:
         UsageError: a job needs more memory than is available; no job has started.
@@ -176,7 +169,6 @@ def execute(
     """
     waiting = unfinished(jobs, store)
     refuse_too_large(waiting, pool)
-    notify(sum(job.cost for job in jobs) - sum(job.cost for job in waiting))
     running: dict[Future[Mapping[str, Any]], tuple[int, Job]] = {}
     cases: dict[int, str] = {}
     suspects: set[str] = set()
@@ -205,11 +197,9 @@ def execute(
                         waiting.append(job)
                     elif reason := _failure(job, future):
                         failures.append(reason)
-                        notify(job.cost)
                     else:
                         store.save(job.key, job.fingerprint(), future.result())
-                        notify(job.cost)
-                        tell(job)
+                        notify(job)
     finally:
         for future in running:
             future.cancel()
@@ -346,7 +336,7 @@ def prove(jobs: Iterable[Job], cases: Iterable[str], store: Store, pool: Pool) -
     """Test the solutions of the cases that occur in jobs, unless their proofs are stored.
 
     Returns:
-        The new proofs. They are not stored yet, because the result directory may not be locked.
+        The new proofs. ``save_proofs`` stores them when the result directory is locked.
 
     Raises:
         SelfProofError: a solution violates an equation or a contact condition.
