@@ -155,16 +155,16 @@ def test_seeds_are_drawn_fresh_and_added_to_the_record_and_one_can_be_repeated(t
 def test_an_interrupted_run_loses_nothing(tmp_path: Path) -> None:
     """The seed that was begun is finished first, and the results of its finished jobs are used.
 
-    The third look at the clock, after the beginning, comes when one job is done.
+    The second look at the clock, after the beginning, comes when one job is done.
     """
-    three_seconds = "--minutes", "0.05"
-    assert seeds_of(tmp_path, *three_seconds) == 3
+    two_seconds = "--minutes", "0.03"
+    assert seeds_of(tmp_path, *two_seconds) == 3
     begun = SeedRecord.read(tmp_path).pending()
     assert begun is not None
     finished = [*tmp_path.glob("seeds/*/data/jobs/*.json")]
     assert len(finished) == 1
     written = finished[0].stat().st_mtime_ns
-    seeds_of(tmp_path, *three_seconds)
+    seeds_of(tmp_path, *two_seconds)
     assert finished[0].stat().st_mtime_ns == written
     seeds_of(tmp_path, "--seeds", "1")
     (row,) = SeedRecord.read(tmp_path).rows
