@@ -63,9 +63,7 @@ def do_check(options: argparse.Namespace) -> int:
     in_part, unchecked = not_compared(options.out, compared)
     for what, paths in (("checked in part", in_part), ("not checked", unchecked)):
         if paths:
-            folders = dict.fromkeys(path.parent for path in paths)
-            names = {folder: " ".join(path.name for path in paths if path.parent == folder) for folder in folders}
-            listed = "; ".join(f"{folder}/: {of}" for folder, of in names.items())
+            listed = " ".join(str(path) for path in paths)
             print(folded(f"{what}, {len(paths)} files: {listed}"))
     return code
 
@@ -82,7 +80,7 @@ def _again(options: argparse.Namespace) -> int:
         progress_bar(round(sum(job.cost for job in jobs))) as bar,
     ):
         tolerance = Tolerance(options.tolerance, options.absolute)
-        comparison = compare_again(options.out, jobs, pool, tolerance, lambda cost: bar.update(round(cost)))
+        comparison = compare_again(options.out, jobs, pool, tolerance, bar.add)
     if not comparison.differs:
         print(f"all numbers agree within {options.tolerance:g} relative + {options.absolute:g}")
         return OK

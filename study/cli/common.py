@@ -12,8 +12,10 @@ from study.cli.options import FAILED, OK, UNCLEAR
 from study.ledger.files import UsageError
 from study.ledger.text import folded
 from study.ledger.verdict import ROW_KEY, UNDECIDED, Verdict, exit_code
+from study.run.plan import Job
 
 Result = TypeVar("Result")
+BAR = "{l_bar}{bar}| {elapsed}<{left}"
 SURE = 0.1
 """The remaining time is estimated after this fraction of the work is done."""
 
@@ -68,37 +70,26 @@ class ProgressBar(tqdm):  # type: ignore[misc]
     measurements. This speed varies by a factor of ten, so that the estimates of tqdm jump.
     """
 
+    monitor_interval = 0  # without tqdm's thread, because a process with threads should not be forked
+
+    def add(self, job: Job) -> None:
+        """Move the bar by the expected time of a finished measurement."""
+        self.update(round(job.cost))
+
     @property
     def format_dict(self) -> dict[str, Any]:
         """The values for the text of the bar, with the estimated remaining time as ``left``."""
         values: dict[str, Any] = super().format_dict
-        done, whole = values["n"] - values["initial"], (values["total"] or 0) - values["initial"]
-        known = whole > 0 and done >= SURE * whole
-        values["left"] = tqdm.format_interval(values["elapsed"] * (whole - done) / done) if known else "?"
+        done, total = values["n"], values["total"] or 0
+        known = total > 0 and done >= SURE * total
+        values["left"] = tqdm.format_interval(values["elapsed"] * (total - done) / done) if known else "?"
         return values
-
-    def notify_after_stored(self) -> Callable[[float], None]:
-        """Return a function that moves the bar; its argument is the expected time of finished measurements.
-
-        Its first argument must be the expected time of all measurements whose results are already stored. They take no
-        time now, so they are left out of the speed.
-        """
-        first = True
-
-        def notify(cost: float) -> None:
-            nonlocal first
-            if first:
-                self.initial += round(cost)
-            first = False
-            self.update(round(cost))
-
-        return notify
 
 
 def progress_bar(total: int, name: str = "") -> ProgressBar:
     """Return a progress bar with a name on standard error. If this is not a terminal, it is updated less often."""
     pause = 0.5 if sys.stderr.isatty() else 10
-    return ProgressBar(desc=name, total=total, unit="", bar_format="{l_bar}{bar}| {elapsed}<{left}", mininterval=pause)
+    return ProgressBar(desc=name, total=total, unit="", bar_format=BAR, mininterval=pause, miniters=1)
 
 
 def with_progress(name: str, T: float, compute: Callable[[Callable[[float], object]], Result]) -> Result:

@@ -13,6 +13,7 @@ from study.run.plan import quick
 from study.run.tasks import TaskStore, frozen, march, with_foundation, write_task
 from study.solve.steps import require_steps
 from study.statements.shared import estimates
+from study.statements.shared.meshes import fits
 from study.statements.shared.tasks import FROZEN_TIMES, Task
 
 MOST_LEVELS = 12
@@ -57,20 +58,15 @@ def do_export(options: argparse.Namespace) -> int:
 
 def _require_mesh(task: Task) -> None:
     """Raise UsageError, which names the case and levels that would do, unless the mesh fits the body."""
-    if not (reason := _misfit(task)):
-        return
-    near = sorted(range(1, 2 * task.level), key=lambda level: abs(level - task.level))[:MOST_LEVELS]
-    fit = [str(level) for level in near if not _misfit(Task(task.case, task.family, level))][:3]
-    mend = f"; levels that would do: {', '.join(fit)}" if fit else ""
-    raise UsageError(f"case {task.case.name} on {task.family.name} meshes of level {task.level}: {reason}{mend}")
-
-
-def _misfit(task: Task) -> str:
+    body = task.solution.body
     try:
-        boundary_parts(task.space.mesh, task.solution.body)
+        boundary_parts(task.family(body, task.level), body)
     except MeshError as error:
-        return str(error)
-    return ""
+        near = sorted(range(1, 2 * task.level), key=lambda level: abs(level - task.level))[:MOST_LEVELS]
+        fit = [str(level) for level in near if fits(task.family, body, level)][:3]
+        mend = f"; levels that would do: {', '.join(fit)}" if fit else ""
+        where = f"case {task.case.name} on {task.family.name} meshes of level {task.level}"
+        raise UsageError(f"{where}: {error}{mend}") from error
 
 
 def _instants(options: argparse.Namespace, case: Case) -> list[float]:

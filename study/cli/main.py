@@ -9,7 +9,7 @@ from contextlib import redirect_stderr, redirect_stdout
 from typing import Any, TextIO
 
 from convergence_orders.printing import printable
-from study.cli.options import CLOSED, INTERRUPTED, USAGE, out_of_range, parser
+from study.cli.options import CLOSED, INTERRUPTED, USAGE, parser
 
 
 class PrintableStream:
@@ -57,9 +57,8 @@ def _run(words: list[str]) -> int:
     if unknown:
         options.refuse(unknown)
     module, name = options.command
-    stripped = STRIPPED if sys.flags.optimize >= 2 and module not in WITHOUT_PYAMG else ""
-    if refusal := stripped or out_of_range(options):
-        print(f"study: {refusal}", file=sys.stderr)
+    if sys.flags.optimize >= 2 and module not in WITHOUT_PYAMG:
+        print(f"study: {STRIPPED}", file=sys.stderr)
         return USAGE
     try:
         # Only the module of this command is imported, because importing the solvers takes seconds.

@@ -4,7 +4,6 @@ The module imports nothing slow, so that ``--help`` answers at once.
 """
 
 import argparse
-import math
 import os
 import sys
 from collections.abc import Sequence
@@ -45,23 +44,35 @@ class Range(NamedTuple):
 
 POSITIVE, FROM_0, FROM_2 = Range(1, "1 or more"), Range(0, "0 or more"), Range(2, "2 or more")
 FINITE = Range(0, "a number, 0 or more")
-Option = tuple[tuple[str, ...], dict[str, Any], Range | None]
-"""An option: the arguments of ``ArgumentParser.add_argument``, and its permitted values; None permits all."""
+ANY = Range(-sys.float_info.max, "a finite number")
+Option = tuple[tuple[str, ...], dict[str, Any]]
+"""An option: the arguments of ``ArgumentParser.add_argument``."""
 
 
 def option(*flags: str, within: Range | None = None, **settings: Any) -> Option:
     """Return an option, given the arguments of ``ArgumentParser.add_argument`` and its permitted values."""
-    return flags, settings, within
+    if settings.get("action", "extend") == "extend":
+        settings["type"] = partial(_read, settings.get("type", str), within)
+    return flags, settings
 
 
-def out_of_range(options: argparse.Namespace) -> str:
-    """Return a message about the first option with a value that is not permitted; an empty text if there is none."""
-    for name, (flag, within) in options.ranges.items():
-        given = getattr(options, name)
-        for value in given if isinstance(given, list) else [given]:
-            if value is not None and not within.least <= value <= within.most:
-                return f"{flag} must be {within.words}, got {value:g}"
-    return ""
+def _read(kind: type, within: Range | None, text: str) -> Any:
+    """Return the value in a text; argparse prints a message if the text is empty or the value is not permitted.
+
+    An empty path would be the working directory, and a number of more digits would overflow later.
+    """
+    if not text.strip():
+        raise argparse.ArgumentTypeError("got an empty text, expected a name; leave the option out if there is none")
+    if kind is int and len(text) > DIGITS:
+        raise argparse.ArgumentTypeError(f"expected a number of at most {DIGITS} digits")
+    try:
+        value = kind(text)
+    except ValueError as error:
+        numbers = "a whole number" if kind is int else "a number"
+        raise argparse.ArgumentTypeError(f"expected {numbers}, got {text!r}") from error
+    if within and not within.least <= value <= within.most:
+        raise argparse.ArgumentTypeError(f"must be {within.words}, got {text}")
+    return value
 
 
 def out(default: str = "results", *also: str) -> Option:
@@ -89,28 +100,6 @@ def enclosed(levels: tuple[int, ...], shorter: int) -> list[Option]:
         option("--refine", type=int, within=Range(0, "0 to 20", 20), default=1, metavar="R", help=refine),
         option("--shorter", type=int, within=POSITIVE, default=shorter, metavar="Q", help=steps),
     ]
-
-
-def _finite(text: str) -> float:
-    """Return the finite number in a text; argparse prints a message if there is none."""
-    value = float(text)
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text} is not a finite number")
-    return value
-
-
-def _whole(text: str) -> int:
-    """Return a whole number that a float can represent; more digits would overflow later."""
-    if len(text) > DIGITS:
-        raise argparse.ArgumentTypeError(f"expected a number of at most {DIGITS} digits")
-    return int(text)
-
-
-def _not_empty(kind: type, text: str) -> Any:
-    """Return a text or a path; an empty path would be the working directory, and an empty text no option."""
-    if not text.strip():
-        raise argparse.ArgumentTypeError("got an empty text, expected a name; leave the option out if there is none")
-    return kind(text)
 
 
 JSON = option("--json", action="store_true", help="print as JSON")
@@ -193,7 +182,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         out(),
     ]),
     "seeds": ("seeds", "estimate how often chance makes a check fail, on new random meshes", [
-        option("--minutes", type=_finite, default=60.0, metavar="M",
+        option("--minutes", type=float, default=60.0, metavar="M",
                within=Range(0, "0 or more (0 prints the record)"),
                help="time for new seeds (default 60; 0: only print the record)"),
         option("--seeds", type=int, within=POSITIVE, metavar="N", help="largest number of new seeds"),
@@ -235,11 +224,11 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
                help=f"meshes: {', '.join(FAMILIES)} (default: those on which `study run --quick` measures the case)"),
         option("--mode", choices=MODES, default="frozen",
                help="frozen: static problems (default); march: a problem with time steps"),
-        option("--instants", nargs="+", type=_finite, metavar="T",
+        option("--instants", nargs="+", type=float, within=ANY, metavar="T",
                help="times of the static problems (default: three times)"),
         option("--steps", type=int, within=POSITIVE, metavar="N",
                help="number of time steps of --mode march (default: the level)"),
-        option("--scale", type=_finite, default=1.0, metavar="S", help="factor of all loads (default 1)"),
+        option("--scale", type=float, within=ANY, default=1.0, metavar="S", help="factor of all loads (default 1)"),
         option("--foundation", type=int, within=POSITIVE, metavar="SEGMENTS",
                help="also write a mesh of the foundation, with this number of segments"),
         out("tasks", "--to"),
@@ -263,7 +252,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
             option("--overview", action="store_true", help="only the figures that show all cases together"),
             option("--only", nargs="+", metavar="NAME", help="only these figures, such as zone-hexagon"),
         ],
-        option("--dpi", type=_finite, within=Range(10, "10 to 2400", 2400), metavar="N",
+        option("--dpi", type=float, within=Range(10, "10 to 2400", 2400), metavar="N",
                help="dots per inch of PNG files"),
         option("--style", type=Path, metavar="FILE", help=STYLE),
         option("--data", type=Path, metavar="DIR", help=DRAWN),
@@ -278,8 +267,7 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of all commands.
 
     The parsed options have an attribute ``command``: the module in ``study.cli`` and the name of the function to call.
-    Their attribute ``ranges`` has the permitted values, for ``out_of_range``. Their function ``refuse`` ends the
-    program because of words that are no options of the command.
+    Their function ``refuse`` ends the program because of words that are no options of the command.
     """
     top = argparse.ArgumentParser(
         prog="study",
@@ -293,20 +281,14 @@ def parser() -> argparse.ArgumentParser:
         description = help[0].upper() + help[1:] + "." + SCOPE * (name == "bound")
         command = commands.add_parser(name, help=help, description=description)
         interrupted = RESUMED if name in RESUMES else STARTS_AGAIN
-        known, ranges = ["--help"], {}
+        known = ["--help"]
         for one in options:
             group = command.add_mutually_exclusive_group() if isinstance(one, list) else command
-            for flags, settings, within in one if isinstance(one, list) else [one]:
-                action = group.add_argument(*flags, **settings)
-                if action.type is int:
-                    action.type = _whole
-                if action.nargs != 0 and action.type in (None, Path):
-                    action.type = partial(_not_empty, action.type or str)
+            for flags, settings in one if isinstance(one, list) else [one]:
+                group.add_argument(*flags, **settings)
                 known += flags
-                if within:
-                    ranges[action.dest] = flags[0], within
         refuse = partial(refuse_unknown, command, known)
-        command.set_defaults(command=(module, f"do_{name}"), refuse=refuse, interrupted=interrupted, ranges=ranges)
+        command.set_defaults(command=(module, f"do_{name}"), refuse=refuse, interrupted=interrupted)
     return top
 
 

@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from study.cli.common import ProgressBar, code_of, known_undecided, progress_bar, tell_written
 from study.controls.contact_test import DEFECTS, contact_tests, defective, write_contact_test
@@ -14,15 +15,13 @@ from study.fem.naming import absolute, choose, name_of
 from study.ledger.datafiles import read_claims
 from study.ledger.text import folded
 from study.present.outcome import contact_test_text, ledger_text, orders_text, rates_text
-from study.run.executor import Pool, connected, execute, local_pool, refuse_too_large, unfinished
+from study.run.executor import Pool, connected, execute, local_pool, prove, refuse_too_large, save_proofs, unfinished
 from study.run.judgement import collect, judge, judge_stored
 from study.run.plan import Job, Plan, full, quick
-from study.run.proof import prove, save_proofs
 from study.run.provenance import read_provenance, refuse_to_replace
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
 from study.statements.own_cases import TRY, enough, finer, least_levels
-from study.statements.shared.base import Statement
 from study.statements.shared.scope import Levels, Scope
 
 PLACES = {"quick": Path("results/quick"), "full": Path("results")}
@@ -51,18 +50,20 @@ def do_run(options: argparse.Namespace) -> int:
     workers = min(options.jobs, len(plan.jobs))
     with connected(options.cluster, scope.cases) if options.cluster else local_pool(workers) as pool:
         refuse_too_large(unfinished(plan.jobs, store), pool)
-        proofs = prove(plan.stages()[0], scope.cases, store, pool)
         plan.check()
+        # A user's case is refused before the result directory exists.
+        proofs = prove(plan.stages()[0], scope.cases, store, pool)
         with store.locked():
             save_proofs(proofs, store)
             tested = measure(plan, store, pool)
             verdicts = judge(store.directory)
-            written = []
-            if options.figures:
-                # Imported only to draw, because Matplotlib takes half a second.
-                from study.cli.present import write_overview
+    written = []
+    if options.figures:
+        # Imported only to draw, because Matplotlib takes half a second.
+        from study.cli.present import write_overview
 
-                written = write_overview(options, store.directory)
+        with store.locked():
+            written = write_overview(options, store.directory)
     data = ", ".join(path.name for path in sorted(store.data.glob("[!.]*")))
     print("\n" + folded(f"data: {store.data}/{data}"))
     if options.figures:
@@ -89,27 +90,27 @@ def measure(plan: Plan, store: Store, pool: Pool) -> list[Path]:
     tests = contact_tests(plan)
     repeated = [job for jobs in tests for defect in DEFECTS for job in defective(jobs, defect)]
     jobs = *plan.jobs, *repeated
-    with progress_bar(round(sum(job.cost for job in jobs)), f"{len(jobs)} jobs") as bar:
+    left = unfinished(jobs, store)
+    with progress_bar(round(sum(job.cost for job in left)), f"{len(left)} jobs") as bar:
         for stage in plan.stages():
             save_proofs(prove(stage, plan.scope.cases, store, pool), store)
-            execute(stage, store, pool, bar.notify_after_stored(), verdict_printer(stage, store, bar))
-        execute(repeated, store, pool, bar.notify_after_stored())
+            execute(stage, store, pool, verdict_printer(stage, store, bar))
+        execute(repeated, store, pool, bar.add)
         written = write_contact_test(tests, store)
         collect(plan, store, written)
     return written
 
 
 def verdict_printer(jobs: Sequence[Job], store: Store, bar: ProgressBar) -> Callable[[Job], None]:
-    """Return a function that prints the verdicts on a statement for a case when all its measurements are finished.
+    """Return a function that moves a progress bar, and prints the verdicts on a statement when they can be judged.
 
-    The function is called with each finished job. Statements that are judged from several files are left out.
+    The function is called with each finished job. The verdicts on a statement for a case are printed when all its
+    measurements are finished. Statements that are judged from several files are left out.
     """
-    groups: dict[tuple[Statement, str], list[Job]] = {}
-    for job in unfinished(jobs, store):
-        groups.setdefault((job.statement, job.case), []).append(job)
-    left = {group: len(of_group) for group, of_group in groups.items()}
+    left = Counter((job.statement, job.case) for job in unfinished(jobs, store))
 
     def tell(job: Job) -> None:
+        bar.add(job)
         group = job.statement, job.case
         left[group] -= 1
         if left[group] == 0:
@@ -142,10 +143,9 @@ def with_levels_of(directory: Path, scope: Scope) -> Scope:
             old, new = (" ".join(map(str, sorted(levels))) for levels in (had, given - had))
             print(f"study: {directory} has {case.name} on the levels {old}: {new} added", file=sys.stderr)
         scope = replace(scope, own=(*scope.own, (case.name, Levels(tuple(sorted(had | given))))))
-        if case.solution.body.dim == 2:
-            scope = replace(scope, equivalence=tuple(sorted(compared | {*scope.equivalence})))
-        else:
-            scope = replace(scope, solid_equivalence=tuple(sorted(compared | {*scope.solid_equivalence})))
+        equivalence = "equivalence" if case.solution.body.dim == 2 else "solid_equivalence"
+        both: dict[str, Any] = {equivalence: tuple(sorted(compared | {*getattr(scope, equivalence)}))}
+        scope = replace(scope, **both)
     return scope
 
 
@@ -154,7 +154,8 @@ def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) 
     cases = scope.resolved()
     dim = max(case.solution.body.dim for case in cases)
     levels = finer(sorted({level for case in cases for level in scope.levels_of(case).all}), dim)
-    return command_line(options, levels, directory.with_name(f"{directory.name}-finer"))
+    out = directory.with_name(f"{directory.name}-finer")
+    return command_line(options, levels=levels, out=out)
 
 
 def warn_of_few_levels(scope: Scope) -> None:
@@ -173,7 +174,7 @@ def warn_of_few_levels(scope: Scope) -> None:
 def scope_from_options(options: argparse.Namespace) -> Scope:
     """Return the scope of the quick or full study, changed by the options for cases, levels and time steps."""
     study = {"quick": quick, "full": full}[options.plan]()
-    scope = replace(study, scheme=options.scheme, k=options.step, command=command_line(options))
+    scope = replace(study, scheme=options.scheme, k=options.step, command=command_line(options, out=None))
     if options.case:
         scope = replace(scope, cases=tuple(map(absolute, options.case)), every_family=True, statements=False)
     if options.levels:
@@ -192,19 +193,19 @@ def scope_from_options(options: argparse.Namespace) -> Scope:
     return scope
 
 
-def command_line(options: argparse.Namespace, levels: Sequence[int] | None = None, out: Path | None = None) -> str:
-    """Return the command line of ``study run`` with the given options.
+def command_line(options: argparse.Namespace, **changes: Any) -> str:
+    """Return the command line of ``study run`` with the given options, but for those that change no result.
 
     Parameters:
         options: the options.
-        levels: levels that replace the levels in the options.
-        out: the result directory; it is left out of the command line if it is None.
+        changes: options that are replaced.
     """
-    words = ["study", "run", *(["--full"] if options.plan == "full" else [])]
-    words += ["--case", *options.case] if options.case else []
-    levels = levels or options.levels
-    words += ["--levels", *map(str, levels)] if levels else []
-    words += ["--scheme", options.scheme] if options.scheme != "midpoint" else []
-    words += ["--step", f"{options.step:g}"] if options.step is not None else []
-    words += ["--out", str(out)] if out else []
+    words = ["study", "run"]
+    if options.plan == "full":
+        words.append("--full")
+    for name, usual in (("case", None), ("levels", None), ("scheme", "midpoint"), ("step", None), ("out", None)):
+        value = {**vars(options), **changes}[name]
+        if value != usual:
+            values = value if isinstance(value, list) else [value]
+            words += [f"--{name}", *(f"{each:g}" if name == "step" else str(each) for each in values)]
     return shlex.join(words)

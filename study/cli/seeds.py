@@ -11,17 +11,16 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from tqdm import tqdm
-
-from study.cli.common import progress_bar
+from study.cli.common import ProgressBar, progress_bar
 from study.cli.options import FAILED, OK, SEED_BITS, UNCLEAR
 from study.controls.rules import row_of, rules
 from study.controls.seeded import seeded
 from study.fem.naming import family_named
 from study.ledger.seeds import FalseAlarms, RowKey, SeedRecord
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
-from study.run.executor import Pool, execute, local_pool
+from study.run.executor import Pool, execute, local_pool, unfinished
 from study.run.judgement import collect, judge
+from study.run.plan import Job
 from study.run.store import Store
 
 
@@ -29,18 +28,18 @@ class TimeIsUpError(Exception):
     """Raised when the time of ``--minutes`` is over; finished measurements are stored."""
 
 
-def watch(bar: tqdm, end: float) -> Callable[[float], None]:
+def watch(bar: ProgressBar, end: float) -> Callable[[Job], None]:
     """Return a function, called after each measurement, that shows the progress and stops the run when time is over.
 
-    Its argument is the expected computing time of the measurement in µs. It raises TimeIsUpError if the time is over.
+    Its argument is the job of the measurement. It raises TimeIsUpError if the time is over.
 
     Parameters:
         bar: the progress bar.
         end: when the run must stop, on the clock ``time.monotonic()``.
     """
 
-    def notify(cost: float) -> None:
-        bar.update(round(cost))
+    def notify(job: Job) -> None:
+        bar.add(job)
         if time.monotonic() >= end:
             raise TimeIsUpError
 
@@ -99,7 +98,7 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
             verdicts, fingerprints = judged(seed, directory, pool, f"seed {len(record.rows)}", end)
         except TimeIsUpError:
             return
-        record.judged(seed, fingerprints, _print_alarms(verdicts)).write(directory)
+        record.judged(fingerprints, _print_alarms(verdicts)).write(directory)
 
 
 def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tuple[list[Verdict], dict[RowKey, str]]:
@@ -119,7 +118,7 @@ def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tup
         TimeIsUpError: the time is over before all measurements are finished.
     """
     store, plan = Store(directory / "seeds" / str(seed)), seeded(seed)
-    with progress_bar(round(sum(job.cost for job in plan.jobs)), name) as bar:
+    with progress_bar(round(sum(job.cost for job in unfinished(plan.jobs, store))), name) as bar:
         execute(plan.jobs, store, pool, watch(bar, end))
         collect(plan, store)
     fingerprints = rules(store.directory, plan)

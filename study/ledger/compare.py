@@ -4,16 +4,16 @@ import csv
 import json
 import math
 import textwrap
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import asdict, dataclass
-from itertools import zip_longest
+from itertools import takewhile, zip_longest
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from study.ledger.datafiles import DataError, made_by, read_table, read_uncompressed
 from study.ledger.pictures import Packed
@@ -28,13 +28,12 @@ PROSE = ["statement", "quantity", "expected", "summary", "reason", "what", "regu
 MAGNITUDES = ("displacement_gap", "stress_gap", "displacement_bound", "stress_bound")
 """Columns of ``equivalence.csv`` of which only the order of magnitude is compared: the numbers depend on where an
 iteration stops."""
-CELL_COLUMNS = ["row", "column", "old", "new", "file", "relative"]
-WHOLE = r"-?\d+"
-"""Matches whole numbers, such as levels."""
-Array = NDArray[Any]
 SAME_MAGNITUDE = 0.99
 """Relative tolerance for these columns: a factor of 100. With two tolerances of the solver they differed by at most
 this factor."""
+CELL_COLUMNS = ["row", "column", "old", "new", "file", "relative"]
+WHOLE = r"-?\d+"
+"""Matches whole numbers, such as levels."""
 
 
 @dataclass(frozen=True)
@@ -46,18 +45,6 @@ class Tolerance:
 
     relative: float = 1e-12
     absolute: float = 0.0
-
-    def equates(self, a: Array, b: Array, loose: Array) -> Array:
-        """Return for each pair of numbers whether they are finite and equal within the tolerance.
-
-        Parameters:
-            a, b: the numbers.
-            loose: for each pair whether only the order of magnitude is compared.
-        """
-        relative = np.where(loose, max(self.relative, SAME_MAGNITUDE), self.relative)
-        with np.errstate(all="ignore"):
-            near = abs(a - b) <= self.absolute + relative * np.maximum(abs(a), abs(b))
-        return near & np.isfinite(a) & np.isfinite(b)
 
 
 @dataclass(frozen=True)
@@ -79,16 +66,21 @@ class Comparison:
     @property
     def counts(self) -> dict[str, int]:
         """The number of files in each state."""
-        return {state: [*self.states.values()].count(state) for state in (IDENTICAL, WITHIN, DIFFERS, LEFT_OUT)}
+        count = Counter(self.states.values())
+        return {state: count[state] for state in (IDENTICAL, WITHIN, DIFFERS, LEFT_OUT)}
 
     @property
     def differs(self) -> bool:
         return DIFFERS in self.states.values()
 
+    @property
+    def verdicts(self) -> pd.DataFrame:
+        """The rows of ``cells`` with changed verdicts."""
+        return self.cells[self.cells["column"] == "verdict"]
+
     def as_json(self) -> dict[str, Any]:
         """Return the comparison as a dictionary that can be written as JSON."""
-        cells = self.cells.astype(object).where(self.cells.notna(), None)
-        verdicts = cells[cells["column"] == "verdict"]
+        cells, verdicts = (table.astype(object).where(table.notna(), None) for table in (self.cells, self.verdicts))
         return {
             "differs": self.differs,
             "counts": self.counts,
@@ -107,12 +99,12 @@ def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
     """
     files = _files(old), _files(new)
     states: dict[str, str] = {}
-    tables: list[pd.DataFrame] = []
+    tables = [pd.DataFrame(columns=CELL_COLUMNS)]
     for name in sorted({*files[0], *files[1]}, key=lambda name: ("/" in name, name)):
         if name not in files[0] or name not in files[1]:
             states[name] = LEFT_OUT if name in TABLES and TABLES[name].command else DIFFERS
             continue
-        contents = [_content(directory, files_of[name]) for directory, files_of in zip((old, new), files, strict=True)]
+        contents = _content(old, files[0][name]), _content(new, files[1][name])
         # Two truncated files may be equal. They have no line end at their end, and reading them raises an error.
         if contents[0] == contents[1] and contents[0].endswith(b"\n"):
             states[name] = IDENTICAL
@@ -120,7 +112,7 @@ def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
         cells = _changed(_cells(old, name, contents[0]), _cells(new, name, contents[1]), name, tolerance)
         states[name] = DIFFERS if len(cells) else WITHIN
         tables.append(cells)
-    return Comparison(tolerance, states, pd.concat([pd.DataFrame(columns=CELL_COLUMNS), *tables]))
+    return Comparison(tolerance, states, pd.concat(tables))
 
 
 def _files(directory: Path) -> dict[str, Path]:
@@ -182,13 +174,14 @@ def _changed(old: pd.Series, new: pd.Series, name: str, tolerance: Tolerance) ->
     """Return the cells that differ, among numbers by more than the tolerance; it does not apply to whole numbers."""
     both = pd.concat([old, new], axis=1, keys=["old", "new"]).rename_axis(["row", "column"]).fillna("")
     both = both[both["old"] != both["new"]].reset_index()
-    a, b = (pd.to_numeric(both[side], errors="coerce").to_numpy(float) for side in ("old", "new"))
+    a, b = (pd.to_numeric(both[side], errors="coerce") for side in ("old", "new"))
+    larger, difference = np.maximum(abs(a), abs(b)), abs(a - b)
+    loose = both["column"].isin(MAGNITUDES) & (name == "equivalence.csv")
+    relative = np.where(loose, max(tolerance.relative, SAME_MAGNITUDE), tolerance.relative)
     whole = both["old"].str.fullmatch(WHOLE) & both["new"].str.fullmatch(WHOLE)
-    loose = both["column"].isin(MAGNITUDES).to_numpy() & (name == "equivalence.csv")
-    equal = np.where(whole, a == b, tolerance.equates(a, b, loose))
-    with np.errstate(all="ignore"):
-        relative = abs(a - b) / np.maximum(abs(a), abs(b))
-    return both.assign(file=name, relative=relative)[~equal]
+    # An infinite number is equal to no other one: its difference is infinite or no number.
+    equal = np.where(whole, difference == 0, (difference <= tolerance.absolute + relative * larger) & (larger < np.inf))
+    return both.assign(file=name, relative=difference / larger)[~equal]
 
 
 SHOWN_VERDICTS, SHOWN_CELLS = 20, 3
@@ -200,8 +193,7 @@ def as_text(comparison: Comparison) -> str:
 
     The text has the changed verdicts, the differences in each file, the largest first, and a summary.
     """
-    cells, tolerance = comparison.cells, comparison.tolerance
-    changed = cells[cells["column"] == "verdict"]
+    cells, tolerance, changed = comparison.cells, comparison.tolerance, comparison.verdicts
     lines = [f"verdicts: {len(changed) or 'none'} changed", *_listed(changed, SHOWN_VERDICTS), ""]
     for name, state in comparison.states.items():
         if state != IDENTICAL:
@@ -209,9 +201,10 @@ def as_text(comparison: Comparison) -> str:
         for column, differing in cells[cells["file"] == name].groupby("column", sort=False):
             lines.append(f"  {column}: {len(differing)} beyond tolerance")
             lines += _listed(differing.sort_values("relative", ascending=False, kind="stable"), SHOWN_CELLS)
-    counts, size = comparison.counts, f"{tolerance.relative:g} relative + {tolerance.absolute:g}"
-    told = f"{counts[IDENTICAL]} identical, {counts[WITHIN]} within {size}, {counts[DIFFERS]} differ"
-    lines += ["", f"{len(comparison.states)} files: {told}, {counts[LEFT_OUT]} left out"]
+    identical, within, differ, left_out = comparison.counts.values()
+    size = f"{tolerance.relative:g} relative + {tolerance.absolute:g}"
+    files = f"{len(comparison.states)} files: {identical} identical, {within} within {size}"
+    lines += ["", f"{files}, {differ} differ, {left_out} left out"]
     wrapped = (textwrap.fill(line, 80, subsequent_indent=" " * 8, break_on_hyphens=False) for line in lines)
     return "\n".join(wrapped).replace("\u00a0", " ")
 
@@ -243,17 +236,15 @@ def difference(path: Path, expected: str, close: frozenset[str] = frozenset()) -
     Returns:
         A message with line, column, the text in the file and the expected text.
     """
-    text = path.read_text(encoding="utf-8", errors="replace")
-    lines = zip_longest(text.split("\n"), expected.split("\n"))
-    head = next(csv.reader([expected.partition("\n")[0]])) if path.suffix == ".csv" else []
-    for number, pair in enumerate(lines, start=1):
-        undivided = not head or None in pair
-        cells = [("", *pair)] if undivided else zip_longest(head, *(next(csv.reader([line]), []) for line in pair))
-        for name, a, b in cells:
-            if a != b and not (name in close and _near(a, b)):
-                place = next((i for i, (x, y) in enumerate(zip(a or "", b or "", strict=False)) if x != y), 0)
+    lines = path.read_text(encoding="utf-8", errors="replace").split("\n"), expected.split("\n")
+    head = next(csv.reader(lines[1])) if path.suffix == ".csv" else []
+    for number, pair in enumerate(zip_longest(*lines), start=1):
+        rows = (next(csv.reader([line]), []) for line in pair)
+        cells = zip_longest(head, *rows) if head and None not in pair else [("", *pair)]
+        for name, text, wanted in cells:
+            if text != wanted and not (name in close and _near(text, wanted)):
                 column = f", column {name}" if name else ""
-                return f"{path}, line {number}{column}: found {_shown(a, place)}, expected {_shown(b, place)}"
+                return f"{path}, line {number}{column}: found {_shown(text, wanted)}, expected {_shown(wanted, text)}"
     return None
 
 
@@ -263,10 +254,11 @@ def _near(a: str | None, b: str | None) -> bool:
     return False
 
 
-def _shown(text: str | None, place: int) -> str:
-    """Return a text in quotation marks, cut to the part around a place; "nothing" for None."""
+def _shown(text: str | None, other: str | None) -> str:
+    """Return a text in quotation marks, cut to the part around its first difference from another; None is "nothing"."""
     if text is None:
         return "nothing"
-    start = max(0, place - SHOWN_TEXT // 2) if len(text) > SHOWN_TEXT else 0
-    part = text[start : start + SHOWN_TEXT]
-    return f"{'…' * (start > 0)}{part!r}{'…' * (start + SHOWN_TEXT < len(text))}"
+    same = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(text, other or "", strict=False)))
+    start = max(0, same - SHOWN_TEXT // 2) if len(text) > SHOWN_TEXT else 0
+    end = start + SHOWN_TEXT
+    return f"{'…' * (start > 0)}{text[start:end]!r}{'…' * (end < len(text))}"

@@ -76,10 +76,8 @@ def read_checked(path: Path, name: str, command: str, columns: Collection[str] =
 def made_by(directory: Path) -> str:
     """Return the command line that wrote a result directory, from its provenance; else ``study run``."""
     try:
-        content = json.loads((directory / "data" / "provenance.json").read_text(encoding="utf-8"))
-        plain = "study run --full" if content.get("plan") == "full" else "study run"
-        command = str(content.get("scope", {}).get("command", plain))
-    except (OSError, ValueError, AttributeError):
+        command = json.loads((directory / "data" / "provenance.json").read_text(encoding="utf-8"))["scope"]["command"]
+    except (OSError, ValueError, LookupError, TypeError):
         command = "study run"
     return f"{command} --out {shlex.quote(str(directory))}"
 

@@ -102,30 +102,23 @@ class SeedRecord:
         return next((row for row in self.rows if row.judged < 0), None)
 
     def drawn(self, seed: int) -> SeedRecord:
-        """Return the record with a new seed, which is measured next.
-
-        Raises:
-            DataError: the record already has this seed.
-        """
-        if any(row.seed == seed for row in self.rows):
-            raise DataError(f"seed {seed} is already in the record, in which nothing is replaced: draw another seed")
+        """Return the record with a new seed, which is measured next."""
         return SeedRecord((*self.rows, Seed(seed)))
 
-    def judged(self, seed: int, rules: Mapping[RowKey, str], alarms: int) -> SeedRecord:
+    def judged(self, rules: Mapping[RowKey, str], alarms: int) -> SeedRecord:
         """Return the record with the result of the seed that was drawn last.
 
         Parameters:
-            seed: this seed.
             rules: key of each judged check ↦ fingerprint of its rule.
             alarms: number of checks that did not hold.
 
         Raises:
             DataError: the seed was already judged.
         """
-        if self.pending() != Seed(seed):
-            raise DataError(f"seed {seed} was not drawn or was already judged, and nothing in the record is replaced")
+        if (begun := self.pending()) is None:
+            raise DataError("the last seed was already judged, and nothing in the record is replaced: draw a seed")
         together = fingerprint(sorted((*row, rule) for row, rule in rules.items()))
-        return SeedRecord((*self.rows[:-1], Seed(seed, together, len(rules), alarms)))
+        return SeedRecord((*self.rows[:-1], Seed(begun.seed, together, len(rules), alarms)))
 
 
 class FalseAlarms:

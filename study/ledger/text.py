@@ -29,14 +29,18 @@ def folded(text: str) -> str:
     return textwrap.fill(text, width(), subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
 
 
+def _significant(value: float, digits: int, rounding: str) -> str:
+    return f"{float(Context(prec=digits, rounding=rounding).create_decimal(Decimal(value))):.{digits}g}"
+
+
 def down(value: float, digits: int) -> str:
     """Return a number as text, rounded down to a number of significant digits; it remains a lower bound."""
-    return f"{float(Context(prec=digits, rounding=ROUND_FLOOR).create_decimal(Decimal(value))):.{digits}g}"
+    return _significant(value, digits, ROUND_FLOOR)
 
 
 def up(value: float, digits: int) -> str:
     """Return a number as text, rounded up to a number of significant digits; it remains an upper bound."""
-    return f"{float(Context(prec=digits, rounding=ROUND_CEILING).create_decimal(Decimal(value))):.{digits}g}"
+    return _significant(value, digits, ROUND_CEILING)
 
 
 def power_of_ten(value: float, least: float) -> float:

@@ -6,8 +6,7 @@ is also measured again.
 """
 
 import tempfile
-from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.compare import Comparison, Tolerance, compare, difference
 from study.ledger.datafiles import CsvFile, DataError, line, made_by, read_csv, table_text, write_csv
 from study.ledger.files import UsageError
-from study.run.executor import Pool, execute
+from study.run.executor import Notify, Pool, execute
 from study.run.judgement import PREDICTED, read_tables, stored_rows
 from study.run.plan import Job
 from study.run.provenance import Expectation, commit, read_provenance
@@ -71,10 +70,8 @@ def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, aga
     """
     recorded = record["planned"]
     where = f"{directory}/data/provenance.json"
-    if not recorded:
-        raise DataError(f"{where} has an empty plan: {again}")
-    if repeated := [key for key, count in Counter(recorded).items() if count > 1]:
-        raise DataError(f"{where} plans {' '.join(repeated[0])} twice: {again}")
+    if not recorded or len({*recorded}) < len(recorded):
+        raise DataError(f"{where} has an empty plan, or plans a measurement twice: {again}")
     # A newer program may plan more. What an older one has measured stands.
     differing = set(recorded) ^ set(expectation.plan.keys() if expectation.plan else recorded)
     if differing and record.get("commit") == commit()["commit"]:
@@ -143,9 +140,7 @@ def expected_seconds(jobs: Sequence[Job]) -> float:
     return sum(job.cost for job in jobs) / 1e6
 
 
-def compare_again(
-    directory: Path, jobs: Sequence[Job], pool: Pool, tolerance: Tolerance, notify: Callable[[float], None]
-) -> Comparison:
+def compare_again(directory: Path, jobs: Sequence[Job], pool: Pool, tolerance: Tolerance, notify: Notify) -> Comparison:
     """Run jobs again and compare the new measurements with the rows on disk.
 
     Only measured columns are compared, not columns that are derived from them.
@@ -155,7 +150,7 @@ def compare_again(
         jobs: the jobs that are run again.
         pool: runs the jobs.
         tolerance: the permitted differences.
-        notify: called with the cost of each finished job.
+        notify: called with each finished job.
 
     Returns:
         The differences; ``old`` means the rows in ``directory``, ``new`` the rows that were measured now.

@@ -13,29 +13,33 @@ import multiprocessing
 import os
 import signal
 import socket
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
+from itertools import cycle
 from pathlib import Path
 from threading import Thread
-from typing import Any, ParamSpec, Protocol, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import psutil
 from threadpoolctl import threadpool_limits
 
-from study.fem.naming import resolve
+from manufactured.self_proof import SelfProofError, examine
+from study.fem.naming import name_of, resolve
 from study.ledger.files import JobsError, UsageError
-from study.run.fingerprint import ALL_CODE, code_hash, problem, versions
+from study.run.fingerprint import ALL_CODE, code_hash, of_solution, problem, versions
+from study.run.plan import Job
 from study.run.store import Store
 from study.statements.enclosure import resolve_problem
+from study.statements.shared import estimates
 
 P = ParamSpec("P")
 T = TypeVar("T")
-AnyJob = TypeVar("AnyJob", bound="Work")
-Notify = Callable[[float], None]
-"""Function that shows progress; it is called with the cost of each finished job."""
+AnyJob = TypeVar("AnyJob", bound="Job | Proof")
+Notify = Callable[[Job], object]
+"""Function that shows progress; it is called with each finished job."""
 GIB = 2.0**30
 SILENCE = 5.0
 """If no job ends within this number of seconds, it is checked whether the executor still works."""
@@ -106,28 +110,6 @@ def _end_with_parent() -> None:
     Thread(target=watch, daemon=True).start()
 
 
-class Work(Protocol):
-    """A job as the executor sees it: a measurement, or the self-proof of a case.
-
-    Attributes:
-        key: name of the file with the result.
-        case: the case. A worker prefers jobs of the case for which it has already compiled the formulas.
-        cost: expected computing time in µs.
-        memory: largest memory of the process that runs the job, in bytes.
-    """
-
-    @property
-    def key(self) -> str: ...
-    @property
-    def case(self) -> str: ...
-    @property
-    def cost(self) -> float: ...
-    @property
-    def memory(self) -> float: ...
-    def fingerprint(self) -> str: ...
-    def run(self) -> Mapping[str, Any]: ...
-
-
 @dataclass(frozen=True)
 class Pool:
     """Executors that make measurements (jobs), and the limits on their memory.
@@ -160,20 +142,14 @@ def unfinished(jobs: Sequence[AnyJob], store: Store) -> list[AnyJob]:
     return sorted(missing, key=lambda job: -job.cost)
 
 
-def refuse_too_large(jobs: Sequence[Work], pool: Pool) -> None:
+def refuse_too_large(jobs: Sequence[Job], pool: Pool) -> None:
     """Raise UsageError if the largest job needs more memory than is available."""
     if jobs:
         largest = max(jobs, key=lambda job: job.memory)
         require(largest.key, largest.memory, pool.each)
 
 
-def execute(
-    jobs: Sequence[AnyJob],
-    store: Store,
-    pool: Pool,
-    notify: Notify,
-    tell: Callable[[AnyJob], object] = lambda job: None,
-) -> None:
+def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> None:
     """Run the jobs whose results are not stored, and store each result when its job ends.
 
     If a worker is killed, its job may have used too much memory. The job waits until all other jobs have ended, and
@@ -183,8 +159,7 @@ def execute(
         jobs: the jobs.
         store: contains stored results and receives new ones.
         pool: the executors and their limits.
-        notify: called with the cost of each finished job, and first with the cost of all jobs with stored results.
-        tell: called with each job when its result has been stored.
+        notify: called with each job when its result has been stored.
 
     Raises:
         UsageError: a job needs more memory than is available; no job has started.
@@ -194,8 +169,7 @@ def execute(
     """
     waiting = unfinished(jobs, store)
     refuse_too_large(waiting, pool)
-    notify(sum(job.cost for job in jobs) - sum(job.cost for job in waiting))
-    running: dict[Future[Mapping[str, Any]], tuple[int, AnyJob]] = {}
+    running: dict[Future[Mapping[str, Any]], tuple[int, Job]] = {}
     cases: dict[int, str] = {}
     suspects: set[str] = set()
     failures: list[str] = []
@@ -223,11 +197,9 @@ def execute(
                         waiting.append(job)
                     elif reason := _failure(job, future):
                         failures.append(reason)
-                        notify(job.cost)
                     else:
                         store.save(job.key, job.fingerprint(), future.result())
-                        notify(job.cost)
-                        tell(job)
+                        notify(job)
     finally:
         for future in running:
             future.cancel()
@@ -236,8 +208,8 @@ def execute(
 
 
 def next_job(
-    waiting: Sequence[AnyJob], running: Sequence[AnyJob], suspects: set[str], case: str, together: float
-) -> AnyJob | None:
+    waiting: Sequence[Job], running: Sequence[Job], suspects: set[str], case: str, together: float
+) -> Job | None:
     """Return the job that an idle worker starts now; None if it must wait.
 
     Parameters:
@@ -254,7 +226,7 @@ def next_job(
     return max(waiting, key=lambda job: (job.key not in suspects, job.case == case), default=None)
 
 
-def run_job(job: Work) -> Mapping[str, Any]:
+def run_job(job: Job | Proof) -> Mapping[str, Any]:
     """Run a job in one thread and return its result; the other cores are used by other worker processes."""
     try:
         with threadpool_limits(1):
@@ -264,7 +236,7 @@ def run_job(job: Work) -> Mapping[str, Any]:
             gc.collect()
 
 
-def _failure(job: Work, future: Future[Mapping[str, Any]]) -> str:
+def _failure(job: Job | Proof, future: Future[Mapping[str, Any]]) -> str:
     """Return why a job that has ended has no result; an empty text if it has one."""
     if future.cancelled():
         return f"{job.key}: its cluster no longer answers; run the same command again"
@@ -324,6 +296,65 @@ def _free_in_control_groups(root: Path) -> Iterator[float]:
 
 def _read(path: Path) -> str:
     return path.read_text() if path.is_file() else ""
+
+
+# Self-proofs: before a case is measured, it is tested whether its solution is exact.
+
+
+@dataclass(frozen=True)
+class Proof:
+    """The self-proof of a case as a job; its result lists the violated equations and contact conditions.
+
+    Attributes:
+        case: the name of the case in the catalogue, or FILE.py:NAME.
+    """
+
+    case: str
+    memory = estimates.BASE
+
+    @property
+    def key(self) -> str:
+        """The name of the file in which the result is stored, without the ending."""
+        return f"proof__{name_of(self.case)}"
+
+    @property
+    def cost(self) -> float:
+        """The expected computing time in µs; solutions in 3D take longest."""
+        return 10.0 ** (3 + resolve(self.case).solution.body.dim)
+
+    def fingerprint(self) -> str:
+        """Return the cache key of the result."""
+        return of_solution(self.case)
+
+    def run(self) -> Mapping[str, Any]:
+        """Examine the solution; return the violated conditions under the key "violated"."""
+        findings = examine(resolve(self.case).solution)
+        return {"violated": [finding for finding in findings if not finding.passes]}
+
+
+def prove(jobs: Iterable[Job], cases: Iterable[str], store: Store, pool: Pool) -> list[Proof]:
+    """Test the solutions of the cases that occur in jobs, unless their proofs are stored.
+
+    Returns:
+        The new proofs. ``save_proofs`` stores them when the result directory is locked.
+
+    Raises:
+        SelfProofError: a solution violates an equation or a contact condition.
+    """
+    measured = {job.case for job in jobs}
+    proofs = unfinished([Proof(case) for case in cases if case in measured], store)
+    executors = cycle(pool.executors)
+    futures = [next(executors).submit(run_job, proof) for proof in proofs]
+    for proof, future in zip(proofs, futures, strict=True):
+        if violated := future.result()["violated"]:
+            raise SelfProofError(f"case {resolve(proof.case).name}", violated)
+    return proofs
+
+
+def save_proofs(proofs: Iterable[Proof], store: Store) -> None:
+    """Store proofs that found no violation, so that later runs need not repeat them."""
+    for proof in proofs:
+        store.save(proof.key, proof.fingerprint(), {"violated": []})
 
 
 # Functions that run jobs on several machines: on the workers of a Dask cluster.

@@ -18,6 +18,7 @@ from study.ledger.datafiles import (
     DataError,
     DataFile,
     Row,
+    expected_orders,
     made_by,
     read_csv,
     table_text,
@@ -146,7 +147,7 @@ def verdicts(directory: Path) -> list[Verdict]:
     planned = set(read_provenance(directory)["planned"])
     tables = read_tables(directory)
     cases = read_csv(directory, "cases.csv", PREDICTED)
-    _refuse_gaps(directory, tables, cases)
+    _refuse_gaps(directory, tables)
     measured = set().union(*(file.keys(table) for file, table in tables.items()))
     judged = {file: predicted(table, cases) for file, table in tables.items()}
     # Some statements also need files that ``study run`` does not write, such as the errors of other codes.
@@ -218,12 +219,12 @@ def judge_statement(statement: Statement, rows: pd.DataFrame) -> list[Verdict]:
     return statement.judge(own_rows) if len(own_rows) else []
 
 
-def _refuse_gaps(directory: Path, tables: dict[CsvFile, pd.DataFrame], cases: pd.DataFrame) -> None:
+def _refuse_gaps(directory: Path, tables: dict[CsvFile, pd.DataFrame]) -> None:
     """Raise DataError if ``cases.csv`` lacks a measured case, or an error bound has no values over time."""
-    again = f"make it with `{made_by(directory)}`"
-    measured = {case for file, table in tables.items() if file.name in EVERY_CASE for case in table["case"]}
-    if unknown := sorted(measured - set(cases["case"])):
-        raise DataError(f"{directory}/data/cases.csv lacks {', '.join(unknown)}: {again}")
+    for file in tables:
+        if file.name in EVERY_CASE:
+            expected_orders(directory, tables[file])
     bounds, courses = ({key[1:] for key in file.keys(tables[file])} for file in (BOUNDS, ENCLOSURES))
     if without := bounds - courses:
-        raise DataError(f"{directory}/data/enclosures.csv lacks {' '.join(min(without))}: {again}")
+        path, again = f"{directory}/data/enclosures.csv", f"make it with `{made_by(directory)}`"
+        raise DataError(f"{path} lacks {' '.join(min(without))}: {again}")

@@ -71,15 +71,17 @@ def commit() -> dict[str, Any]:
 
     Without a git repository, as after an installation from a wheel, the commit is empty.
     """
-    command = ["git", "status", "--porcelain=v2", "--branch", "--untracked-files=all", "--", "study", "manufactured"]
-    lines: list[str] = []
+    name, changes = "", ""
     # A package that is installed below another repository does not belong to it.
     if (ROOT / ".git").exists():
         with suppress(OSError, subprocess.CalledProcessError):
-            lines = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.splitlines()
-    head, changes = "# branch.oid ", [line for line in lines if not line.startswith("#")]
-    name = next((line.removeprefix(head) for line in lines if line.startswith(head)), "")
+            name = _git("rev-parse", "HEAD")
+            changes = _git("status", "--porcelain", "--untracked-files=all", "--", "study", "manufactured")
     return {"commit": name, "clean": bool(name) and not changes}
+
+
+def _git(*words: str) -> str:
+    return subprocess.run(["git", *words], cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
 
 
 def sources() -> dict[str, dict[str, Any]]:
@@ -88,14 +90,17 @@ def sources() -> dict[str, dict[str, Any]]:
     Returns:
         Label ↦ {"code": paths relative to the root of the repository, "data": names of files in ``data``}.
     """
-    complete = Path(inspect.getfile(Complete)).relative_to(ROOT).as_posix()
-    entries: dict[str, dict[str, Any]] = {Complete.label: {"code": [complete], "data": ["provenance.json"]}}
+    places: list[tuple[type, str, str]] = [(Complete, Complete.label, "provenance.json")]
     for statement in STATEMENTS:
-        code = Path(inspect.getfile(type(statement))).relative_to(ROOT).as_posix()
         data = "claims.csv" if isinstance(statement, Listed) else statement.file.name
-        entry = entries.setdefault(statement.label, {"code": [], "data": []})
-        for name, value in (("code", code), ("data", data)):
-            entry[name] += [value] if value not in entry[name] else []
+        places.append((type(statement), statement.label, data))
+    entries: dict[str, dict[str, Any]] = {}
+    for kind, label, data in places:
+        code = Path(inspect.getfile(kind)).relative_to(ROOT).as_posix()
+        entry = entries.setdefault(label, {"code": [], "data": []})
+        for files, file in ((entry["code"], code), (entry["data"], data)):
+            if file not in files:
+                files.append(file)
     return entries
 
 

@@ -102,7 +102,10 @@ EDITS: dict[str, tuple[Edit, str]] = {
     "a row that no plan asked for": (edit(RATES, "level", to("9"), rows=1), r"rates.csv, line 2: .* 9 is not among"),
     "tables and plan emptied": (emptied, r"provenance.json has an empty plan"),
     "a smaller plan": (planned(lambda keys: keys[1:]), r"provenance.json does not plan .*, which disagrees with its"),
-    "a row planned twice": (planned(lambda keys: [*keys, keys[0]]), r"provenance.json plans .* twice"),
+    "a row planned twice": (
+        planned(lambda keys: [*keys, keys[0]]),
+        r"provenance.json has .* a measurement twice",
+    ),
     "a verdict": cell("claims.csv", "verdict", to("reported"), "found 'reported', expected 'holds': `study ta", rows=1),
     "what was observed": cell("claims.csv", "observed", times(1.001), "found", "observed != '0'", 1),
     **{
@@ -230,10 +233,10 @@ def test_a_seed_without_rows_to_draw_is_refused(checked) -> None:
 
 
 def test_a_sample_is_repeated_by_its_seed_and_its_expected_time_is_bounded() -> None:
-    jobs: list[Any] = [SimpleNamespace(cost=1e6 * second) for second in np.geomspace(0.3, 300, 500)]
+    costs = 1e6 * np.geomspace(0.3, 300, 500)
+    jobs: list[Any] = [SimpleNamespace(cost=cost) for cost in costs]
     drawn = [draw_jobs(jobs, 5, seed) for seed in range(400)]
     assert drawn[3] == draw_jobs(jobs, 5, 3) != drawn[4]
-    costs = np.array([job.cost for job in jobs])
     bound = 5 * len(jobs) / (1 / costs).sum() / 1e6
     mean = np.mean([expected_seconds(sample) for sample in drawn])
     assert 0.6 * bound < mean < 1.6 * bound < 0.2 * 5 * costs.mean() / 1e6

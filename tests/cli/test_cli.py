@@ -31,7 +31,7 @@ from manufactured import *
 import sympy
 case = named("advance-recede")
 (face,) = case.solution.faces
-def changed(**c): return replace(case, solution=replace(case.solution, faces=(replace(face, **c),)))
+def changed(**c): return replace(case, name="mine", solution=replace(case.solution, faces=(replace(face, **c),)))
 """
 
 

@@ -149,9 +149,9 @@ def test_ctrl_c_says_what_is_true_of_the_command(command: str, said: str, tmp_pa
 ASLEEP = """
 import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a suite that runs in the background ignores Ctrl-C
-from study.run.executor import Processes
-with Processes(2) as executor:
-    job = executor.submit(time.sleep, 60)
+from study.run.executor import local_pool
+with local_pool(2) as pool:
+    job, _ = [executor.submit(time.sleep, 60) for executor in pool.executors]
     while not job.running():
         time.sleep(0.01)
     print("started", flush=True)

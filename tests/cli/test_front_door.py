@@ -171,11 +171,13 @@ def test_names_of_the_package_are_found_when_they_are_asked_for() -> None:
     ],
 )
 def test_a_number_that_is_not_permitted_is_refused_before_a_module_is_imported(
-    command: str, words: str, told, monkeypatch
+    command: str, words: str, capsys, monkeypatch
 ) -> None:
     monkeypatch.setattr("importlib.import_module", None)
     *_, flag, value = command.split()
-    assert told(*command.split()) == f"study: {flag} must be {words}, got {value}\n"
+    with pytest.raises(SystemExit, match="2"):
+        main(command.split())
+    assert capsys.readouterr().err.endswith(f"error: argument {flag}: must be {words}, got {value}\n")
 
 
 def test_an_own_case_with_the_name_of_another_is_refused(file: Path, told, tmp_path) -> None:

@@ -43,13 +43,14 @@ from study.run.executor import (
     identity,
     local_pool,
     next_job,
+    prove,
     refuse_too_large,
     run_job,
+    save_proofs,
 )
 from study.run.fingerprint import versions
 from study.run.judgement import collect
 from study.run.plan import Job, Plan, quick
-from study.run.proof import prove, save_proofs
 from study.run.store import Store
 from study.statements.enclosure import BoundSetting, EnclosedError
 from study.statements.prop_5_4 import FirstOrder, RateSetting
@@ -59,7 +60,7 @@ from study.statements.thm_4_2 import SameMesh
 from study.statements.thm_4_2_own_space import OwnSpace
 
 
-def ignore(cost: float) -> None: ...
+def ignore(job: Any) -> None: ...
 
 
 def pool(executor: Executor, workers: int = 2, together: float = 64 * GIB) -> Pool:
@@ -152,15 +153,13 @@ HEX, DISC = replace(SMALL, case="hexagon"), replace(TINY, case="cube-disc")
     [
         pytest.param([LARGE, LARGER, SMALL], [], "", LARGE, id="the most expensive one"),
         pytest.param([LARGER, SMALL, TINY], [LARGE], "", SMALL, id="one for which there is memory"),
-        pytest.param([LARGER], [SMALL, TINY], "", None, id="none while memory is taken"),
         pytest.param([LARGER], [SMALL], "", LARGER, id="all memory"),
+        pytest.param([LARGER], [SMALL, TINY], "", None, id="none while memory is taken"),
         pytest.param([LARGE, HEX, DISC], [], "", HEX, id="one of the case whose formulas are compiled"),
-        pytest.param([LARGE, HEX], [DISC, LARGE], "", HEX, id="one of this case for which there is memory"),
         pytest.param([LARGE, SMALL], [], "large", SMALL, id="a suspect waits for others"),
         pytest.param([LARGE, TINY], [], "large tiny", LARGE, id="a suspect runs alone"),
         pytest.param([SMALL, TINY], [LARGE], "large", None, id="nothing runs beside a suspect"),
         pytest.param([TINY], [SMALL], "tiny", None, id="a suspect starts beside nothing"),
-        pytest.param([], [], "", None, id="nothing is left"),
     ],
 )
 def test_an_idle_worker_takes_the_job_that_memory_and_its_last_case_suggest(
@@ -170,37 +169,35 @@ def test_an_idle_worker_takes_the_job_that_memory_and_its_last_case_suggest(
 
 
 def test_as_many_jobs_run_at_once_as_there_are_executors(tmp_path) -> None:
-    class Slow(AtOnce):
+    begun: list[Future[Any]] = []
+
+    class Third(AtOnce):
         """Finishes its jobs when three are running."""
 
-        begun: list[Future[Any]] = []
-
         def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-            self.begun.append(future := Future())
-            if len(self.begun) == 3:
-                for each in self.begun:
-                    each.set_result({})
-                self.begun.clear()
-            return future
+            begun.append(Future())
+            for future in begun if len(begun) == 3 else ():
+                future.set_result({})
+            return begun[-1]
 
-    execute([Toy(f"toy {i}") for i in range(6)], Store(tmp_path), pool(Slow(), workers=3), ignore)
-    assert len([*tmp_path.glob("data/jobs/*.json")]) == 6
+    execute([Toy(name) for name in "abc"], Store(tmp_path), pool(Third(), workers=3), ignore)
+    assert all(future.done() for future in begun)
 
 
 def test_a_solution_is_proved_once_and_only_if_it_is_measured(tmp_path, monkeypatch) -> None:
     store, cases = Store(tmp_path), ("full-contact", "advance-recede")
-    proofs = prove([full_contact(2)], cases, store, pool(AtOnce()))
-    assert [proof.case for proof in proofs] == ["full-contact"]
-    assert not store.data.exists()
-    save_proofs(proofs, store)
-    assert prove([full_contact(2)], cases, store, pool(AtOnce())) == []
+    executor = AtOnce()
+    for _ in range(2):
+        save_proofs(prove([full_contact(2)], cases, store, pool(executor)), store)
+        assert [proof.case for proof in executor.order] == ["full-contact"]
     monkeypatch.setattr("study.run.fingerprint.versions", lambda: {"sympy": "another"})
-    assert prove([full_contact(2)], cases, store, pool(AtOnce())) == proofs
+    prove([full_contact(2)], cases, store, pool(executor))
+    assert len(executor.order) == 2
 
 
 def test_a_violated_condition_is_raised_and_not_stored(tmp_path, monkeypatch) -> None:
     violated = Finding("(2.3) u = 0 on Γ1", 1.0, 1e-9, (0.0, 0.0), 0.5)
-    monkeypatch.setattr("study.run.proof.examine", lambda solution: [violated, replace(violated, defect=0.0)])
+    monkeypatch.setattr("study.run.executor.examine", lambda solution: [violated, replace(violated, defect=0.0)])
     with pytest.raises(SelfProofError, match="full-contact does not prove itself") as raised:
         prove([full_contact(2)], ("full-contact",), Store(tmp_path), pool(AtOnce()))
     assert raised.value.findings == [violated]
@@ -237,12 +234,12 @@ OTHERS = [Toy(f"other {i}") for i in range(4)]
 
 def test_a_run_goes_on_with_new_workers_when_one_is_killed(tmp_path) -> None:
     store, jobs = Store(tmp_path), [Toy("hit", 2, deed=DieOnce(tmp_path / "mark")), *OTHERS]
-    spent: list[float] = []
+    finished: list[Toy] = []
     with local_pool(2) as two:
-        execute(jobs, store, two, spent.append)
+        execute(jobs, store, two, finished.append)
     assert store.load("hit", "hit") == {"done": "survived"}
     assert all(store.load(job.key, job.key) for job in jobs)
-    assert sum(spent) == sum(job.cost for job in jobs)
+    assert sorted(job.key for job in finished) == sorted(job.key for job in jobs)
 
 
 def test_processes_end_although_work_was_cancelled() -> None:
@@ -565,8 +562,8 @@ def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_
     told = ""
 
     def run(address: str, processes: dict[str, list[psutil.Process]]) -> None:
-        def kill_once(cost: float) -> None:
-            if cost and not killed:
+        def kill_once(job: Job) -> None:
+            if not killed:
                 killed.append(time.monotonic())
                 for process in processes[victim.removeprefix("stopped ")]:
                     process.suspend() if victim.startswith("stopped") else process.kill()

@@ -1,9 +1,8 @@
 """The scope of a study: the cases, mesh families, levels and time scheme with which it runs."""
 
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Self
 
 from manufactured.case import Case
@@ -19,11 +18,6 @@ REGULAR = "one-diagonal", "unstructured"
 
 ON_EVERY_FAMILY = ("advance-recede", "cube-disc")
 """The cases that the full study measures on every mesh family that can mesh their bodies."""
-
-
-def of_the_paper(cases: Iterable[Case]) -> list[Case]:
-    """Return the cases without an initial gap, because the paper has no initial gap."""
-    return [case for case in cases if not case.solution.has_initial_gap]
 
 
 def serving(case: Case) -> list[MeshFamily]:
@@ -129,14 +123,13 @@ class Scope:
                 that the problem of one step may have no or several solutions; two cases have the same name; or no
                 family can mesh a body.
         """
-        if self.k is not None and not sys.float_info.min < self.k <= min(
-            case.solution.body.T for case in self.resolved()
-        ):
+        shortest = min(case.solution.body.T for case in self.resolved())
+        if self.k is not None and not sys.float_info.min < self.k <= shortest:
             raise UsageError(f"the time step must be positive and at most T, got k = {self.k:g}")
         for levels in (kind.on_regular for kind in (self.plane, self.rough, self.solid)):
             if not levels or min(levels) < 2:
                 raise UsageError(f"levels must be 2 or more, got {' '.join(map(str, levels)) or 'none'}")
-            if any(b <= a for a, b in pairwise(levels)):
+            if list(levels) != sorted({*levels}):
                 given = " ".join(map(str, levels))
                 raise UsageError(f"levels must increase, got {given}; sort them and drop repetitions")
         names = [case.name for case in self.resolved()]
@@ -184,9 +177,8 @@ class Scope:
 
     def levels_of(self, case: Case) -> Levels:
         """Return the levels of a case."""
-        for name, levels in self.own:
-            if name == case.name:
-                return levels
+        if levels := dict(self.own).get(case.name):
+            return levels
         if case.solution.body.dim == 3:
             return self.solid
         return self.plane if case.regularity.satisfies_5_36 else self.rough
