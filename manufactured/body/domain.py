@@ -68,7 +68,7 @@ class Body:
         """The parts of the outline of a polygon, then the parts of each hole; a loop ends where it began."""
         loops, first = [], 0
         for number, part in enumerate(self.parts, start=1):
-            if _meets(part.end, self.parts[first].start, self):
+            if _is_same(part.end, self.parts[first].start, self):
                 loops.append(self.parts[first:number])
                 first = number
         return loops
@@ -162,7 +162,7 @@ def _check_parts(body: Body) -> None:
     if body.dim == 2:
         closing = [loop[-1] for loop in body.loops]
         for i, (part, after) in enumerate(zip(body.parts, body.parts[1:] + body.parts[:1], strict=True)):
-            if part not in closing and not _meets(part.end, after.start, body):
+            if part not in closing and not _is_same(part.end, after.start, body):
                 ends, starts = part.end.tolist(), after.start.tolist()
                 raise BodyError(f"part {i} ends at {ends} but the next starts at {starts}")
         for hole in body.loops[1:]:
@@ -174,19 +174,19 @@ def _check_parts(body: Body) -> None:
         )
 
 
-def _meets(end: Points, start: Points, body: Body) -> bool:
+def _is_same(end: Points, start: Points, body: Body) -> bool:
     """Return whether two points are equal up to rounding errors of the size of a body."""
     return bool(abs(end - start).max() <= ROUNDING * np.ptp(body.vertices, axis=1).max())
 
 
 def _check_hole(body: Body, hole: tuple[Part, ...]) -> None:
-    """Refuse a hole that is listed counter-clockwise, leaves the body, or crosses another loop."""
+    """Refuse a hole that is listed counter-clockwise, leaves the body, or meets another loop."""
     name = f"the hole that starts at {hole[0].start.tolist()}"
     if sum(part.vector @ part.start for part in hole) >= 0:
         raise BodyError(f"{name} is listed counter-clockwise: list it clockwise")
     inside = np.array([part.corners.mean(axis=1) - ROUNDING * part.measure * part.normal for part in hole]).T
     others = [part for part in body.parts if part not in hole]
-    if any(_cross(part, other) for part in hole for other in others) or not body.contains(inside).all():
+    if any(_meet(part, other) for part in hole for other in others) or not body.contains(inside).all():
         raise BodyError(f"{name} does not lie inside the outline, apart from other holes: move or shrink it")
 
 
@@ -263,6 +263,13 @@ def _check_interface(body: Body, interface: Part) -> None:
             f"the interface from {interface.start.tolist()} to {interface.end.tolist()} leaves the body or touches "
             "its boundary between its ends; divide it there"
         )
+
+
+def _meet(part: Part, other: Part) -> bool:
+    """Return whether two segments cross or touch."""
+    reach = ROUNDING * part.measure
+    touch = part.contains(other.corners, reach).any() or other.contains(part.corners, reach).any()
+    return bool(touch) or _cross(part, other)
 
 
 def _cross(part: Part, other: Part) -> bool:
