@@ -10,6 +10,7 @@ and its time steps have equal length.
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sps
@@ -338,13 +339,9 @@ def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, in
     _check_cells(mesh)
     if triangles.shape[1] == 3:
         return mesh, corners, 1
-    keys = np.sort(local.reshape(-1, 3)[:, [[0, 1], [1, 2], [2, 0]]], axis=2) @ [len(corners), 1]
-    facets = np.sort(mesh.facets, axis=0).T @ [len(corners), 1]
-    order = np.argsort(facets)
-    place = order[np.searchsorted(facets, keys, sorter=order)]
-    midpoints = np.zeros(len(facets), dtype=np.int64)
-    midpoints[place] = triangles[:, 3:]
-    if (midpoints[place] != triangles[:, 3:]).any():
+    midpoints = np.zeros(mesh.facets.shape[1], dtype=np.int64)
+    midpoints[mesh.t2f.T] = triangles[:, 3:]
+    if (midpoints[mesh.t2f.T] != triangles[:, 3:]).any():
         raise BoundError("two triangles have different midpoints of a common side; number the midpoint once")
     off = np.linalg.norm(points[midpoints].T - p[:, mesh.facets].mean(axis=1), axis=0)
     lengths = np.linalg.norm(np.diff(p[:, mesh.facets], axis=1)[:, 0], axis=0)
@@ -410,14 +407,14 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
 def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
     """Return a list with a sentence that says how far u_h penetrates the foundation; empty if it does not."""
     space = Quadratic(found.mesh, found.body)
-    values, worst = found.nodes.reshape(len(found.times), -1, 2), (0.0, 0, 0)
+    values = found.nodes.reshape(len(found.times), -1, 2)
+    normal = np.zeros(values.shape[:2])
     for part in found.body.of(Kind.CONTACT):
         on = space.numbers_on(part)
         on = on[on < values.shape[1]]
-        normal = values[:, on] @ part.normal
-        place = divmod(int(normal.argmax()), len(on))
-        worst = max(worst, (float(normal[place]), place[0], int(on[place[1]])))
-    depth, time, node = worst
+        normal[:, on] = np.maximum(normal[:, on], values[:, on] @ part.normal)
+    time, node = np.unravel_index(normal.argmax(), normal.shape)
+    depth = normal[time, node]
     if depth <= CLAMPED * abs(found.nodes).max():
         return []
     share, when = 100 * depth / abs(found.nodes).max(), f"t = {found.times[time]:.4g}, " if moving else ""
@@ -425,6 +422,14 @@ def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
         f"u_h penetrates the foundation at its nodes by up to {depth:.3g}, {share:.2g} % of its largest component, at "
         f"{when}x = {_shown(space.nodes[:, node])}"
     ]
+
+
+class _Unclamped(Quadratic):
+    """Displacements of degree 2 without conditions on CLAMPED and ROLLER sides."""
+
+    @cached_property
+    def free(self) -> Array:
+        return np.arange(self.dim * self.count)
 
 
 def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDisplacement:
@@ -435,8 +440,7 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     BoundError is raised.
     """
     mesh, size = found.mesh, float(abs(found.nodes).max())
-    space = Discretisation(data, mesh)
-    V = space.displacements
+    V = Quadratic(mesh, found.body)
     fixed = np.setdiff1d(np.arange(2 * V.count), V.free)
     coefficients = on_refinement(mesh, found.degree, mesh) @ found.nodes.T
     beyond = coefficients - V.prescribed[:, None]
@@ -445,10 +449,12 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     if largest <= (AS_PRESCRIBED if found.body.is_moved else CLAMPED) * size:
         return found
     nearest |= found.body.is_moved and largest <= SINGLE * size
+    unclamped = _Unclamped(mesh, found.body)
+    M = unclamped.form(data.law.A.matrix, data.law.A.factor(V.points))
     difference = beyond.copy()
-    difference[V.free] -= splu(space.M).solve((space.unheld_matrix @ beyond)[V.free])
+    difference[V.free] -= splu(sps.csc_array(M[V.free][:, V.free])).solve((M @ beyond)[V.free])
     projected = coefficients - difference
-    squares = (np.einsum("it,it->t", v, space.unheld_matrix @ v).max() for v in (difference, coefficients))
+    squares = (np.einsum("it,it->t", v, M @ v).max() for v in (difference, coefficients))
     offset, whole = (math.sqrt(max(square, 0.0)) for square in squares)
     share = f"{offset:.3g} = {100 * offset / whole if whole else math.inf:.2g} % of the largest ‖u_h‖_V"
     kinds = "CLAMPED or ROLLER" if found.body.of(Kind.ROLLER) else "CLAMPED"
