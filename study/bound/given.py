@@ -213,15 +213,7 @@ def given(
 
 def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Array, Array, Array, Array]:
     """Convert the arrays to shapes (n, 2), (cells, 3 or 6), (k,), (k, n, 2); raise BoundError if one is invalid."""
-    for name, array in (("points", points), ("times", times), ("u", u)):
-        kind = np.asarray(array).dtype
-        if np.size(array) == 0 or kind.kind not in "iufc":
-            raise BoundError(
-                f"{name} has the shape {np.shape(array)} and the type {kind}, expected numbers, at least one"
-            )
-        if np.iscomplexobj(array) and np.imag(array).any():
-            raise BoundError(f"{name} has complex numbers, expected real ones")
-    points, times, u = (np.real(array).astype(float) for array in (points, np.atleast_1d(times), u))
+    points, times, u = _real("points", points), np.atleast_1d(_real("times", times)), _real("u", u)
     triangles = np.asarray(triangles)
     if triangles.ndim != 2 or triangles.shape[1] not in (3, 6) or not np.issubdtype(triangles.dtype, np.integer):
         raise BoundError(
@@ -254,6 +246,16 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
             f"triangles have point numbers from {least} to {most}, expected 0 to {len(points) - 1}; numbers start at 0"
         )
     return points[:, :2], triangles.astype(np.int64), times, u[..., :2]
+
+
+def _real(name: str, array: Array) -> Array:
+    """Convert an array to floating-point numbers; raise BoundError if it is empty or not real."""
+    kind = np.asarray(array).dtype
+    if np.size(array) == 0 or kind.kind not in "iufc":
+        raise BoundError(f"{name} has the shape {np.shape(array)} and the type {kind}, expected numbers, at least one")
+    if np.imag(array).any():
+        raise BoundError(f"{name} has complex numbers, expected real ones")
+    return np.asarray(np.real(array), dtype=float)
 
 
 def _checked_times(times: Array, T: float) -> Array:
