@@ -269,7 +269,7 @@ def contact_sentences(body: Body) -> list[str]:
     sides = body.of(Kind.CONTACT)
     if not sides:
         return []
-    first, reach = sides[0], ON_LINE * float(np.ptp(body.vertices, axis=1).max())
+    first, reach = sides[0], ON_LINE * body.extent
     if all(abs(first.coordinates(side.corners)[1]).max() <= reach for side in sides):
         return []
     return [

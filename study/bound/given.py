@@ -361,7 +361,7 @@ def _on_boundary(body: Body, p: Points) -> Points:
 
     Such vertices lie off the boundary only because files are in single precision.
     """
-    p, near = p.copy(), SINGLE * float(np.ptp(body.vertices, axis=1).max())
+    p, near = p.copy(), SINGLE * body.extent
     for part in body.parts:
         along, off = part.coordinates(p)
         close = (abs(off) < near) & (along[0] > -near) & (along[0] < part.measure + near)
