@@ -104,7 +104,8 @@ def _check_corner(body: Body, corner: Points) -> None:
     size = max(abs(part.prescribed(part.corners)).max() for part in supports)
     here = [part for part in supports if part.contains(corner, reach).all()]
     for part, other in combinations(here, 2):
-        jump = (part.prescribed(corner) - other.prescribed(corner))[:, 0]
+        there = part.prescribed(corner) - other.prescribed(corner)
+        jump = there[:, 0]
         # Sides that are not clamped prescribe the normal component only.
         for side in (part, other):
             if side.kind is not Kind.CLAMPED:

@@ -219,7 +219,8 @@ def _check_held(body: Body) -> None:
     for part in rollers:
         for x in (part.corners.T - body.vertices[:, 0]) / body.extent:
             rotation = part.normal[1] * x[0] - part.normal[0] * x[1]
-            conditions.append(np.array([*part.normal, rotation]))
+            condition = np.array([*part.normal, rotation])
+            conditions.append(condition)
     if body.dim != 2 or np.linalg.matrix_rank(conditions, tol=HELD) < 3:
         raise BodyError(
             "no side of the body is CLAMPED, so it could move without deforming: give one of its sides the kind CLAMPED"
