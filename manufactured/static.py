@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from itertools import combinations
 
-import numpy as np
 import sympy as sp
 
 from manufactured.arguments import checked
@@ -77,9 +76,11 @@ def _moved(body: Body, u: Mapping[int, Formulas]) -> Body:
     Raises:
         FormulaError: as in ``static``.
     """
+    if not u:
+        return body
     parts = list(body.parts)
+    held = [i for i, part in enumerate(parts) if part.kind in (Kind.CLAMPED, Kind.ROLLER)]
     for number, formulas in u.items():
-        held = [i for i, part in enumerate(parts) if part.kind in (Kind.CLAMPED, Kind.ROLLER)]
         if number not in held or body.dim != 2:
             raise FormulaError(f"u is given on part {number}, but the CLAMPED and ROLLER parts of the plane are {held}")
         at = compiled(formulas, 2, f"u on part {number}", (x1, x2))
@@ -91,18 +92,20 @@ def _moved(body: Body, u: Mapping[int, Formulas]) -> Body:
                 )
         parts[number] = replace(parts[number], displacement=at(parts[number].corners))
     body = replace(body, parts=tuple(parts))
-    for corner in body.vertices.T if u else ():
+    for corner in body.vertices.T:
         _check_corner(body, corner[:, None])
     return body
 
 
 def _check_corner(body: Body, corner: Points) -> None:
     """Refuse displacements that differ at a common corner of two parts, or that press a contact side there."""
-    reach = ROUNDING * float(np.ptp(body.vertices, axis=1).max())
-    here = [part for part in body.parts if part.kind is not Kind.LOADED and part.contains(corner, reach).all()]
-    size = max(abs(part.prescribed(part.corners)).max() for part in body.parts)
+    reach = ROUNDING * body.extent
+    supports = [part for part in body.parts if part.kind is not Kind.LOADED]
+    size = max(abs(part.prescribed(part.corners)).max() for part in supports)
+    here = [part for part in supports if part.contains(corner, reach).all()]
     for part, other in combinations(here, 2):
-        jump = (part.prescribed(corner) - other.prescribed(corner))[:, 0]
+        there = part.prescribed(corner) - other.prescribed(corner)
+        jump = there[:, 0]
         # Sides that are not clamped prescribe the normal component only.
         for side in (part, other):
             if side.kind is not Kind.CLAMPED:

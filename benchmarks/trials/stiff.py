@@ -13,7 +13,7 @@ from typing import Any
 
 import pandas as pd
 
-from benchmarks.trials.record import ROOT, made
+from benchmarks.trials.record import made
 from manufactured import Data, KelvinVoigt, Kind, isotropic, polygon, t
 from manufactured.factor import x1, x2
 from study.bound.bounded import bounded_solution
@@ -26,8 +26,6 @@ from study.solve.tableau import MIDPOINT
 LEVEL = 8
 USUAL, FINER = Refined(1, 4), Refined(2, 8)
 SCALES = (1e-4, 1e-2, 1.0, 1e2, 1e4)
-BEFORE = ROOT / "results" / "history" / "effectivity.csv"
-"""What ``bounds`` gave at 84de91a, before the program damped within steps and shared residuals with the elasticity."""
 
 
 def trials() -> list[str]:
@@ -71,11 +69,9 @@ def table(out: Path) -> pd.DataFrame:
 
 
 def wide(found: pd.DataFrame) -> pd.DataFrame:
-    """Guaranteed effectivities, today and before: ``enclosure``, ``plain``, ``enclosure_before``, ``plain_before``."""
-    before = pd.read_csv(BEFORE).set_index("trial").loc[found["trial"]].reset_index(drop=True)
-    ends = {"enclosure": found["high"], "plain": found["plain"]}
-    ends |= {"enclosure_before": before["high"], "plain_before": before["plain"]}
-    return pd.DataFrame({"trial": found["trial"]} | {name: end / found["finer_low"] for name, end in ends.items()})
+    """Guaranteed effectivities: ``enclosure`` and ``plain``."""
+    low = found["finer_low"]
+    return pd.DataFrame({"trial": found["trial"], "enclosure": found["high"] / low, "plain": found["plain"] / low})
 
 
 def summary(found: pd.DataFrame) -> str:
@@ -87,10 +83,10 @@ def summary(found: pd.DataFrame) -> str:
         "$A = (1, \\ell)$, $G = (1, \\tfrac12)$": which[0] == "A",
         "$A = G = (1, \\ell)$": which[0] == "both",
     }
-    names = ["enclosure_before", "enclosure", "plain_before", "plain"]
-    lines = [[name, *(up(rows.loc[mine, column].max(), 3) for column in names)] for name, mine in kinds.items()]
-    header = ["material", "enclosure before", "enclosure", "from $u_h$ alone before", "from $u_h$ alone"]
-    return markdown(header, lines)
+    lines = []
+    for name, mine in kinds.items():
+        lines.append([name, *(up(rows.loc[mine, column].max(), 3) for column in ("enclosure", "plain"))])
+    return markdown(["material", "enclosure", "from $u_h$ alone"], lines)
 
 
 def _tex(scale: float) -> str:

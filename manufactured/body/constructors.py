@@ -40,8 +40,9 @@ def polygon(
     for corners, of_sides in ((vertices, kinds), *holes):
         if len(corners) != len(of_sides):
             raise BodyError(f"{len(corners)} vertices need {len(corners)} kinds, got {len(of_sides)}")
-        ends = zip(corners, [*corners[1:], *corners[:1]], strict=True)
-        parts += [Part(kind, _columns(pair)) for kind, pair in zip(of_sides, ends, strict=True)]
+        following = [*corners[1:], *corners[:1]]
+        for kind, *ends in zip(of_sides, corners, following, strict=True):
+            parts.append(Part(kind, _columns(ends)))
     return Body(
         tuple(parts),
         T,

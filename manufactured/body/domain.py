@@ -59,16 +59,23 @@ class Body:
         In 2D they are the starts of the parts, in the order of the parts.
         """
         corners = np.hstack([part.corners for part in self.parts])
-        apart = np.linalg.norm(corners[:, :, None] - corners[:, None, :], axis=0)
-        first = (apart <= ROUNDING * apart.max()).argmax(axis=1)
+        differences = corners[:, :, None] - corners[:, None, :]
+        apart = np.linalg.norm(differences, axis=0)
+        same = apart <= ROUNDING * apart.max()
+        first = same.argmax(axis=1)
         return corners[:, first == np.arange(len(first))]
+
+    @cached_property
+    def extent(self) -> float:
+        """The longest side of the box around the body, parallel to the axes."""
+        return float(np.ptp(self.vertices, axis=1).max())
 
     @cached_property
     def loops(self) -> list[tuple[Part, ...]]:
         """The parts of the outline of a polygon, then the parts of each hole; a loop ends where it began."""
         loops, first = [], 0
         for number, part in enumerate(self.parts, start=1):
-            if _meets(part.end, self.parts[first].start, self):
+            if _is_same(part.end, self.parts[first].start, self):
                 loops.append(self.parts[first:number])
                 first = number
         return loops
@@ -89,11 +96,12 @@ class Body:
 
         A vertex within a straight side, at which only the boundary condition changes, is not a corner.
         """
-        reach = ROUNDING * float(np.ptp(self.vertices, axis=1).max())
+        reach = ROUNDING * self.extent
         turns = []
         for vertex in self.vertices.T:
             normals = [part.normal for part in self.parts if part.contains(vertex, reach)]
-            turns.append(len(normals) >= self.dim and np.linalg.svd(normals)[1][-1] > 1e-12)
+            _, sizes, _ = np.linalg.svd(normals)
+            turns.append(len(normals) >= self.dim and sizes[-1] > 1e-12)
         return self.vertices[:, turns]
 
     def of(self, kind: Kind) -> tuple[Part, ...]:
@@ -113,7 +121,8 @@ class Body:
             *along, into = part.frame.T @ ray
             if into != 0:
                 far = -y / into
-                inside ^= (far > 0) & part.covers(s + np.multiply.outer(np.array(along), far), 0.0)
+                reached = s + np.multiply.outer(np.array(along), far)
+                inside ^= (far > 0) & part.covers(reached, 0.0)
         return inside
 
     def sample(self, rng: np.random.Generator, count: int) -> Points:
@@ -130,11 +139,10 @@ def check(body: Body) -> None:
     _check_parts(body)
     _check_closed(body)
     _check_held(body)
-    across = float(np.ptp(body.vertices, axis=1).max())
-    if across**body.dim > SLENDER * body.measure:
+    if body.extent**body.dim > SLENDER * body.measure:
         raise BodyError(
-            f"the body is {across:g} across and measures {body.measure:.3g}: so thin that rounding errors hide its "
-            f"deformation; {across:g}^{body.dim} divided by its measure may be at most {SLENDER:g}"
+            f"the body is {body.extent:g} across and measures {body.measure:.3g}: so thin that rounding errors hide "
+            f"its deformation; {body.extent:g}^{body.dim} divided by its measure may be at most {SLENDER:g}"
         )
     if body.T <= 0:
         raise BodyError(f"the final time must be positive, got T = {body.T}")
@@ -162,7 +170,7 @@ def _check_parts(body: Body) -> None:
     if body.dim == 2:
         closing = [loop[-1] for loop in body.loops]
         for i, (part, after) in enumerate(zip(body.parts, body.parts[1:] + body.parts[:1], strict=True)):
-            if part not in closing and not _meets(part.end, after.start, body):
+            if part not in closing and not _is_same(part.end, after.start, body):
                 ends, starts = part.end.tolist(), after.start.tolist()
                 raise BodyError(f"part {i} ends at {ends} but the next starts at {starts}")
         for hole in body.loops[1:]:
@@ -174,20 +182,22 @@ def _check_parts(body: Body) -> None:
         )
 
 
-def _meets(end: Points, start: Points, body: Body) -> bool:
+def _is_same(end: Points, start: Points, body: Body) -> bool:
     """Return whether two points are equal up to rounding errors of the size of a body."""
-    return bool(abs(end - start).max() <= ROUNDING * np.ptp(body.vertices, axis=1).max())
+    return bool(abs(end - start).max() <= ROUNDING * body.extent)
 
 
 def _check_hole(body: Body, hole: tuple[Part, ...]) -> None:
-    """Refuse a hole that is listed counter-clockwise, leaves the body, or crosses another loop."""
+    """Refuse a hole that is listed counter-clockwise, leaves the body, or meets another loop."""
     name = f"the hole that starts at {hole[0].start.tolist()}"
     if sum(part.vector @ part.start for part in hole) >= 0:
         raise BodyError(f"{name} is listed counter-clockwise: list it clockwise")
-    inside = np.array([part.corners.mean(axis=1) - ROUNDING * part.measure * part.normal for part in hole]).T
     others = [part for part in body.parts if part not in hole]
-    if any(_cross(part, other) for part in hole for other in others) or not body.contains(inside).all():
-        raise BodyError(f"{name} does not lie inside the outline, apart from other holes: move or shrink it")
+    for part in hole:
+        beside = part.corners.mean(axis=1) - ROUNDING * part.measure * part.normal
+        inside = body.contains(beside[:, None]).all()
+        if not inside or any(_meet(part, other) for other in others):
+            raise BodyError(f"{name} does not lie inside the outline, apart from other holes: move or shrink it")
 
 
 def _check_held(body: Body) -> None:
@@ -196,7 +206,7 @@ def _check_held(body: Body) -> None:
     A rigid motion of the plane is a + b (−x_2, x_1). Rollers exclude it if the conditions at their ends determine the
     three numbers.
     """
-    rollers, size = body.of(Kind.ROLLER), float(np.ptp(body.vertices, axis=1).max())
+    rollers = body.of(Kind.ROLLER)
     for part in rollers:
         if np.sort(abs(part.normal))[-2] > ROUNDING:
             raise BodyError(
@@ -205,9 +215,13 @@ def _check_held(body: Body) -> None:
             )
     if body.of(Kind.CLAMPED):
         return
-    ends = [(part.normal, (x - body.vertices[:, 0]) / size) for part in rollers for x in part.corners.T]
-    rows = [(*normal, normal[1] * x[0] - normal[0] * x[1]) for normal, x in ends]
-    if body.dim != 2 or not rows or np.linalg.matrix_rank(rows, tol=HELD) < 3:
+    conditions = [np.zeros(3)]
+    for part in rollers:
+        for x in (part.corners.T - body.vertices[:, 0]) / body.extent:
+            rotation = part.normal[1] * x[0] - part.normal[0] * x[1]
+            condition = np.array([*part.normal, rotation])
+            conditions.append(condition)
+    if body.dim != 2 or np.linalg.matrix_rank(conditions, tol=HELD) < 3:
         raise BodyError(
             "no side of the body is CLAMPED, so it could move without deforming: give one of its sides the kind CLAMPED"
             ", or give sides in both directions the kind ROLLER"
@@ -221,14 +235,15 @@ def _check_closed(body: Body) -> None:
     fields.
     """
     total = np.sum([part.vector for part in body.parts], axis=0)
-    fans = [simplex for part in body.parts for simplex in part.fan]
-    moments = np.sum([np.outer(simplex.mean(axis=1), fan_vector(simplex)) for simplex in fans], axis=0)
-    scale = float(np.ptp(body.vertices, axis=1).max())
-    surface = sum(part.measure for part in body.parts)
-    if (
-        abs(total).max() > ROUNDING * surface
-        or abs(moments - body.measure * np.eye(body.dim)).max() > ROUNDING * surface * scale
-    ):
+    moments = np.zeros((body.dim, body.dim))
+    surface = 0.0
+    for part in body.parts:
+        surface += part.measure
+        for simplex in part.fan:
+            moments += np.outer(simplex.mean(axis=1), fan_vector(simplex))
+    beyond = abs(moments - body.measure * np.eye(body.dim)).max()
+    tolerance = ROUNDING * surface
+    if abs(total).max() > tolerance or beyond > tolerance * body.extent:
         raise BodyError(
             f"the parts do not enclose the body: ∫ν over all of them is {np.round(total, 9).tolist()} and ∫x⊗ν is "
             f"{np.round(moments, 9).tolist()}, expected 0 and |Ω| times the unit matrix; a part is missing, "
@@ -239,8 +254,7 @@ def _check_closed(body: Body) -> None:
 def _check_refined(body: Body, point: tuple[float, ...]) -> None:
     """Refuse a point for mesh refinement that is not a vertex of the body."""
     given = np.array(point, dtype=float)
-    scale = float(np.ptp(body.vertices, axis=1).max())
-    if given.shape != (body.dim,) or abs(body.vertices - given[:, None]).max(axis=0).min() > ROUNDING * scale:
+    if given.shape != (body.dim,) or abs(body.vertices - given[:, None]).max(axis=0).min() > ROUNDING * body.extent:
         raise BodyError(
             f"meshes cannot be refined towards {tuple(point)}, which is not one of the vertices "
             f"{[tuple(v) for v in body.vertices.T.tolist()]} of the body; list it as a vertex"
@@ -263,6 +277,13 @@ def _check_interface(body: Body, interface: Part) -> None:
             f"the interface from {interface.start.tolist()} to {interface.end.tolist()} leaves the body or touches "
             "its boundary between its ends; divide it there"
         )
+
+
+def _meet(part: Part, other: Part) -> bool:
+    """Return whether two segments cross or touch."""
+    reach = ROUNDING * part.measure
+    touch = part.contains(other.corners, reach).any() or other.contains(part.corners, reach).any()
+    return bool(touch) or _cross(part, other)
 
 
 def _cross(part: Part, other: Part) -> bool:

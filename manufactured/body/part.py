@@ -182,9 +182,10 @@ class Part:
         """Return the prescribed displacement at points of the segment, (d, n) → (d, n)."""
         if self.displacement is None:
             return np.zeros_like(x)
-        share = self.coordinates(x)[0][0] / self.measure
+        along, _ = self.coordinates(x)
+        share = along[0] / self.measure
         start, end = self.displacement.T
-        return np.multiply.outer(start, 1 - share) + np.multiply.outer(end, share)
+        return start[:, None] + np.multiply.outer(end - start, share)
 
     def sample(self, rng: np.random.Generator, count: int) -> Points:
         """Return uniformly distributed random points of the part, (d, count)."""

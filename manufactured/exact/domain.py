@@ -40,7 +40,7 @@ def coordinates(values: ArrayLike, count: int, what: str) -> Array:
 def require_inside(body: Body, x: Points) -> None:
     """Raise ValueError if a point of x, (d, ...), lies outside the body by more than round-off."""
     points = np.real(x).reshape(body.dim, -1)
-    reach = ROUNDING * float(np.ptp(body.vertices, axis=1).max())
+    reach = ROUNDING * body.extent
     # Comparisons with NaN are false, so the condition is written such that NaN coordinates are refused.
     with np.errstate(invalid="ignore"):
         within = [part.normal @ points <= part.normal @ part.start + reach for part in body.parts]

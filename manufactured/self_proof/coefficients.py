@@ -14,7 +14,7 @@ def traction_at_jumps(solution: ExactSolution, rng: np.random.Generator, count: 
     """
     findings = []
     inside = solution.body.sample(rng, 50 * count)
-    size = float(np.ptp(solution.body.vertices, axis=1).max())
+    size = solution.body.extent
     for direction, offset in solution.law.steps:
         normal = np.array(direction)
         onto = inside - np.multiply.outer(normal, normal @ inside - offset)

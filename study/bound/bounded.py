@@ -167,14 +167,19 @@ def both_bounds(
     """
     why, T = why_no_plain(coarse, computed), coarse.data.body.T
     remarks = (NO_PLAIN.format(why=why),) if why else ()
-    if isinstance(coarse.data, Static):
-        plain = None if why else enclose_static(coarse, computed, None)[0]
-        progress(T / 4)
-        enclosure = enclose_static(coarse, computed, refined.refinements)[0]
-        progress(T)
-    else:
-        plain = None if why else enclose(coarse, computed, SmoothedInTime(), error)
-        enclosure = enclose(coarse, computed, refined, error, progress)
+    try:
+        if isinstance(coarse.data, Static):
+            plain = None if why else enclose_static(coarse, computed, None)[0]
+            progress(T / 4)
+            enclosure = enclose_static(coarse, computed, refined.refinements)[0]
+            progress(T)
+        else:
+            plain = None if why else enclose(coarse, computed, SmoothedInTime(), error)
+            enclosure = enclose(coarse, computed, refined, error, progress)
+    except np.linalg.LinAlgError as error_of_matrix:
+        raise BoundError(
+            "the mesh has triangles so thin that ũ cannot be computed in double precision: remove them"
+        ) from error_of_matrix
     return BoundedSolution(computed, plain, enclosure, remarks)
 
 
@@ -264,7 +269,7 @@ def contact_sentences(body: Body) -> list[str]:
     sides = body.of(Kind.CONTACT)
     if not sides:
         return []
-    first, reach = sides[0], ON_LINE * float(np.ptp(body.vertices, axis=1).max())
+    first, reach = sides[0], ON_LINE * body.extent
     if all(abs(first.coordinates(side.corners)[1]).max() <= reach for side in sides):
         return []
     return [

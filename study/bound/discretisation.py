@@ -41,14 +41,6 @@ ON_VERTEX = 1e-9
 """Relative distance up to which a vertex counts as lying on a line of discontinuity of the material."""
 
 
-class Unheld(Quadratic):
-    """Displacements of degree 2 without conditions on Γ1 and on rollers."""
-
-    @cached_property
-    def free(self) -> Array:
-        return np.arange(self.dim * self.count)
-
-
 @dataclass(frozen=True, eq=False)
 class Discretisation:
     """The finite element spaces, matrices and data of a problem on one mesh.
@@ -152,28 +144,18 @@ class Discretisation:
         return self.displacements.shapes(space.barycentric) * space.shares @ thirds.T
 
     @cached_property
-    def unheld(self) -> Unheld:
-        return Unheld(self.mesh, self.data.body)
-
-    @cached_property
-    def unheld_matrix(self) -> sps.csc_array:
-        """The matrix of (Aε(u), ε(v))_Q for all coefficients of displacements, also those on Γ1 and on rollers."""
-        return self.unheld.form(self.data.law.A.matrix, self.data.law.A.factor(self.unheld.points))
-
-    @cached_property
     def M(self) -> sps.csc_array:
         """The matrix of the inner product (u, v)_V = (Aε(u), ε(v))_Q, (dofs, dofs)."""
-        free = self.displacements.free
-        return sps.csc_array(self.unheld_matrix[free][:, free])
+        return self.displacements.form(self.data.law.A.matrix, self.data.law.A.factor(self.displacements.points))
 
     def norm(self, v: Array) -> Any:
         """Return the norms ‖v‖_V of displacements, (..., dofs) → (...)."""
         return np.sqrt(np.maximum(np.einsum("...i,...i->...", v, (self.M @ v.T).T), 0.0))
 
     def products(self, *displacements: Array) -> Array:
-        """Return the products (Aε(v_i), ε(v_j))_Q of displacements, (dofs,) each → (number, number)."""
-        v = np.array([self.displacements.coefficients(one).ravel() for one in displacements])
-        return np.asarray(v @ (self.unheld_matrix @ v.T))
+        """Return the products (v_i, v_j)_V of displacements, (dofs,) each → (number, number)."""
+        v = np.array(displacements)
+        return np.asarray(v @ (self.M @ v.T))
 
     @cached_property
     def _strains(self) -> sps.csr_array:
@@ -185,11 +167,7 @@ class Discretisation:
 
     def strain(self, v: Array) -> Tensors:
         """Return the strain ε(v) at the quadrature points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
-        return self.at_points(self._strains @ v.T)
-
-    def at_points(self, corners: Array) -> Tensors:
-        """Return strains at the quadrature points from those at the vertices of cells, (9 · cells, ...)."""
-        corners = corners.reshape(3, self.stresses.cells, 3, *corners.shape[1:])
+        corners = (self._strains @ v.T).reshape(3, self.stresses.cells, 3, *reversed(v.shape[:-1]))
         found: Tensors = np.ascontiguousarray(np.moveaxis(corners, (1, 2), (-2, -1))) @ self.stresses.barycentric
         return found
 

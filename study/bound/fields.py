@@ -23,7 +23,7 @@ CELLS = {"triangle": (3,), "triangle6": (6,), "VTK_LAGRANGE_TRIANGLE": (3, 6)}
 
 Lagrange triangles of VTK (type 69) of degree 1 and 2 number their points as the other two types.
 """
-IGNORED = ("vertex", "line", "line3")
+IGNORED = ("vertex", "line", "line3", "VTK_LAGRANGE_CURVE")
 """Types of cells that are ignored: mesh files often contain points and boundary edges besides the triangles."""
 
 
@@ -141,7 +141,10 @@ def _read_mesh(path: Path) -> Any:
         raise
     # For broken files meshio prints a message and raises SystemExit, or an error of the library that it uses.
     except (SystemExit, Exception) as error:
-        raise BoundError(f"{path} is broken or incomplete: write it again ({type(error).__name__}: {error})") from error
+        raise BoundError(
+            f"{path} is broken, incomplete or no unstructured grid, as VTK files with LINES or POLYGONS are: write it "
+            f"again as an unstructured grid ({type(error).__name__}: {error})"
+        ) from error
 
 
 def _single(path: Path) -> Iterator[tuple[float | None, Any]]:

@@ -10,6 +10,7 @@ and its time steps have equal length.
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sps
@@ -212,15 +213,7 @@ def given(
 
 def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Array, Array, Array, Array]:
     """Convert the arrays to shapes (n, 2), (cells, 3 or 6), (k,), (k, n, 2); raise BoundError if one is invalid."""
-    for name, array in (("points", points), ("times", times), ("u", u)):
-        kind = np.asarray(array).dtype
-        if np.size(array) == 0 or kind.kind not in "iufc":
-            raise BoundError(
-                f"{name} has the shape {np.shape(array)} and the type {kind}, expected numbers, at least one"
-            )
-        if np.iscomplexobj(array) and np.imag(array).any():
-            raise BoundError(f"{name} has complex numbers, expected real ones")
-    points, times, u = (np.real(array).astype(float) for array in (points, np.atleast_1d(times), u))
+    points, times, u = _real("points", points), np.atleast_1d(_real("times", times)), _real("u", u)
     triangles = np.asarray(triangles)
     if triangles.ndim != 2 or triangles.shape[1] not in (3, 6) or not np.issubdtype(triangles.dtype, np.integer):
         raise BoundError(
@@ -253,6 +246,16 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
             f"triangles have point numbers from {least} to {most}, expected 0 to {len(points) - 1}; numbers start at 0"
         )
     return points[:, :2], triangles.astype(np.int64), times, u[..., :2]
+
+
+def _real(name: str, array: Array) -> Array:
+    """Convert an array to floating-point numbers; raise BoundError if it is empty or not real."""
+    kind = np.asarray(array).dtype
+    if np.size(array) == 0 or kind.kind not in "iufc":
+        raise BoundError(f"{name} has the shape {np.shape(array)} and the type {kind}, expected numbers, at least one")
+    if np.imag(array).any():
+        raise BoundError(f"{name} has complex numbers, expected real ones")
+    return np.asarray(np.real(array), dtype=float)
 
 
 def _checked_times(times: Array, T: float) -> Array:
@@ -338,13 +341,9 @@ def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, in
     _check_cells(mesh)
     if triangles.shape[1] == 3:
         return mesh, corners, 1
-    keys = np.sort(local.reshape(-1, 3)[:, [[0, 1], [1, 2], [2, 0]]], axis=2) @ [len(corners), 1]
-    facets = np.sort(mesh.facets, axis=0).T @ [len(corners), 1]
-    order = np.argsort(facets)
-    place = order[np.searchsorted(facets, keys, sorter=order)]
-    midpoints = np.zeros(len(facets), dtype=np.int64)
-    midpoints[place] = triangles[:, 3:]
-    if (midpoints[place] != triangles[:, 3:]).any():
+    midpoints = np.zeros(mesh.facets.shape[1], dtype=np.int64)
+    midpoints[mesh.t2f.T] = triangles[:, 3:]
+    if (midpoints[mesh.t2f.T] != triangles[:, 3:]).any():
         raise BoundError("two triangles have different midpoints of a common side; number the midpoint once")
     off = np.linalg.norm(points[midpoints].T - p[:, mesh.facets].mean(axis=1), axis=0)
     lengths = np.linalg.norm(np.diff(p[:, mesh.facets], axis=1)[:, 0], axis=0)
@@ -362,7 +361,7 @@ def _on_boundary(body: Body, p: Points) -> Points:
 
     Such vertices lie off the boundary only because files are in single precision.
     """
-    p, near = p.copy(), SINGLE * float(np.ptp(body.vertices, axis=1).max())
+    p, near = p.copy(), SINGLE * body.extent
     for part in body.parts:
         along, off = part.coordinates(p)
         close = (abs(off) < near) & (along[0] > -near) & (along[0] < part.measure + near)
@@ -410,14 +409,14 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
 def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
     """Return a list with a sentence that says how far u_h penetrates the foundation; empty if it does not."""
     space = Quadratic(found.mesh, found.body)
-    values, worst = found.nodes.reshape(len(found.times), -1, 2), (0.0, 0, 0)
+    values = found.nodes.reshape(len(found.times), -1, 2)
+    normal = np.zeros(values.shape[:2])
     for part in found.body.of(Kind.CONTACT):
         on = space.numbers_on(part)
         on = on[on < values.shape[1]]
-        normal = values[:, on] @ part.normal
-        place = divmod(int(normal.argmax()), len(on))
-        worst = max(worst, (float(normal[place]), place[0], int(on[place[1]])))
-    depth, time, node = worst
+        normal[:, on] = np.maximum(normal[:, on], values[:, on] @ part.normal)
+    time, node = np.unravel_index(normal.argmax(), normal.shape)
+    depth = normal[time, node]
     if depth <= CLAMPED * abs(found.nodes).max():
         return []
     share, when = 100 * depth / abs(found.nodes).max(), f"t = {found.times[time]:.4g}, " if moving else ""
@@ -425,6 +424,14 @@ def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
         f"u_h penetrates the foundation at its nodes by up to {depth:.3g}, {share:.2g} % of its largest component, at "
         f"{when}x = {_shown(space.nodes[:, node])}"
     ]
+
+
+class _Unclamped(Quadratic):
+    """Displacements of degree 2 without conditions on CLAMPED and ROLLER sides."""
+
+    @cached_property
+    def free(self) -> Array:
+        return np.arange(self.dim * self.count)
 
 
 def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDisplacement:
@@ -435,8 +442,7 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     BoundError is raised.
     """
     mesh, size = found.mesh, float(abs(found.nodes).max())
-    space = Discretisation(data, mesh)
-    V = space.displacements
+    V = Quadratic(mesh, found.body)
     fixed = np.setdiff1d(np.arange(2 * V.count), V.free)
     coefficients = on_refinement(mesh, found.degree, mesh) @ found.nodes.T
     beyond = coefficients - V.prescribed[:, None]
@@ -445,10 +451,12 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     if largest <= (AS_PRESCRIBED if found.body.is_moved else CLAMPED) * size:
         return found
     nearest |= found.body.is_moved and largest <= SINGLE * size
+    unclamped = _Unclamped(mesh, found.body)
+    M = unclamped.form(data.law.A.matrix, data.law.A.factor(V.points))
     difference = beyond.copy()
-    difference[V.free] -= splu(space.M).solve((space.unheld_matrix @ beyond)[V.free])
+    difference[V.free] -= splu(sps.csc_array(M[V.free][:, V.free])).solve((M @ beyond)[V.free])
     projected = coefficients - difference
-    squares = (np.einsum("it,it->t", v, space.unheld_matrix @ v).max() for v in (difference, coefficients))
+    squares = (np.einsum("it,it->t", v, M @ v).max() for v in (difference, coefficients))
     offset, whole = (math.sqrt(max(square, 0.0)) for square in squares)
     share = f"{offset:.3g} = {100 * offset / whole if whole else math.inf:.2g} % of the largest ‖u_h‖_V"
     kinds = "CLAMPED or ROLLER" if found.body.of(Kind.ROLLER) else "CLAMPED"

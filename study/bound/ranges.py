@@ -185,17 +185,6 @@ def _of_cosine(u: Pair, j: int, turns: int = 0) -> Pair:
     return _scaled(1 / math.factorial(j), (np.where(bottoms, -1.0, ends[0]), np.where(tops, 1.0, ends[1])))
 
 
-def _of_sinh(u: Pair, j: int, shift: int = 0) -> Pair:
-    """Return the range of the Taylor coefficient of sinh, or of cosh if ``shift`` is odd.
-
-    Each of the two functions is the derivative of the other.
-    """
-    low, high = _monotone(u, np.cosh if (shift + j) % 2 else np.sinh)
-    if (shift + j) % 2:
-        low = np.where((u[0] <= 0) & (u[1] >= 0), 1.0, low)
-    return _scaled(1 / math.factorial(j), (low, high))
-
-
 def _of_polynomial(value: Pair, j: int, derivative: Polynomial) -> Pair:
     """Return the range of the Taylor coefficient of a function f whose derivative is a polynomial of f, such as tanh.
 
@@ -215,31 +204,21 @@ def _of_polynomial(value: Pair, j: int, derivative: Polynomial) -> Pair:
     return enclosed(reduce(np.minimum, values), reduce(np.maximum, values))
 
 
-def _of_tan(u: Pair, j: int) -> Pair:
-    # tan is increasing between two poles, so its range follows from its values at the ends. Intervals with a pole are
-    # replaced by (−∞, ∞).
-    poles = np.floor(u[0] / np.pi + 0.5) != np.floor(u[1] / np.pi + 0.5)
-    ends = np.tan(np.where(poles, 0.0, u[0])), np.tan(np.where(poles, 0.0, u[1]))
-    return _or_line(poles, _of_polynomial(ends, j, Polynomial([1.0, 0.0, 1.0])))
-
-
-def _of_cot(u: Pair, j: int) -> Pair:
-    low, high = _of_tan((u[0] - np.pi / 2, u[1] - np.pi / 2), j)  # cot x = −tan(x − π/2)
-    return -high, -low
-
-
 KNOWN: dict[type, Callable[[Pair, int], Pair]] = {
     sp.exp: _of_exp,
     sp.log: _of_log,
     sp.cos: _of_cosine,
     sp.sin: lambda u, j: _of_cosine(u, j, 3),
-    sp.sinh: _of_sinh,
-    sp.cosh: lambda u, j: _of_sinh(u, j, 1),
     sp.tanh: lambda u, j: _of_polynomial(_monotone(u, np.tanh), j, Polynomial([1.0, 0.0, -1.0])),
-    sp.tan: _of_tan,
-    sp.cot: _of_cot,
 }
 """For each function of one variable, how to compute the range of its Taylor coefficient of a given order."""
+BY_OTHERS: dict[type, Callable[..., sp.Expr]] = PIECES | {
+    sp.sinh: lambda x: (sp.exp(x) - sp.exp(-x)) / 2,
+    sp.cosh: lambda x: (sp.exp(x) + sp.exp(-x)) / 2,
+    sp.tan: lambda x: sp.sin(x) / sp.cos(x),
+    sp.cot: lambda x: sp.cos(x) / sp.sin(x),
+}
+"""Functions that are written by means of other functions. Their ranges are valid, and a little wider."""
 
 
 ORDERED: dict[type, Callable[[Array, Array], tuple[Flags, Flags]]] = {
@@ -267,7 +246,7 @@ def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
     if type(formula) in KNOWN:
         return [KNOWN[type(formula)](u, j) for j in range(order + 1)]
     if not formula.is_Pow and not isinstance(formula, pos):
-        names = ", ".join(sorted(kind.__name__ for kind in (*KNOWN, *PIECES, sp.Piecewise, pos)))
+        names = ", ".join(sorted(kind.__name__ for kind in (*KNOWN, *BY_OTHERS, sp.Piecewise, pos)))
         raise RangeError(f"{formula} has no known range of its derivatives; known are powers and {names}")
     if not formula.args[1].is_number:
         raise RangeError(f"{formula} has an exponent that is no number; give it a number")
@@ -406,8 +385,8 @@ class Boxes:
             found = self._maximum(formula.args[0], -formula.args[0])
             np.maximum(found.low[0], 0.0, out=found.low[0])  # rounding would make it negative
             return found
-        if type(formula) in PIECES:
-            return self(PIECES[type(formula)](*formula.args))
+        if type(formula) in BY_OTHERS:
+            return self(BY_OTHERS[type(formula)](*formula.args))
         if isinstance(formula, sp.Piecewise):
             return self._piecewise(formula)
         if formula.is_Pow and not formula.exp.is_number:

@@ -61,17 +61,19 @@ class StaticDiscretisation(Discretisation):
         return np.asarray(np.linalg.inv(self.data.law.A.matrix))
 
     def strain(self, v: Array) -> Tensors:
-        """Return the strain at the quadrature points, with the strain of the prescribed displacement."""
-        corners = self.unheld.strains(np.eye(3)) @ self.displacements.coefficients(v).ravel()
-        return self.at_points(corners)
+        """Return the strain at the quadrature points, with prescribed displacements, (dofs,) → (3, cells, Q)."""
+        return self.displacements.strain_at(v, np.arange(self.stresses.cells), self.stresses.points)
 
-    def load_beside(self, moved: Array) -> Array:
-        """Return the load vector minus the work (Gε(w), ε(φ_i))_Q of a displacement w, (dofs,).
+    def products(self, *displacements: Array) -> Array:
+        """Return the products (Gε(v_i), ε(v_j))_Q of displacements, which include the prescribed displacement."""
+        stresses, strains = zip(*((self.elastic(v), self.strain(v)) for v in displacements), strict=True)
+        return np.einsum("iIcq,jIcq,cq->ij", stresses, strains, self.stresses.weights)
 
-        Args:
-            moved: all coefficients of w, (2 · number of basis functions,).
-        """
-        return np.asarray(self.load(0.0) - (self.unheld_matrix @ moved)[self.displacements.free])
+    def residual(self, v: Array) -> Array:
+        """Return the load vector minus the work (Gε(v), ε(φ_i))_Q of a displacement, (dofs,) → (dofs,)."""
+        V = self.displacements
+        strain = V.strain_at(v, np.arange(self.stresses.cells), V.points)
+        return np.asarray(self.load(0.0) - V.functional(self.data.law.G.at(V.points)(strain)))
 
     def squares(self, stress: Array) -> Array:
         """Return the squared norm ‖τ‖²_{G⁻¹} of a stress on every cell, (3, cells, Q) → (cells,)."""
@@ -85,8 +87,8 @@ def compute_static(coarse: Discretisation) -> DiscreteSolution:
     data, space = fine.data, Space(fine.mesh, fine.data.body)
     if not space.dofs:
         raise BoundError("no vertex of the mesh can move: take a finer level")
-    moved = on_refinement(space.mesh, 1, fine.mesh) @ space.prescribed
-    load = prolongation(space, fine).T @ fine.load_beside(moved)
+    lifting = on_refinement(space.mesh, 1, fine.mesh) @ space.prescribed
+    load = prolongation(space, fine).T @ fine.residual(lifting[fine.displacements.free])
     u, _ = contact_solver(space)(form(space, data.law.A), space.N)(load)
     return DiscreteSolution(space, np.array([u, u]), np.array([0.0, data.body.T]), 1)
 
@@ -108,7 +110,7 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     v = u_h
     if refinements is not None:
         V = fine.displacements
-        v, _ = Signorini(fine.M, V.N, V.free_points)(fine.load_beside(V.prescribed))
+        v, _ = Signorini(fine.M, V.N, V.free_points)(fine.residual(np.zeros(V.dofs)))
     # The bound y of ‖u − ũ‖, from the stress σ̃, and the contributions of the cells to y.
     snapshot, sampling, T = fine.snapshot(0.0), fine.sampling, fine.data.body.T
     missed = sampling.missed(fine.oscillation, 0.0, T)

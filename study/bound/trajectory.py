@@ -24,7 +24,7 @@ from manufactured.body import Body
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
-from study.fem.mesh import barycentric_gradients
+from study.fem.mesh import barycentric
 from study.fem.mesh import size as mesh_size
 from study.fem.quadratic import EDGES
 from study.fem.space import Space
@@ -197,9 +197,7 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
     nodes = np.hstack([fine.p, fine.p[:, fine.facets].mean(axis=1)])
     _, first = np.unique(numbers, return_index=True)
     parents = first % numbers.shape[1] % cells
-    from_corner = nodes - mesh.p[:, mesh.t[0, parents]]
-    places = np.einsum("nid,dn->in", barycentric_gradients(mesh)[parents], from_corner)
-    places[0] += 1
+    places = barycentric(mesh, parents, nodes[:, :, None])[..., 0]
     parts = 2.0 * np.sqrt(fine.t.shape[1] / cells)
     exact = np.rint(parts * places) / parts
     if len(first) != nodes.shape[1] or not (abs(exact - places).max() < ON_NODE and exact.min() >= 0):

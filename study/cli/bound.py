@@ -64,27 +64,24 @@ def do_bound(options: argparse.Namespace) -> int:
         over_time = pd.concat([pd.DataFrame(row["series"]) for row in rows])
         written = bounded.write(store.directory, table, over_time)
         written += [file for one in displacements for file in one.files]
-        no_figure = ""
-        if not data.in_time:
-            no_figure = "the figure shows the bounds over time, and a static problem has no time"
-        elif not table["level"].is_unique:
-            no_figure = "the figure shows one mesh of each size, and two files have meshes of the same size"
-        else:
+        one_of_each_size = table["level"].is_unique
+        if data.in_time and one_of_each_size:
             written += draw_one(store.directory, figure("enclosure", over_time, name))
         mesh, displacement_over_time = displacements[-1].shown()
         written += draw_problem(store.directory, name, data, mesh, displacement_over_time)
-        if any(rows[-1]["on_cells"]):
-            written += draw_one(store.directory, error_map(name, *mesh, rows[-1]["on_cells"]), OUTPUT)
+        squares = rows[-1]["on_cells"]
+        if any(squares):
+            written += draw_one(store.directory, error_map(name, *mesh, squares), OUTPUT)
     tell_written(written)
     names = [one.file_name for one in displacements if one.file_name]
-    if names and no_figure:
-        print(f"no figure: {no_figure}")
+    if data.in_time and not one_of_each_size:
+        print("no figure: it shows one mesh of each size, and two files have meshes of the same size")
     for one in displacements:
         if one.remark:
             print(folded(one.remark))
     sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
-    if any(rows[-1]["on_cells"]):
-        sentences.append(worst_tenth(rows[-1]["on_cells"]))
+    if any(squares):
+        sentences.append(worst_tenth(squares))
     last = pd.DataFrame(rows[-1]["series"])
     print(f"\n{text(name, table, last, sentences, data.in_time, names or None)}\n")
     return OK if case is None or all(row["inside"] for row in rows) else FAILED

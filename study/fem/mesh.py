@@ -358,7 +358,7 @@ def _images(body: Body) -> Points | None:
 
 def _parallelepiped(body: Body) -> Points | None:
     """Return the corners of a parallelepiped as ``_images`` does, or None if the body is none."""
-    corners, tolerance = body.corners, 1e-9 * float(np.ptp(body.vertices, axis=1).max())
+    corners, tolerance = body.corners, 1e-9 * body.extent
     first = corners[:, :1]
     normals = np.array([part.normal for part in body.parts if part.contains(first, tolerance)])
     normals = normals[np.sort(np.unique(np.round(normals, 9) + 0.0, axis=0, return_index=True)[1])]

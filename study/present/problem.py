@@ -112,24 +112,30 @@ def error_map(name: str, vertices: Array, cells: Array, squares: Sequence[float]
 
 
 def _draw_map(vertices: Array, cells: Array, squares: Array) -> Figure:
-    figure = Figure(figsize=(1.4 * column_width(), column_width()), layout="constrained")
-    axes = figure.subplots()
+    figure, axes = _axes(vertices)
     corners = vertices[:, cells[1:]] - vertices[:, cells[:1]]
     areas = abs(np.linalg.det(np.moveaxis(corners, 2, 0))) / 2
     density = np.sqrt(squares / areas)
     drawn = axes.tripcolor(Triangulation(*vertices, cells.T), density, cmap="viridis", edgecolors="0.6", linewidth=0.2)
-    figure.colorbar(drawn, ax=axes, label=r"$(\Vert\tilde u - u_h\Vert_T^2/|T|)^{1/2}$")
+    label = r"distance of $u_h$ from $\tilde u$, $(\Vert\tilde u - u_h\Vert_T^2/|T|)^{1/2}$"
+    figure.colorbar(drawn, ax=axes, location="bottom", aspect=40, label=label)
+    return figure
+
+
+def _axes(points: Array) -> tuple[Figure, Axes]:
+    """Return a figure whose shape fits points of the plane, (2, n), and its axes."""
+    wide, high = np.ptp(points, axis=1)
+    shape = float(np.clip(high / wide, 0.4, 1.4))
+    figure = Figure(figsize=(1.4 * column_width(), 1.4 * column_width() * shape + 0.5), layout="constrained")
+    axes = figure.subplots()
     axes.set_aspect("equal")
     axes.set(xlabel="$x_1$", ylabel="$x_2$")
-    return figure
+    return figure, axes
 
 
 def draw_problem(picture: ProblemPicture) -> Figure:
     """Draw outline, supports, loads, the mesh and its displacement, if there is one."""
-    wide, high = np.ptp(picture.corners, axis=1)
-    shape = float(np.clip(high / wide, 0.4, 1.4))
-    figure = Figure(figsize=(1.4 * column_width(), 1.4 * column_width() * shape + 0.5), layout="constrained")
-    axes = figure.subplots()
+    figure, axes = _axes(picture.corners)
     handles: list[Artist] = []
     if len(picture.cells):
         x, y = picture.vertices
@@ -140,10 +146,9 @@ def draw_problem(picture: ProblemPicture) -> Figure:
     for number, side in enumerate(picture.sides):
         _draw_side(axes, side, number, picture.size)
     _draw_loads(axes, picture)
-    axes.set_aspect("equal")
     axes.margins(0.06)
     axes.tick_params(length=2)
-    axes.set(xlabel="$x_1$", ylabel="$x_2$", title=f"{picture.name}{picture.when}")
+    axes.set_title(f"{picture.name}{picture.when}")
     present = {side.kind for side in picture.sides}
     handles += [Patch(label=kind, **style) for kind, style in BANDS.items() if kind in present]
     legend(figure, [*handles, entry("load", color=VERMILLION, marker=">")], 4)

@@ -369,7 +369,7 @@ def test_files_of_other_programs_are_read(suffix: str, form: str, degree: int, t
     [
         ("missing.npz", None, "there is no file"),
         ("mine.pvd", "stress", "does not have the field 'stress': its vector fields at points are .*velocity"),
-        ("noise.vtu", None, "noise.vtu is broken or incomplete: write it again"),
+        ("noise.vtu", None, "noise.vtu is broken, incomplete or no .*: write it again"),
         ("noise.npz", None, "noise.npz is no .npz file: write it by numpy.savez, with the arrays points, triangles"),
         ("noise.frd", None, "a format that cannot be read: expected .npz, .*; the tutorial on CalculiX converts .frd"),
         ("lost.pvd", None, "there is no file .*lost.vtu"),

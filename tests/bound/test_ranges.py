@@ -25,7 +25,7 @@ from study.bound.remainders import CUBIC, PARABOLA, in_space, in_time, lebesgue
 LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
 HALF = Rational(1, 2)
 SERVED = {
-    **{function.__name__: function for function in KNOWN},
+    **{function.__name__: function for function in (*KNOWN, sp.sinh, sp.cosh, sp.tan, sp.cot)},
     "sqrt": lambda x: sp.sqrt(1 + x**2),
     "inverse": lambda x: 1 / (2 + x**2),
     "power": lambda x: (1 + x**2) ** (1 + x2),

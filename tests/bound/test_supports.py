@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from benchmarks.trials.supports import row
-from manufactured import BodyError, Kind, plane_stress, polygon, static
+from manufactured import BodyError, Data, KelvinVoigt, Kind, plane_stress, polygon, static
 from manufactured.factor import x1, x2
 from manufactured.symbols import FormulaError
 from study.bound.bounded import bounded_solution
+from study.bound.discretisation import refuse_unserved
+from study.bound.fields import read
+from study.bound.given import bound_displacement
+from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
+from study.certify.statement import statement
 from study.fem.mesh import Unstructured
 from study.solve.tableau import MIDPOINT
 
@@ -48,6 +55,57 @@ def test_another_program_computes_an_error_and_a_norm_inside_the_intervals(seed:
 def test_rollers_in_one_direction_do_not_hold_a_body(kinds) -> None:
     with pytest.raises(BodyError, match="no side of the body is CLAMPED"):
         polygon(OUTLINE, kinds)
+
+
+@pytest.mark.parametrize("size", [1e-20, 1e10])
+def test_bodies_with_holes_have_any_size(size: float) -> None:
+    outline, hole = (size * np.array(corners) for corners in (OUTLINE, HOLE))
+    body = polygon(outline, [CLAMPED, FREE, FREE, FREE], holes=[(hole, [FREE] * 4)])
+    assert [len(loop) for loop in body.loops] == [4, 4]
+
+
+@pytest.mark.parametrize("shift", [(0.8, 0), (0, 0.5), (3, 0)])
+def test_holes_that_leave_the_outline_are_refused(shift: tuple[float, float]) -> None:
+    with pytest.raises(BodyError, match="does not lie inside the outline"):
+        polygon(OUTLINE, [CLAMPED, FREE, FREE, FREE], holes=[(np.array(HOLE) + shift, [FREE] * 4)])
+
+
+def test_certificates_refuse_what_the_checker_does_not_know() -> None:
+    law = KelvinVoigt(G, G, "G")
+    rolling = polygon(OUTLINE, [CONTACT, ROLLER, FREE, CLAMPED])
+    pierced = polygon(OUTLINE, [CONTACT, FREE, FREE, CLAMPED], holes=[(HOLE, [FREE] * 4)])
+    for body in (rolling, pierced):
+        with pytest.raises(BoundError, match="neither ROLLER sides nor holes"):
+            statement(Data.formulas(body, law, (0, 0)))
+    moved = static(polygon(OUTLINE, [CLAMPED, FREE, FREE, FREE]), G, u={0: (1, 0)})
+    with pytest.raises(BoundError, match="only `static` problems"):
+        refuse_unserved(Data.formulas(moved.body, law, (0, 0)))
+
+
+def test_one_of_several_load_steps_is_read(tmp_path: Path) -> None:
+    u = np.arange(12.0).reshape(2, 3, 2)
+    np.savez(tmp_path / "u.npz", points=np.zeros((3, 2)), triangles=[[0, 1, 2]], times=[1, 2], u=u)
+    assert (read(tmp_path / "u.npz", step=-1).u == u[1]).all()
+    with pytest.raises(BoundError, match="has 2 load steps: --step is 0 to 1, or -1 for the last, got 2"):
+        read(tmp_path / "u.npz", step=2)
+
+
+@pytest.mark.parametrize(("noise", "refused"), [(0, False), (1e-8, False), (1e-3, True)])
+def test_prescribed_displacements_in_files_are_rounded_or_refused(noise: float, refused: bool) -> None:
+    """A body that moves far and is stretched little: the rounding of u_h must not be taken for its error."""
+    body = polygon(OUTLINE, [FREE, CLAMPED, FREE, CLAMPED])
+    data = static(body, G, u={1: (100.01, 0), 3: (100, 0)})
+    mesh = Unstructured()(body, 4)
+    u = np.array([100 + 0.005 * mesh.p[0], 0 * mesh.p[0]]).T
+    u[mesh.p[0] == 0] += 100 * noise
+    arguments = data, mesh.p.T, mesh.t.T, None, u
+    if refused:
+        with pytest.raises(BoundError, match=r"differs by 0\.1 on a CLAMPED side"):
+            bound_displacement(*arguments)
+        return
+    found = bound_displacement(*arguments, refine=0)
+    assert found.computed.offset == pytest.approx(0, abs=1e-4)
+    assert (found.computed.offset > 1e-6) == (noise > 0)
 
 
 def test_slanted_rollers_and_holes_in_the_wrong_direction_are_refused() -> None:
