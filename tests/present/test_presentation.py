@@ -88,20 +88,6 @@ def test_tables_agree_with_the_data_to_four_digits(tables: Path) -> None:
     assert (table[["case", "family", "level", "dofs"]] == source[["case", "family", "level", "dofs"]]).all(axis=None)
 
 
-@pytest.mark.parametrize(
-    ("name", "error", "order"), [("rates", "discrete_error", "discrete_order"), ("stresses", "stress", "order")]
-)
-def test_orders_in_the_tables_are_those_of_the_errors(tables: Path, name: str, error: str, order: str) -> None:
-    key = ["case", "family", "level"]
-    measured = pd.read_csv(tables / "data" / f"{name}.csv").set_index(key).sort_index()
-    shown = pd.read_csv(tables / "tables" / f"{name}.csv").set_index(key)
-    for series, rows in shown.groupby(["case", "family"]):
-        assert rows.index.is_monotonic_increasing
-        errors = measured.loc[series]
-        expected = np.diff(np.log(errors[error])) / np.diff(np.log(errors["h"]))
-        np.testing.assert_allclose(rows[order], [np.nan, *expected], atol=6e-4)
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_markdown_has_each_row_of_the_csv_table_below_the_heading_of_its_group(tables: Path, name: str) -> None:
     cells = pd.read_csv(tables / "tables" / f"{name}.csv", dtype=str, keep_default_na=False)

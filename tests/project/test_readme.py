@@ -11,7 +11,7 @@ from pages import README, ROOT, SITE, Page
 
 from manufactured.colours import VERMILLION
 from study.ledger.datafiles import DataError
-from study.present.pages import badges, main, misprints, refresh, verdicts_in_words
+from study.present.pages import badges, main, refresh, verdicts_in_words
 from study.present.templates import FullRun
 from study.statements.prop_5_3 import LIMIT
 
@@ -43,13 +43,6 @@ def test_the_tables_of_a_page_come_from_the_committed_data(path: Page, full: Ful
 )
 def test_all_checks_hold_only_if_none_fails_or_is_undecided(verdicts: list[str], words: str) -> None:
     assert verdicts_in_words(pd.DataFrame({"verdict": verdicts}), "checks") == words
-
-
-def test_the_list_of_misprints_has_every_one_of_the_ledger(full: FullRun) -> None:
-    listed = full.claims.loc[full.claims["label"] == "slips", "case"]
-    table = misprints(full)
-    assert len(listed) > 5
-    assert all(f"| {place} |" in table for place in listed)
 
 
 def test_badges_are_red_where_a_row_fails_and_a_defect_goes_unseen(full: FullRun) -> None:

@@ -1,28 +1,17 @@
-"""Every tolerance window stands on the page of windows, and no formula is left out without a reason."""
+"""No numbered formula of the paper is left out without a reason."""
 
 from dataclasses import asdict
 
 import pandas as pd
 import pytest
-from committed import RESULTS
 
-from study.ledger.datafiles import DataError, read_claims
+from study.ledger.datafiles import DataError
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
-from study.ledger.verdict import HOLDS, UNCLAIMED
-from study.present.pages import numbered_lines, windows
-from study.present.templates import FullRun
+from study.ledger.verdict import HOLDS
+from study.present.pages import numbered_lines
 from study.statements import STATEMENTS
 from study.statements.pictures import Pictures
 from study.statements.unmeasured import Listed, WithoutRow
-
-
-def test_the_page_of_windows_counts_every_claimed_check() -> None:
-    data = FullRun.read(RESULTS)
-    assert data is not None
-    lines = windows(data).splitlines()[2:]
-    counts = [int(line.partition("* (")[2].partition(")")[0]) for line in lines]
-    assert sum(counts) == (~read_claims(RESULTS)["verdict"].isin(UNCLAIMED)).sum()
-
 
 # Every numbered formula and statement of the source has rows in the ledger, or a reason why it has none.
 
