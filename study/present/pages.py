@@ -7,10 +7,8 @@ import re
 import sys
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import cached_property
 from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -145,50 +143,28 @@ def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 # Answer and results: claim, prediction, observation, verdict
 
 
-class Sentences:
-    """The sentences about the results of a full run, with its numbers.
+def sentences(data: FullRun) -> Callable[[str], str]:
+    """Return a function that makes a sentence with the numbers of a full run, in plain text, from its template.
 
-    Parameters:
-        data: the data of the run.
+    Templates use the names of ``context``, and those that are defined here.
     """
-
-    def __init__(self, data: FullRun) -> None:
-        self.data = data
-
-    @cached_property
-    def values(self) -> dict[str, Any]:
-        """The names that the templates of the sentences use: those of ``context``, and further ones."""
-        data, claims = self.data, self.data.claims
-        of_rough, own = data.checks("Prop. 5.3", "order"), data.checks("Thm 4.2, own space", "order-stress")
-        predicted = of_rough["case"].map(data.cases["expected_order"])
-        is_smooth = own["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
-        unclaimed = claims[claims["verdict"].isin(UNCLAIMED)]
-        failing = count_verdicts(claims[claims["label"].map(is_of_the_paper)])[FAILS]
-        return context(data) | {
-            "verdicts_in_words": verdicts_in_words,
-            "contradict": f"{failing} of its checks contradict" if failing else "none of its checks contradicts",
-            "predictions": unclaimed[unclaimed["expected"].str.startswith("predicted ")],
-            "misprints": slips(data),
-            "predicted": predicted,
-            "difference": (of_rough["observed"] - predicted).abs().max(),
-            "steps": data.rates.loc[data.rates["claim"] == "Prop. 5.3", "order"].dropna(),
-            "own_smooth": own[is_smooth],
-            "own_others": own[~is_smooth],
-        }
-
-    def text(self, template: str) -> str:
-        """Return a sentence with its numbers, in plain text."""
-        return ENVIRONMENT.from_string(template).render(self.values)
-
-    def lines(self, names: Iterable[str]) -> dict[str, list[str]]:
-        """Return name ↦ claim, prediction, observation and verdict for lines of the tables of results."""
-        lines = {}
-        for name in names:
-            line = TEXTS["lines"][name]
-            counts = line.get("label"), line.get("keys", ()), line.get("noun", "checks")
-            verdict = self.text(line["verdict"]) if "verdict" in line else _verdict(self.data.claims, *counts)
-            lines[name] = [*(self.text(line[part]) for part in ("claim", "predicted", "observed")), verdict]
-        return lines
+    of_rough, own = data.checks("Prop. 5.3", "order"), data.checks("Thm 4.2, own space", "order-stress")
+    predicted = of_rough["case"].map(data.cases["expected_order"])
+    is_smooth = own["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
+    unclaimed = data.claims[data.claims["verdict"].isin(UNCLAIMED)]
+    failing = count_verdicts(data.claims[data.claims["label"].map(is_of_the_paper)])[FAILS]
+    values = context(data) | {
+        "verdicts_in_words": verdicts_in_words,
+        "failing": failing,
+        "predictions": unclaimed[unclaimed["expected"].str.startswith("predicted ")],
+        "misprints": slips(data),
+        "predicted": predicted,
+        "difference": (of_rough["observed"] - predicted).abs().max(),
+        "steps": data.rates.loc[data.rates["claim"] == "Prop. 5.3", "order"].dropna(),
+        "own_smooth": own[is_smooth],
+        "own_others": own[~is_smooth],
+    }
+    return lambda template: ENVIRONMENT.from_string(template).render(values)
 
 
 def answer(data: FullRun) -> str:
@@ -197,28 +173,37 @@ def answer(data: FullRun) -> str:
     The page that shows the sentences defines the targets of the links [problem], [faults], [ledger], [results],
     [misprints] and [bounds].
     """
-    sentences = Sentences(data)
-    return "".join(f"- **{lead}.** {_literal(sentences.text(text))}\n" for lead, text in TEXTS["answer"].items())
+    fill = sentences(data)
+    return "".join(f"- **{lead}.** {_literal(fill(text))}\n" for lead, text in TEXTS["answer"].items())
 
 
 def short(data: FullRun) -> str:
     """Return the main result in one sentence, in Markdown."""
-    return Sentences(data).text(TEXTS["short"]) + "\n"
+    return sentences(data)(TEXTS["short"]) + "\n"
 
 
 def headline(data: FullRun) -> str:
     """Return the main results with links to the code behind them, in Markdown; DataError if checks are missing."""
     files = {"smooth": "prop_5_4", "rough": "prop_5_3", "own_space": "thm_4_2_own_space", "bound": "enclosure"}
     lines = []
-    for name, (claim, _, observed, verdict) in Sentences(data).lines(files).items():
-        lines.append([_literal(claim), _literal(observed), verdict, f"[code](study/statements/{files[name]}.py)"])
+    for (claim, _, observed, verdict), file in zip(result_lines(data, files), files.values(), strict=True):
+        lines.append([_literal(claim), _literal(observed), verdict, f"[code](study/statements/{file}.py)"])
     return markdown(["claim", "observed", "verdict", "source"], lines)
 
 
 def results(data: FullRun) -> str:
     """Return the table of results in Markdown: claims, predictions, observations rounded outwards, and verdicts."""
-    lines = Sentences(data).lines(TEXTS["lines"]).values()
-    return _table(["claim", "predicted", "observed", "verdict"], lines)
+    return _table(["claim", "predicted", "observed", "verdict"], result_lines(data, TEXTS["lines"]))
+
+
+def result_lines(data: FullRun, names: Iterable[str]) -> list[list[str]]:
+    """Return claim, prediction, observation and verdict for lines of the tables of results."""
+    fill, lines = sentences(data), []
+    for line in (TEXTS["lines"][name] for name in names):
+        counts = line.get("label"), line.get("keys", ()), line.get("noun", "checks")
+        verdict = fill(line["verdict"]) if "verdict" in line else _verdict(data.claims, *counts)
+        lines.append([*(fill(line[part]) for part in ("claim", "predicted", "observed")), verdict])
+    return lines
 
 
 def _verdict(claims: pd.DataFrame, label: str, keys: Sequence[str] = (), noun: str = "checks") -> str:

@@ -22,7 +22,7 @@ from study.ledger.verdict import CheckKind, window_share, worst_value
 from study.present.article import BEYOND, article, group_of, window_ends
 from study.present.notation import prose
 from study.present.pages import expected_texts
-from study.present.templates import EVIDENCE, FullRun, context, evidence, percent, power, render
+from study.present.templates import EVIDENCE_TITLES, FullRun, context, evidence, percent, power, render
 
 ROOT = Path(__file__).parents[2]
 PAPER, RESULTS = ROOT / "paper", ROOT / "results"
@@ -183,8 +183,10 @@ def test_every_row_is_counted_once_in_the_table_and_is_evidence_of_one_kind(clai
     assert (np.sum(groups, axis=0) == total).all()
     assert total.sum() == len(claims)
     kinds = claims.apply(evidence, axis=1)
-    assert {f"account{name.capitalize()}": str(sum(kinds == name)) for name in EVIDENCE}.items() <= NUMBERS.items()
-    assert set(kinds) <= set(EVIDENCE)
+    assert {
+        f"account{name.capitalize()}": str(sum(kinds == name)) for name in EVIDENCE_TITLES
+    }.items() <= NUMBERS.items()
+    assert set(kinds) <= set(EVIDENCE_TITLES)
     assert (kinds.isin([*CheckKind]) == ~claims["verdict"].isin(["missed", "reported"])).all()
     stated = claims["expected"].str.extract(r"\((met|undecided|wrong)\)")[0].dropna()
     assert (kinds[stated.index] == stated).all()
