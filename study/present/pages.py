@@ -35,7 +35,7 @@ from study.ledger.verdict import (
 from study.present.article import contact_codes, slips, texts
 from study.present.drawing import caption_text, in_style
 from study.present.figures import drawings
-from study.present.notation import counted, read_page, typeset
+from study.present.notation import read_page, typeset
 from study.present.picture import Picture, picture_path, read_record
 from study.present.show import write_gif
 from study.present.templates import ENVIRONMENT, MISPRINTS, FullRun, context, render
@@ -48,7 +48,6 @@ TEXTS = read_page("results")
 """Texts about the results, which are templates."""
 CLAIMED = (FAILS, UNDECIDED, HOLDS)
 """Verdicts on claims, from worst to best."""
-PLURAL = {HOLDS: "hold", FAILS: "fail"}
 END = "<!-- end -->"
 
 
@@ -219,16 +218,17 @@ def _verdict(claims: pd.DataFrame, label: str, keys: Sequence[str] = (), noun: s
         noun: what these checks are called.
     """
     rows = claims[claims["label"] == label]
-    tests = rows[rows["key"].isin(keys)] if keys else rows
+    is_test = rows["key"].isin(keys) if keys else rows["key"].notna()
+    tests, further = rows[is_test], verdicts_in_words(rows[~is_test], "further checks of the same computations")
     count = count_verdicts(tests)
-    text = next((f"{one}: {verdicts_in_words(tests, noun)}" for one in CLAIMED if count[one]), REPORTED)
-    holding = tests[tests["verdict"] == HOLDS]
-    safe = int((holding["kind"] == CheckKind.IDENTITY).sum())
-    judged = sum(count[verdict] for verdict in CLAIMED)  # Rows without a verdict are not counted in the sentence.
-    if safe:
-        text += f"; {'they' if safe == judged else f'{safe} of them'} can fail only if the program is wrong"
-    further = rows[~rows["key"].isin(keys)]
-    return f"{text}; {verdicts_in_words(further, 'further checks of the same computations')}" if keys else text
+    values = {
+        "worst": next((verdict for verdict in CLAIMED if count[verdict]), REPORTED),
+        "tested": verdicts_in_words(tests, noun),
+        "total": sum(count[verdict] for verdict in CLAIMED),
+        "safe": ((tests["verdict"] == HOLDS) & (tests["kind"] == CheckKind.IDENTITY)).sum(),
+        "further": further if keys else "",
+    }
+    return ENVIRONMENT.from_string(TEXTS["verdict"]).render(values)
 
 
 def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
@@ -238,12 +238,7 @@ def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
     """
     count = count_verdicts(rows)
     total = sum(count[verdict] for verdict in CLAIMED)
-    text = f"all {total} {noun} hold"
-    if count[HOLDS] < total:
-        each = ", ".join(f"{count[verdict]} {PLURAL.get(verdict, verdict)}" for verdict in CLAIMED if count[verdict])
-        text = f"of {total} {noun} {each}"
-    missed = count[MISSED]
-    return f"{text}; {counted(missed, 'prediction')} of this study missed" if missed else text
+    return ENVIRONMENT.from_string(TEXTS["counts"]).render(count=count, total=total, noun=noun)
 
 
 def misprints(data: FullRun) -> str:
