@@ -270,7 +270,7 @@ def draw_convergence(rates: pd.DataFrame, order: float) -> Figure:
     figure, (axes,) = stacked_axes(1)
     styles, lowest = family_styles(rates["family"]), NEGLIGIBLE * rates["error"].min()
     rates = rates.assign(in_time=rates["time_share"] * rates["error"])
-    for column, (_, style) in ERROR_LINES.items():
+    for column, (_, style) in reversed(ERROR_LINES.items()):
         shown = rates.assign(**{column: rates[column].where(rates[column] >= lowest)})
         plot_families(axes, shown, column, styles, style)
     draw_slope(axes, order)
