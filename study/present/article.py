@@ -27,11 +27,11 @@ from study.ledger.verdict import (
 )
 from study.present.notation import encode, folding, read_page, tabular
 from study.present.tables import TABLES
-from study.present.templates import EVIDENCE, MISPRINTS, FullRun, context, evidence, render
+from study.present.templates import EVIDENCE_TITLES, MISPRINTS, FullRun, context, evidence, render
 
 TEXTS = read_page("article")
 """Titles of groups of statements, and headings and columns of tables."""
-GROUPS: dict[str, list[str]] = {EVIDENCE.get(title, title): begins for title, begins in TEXTS["groups"].items()}
+GROUPS: dict[str, list[str]] = {EVIDENCE_TITLES.get(title, title): begins for title, begins in TEXTS["groups"].items()}
 """Title of a group of statements ↦ the beginnings of the labels of these statements."""
 BEYOND = "beyond the source"
 TOTAL = "all"
@@ -40,7 +40,7 @@ DISCRETE = ("time-in-k", "time-in-h", "error-in-h")
 """Suffixes of the keys of the checks of each fully discrete scheme."""
 MARKS = {"met": "", "undecided": "*", "wrong": "†"}
 """Whether a prediction was met ↦ its mark in the table of fully discrete errors."""
-Rows = list[list[str]]
+PlainRows = list[list[str]]
 """The cells of a table, row by row, as plain text."""
 
 
@@ -78,7 +78,7 @@ def article(directory: Path) -> dict[Path, str]:
     return {directory / "article" / f"{name}.tex": text for name, text in by_name.items()}
 
 
-def latex(name: str, rows: Rows) -> str:
+def latex(name: str, rows: PlainRows) -> str:
     """Return a LaTeX table with the headings and columns of ``page/article.toml`` and the given cells."""
     layout = TEXTS["tables"][name]
     columns = [folding(column) if isinstance(column, float) else column for column in layout["columns"]]
@@ -100,7 +100,7 @@ def group_of(label: str) -> str:
     return max(matches)[1] if matches else BEYOND
 
 
-def verdicts(data: FullRun) -> Rows:
+def verdicts(data: FullRun) -> PlainRows:
     """Return the numbers of checks with each verdict, a row for each group of statements and for all.
 
     The checks that hold are counted by the kind of their evidence.
@@ -114,10 +114,10 @@ def verdicts(data: FullRun) -> Rows:
     return body
 
 
-def accounts(data: FullRun) -> Rows:
+def accounts(data: FullRun) -> PlainRows:
     """Return the numbers of checks, of checks that hold, and of those that fail or are undecided, by evidence."""
     names, body = data.claims.apply(evidence, axis=1), []
-    for name, title in (EVIDENCE | {TOTAL: TOTAL}).items():
+    for name, title in (EVIDENCE_TITLES | {TOTAL: TOTAL}).items():
         rows = data.claims if name == TOTAL else data.claims[names == name]
         count = count_verdicts(rows)
         judged = [str(count[HOLDS]), str(count[FAILS] + count[UNDECIDED])]
@@ -132,7 +132,7 @@ def ledger(data: FullRun) -> str:
     This is the check whose value uses the largest share of its tolerance window. Each group of statements has a
     separate table, which is not broken over pages.
     """
-    bodies: dict[str, Rows] = {title: [] for title in (*GROUPS, BEYOND)}
+    bodies: dict[str, PlainRows] = {title: [] for title in (*GROUPS, BEYOND)}
     for label, claim, rows in by_claim(data.claims):
         count, judged = count_verdicts(rows), rows[~rows["verdict"].isin(UNCLAIMED)]
         counts = count[HOLDS], count[FAILS] + count[UNDECIDED], count[MISSED], count[REPORTED]
@@ -154,13 +154,13 @@ def window_ends(row: pd.Series) -> str:
     return f"≥ {low}" if high == "inf" else f"[{low}, {high}]"
 
 
-def slips(data: FullRun) -> Rows:
+def slips(data: FullRun) -> PlainRows:
     """Return the misprints in the source: place, printed text, corrected text."""
     rows = data.claims.loc[data.claims["label"] == MISPRINTS, ["case", "quantity", "expected"]]
     return [[str(cell).removeprefix("read: ") for cell in row] for row in rows.to_numpy()]
 
 
-def faults(data: FullRun) -> Rows:
+def faults(data: FullRun) -> PlainRows:
     """Return the deliberate faults: in how many cases they are noticed, and are invisible."""
     rows = summary(data.faults)[["equation", "fault", "size", "cases", "errors", "any_check", "invisible"]]
     return [[equation, fault, f"{size:g}", *map(str, counts)] for equation, fault, size, *counts in rows.to_numpy()]
@@ -169,7 +169,7 @@ def faults(data: FullRun) -> Rows:
 # Tables of results
 
 
-def catalogue(data: FullRun) -> Rows:
+def catalogue(data: FullRun) -> PlainRows:
     """Return the exact solutions with their names, summaries and laws."""
     laws = data.cases["law"].str.removeprefix("linear, ")
     return data.cases.assign(law=laws)[["case", "summary", "law"]].to_numpy().tolist()
@@ -202,7 +202,7 @@ def decimals(values: Sequence[float]) -> str:
     return "–".join(dict.fromkeys(f"{value:.2f}" for value in values))
 
 
-def smooth(data: FullRun) -> Rows:
+def smooth(data: FullRun) -> PlainRows:
     """Return the table of Proposition 5.4 with a row for each case.
 
     A row has the finest level, the observed orders of the error and of the discrete error, the size of the discrete
@@ -219,7 +219,7 @@ def smooth(data: FullRun) -> Rows:
     return body
 
 
-def rough(data: FullRun) -> Rows:
+def rough(data: FullRun) -> PlainRows:
     """Return the table of Proposition 5.3 with a row for each case.
 
     A row has the order that the regularity of the solution predicts, the order that the proof of Proposition 5.4 gives
@@ -234,7 +234,7 @@ def rough(data: FullRun) -> Rows:
     return body
 
 
-def stresses(data: FullRun) -> Rows:
+def stresses(data: FullRun) -> PlainRows:
     """Return the checks of Theorem 4.2 with a separate finite element space for stresses.
 
     There is a row for each case and mesh family, except shaken meshes.
@@ -250,7 +250,7 @@ def stresses(data: FullRun) -> Rows:
     return body
 
 
-def enclosures(data: FullRun) -> Rows:
+def enclosures(data: FullRun) -> PlainRows:
     """Return two-sided bounds of the error, for all cases that were measured on three or more levels.
 
     The ends of the bounds are rounded outwards. The error is empty for problems without a known exact solution.
@@ -266,7 +266,7 @@ def enclosures(data: FullRun) -> Rows:
     return body
 
 
-def discrete(data: FullRun) -> Rows:
+def discrete(data: FullRun) -> PlainRows:
     """Return the observed orders of the fully discrete error for each case and time scheme.
 
     Undecided predictions are marked with * and wrong predictions with †.
@@ -282,12 +282,12 @@ def discrete(data: FullRun) -> Rows:
     return body
 
 
-def codes(data: FullRun) -> Rows:
+def codes(data: FullRun) -> PlainRows:
     """Return other people's contact codes without the effect of scaling; no rows if their results are missing."""
     return [row[:-1] for row in contact_codes(data.codes)] if data.codes else []
 
 
-def contact_codes(results: Codes) -> Rows:
+def contact_codes(results: Codes) -> PlainRows:
     """Return other people's contact codes, a row for each code and its parameters.
 
     A row says how the errors behave on finer meshes (the class, and the number of series of meshes with this class),

@@ -248,7 +248,7 @@ def _all_cases(rates: pd.DataFrame) -> str:
 NEGLIGIBLE = 1e-3
 """In a chart of errors, values below this fraction of the smallest error are not shown, because the vertical axis would
 become too long."""
-ERRORS: dict[str, tuple[str, Style]] = {
+ERROR_LINES: dict[str, tuple[str, Style]] = {
     "error": (r"error $\|u-u^h\|_V$", {}),
     "discrete_error": (r"discrete error $\|\Pi^hu-u^h\|_V$", DASHED | HOLLOW),
     "in_time": ("share of time discretisation", {"marker": "", **DOTTED}),
@@ -270,13 +270,13 @@ def draw_convergence(rates: pd.DataFrame, order: float) -> Figure:
     figure, (axes,) = stacked_axes(1)
     styles, lowest = family_styles(rates["family"]), NEGLIGIBLE * rates["error"].min()
     rates = rates.assign(in_time=rates["time_share"] * rates["error"])
-    for column, (_, style) in ERRORS.items():
+    for column, (_, style) in reversed(ERROR_LINES.items()):
         shown = rates.assign(**{column: rates[column].where(rates[column] >= lowest)})
         plot_families(axes, shown, column, styles, style)
     draw_slope(axes, order)
     label_ticks([axes])
     axes.set(title=rates["case"].iloc[0], xlabel=MESH_SIZE, ylabel=r"maximum over time in $\|\cdot\|_V$")
-    kinds = [entry(text, color=DARK, **{"marker": "o"} | style) for text, style in ERRORS.values()]
+    kinds = [entry(text, color=DARK, **{"marker": "o"} | style) for text, style in ERROR_LINES.values()]
     add_legend(figure, families(styles), kinds)
     return figure
 
@@ -719,22 +719,21 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     Parameters:
         matrix: the table ``faults.csv``.
     """
-    by_case = matrix.groupby(["fault", "case"], sort=False)
-    smallest = matrix["size"].abs() == by_case["size"].transform(lambda sizes: sizes.abs().min())
+    sizes = matrix["size"].abs()
+    is_smallest = sizes == sizes.groupby([matrix["fault"], matrix["case"]]).transform("min")
     errors, others = matrix["by_error"] != "", matrix["by_others"] != ""
-    shade = pd.Series(np.select([errors & smallest, errors, others], [4, 3, 2], 1), matrix.index)
-    visible = ~(matrix["distance"] < INVISIBLE * matrix["error"])  # Without a distance nothing is known.
+    # Without a distance nothing is known about the discrete solution.
+    visible = ~(matrix["distance"] < INVISIBLE * matrix["error"])
+    shade = np.select([errors & is_smallest, errors, others], [4, 3, 2], 1)
+    cells = matrix.assign(shade=shade, visible=visible * 1.0).groupby(["fault", "case"])[["shade", "visible"]].max()
     equations, cases = matrix.groupby("fault", sort=False)["equation"].first(), matrix["case"].unique()
-    shades, marks = (
-        values.groupby([matrix["fault"], matrix["case"]]).max().unstack().loc[equations.index, cases]
-        for values in (shade, visible.astype(float))
-    )
+    table = cells.unstack().reindex(equations.index)
     figure = Figure(figsize=(page_width(), 1.9 + 0.155 * len(equations)))
     axes = figure.subplots()
     style: dict[str, Any] = {"vmin": -0.5, "vmax": 4.5, "edgecolors": "white", "linewidth": 0.5}
     colours = ListedColormap([colour for colour, _ in SHADES])
-    axes.pcolormesh(shades.fillna(0).to_numpy(), cmap=colours, **style)
-    rows, columns = np.nonzero(marks == 0)
+    axes.pcolormesh(table["shade"][cases].fillna(0).to_numpy(), cmap=colours, **style)
+    rows, columns = np.nonzero(table["visible"][cases] == 0)
     axes.plot(columns + 0.5, rows + 0.5, ".", color=GREY, markersize=3)
     axes.invert_yaxis()
     axes.set_xticks(np.arange(len(cases)) + 0.5, cases, rotation=90)

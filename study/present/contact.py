@@ -33,8 +33,8 @@ STRAY: Style = {"color": BLUE, "mfc": "white", "mew": 0.5}
 FRONT: Style = {"color": VERMILLION, "lw": 1.0}
 NODES: Style = {"mfc": "white", "ms": 2.6}
 """The style of computed values at nodes."""
-LABELS = {"gap": "gap $w$", "pressure": "pressure $p$"}
-COLOURS = {"gap": BLUE, "pressure": VERMILLION}
+QUANTITY_LABELS = {"gap": "gap $w$", "pressure": "pressure $p$"}
+QUANTITY_COLOURS = {"gap": BLUE, "pressure": VERMILLION}
 """The labels and colours of gap and pressure."""
 
 
@@ -140,7 +140,7 @@ def draw_profiles(picture: Picture) -> Figure:
     figure = Figure(figsize=(column_width(), 0.9 + 2.2 * len(rows)))
     panels = figure.subplots(2 * len(rows), len(titles), sharey="row", squeeze=False)
     for number, row in enumerate(rows):
-        for (name, colour), line in zip(COLOURS.items(), panels[2 * number :], strict=False):
+        for (name, colour), line in zip(QUANTITY_COLOURS.items(), panels[2 * number :], strict=False):
             for (face, instant), axes in zip(row, line, strict=True):
                 exact, computed = getattr(face, f"line_{name}")[instant], getattr(face, name)[instant]
                 draw_profile(axes, face, exact, computed, colour)
@@ -149,12 +149,12 @@ def draw_profiles(picture: Picture) -> Figure:
             # The axis includes zero, so that round-off around a constant does not fill the panel.
             low, high = line[0].get_ylim()
             high = high if high > ROUND_OFF else 1.0
-            line[0].set(ylim=(min(low, -0.06 * high), high), ylabel=LABELS[name])
+            line[0].set(ylim=(min(low, -0.06 * high), high), ylabel=QUANTITY_LABELS[name])
     for axes, title in zip(panels[0], titles, strict=True):
         axes.set_title(title)
     figure.align_ylabels(panels[:, 0])
     figure.suptitle(heading)
-    markers = [dots(f"computed {name}", color=colour, **NODES) for name, colour in COLOURS.items()]
+    markers = [dots(f"computed {name}", color=colour, **NODES) for name, colour in QUANTITY_COLOURS.items()]
     legend(figure, [entry("exact", color=BLACK, lw=0.9), *markers], columns=3, wide=True)
     return figure
 
@@ -179,7 +179,7 @@ def _largest_differences(picture: Picture) -> dict[str, str]:
     exact value, unless this value is zero up to rounding.
     """
     texts = {}
-    for name in LABELS:
+    for name in QUANTITY_LABELS:
         computed, exact = (
             np.concatenate([getattr(face, attribute)[picture.shown].ravel() for face in picture.faces])
             for attribute in (name, f"{name}_exact")
@@ -236,7 +236,7 @@ def draw_maps(picture: Picture) -> Figure:
 
     Surfaces show exact values, dots show computed values at the nodes, in the same colours.
     """
-    shown, faces = picture.shown, [(face, name) for face in picture.polygons for name in LABELS]
+    shown, faces = picture.shown, [(face, name) for face in picture.polygons for name in QUANTITY_LABELS]
     figure = Figure(figsize=(column_width(), 0.7 + 1.05 * len(faces)))
     panels = figure.subplots(len(faces), len(shown), sharex="row", sharey="row", squeeze=False)
     for row, (face, name) in zip(panels, faces, strict=True):
@@ -245,7 +245,7 @@ def draw_maps(picture: Picture) -> Figure:
         for axes, instant in zip(row, shown, strict=True):
             draw_map(axes, face, instant, name, top)
         bar = figure.colorbar(row[-1].collections[0], ax=list(row), fraction=0.05, ticks=[0, top], format="%.3g")
-        bar.set_label(LABELS[name])
+        bar.set_label(QUANTITY_LABELS[name])
     _label_maps(panels, picture, [face for face, _ in faces])
     figure.suptitle(picture.heading)
     marks = dots("computed", mfc="white", mec=RIM, mew=0.4, ms=2.6)

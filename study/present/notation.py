@@ -32,7 +32,9 @@ def _greek(letter: str) -> str:
 _LATEX = read_page("notation")
 _GREEK = "ΓΔΘΠΣΦΨΩαβγδζηθκμνξπρστχψω"
 """Letters whose names are LaTeX commands; others are in ``page/notation.toml``."""
-_COMMANDS: dict[str, str] = {letter: _greek(letter) for letter in _GREEK} | _LATEX["formulas"]
+_SIGNS = _LATEX["formulas"].split()
+_COMMANDS: dict[str, str] = {letter: _greek(letter) for letter in _GREEK}
+_COMMANDS |= dict(zip(_SIGNS[::2], _SIGNS[1::2], strict=True))
 _ACCENTS = {"\u0307": r"\dot", "\u0308": r"\ddot", "\u0303": r"\tilde", "\u0302": r"\hat", "\u0304": r"\bar"}
 _RAISED = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ⁿ", "0123456789-+n", strict=True))
 _LOWERED = dict(zip("₀₁₂₃₄₅₆₇₈₉₋₊ₙ", "0123456789-+n", strict=True))

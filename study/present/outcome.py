@@ -2,7 +2,6 @@
 
 import math
 import textwrap
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
@@ -24,8 +23,11 @@ from study.ledger.verdict import (
     VERDICTS,
     Verdict,
 )
-from study.present.notation import counted
+from study.present.notation import counted, read_page
+from study.present.templates import ENVIRONMENT
 
+SENTENCES: dict[str, str] = read_page("texts")["printed"]
+"""Name of a printed sentence ↦ its template."""
 FEW_CASES = 3
 """If a run has at most this number of cases, its reported numbers without a claim are printed, too."""
 
@@ -93,19 +95,12 @@ def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
         for _, row in claims[claims["verdict"] == verdict].iterrows():
             expected, _, why = str(row["expected"]).partition(BECAUSE)
             observed = observed_text(*(float(row[name]) for name in ("observed", "low", "high")))
-            where = ", ".join(filter(None, (row["label"], row["case"])))
-            text = f"{verdict}: {where}: {row['quantity']}: expected {expected}, observed {observed}"
-            text += f"; because {why}" if why else ""
-            lines += textwrap.wrap(text, width(), subsequent_indent="    ", break_on_hyphens=False)
-    count = count_verdicts(claims)
-    counts = (
-        f"{counted(len(claims), 'check')}: {count[HOLDS]} hold, {count[FAILS]} fail, {count[UNDECIDED]} undecided, "
-        f"{count[MISSED]} missed (our own prediction was wrong), {count[REPORTED]} reported without a claim"
-    )
-    kinds = ", ".join(f"{number} {name}" for name, number in count_kinds(claims).items())
-    evidence = f"checks that hold, by kind: {kinds} (an identity fails only if the program is wrong)"
-    for text in (counts, *([evidence] if count[HOLDS] else []), conclusion(count, orders)):
-        lines += textwrap.wrap(text, width(), break_on_hyphens=False)
+            values = {"where": (row["label"], row["case"]), "expected": expected, "why": why, "observed": observed}
+            lines += _wrapped(printed("check", row=row, **values), indent="    ")
+    count, kinds = count_verdicts(claims), count_kinds(claims)
+    lines += _wrapped(printed("counts", total=len(claims), count=count))
+    lines += _wrapped(printed("kinds", kinds=kinds)) if count[HOLDS] else []
+    lines += _wrapped(conclusion(count, orders))
     return "\n".join(lines) + "\n"
 
 
@@ -116,32 +111,26 @@ def conclusion(count: Mapping[str, int], orders: str = "") -> str:
         count: verdict ↦ number of checks.
         orders: a text on the observed orders, which is added; may be empty.
     """
-    seen = f"; {orders}" if orders else ""
-    if count[FAILS]:
-        return f"Conclusion: {counted(count[FAILS], 'check')} contradicted a statement{seen}."
-    if not count[HOLDS]:
-        return "Conclusion: nothing was decided."
-    rest = f"; {counted(count[UNDECIDED], 'check')} could not be decided" if count[UNDECIDED] else ""
-    confirmed = f"{counted(count[HOLDS], 'check')} confirmed {'its claim' if count[HOLDS] == 1 else 'their claims'}"
-    return f"Conclusion: no statement was contradicted, {confirmed}{rest}{seen}."
+    return printed("conclusion", count=count, orders=orders)
+
+
+def printed(name: str, **values: object) -> str:
+    """Return the sentence that a template of ``page/texts.toml``, [printed], makes from values."""
+    return ENVIRONMENT.from_string(SENTENCES[name]).render(values)
+
+
+def _wrapped(text: str, indent: str = "") -> list[str]:
+    return textwrap.wrap(text, width(), subsequent_indent=indent, break_on_hyphens=False)
 
 
 def contact_test_text(directory: Path) -> str:
     """Return which checks notice deliberate defects of contact, for the cases of a user, from ``contact-test.csv``."""
-    table, lines = read_csv(directory, "contact-test.csv"), []
+    table, texts = read_csv(directory, "contact-test.csv"), []
     for _, rows in table.groupby("case", sort=False):
-        first, missed = rows.iloc[0], rows[rows["noticed"] == 0]
-        where = f"{first['case']}, {first['family']} meshes, n = {first['levels']}"
-        if missed.empty:
-            lines.append(f"test of contact: {where}: a solver with a defect would be noticed:")
-            lines += [f"  {row['what']}: by {row['noticed_by']}" for _, row in rows.iterrows()]
-        else:
-            lines.append(
-                f"weak test of contact: {where}: of {first['holding']} rows that hold, none notices "
-                f"{' or '.join(missed['what'])}. Take a larger pressure relative to moduli and gap, a contact zone "
-                "that is wider in cells, or finer levels."
-            )
-    return "\n".join(line for text in lines for line in textwrap.wrap(text, width(), subsequent_indent="    ")) + "\n"
+        first, missed = rows.iloc[0], rows.loc[rows["noticed"] == 0, "what"].tolist()
+        texts.append(printed("weak_contact" if missed else "contact", first=first, missed=missed))
+        texts += [] if missed else [f"  {row.what}: by {row.noticed_by}" for row in rows.itertuples()]
+    return "\n".join(line for text in texts for line in textwrap.wrap(text, width(), subsequent_indent="    ")) + "\n"
 
 
 def write_junit(path: Path, verdicts: list[Verdict]) -> None:
@@ -149,18 +138,16 @@ def write_junit(path: Path, verdicts: list[Verdict]) -> None:
 
     The verdict *fails* is a failure; the verdicts *undecided*, *missed* and *reported* are skipped tests.
     """
-    count = Counter(verdict.verdict for verdict in verdicts)
-    skipped = len(verdicts) - count[HOLDS] - count[FAILS]
-    totals = {"tests": str(len(verdicts)), "failures": str(count[FAILS]), "skipped": str(skipped)}
-    suite = ElementTree.Element("testsuite", {"name": "ledger", **totals})
+    suite = ElementTree.Element("testsuite", name="ledger", tests=str(len(verdicts)))
     for verdict in verdicts:
         names = {"classname": f"{verdict.label}.{verdict.case}", "name": verdict.quantity}
         case = ElementTree.SubElement(suite, "testcase", names)
-        message = f"expected {verdict.expected}, observed {observed_text(verdict.observed, verdict.low, verdict.high)}"
-        if verdict.verdict == FAILS:
-            ElementTree.SubElement(case, "failure", message=message)
-        elif verdict.verdict != HOLDS:
-            ElementTree.SubElement(case, "skipped", message=message)
+        if verdict.verdict != HOLDS:
+            observed = observed_text(verdict.observed, verdict.low, verdict.high)
+            message = f"expected {verdict.expected}, observed {observed}"
+            ElementTree.SubElement(case, "failure" if verdict.verdict == FAILS else "skipped", message=message)
+    for total, tag in (("failures", "failure"), ("skipped", "skipped")):
+        suite.set(total, str(len(suite.findall(f"*/{tag}"))))
     ElementTree.indent(suite)
     write_text(path, printable(ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"))
 

@@ -7,10 +7,8 @@ import re
 import sys
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import cached_property
 from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -37,7 +35,7 @@ from study.ledger.verdict import (
 from study.present.article import contact_codes, slips, texts
 from study.present.drawing import caption_text, in_style
 from study.present.figures import drawings
-from study.present.notation import counted, read_page, typeset
+from study.present.notation import read_page, typeset
 from study.present.picture import Picture, picture_path, read_record
 from study.present.show import write_gif
 from study.present.templates import ENVIRONMENT, MISPRINTS, FullRun, context, render
@@ -50,7 +48,6 @@ TEXTS = read_page("results")
 """Texts about the results, which are templates."""
 CLAIMED = (FAILS, UNDECIDED, HOLDS)
 """Verdicts on claims, from worst to best."""
-PLURAL = {HOLDS: "hold", FAILS: "fail"}
 END = "<!-- end -->"
 
 
@@ -145,50 +142,28 @@ def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 # Answer and results: claim, prediction, observation, verdict
 
 
-class Sentences:
-    """The sentences about the results of a full run, with its numbers.
+def sentences(data: FullRun) -> Callable[[str], str]:
+    """Return a function that makes a sentence with the numbers of a full run, in plain text, from its template.
 
-    Parameters:
-        data: the data of the run.
+    Templates use the names of ``context``, and those that are defined here.
     """
-
-    def __init__(self, data: FullRun) -> None:
-        self.data = data
-
-    @cached_property
-    def values(self) -> dict[str, Any]:
-        """The names that the templates of the sentences use: those of ``context``, and further ones."""
-        data, claims = self.data, self.data.claims
-        of_rough, own = data.checks("Prop. 5.3", "order"), data.checks("Thm 4.2, own space", "order-stress")
-        predicted = of_rough["case"].map(data.cases["expected_order"])
-        is_smooth = own["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
-        unclaimed = claims[claims["verdict"].isin(UNCLAIMED)]
-        failing = count_verdicts(claims[claims["label"].map(is_of_the_paper)])[FAILS]
-        return context(data) | {
-            "verdicts_in_words": verdicts_in_words,
-            "contradict": f"{failing} of its checks contradict" if failing else "none of its checks contradicts",
-            "predictions": unclaimed[unclaimed["expected"].str.startswith("predicted ")],
-            "misprints": slips(data),
-            "predicted": predicted,
-            "difference": (of_rough["observed"] - predicted).abs().max(),
-            "steps": data.rates.loc[data.rates["claim"] == "Prop. 5.3", "order"].dropna(),
-            "own_smooth": own[is_smooth],
-            "own_others": own[~is_smooth],
-        }
-
-    def text(self, template: str) -> str:
-        """Return a sentence with its numbers, in plain text."""
-        return ENVIRONMENT.from_string(template).render(self.values)
-
-    def lines(self, names: Iterable[str]) -> dict[str, list[str]]:
-        """Return name ↦ claim, prediction, observation and verdict for lines of the tables of results."""
-        lines = {}
-        for name in names:
-            line = TEXTS["lines"][name]
-            counts = line.get("label"), line.get("keys", ()), line.get("noun", "checks")
-            verdict = self.text(line["verdict"]) if "verdict" in line else _verdict(self.data.claims, *counts)
-            lines[name] = [*(self.text(line[part]) for part in ("claim", "predicted", "observed")), verdict]
-        return lines
+    of_rough, own = data.checks("Prop. 5.3", "order"), data.checks("Thm 4.2, own space", "order-stress")
+    predicted = of_rough["case"].map(data.cases["expected_order"])
+    is_smooth = own["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
+    unclaimed = data.claims[data.claims["verdict"].isin(UNCLAIMED)]
+    failing = count_verdicts(data.claims[data.claims["label"].map(is_of_the_paper)])[FAILS]
+    values = context(data) | {
+        "verdicts_in_words": verdicts_in_words,
+        "failing": failing,
+        "predictions": unclaimed[unclaimed["expected"].str.startswith("predicted ")],
+        "misprints": slips(data),
+        "predicted": predicted,
+        "difference": (of_rough["observed"] - predicted).abs().max(),
+        "steps": data.rates.loc[data.rates["claim"] == "Prop. 5.3", "order"].dropna(),
+        "own_smooth": own[is_smooth],
+        "own_others": own[~is_smooth],
+    }
+    return lambda template: ENVIRONMENT.from_string(template).render(values)
 
 
 def answer(data: FullRun) -> str:
@@ -206,14 +181,23 @@ def short(data: FullRun) -> str:
 
 
 def _list(data: FullRun, name: str) -> str:
-    sentences = Sentences(data)
-    return "".join(f"- **{lead}.** {_literal(sentences.text(text))}\n" for lead, text in TEXTS[name].items())
+    fill = sentences(data)
+    return "".join(f"- **{lead}.** {_literal(fill(text))}\n" for lead, text in TEXTS[name].items())
 
 
 def results(data: FullRun) -> str:
     """Return the table of results in Markdown: claims, predictions, observations rounded outwards, and verdicts."""
-    lines = Sentences(data).lines(TEXTS["lines"]).values()
-    return _table(["claim", "predicted", "observed", "verdict"], lines)
+    return _table(["claim", "predicted", "observed", "verdict"], result_lines(data, TEXTS["lines"]))
+
+
+def result_lines(data: FullRun, names: Iterable[str]) -> list[list[str]]:
+    """Return claim, prediction, observation and verdict for lines of the tables of results."""
+    fill, lines = sentences(data), []
+    for line in (TEXTS["lines"][name] for name in names):
+        counts = line.get("label"), line.get("keys", ()), line.get("noun", "checks")
+        verdict = fill(line["verdict"]) if "verdict" in line else _verdict(data.claims, *counts)
+        lines.append([*(fill(line[part]) for part in ("claim", "predicted", "observed")), verdict])
+    return lines
 
 
 def _verdict(claims: pd.DataFrame, label: str, keys: Sequence[str] = (), noun: str = "checks") -> str:
@@ -229,16 +213,17 @@ def _verdict(claims: pd.DataFrame, label: str, keys: Sequence[str] = (), noun: s
         noun: what these checks are called.
     """
     rows = claims[claims["label"] == label]
-    tests = rows[rows["key"].isin(keys)] if keys else rows
+    is_test = rows["key"].isin(keys) if keys else rows["key"].notna()
+    tests, further = rows[is_test], verdicts_in_words(rows[~is_test], "further checks of the same computations")
     count = count_verdicts(tests)
-    text = next((f"{one}: {verdicts_in_words(tests, noun)}" for one in CLAIMED if count[one]), REPORTED)
-    holding = tests[tests["verdict"] == HOLDS]
-    safe = int((holding["kind"] == CheckKind.IDENTITY).sum())
-    judged = sum(count[verdict] for verdict in CLAIMED)  # Rows without a verdict are not counted in the sentence.
-    if safe:
-        text += f"; {'they' if safe == judged else f'{safe} of them'} can fail only if the program is wrong"
-    further = rows[~rows["key"].isin(keys)]
-    return f"{text}; {verdicts_in_words(further, 'further checks of the same computations')}" if keys else text
+    values = {
+        "worst": next((verdict for verdict in CLAIMED if count[verdict]), REPORTED),
+        "tested": verdicts_in_words(tests, noun),
+        "total": sum(count[verdict] for verdict in CLAIMED),
+        "safe": ((tests["verdict"] == HOLDS) & (tests["kind"] == CheckKind.IDENTITY)).sum(),
+        "further": further if keys else "",
+    }
+    return ENVIRONMENT.from_string(TEXTS["verdict"]).render(values)
 
 
 def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
@@ -248,12 +233,7 @@ def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
     """
     count = count_verdicts(rows)
     total = sum(count[verdict] for verdict in CLAIMED)
-    text = f"all {total} {noun} hold"
-    if count[HOLDS] < total:
-        each = ", ".join(f"{count[verdict]} {PLURAL.get(verdict, verdict)}" for verdict in CLAIMED if count[verdict])
-        text = f"of {total} {noun} {each}"
-    missed = count[MISSED]
-    return f"{text}; {counted(missed, 'prediction')} of this study missed" if missed else text
+    return ENVIRONMENT.from_string(TEXTS["counts"]).render(count=count, total=total, noun=noun)
 
 
 def misprints(data: FullRun) -> str:

@@ -39,7 +39,7 @@ NAMED_CASES = {"advance-recede", "natural-front", "rough-trace", "moving-rough",
 """The cases that the papers name. If a run lacks one of them, the papers are not made from it."""
 MISPRINTS = "slips"
 """The label of the checks that list misprints."""
-EVIDENCE: dict[str, str] = read_page("article")["evidence"]
+EVIDENCE_TITLES: dict[str, str] = read_page("article")["evidence"]
 """Name ↦ title of each kind of evidence. Every row of the ledger belongs to exactly one of them."""
 ENVIRONMENT = Environment(
     loader=PackageLoader("study.present", "page"),
@@ -124,7 +124,7 @@ ENVIRONMENT.filters |= {function.__name__: function for function in FILTERS} | {
 
 
 def evidence(row: pd.Series) -> str:
-    """Return the kind of evidence of a row of ``claims.csv``, as a key of ``EVIDENCE``."""
+    """Return the kind of evidence of a row of ``claims.csv``, as a key of ``EVIDENCE_TITLES``."""
     if row["label"] in (NO_ROW, NOT_TESTED, MISPRINTS):
         return "lines"
     if row["verdict"] in UNCLAIMED:
@@ -198,7 +198,7 @@ def context(data: FullRun) -> dict[str, Any]:
     functions = count_kinds, count_verdicts, planned_keys, in_words
     return vars(data) | {
         "checks": data.checks,
-        "evidence": {name: counts.get(name, 0) for name in EVIDENCE},
+        "evidence": {name: counts.get(name, 0) for name in EVIDENCE_TITLES},
         "missed_faults": missed(data.faults),
         "without_5_36": orders[orders["case"].map(data.cases["expected_order"]) == 1],
         "discrete_scheme": discrete.apply(agreement, axis=1).tolist(),

@@ -1,4 +1,4 @@
-"""Every numbered formula and statement of the source has rows in the ledger, or a reason why it has none."""
+"""No numbered formula of the paper is left out without a reason."""
 
 from dataclasses import asdict
 
