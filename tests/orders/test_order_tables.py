@@ -88,7 +88,7 @@ REFUSED = {
     "lists-without-brackets.txt": "has 2 values, expected 3",
     "computed-and-analytical.txt": "give --dim",
     "one-name-per-line-in-prose.txt": "Give --ratio 2",
-    "33-repeated-h.csv": "line 4: h = 0.05 is the size in line 3",
+    "33-repeated-h.csv": "the mesh size 0.05 occurs twice",
     "gadopt.txt": "Give --ratio 2",
     "libceed.txt": "convergence order of u (order)",
     "mirgecom_bare.txt": "6 columns, but no line above names them",
@@ -374,7 +374,7 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, rates) -> No
         (b"h,error\n" + b"1,1\n" * 110_000, "100000 lines"),
         (b"h,error\n" + b"0.123456789,0.123456789\n" * 1_000_000, "more than 8 MB"),
         (b"h,error\n1,abc\n.5,1\n", "line 2: error is 'abc', expected a number"),
-        (b"h,error\n.1,.2\n.1000000000001,.21\n.05,.1\n", "line 3: h = .1000000000001 is the size in line 2"),
+        (b"h,error\n.1,.2\n.1000000000001,.21\n.05,.1\n", "the mesh size 0.1 occurs twice: give one error for each"),
         (
             b"0.25 0.0131\n0.125 0.00661\n",
             "has 2 columns, but no line above names them: add a header such as 'h error'",
