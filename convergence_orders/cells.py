@@ -118,9 +118,8 @@ _ROLES = {
 """Role ↦ pattern of the whole name."""
 SIZES = ("size", "count", "total", "step")
 """Roles of columns from which mesh sizes or time steps can be computed, the preferred role first."""
-_ORDER = re.compile(
-    r"\b(?:e?oc|orders?|rates?|roc|ooc|slope|ratio|reduction|quotient|factor|log2)(?:(?:l|h)(?:\d|inf))?\b|^(?:q|r|conv|red)$"
-)
+_ORDER = re.compile(r"\b(?:e?oc|orders?|rates?|roc|ooc|slope|log2)(?:(?:l|h)(?:\d|inf))?\b|^(?:q|r|conv|red)$")
+_QUOTIENT = re.compile(r"\b(?:ratio|reduction|quotient|factor)s?\b")
 _METHOD = re.compile(r"(?:\d+(?:st|nd|rd|th)|first|second|third|fourth|fifth|sixth) orders?(?: \w+)?\)?$")
 _ERROR = re.compile(r"err|fehler|erreur|norm|l ?(?:1|2|inf|∞)\b|h ?[12]\b|linf|l∞|rmse|mae|\|")
 _OTHER = re.compile(
@@ -133,7 +132,7 @@ _OTHER = re.compile(
 def role(name: str) -> str:
     """Return the role of a column, which follows from its name.
 
-    The roles are ``error``, ``order``, ``size`` (of a mesh), ``step`` (in time), ``count`` (number of cells along a
+    The roles are ``error``, ``order``, ``quotient`` (of errors), ``size`` (of a mesh), ``step`` (in time), ``count`` (number of cells along a
     side), ``total`` (number of all cells, vertices or unknowns), ``level``, ``degree`` (of polynomials), ``other``
     (such as times and iterations) and ``unknown``.
     """
@@ -148,6 +147,8 @@ def role(name: str) -> str:
     for kind, pattern in _ROLES.items():
         if re.fullmatch(pattern, text):
             return kind
+    if _QUOTIENT.search(text):
+        return "quotient"
     if _ORDER.search(text) and not _METHOD.search(text):
         return "order"
     is_error = _ERROR.search(text)

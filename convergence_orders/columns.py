@@ -83,7 +83,8 @@ class Series:
     @property
     def recognised(self) -> str:
         """One line about how the table was read: its form, the mesh sizes, the errors and the ignored columns."""
-        ignored = f"; ignored: {', '.join(self.ignored)}" if self.ignored else ""
+        names = [f"{name} (quotients)" if kind == "quotient" else name for name, kind in self.ignored.items()]
+        ignored = f"; ignored: {', '.join(names)}" if names else ""
         return f"read as {self.form}; size: {self.size}; errors: {', '.join(self.errors)}{ignored}"
 
 
@@ -253,13 +254,12 @@ class Reading:
         """Return the columns of errors, and correct the roles of columns beside them."""
         errors: list[Column] = []
         for column in self.columns:
-            if column is self.size or column.role not in ("unknown", "error", "order"):
+            if column is self.size or column.role not in ("unknown", "error", "order", "quotient"):
                 continue
-            if errors and column.role != "error":
-                column.role = _beside(column, errors[-1])
+            quotients = errors and column.role != "error" and self._correct(column, errors)
             if column.role in ("unknown", "error"):
                 errors.append(column)
-            elif column.role == "order" and errors:
+            elif column.role == "order" and errors and not quotients:
                 stem = _ORDER_WORDS.sub("", column.name).lower()
                 owner = next((error for error in errors if stem and stem in error.name.lower()), errors[-1])
                 self.printed.setdefault(owner, []).append(column)
@@ -274,6 +274,20 @@ class Reading:
         # All first entries are missing in a table of orders.
         is_orders = len(self.table.places) > 2 and all(column.starts_missing for column in errors)
         return [] if is_orders else errors
+
+    def _correct(self, column: Column, errors: list[Column]) -> bool:
+        """Correct the role of a column behind columns of errors; return whether it has quotients of the last errors.
+
+        Quotients may equal the orders of other errors: behind several columns, what is called orders has orders.
+        """
+        quotients = errors[-1].numbers[:-1] / errors[-1].numbers[1:]
+        below, above = column.numbers[1:], column.numbers[:-1]
+        equal = _equal(below, quotients) or _equal(above, quotients)
+        if equal and (len(errors) == 1 or column.role != "order" or column.name.startswith("order of")):
+            column.role = "quotient"
+        elif len(column.cells) > 2 and (column.starts_missing or _equal(below, np.log2(quotients))):
+            column.role = "order"
+        return equal
 
     def _wanted(self) -> list[Column]:
         """Return the columns that the user names as columns of errors; names may contain commas."""
@@ -395,9 +409,8 @@ class Reading:
         power = dim or confirmed.get(name, 0)
         if not power and (kind == "total" or np.abs(np.diff(np.log(sizes))).min(initial=9) >= math.log(3.5)):
             raise OrderError(
-                f"column {name} is a count: h = 1/{name} if it counts cells along one side (--dim 1), "
-                f"h = {name}^(-1/2) if it counts all cells or unknowns in the plane (--dim 2), {name}^(-1/3) in space "
-                "(--dim 3); give --dim"
+                f"column {name} is a count: give --dim D (dim=D in Python) for h = {name}^(-1/D), where D is 1 if it "
+                "counts cells along one side, and 2 or 3 if it counts all cells or unknowns in the plane or in space"
             )
         words = f"h = {name}^(-1/{power})" if power > 1 else f"h = 1/{name}"
         confirmation = ", which the printed orders confirm" if power and not dim else ""
@@ -469,17 +482,10 @@ class Reading:
                 )
 
 
-def _beside(column: Column, errors: Column) -> str:
-    """Return the role of a column behind a column of errors, which may have their orders or quotients."""
-    quotients = errors.numbers[:-1] / errors.numbers[1:]
-    close = {}
-    for kind, expected in (("quotient", quotients), ("order", np.log2(quotients))):
-        used = np.isfinite(column.numbers[1:] * expected)
-        close[kind] = used.sum() > 1 and np.allclose(column.numbers[1:][used], expected[used], rtol=0.01)
-    if close["quotient"]:
-        return "quotient"
-    is_order = len(column.cells) > 2 and (column.starts_missing or close["order"])
-    return "order" if is_order else column.role
+def _equal(numbers: Array, expected: Array) -> bool:
+    """Return whether two numbers or more are finite, and all of these are equal up to rounding."""
+    used = np.isfinite(numbers * expected)
+    return bool(used.sum() > 1 and np.allclose(numbers[used], expected[used], rtol=0.01))
 
 
 def _jumps_back(sizes: Array) -> list[int]:

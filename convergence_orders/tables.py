@@ -316,7 +316,7 @@ def _cells(row: Row, width: int, names: Cells) -> Cells:
         OrderError: there are fewer or more cells.
     """
     missing = width - len(row.cells)
-    permitted = row.sign not in " ,;" or [role(name) for name in names[-missing:]] == ["order"]
+    permitted = row.sign not in " ,;" or [*map(role, names[-missing:])] in (["order"], ["quotient"])
     if any(row.cells[width:]) or (missing > 0 and not permitted):
         raise OrderError(
             f"line {row.line.number}: {len(row.cells)} entries, expected {width}: '{shorten(row.text.strip())}'; write "

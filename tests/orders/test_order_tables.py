@@ -79,6 +79,12 @@ VERDICTS = {
     "comment-block-fitted-row.txt --expected 'N 1=2,N 2=3'": ["undecided"] * 4,
     "error-against-finest-run.csv --expected 1": ["undecided"] * 2,
     "r-matrix.txt --expected L2=2,H1=1": ["holds"] * 2,
+    "dealii-cycle-cells-dofs.txt --expected L2=3,H1=2,Linfty=3": ["holds"] * 3,
+    "rates-of-one-list.txt --expected 'L2 errors=2,H1 errors=1'": ["holds"] * 2,
+    "matlab-table.txt --expected errL2=2,errH1=1": ["holds"] * 2,
+    "inverse-h-two-degrees.tex --at-least 1.9": ["holds"] * 2,
+    "quotients-first-cell-left-out.txt --expected 2": ["holds"],
+    "mfem-ref-dofs.txt --dim 3 --expected 1": ["holds"] * 2,
 }
 REFUSED = {
     "14-matlab-no-h.txt": "Give --ratio 2",
@@ -91,6 +97,9 @@ REFUSED = {
     "33-repeated-h.csv": "the mesh size 0.05 occurs twice",
     "gadopt.txt": "Give --ratio 2",
     "libceed.txt": "convergence order of u (order)",
+    "mfem-ref-dofs.txt": "give --dim D (dim=D in Python)",
+    "ngsolve-words-and-numbers.txt": "6 columns, but no line above names them",
+    "p-refinement-with-unknowns.txt": "column p has degrees: errors against the degree (p-refinement)",
     "mirgecom_bare.txt": "6 columns, but no line above names them",
 }
 
@@ -137,6 +146,8 @@ def test_a_table_with_two_readings_is_refused_with_the_edit(file: str, capsys) -
             "the printed orders 0.56, 0.87, 1.11 are not the computed ones 1.12, 1.74, 2.22",
         ),
         ("names-with-blanks.txt", "h = cells^(-1/2) from column cells, which the printed orders confirm"),
+        ("quotients-first-cell-left-out.txt", "ignored: ratio (quotients)"),
+        ("dealii-cycle-cells-dofs.txt", "h = cells^(-1/2) from column cells, which the printed orders confirm"),
     ],
 )
 def test_the_diagnosis_names_what_an_analyst_sees(command: str, sentence: str, capsys) -> None:
