@@ -132,9 +132,9 @@ _OTHER = re.compile(
 def role(name: str) -> str:
     """Return the role of a column, which follows from its name.
 
-    The roles are ``error``, ``order``, ``quotient`` (of errors), ``size`` (of a mesh), ``step`` (in time), ``count`` (number of cells along a
-    side), ``total`` (number of all cells, vertices or unknowns), ``level``, ``degree`` (of polynomials), ``other``
-    (such as times and iterations) and ``unknown``.
+    The roles are ``error``, ``order``, ``quotient`` (of errors), ``size`` (of a mesh), ``step`` (in time), ``count``
+    (number of cells along a side), ``total`` (number of all cells, vertices or unknowns), ``level``, ``degree`` (of
+    polynomials), ``other`` (such as times and iterations) and ``unknown``.
     """
     if name.strip(" $") == "T":
         # A column T often has errors of a temperature; the time is called t.
