@@ -399,8 +399,9 @@ class Reading:
         kind, name, sizes, dim = column.role, column.name, column.numbers[rows], self.options.dim
         whole = sizes.min() > 1 and (dim or not (sizes % 1).any())
         if kind not in ("count", "total") and not (whole and (dim or kind not in SIZES)):
-            falling = [error.name for error in self.errors if (np.diff(error.numbers[rows]) < 0).all()]
-            if whole and len(sizes) > 1 and (np.diff(sizes) > 0).all() and falling and self.options.size is None:
+            steps = np.diff(sizes)
+            falling = [error.name for error in self.errors if (np.diff(error.numbers[rows]) * steps < 0).all()]
+            if whole and len(steps) and falling and self.options.size is None:
                 raise OrderError(
                     f"the errors {falling[0]} fall as {name} grows: give --dim 1 if {name} counts cells along a side, "
                     f"or --in {name} if its numbers are lengths"

@@ -7,9 +7,10 @@ tabs, semicolons, commas or blanks, or lines ``name = value``. What a column mea
 import csv
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
+from typing import Any
 
 import numpy as np
 
@@ -57,9 +58,10 @@ def read_tables(data: bytes | str) -> list[Table]:
     text = decode(data) if isinstance(data, bytes) else data
     if not text.strip():
         raise OrderError(f"it is empty; {EXAMPLE}")
-    json_text = _json(text)
-    lines = [] if json_text else _lines(text)
-    joined = json_text or "\n".join(line.text for line in lines)
+    if tables := _json(text):
+        return tables
+    lines = _lines(text)
+    joined = "\n".join(line.text for line in lines)
     lists, singles = _lists(joined)
     tables = lists or _grids(lines)
     if not tables and singles:
@@ -97,14 +99,6 @@ def decode(data: bytes) -> str:
 def shorten(text: str, width: int = 60) -> str:
     """Return a text with at most ``width`` signs."""
     return text if len(text) <= width else text[: width - 1] + "…"
-
-
-def _json(text: str) -> str:
-    """Return a text in JSON with every number on a line of its own; an empty text if it is not JSON."""
-    try:
-        return json.dumps(json.loads(text), indent=0, ensure_ascii=False)
-    except (ValueError, RecursionError):
-        return ""
 
 
 # Lines without the signs of LaTeX, Markdown and programs.
@@ -431,7 +425,7 @@ def _orders_between(values: Cells) -> bool:
     return len(values) % 2 == 1 and not (abs(computed - numbers[1::2]) >= 0.03).any()
 
 
-def from_columns(form: str, columns: Columns, caption: str = "") -> Table:
+def from_columns(form: str, columns: Columns) -> Table:
     """Return the table with the given columns; a column of orders may lack its first cell.
 
     Raises:
@@ -446,8 +440,7 @@ def from_columns(form: str, columns: Columns, caption: str = "") -> Table:
                 f"columns of different lengths: {name} has {len(cells)} values, expected {length}, one for each mesh: "
                 "write nan where a computation failed"
             )
-    places = [f"value {k}" for k in range(1, length + 1)]
-    return Table(form, [*columns], [*columns.values()], places, caption=caption)
+    return Table(form, [*columns], [*columns.values()], [f"value {k}" for k in range(1, length + 1)])
 
 
 _NUMBER = r"[-+.\d][^\s,;:=]*(?:,\d[^\s,;=:]*)*(?:\s*(?:%|(?:[xX×·*]|\\times|\\cdot)\s*10[^\s,;=:]*))?"
@@ -466,27 +459,24 @@ def _lists(text: str) -> tuple[list[Table], Columns]:
     Lists have the form ``name = [1, 2, 3]``, ``name: 1, 2, 3`` or ``label 51: 0.1, 101: 0.02``. A second list of mesh
     sizes begins another table. The single values of a name, one for each mesh, are a column.
     """
-    tables: list[tuple[str, Columns]] = [("", {})]
+    tables: list[Columns] = [{}]
     singles: Columns = {}
-    caption = ""
     for match in _NAMED.finditer(_PAIRS.sub(_as_lists, text)):
         name, separator = match["name"].strip(" \t*-\"'"), r"[,;\s]+" if match["list"] else r",\s+"
         values = re.split(separator, (match["list"] or match["row"] or "").strip(" ,;\n\t"))
         kinds = [kind_of(value) for value in values]
-        if values[0] in ("{", "["):
-            caption = name
-        elif len(values) == 1:
+        if len(values) == 1:
             # Logging programs write the date and INFO in front of the name.
             last = name.split()[-1] if name else ""
             name = last if role(last) in SIZES and role(name) == "unknown" else name
             singles.setdefault(name, []).append(values[0].strip("*|`"))
         # A word in a list of numbers is a failure; a list of words is none of numbers.
-        elif "9" in kinds and ("a" not in kinds or len(values) in map(len, tables[-1][1].values())):
-            if not tables[-1][1] or (name in tables[-1][1] and role(name) in SIZES):
-                tables.append((caption, {}))
-            columns = tables[-1][1]
+        elif "9" in kinds and ("a" not in kinds or len(values) in map(len, tables[-1].values())):
+            if name in tables[-1] and role(name) in SIZES:
+                tables.append({})
+            columns = tables[-1]
             columns[f"{name} ({len(columns) + 1})" if name in columns else name] = values
-    lists = [from_columns("lists", columns, caption) for caption, columns in tables if len(columns) > 1]
+    lists = [from_columns("lists", columns) for columns in tables if len(columns) > 1]
     return lists, {name: values for name, values in singles.items() if len(values) > 1}
 
 
@@ -494,3 +484,35 @@ def _as_lists(match: re.Match[str]) -> str:
     """Return two lists, of sizes and of errors, for ``label 51: 0.1, 101: 0.02``."""
     sizes, errors = zip(*re.findall(r"(\S+): ?([^\s,]+)", match["pairs"]), strict=True)
     return f"n = [{', '.join(sizes)}]\n{match['name']} = [{', '.join(errors)}]"
+
+
+def _json(text: str) -> list[Table]:
+    """Return the tables in JSON: numbers with the same name are a column, in lists of objects or objects of lists.
+
+    The outermost object that has a column is a table; the names of the objects around it are its caption.
+    """
+    columns: dict[tuple[str, ...], Cells] = {}
+    try:
+        for path, value in _leaves(json.loads(text), ()):
+            columns.setdefault(path, []).append(value)
+    except (ValueError, RecursionError):
+        return []
+    columns = {path: values for path, values in columns.items() if path and len(values) > 1}
+    objects = {path[:-1] for path in columns}
+    tables: dict[tuple[str, ...], Columns] = {}
+    for path, values in columns.items():
+        around = next(path[:depth] for depth in range(len(path)) if path[:depth] in objects)
+        tables.setdefault(around, {})[" ".join(path[len(around) :])] = values
+    return [replace(from_columns("JSON", table), caption=" ".join(around)) for around, table in tables.items()]
+
+
+def _leaves(data: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Yield the names of the objects around each number or text, and the number or text."""
+    if isinstance(data, dict):
+        for name, entry in data.items():
+            yield from _leaves(entry, (*path, name))
+    elif isinstance(data, list):
+        for entry in data:
+            yield from _leaves(entry, path)
+    else:
+        yield path, str(data)

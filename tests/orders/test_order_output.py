@@ -256,8 +256,6 @@ def test_a_broken_solver_fails_the_assertion() -> None:
     assert assert_order(H, SQUARES, expected=2).order == pytest.approx(2)
     with pytest.raises(AssertionError, match="fails"):
         assert_order(H, H, expected=2)
-    found = check_orders(H, {"L2": SQUARES, "H1": H}, expected={"L2": 2, "H1": 1})
-    assert [column.verdict for column in found.values()] == ["holds", "holds"]
 
 
 @pytest.mark.parametrize(

@@ -102,7 +102,7 @@ def test_errors_against_the_degree_are_refused_by_name(header: str, tmp_path, ca
 def test_nested_json_is_read(nested, tmp_path, capsys) -> None:
     (tmp_path / "t.json").write_text(json.dumps(nested))
     assert main([str(tmp_path / "t.json"), "--expected", "2"]) == 0, capsys.readouterr().err
-    assert "L2: holds" in capsys.readouterr().out
+    assert "errors L2: holds" in capsys.readouterr().out
 
 
 def test_every_object_of_json_with_sizes_is_a_series(tmp_path, capsys) -> None:
