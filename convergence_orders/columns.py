@@ -7,7 +7,7 @@ import math
 import re
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from itertools import chain, groupby, pairwise
+from itertools import chain, groupby, pairwise, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -231,10 +231,9 @@ class Reading:
         if self.options.ratio is not None:
             return None
         if wanted := self.options.size:
-            for key in (str, str.lower):
-                for column in self.columns:
-                    if key(column.name) == key(wanted):
-                        return column
+            for key, column in product((str, str.lower), self.columns):
+                if key(column.name) == key(wanted):
+                    return column
             raise OrderError(f"--in {wanted}: there is no such column; there are {self.names}")
         sizes = [column for column in self.columns if column.role in SIZES and len(set(column.numbers)) > 1]
         # Numbers that stay the same from row to row tell series apart, numbers 0, 1, 2, … count rows, and orders refer
@@ -344,9 +343,12 @@ class Reading:
         times = Counter(column.cells)
         if column in (self.size, *self.errors) or "" in times or all(map(_STATUS.fullmatch, times)):
             return False
-        several = 1 < len(times) < len(column.cells)
-        if column.role in ("text", "degree") or not several or column.role == "order" or max(column.runs) == 1:
-            return several and column.role in ("text", "degree")
+        if not 1 < len(times) < len(column.cells):
+            return False
+        if column.role in ("text", "degree"):
+            return True
+        if column.role == "order" or max(column.runs) == 1:
+            return False
         return self.size is None or (len(set(self.size.cells)) < len(self.size.cells) and min(times.values()) > 1)
 
     def _starts(self, rows: list[int]) -> list[int]:

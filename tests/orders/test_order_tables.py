@@ -147,7 +147,7 @@ def test_a_table_with_two_readings_is_refused_with_the_edit(file: str, capsys) -
         ),
         ("names-with-blanks.txt", "h = cells^(-1/2) from column cells, which the printed orders confirm"),
         ("quotients-first-cell-left-out.txt", "ignored: ratio (quotients)"),
-        ("dealii-cycle-cells-dofs.txt", "h = cells^(-1/2) from column cells, which the printed orders confirm"),
+        ("rates-of-one-list.txt", "H1 errors: converges with order 1.00 (orders 1.00, 1.00, 1.00) read as lists"),
     ],
 )
 def test_the_diagnosis_names_what_an_analyst_sees(command: str, sentence: str, capsys) -> None:
@@ -290,6 +290,7 @@ def test_names_in_two_rows_belong_together(names: str) -> None:
         ("Netz;Fehler\n1.024;0,16\n4.096;0,04\n16.384;0,01\n", ["--in", "netz", "--dim", "2"], "0.03125 0.16"),
         ('h,"L2(0,T;H1)","e, max"\n.4,.4,.4\n.2,.1,.2\n.1,.025,.1\n', ["--columns", "L2(0,T;H1),e, max"], "e, max: c"),
         ('h,"L2(0,T;H1)","e, max"\n.4,.4,.4\n.2,.1,.2\n.1,.025,.1\n', ["--columns", "e, max"], "ignored: L2(0,T;H1)"),
+        ("h,L2,H1,EOC,EOC\n4,16,4,-,-\n2,4,2,2,1\n1,1,1,2,1\n", ["--in", "h"], "ignored: EOC (4), EOC (5)"),
         ("steps error\n10 1e-2\n20 2.5e-3\n40 6.25e-4\n", ["--in", "steps"], "size: h = 1/steps"),
         ("h,Größe,error\n.4,32,.16\n.2,128,.04\n.1,512,.01\n", ["--columns=Größe", "--expected=2"], "Größe: fails"),
     ],
