@@ -7,7 +7,7 @@ import math
 import re
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from itertools import chain, groupby, pairwise, product
+from itertools import chain, groupby, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -231,9 +231,9 @@ class Reading:
         if self.options.ratio is not None:
             return None
         if wanted := self.options.size:
-            for key, column in product((str, str.lower), self.columns):
-                if key(column.name) == key(wanted):
-                    return column
+            equal = [column for column in self.columns if column.name.lower() == wanted.lower()]
+            if equal:
+                return next((column for column in equal if column.name == wanted), equal[0])
             raise OrderError(f"--in {wanted}: there is no such column; there are {self.names}")
         sizes = [column for column in self.columns if column.role in SIZES and len(set(column.numbers)) > 1]
         # Numbers that stay the same from row to row tell series apart, numbers 0, 1, 2, … count rows, and orders refer
