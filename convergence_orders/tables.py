@@ -446,7 +446,7 @@ def from_columns(form: str, columns: Columns) -> Table:
 _NUMBER = r"[-+.\d][^\s,;:=]*(?:,\d[^\s,;=:]*)*(?:\s*(?:%|(?:[xX×·*]|\\times|\\cdot)\s*10[^\s,;=:]*))?"
 _NAMED = re.compile(
     r"(?<![^\s\[\]{},;=:])(?P<name>[^\[\]{},;=:\n]{1,80}?)[ \t]*[=:][ \t]*"
-    r"(?:(?:[\w.]{1,40}\(?)?[\[({](?P<list>[^\[\](){}:=]*)[\])}]|"
+    r"(?:(?:[\w.]{1,40}\(?)?[\[({](?P<list>[^\[\](){}]*)[\])}]|"
     rf"(?P<row>{_NUMBER}(?:,[ \t]+{_NUMBER})*(?![^\s,;])|[^\s,;=:]+))"
 )
 """Matches a name, the sign = or :, and a list in brackets, numbers with commas between them, or one value."""
