@@ -107,20 +107,19 @@ def uses_decimal_commas(cells: list[str]) -> bool | None:
 
 _COUNTED = r"cells|elem(?:ent)?s?|eles?|dofs?|unknowns|nodes|points|vertices|degrees of freedom|grid ?points"
 _ROLES = {
-    "size": r"hs?|h ?max|h ?min|max ?h|lc|d[xyz]|δ ?[xyz]|(?:mesh|grid|cell|element) ?(?:size|width|spacing)(?: hs?)?|"
-    r"spacing|resolution (?:k?m|deg)|1/n|1/sqrt\(dofs?\)",
+    "size": r"hs?|h ?max|h ?min|max ?h|lc|d[xyz]|δ ?[xyz]|(?:mesh|grid|cell|element) ?(?:size|width|spacing)s?(?: hs?)?"
+    r"|spacing|resolution (?:k?m|deg)|1/n|1/sqrt\(dofs?\)",
     "count": r"ns?|n ?[xyz] ?[1-3]?|1/h|resolution|cells per (?:side|unit length|direction)",
     "total": rf"(?:(?:n|number of|no of|total) |n)?(?:active )?(?:{_COUNTED})(?: total)?|n ?el?",
     "step": r"dt|δ ?t|tau|τ|(?:time ?step(?: size)?|step ?size)(?: (?:dt|δ ?t|τ|tau))?",
-    "level": r"(?:refinement |ref |mesh )?(?:level|lvl|cycle)s?|refinements?|refine",
+    "level": r"(?:refinement |ref |mesh )?(?:level|lvl|cycle)s?|ref(?:inements?|ine)?",
     "degree": r"(?:polynomial )?(?:degrees?|deg)(?: [pkqr])?|poly(?:nomial)? ?(?:order)?|p|pk",
 }
 """Role ↦ pattern of the whole name."""
 SIZES = ("size", "count", "total", "step")
 """Roles of columns from which mesh sizes or time steps can be computed, the preferred role first."""
-_ORDER = re.compile(
-    r"\b(?:e?oc|orders?|rates?|roc|ooc|slope|ratio|reduction|quotient|factor|log2)\b|^(?:q|r|conv|red)$"
-)
+_ORDER = re.compile(r"\b(?:e?oc|orders?|rates?|roc|ooc|slope|log2)(?:(?:l|h)(?:\d|inf))?\b|^(?:q|r|conv|red)$")
+_QUOTIENT = re.compile(r"\b(?:ratio|reduction|quotient|factor)s?\b")
 _METHOD = re.compile(r"(?:\d+(?:st|nd|rd|th)|first|second|third|fourth|fifth|sixth) orders?(?: \w+)?\)?$")
 _ERROR = re.compile(r"err|fehler|erreur|norm|l ?(?:1|2|inf|∞)\b|h ?[12]\b|linf|l∞|rmse|mae|\|")
 _OTHER = re.compile(
@@ -133,20 +132,23 @@ _OTHER = re.compile(
 def role(name: str) -> str:
     """Return the role of a column, which follows from its name.
 
-    The roles are ``error``, ``order``, ``size`` (of a mesh), ``step`` (in time), ``count`` (number of cells along a
-    side), ``total`` (number of all cells, vertices or unknowns), ``level``, ``degree`` (of polynomials), ``other``
-    (such as times and iterations) and ``unknown``.
+    The roles are ``error``, ``order``, ``quotient`` (of errors), ``size`` (of a mesh), ``step`` (in time), ``count``
+    (number of cells along a side), ``total`` (number of all cells, vertices or unknowns), ``level``, ``degree`` (of
+    polynomials), ``other`` (such as times and iterations) and ``unknown``.
     """
     if name.strip(" $") == "T":
         # A column T often has errors of a temperature; the time is called t.
         return "unknown"
     timed = re.search(r"[\[(](?:s|ms|sec|MB|GB|kB)[\])]", name)
     text = re.sub(r"\[.*?\]|\((?:k?m|s|ms|sec|seconds|cm|mm)\)", " ", name)
+    text = re.sub(r"h(?:\^\{?-1\}?|⁻¹)", "1/h", text)
     text = re.sub(r"\\?#", " n ", re.sub(r"\\?[Dd]elta", "Δ", text).replace("\\tau", "τ"))
     text = " ".join(re.sub(r"[$*`'\"_{}^\\-]+", " ", text).lower().split()).strip(" .:")
     for kind, pattern in _ROLES.items():
         if re.fullmatch(pattern, text):
             return kind
+    if _QUOTIENT.search(text):
+        return "quotient"
     if _ORDER.search(text) and not _METHOD.search(text):
         return "order"
     is_error = _ERROR.search(text)

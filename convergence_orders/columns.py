@@ -7,14 +7,14 @@ import math
 import re
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import chain, groupby, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .cells import SIZES, is_missing, kind_of, role, to_number, uses_decimal_commas, without_words
-from .orders import SAME_SIZE, STALLED, Array, OrderError, consecutive_orders
-from .tables import Table, read_tables, shorten
+from .orders import STALLED, Array, OrderError, consecutive_orders
+from .tables import Cells, Table, read_tables, shorten
 
 Rows = NDArray[np.intp]
 """Indices of the rows of a series."""
@@ -24,6 +24,7 @@ _SIDES = re.compile(r"\D*(\d+)(?:\s*(?:[x×]|\\times)\s*\1)+\D*")
 """Matches the cells along the sides of a mesh, such as ``$8 \\times 8$``."""
 _STATUS = re.compile(r"(?i)pass(?:ed)?|fail(?:ed)?|ok|true|false|yes|no|converged|done|x|✓|✗")
 _LOGARITHM = re.compile(r"(?i)[\W_]*(?:log|ln)(?:[\W_]*(?:2|10|e))?(?:[\W_]|$)")
+_ORDER_WORDS = re.compile(r"(?i)e?oc|orders?|rates?|roc|ooc|slope|of|[^\w|]+")
 DEGREES = (
     "errors against the degree (p-refinement) fall exponentially and have no order in h; give errors on several meshes "
     "for one degree"
@@ -82,7 +83,8 @@ class Series:
     @property
     def recognised(self) -> str:
         """One line about how the table was read: its form, the mesh sizes, the errors and the ignored columns."""
-        ignored = f"; ignored: {', '.join(self.ignored)}" if self.ignored else ""
+        names = [f"{name} (quotients)" if kind == "quotient" else name for name, kind in self.ignored.items()]
+        ignored = f"; ignored: {', '.join(names)}" if names else ""
         return f"read as {self.form}; size: {self.size}; errors: {', '.join(self.errors)}{ignored}"
 
 
@@ -97,7 +99,7 @@ class Column:
     """
 
     name: str
-    cells: list[str]
+    cells: Cells
     numbers: Array
     role: str
 
@@ -112,14 +114,14 @@ class Column:
         return all(_WHOLE.fullmatch(cell.strip()) for cell in self.cells)
 
     @property
-    def repeats(self) -> bool:
-        """Whether neighbours are equal, but not all."""
-        return len(set(self.cells)) > 1 and any(one == other for one, other in pairwise(self.cells))
+    def runs(self) -> list[int]:
+        """The lengths of the runs of equal cells."""
+        return [len([*run]) for _, run in groupby(self.cells)]
 
     @property
-    def counts_rows(self) -> bool:
-        """Whether the numbers are 0, 1, 2, … or 1, 2, 3, …"""
-        return self.role == "count" and self.numbers[0] in (0, 1) and bool((np.diff(self.numbers) == 1).all())
+    def consecutive(self) -> bool:
+        """Whether each number is larger by 1 than the one above."""
+        return len(self.cells) > 1 and bool((np.diff(self.numbers) == 1).all())
 
 
 def read_series(data: bytes | str, options: Options) -> list[Series]:
@@ -139,21 +141,19 @@ def read_series(data: bytes | str, options: Options) -> list[Series]:
 @np.errstate(all="ignore")
 def series_of(tables: list[Table], options: Options) -> list[Series]:
     """Return the mesh sizes and errors of all series in tables, as ``read_series`` does."""
-    every = [Columns(table, options) for table in tables]
-    usable = [one for one in every if one.errors]
+    readings = [Reading(table, options) for table in tables]
+    usable = [reading for reading in readings if reading.errors]
     if not usable:
-        seen = ", ".join(f"{column.name} ({column.role})" for column in every[0].columns)
+        seen = ", ".join(f"{column.name} ({column.role})" for column in readings[0].columns)
         raise OrderError(f"no column of errors among {seen}: name one with --columns")
-    confirmed = {one.size.name: dim for one in usable if one.size and (dim := one.confirmed_dim())}
-    series = [part for one in usable for part in one.series(confirmed)]
-    captions = [one.caption.rstrip(": ") for one in series]
-    numbered = [f"series {k} {one.label}".strip() for k, one in enumerate(series, start=1)]
-    labels = next(names for names in ([one.label for one in series], captions, numbered) if _differ(names))
-    return [replace(one, label=label) for one, label in zip(series, labels, strict=True)]
-
-
-def _differ(names: list[str]) -> bool:
-    return len(set(names)) == len(names)
+    confirmed = {reading.size.name: dim for reading in usable if reading.size and (dim := reading.confirmed_dim())}
+    series = [part for reading in usable for part in reading.series(confirmed)]
+    labels = [part.label for part in series]
+    if len(set(labels)) < len(labels):
+        labels = [part.caption.rstrip(": ") for part in series]
+    if len(set(labels)) < len(labels):
+        labels = [f"series {k} {part.label}".strip() for k, part in enumerate(series, start=1)]
+    return [replace(part, label=label) for part, label in zip(series, labels, strict=True)]
 
 
 def columns_of(table: Table) -> tuple[list[Column], bool]:
@@ -162,15 +162,14 @@ def columns_of(table: Table) -> tuple[list[Column], bool]:
     Raises:
         OrderError: a comma may be a decimal comma or separate thousands.
     """
-    every = [cell for row in table.rows for cell in row]
-    comma = uses_decimal_commas(every)
+    comma = uses_decimal_commas([*chain(*table.columns)])
     if comma is None:
-        cell = next(cell for cell in every if "," in cell)
-        one, other = cell.replace(",", "."), cell.replace(",", "")
-        raise OrderError(f"'{cell}' may be {one} or {other}: write it without a comma")
-    names = list(table.names)
+        cell = next(cell for cells in table.columns for cell in cells if "," in cell)
+        decimal = cell.replace(",", ".")
+        raise OrderError(f"'{cell}' may be {decimal} or {cell.replace(',', '')}: write it without a comma")
+    names = [*table.names]
     columns = []
-    for k, cells in enumerate(map(list, zip(*table.rows, strict=True))):
+    for k, cells in enumerate(table.columns):
         if k and not names[k] and is_missing(cells[0]) and not all(map(is_missing, cells)):
             # Columns of orders need no name. Their first cell is missing.
             names[k] = "order of " + names[k - 1].removeprefix("order of ")
@@ -183,18 +182,16 @@ def columns_of(table: Table) -> tuple[list[Column], bool]:
     return columns, comma
 
 
-def _column(name: str, full_name: str, cells: list[str], comma: bool) -> Column:
+def _column(name: str, full_name: str, cells: Cells, comma: bool) -> Column:
     """Return a column with its numbers and its role, which follows from its name and is corrected by its numbers.
 
     Words behind the numbers of a column of errors or sizes are units or remarks.
     """
     kind = role(name)
     clean = [without_words(cell) for cell in cells] if kind in ("error", *SIZES) else cells
-    numbers = np.array([to_number(cell, comma) for cell in clean], dtype=float)
-    column = Column(full_name, cells, numbers, kind)
-    filled = [cell for cell in cells if not is_missing(cell)]
-    words = [kind_of(cell) == "a" for cell in filled]
-    if not filled:
+    column = Column(full_name, cells, np.array([to_number(cell, comma) for cell in clean], dtype=float), kind)
+    words = [kind_of(cell) == "a" for cell in cells if not is_missing(cell)]
+    if not words:
         column.role = kind if kind == "error" else "empty"
     elif all(map(_SIDES.fullmatch, cells)):
         column.role = kind if kind in SIZES else "count"
@@ -203,79 +200,102 @@ def _column(name: str, full_name: str, cells: list[str], comma: bool) -> Column:
     elif kind in ("order", "degree") and re.fullmatch(r"(?i)\W*[pqr]\W*", name):
         # An error of the pressure p is neither an order nor a degree.
         column.role = "degree" if column.whole else "unknown"
-    elif kind == "other" and re.fullmatch("(?i)cg|gmres|mesh|grid", name) and (numbers % 1 > 0).all():
+    elif kind == "other" and re.fullmatch("(?i)cg|gmres|mesh|grid", name) and (column.numbers % 1 > 0).all():
         # Iterations are whole, so that a column named after an element or a mesh may have errors.
         column.role = "unknown"
     return column
 
 
-class Columns:
-    """The columns of one table.
+class Reading:
+    """The columns of one table: which one has the mesh sizes, and which ones have errors.
 
     Attributes:
         table, options: the table as text, and the user's description of the columns.
-        columns: the columns that have a name.
+        columns, names: the columns that have a name, and their names in words.
         form: the form of the table in words.
         size, errors: the column of mesh sizes, None if there is none, and the columns of errors.
+        printed: column of errors ↦ the columns with orders that are printed for it.
     """
 
     def __init__(self, table: Table, options: Options) -> None:
         self.table, self.options = table, options
         self.columns, comma = columns_of(table)
+        self.names = ", ".join(column.name for column in self.columns)
         self.form = table.form + (", decimal commas" if comma else "")
         self.size = self._size()
+        self.printed: dict[Column, list[Column]] = {}
         self.errors = self._errors()
 
     def _size(self) -> Column | None:
         """Return the column of mesh sizes; None if there is none."""
-        wanted = self.options.size
         if self.options.ratio is not None:
             return None
-        if wanted is not None:
-            known = {column.name.lower(): column for column in self.columns}
-            known |= {column.name: column for column in self.columns}
-            if found := known.get(wanted, known.get(wanted.lower())):
-                return found
-            names = ", ".join(column.name for column in self.columns)
-            raise OrderError(f"--in {wanted}: there is no such column; there are {names}")
+        if wanted := self.options.size:
+            equal = [column for column in self.columns if column.name.lower() == wanted.lower()]
+            if equal:
+                return next((column for column in equal if column.name == wanted), equal[0])
+            raise OrderError(f"--in {wanted}: there is no such column; there are {self.names}")
         sizes = [column for column in self.columns if column.role in SIZES and len(set(column.numbers)) > 1]
-        # Numbers that stay the same from row to row tell series apart, and orders refer to the largest cell of a mesh.
+        # Numbers that stay the same from row to row tell series apart, numbers 0, 1, 2, … count rows, and orders refer
+        # to the largest cell of a mesh.
         return min(
             sizes,
-            key=lambda one: (one.repeats, one.counts_rows, SIZES.index(one.role), "min" in one.name.lower()),
+            key=lambda column: (
+                max(column.runs) > 1,
+                column.role == "count" and column.consecutive and column.numbers[0] < 2,
+                SIZES.index(column.role),
+                "min" in column.name.lower(),
+            ),
             default=None,
         )
 
     def _errors(self) -> list[Column]:
         """Return the columns of errors, and correct the roles of columns beside them."""
-        found: list[Column] = []
+        errors: list[Column] = []
         for column in self.columns:
-            if column is self.size or column.role not in ("unknown", "error", "other"):
+            if column is self.size or column.role not in ("unknown", "error", "order", "quotient"):
                 continue
-            if column.role == "unknown" and found and _follows(column, found[-1]):
-                column.role = "order"
-            elif column.role != "other":
-                found.append(column)
+            quotients = errors and column.role != "error" and self._correct(column, errors)
+            if column.role in ("unknown", "error"):
+                errors.append(column)
+            elif column.role == "order" and errors and not quotients:
+                stem = _ORDER_WORDS.sub("", column.name).lower()
+                owner = next((error for error in errors if stem and stem in error.name.lower()), errors[-1])
+                self.printed.setdefault(owner, []).append(column)
         if self.options.columns:
             return self._wanted()
-        for column in found:
+        for column in errors:
             if column.role == "unknown" and column.whole and column.numbers.any():
                 raise OrderError(
                     f"column {column.name} has whole numbers: numbers of cells, iterations or seconds, or errors? Name "
                     "the columns of errors with --columns (columns= in Python)"
                 )
         # All first entries are missing in a table of orders.
-        is_orders = len(self.table.rows) > 2 and all(column.starts_missing for column in found)
-        return [] if is_orders else found
+        is_orders = len(self.table.places) > 2 and all(column.starts_missing for column in errors)
+        return [] if is_orders else errors
+
+    def _correct(self, column: Column, errors: list[Column]) -> bool:
+        """Correct the role of a column behind columns of errors; return whether it has quotients of the last errors.
+
+        Quotients may equal the orders of other errors: behind several columns, what is called orders has orders.
+        """
+        quotients = errors[-1].numbers[:-1] / errors[-1].numbers[1:]
+        below, above = column.numbers[1:], column.numbers[:-1]
+        equal = _equal(below, quotients) or _equal(above, quotients)
+        if equal and (len(errors) == 1 or column.role != "order" or column.name.startswith("order of")):
+            column.role = "quotient"
+        elif len(column.cells) > 2 and (column.starts_missing or _equal(below, np.log2(quotients))):
+            column.role = "order"
+        return equal
 
     def _wanted(self) -> list[Column]:
         """Return the columns that the user names as columns of errors; names may contain commas."""
         known = {column.name: column for column in self.columns}
         name = "|".join(map(re.escape, sorted(known, key=len, reverse=True)))
-        found = re.findall(f"(?:^|(?<=,))({name})(?=,|$)", self.options.columns)
-        if ",".join(found) != self.options.columns:
-            raise OrderError(f"--columns {self.options.columns}: expected some of the columns {', '.join(known)}")
-        return [known[one] for one in found]
+        wanted = re.findall(f"(?:^|(?<=,))({name})(?=,|$)", self.options.columns)
+        if ",".join(wanted) != self.options.columns:
+            raise OrderError(f"--columns {self.options.columns}: expected some of the columns {self.names}")
+        return [known[name] for name in wanted]
 
     # Series of rows.
 
@@ -293,43 +313,43 @@ class Columns:
         """
         for column in [*self.errors, *([self.size] if self.size else [])]:
             self._check(column)
-        labels = self._labels()
+        labels = [column for column in self.columns if self._is_label(column)]
         cases: dict[str, list[int]] = {}
-        for k in range(len(self.table.rows)):
-            cases.setdefault(" ".join(f"{name} {cells[k]}" for name, cells in labels.items()), []).append(k)
-        found = []
+        for k in range(len(self.table.places)):
+            cases.setdefault(" ".join(f"{column.name} {column.cells[k]}" for column in labels), []).append(k)
+        series = []
         for label, rows in cases.items():
             starts = self._starts(rows)
             for number, (first, stop) in enumerate(pairwise([0, *starts, len(rows)]), start=1):
                 name = f"{label} series {number}".strip() if starts else label
-                found.append(self._series(np.array(rows[first:stop]), name, confirmed))
-        return found
+                series.append(self._series(np.array(rows[first:stop]), name, confirmed))
+        return series
 
     def _series(self, rows: Rows, label: str, confirmed: dict[str, int]) -> Series:
         """Return the series in the given rows, with the given label."""
         h, words = self._sizes(rows, confirmed)
         used = [self.size, *self.errors]
-        left = {column.name: column.role for column in self.columns if column not in used}
+        ignored = {column.name: column.role for column in self.columns if column not in used}
         errors = {column.name: column.numbers[rows].tolist() for column in self.errors}
         remarks = {column.name: remark for column in self.errors if (remark := self._contradiction(h, rows, column))}
-        return Series(h.tolist(), errors, words, left, self.table.caption, self.form, label, remarks)
+        return Series(h.tolist(), errors, words, ignored, self.table.caption, self.form, label, remarks)
 
-    def _labels(self) -> dict[str, list[str]]:
-        """Return the columns whose entries tell several series apart: words, degrees, and numbers that stay the same.
+    def _is_label(self, column: Column) -> bool:
+        """Return whether the entries of a column tell several series apart.
 
-        Numbers count if there are no sizes, or if sizes are repeated.
+        They are words, degrees, or numbers that stay the same. Numbers count if there are no sizes, or if sizes are
+        repeated.
         """
-        labels: dict[str, list[str]] = {}
-        repeated = self.size is None or len(set(self.size.cells)) < len(self.size.cells)
-        for column in self.columns:
-            times = Counter(column.cells)
-            telling = 1 < len(times) < len(column.cells) and "" not in times and not all(map(_STATUS.fullmatch, times))
-            steady = repeated and column.repeats and column.role != "order"
-            if column in (self.size, *self.errors) or not telling:
-                continue
-            if column.role in ("text", "degree") or (steady and (self.size is None or min(times.values()) > 1)):
-                labels[column.name] = column.cells
-        return labels
+        times = Counter(column.cells)
+        if column in (self.size, *self.errors) or "" in times or all(map(_STATUS.fullmatch, times)):
+            return False
+        if not 1 < len(times) < len(column.cells):
+            return False
+        if column.role in ("text", "degree"):
+            return True
+        if column.role == "order" or max(column.runs) == 1:
+            return False
+        return self.size is None or (len(set(self.size.cells)) < len(self.size.cells) and min(times.values()) > 1)
 
     def _starts(self, rows: list[int]) -> list[int]:
         """Return the places in ``rows`` at which another series begins."""
@@ -339,7 +359,7 @@ class Columns:
             starts = set()
         for column in self.columns:
             missing = [is_missing(column.cells[k]) for k in rows]
-            if column.role == "order" and missing[0]:
+            if column.role in ("order", "quotient") and missing[0]:
                 starts |= {j for j in range(1, len(rows)) if missing[j] and not missing[j - 1]}
             if column.role in ("level", *SIZES) or column is self.size:
                 starts |= set(_jumps_back(column.numbers[rows]))
@@ -352,10 +372,11 @@ class Columns:
 
         They come from the ratio that the user gives, from a column, or from orders that are printed in the table.
         """
+        for column in self.columns:
+            if column.role == "degree" and (column is self.size or (column.consecutive and self.options.size is None)):
+                raise OrderError(f"column {column.name} has degrees: {DEGREES}")
         if self.size is not None:
-            h, words = self._converted(self.size, rows, confirmed)
-            self._refuse_repeated(h, rows, self.size)
-            return h, words
+            return self._converted(self.size, rows, confirmed)
         ratio, levels = self.options.ratio, np.arange(len(rows), dtype=float)
         for column in self.columns:
             if ratio is not None and column.role in ("size", "step"):
@@ -370,24 +391,19 @@ class Columns:
             return h, f"ratio {ratio:g}"
         if self._agrees(h, rows):
             return h, "ratio 2, which follows from the printed orders"
-        for column in self.columns:
-            if column.role == "degree":
-                raise OrderError(f"column {column.name} has degrees: {DEGREES}")
-        names = ", ".join(column.name for column in self.columns)
         raise OrderError(
-            f"no column is a mesh size; seen: {names}. Give --ratio 2 if each mesh is twice as fine as the one above, "
-            "or --in NAME for the column of sizes"
+            f"no column is a mesh size; seen: {self.names}. Give --ratio 2 if each mesh is twice as fine as the one "
+            "above, or --in NAME for the column of sizes"
         )
 
     def _converted(self, column: Column, rows: Rows, confirmed: dict[str, int]) -> tuple[Array, str]:
         """Return the mesh sizes that follow from a column, and in words how they were determined."""
         kind, name, sizes, dim = column.role, column.name, column.numbers[rows], self.options.dim
-        if kind == "degree":
-            raise OrderError(f"--in {name}: {DEGREES}")
         whole = sizes.min() > 1 and (dim or not (sizes % 1).any())
         if kind not in ("count", "total") and not (whole and (dim or kind not in SIZES)):
-            falling = [error.name for error in self.errors if (np.diff(error.numbers[rows]) < 0).all()]
-            if whole and len(sizes) > 1 and (np.diff(sizes) > 0).all() and falling and self.options.size is None:
+            steps = np.diff(sizes)
+            falling = [error.name for error in self.errors if (np.diff(error.numbers[rows]) * steps < 0).all()]
+            if whole and len(steps) and falling and self.options.size is None:
                 raise OrderError(
                     f"the errors {falling[0]} fall as {name} grows: give --dim 1 if {name} counts cells along a side, "
                     f"or --in {name} if its numbers are lengths"
@@ -396,9 +412,8 @@ class Columns:
         power = dim or confirmed.get(name, 0)
         if not power and (kind == "total" or np.abs(np.diff(np.log(sizes))).min(initial=9) >= math.log(3.5)):
             raise OrderError(
-                f"column {name} is a count: h = 1/{name} if it counts cells along one side (--dim 1), "
-                f"h = {name}^(-1/2) if it counts all cells or unknowns in the plane (--dim 2), {name}^(-1/3) in space "
-                "(--dim 3); give --dim"
+                f"column {name} is a count: give --dim D (dim=D in Python) for h = {name}^(-1/D), where D is 1 if it "
+                "counts cells along one side, and 2 or 3 if it counts all cells or unknowns in the plane or in space"
             )
         words = f"h = {name}^(-1/{power})" if power > 1 else f"h = 1/{name}"
         confirmation = ", which the printed orders confirm" if power and not dim else ""
@@ -408,38 +423,35 @@ class Columns:
         """Return the dimension with which the printed orders follow from numbers of cells; None if it is uncertain."""
         if self.size is None or self.size.role not in ("count", "total"):
             return None
-        rows = np.arange(len(self.table.rows))
+        rows = np.arange(len(self.table.places))
         agreeing = [dim for dim in (1, 2, 3) if self._agrees(self.size.numbers ** (-1 / dim), rows)]
         return agreeing[0] if len(agreeing) == 1 else None
 
     def _agrees(self, h: Array, rows: Rows) -> bool:
         """Return whether the orders that are printed beside the errors follow from these mesh sizes."""
-        differences = [self._difference(h, rows, column)[0] for column in self.errors]
-        return max((one for one in differences if one < math.inf), default=1) < 0.02
+        differences = [self._difference(h, rows, column) for column in self.errors]
+        return max((difference for difference in differences if difference < math.inf), default=1) < 0.02
 
-    def _difference(self, h: Array, rows: Rows, errors: Column) -> tuple[float, str]:
-        """Return the largest difference of printed and computed orders, and the printed orders as text.
+    def _difference(self, h: Array, rows: Rows, errors: Column) -> float:
+        """Return the largest difference of the orders that are printed for a column of errors and the computed ones.
 
         One per cent of an order is no difference. Of several columns of orders, the best is taken. The difference is
         infinite if there are no printed orders.
         """
-        best = (math.inf, "")
+        best = math.inf
         computed = consecutive_orders(h, errors.numbers[rows])
-        for column in self.columns[self.columns.index(errors) + 1 :]:
-            if column in self.errors:
-                break
+        for column in self.printed.get(errors, []):
             printed = column.numbers[rows][1:]
-            used = np.isfinite(printed) & np.isfinite(computed) & (np.abs(printed) > 0.3)
-            if column.role == "order" and used.any():
-                difference = np.abs(computed - printed) - 0.01 * np.abs(printed)
-                best = min(best, (float(difference[used].max()), ", ".join(f"{p:g}" for p in printed[used])))
+            difference = np.abs(computed - printed) - 0.01 * np.abs(printed)
+            used = np.isfinite(difference) & (np.abs(printed) > 0.3)
+            best = min(best, difference.max(where=used, initial=-1) if used.any() else best)
         return best
 
     def _contradiction(self, h: Array, rows: Rows, errors: Column) -> str:
         """Return a remark if the orders that are printed in the table are not the computed ones."""
-        difference, printed = self._difference(h, rows, errors)
-        if not 0.1 < difference < math.inf:
+        if not 0.1 < self._difference(h, rows, errors) < math.inf:
             return ""
+        printed = ", ".join(f"{order:g}" for order in self.printed[errors][0].numbers[rows][1:])
         computed = ", ".join(f"{order:.2f}" for order in consecutive_orders(h, errors.numbers[rows]))
         return f"the printed orders {printed} are not the computed ones {computed}"
 
@@ -458,14 +470,6 @@ class Columns:
                         "as above and below: give a column with the mesh sizes or the name of the series"
                     )
 
-    def _refuse_repeated(self, h: Array, rows: Rows, column: Column) -> None:
-        """Raise an error if two rows have the same mesh size."""
-        for i, j in pairwise(np.argsort(h, kind="stable")):
-            if h[j] - h[i] <= SAME_SIZE * h[i]:
-                first, second = (self.table.places[rows[k]] for k in (i, j))
-                cell = column.cells[rows[j]]
-                raise OrderError(f"{second}: {column.name} = {cell} is the size in {first}: remove one of the rows")
-
     def _check(self, column: Column) -> None:
         """Raise an error if a cell of a column of errors or sizes cannot be used, or if the column has logarithms."""
         name, signed = column.name, self.options.signed and column is not self.size
@@ -481,14 +485,10 @@ class Columns:
                 )
 
 
-def _follows(column: Column, errors: Column) -> bool:
-    """Return whether a column has the orders, or the quotients, of the errors in the column before it."""
-    if len(errors.cells) < 3:
-        return False
-    quotients = errors.numbers[:-1] / errors.numbers[1:]
-    return column.starts_missing or any(
-        np.allclose(column.numbers[1:], other, rtol=0.01) for other in (quotients, np.log2(quotients))
-    )
+def _equal(numbers: Array, expected: Array) -> bool:
+    """Return whether two numbers or more are finite, and all of these are equal up to rounding."""
+    used = np.isfinite(numbers * expected)
+    return bool(used.sum() > 1 and np.allclose(numbers[used], expected[used], rtol=0.01))
 
 
 def _jumps_back(sizes: Array) -> list[int]:

@@ -134,7 +134,10 @@ def run(options: argparse.Namespace, name: str) -> int:
         if options.plot:
             plot(judged, options.plot)
     except (OrderError, OSError) as error:
-        print(printable(f"{name}: {file}{error}"), file=sys.stderr)
+        reason = (
+            f"{error.filename or options.file}: {error.strerror}" if isinstance(error, OSError) else f"{file}{error}"
+        )
+        print(printable(f"{name}: {reason}"), file=sys.stderr)
         return USAGE
     print(printable(_dumps(as_json(judged)) if options.json else as_text(judged)))
     return exit_code(judged)

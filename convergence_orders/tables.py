@@ -7,10 +7,9 @@ tabs, semicolons, commas or blanks, or lines ``name = value``. What a column mea
 import csv
 import json
 import re
-from bisect import bisect
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,9 @@ import numpy as np
 from .cells import SIZES, kind_of, role, to_number
 from .orders import OrderError, consecutive_orders
 
+Cells = list[str]
+Columns = dict[str, Cells]
+"""Name of a column ↦ its cells."""
 MAX_BYTES = 8_000_000
 MAX_LINES, MAX_LINE = 100_000, 130_000
 EXAMPLE = "expected a header such as 'h,error' and one line for each mesh, for example '0.5,0.1', '0.25,0.025'"
@@ -30,16 +32,16 @@ class Table:
     Attributes:
         form: the form of the table in words, such as ``CSV``.
         names: names of the columns; an empty text for a column without a name.
-        rows: the cells, one list for each mesh.
-        places: where each row stands, such as ``line 7``.
-        breaks: indices of the rows with a blank line, a rule or other lines above them.
+        columns: the cells of each column, one for each mesh.
+        places: where the cells of each mesh stand, such as ``line 7``.
+        breaks: indices of the meshes with a blank line, a rule or other lines above them.
         caption: the text above the table.
     """
 
     form: str
-    names: list[str]
-    rows: list[list[str]]
-    places: list[str]
+    names: Cells
+    columns: list[Cells]
+    places: Cells
     breaks: Sequence[int] = ()
     caption: str = ""
 
@@ -61,16 +63,16 @@ def read_tables(data: bytes | str) -> list[Table]:
     lines = _lines(text)
     joined = "\n".join(line.text for line in lines)
     lists, singles = _lists(joined)
-    tables = lists or (_grids(lines) if lines else [])
+    tables = lists or _grids(lines)
     if not tables and singles:
         tables = [from_columns("name = value lines", singles)]
-    if tables:
-        # The signs of norms were replaced.
-        restored = str.maketrans({"‖": "\\|", "¦": "|"})
-        return [replace(table, names=[name.translate(restored) for name in table.names]) for table in tables]
-    numbers = re.search(r"(?m)^.*\d.*$", joined)
-    said = f"the first line with a number is '{shorten(numbers[0].strip())}'" if numbers else "no line with numbers"
-    raise OrderError(f"no table was recognised, {said}; {EXAMPLE}")
+    if not tables:
+        numbers = re.search(r"(?m)^.*\d.*$", joined)
+        said = f"the first line with a number is '{shorten(numbers[0].strip())}'" if numbers else "no line with numbers"
+        raise OrderError(f"no table was recognised, {said}; {EXAMPLE}")
+    # The signs of norms were replaced.
+    restored = str.maketrans({"‖": "\\|", "¦": "|"})
+    return [replace(table, names=[name.translate(restored) for name in table.names]) for table in tables]
 
 
 def decode(data: bytes) -> str:
@@ -162,8 +164,8 @@ def _lines(text: str) -> list[Line]:
         raise OrderError(f"it has a line of more than {MAX_LINE} characters; {EXAMPLE}")
     for pattern, replacement in _CLEANED:
         text = re.sub(pattern, replacement, text)
-    text = _SPANNED.sub(lambda found: found[2] + " &" * (int(found[1]) - 1), text)
-    text = _VARIABLES.sub(lambda found: re.sub(r'"[, ]+"', "\t", found[1]), text)
+    text = _SPANNED.sub(lambda match: match[2] + " &" * (int(match[1]) - 1), text)
+    text = _VARIABLES.sub(lambda match: re.sub(r'"[, ]+"', "\t", match[1]), text)
     text = _COMPUTED.sub(_difference, text)
     lines: list[Line] = []
     gap = False
@@ -176,10 +178,10 @@ def _lines(text: str) -> list[Line]:
     return lines
 
 
-def _difference(found: re.Match[str]) -> str:
+def _difference(match: re.Match[str]) -> str:
     """Return the error of a computed value beside an exact one."""
-    computed, exact = to_number(found[1]), to_number(found[2])
-    return found[0] if computed is None or exact is None else f"{abs(computed - exact):.9g}"
+    computed, exact = map(to_number, match.groups())
+    return match[0] if computed is None or exact is None else f"{abs(computed - exact):.9g}"
 
 
 # Grids: rows of cells below a header.
@@ -237,11 +239,13 @@ class Row:
 
 def _grids(lines: list[Line]) -> list[Table]:
     """Return the tables whose cells are separated by a sign or by blanks. A table is rows with a header above them."""
-    rows_by_sign = {sign: [Row(line, sign) for line in lines] for sign in _FORMS}
-    numbers = {sign: "".join(row.kinds for row in rows if row.is_data(True)) for sign, rows in rows_by_sign.items()}
-    most = max(kinds.count("9") for kinds in numbers.values())
-    sign = next(sign for sign, kinds in numbers.items() if 2 * kinds.count("9") >= most)
-    rows = rows_by_sign[sign]
+    rows: list[Row] = []
+    most = 0
+    for sign in reversed(_FORMS):
+        divided = [Row(line, sign) for line in lines]
+        numbers = sum(row.kinds.count("9") for row in divided if row.is_data(True))
+        if 2 * numbers >= most:
+            rows, most = divided, max(most, numbers)
     # Where rows begin with words, "mean" may be the name of a row. Elsewhere it begins a line that sums up a column.
     first = [row.kinds[0] for row in rows if row.is_data(True)]
     named = first.count("a") > first.count("9")
@@ -250,7 +254,7 @@ def _grids(lines: list[Line]) -> list[Table]:
     block: list[Row] = []
     for row in rows:
         left_out = row.line.comment or (not named and _SUMMARY.match(row.cells[0] or row.text))
-        as_wide = block and sign != " " and "9" in row.kinds and len(row.cells) == len(block[0].cells)
+        as_wide = block and row.sign != " " and "9" in row.kinds and len(row.cells) == len(block[0].cells)
         if not left_out and (as_wide or row.is_data(named)):
             block.append(row)
         elif not (block and left_out and row.kinds.strip("a")):
@@ -278,30 +282,36 @@ def _table(above: list[Row], block: list[Row], before: list[Table]) -> list[Tabl
     names, header = _header(above, block, width)
     if not names and before and len(before[-1].names) == width:
         names = before[-1].names
+    lines = [row.line.number for row in block]
     if not names:
         if len(block) < 2:
             return []
         raise OrderError(
-            f"the table that begins in line {block[0].line.number}, '{shorten(block[0].text)}', has {width} columns, "
+            f"the table that begins in line {lines[0]}, '{shorten(block[0].text)}', has {width} columns, "
             "but no line above names them: add a header such as 'h error'"
         )
-    rows = [_cells(row, width) for row in block]
+    rows = [_cells(row, width, names if row is block[0] else []) for row in block]
     texts = [row.text.strip() for row in above if row not in header]
     captions = [text for text in texts if not (_SUMMARY.match(text) or text[0] in "\\@.")]
-    lines = [row.line.number for row in block]
     breaks = [k for k in range(1, len(block)) if block[k].line.gap or lines[k] > lines[k - 1] + 1]
+    columns = [*map(list, zip(*rows, strict=True))]
     places = [f"line {line}" for line in lines]
-    return [Table(_FORMS[block[0].sign], names, rows, places, breaks, shorten("".join(captions[-1:]), 100))]
+    return [Table(_FORMS[block[0].sign], names, columns, places, breaks, shorten("".join(captions[-1:]), 100))]
 
 
-def _cells(row: Row, width: int) -> list[str]:
+def _cells(row: Row, width: int, names: Cells) -> Cells:
     """Return the cells of a row of a table; empty cells at its end may be missing or superfluous.
+
+    Parameters:
+        row, width: the row, and the number of columns.
+        names: the names of the columns if this is the first row, where orders may be missing.
 
     Raises:
         OrderError: there are fewer or more cells.
     """
     missing = width - len(row.cells)
-    if any(row.cells[width:]) or (missing > 0 and row.sign in " ,;"):
+    permitted = row.sign not in " ,;" or [*map(role, names[-missing:])] in (["order"], ["quotient"])
+    if any(row.cells[width:]) or (missing > 0 and not permitted):
         raise OrderError(
             f"line {row.line.number}: {len(row.cells)} entries, expected {width}: '{shorten(row.text.strip())}'; write "
             "nan if the computation failed, - for a missing order, and # before a line that is no row"
@@ -309,7 +319,7 @@ def _cells(row: Row, width: int) -> list[str]:
     return [*row.cells[:width], *[""] * missing]
 
 
-def _header(above: list[Row], block: list[Row], width: int) -> tuple[list[str], list[Row]]:
+def _header(above: list[Row], block: list[Row], width: int) -> tuple[Cells, list[Row]]:
     """Return the names of columns in the nearest header above a table, and its lines; empty lists without a header."""
     for upper, row in reversed([*pairwise([*above[:1], *above])]):
         names = _names(row, block, width)
@@ -319,30 +329,29 @@ def _header(above: list[Row], block: list[Row], width: int) -> tuple[list[str], 
     return [], []
 
 
-def _names(header: Row, block: list[Row], width: int) -> list[str]:
+def _names(header: Row, block: list[Row], width: int) -> Cells:
     """Return the names of columns in a line; an empty list if the line does not name the columns.
 
     If blanks separate the cells, a name may be missing for columns of orders, whose first cell is missing, and for the
     first column if it only counts the rows. Names with blanks are found by their places.
     """
-    cells = header.cells
     if header.sign != " ":
-        return [*cells, *[""] * (width - len(cells))][:width] if len(cells) > 1 and not any(cells[width:]) else []
+        cells = [*header.cells, *[""] * width]
+        return [] if len(header.cells) < 2 or any(cells[width:]) else cells[:width]
     numbers = [to_number(row.cells[0]) for row in block]
     index = numbers in ([*range(len(block))], [*range(1, len(block) + 1)])
     every = range(width)
     named = [k for k in every if len(block) < 2 or block[0].kinds[k : k + 1] != "-"]
     headings = re.split(r"\s{2,}", header.text.strip())
     placed = _placed(header, block, width, named) if len(headings) > 1 else []
-    for names in (headings, placed, cells):
-        for columns in (every, named, every[index:], named[index:]):
-            if len(columns) == len(names) > 1:
-                known = dict(zip(columns, names, strict=True))
-                return [known.get(k, "") for k in every]
+    for skipped, names, columns in product({0, int(index)}, (headings, placed, header.cells), (every, named)):
+        if len(columns[skipped:]) == len(names) > 1:
+            known = dict(zip(columns[skipped:], names, strict=True))
+            return [known.get(k, "") for k in every]
     return []
 
 
-def _placed(header: Row, block: list[Row], width: int, named: list[int]) -> list[str]:
+def _placed(header: Row, block: list[Row], width: int, named: list[int]) -> Cells:
     """Return the names of columns that follow from the places of the words in the header; empty if a column has none.
 
     Parameters:
@@ -351,30 +360,28 @@ def _placed(header: Row, block: list[Row], width: int, named: list[int]) -> list
         named: indices of the columns that need a name; the columns of orders to the right of each need none.
     """
     words = [[word.end() for word in re.finditer(r"\S+", row.text)] for row in block if len(row.cells) == width]
-    ends = [*map(max, zip(*words, strict=True))]
     # The region of a column with a name ends where the columns of orders to its right end.
-    stops = [ends[after - 1] for after in [*named[1:], width]]
+    stops = np.max(words, axis=0)[np.subtract([*named[1:], width], 1)]
     names = [""] * len(named)
     for word in re.finditer(r"\S+", header.text):
-        k = min(bisect(stops, sum(word.span()) / 2), len(stops) - 1)
+        k = min(int(np.searchsorted(stops, sum(word.span()) / 2, "right")), len(stops) - 1)
         names[k] = f"{names[k]} {word[0]}".strip()
     return names if all(names) else []
 
 
-def _grouped(upper: Row, names: list[str]) -> list[str]:
+def _grouped(upper: Row, names: Cells) -> Cells:
     """Return names of columns that are joined with the headings above them; empty if the columns form no groups.
 
     The names to the right of some columns must be repeated once for each heading, as in ``error order error order``.
     A heading replaces a name such as ``error``. But a heading such as h is joined with the name, because an error of a
     quantity h must not be taken as the mesh size.
     """
-    blanks = upper.sign == " "
     for start in range(len(names)):
-        headings = upper.cells if blanks else [*filter(None, upper.cells[start:])]
+        headings = upper.cells if upper.sign == " " else [*filter(None, upper.cells[start:])]
         group = names[start : start + (len(names) - start) // max(len(headings), 1)]
         if len(headings) > 1 and any(group) and names[start:] == group * len(headings):
             left = names[:start]
-            if not blanks:
+            if upper.sign != " ":
                 left = [name or cell for name, cell in zip(left, upper.cells, strict=False)]
             return left + [_joined(heading, name) for heading in headings for name in group]
     return []
@@ -394,7 +401,7 @@ def _joined(heading: str, name: str) -> str:
 
 def _across(block: list[Row]) -> Table | None:
     """Return the table with one line for each quantity and one column for each mesh; None if it is no such table."""
-    columns: dict[str, list[str]] = {}
+    columns: Columns = {}
     for row in block:
         kinds = row.kinds.lstrip("a")
         start = len(row.kinds) - len(kinds)
@@ -411,21 +418,21 @@ def _across(block: list[Row]) -> Table | None:
     return from_columns("one line for each quantity, orders between the errors", columns)
 
 
-def _orders_between(values: list[str]) -> bool:
+def _orders_between(values: Cells) -> bool:
     """Return whether errors and orders stand in turn, and all orders are right for halved mesh sizes."""
-    errors, orders = (np.array([to_number(cell) for cell in values[k::2]], dtype=float) for k in (0, 1))
-    computed = consecutive_orders(2.0 ** -np.arange(len(errors)), errors)
-    return len(values) % 2 == 1 and bool((np.isnan(computed) | (abs(computed - orders) < 0.03)).all())
+    numbers = np.array([*map(to_number, values)], dtype=float)
+    computed = consecutive_orders(2.0 ** -np.arange(len(numbers[::2])), numbers[::2])
+    return len(values) % 2 == 1 and not (abs(computed - numbers[1::2]) >= 0.03).any()
 
 
-def from_columns(form: str, columns: dict[str, list[str]]) -> Table:
+def from_columns(form: str, columns: Columns) -> Table:
     """Return the table with the given columns; a column of orders may lack its first cell.
 
     Raises:
         OrderError: the columns have different lengths.
     """
     length = max(map(len, columns.values()))
-    for name, cells in columns.items():
+    for name, cells in [*columns.items()]:
         if len(cells) == length - 1 and role(name) == "order":
             columns[name] = ["", *cells]
         elif len(cells) < length:
@@ -433,8 +440,7 @@ def from_columns(form: str, columns: dict[str, list[str]]) -> Table:
                 f"columns of different lengths: {name} has {len(cells)} values, expected {length}, one for each mesh: "
                 "write nan where a computation failed"
             )
-    rows = [list(row) for row in zip(*columns.values(), strict=True)]
-    return Table(form, list(columns), rows, [f"value {k}" for k in range(1, length + 1)])
+    return Table(form, [*columns], [*columns.values()], [f"value {k}" for k in range(1, length + 1)])
 
 
 _NUMBER = r"[-+.\d][^\s,;:=]*(?:,\d[^\s,;=:]*)*(?:\s*(?:%|(?:[xX×·*]|\\times|\\cdot)\s*10[^\s,;=:]*))?"
@@ -447,46 +453,37 @@ _NAMED = re.compile(
 _PAIRS = re.compile(r"(?m)^(?P<name>[^:\n]{0,60}?)(?P<pairs>(?:[ ,]+\d[\d.]*: ?[\d.eE+-]+){2,})$")
 
 
-def _lists(text: str) -> tuple[list[Table], dict[str, list[str]]]:
+def _lists(text: str) -> tuple[list[Table], Columns]:
     """Return the tables whose columns are lists, and the columns in lines ``name = value``.
 
     Lists have the form ``name = [1, 2, 3]``, ``name: 1, 2, 3`` or ``label 51: 0.1, 101: 0.02``. A second list of mesh
     sizes begins another table. The single values of a name, one for each mesh, are a column.
     """
-    tables: list[dict[str, list[str]]] = [{}]
-    singles: dict[str, list[str]] = {}
-    for name, values in _named(_PAIRS.sub(_as_lists, text)):
+    tables: list[Columns] = [{}]
+    singles: Columns = {}
+    for match in _NAMED.finditer(_PAIRS.sub(_as_lists, text)):
+        name, separator = match["name"].strip(" \t*-\"'"), r"[,;\s]+" if match["list"] else r",\s+"
+        values = re.split(separator, (match["list"] or match["row"] or "").strip(" ,;\n\t"))
+        kinds = [kind_of(value) for value in values]
         if len(values) == 1:
             # Logging programs write the date and INFO in front of the name.
             last = name.split()[-1] if name else ""
             name = last if role(last) in SIZES and role(name) == "unknown" else name
             singles.setdefault(name, []).append(values[0].strip("*|`"))
-            continue
-        kinds = [kind_of(value) for value in values]
         # A word in a list of numbers is a failure; a list of words is none of numbers.
-        if "9" not in kinds or ("a" in kinds and len(values) not in map(len, tables[-1].values())):
-            continue
-        if name in tables[-1] and role(name) in SIZES:
-            tables.append({})
-        columns = tables[-1]
-        columns[f"{name} ({len(columns) + 1})" if name in columns else name] = values
+        elif "9" in kinds and ("a" not in kinds or len(values) in map(len, tables[-1].values())):
+            if name in tables[-1] and role(name) in SIZES:
+                tables.append({})
+            columns = tables[-1]
+            columns[f"{name} ({len(columns) + 1})" if name in columns else name] = values
     lists = [from_columns("lists", columns) for columns in tables if len(columns) > 1]
-    repeated = {name: values for name, values in singles.items() if len(values) > 1}
-    return lists, repeated
+    return lists, {name: values for name, values in singles.items() if len(values) > 1}
 
 
-def _named(text: str) -> Iterator[tuple[str, list[str]]]:
-    """Yield each name with the values behind it."""
-    for found in _NAMED.finditer(text):
-        separator = r"[,;\s]+" if found["list"] else r",\s+"
-        values = (found["list"] or found["row"] or "").strip(" ,;\n\t")
-        yield found["name"].strip(" \t*-\"'"), re.split(separator, values)
-
-
-def _as_lists(found: re.Match[str]) -> str:
+def _as_lists(match: re.Match[str]) -> str:
     """Return two lists, of sizes and of errors, for ``label 51: 0.1, 101: 0.02``."""
-    sizes, errors = zip(*re.findall(r"(\S+): ?([^\s,]+)", found["pairs"]), strict=True)
-    return f"n = [{', '.join(sizes)}]\n{found['name']} = [{', '.join(errors)}]"
+    sizes, errors = zip(*re.findall(r"(\S+): ?([^\s,]+)", match["pairs"]), strict=True)
+    return f"n = [{', '.join(sizes)}]\n{match['name']} = [{', '.join(errors)}]"
 
 
 def _json(text: str) -> list[Table]:
@@ -494,7 +491,7 @@ def _json(text: str) -> list[Table]:
 
     The outermost object that has a column is a table; the names of the objects around it are its caption.
     """
-    columns: dict[tuple[str, ...], list[str]] = {}
+    columns: dict[tuple[str, ...], Cells] = {}
     try:
         for path, value in _leaves(json.loads(text), ()):
             columns.setdefault(path, []).append(value)
@@ -502,7 +499,7 @@ def _json(text: str) -> list[Table]:
         return []
     columns = {path: values for path, values in columns.items() if path and len(values) > 1}
     objects = {path[:-1] for path in columns}
-    tables: dict[tuple[str, ...], dict[str, list[str]]] = {}
+    tables: dict[tuple[str, ...], Columns] = {}
     for path, values in columns.items():
         around = next(path[:depth] for depth in range(len(path)) if path[:depth] in objects)
         tables.setdefault(around, {})[" ".join(path[len(around) :])] = values

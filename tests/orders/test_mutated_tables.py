@@ -11,32 +11,34 @@ EXPECTED = 2.0
 WRONG = (0.0, 0.5, 1.0, 1.4, 2.6, 3.0)
 
 
+SIZES = {
+    "h": lambda n, level: f"{1 / n:.6g}",
+    "dt": lambda n, level: f"{1 / n:.6g}",
+    "n": lambda n, level: str(n),
+    "$n \\times n$": lambda n, level: f"${n} \\times {n}$",
+    "cells": lambda n, level: str(n**2),
+    "dofs": lambda n, level: str((n + 1) ** 2),
+    "level": lambda n, level: str(level),
+}
+"""Name of a column of sizes ↦ its cell for n cells along a side and a level."""
+
+
 def table(draw: random.Random, orders: list[float]) -> str:
     """A table with a series of errors of each order, one below the other, in a random form."""
     levels, first = draw.randint(3, 6), draw.choice([4, 5, 10])
-    kind = draw.choice(["h", "n", "$n \\times n$", "cells", "dofs", "level", "dt", "none"])
+    size, printed = draw.choice([*SIZES, ""]), draw.choice(["eoc", "eoc", "", "", ""])
     label = draw.choice(["", "scheme", "degree", "k"]) if len(orders) > 1 else ""
-    printed = draw.random() < 0.4
-    rows = [[*([label] if label else []), *([kind] if kind != "none" else []), "L2", *(["eoc"] if printed else [])]]
-    for series, order in enumerate(orders):
-        before = 0.0
+    names = [name for name in (label, size, "L2", printed) if name]
+    rows = [names]
+    for series, order in enumerate(orders, start=1):
         start = draw.choice([first, first + 1])
         for level in range(levels):
             n = start * 2**level
-            error = 3.7 * n**-order * draw.uniform(0.99, 1.01)
-            sizes = {
-                "h": f"{1 / n:.6g}",
-                "dt": f"{1 / n:.6g}",
-                "n": str(n),
-                "cells": str(n**2),
-                "dofs": str((n + 1) ** 2),
-            }
-            sizes |= {"$n \\times n$": f"${n} \\times {n}$", "level": str(level)}
-            name = f"scheme{series}" if label == "scheme" else str(series + 1)
-            cells = [*([name] if label else []), *([sizes[kind]] if kind != "none" else []), f"{error:.3e}"]
-            cells += [f"{order + draw.uniform(-0.02, 0.02):.2f}" if before else "-"] if printed else []
-            rows.append(cells)
-            before = error
+            row = {label: f"scheme{series}" if label == "scheme" else str(series)}
+            row |= {name: cell(n, level) for name, cell in SIZES.items()}
+            row["L2"] = f"{3.7 * n**-order * draw.uniform(0.99, 1.01):.3e}"
+            row["eoc"] = f"{order + draw.uniform(-0.02, 0.02):.2f}" if level else "-"
+            rows.append([row[name] for name in names])
     return draw.choice(FORMS)(rows)
 
 

@@ -233,12 +233,12 @@ def test_the_quoted_order_lies_within_the_quoted_orders(orders: list[float], rat
 
 
 def test_names_with_terminal_escapes_are_printed_without_them(tmp_path, capsys) -> None:
-    (tmp_path / "t.json").write_text(json.dumps({"h": [4, 2, 1], "e\x1b[31m\x00": [0.4, 0.2, 0.1]}))
+    (tmp_path / "t.csv").write_text("h,e\x1b]0;x\u202e\n4,0.4\n2,0.2\n1,0.1\n")
     for options in ([], ["--markdown", str(tmp_path / "m"), "--junit", str(tmp_path / "j")], ["--columns", "\x1b[2J"]):
-        main(["rates", str(tmp_path / "t.json"), "--at-least", "0.9", *options])
+        main(["rates", str(tmp_path / "t.csv"), "--at-least", "0.9", *options])
         printed = "".join(capsys.readouterr())
         assert printed
-        assert not set(printed) & set("\x1b\x00")
+        assert not set(printed) & set("\x1b\u202e")
     ElementTree.parse(tmp_path / "j")
     assert "\x1b" not in (tmp_path / "m").read_text()
 
@@ -256,8 +256,6 @@ def test_a_broken_solver_fails_the_assertion() -> None:
     assert assert_order(H, SQUARES, expected=2).order == pytest.approx(2)
     with pytest.raises(AssertionError, match="fails"):
         assert_order(H, H, expected=2)
-    found = check_orders(H, {"L2": SQUARES, "H1": H}, expected={"L2": 2, "H1": 1})
-    assert [column.verdict for column in found.values()] == ["holds", "holds"]
 
 
 @pytest.mark.parametrize(

@@ -79,6 +79,12 @@ VERDICTS = {
     "comment-block-fitted-row.txt --expected 'N 1=2,N 2=3'": ["undecided"] * 4,
     "error-against-finest-run.csv --expected 1": ["undecided"] * 2,
     "r-matrix.txt --expected L2=2,H1=1": ["holds"] * 2,
+    "dealii-cycle-cells-dofs.txt --expected L2=3,H1=2,Linfty=3": ["holds"] * 3,
+    "rates-of-one-list.txt --expected 'L2 errors=2,H1 errors=1'": ["holds"] * 2,
+    "matlab-table.txt --expected errL2=2,errH1=1": ["holds"] * 2,
+    "inverse-h-two-degrees.tex --at-least 1.9": ["holds"] * 2,
+    "quotients-first-cell-left-out.txt --expected 2": ["holds"],
+    "mfem-ref-dofs.txt --dim 3 --expected 1": ["holds"] * 2,
 }
 REFUSED = {
     "14-matlab-no-h.txt": "Give --ratio 2",
@@ -88,9 +94,12 @@ REFUSED = {
     "lists-without-brackets.txt": "has 2 values, expected 3",
     "computed-and-analytical.txt": "give --dim",
     "one-name-per-line-in-prose.txt": "Give --ratio 2",
-    "33-repeated-h.csv": "line 4: h = 0.05 is the size in line 3",
+    "33-repeated-h.csv": "the mesh size 0.05 occurs twice",
     "gadopt.txt": "Give --ratio 2",
     "libceed.txt": "convergence order of u (order)",
+    "mfem-ref-dofs.txt": "give --dim D (dim=D in Python)",
+    "ngsolve-words-and-numbers.txt": "6 columns, but no line above names them",
+    "p-refinement-with-unknowns.txt": "column p has degrees: errors against the degree (p-refinement)",
     "mirgecom_bare.txt": "6 columns, but no line above names them",
 }
 
@@ -137,6 +146,8 @@ def test_a_table_with_two_readings_is_refused_with_the_edit(file: str, capsys) -
             "the printed orders 0.56, 0.87, 1.11 are not the computed ones 1.12, 1.74, 2.22",
         ),
         ("names-with-blanks.txt", "h = cells^(-1/2) from column cells, which the printed orders confirm"),
+        ("quotients-first-cell-left-out.txt", "ignored: ratio (quotients)"),
+        ("rates-of-one-list.txt", "H1 errors: converges with order 1.00 (orders 1.00, 1.00, 1.00) read as lists"),
     ],
 )
 def test_the_diagnosis_names_what_an_analyst_sees(command: str, sentence: str, capsys) -> None:
@@ -279,6 +290,7 @@ def test_names_in_two_rows_belong_together(names: str) -> None:
         ("Netz;Fehler\n1.024;0,16\n4.096;0,04\n16.384;0,01\n", ["--in", "netz", "--dim", "2"], "0.03125 0.16"),
         ('h,"L2(0,T;H1)","e, max"\n.4,.4,.4\n.2,.1,.2\n.1,.025,.1\n', ["--columns", "L2(0,T;H1),e, max"], "e, max: c"),
         ('h,"L2(0,T;H1)","e, max"\n.4,.4,.4\n.2,.1,.2\n.1,.025,.1\n', ["--columns", "e, max"], "ignored: L2(0,T;H1)"),
+        ("h,L2,H1,EOC,EOC\n4,16,4,-,-\n2,4,2,2,1\n1,1,1,2,1\n", ["--in", "h"], "ignored: EOC (4), EOC (5)"),
         ("steps error\n10 1e-2\n20 2.5e-3\n40 6.25e-4\n", ["--in", "steps"], "size: h = 1/steps"),
         ("h,Größe,error\n.4,32,.16\n.2,128,.04\n.1,512,.01\n", ["--columns=Größe", "--expected=2"], "Größe: fails"),
     ],
@@ -374,7 +386,7 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, rates) -> No
         (b"h,error\n" + b"1,1\n" * 110_000, "100000 lines"),
         (b"h,error\n" + b"0.123456789,0.123456789\n" * 1_000_000, "more than 8 MB"),
         (b"h,error\n1,abc\n.5,1\n", "line 2: error is 'abc', expected a number"),
-        (b"h,error\n.1,.2\n.1000000000001,.21\n.05,.1\n", "line 3: h = .1000000000001 is the size in line 2"),
+        (b"h,error\n.1,.2\n.1000000000001,.21\n.05,.1\n", "the mesh size 0.1 occurs twice: give one error for each"),
         (
             b"0.25 0.0131\n0.125 0.00661\n",
             "has 2 columns, but no line above names them: add a header such as 'h error'",
