@@ -39,7 +39,7 @@ def polygon(
     return Body(
         tuple(Part(kind, _columns(pair)) for kind, pair in zip(kinds, ends, strict=True)),
         T,
-        tuple(tuple(float(c) for c in point) for point in refine),
+        refine,
         tuple(Part(Kind.INTERFACE, _columns(pair)) for pair in interfaces),
     )
 
