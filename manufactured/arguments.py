@@ -20,7 +20,18 @@ T = TypeVar("T")
 
 Extended = Annotated[float, "may be infinite"]
 """The type of a real number that may be infinite."""
-
+Size = Annotated[float, 1e-30, 1e30]
+"""The type of a positive number, such as a length, of which powers are computed."""
+Dimension = Annotated[int, 2, 3]
+"""The type of the number of directions in space."""
+Degree = Annotated[int, 0, 1]
+"""The type of the exponent of a factor that may be missing."""
+Count = Annotated[int, 1, 1e6]
+"""The type of the number of things of which there has to be at least one."""
+Natural = Annotated[int, 0, 1e18]
+"""The type of a whole number that is not negative."""
+BYTES = str, bytes, bytearray, memoryview
+"""Types with entries that are no numbers and no formulas."""
 ARRAY_ORIGINS: tuple[Any, ...] = (np.ndarray, NDArray)
 """What an annotation of an array is made of: ``ndarray``, and since NumPy 2.5 also ``NDArray`` itself."""
 
@@ -132,7 +143,9 @@ def _as_type(value: Any, hint: Any, place: str) -> Any:
     if hint in SCALARS:
         return SCALARS[hint][1](value)
     if origin is Annotated:
-        return _as_type(value, inner[0], place)
+        converted = _as_type(value, inner[0], place)
+        _require(len(inner) < 3 or inner[1] <= converted <= inner[2])
+        return converted
     if origin in ARRAY_ORIGINS:
         return _array(value)
     if origin in (tuple, Sequence):
@@ -169,7 +182,7 @@ def _require(condition: bool) -> None:
 
 def _entries(value: Any) -> list[Any]:
     """Return the entries of a tuple, list or array; other iterables have no order or are texts."""
-    _require(hasattr(value, "__getitem__") and not hasattr(value, "keys") and not isinstance(value, str | bytes))
+    _require(hasattr(value, "__getitem__") and not hasattr(value, "keys") and not isinstance(value, BYTES))
     return list(value)
 
 
@@ -221,6 +234,7 @@ def _text(value: Any) -> str:
 
 
 def _array(value: Any) -> Any:
+    _require(not isinstance(value, BYTES))
     given = _unmasked(value) if isinstance(value, np.ndarray) else np.array(value, dtype=object)
     _require(given.ndim > 0)
     exact = given if given.dtype.kind in "iuf" else np.vectorize(_number, otypes=[float])(given)
@@ -241,7 +255,7 @@ def _numbers(value: Any) -> Any:
 def _formula(value: Any) -> Any:
     import sympy as sp
 
-    from manufactured.symbols import NOT_REAL
+    from manufactured.symbols import NOT_REAL, extreme_numbers
 
     if isinstance(value, str):
         formula = _read_formula(value)
@@ -250,6 +264,8 @@ def _formula(value: Any) -> Any:
     _require(isinstance(formula, sp.Expr) and not formula.is_Matrix)
     if formula.has(*NOT_REAL):
         raise _ReasonError("it is not a real number everywhere, as it has a number that is complex or not finite")
+    if extreme_numbers(formula):
+        raise _ReasonError("double precision cannot represent one of its numbers")
     return formula
 
 
@@ -280,7 +296,7 @@ def _phrase(hint: Any) -> str:
     if hint in SCALARS:
         return SCALARS[hint][0]
     if origin is Annotated:
-        return str(inner[1])
+        return str(inner[1]) if len(inner) < 3 else f"{_phrase(inner[0])} from {inner[1]:g} to {inner[2]:g}"
     if origin in (Union, UnionType):
         return " or ".join(map(_phrase, _options(hint)))
     if origin in ARRAY_ORIGINS:

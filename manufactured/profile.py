@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial.polynomial import polyadd, polyder, polymul
 
-from manufactured.arguments import checked
+from manufactured.arguments import Size, checked
 from manufactured.tensors import Array
 
 HERMITE = (1.0, 0.0, -3.0, 2.0)
@@ -63,7 +63,7 @@ class Piecewise:
         pieces: the coefficients of each piece in powers of y, lowest first.
     """
 
-    ends: tuple[float, ...]
+    ends: tuple[Size, ...]
     pieces: tuple[tuple[float, ...], ...]
 
     def __post_init__(self) -> None:
@@ -139,7 +139,7 @@ ZERO = Piecewise((1.0,), ((0.0,),))
 
 
 @checked(ProfileError)
-def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
+def cutoff(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
     """Return the profile of the standard construction: the displacement is multiplied by a cut-off φ(y/ℓ).
 
     The functions are b = f = φ(y/ℓ), c = d = y φ(y/ℓ), a = −y φ(y/ℓ), e = 0.
@@ -148,7 +148,6 @@ def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
         depth: ℓ, the depth beyond which the displacement is zero.
         phi: the coefficients of a polynomial φ with φ(0) = 1, φ'(0) = 0, φ(1) = 0, lowest power first.
     """
-    _require_increasing(depth)
     b = tuple(coefficient / depth**k for k, coefficient in enumerate(phi))
     d = (0.0, *b)
     ends = (depth,)
@@ -163,7 +162,7 @@ def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 
 
 @checked(ProfileError)
-def slab(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
+def slab(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
     """Return a profile with which the strain in the body can be uniform.
 
     The strain is uniform for a constant gap w and the normal strain q = −w/ℓ on the face. The profile is ``cutoff``
@@ -175,7 +174,7 @@ def slab(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 
 
 @checked(ProfileError)
-def layered(interface: float, ratio: float, depth: float = 1.0) -> Profile:
+def layered(interface: Size, ratio: Size, depth: Size = 1.0) -> Profile:
     """Return a profile for a body of two layers that keeps the traction continuous at the interface.
 
     The clamped boundary must be at the depth ℓ. On the interface y = y_0 the tangential displacement vanishes, so

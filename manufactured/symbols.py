@@ -27,6 +27,13 @@ The multi-index of zeros gives the function itself.
 
 NOT_REAL = (sp.I, sp.nan, sp.oo, -sp.oo, sp.zoo)
 """SymPy objects whose presence in a formula shows that the formula is complex or not finite."""
+SMALLEST, LARGEST = float(np.finfo(float).tiny), float(np.finfo(float).max)
+"""Double precision represents the absolute values of numbers between these two numbers."""
+
+
+def extreme_numbers(formula: sp.Expr) -> list[sp.Number]:
+    """Return the numbers of a formula that double precision cannot represent, except 0."""
+    return [number for number in formula.atoms(sp.Number) if number != 0 and not SMALLEST <= abs(number) <= LARGEST]
 
 
 class FormulaError(ValueError):

@@ -46,7 +46,7 @@ def polygon(
     return Body(
         tuple(parts),
         T,
-        tuple(tuple(float(c) for c in point) for point in refine),
+        refine,
         tuple(Part(Kind.INTERFACE, _columns(pair)) for pair in interfaces),
     )
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 import sympy as sp
 
-from manufactured.arguments import checked
+from manufactured.arguments import Size, checked
 from manufactured.body import Part
 from manufactured.contact.lifting_terms import COMBINATIONS, StrainTerm, first_indices, plus, strain_terms
 from manufactured.face_strain import Components, Coupled, FaceStrain, Memory, relaxation_rate
@@ -88,7 +88,7 @@ class ContactFace:
         cls,
         part: Part,
         law: KelvinVoigt,
-        T: float,
+        T: Size,
         gap: sp.Expr,
         pressure: sp.Expr,
         level: sp.Expr,

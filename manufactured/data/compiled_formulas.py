@@ -10,12 +10,11 @@ from sympy.core.relational import Relational
 
 from manufactured.compiled import function
 from manufactured.factor import x1, x2, x3
-from manufactured.symbols import FormulaError, t
+from manufactured.symbols import FormulaError, extreme_numbers, t
 from manufactured.tensors import Points, Vectors
 
 KNOWN = {str(symbol): symbol for symbol in (x1, x2, x3, t)}
 """The symbols that formulas may contain, by their names."""
-SMALLEST, LARGEST = float(np.finfo(float).tiny), float(np.finfo(float).max)
 
 
 def compiled(
@@ -100,14 +99,11 @@ def _as_pieces(part: sp.Expr) -> sp.Expr:
 
 def _require_numbers(expression: sp.Expr, name: str) -> None:
     """Raise FormulaError if a formula contains NaN, infinity or a number that double precision cannot represent."""
-    if expression.has(sp.nan, sp.zoo, sp.oo):
-        raise FormulaError(f"{name} is {expression} in SymPy, which has no value somewhere; write it as a Piecewise")
-    for number in expression.atoms(sp.Number):
-        if number != 0 and not SMALLEST <= abs(number) <= LARGEST:
-            raise FormulaError(
-                f"{name} has the number {sp.N(number, 3)}, which double precision cannot represent; use units in which "
-                f"numbers lie between {SMALLEST:.3g} and {LARGEST:.3g}"
-            )
+    if expression.has(sp.nan, sp.zoo, sp.oo) or extreme_numbers(expression):
+        raise FormulaError(
+            f"{name} is {sp.N(expression, 3)} in SymPy, and has no value in double precision somewhere; write it as a "
+            "Piecewise, and use units in which its numbers have moderate size"
+        )
 
 
 def _function(symbols: tuple[sp.Symbol, ...], expressions: Sequence[sp.Expr], name: str) -> Callable[..., Any]:

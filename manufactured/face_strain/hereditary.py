@@ -6,7 +6,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 import sympy as sp
 
-from manufactured.arguments import checked
+from manufactured.arguments import Size, checked
 from manufactured.face_strain.contact_times import PressureTerm, smooth_branch
 from manufactured.face_strain.convolution import Started
 from manufactured.face_strain.strain_on_face import Components, StrainAtPoints, relaxation_rate
@@ -48,7 +48,7 @@ class Memory:
     pressure: sp.Expr
     viscosity: sp.Expr | float
     elasticity: sp.Expr | float
-    T: float
+    T: Size
     initial: sp.Expr | None = None
     variables: tuple[sp.Symbol, ...] = (s,)
     slip_stress: sp.Expr = NO_STRESS

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 import sympy as sp
 
-from manufactured.arguments import checked
+from manufactured.arguments import Size, checked
 from manufactured.face_strain.strain_on_face import Components, StrainAtPoints
 from manufactured.jet import Jet
 from manufactured.symbols import FormulaError, Values, s
@@ -25,8 +25,13 @@ class Prescribed:
         variables: the coordinates along the face.
     """
 
-    phases: tuple[tuple[float, sp.Expr], ...]
+    phases: tuple[tuple[Size, sp.Expr], ...]
     variables: tuple[sp.Symbol, ...] = (s,)
+
+    def __post_init__(self) -> None:
+        ends = [end for end, _ in self.phases]
+        if not ends or (np.diff(ends) <= 0).any():
+            raise FormulaError(f"phases need one interval or more, and ends that increase, got the ends {ends}")
 
     @property
     def formula(self) -> sp.Expr:

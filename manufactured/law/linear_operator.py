@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from manufactured.arguments import checked
+from manufactured.arguments import Dimension, checked
 from manufactured.factor import UNIFORM, Factor
 from manufactured.law.operators import AtPoints, LawError
 from manufactured.tensors import Array, Points, Tensors, dyad, identity, mapped, size
@@ -187,7 +187,7 @@ class Scaled:
 
 
 @checked(LawError)
-def isotropic(mu: float, lam: float, dim: int = 2, factor: Factor = UNIFORM) -> Linear:
+def isotropic(mu: float, lam: float, dim: Dimension = 2, factor: Factor = UNIFORM) -> Linear:
     """Return the isotropic operator C τ = α(x) (2μ τ + λ (tr τ) I) with the Lamé constants μ and λ.
 
     >>> isotropic(1, 0.5).at(np.zeros((2, 1)))(np.array([[1.0], [0.0], [0.0]])).ravel().tolist()  # τ = e₁ ⊗ e₁
@@ -200,7 +200,7 @@ def isotropic(mu: float, lam: float, dim: int = 2, factor: Factor = UNIFORM) -> 
 
 
 @checked(LawError)
-def isotropic_matrix(mu: float, lam: float, dim: int = 2) -> Array:
+def isotropic_matrix(mu: float, lam: float, dim: Dimension = 2) -> Array:
     """Return the matrix of τ ↦ 2μ τ + λ (tr τ) I in Mandel form, (D, D); the eigenvalues are 2μ and 2μ + dλ."""
     unit = identity(dim)
     return np.asarray(2 * mu * np.eye(size(dim)) + lam * np.multiply.outer(unit, unit))

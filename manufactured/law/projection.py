@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from manufactured.arguments import checked
+from manufactured.arguments import Dimension, Size, checked
 from manufactured.factor import UNIFORM, Factor
 from manufactured.law.operators import AtPoints, LawError
 from manufactured.tensors import Array, Points, Tensors, dyad, identity, mapped, size
@@ -30,8 +30,8 @@ class ConvexSet(Protocol):
 class FrobeniusBall:
     """The ball K = {τ : |τ| ≤ r} in the Frobenius norm."""
 
-    radius: float
-    dim: int = 2
+    radius: Size
+    dim: Dimension = 2
 
     @cached_property
     def projector(self) -> Array:
@@ -43,8 +43,8 @@ class FrobeniusBall:
 class DeviatoricBall:
     """The cylinder K = {τ : |dev τ| ≤ r} of von Mises, with dev τ = τ − (tr τ / d) I."""
 
-    radius: float
-    dim: int = 2
+    radius: Size
+    dim: Dimension = 2
 
     @cached_property
     def projector(self) -> Array:

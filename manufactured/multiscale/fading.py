@@ -17,7 +17,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 import sympy as sp
 
-from manufactured.arguments import checked
+from manufactured.arguments import Size, checked
 from manufactured.body import Part
 from manufactured.compiled import function
 from manufactured.contact.contact_face import distinct
@@ -80,7 +80,7 @@ class FadingFace:
     pressure: sp.Expr
     level: sp.Expr
     depth: sp.Expr
-    least_depth: float
+    least_depth: Size
     rough: tuple[float, ...] = field(default=(), init=False)
 
     def __post_init__(self) -> None:

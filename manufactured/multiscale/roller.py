@@ -60,6 +60,8 @@ def rollers(level: int) -> tuple[Case, ...]:
 
     These cases are not in the catalogue, because each of them is meant for the meshes of one level.
     """
+    if level < COARSEST_ROLLER:
+        raise FormulaError(f"rollers: level has to be {COARSEST_ROLLER} or more, got {level}")
     width, (plain, pushing, steep, still) = Rational(2, level), (f"{kind}-{level}" for kind in ROLLERS)
     return (
         roller(plain, width),

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from manufactured.arguments import checked
+from manufactured.arguments import Count, Natural, checked
 from manufactured.exact import ExactSolution
 from manufactured.self_proof.boundary_conditions import clamped_and_loaded, contact
 from manufactured.self_proof.coefficients import bounds_of_factors, traction_at_jumps
@@ -12,7 +12,7 @@ from manufactured.self_proof.interior import equilibrium, history, kinematics
 
 
 @checked(ValueError)
-def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
+def prove(solution: ExactSolution, name: str, seed: Natural = 0) -> list[Finding]:
     """Check every condition of Problem 2.1 and return the largest violation of each; raise an error if one is too
     large.
 
@@ -31,7 +31,7 @@ def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
 
 
 @checked(ValueError)
-def examine(solution: ExactSolution, seed: int = 0, points: int = 40, times: int = 8) -> list[Finding]:
+def examine(solution: ExactSolution, seed: Natural = 0, points: Count = 40, times: Count = 8) -> list[Finding]:
     """Return the largest violation of every condition of Problem 2.1 at random points and times.
 
     Args:

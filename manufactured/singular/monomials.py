@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from manufactured.arguments import checked
+from manufactured.arguments import Degree, Size, checked
 from manufactured.symbols import FormulaError
 from manufactured.tensors import Array
 
@@ -14,7 +14,7 @@ from manufactured.tensors import Array
 class Monomial:
     """The function y^m Re(c z^β) of z = x + iy, where m is 0 or 1."""
 
-    m: int
+    m: Degree
     c: complex
     beta: float
 
@@ -30,7 +30,7 @@ class Monomial:
 
 
 @checked(FormulaError)
-def kolosov(kappa: float, a: complex, b: complex, exponent: float) -> tuple[tuple[Monomial, ...], tuple[Monomial, ...]]:
+def kolosov(kappa: Size, a: complex, b: complex, exponent: float) -> tuple[tuple[Monomial, ...], tuple[Monomial, ...]]:
     """Return the displacement 2μ (u_x, u_y) of plane elasticity with the potentials Φ = a z^λ and Ψ = b z^λ.
 
     It is given by 2μ (u_x + i u_y) = κΦ − z conj(Φ') − conj(Ψ).

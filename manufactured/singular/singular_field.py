@@ -43,6 +43,10 @@ class SingularField:
     radial: Piecewise | None = None
     depth: Piecewise | None = None
 
+    def __post_init__(self) -> None:
+        if self.frame.shape != (2, 2) or not np.allclose(self.frame.T @ self.frame, np.eye(2)):
+            raise FormulaError(f"frame has to have two orthogonal unit vectors as columns, got {self.frame.tolist()}")
+
     @cached_property
     def amplitude(self) -> tuple[Jet, Jet]:
         """The function of time θ and its derivative, as formulas that can be evaluated."""

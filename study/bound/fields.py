@@ -1,5 +1,6 @@
 """Read the displacement of another program from a file: .npz, or any mesh format that meshio reads."""
 
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -27,8 +28,10 @@ IGNORED = ("vertex", "line", "line3", "VTK_LAGRANGE_CURVE")
 """Types of cells that are ignored: mesh files often contain points and boundary edges besides the triangles."""
 
 
+COUNTS = re.compile(rb"""NumberOf(?:Points|Cells)\s*=\s*["'](\d{1,20})["']""")
+"""The numbers of points and cells that a .vtu file states."""
 PACKING, UNSUSPICIOUS = 100, 2**26
-"""An .npz file may unpack to so many times its size. Files that unpack to at most 64 MiB may have any ratio.
+"""An .npz or .vtu file may unpack to so many times its size. Files that unpack to at most 64 MiB may have any ratio.
 
 The coordinates and displacements of a mesh compress by a factor of 20 at most.
 """
@@ -115,11 +118,16 @@ def _refuse_packed(path: Path) -> None:
         entries = packed.infolist()
     if any(entry.flag_bits & 1 for entry in entries):
         raise BoundError(f"{path} is encrypted: write it by numpy.savez, which does not encrypt")
-    whole, size = sum(entry.file_size for entry in entries), path.stat().st_size
+    _refuse_larger(path, sum(entry.file_size for entry in entries))
+
+
+def _refuse_larger(path: Path, whole: int) -> None:
+    """Raise BoundError if the content of a file, in bytes, is so large that the file was made to fill the memory."""
+    size = path.stat().st_size
     if whole > max(UNSUSPICIOUS, PACKING * size):
         raise BoundError(
             f"{path} has {size} bytes and unpacks to {whole} bytes, more than {PACKING} times as many, as no "
-            "displacement does: if it is one, write it by numpy.savez, which does not compress"
+            "displacement does: if it is one, write it without compression"
         )
 
 
@@ -136,8 +144,11 @@ def _read_mesh(path: Path) -> Any:
             f".vtu, .vtk or .msh{advice}"
         )
     try:
+        if path.suffix.lower() == ".vtu":
+            # Every point and every cell takes 8 bytes at least.
+            _refuse_larger(path, 8 * sum(map(int, COUNTS.findall(path.read_bytes()))))
         return meshio.read(path)
-    except (ImportError, MemoryError):
+    except (BoundError, ImportError, MemoryError):
         raise
     # For broken files meshio prints a message and raises SystemExit, or an error of the library that it uses.
     except (SystemExit, Exception) as error:

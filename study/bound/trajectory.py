@@ -20,6 +20,7 @@ import numpy as np
 import scipy.sparse as sps
 from skfem import Mesh
 
+from manufactured.arguments import checked
 from manufactured.body import Body
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
@@ -233,6 +234,7 @@ class SmoothedInTime:
 
 
 @dataclass(frozen=True)
+@checked(BoundError)
 class Refined:
     """Compute ũ as the solution of the semi-discrete problem (Problem 5.1) in degree 2, by the midpoint scheme.
 
@@ -240,11 +242,20 @@ class Refined:
         refinements: how often the mesh of u_h is refined uniformly.
         shorter: the number of time steps of ũ in one time step of u_h.
         name: the entry in the column ``trajectory`` of ``bounds.csv``.
+
+    Raises:
+        BoundError: ``refinements`` is negative, or ``shorter`` is less than 1.
     """
 
     refinements: int = 1
     shorter: int = 4
     name: str = "enclosure"
+
+    def __post_init__(self) -> None:
+        if self.refinements < 0 or self.shorter < 1:
+            raise BoundError(
+                f"refinements has to be 0 or more, and shorter 1 or more, got {self.refinements} and {self.shorter}"
+            )
 
     def discretisation(self, coarse: Discretisation) -> Discretisation:
         return Discretisation(coarse.data, coarse.mesh.refined(self.refinements)) if self.refinements else coarse

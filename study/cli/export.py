@@ -84,7 +84,5 @@ def _check(options: argparse.Namespace, case: Case) -> None:
     instants, T = _instants(options, case), case.solution.body.T
     if min(instants) < 0 or max(instants) > T:
         raise UsageError(f"--instants must lie in [0, {T:g}], got {', '.join(f'{t:g}' for t in instants)}")
-    if options.scale <= 0:
-        raise UsageError(f"--scale must be a positive number, got {options.scale:g}")
     if options.foundation is not None and case.solution.body.dim != 2:
         raise UsageError("--foundation meshes foundations in the plane only; leave it out for a body in space")

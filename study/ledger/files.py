@@ -128,6 +128,12 @@ def unwritable(path: Path, error: OSError) -> StoreError:
             f"cannot write {path}: the disk is full ({error.strerror}); free space there, or give a directory on "
             "another disk with --out"
         )
+    broken = [place for place in path.parents if place.is_symlink() and not place.exists()]
+    if broken:
+        return StoreError(
+            f"cannot write {path}: {broken[0]} is a symbolic link to {os.readlink(broken[0])}, which does not exist; "
+            "make what it leads to, or give another directory with --out"
+        )
     return StoreError(f"cannot write {path}: {error.strerror or error}; give a directory you may write with --out")
 
 

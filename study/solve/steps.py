@@ -62,15 +62,13 @@ def require_unique(scheme: str, k: float, growth: float, longest: float) -> None
 
 
 def require_steps(steps: int) -> None:
-    """Refuse a number of steps that would take days, before time is spent.
+    """Refuse a number of steps that would take days, or less than one step, before time is spent.
 
     Raises:
-        UsageError: there are more than ``MOST`` steps.
+        UsageError: there is no step, or there are more than ``MOST`` steps.
     """
-    if steps > MOST:
-        raise UsageError(
-            f"{steps:.3g} time steps were asked for, but at most {MOST:.0e} are allowed; take longer steps"
-        )
+    if not 1 <= steps <= MOST:
+        raise UsageError(f"{steps:.3g} time steps were asked for, but only 1 to {MOST:.0e} are allowed")
 
 
 def rate_steps(T: float, level: int, pace: float = PACE) -> int:

@@ -25,6 +25,7 @@ JUMPS = {
     "Piecewise": Piecewise((1, CIRCLE < 0.3), (0, True)),
     "band with Max": Piecewise((1, (sp.Max(x1 - 0.3302, 0) <= 0) & (sp.Max(0.3301 - x1, 0) <= 0)), (0, True)),
     "small": sin(3 * x1) + x2 + Heaviside(x1 - 0.4) / 1000,
+    "two millionths": sin(3 * x1) + x2 + Heaviside(x1 - 0.4) / 500_000,
     "on a part of a line": Heaviside(x1 - 0.5) * sp.Max(x2 - 0.9, 0),
     "negative power": pos(x1 - 0.3, Rational(-1, 4)),
     "singular point": 1 / ((x1 - 0.3) ** 2 + (x2 - 0.4) ** 2),

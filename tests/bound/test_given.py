@@ -295,6 +295,12 @@ def test_in_time_a_factor_of_some_per_cent_may_come_from_long_steps_and_a_large_
     assert any("times the one" in remark for remark in found.remarks) == named
 
 
+@pytest.mark.parametrize("wrong", [{"refine": -1}, {"shorter": 0}, {"steps": -5}, {"refine": 0.5}])
+def test_a_number_of_refinements_or_steps_that_makes_no_sense_is_refused(wrong: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match=r"(refine|shorter|steps).* (has to be|allowed)"):
+        bound_displacement(square(), **field(), **wrong)
+
+
 def test_a_displacement_of_another_shape_is_called_no_multiple() -> None:
     turned = bound_displacement(square(), **(field() | {"u": field()["u"][..., ::-1] * [1, -1]}), refine=0, shorter=1)
     assert not any("times the one" in remark for remark in turned.remarks)
@@ -376,7 +382,8 @@ def test_files_of_other_programs_are_read(suffix: str, form: str, degree: int, t
         ("untimed.pvd", None, "DataSet without timestep or file"),
         ("parts.pvd", None, "the time 0 after 0: give one file for each time"),
         ("short.npz", None, "lacks triangles, u; expected the arrays points, triangles, times, u"),
-        ("bomb.npz", None, "bomb.npz has .* bytes and unpacks to 100000776 bytes, .* write it by numpy.savez"),
+        ("bomb.npz", None, "bomb.npz has .* bytes and unpacks to 100000776 bytes, .* write it without compression"),
+        ("bomb.vtu", None, "bomb.vtu has .* bytes and unpacks to 80.* bytes, more than 100 times as many"),
         ("locked.npz", None, "locked.npz is encrypted: write it by numpy.savez"),
         ("broken.npz", None, "broken.npz cannot be read"),
         ("strange.xdmf", None, "strange.xdmf cannot be read: ReadError"),
@@ -395,6 +402,8 @@ def test_files_without_a_displacement_are_refused(tmp_path: Path, name: str, fie
         step.format(f'timestep="0" file="{saved.name}"/><DataSet timestep="0" file="b"')
     )
     np.savez_compressed(tmp_path / "bomb.npz", **(field() | {"u": np.zeros(100_000_000, dtype=np.int8)}))
+    zeros = meshio.Mesh(np.zeros((10_000_000, 3)), [("triangle", np.array([[0, 1, 2]]))])
+    zeros.write(tmp_path / "bomb.vtu", compression="zlib") if name == "bomb.vtu" else None
     packed = (tmp_path / "short.npz").read_bytes()
     # The flag of encryption in the header of the entry and in the table of all entries.
     locked = packed[:6] + b"\x01" + packed[7:]

@@ -99,6 +99,11 @@ def test_what_cannot_be_written_is_refused_and_left_alone(tmp_path: Path, monkey
     for path, reason in ((loop, "symbolic links"), (folder, "directory"), (kept / "a", "Not a directory|File exists")):
         with pytest.raises(StoreError, match=f"cannot write {path}: .*{reason}"):
             write_text(path, "new")
+    nowhere = tmp_path / "nowhere"
+    nowhere.symlink_to("absent")
+    with pytest.raises(StoreError, match="nowhere is a symbolic link to absent, which does not exist; make"):
+        write_text(nowhere / "data" / "a.csv", "new")
+    nowhere.unlink()
     assert (loop.is_symlink(), folder.is_dir(), kept.read_text()) == (True, True, "old")
     assert len([*tmp_path.iterdir()]) == 3
 

@@ -268,8 +268,40 @@ def test_a_table_is_no_tuple_because_its_entries_are_the_names_of_its_columns() 
 )
 @pytest.mark.parametrize("depth", [0.0, -1.0])
 def test_a_depth_that_is_not_positive_is_refused(make, depth: float) -> None:
-    with pytest.raises(ValueError, match="depths have to be positive"):
+    with pytest.raises(ValueError, match=r"has to be a finite real number from 1e-30 to 1e\+30, got"):
         make(depth)
+
+
+SENSELESS = {
+    FrobeniusBall: {"radius": (-1.0, 0.0, 1e308), "dim": (-1, 0, 1, 4, 10**9)},
+    DeviatoricBall: {"radius": (-1.0,), "dim": (-1, 4)},
+    isotropic: {"dim": (-1, 0, 1, 4)},
+    isotropic_matrix: {"dim": (-1, 0, 10**9)},
+    cutoff: {"depth": (5e-324, 1e308)},
+    slab: {"depth": (5e-324, 1e308)},
+    layered: {"interface": (1e-200,), "ratio": (0, -1.0, 1e308), "depth": (1e308,)},
+    Memory: {"T": (-1.0, 0.0), "pressure": (10**400,)},
+    Prescribed: {"phases": ((), ((1.0, s), (0.5, s)), ((-1.0, s),))},
+    ContactFace: {"initial_gap": (10**400, 5e-324), "rough": (bytearray(b"12"), memoryview(b"12"))},
+    ContactFace.linear: {"T": (-1.0,)},
+    Monomial: {"m": (-1, 2)},
+    kolosov: {"kappa": (0.0, -1.0)},
+    SingularField: {"frame": (np.eye(3), np.ones(5), np.ones((2, 2)), 2 * np.eye(2), bytearray(b"1234"))},
+    FadingFace: {"least_depth": (0.0,)},
+    Data.formulas: {"f0": (bytearray(b"12"), (5e-324, 0))},
+    rollers: {"level": (-1, 0, 4)},
+    prove: {"seed": (-1,)},
+    examine: {"seed": (-1,), "points": (-1, 0, 1e308), "times": (-1, 0)},
+}
+"""Values of the right type that make no sense."""
+
+
+@pytest.mark.parametrize("target", SENSELESS, ids=lambda target: target.__qualname__)
+def test_a_value_that_makes_no_sense_is_refused_with_its_name(target) -> None:
+    for name, values in SENSELESS[target].items():
+        for value in values:
+            with pytest.raises(ValueError, match=rf"{name}(\[\d\])* (has|have|need)"):
+                print(f"{value!r} for {name} gives", call(target, CALLS[target] | {name: value}))
 
 
 def test_layered_profiles_need_an_interface_above_the_depth() -> None:

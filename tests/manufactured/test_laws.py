@@ -1,6 +1,7 @@
 """Laws of materials: constants, also of an elasticity that is not monotone or has no potential, and their cases."""
 
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -123,7 +124,7 @@ def test_the_normal_response_is_the_nn_component_under_compression(G, q) -> None
         *((partial(kind, NOT_SYMMETRIC), "not symmetric") for kind in (Linear, Indefinite)),
         *((partial(kind, np.eye(4)), "3×3") for kind in (Linear, NonSymmetric)),
         (lambda: Yield(-1.0, FrobeniusBall(1)), "β > 0"),
-        (lambda: Yield(1.0, FrobeniusBall(0)), "radius r > 0"),
+        (lambda: Yield(1.0, SimpleNamespace(dim=2, radius=0.0, projector=np.eye(3))), "radius r > 0"),
         (lambda: KelvinVoigt(isotropic(1, 1, 3), isotropic(1, 1, 2), ""), "dimension 3"),
         (lambda: Combined(np.zeros(6), SOFT, Yield(1.0, FrobeniusBall(1.0))), r"S has the shape \(6,\)"),
         (lambda: Combined(np.zeros(3), SOFT, Yield(1.0, FrobeniusBall(1.0, 3))), "operators of the same dimension"),
