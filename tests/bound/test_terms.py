@@ -17,6 +17,7 @@ from scipy.integrate import solve_ivp
 from sympy import Rational
 
 from manufactured import (
+    Combined,
     Data,
     FrobeniusBall,
     Indefinite,
@@ -407,6 +408,7 @@ LAWS = [
     KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "isotropic"),
     KelvinVoigt(isotropic(1, 1e4), Linear(np.diag([1.0, 2.0, 3.0])), "anisotropic"),
     KelvinVoigt(isotropic(1, 0.5), Yield(2.0, FrobeniusBall(0.1)), "(3.3)"),
+    KelvinVoigt(isotropic(1, 10), Combined(np.zeros(3), isotropic(1, 0), Yield(0.1, FrobeniusBall(1))), "combined"),
     *(named(name).solution.law for name in ("anisotropic", "softening", "double-well")),
 ]
 

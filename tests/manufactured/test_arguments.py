@@ -1,5 +1,8 @@
 """Arguments of another type: they are converted with the right meaning, or refused with a sentence."""
 
+from inspect import signature
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -59,112 +62,109 @@ from manufactured.no_potential import law_without_potential
 from manufactured.profile import Piecewise
 
 CASE = named("full-contact")
-SOLUTION, BODY, LAW = CASE.solution, CASE.solution.body, CASE.solution.law
-FACE, PART, ROUND = SOLUTION.faces[0], SOLUTION.faces[0].part, Piecewise((1.0,), (HERMITE,))
-CORNERS = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
-SIDES = (Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED)
-SEAM = ((0.0, 0.5), (1.0, 0.5))
+BODY, LAW, (FACE,) = CASE.solution.body, CASE.solution.law, CASE.solution.faces
+ROUND, STEP, SIDE = Piecewise((1.0,), (HERMITE,)), ((1.0, 0.0), 0.5), ((0.0, 0.5), (1.0, 0.5))
 MATRIX = np.array([[3.0, 1.0, 0.0], [1.0, 3.0, 0.0], [0.0, 0.0, 2.0]])
-STRAIN = Prescribed(((1.0, s * t),))
-LOADS = {"f0": (sp.Integer(0), x1 * t), "f2": {1: (x2, sp.Integer(1))}}
 HALF = sp.Rational(1, 2)
-FIELD = SingularField((0.0, 0.0), PART.frame, *kolosov(2.0, 1j, -0.5j, 1.5), t, depth=ROUND)
+LINEAR, BALL = Linear(MATRIX), FrobeniusBall(1.0)
+FIELD = SingularField((0.0, 0.0), FACE.part.frame, *kolosov(2.0, 1j, -0.5j, 1.5), t, depth=ROUND)
 PLAIN = Data.formulas(BODY, LAW, (0, 0))
-FUNCTIONS = {name: getattr(PLAIN, name) for name in ("body_force", "surface_load", "start", "initial")}
 
-CALLS = {
-    Part: {"kind": Kind.CONTACT, "corners": np.array([[0.0, 1.0], [0.0, 0.0]])},
-    Body: {"parts": BODY.parts, "T": 2.0, "refine": ((0.0, 1.0),), "interfaces": ()},
-    polygon: {"vertices": CORNERS, "kinds": SIDES, "T": 2.0, "refine": ((0.0, 1.0),), "interfaces": (SEAM,)},
-    unit_square: {"T": 2.0},
-    box: {"lengths": (1.0, 2.0, 1.0), "T": 2.0, "left": Kind.CONTACT},
-    Linear: {"matrix": MATRIX, "factor": Factor(2 + x1, 2.0, 3.0)},
+VALUES: dict[str, Any] = {
+    **{name: 2.0 for name in ("T", "mu", "lam", "radius", "beta", "low", "depth", "E", "ratio", "kappa", "rotation")},
+    **{name: s * t for name in ("gap", "pressure")},
+    **{name: s for name in ("initial", "initial_gap", "level")},
+    **{name: Kind.CONTACT for name in ("kind", "left", "right", "front", "back")},
+    **{name: "words" for name in ("name", "summary", "reason")},
+    **{name: (0.5,) for name in ("rough", "kinks")},
+    **{name: ((0.0, 1.0),) for name in ("refine", "points", "singular")},
+    **{name: (STEP,) for name in ("steps", "lines")},
+    **{name: 1.5 for name in ("exponent", "corner", "on_contact")},
+    **{name: True for name in ("moving", "kink")},
+    "nu": 0.25,
+    "dim": 3,
+    "seed": 1,
+    "matrix": MATRIX,
+    "factor": Factor(2 + x1, 2.0, 3.0),
+    "body": BODY,
+    "law": LAW,
+    "part": FACE.part,
+    "profile": slab(),
+    "slip": (s * t,),
+    "strain": Prescribed(((1.0, s * t),)),
+    "phi": HERMITE,
+    "solution": CASE.solution,
+    "field": FIELD,
+    "G": LINEAR,
+    "f0": (sp.Integer(0), x1),
+    "f2": {1: (x2, sp.Integer(1))},
+    "place": HALF + t / 4,
+}
+"""Correct arguments by their names, each in the form in which it is stored."""
+CALLS: dict[Any, dict[str, Any]] = {
+    Part: {"corners": np.array([[0.0, 1.0], [0.0, 0.0]])},
+    Body: {"parts": BODY.parts, "interfaces": ()},
+    polygon: {
+        "vertices": ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)),
+        "kinds": (Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED),
+        "interfaces": (SIDE,),
+    },
+    unit_square: {},
+    box: {"lengths": (1.0, 2.0, 1.0)},
+    Linear: {},
     Indefinite: {"matrix": -MATRIX},
-    NonSymmetric: {"matrix": MATRIX},
-    isotropic: {"mu": 2.0, "lam": 1.0, "dim": 3},
-    isotropic_matrix: {"mu": 2.0, "lam": 1.0, "dim": 3},
-    FrobeniusBall: {"radius": 2.0, "dim": 3},
-    DeviatoricBall: {"radius": 2.0, "dim": 3},
-    Yield: {"beta": 2.0, "convex": FrobeniusBall(1.0)},
-    Combined: {
-        "prestress": np.array([1.0, 0.0, 2.0]),
-        "linear": Linear(MATRIX),
-        "yielding": Yield(1.0, FrobeniusBall(1)),
-    },
-    KelvinVoigt: {"A": Linear(MATRIX), "G": Yield(1.0, FrobeniusBall(1.0)), "name": "law"},
-    Factor: {"formula": 2 + x1, "low": 2.0, "high": 3.0, "steps": (((1.0, 0.0), 0.5),)},
+    NonSymmetric: {},
+    isotropic: {},
+    isotropic_matrix: {},
+    FrobeniusBall: {},
+    DeviatoricBall: {},
+    Yield: {"convex": BALL},
+    Combined: {"prestress": np.array([1.0, 0.0, 2.0]), "linear": LINEAR, "yielding": Yield(1.0, BALL)},
+    KelvinVoigt: {"A": LINEAR, "G": Yield(1.0, BALL)},
+    Factor: {"formula": 2 + x1, "high": 3.0},
     Piecewise: {"ends": (0.5, 1.0), "pieces": ((1.0, 0.5), (2.0,))},
-    Profile: {name: getattr(cutoff(2.0), name) for name in "abcdef"} | {"kinks": (0.5,)},
-    cutoff: {"depth": 2.0, "phi": HERMITE},
-    slab: {"depth": 2.0, "phi": HERMITE},
-    layered: {"interface": 0.25, "ratio": 2.0, "depth": 0.5},
-    Memory: {"pressure": s * t, "viscosity": 2 + s, "elasticity": 4 + 2 * s, "T": 2.0, "initial": s},
+    Profile: {name: getattr(cutoff(2.0), name) for name in "abcdef"},
+    cutoff: {},
+    slab: {},
+    layered: {"interface": 0.25, "depth": 0.5},
+    Memory: {"viscosity": 2 + s, "elasticity": 4 + 2 * s},
     Prescribed: {"phases": ((0.5, s * t), (1.0, s / 2 + t - t))},
-    ContactFace: {
-        "part": PART,
-        "gap": s * t,
-        "strain": STRAIN,
-        "level": s,
-        "profile": slab(),
-        "rough": (0.5,),
-        "initial_gap": s,
-        "slip": (s * t,),
-    },
-    ContactFace.linear: {
-        "part": PART,
-        "law": LAW,
-        "T": 2.0,
-        "gap": t * pos(s - HALF, 4),
-        "pressure": t * pos(HALF - s, 2),
-        "level": HALF - s,
-        "initial": s,
-        "profile": slab(),
-        "rough": (0.5,),
-        "initial_gap": s,
-        "slip": (s * t,),
-    },
+    ContactFace: {},
+    ContactFace.linear: {"gap": t * pos(s - HALF, 4), "pressure": t * pos(HALF - s, 2), "level": HALF - s},
     Monomial: {"m": 1, "c": 1.0 + 1j, "beta": 0.5},
-    kolosov: {"kappa": 2.0, "a": 1j, "b": -0.5j, "exponent": 1.5},
+    kolosov: {"a": 1j, "b": -0.5j},
     SingularField: {name: getattr(FIELD, name) for name in ("centre", "frame", "x", "y", "theta", "depth")},
-    TravellingField: {"steady": FIELD, "place": t / 2},
-    SingularFace: {"part": PART, "gap": s, "pressure": s * t, "level": s, "field": FIELD, "rough": (0.5,)},
-    ExactSolution: {"body": BODY, "law": LAW, "faces": (FACE,), "others": (FIELD,), "singular": ((0.0, 1.0),)},
-    Regularity: {"gap": 4.0, "pressure": 2.0, "moving": True, "corner": 1.5, "on_contact": 2.5, "kink": True},
-    Case: {
-        "name": "mine",
-        "summary": "words",
-        "solution": SOLUTION,
-        "regularity": CASE.regularity,
-        "order": 1.0,
-        "reason": "words",
-        "pace": 4.0,
-        "families": ("one-diagonal",),
-    },
-    Data: {"body": BODY, "law": LAW, **FUNCTIONS, "lines": (((1.0, 0.0), 0.5),), "points": ((0.0, 1.0),)},
-    Data.of: {"solution": SOLUTION},
-    Data.formulas: {"body": BODY, "law": LAW, **LOADS, "u0": (0, x2 - x2), "lines": (((1.0, 0.0), 0.5),)},
-    static: {"body": BODY, "G": Linear(MATRIX), "f0": (sp.Integer(0), x1), "f2": {1: (x2, sp.Integer(1))}},
-    plane_strain: {"E": 2.0, "nu": 0.25},
-    plane_stress: {"E": 2.0, "nu": 0.25},
-    FadingFace: {
-        "part": PART,
-        "gap": s * t,
-        "strain": s,
-        "pressure": s * t,
-        "level": s,
-        "depth": 1 + s,
-        "least_depth": 0.5,
-    },
+    TravellingField: {"steady": FIELD},
+    SingularFace: {"gap": s},
+    ExactSolution: {"faces": (FACE,), "others": (FIELD,)},
+    Regularity: {"gap": 4.0, "pressure": 2.0},
+    Case: {"regularity": CASE.regularity, "order": 1.0, "pace": 4.0, "families": ("one-diagonal",)},
+    Data: {name: getattr(PLAIN, name) for name in ("body_force", "surface_load", "start", "initial")},
+    Data.of: {},
+    Data.formulas: {"u0": (0, x2 - x2)},
+    static: {},
+    plane_strain: {},
+    plane_stress: {},
+    FadingFace: {"strain": s, "depth": 1 + s, "least_depth": 0.5},
     rollers: {"level": 8},
-    law_without_potential: {"rotation": 2.0},
-    natural_motion: {"place": HALF + t / 4},
+    law_without_potential: {},
+    natural_motion: {},
     pos: {"x": s - HALF, "a": HALF},
     named: {"name": "full-contact"},
     evaluate: {"of": CASE, "x": np.array([[0.5], [0.25]]), "time": 0.5},
-    prove: {"solution": SOLUTION, "name": "mine", "seed": 1},
-    examine: {"solution": SOLUTION, "seed": 1, "points": 2, "times": 2},
+    prove: {},
+    examine: {"points": 2, "times": 2},
 }
-"""The public constructors and functions with correct arguments, each in the form in which it is stored."""
+"""The public constructors and functions, with the correct arguments that differ from those above."""
+
+
+def arguments(target: Any) -> dict[str, Any]:
+    """Return correct arguments of a function, without those whose default is not replaced here."""
+    names = signature(target).parameters
+    given = {**VALUES, **CALLS[target]}
+    return {name: given[name] for name in names if name in given}
+
+
 OTHERS = {
     "a number": 3,
     "a text": "x y z",
@@ -238,19 +238,21 @@ def with_first_entry(value: object, wrong: object) -> object:
     return (with_first_entry(value[0], wrong), *value[1:]) if isinstance(value, tuple) and value else wrong
 
 
-def call(target, arguments: dict) -> object:
-    return target(*arguments.values()) if target is pos else target(**arguments)
+def call(target, given: dict) -> object:
+    return target(*given.values()) if target is pos else target(**given)
 
 
 @pytest.mark.parametrize("target", CALLS, ids=lambda target: target.__qualname__)
 def test_an_argument_of_another_type_is_refused_with_its_name(target) -> None:
-    for name, value in CALLS[target].items():
+    correct = arguments(target)
+    call(target, correct)
+    for name, value in correct.items():
         for other, wrong in OTHERS.items():
             places = [(value, wrong), (first_entry(value), with_first_entry(value, wrong))]
             for given, changed in places:
                 if not permitted(given, other, target, name):
                     with pytest.raises(ValueError, match=SPEAKING.get(target, name)):
-                        print(f"{other} for {name} gives", call(target, CALLS[target] | {name: changed}))
+                        print(f"{other} for {name} gives", call(target, correct | {name: changed}))
 
 
 def test_a_masked_array_is_refused_because_its_masked_numbers_are_missing() -> None:

@@ -243,6 +243,15 @@ def test_both_bounds_hold_for_steps_of_any_size_and_the_one_with_the_solution_is
         assert bound <= bounds.by_data(nodes) * (1 + 1e-9)
 
 
+def test_the_bound_from_data_alone_has_the_value_computed_by_hand() -> None:
+    """M = 4 and f jumps from 8 to 12, so that ‖z‖_V = 4 and Var f = 2."""
+    C, N = sps.csc_array((1, 1)), sps.csr_array([[-1.0]])
+    problem = SemiDiscrete(sps.csc_array([[4.0]]), C, np.zeros_like, N, lambda time: np.array([8.0]), np.zeros(1), 1.0)
+    flow = GradientFlow(problem, np.array([[8.0], [8.0], [12.0]]))
+    assert flow.a_priori(8) == pytest.approx((4 / math.sqrt(2) + 2 * 2) / 8)
+    assert flow.piecewise_constant(8) == pytest.approx(flow.a_priori(8) + (4 + 2) / 8)
+
+
 def euclidean(w):
     return w
 
