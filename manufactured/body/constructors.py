@@ -46,7 +46,7 @@ def polygon(
     return Body(
         tuple(parts),
         T,
-        refine,
+        tuple(refine),
         tuple(Part(Kind.INTERFACE, _columns(pair)) for pair in interfaces),
     )
 

@@ -23,7 +23,7 @@ from study.ledger.verdict import (
     VERDICTS,
     Verdict,
 )
-from study.present.notation import counted, read_page
+from study.present.notation import read_page
 from study.present.templates import ENVIRONMENT
 
 SENTENCES: dict[str, str] = read_page("texts")["printed"]
