@@ -264,8 +264,8 @@ def _formula(value: Any) -> Any:
     _require(isinstance(formula, sp.Expr) and not formula.is_Matrix)
     if formula.has(*NOT_REAL):
         raise _ReasonError("it is not a real number everywhere, as it has a number that is complex or not finite")
-    if extreme_numbers(formula):
-        raise _ReasonError("double precision cannot represent one of its numbers")
+    for number in extreme_numbers(formula):
+        raise _ReasonError(f"double precision cannot represent its number {sp.N(number, 3)}")
     return formula
 
 

@@ -33,7 +33,9 @@ SMALLEST, LARGEST = float(np.finfo(float).tiny), float(np.finfo(float).max)
 
 def extreme_numbers(formula: sp.Expr) -> list[sp.Number]:
     """Return the numbers of a formula that double precision cannot represent, except 0."""
-    return [number for number in formula.atoms(sp.Number) if number != 0 and not SMALLEST <= abs(number) <= LARGEST]
+    return [
+        number for number in formula.atoms(sp.Number) if not number.is_zero and not SMALLEST <= abs(number) <= LARGEST
+    ]
 
 
 class FormulaError(ValueError):

@@ -303,7 +303,7 @@ def test_a_value_that_makes_no_sense_is_refused_with_its_name(target) -> None:
     for name, values in SENSELESS[target].items():
         for value in values:
             with pytest.raises(ValueError, match=rf"{name}(\[\d\])* (has|have|need)"):
-                print(f"{value!r} for {name} gives", call(target, CALLS[target] | {name: value}))
+                print(f"{value!r} for {name} gives", call(target, arguments(target) | {name: value}))
 
 
 def test_layered_profiles_need_an_interface_above_the_depth() -> None:

@@ -43,5 +43,5 @@ def test_labels_name_formulas_of_the_source_and_lines_without_a_row_those_that_h
         assert set().union(*map(named, places)) <= set(NUMBERED), label
     # What is not tested may be a part of what is; a reason why there is no row would be wrong.
     measured = set().union(*(named(label) for label in set(claims["label"]) - {NO_ROW, NOT_TESTED, "slips"}))
-    reasons = {line["place"] for line in TEXTS[WithoutRow.texts]}
+    reasons = {place for place, _, _ in TEXTS[WithoutRow.texts].values()}
     assert {place: named(place) & measured for place in reasons if named(place) & measured} == {}
