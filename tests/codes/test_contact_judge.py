@@ -315,18 +315,12 @@ def test_the_command_writes_the_same_bytes_again_and_their_sums_and_names_a_line
     [
         (["yield-and-release"], "not linear"),
         (["full-contact", "--instants", "2"], "--instants"),
-        (["full-contact", "--scale", "0"], "--scale"),
         (["full-contact", "--steps", "3"], "--steps"),
         (["full-contact", "--mode", "march", "--instants", "0.5"], "--instants"),
-        (["full-contact", "--levels", "4", "--foundation", "0"], "--foundation"),
     ],
 )
 def test_what_cannot_be_exported_is_refused(options: list[str], message: str, tmp_path: Path, capsys: Any) -> None:
-    try:
-        code = main(["export", *options, "--to", str(tmp_path / "out")])
-    except SystemExit as refused:
-        code = refused.code
-    assert code == 2
+    assert main(["export", *options, "--to", str(tmp_path / "out")]) == 2
     assert message in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
