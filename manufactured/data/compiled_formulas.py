@@ -71,8 +71,6 @@ def own_formula(formula: sp.Expr | float) -> sp.Expr:
     """
     expression = sp.sympify(formula)
     expression = expression.subs({a: KNOWN[a.name] for a in expression.free_symbols if a.name in KNOWN})
-    # For SymPy, the number 0.0 differs from 0.
-    expression = expression.xreplace({number: sp.S.Zero for number in expression.atoms(sp.Float) if number.is_zero})
     logical = sp.Xor, sp.ITE, sp.Implies, sp.Equivalent
     expression = expression.replace(
         lambda part: isinstance(part, logical), lambda part: sp.to_nnf(part, simplify=False)

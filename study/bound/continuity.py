@@ -33,7 +33,7 @@ MARGIN = 1e-9
 """A point is inside the body if its distance to the boundary is larger than this number times the size of the body."""
 JUMP = 1e-6
 """A function jumps if its range in the last boxes exceeds this fraction of its size. There the root of the distance to
-a line, which is less continuous than any u_0 in V, has the range 2.4e-7."""
+a line, which is not in V, has the range 2.4e-7."""
 
 Spread = Callable[[Points, Points], Array]
 """Function from the lower and the upper corners of boxes, (d, n) each, to the width of the range of u_0 on each box; it
