@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import cycle, product
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -453,68 +453,6 @@ def caption_enclosure(series: pd.DataFrame, title: str) -> str:
     final = ends.loc[ends.groupby("level")["time"].idxmax()]
     values = {"known": known, "ends": ends, "inside": inside, "final": final}
     return caption("enclosure", title=title, interval=interval, **values)
-
-
-SCHEMES: dict[str, Style] = {
-    "backward-euler": {"color": VERMILLION, "marker": "s"},
-    "bdf2": {"color": GREEN, "marker": "^"},
-    "midpoint": {"color": BLUE, "marker": "o"},
-}
-
-
-def draw_effectivity(known: pd.DataFrame) -> Figure:
-    """Draw the bounds of the error divided by the error, a line for each case.
-
-    The left axes show the upper bound from u_h alone, the right axes both ends of the enclosure. A line has a marker
-    for each time scheme, mesh family and level; markers of finer levels are larger.
-
-    Parameters:
-        known: the rows of ``bounds.csv`` whose error is known. ``upper`` and ``lower`` are the worst ratios of the
-            bounds to the error in the second half of time.
-    """
-    # A slide has room for a line per scheme. Elsewhere the markers of the schemes are shifted, or they would hide each
-    # other.
-    line, shift = ("scheme", 0.0) if is_slide() else ("case", 0.22)
-    names = known[line].unique()[::-1].tolist()
-    used = {scheme: style for scheme, style in SCHEMES.items() if (known["scheme"] == scheme).any()}
-    shifts = {scheme: shift * (number - 1) for number, scheme in enumerate(used)}
-    known = known.assign(
-        y=known[line].map(names.index) + known["scheme"].map(shifts), size=_marker_area(known["level"])
-    )
-    figure = Figure(figsize=(page_width(), 1.2 + 0.15 * len(names)))
-    left, right = figure.subplots(1, 2, sharey=True)
-    for axes, trajectory, ends in ((left, "bound", ("upper",)), (right, "enclosure", ("lower", "upper"))):
-        for scheme, end in product(used, ends):
-            rows = known[(known["trajectory"] == trajectory) & (known["scheme"] == scheme)]
-            style = used[scheme]
-            look = {"marker": style["marker"], "edgecolor": style["color"], "linewidth": 0.6, "zorder": 3}
-            face = style["color"] if end == "upper" else "white"
-            axes.scatter(rows[end], rows["y"], _marker_area(rows["level"]), facecolor=face, **look)
-        axes.axvline(1, color=BLACK, lw=0.7)
-        axes.grid(True)
-    left.set_xscale("log")
-    label_ticks([left], least=4)
-    left.set_yticks(range(len(names)), names)
-    left.set(ylim=(-0.7, len(names) - 0.3), xlabel="bound / error" if is_slide() else "bound from $u_h$ alone / error")
-    right.set(xlim=(0, None), xlabel="enclosure / error" if is_slide() else "ends of the enclosure / error")
-    handles = [dots(scheme, **style) for scheme, style in used.items()]
-    handles += [dots("upper end of the bound", color=DARK), dots("lower end of the bound", color=DARK, **HOLLOW)]
-    for level in sorted({known["level"].min(), known["level"].max()}):
-        handles.append(dots(f"$n={level}$", color=DARK, ms=float(np.sqrt(_marker_area(level))), mew=0))
-    legend(figure, [*handles, entry("the error itself", color=BLACK, lw=0.7)], columns=4)
-    return figure
-
-
-def _marker_area(level: Any) -> Any:
-    """Return the area of the marker of a level in square points."""
-    return 5.0 * np.log2(level) - 8
-
-
-def caption_effectivity(known: pd.DataFrame) -> str:
-    """Return the caption of ``draw_effectivity``."""
-    plain, enclosed = (known[known["trajectory"] == name] for name in ("bound", "enclosure"))
-    wrong = int((known["upper"] < 1).sum() + (enclosed["lower"] > 1).sum())
-    return caption("effectivity", known=known, plain=plain, enclosed=enclosed, wrong=wrong)
 
 
 @dataclass(frozen=True, eq=False)

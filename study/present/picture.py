@@ -152,33 +152,8 @@ class Polygon(FaceHistory):
         return np.asarray(self.level[:, : len(self.nodes)] >= 0)
 
 
-@dataclass(frozen=True, eq=False)
-class Energy:
-    """The terms of the energy balance over time, (times,) each.
-
-    Attributes:
-        times: the times.
-        stored: the stored energy.
-        dissipated, contact, work: the dissipated energy, the work of contact and the work of the load since t = 0.
-        defect: stored − stored(0) + dissipated + contact − work, which is zero without discretisation in time.
-    """
-
-    times: Array
-    stored: Array
-    dissipated: Array
-    contact: Array
-    work: Array
-    defect: Array
-
-    @property
-    def largest(self) -> float:
-        """The largest absolute value of the terms of the balance since t = 0; 1 if all are zero."""
-        terms = self.stored - self.stored[0], self.dissipated, self.contact, self.work
-        return float(max(abs(values).max() for values in terms)) or 1.0
-
-
 class Picture:
-    """The data of one run: mesh, displacement, stress, contact faces and energy over time.
+    """The data of one run: mesh, displacement, stress, contact and contact faces over time.
 
     Parameters:
         record: the content of the JSON file of the run.
@@ -193,7 +168,6 @@ class Picture:
         von_mises: von Mises stresses of the cells, (times, cells).
         shown: the indices of the times at which figures show the body.
         faces: the contact faces.
-        energy: the energy balance.
         size: the longest side of the box around the undeformed body.
         heading, place: the case, the mesh family and the level, as a title with TeX formulas, and as text for captions.
 
@@ -215,7 +189,6 @@ class Picture:
         plane = len(self.vertices) == 2
         self.shown: Sequence[int] = [int(np.argmin(abs(self.times - time))) for time in record["shapes"]]
         self.faces = [_face(face, self.times, self.cells, plane) for face in record["faces"]]
-        self.energy = Energy(**{field.name: read_values(record["energy"][field.name]) for field in fields(Energy)})
         self.size = float(np.ptp(self.vertices, axis=1).max())
         self.heading = f"{self.case} ({self.family}, $n={self.level}$)"
         self.place = f"{self.case}, {self.family} mesh with n = {self.level}"

@@ -89,7 +89,6 @@ def record(name: str, motion: Motion, every: int) -> Numbers:
         "shapes": short(times[instants]),
         "displacement": Packed.of(displacement).record(),
         "von_mises": Packed.of(np.array([von_mises(frame.stress)[skin.cells] for frame in shown])).record(),
-        "energy": {name: short(values) for name, values in motion.balance().items()},
         "faces": list(faces(solution, space, skin, times, normal, pressure)),
     }
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from changed import overridden
 from committed import CORNER, RESULTS, SMOOTH, SOLID, copy_results
@@ -74,7 +73,7 @@ def cut_off_or_tiny(figure: Figure) -> list[str]:
 def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(figures, every: bool) -> None:
     with in_style():
         narrowest, widest = column_width(), page_width()
-    for name in figures if every else ("effectivity", "collapsed", f"energy-{CORNER}"):
+    for name in figures if every else ("collapsed", f"zone-{CORNER}"):
         figure = drawn(figures[name])
         assert narrowest <= figure.get_figwidth() <= widest, name
         assert cut_off_or_tiny(figure) == [], name
@@ -95,20 +94,10 @@ def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured: P
     values = {name: np.broadcast_to(value, getattr(solid.faces[0], name).shape) for name, value in given.items()}
     faces = [replace(face, **values) for face in solid.faces]
     shown = overridden(copy(solid.showing(solid.shown[:1])), faces=faces)
-    for kind in ("fronts", "maps", "body"):
+    for kind in ("fronts", "body"):
         drawing = figure(kind, shown)
         drawn(drawing)
         assert "nan" not in drawing.caption
-
-
-def test_upper_bounds_below_the_error_are_counted_and_unknown_errors_make_no_effectivity(alone: Path) -> None:
-    assert "no bounds on the wrong side of the error" in named(alone, "effectivity").caption
-    path = alone / "data" / "bounds.csv"
-    bounds = pd.read_csv(path)
-    bounds.assign(upper=[0.9, *bounds["upper"][1:]]).to_csv(path, index=False)
-    assert "1 bound on the wrong side of the error" in named(alone, "effectivity").caption
-    bounds.assign(upper=np.nan, lower=np.nan).to_csv(path, index=False)
-    assert "effectivity" not in [drawing.name for drawing in drawings(alone)]
 
 
 # Uses: articles, slides, pages.
@@ -166,14 +155,14 @@ def test_figures_are_drawn_by_name_from_one_directory_into_another(alone: Path, 
 
 
 def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(figures, tmp_path: Path) -> None:
-    drawing = figures[f"energy-{CORNER}"]
-    assert drawing.alternative.startswith(f"The balance of energy over time, and its defect: {CORNER}. ")
+    drawing = figures[f"zone-{CORNER}"]
+    assert drawing.alternative.startswith(f"The contact zone in space and time, exact and computed: {CORNER}. ")
     png, svg, pdf, txt = draw_one(tmp_path, drawing, Output(formats=("png", "svg", "pdf")))
     with Image.open(png) as image:
         assert image.info["Description"] == drawing.alternative
     assert drawing.alternative[:60] in svg.read_text(encoding="utf-8")
     assert b"/Subject" in pdf.read_bytes()
-    assert "Alternative text: The balance of energy" in txt.read_text(encoding="utf-8")
+    assert "Alternative text: The contact zone" in txt.read_text(encoding="utf-8")
 
 
 def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_column_width(alone: Path, tmp_path: Path) -> None:

@@ -55,7 +55,7 @@ def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over
     assert files(data / "tables") == [f"{name}.{form}" for name in NAMES for form in ("csv", "md", "tex")]
     known = [drawing.name for drawing in drawings(data)]
     of_corner = {name for name in known if name.endswith(CORNER)}
-    assert of_corner == {f"{kind}-{CORNER}" for kind in ("zone", "profiles", "body", "energy")}
+    assert of_corner == {f"{kind}-{CORNER}" for kind in ("zone", "profiles", "body")}
     assert {f"convergence-{case}" for case in CASES} | {f"enclosure-{SMOOTH}", "convergence-prop-5-3"} <= {*known}
     forms = ("pdf", "png", "txt")
     assert files(data / "figures") == sorted(f"{name}.{form}" for name in known[::8] for form in forms)
@@ -206,8 +206,6 @@ def test_a_missing_file_is_named_with_the_command_that_makes_it(data: Path, pres
         (write_tables, "claims.csv", "undecided", "perhaps", "perhaps"),
         (overview, "cases.csv", ROUGH, "smooth", f"lacks the cases {ROUGH}"),
         (read_pictures, "pictures/corner.json.gz", '"zone_exact"', '"zone"', "corner.json.gz is not a picture"),
-        (read_pictures, "pictures/corner.json.gz", '"energy"', '"zone"', "corner.json.gz is not a picture"),
-        (overview, "bounds.csv", "upper", "something", "lacks the columns upper"),
     ],
 )
 def test_a_damaged_file_is_named(data: Path, present, name: str, old: str, new: str, complaint: str) -> None:
