@@ -176,7 +176,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         JSON,
     ]),
     "faults": ("faults", "measure which checks notice deliberate faults; exit code 0 if all are noticed", [
-        option("--case", nargs="+", metavar="CASE", help="cases of the catalogue (default: all of the quick study)"),
+        option("--case", nargs="+", metavar=CASE, help="cases, also your own (default: all of the quick study)"),
         option("--fault", nargs="+", metavar="NAME", help="names of faults (default: all)"),
         JOBS,
         out(),

@@ -13,10 +13,9 @@ from pathlib import Path
 
 from study.cli.common import ProgressBar, progress_bar
 from study.cli.options import FAILED, OK, SEED_BITS, UNCLEAR
-from study.controls.rules import row_of, rules
-from study.controls.seeded import seeded
+from study.controls.seeded import rules, seeded
 from study.fem.naming import family_named
-from study.ledger.seeds import FalseAlarms, RowKey, SeedRecord
+from study.ledger.seeds import FalseAlarms, SeedRecord
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
 from study.run.executor import Pool, execute, local_pool, unfinished
 from study.run.judgement import collect, judge
@@ -95,13 +94,13 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
             record.write(directory)
         seed = record.rows[-1].seed
         try:
-            verdicts, fingerprints = judged(seed, directory, pool, f"seed {len(record.rows)}", end)
+            verdicts, hash_of_rules = judged(seed, directory, pool, f"seed {len(record.rows)}", end)
         except TimeIsUpError:
             return
-        record.judged(fingerprints, _print_alarms(verdicts)).write(directory)
+        record.judged(hash_of_rules, len(verdicts), _print_alarms(verdicts)).write(directory)
 
 
-def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tuple[list[Verdict], dict[RowKey, str]]:
+def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tuple[list[Verdict], str]:
     """Measure on the random meshes with one seed, and delete the measurements afterwards.
 
     Measurements of an interrupted call are used.
@@ -112,7 +111,7 @@ def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tup
         end: when the run must stop, on the clock ``time.monotonic()``.
 
     Returns:
-        The checks that something is claimed about, and the fingerprints of their rules.
+        The checks that something is claimed about, and the hash of their rules.
 
     Raises:
         TimeIsUpError: the time is over before all measurements are finished.
@@ -121,11 +120,10 @@ def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tup
     with progress_bar(round(sum(job.cost for job in unfinished(plan.jobs, store))), name) as bar:
         execute(plan.jobs, store, pool, watch(bar, end))
         collect(plan, store)
-    fingerprints = rules(store.directory, plan)
-    claimed = [verdict for verdict in judge(store.directory) if verdict.verdict not in UNCLAIMED]
+    measured = {job.statement.label for job in plan.jobs}
+    claimed = [v for v in judge(store.directory) if v.verdict not in UNCLAIMED and v.label in measured]
     shutil.rmtree(store.directory)
-    verdicts = [verdict for verdict in claimed if row_of(verdict) in fingerprints]
-    return verdicts, {row_of(verdict): fingerprints[row_of(verdict)] for verdict in verdicts}
+    return claimed, rules(plan, claimed)
 
 
 def _print_alarms(verdicts: list[Verdict]) -> int:

@@ -3,11 +3,14 @@
 The meshes are shaken meshes, whose vertices are moved at random.
 """
 
+import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from manufactured.case import Case
 from study.fem.mesh import MeshFamily, Shaken
 from study.fem.naming import family_named
+from study.ledger.verdict import Verdict
 from study.run.plan import Job, Plan, full, quick
 from study.statements import STATEMENTS
 from study.statements.enclosure import Bounds
@@ -77,3 +80,13 @@ def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
         shaken = [setting for setting in quickly if is_random(setting.family)]
         everywhere = shaken or [setting for setting in everywhere if setting.level <= finest]
     return [replace(setting, family=scope.family) for setting in everywhere]
+
+
+def rules(plan: Plan, verdicts: Sequence[Verdict]) -> str:
+    """Return a hash of the quantities, tolerance windows and levels of checks, which is the same for every seed."""
+    checks = []
+    for verdict in verdicts:
+        quantity = verdict.quantity.removesuffix(f", {verdict.family} meshes")
+        checks.append((verdict.label, verdict.key, verdict.case, quantity, verdict.window_low, verdict.window_high))
+    settings = [f"{job.statement.label} {replace(job.setting, family='')}" for job in plan.jobs]
+    return "r" + hashlib.sha256(repr([sorted(checks), sorted(settings)]).encode()).hexdigest()[:9]

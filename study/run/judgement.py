@@ -79,15 +79,14 @@ def judge_stored(jobs: Sequence[Job], store: Store) -> list[Verdict]:
     return statement.judge(tables[statement.file]) if statement.file in tables else []
 
 
-def collect(plan: Plan, store: Store, others: Sequence[Path] = ()) -> None:
+def collect(plan: Plan, store: Store) -> None:
     """Write all data files of a run from the stored results of its jobs, with ``cases.csv`` and ``provenance.json``.
 
     Parameters:
         plan: the plan; the results of all its jobs must be stored.
         store: the result directory.
-        others: further data files. Their checksums are recorded in ``provenance.json``, too.
     """
-    rows, written = stored_rows(plan.jobs, store), list(others)
+    rows, written = stored_rows(plan.jobs, store), list[Path]()
     for file in data_files():
         written += file.write(store.data, rows.get(file, []))
     write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.scope.resolved()]))
