@@ -24,7 +24,6 @@ from study.ledger.seeds import FalseAlarms, Seed, SeedRecord, interval, seeds_ne
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict
 from study.ledger.window import at_most
 from study.run.plan import Plan
-from study.statements.uniqueness import OneTrajectory
 
 RESULTS = Path(__file__).parents[2] / "results"
 RULES = "r1"
@@ -116,7 +115,7 @@ def test_a_seed_in_its_name_gives_other_shaken_meshes() -> None:
 def few(seed: int) -> Plan:
     """Two quick settings of each of two statements in place of all."""
     every = plan_of_three()
-    labelled = ([job for job in every.jobs if job.statement.label == label] for label in ("Thm 4.1, 5.2", "K^h"))
+    labelled = ([job for job in every.jobs if job.statement.label == label] for label in ("(4.1)",))
     jobs = [job for jobs in labelled for job in jobs[:2]]
     family = f"shaken-{seed}"
     return Plan(every.scope, tuple(replace(job, setting=replace(job.setting, family=family)) for job in jobs))
@@ -168,12 +167,12 @@ def test_an_interrupted_run_loses_nothing(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("quick")
 def test_an_alarm_is_counted_printed_and_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
-    first, *others = OneTrajectory.checks
-    monkeypatch.setattr(OneTrajectory, "checks", (replace(first, window=at_most(-1, low=-2)), *others))
+    first, *others = BoundedVelocity.checks
+    monkeypatch.setattr(BoundedVelocity, "checks", (replace(first, window=at_most(-1, low=-2)), *others))
     seeds_of(tmp_path, "--seeds", "1")
     (row,) = SeedRecord.read(tmp_path).rows
     assert row.alarms > 0
-    assert f"{OneTrajectory.label}, {first.key}" in capsys.readouterr().out
+    assert f"{BoundedVelocity.label}, {first.key}" in capsys.readouterr().out
     assert seeds_of(tmp_path, "--seed", str(row.seed)) == 1
 
 
