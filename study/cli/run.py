@@ -23,7 +23,7 @@ from study.solve.tableau import SCHEMES
 from study.statements.own_cases import TRY, enough, finer, least_levels
 from study.statements.shared.scope import Levels, Scope
 
-PLACES = {"quick": Path("results/quick"), "full": Path("results")}
+RESULT_PLACES = {"quick": Path("results/quick"), "full": Path("results")}
 """Default result directories of the quick and the full study."""
 
 
@@ -41,7 +41,7 @@ def do_run(options: argparse.Namespace) -> int:
     scope = scope_from_options(options)
     scope.check()
     warn_of_few_levels(scope)
-    store = Store(options.out or PLACES[options.plan])
+    store = Store(options.out or RESULT_PLACES[options.plan])
     if options.levels:
         scope = with_levels_of(store.directory, scope)
     plan = Plan.of(scope)

@@ -10,7 +10,7 @@ from study.fem.naming import resolve_data
 from study.ledger.files import UsageError
 from study.ledger.text import folded
 from study.present.show import NO_FFMPEG, draw_show, find_ffmpeg
-from study.run.showcase import LEVELS, STEPS, affordable_family, solve_showcase
+from study.run.showcase import SHOWN_LEVELS, SHOWN_STEPS, affordable_family, solve_showcase
 from study.run.store import Store
 
 
@@ -21,14 +21,14 @@ def do_show(options: argparse.Namespace) -> int:
         with Store(options.out / name, written=(".",)).locked():
             tell_written(draw_problem(options.out / name, name, data))
         return OK
-    level = LEVELS[case.solution.body.dim] if options.level is None else options.level
+    level = SHOWN_LEVELS[case.solution.body.dim] if options.level is None else options.level
     if options.mp4 and not find_ffmpeg():
         raise UsageError(f"--mp4: {NO_FFMPEG}")
     prove(case.solution, f"case {case.name}")
     family = affordable_family(case, level)
     directory = options.out / case.name
     with Store(directory, written=(".",)).locked():
-        with progress_bar(STEPS + 1, case.name) as bar:
+        with progress_bar(SHOWN_STEPS + 1, case.name) as bar:
             record, series = solve_showcase(case, family, level, bar.update)
         # There are a storyboard and a frame for each time.
         with progress_bar(1 + len(record["times"]), "images") as bar:

@@ -22,7 +22,7 @@ from study.statements.shared.meshes import is_random
 from study.statements.shared.scope import Scope
 from study.statements.thm_4_2_own_space import OwnSpace
 
-LEFT_OUT = Pictures | Bounds | OtherCodes | InterpolationOnContact
+NOT_SEEDED = Pictures | Bounds | OtherCodes | InterpolationOnContact
 """Statements that are not measured on random meshes. Pictures claim nothing, error bounds are proved for every mesh,
 and other codes were run on the meshes of one seed. (5.24) is not claimed there, because orders of a trace depend on few
 edges of random length."""
@@ -53,14 +53,14 @@ def seeded(seed: int) -> Plan:
     """Return the plan of measurements for one seed: all cases on random meshes with this seed, else as the quick study.
 
     Cases whose solutions are not smooth are measured on the levels of the full study. The plan leaves out the
-    statements ``LEFT_OUT``.
+    statements ``NOT_SEEDED``.
     """
     base = replace(quick(), cases=full().cases, rough=full().rough, command="study seeds")
     scope = SeededScope(**vars(base), seed=seed)
     jobs = [
         Job(statement, setting)
         for statement in STATEMENTS
-        if not isinstance(statement, LEFT_OUT)
+        if not isinstance(statement, NOT_SEEDED)
         for setting in (statement.planned(scope) if statement.of_every_case else on_shaken(statement, scope))
     ]
     return Plan(scope, tuple(jobs))

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, ORANGE, SKY, VERMILLION
 from study.ledger.check import by_family
 from study.ledger.codes import GRADES, Codes
-from study.ledger.faults import INVISIBLE
+from study.ledger.faults import INVISIBLE_SHARE
 from study.ledger.orders import Array, RatesError, fit, orders
 from study.ledger.text import above, below, interval
 from study.present.drawing import (
@@ -52,7 +52,7 @@ HOLLOW: Style = {"mfc": "white"}
 RANGE: Style = {"alpha": 0.35, "lw": 0}
 RULE: Style = {"color": GREY, "lw": 0.6}
 TRIANGLE_STYLE: Style = {"facecolor": TRIANGLE, "edgecolor": OUTLINE, "lw": 0.6, "zorder": 1.5}
-TINY: Style = {"ms": 2.4}
+TINY_MARKERS: Style = {"ms": 2.4}
 """The markers of small axes."""
 MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
 """The ticks of a logarithmic axis in a decade: the first choice with enough ticks is taken."""
@@ -91,7 +91,7 @@ def draw_cases(
     shown = dict(zip(cases, panels, strict=False))
     for i, (case, axes) in enumerate(shown.items()):
         for column, (_, style) in quantities.items():
-            plot_families(axes, rows[rows["case"] == case], column, styles, style | TINY)
+            plot_families(axes, rows[rows["case"] == case], column, styles, style | TINY_MARKERS)
         axes.set_title(textwrap.fill(case, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
         axes.tick_params(labelbottom=i + columns >= len(cases))
         axes.grid(True)
@@ -245,7 +245,7 @@ def _all_cases(rates: pd.DataFrame) -> str:
 
 # Errors against the mesh size.
 
-NEGLIGIBLE = 1e-3
+NEGLIGIBLE_VALUE = 1e-3
 """In a chart of errors, values below this fraction of the smallest error are not shown, because the vertical axis would
 become too long."""
 ERROR_LINES: dict[str, tuple[str, Style]] = {
@@ -268,7 +268,7 @@ def draw_convergence(rates: pd.DataFrame, order: float) -> Figure:
         order: the expected order, which is the slope of the triangle.
     """
     figure, (axes,) = stacked_axes(1)
-    styles, lowest = family_styles(rates["family"]), NEGLIGIBLE * rates["error"].min()
+    styles, lowest = family_styles(rates["family"]), NEGLIGIBLE_VALUE * rates["error"].min()
     rates = rates.assign(in_time=rates["time_share"] * rates["error"])
     for column, (_, style) in reversed(ERROR_LINES.items()):
         shown = rates.assign(**{column: rates[column].where(rates[column] >= lowest)})
@@ -286,7 +286,7 @@ def caption_convergence(rates: pd.DataFrame, order: float) -> str:
     last, graded = last_orders(rates)
     finest = rates.groupby("family").tail(1).query("discrete_error > 0")
     closer = finest["error"] / finest["discrete_error"]
-    values = {"last": last, "graded": graded, "closer": closer, "negligible": NEGLIGIBLE}
+    values = {"last": last, "graded": graded, "closer": closer, "negligible": NEGLIGIBLE_VALUE}
     return caption("convergence", rates=rates, order=order, **values)
 
 
@@ -641,7 +641,7 @@ def caption_codes(codes: Codes) -> str:
     return caption("codes", rows=rows, bad=bad, tolerance=tolerance)
 
 
-SHADES = (
+FAULT_SHADES = (
     ("#EEEEEE", "cannot occur"),
     ("#FFFFFF", "by no check"),
     ("#D6E6F2", "by other checks only"),
@@ -661,7 +661,7 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     is_smallest = sizes == sizes.groupby([matrix["fault"], matrix["case"]]).transform("min")
     errors, others = matrix["by_error"] != "", matrix["by_others"] != ""
     # Without a distance nothing is known about the discrete solution.
-    visible = ~(matrix["distance"] < INVISIBLE * matrix["error"])
+    visible = ~(matrix["distance"] < INVISIBLE_SHARE * matrix["error"])
     shade = np.select([errors & is_smallest, errors, others], [4, 3, 2], 1)
     cells = matrix.assign(shade=shade, visible=visible * 1.0).groupby(["fault", "case"])[["shade", "visible"]].max()
     equations, cases = matrix.groupby("fault", sort=False)["equation"].first(), matrix["case"].unique()
@@ -669,7 +669,7 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     figure = Figure(figsize=(page_width(), 1.9 + 0.155 * len(equations)))
     axes = figure.subplots()
     style: dict[str, Any] = {"vmin": -0.5, "vmax": 4.5, "edgecolors": "white", "linewidth": 0.5}
-    colours = ListedColormap([colour for colour, _ in SHADES])
+    colours = ListedColormap([colour for colour, _ in FAULT_SHADES])
     axes.pcolormesh(table["shade"][cases].fillna(0).to_numpy(), cmap=colours, **style)
     rows, columns = np.nonzero(table["visible"][cases] == 0)
     axes.plot(columns + 0.5, rows + 0.5, ".", color=GREY, markersize=3)
@@ -677,7 +677,9 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     axes.set_xticks(np.arange(len(cases)) + 0.5, cases, rotation=90)
     axes.set_yticks(np.arange(len(equations)) + 0.5, equations.index + "   " + equations)
     axes.tick_params(length=0, labelsize="x-small")
-    handles = [Patch(facecolor=colour, label=text, edgecolor=DARK, linewidth=0.3) for colour, text in SHADES[::-1]]
+    handles = [
+        Patch(facecolor=colour, label=text, edgecolor=DARK, linewidth=0.3) for colour, text in FAULT_SHADES[::-1]
+    ]
     legend(figure, [*handles, dots("invisible", marker=".", color=GREY)], 3, "upper", wide=True)
     return figure
 

@@ -25,12 +25,12 @@ ZONE_POINTS, ZONE_CUT = 401, 0.01
 """The number of positions along a face at which the exact zone is drawn, and the largest depth inside of it."""
 MAP_LEVELS = 10
 """The number of colours of a map."""
-LINES = ((BLACK, "o"), (GREEN, "s"), (PURPLE, "^"))
+FACE_LINES = ((BLACK, "o"), (GREEN, "s"), (PURPLE, "^"))
 """Colour and marker of the first, second and third contact face."""
-INSIDE: Style = {"color": BLUE, "mew": 0}
+INSIDE_STYLE: Style = {"color": BLUE, "mew": 0}
 STRAY: Style = {"color": BLUE, "mfc": "white", "mew": 0.5}
 """The styles of nodes in contact inside the exact contact zone, and of nodes in contact outside of it."""
-FRONT: Style = {"color": VERMILLION, "lw": 1.0}
+FRONT_STYLE: Style = {"color": VERMILLION, "lw": 1.0}
 NODES: Style = {"mfc": "white", "ms": 2.6}
 """The style of computed values at nodes."""
 QUANTITY_LABELS = {"gap": "gap $w$", "pressure": "pressure $p$"}
@@ -48,7 +48,7 @@ def draw_zone(picture: Picture) -> Figure:
     figure = Figure(figsize=(column_width() + 0.8 * (count - 1), 3.2))
     *panels, last = figure.subplots(1, count + 1, sharey=True, width_ratios=(*[1] * count, 0.4))
     handles = _zone_handles(picture)
-    for axes, face, (colour, marker) in zip(panels, picture.segments, cycle(LINES), strict=False):
+    for axes, face, (colour, marker) in zip(panels, picture.segments, cycle(FACE_LINES), strict=False):
         name = f"${picture.symbol(face)}$"
         _draw_zone_of_face(axes, face, count)
         axes.set_xlabel(f"position $s$ along {name}" if count < 3 else f"$s$ on {name}")
@@ -71,8 +71,8 @@ def _draw_zone_of_face(axes: Axes, face: Segment, faces: int) -> None:
     # Far from the front the depth is cut off, so that the front of a zone that appears at once is drawn halfway.
     depth = face.depth(face.zone, s).clip(-ZONE_CUT, ZONE_CUT)
     axes.contourf(s, face.zone_times, depth, [0, 1], colors=[SKY], alpha=0.45)
-    axes.contour(s, face.zone_times, depth, [0], colors=VERMILLION, linewidths=FRONT["lw"])
-    for nodes, style in ((face.touching & ~face.outside, INSIDE), (face.outside, STRAY)):
+    axes.contour(s, face.zone_times, depth, [0], colors=VERMILLION, linewidths=FRONT_STYLE["lw"])
+    for nodes, style in ((face.touching & ~face.outside, INSIDE_STYLE), (face.outside, STRAY)):
         when, where = np.nonzero(nodes)
         # An empty line would disturb the layout of Matplotlib.
         if len(when):
@@ -86,7 +86,7 @@ def _draw_zone_of_face(axes: Axes, face: Segment, faces: int) -> None:
 def _zone_handles(picture: Picture) -> list[Artist]:
     """Return the legend entries of the exact zone, of nodes in contact, and of nodes in contact outside of the zone."""
     exact = Patch(facecolor=(SKY, 0.45), edgecolor=VERMILLION, label=r"exact zone, $w=0$")
-    handles = [exact, dots(r"nodes in contact, $p^h>0$", ms=2.5, **INSIDE)]
+    handles = [exact, dots(r"nodes in contact, $p^h>0$", ms=2.5, **INSIDE_STYLE)]
     if any(face.outside.any() for face in picture.faces):
         handles.append(dots("nodes in contact outside of it", ms=2.5, **STRAY))
     return handles
@@ -203,7 +203,7 @@ def draw_fronts(picture: Picture) -> Figure:
     grid = figure.add_gridspec(2, height_ratios=(rows, 0.9))
     panels = grid[0].subgridspec(rows, len(picture.shown)).subplots(sharex="row", sharey="row", squeeze=False)
     counts = figure.add_subplot(grid[1])
-    for face, row, (colour, marker) in zip(picture.polygons, panels, cycle(LINES), strict=False):
+    for face, row, (colour, marker) in zip(picture.polygons, panels, cycle(FACE_LINES), strict=False):
         for axes, instant in zip(row, picture.shown, strict=True):
             _draw_zone_map(axes, face, instant)
         times, label = picture.times[1:], f"${picture.symbol(face)}$"
@@ -252,7 +252,7 @@ def _draw_zone_map(axes: Axes, face: Polygon, instant: int) -> None:
     level, stray = face.level[instant], face.outside[instant]
     if level.max() >= 0:
         axes.tricontourf(_refined(face), level, [0, level.max() + 1], colors=[SKY], alpha=0.45)
-    for nodes, style in ((face.touching[instant] & ~stray, INSIDE), (stray, STRAY)):
+    for nodes, style in ((face.touching[instant] & ~stray, INSIDE_STYLE), (stray, STRAY)):
         if nodes.any():
             axes.plot(*face.s[:, nodes], "o", ms=1.6, clip_on=False, zorder=3, **style)
     _draw_front(axes, face, level)

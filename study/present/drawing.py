@@ -52,7 +52,7 @@ STYLES = Path(__file__).parent
 ``style.mplstyle`` is for all figures; a file ``USE.mplstyle`` has entries that replace some of them for one use."""
 CAPTIONS: dict[str, str] = read_page("captions")
 """Name of a caption ↦ its template."""
-SEEN = "What to see: "
+WHAT_TO_SEE = "What to see: "
 """The words in a caption that are followed by the main point of the figure."""
 SHEET = 6
 """The largest number of subplots that can be read on a slide."""
@@ -65,7 +65,7 @@ class Drawing:
     Attributes:
         name: the name of the files of the figure, without a suffix.
         draw: function that draws the figure.
-        caption: the caption, which says what is drawn and, after the text ``SEEN``, the main point with numbers.
+        caption: the caption, which says what is drawn and, after the text ``WHAT_TO_SEE``, the main point with numbers.
         summary: the kind of the figure in a few words, for readers who cannot see it.
         case: the case that the figure shows; empty for figures over several cases.
         sheet: whether the figure has more subplots than can be read on a slide.
@@ -81,7 +81,7 @@ class Drawing:
     @property
     def alternative(self) -> str:
         """The text for readers who cannot see the figure: the kind of the figure, and its main point."""
-        point = self.caption.partition(SEEN)[2] or self.caption
+        point = self.caption.partition(WHAT_TO_SEE)[2] or self.caption
         return f"{self.summary[:1].upper()}{self.summary[1:]}. {point[:1].upper()}{point[1:]}"
 
 

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 ZONE_SAMPLES = 10_001
 """The number of positions along a face at which exact and computed contact zones are compared."""
 Interval = tuple[float, float]
-CONTACT = 1e-8
+CONTACT_SHARE = 1e-8
 """A node is in contact if its pressure exceeds this fraction of the largest pressure on the face."""
 
 
@@ -50,7 +50,7 @@ class FaceHistory:
     @property
     def touching(self) -> NDArray[np.bool_]:
         """Whether each node is in contact at each time, (times, nodes)."""
-        return np.asarray(self.pressure > CONTACT * self.pressure.max(initial=0.0))
+        return np.asarray(self.pressure > CONTACT_SHARE * self.pressure.max(initial=0.0))
 
     @property
     def inside(self) -> NDArray[np.bool_]:

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.tri import Triangulation
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, VERMILLION
-from study.present.body import GAP, magnification
+from study.present.body import GAP_STYLE, magnification
 from study.present.drawing import FOUNDATION, FOUNDATION_EDGE, RAMPS, Drawing, caption, column_width, entry, legend
 from study.present.picture import Array
 
@@ -229,7 +229,7 @@ def draw_sketch() -> Figure:
     ground: dict[str, Any] = {"facecolor": FOUNDATION, "edgecolor": "none", "zorder": 0.5}
     axes.add_patch(Rectangle((-0.12, -0.09), wide + 0.24, 0.09, **ground))
     axes.plot([-0.12, wide + 0.12], [0, 0], color=FOUNDATION_EDGE, lw=0.6, zorder=0.6)
-    axes.fill_between(s, 0 * s, gap, **GAP)
+    axes.fill_between(s, 0 * s, gap, **GAP_STYLE)
     for at in np.arange(0.06, front, 0.12):
         _arrow(axes, (at, -0.26 * (1 - at / front) - 0.015), (at, 0), VERMILLION)
     _arrow(axes, (front + 0.32, 0.028), (front + 0.32, -0.17), BLACK)

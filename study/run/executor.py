@@ -36,7 +36,7 @@ from study.statements.enclosure import resolve_problem
 from study.statements.shared import estimates
 
 P = ParamSpec("P")
-T = TypeVar("T")
+Returned = TypeVar("T")
 AnyJob = TypeVar("AnyJob", bound="Job | Proof")
 Notify = Callable[[Job], object]
 """Function that shows progress; it is called with each finished job."""
@@ -65,7 +65,7 @@ class Processes(Executor):
         pool.submit(os.getpid)
         return pool
 
-    def submit(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+    def submit(self, function: Callable[P, Returned], /, *args: P.args, **kwargs: P.kwargs) -> Future[Returned]:
         """Submit a call to the workers; if a worker was killed, start new ones first."""
         try:
             return self._pool.submit(function, *args, **kwargs)
@@ -359,7 +359,7 @@ def save_proofs(proofs: Iterable[Proof], store: Store) -> None:
 
 # Functions that run jobs on several machines: on the workers of a Dask cluster.
 
-PATIENCE = 10
+CLUSTER_PATIENCE = 10
 """Seconds within which the scheduler of a cluster must answer and have a worker."""
 LOST = "no longer answers; finished results are stored, and the same command with a running cluster continues"
 
@@ -391,8 +391,8 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
     try:
         # A socket is opened first. If nothing listens at the address, this fails at once, but a client of Dask would
         # wait for a long time.
-        socket.create_connection(get_address_host_port(address), PATIENCE).close()
-        client = Client(address, timeout=PATIENCE, set_as_default=False)
+        socket.create_connection(get_address_host_port(address), CLUSTER_PATIENCE).close()
+        client = Client(address, timeout=CLUSTER_PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         raise UsageError(
             f"no Dask scheduler answers at {address} ({error}); give what `dask scheduler` prints, such as "
@@ -412,7 +412,7 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
 def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
     start = f"dask worker {address} --nworkers 2 --nthreads 1"
     try:
-        client.wait_for_workers(1, timeout=PATIENCE)
+        client.wait_for_workers(1, timeout=CLUSTER_PATIENCE)
     except TimeoutError as error:
         raise UsageError(f"the cluster at {address} has no workers; start some on every machine: {start}") from error
     workers = client.scheduler_info()["workers"]
@@ -442,7 +442,7 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
 
     def failure() -> str:
         try:
-            present = client.sync(client.scheduler.identity, callback_timeout=PATIENCE)["workers"]
+            present = client.sync(client.scheduler.identity, callback_timeout=CLUSTER_PATIENCE)["workers"]
         except (OSError, RuntimeError, TimeoutError):
             return f"the Dask scheduler at {address} {LOST}"
         return "" if workers.keys() & present.keys() else f"the last worker of the cluster at {address} {LOST}"

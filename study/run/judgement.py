@@ -37,7 +37,7 @@ from study.statements import STATEMENTS
 from study.statements.enclosure import BOUNDS, ENCLOSURES
 from study.statements.own_cases import judge_own
 from study.statements.prop_5_4 import RATES
-from study.statements.shared.base import LISTED, REPORTED, Statement
+from study.statements.shared.base import JOINED_SUFFIX, LISTED, Statement
 from study.statements.unmeasured import Listed
 
 EVERY_CASE = {statement.file.name for statement in STATEMENTS if statement.of_every_case}
@@ -199,7 +199,7 @@ def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.D
     """Return the rows by which a statement is judged.
 
     Some statements compare their measurements with the measurements in another file. Then the columns of the other file
-    are added, with the suffix ``REPORTED`` in their names.
+    are added, with the suffix ``JOINED_SUFFIX`` in their names.
 
     Parameters:
         statement: the statement.
@@ -209,7 +209,7 @@ def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.D
     own_rows, key = tables[statement.file], list(statement.file.key)
     if statement.joined_file is None:
         return own_rows
-    joined_rows = tables[statement.joined_file].set_index(key).add_suffix(REPORTED).reset_index()
+    joined_rows = tables[statement.joined_file].set_index(key).add_suffix(JOINED_SUFFIX).reset_index()
     return own_rows.merge(joined_rows, on=key, how="left")
 
 

@@ -28,7 +28,7 @@ from study.ledger.window import at_most
 from study.run.case_line import describe
 from study.run.fingerprint import ROOT, packages
 from study.run.plan import Plan
-from study.run.store import FORMAT, Store, require_format
+from study.run.store import STORE_FORMAT, Store, require_format
 from study.statements import STATEMENTS
 from study.statements.shared.scope import Levels, Scope
 from study.statements.unmeasured import Listed
@@ -52,7 +52,7 @@ def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
         names.append(f"{Path(os.path.relpath(file, directory)).as_posix()}:{name}" if colon else reference)
     own = {name: describe(case) for name, case in zip(names, scope.resolved(), strict=True) if ":" in name}
     return {
-        "format": FORMAT,
+        "format": STORE_FORMAT,
         "study": version("signorini-study"),
         **commit(),
         "plan": scope.name,

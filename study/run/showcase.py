@@ -15,10 +15,10 @@ from study.statements import pictures
 from study.statements.shared import estimates
 from study.statements.shared.scope import regular
 
-EVERY = 2
+SHOWN_EVERY = 2
 """Every second time step is shown."""
-STEPS = pictures.STEPS
-LEVELS = {2: pictures.LEVEL, 3: 9}
+SHOWN_STEPS = pictures.PICTURE_STEPS
+SHOWN_LEVELS = {2: pictures.LEVEL, 3: 9}
 """Dimension ↦ default level (cells along a side). In 3D it is a multiple of the number of parts into which a
 face of the cube is divided."""
 
@@ -31,7 +31,7 @@ def solve_showcase(
     Parameters:
         case: the case.
         family, level: the mesh family, and the number of cells of the mesh along a side.
-        notify: called after each of the STEPS + 1 times.
+        notify: called after each of the SHOWN_STEPS + 1 times.
 
     Returns:
         The data of a picture, in the format of ``pictures/CASE.json.gz``; and fields on the whole mesh over time.
@@ -39,8 +39,8 @@ def solve_showcase(
     Raises:
         MeshError: the mesh of this level does not fit the body.
     """
-    motion = Motion.of(case.solution, family, level, STEPS, notify)
-    return pictures.record(case.name, motion, EVERY), mesh_series(motion, EVERY)
+    motion = Motion.of(case.solution, family, level, SHOWN_STEPS, notify)
+    return pictures.record(case.name, motion, SHOWN_EVERY), mesh_series(motion, SHOWN_EVERY)
 
 
 def affordable_family(case: Case, level: int) -> MeshFamily:

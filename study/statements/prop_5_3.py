@@ -17,7 +17,7 @@ from study.ledger.quantities import (
     ratios,
 )
 from study.ledger.window import STEEPER, Window, around, at_least, at_most
-from study.statements.prop_5_4 import EVIDENCE, SIZES, FirstOrder, FromRates, Rates
+from study.statements.prop_5_4 import EVIDENCE, SIZE_CHECK, FirstOrder, FromRates, Rates
 from study.statements.shared.base import Judged
 from study.statements.shared.meshes import (
     LEADING,
@@ -26,9 +26,9 @@ from study.statements.shared.meshes import (
     value_of_case,
 )
 
-LEVELS = ENOUGH + 1
+ROUGH_LEVELS = ENOUGH + 1
 """Smallest number of levels that gives two observed orders over two refinements each."""
-LIMIT = at_most(0.1, "of the two finest errors, if s is the predicted order", low=-math.inf)
+ERROR_LIMIT = at_most(0.1, "of the two finest errors, if s is the predicted order", low=-math.inf)
 """Window of the limit e∞, relative to the two finest errors.
 
 Over two refinements an order s − δ instead of s has the same effect as a limit e∞/e = (1 − 4^{−δ})/(1 − 4^{−s}). For
@@ -36,7 +36,7 @@ s = 1/4 this window corresponds to δ = 0.02. Observed orders are not more accur
 front within its cell differs from level to level."""
 
 
-NO_RATE = "over two refinements (no rate is claimed)"
+OVER_TWO_REFINEMENTS = "over two refinements (no rate is claimed)"
 
 
 class Convergence(Rates):
@@ -63,23 +63,27 @@ class Convergence(Rates):
         (uniform, graded) = split(groups, lambda mesh: mesh.uniform)
         falling = at_most(0.999, "on every level")
         ratio = "ratio of consecutive errors"
-        yield paper_claim("falling", ratio, ratios("error"), falling, levels=LEVELS), groups
+        yield paper_claim("falling", ratio, ratios("error"), falling, levels=ROUGH_LEVELS), groups
         by_chance, others = split_random(uniform)
         steeper = f"s is {STEEPER:g} above the predicted order, the largest s that the check of the order allows"
         if others:
-            yield _limit("limit", LIMIT, expected), others
+            yield _limit("limit", ERROR_LIMIT, expected), others
             yield replace(_limit("limit-steeper", Window(), expected + STEEPER), if_missed=steeper), others
         if by_chance:
             unjudged = _limit("limit-random", Window(), expected)
             yield replace(unjudged, if_missed="the limit varies with the seed"), by_chance
         order = consequence(
-            "order", "observed order", over_refinements("error", 2), around(expected, STEEPER, NO_RATE), levels=LEVELS
+            "order",
+            "observed order",
+            over_refinements("error", 2),
+            around(expected, STEEPER, OVER_TWO_REFINEMENTS),
+            levels=ROUGH_LEVELS,
         )
         yield order, uniform
         if graded:
             of_graded = replace(order, key="order-graded", quantity="observed order on graded meshes")
-            yield replace(of_graded, window=around(1.0, STEEPER, NO_RATE)), graded
-        yield from ((criterion, groups) for criterion in (SIZES, *EVIDENCE))
+            yield replace(of_graded, window=around(1.0, STEEPER, OVER_TWO_REFINEMENTS)), graded
+        yield from ((criterion, groups) for criterion in (SIZE_CHECK, *EVIDENCE))
 
 
 def _limit(key: str, window: Window, expected: float) -> Check:
@@ -90,10 +94,10 @@ def _limit(key: str, window: Window, expected: float) -> Check:
     """
     quantity = "limit e∞ of the error e for h → 0, from e = e∞ + C h^s"
     value = of_errors("error", lambda h, error: limit(h, error, expected))
-    return paper_claim(key, quantity, value, window, levels=LEVELS)
+    return paper_claim(key, quantity, value, window, levels=ROUGH_LEVELS)
 
 
-ROOM = 0.1
+PROVED_ORDER_TOLERANCE = 0.1
 """Observed orders approach the proved order from below, up to this number on these levels."""
 
 
@@ -125,7 +129,7 @@ class SizeOfInterpolation(FromRates):
     )
 
 
-SEEN = consequence(
+SEEN_ORDER = consequence(
     "order",
     "observed order on uniform meshes",
     over_refinements("error", 2),
@@ -149,9 +153,9 @@ class RegularityNeeded(FromRates):
     def checks_of(self, case: str, groups: Groups) -> Judged:
         proved = at_least(value_of_case(groups, "proved_order"), "the order that the proof gives")
         uniform, _ = split(groups, lambda family: family.uniform)
-        reported = replace(SEEN, window=proved)
-        enough = at_least(proved.low - ROOM, "the proved order, with room for coarse meshes")
-        judged = replace(SEEN, key="order-proved", window=enough, if_missed="")
+        reported = replace(SEEN_ORDER, window=proved)
+        enough = at_least(proved.low - PROVED_ORDER_TOLERANCE, "the proved order, with room for coarse meshes")
+        judged = replace(SEEN_ORDER, key="order-proved", window=enough, if_missed="")
         return [(check, uniform) for check in ((reported, judged) if uniform else (reported,))]
 
 

@@ -133,7 +133,7 @@ The second number is the factor by which the number of steps is increased.
 
 The quadrature error changes from step to step and averages out over many steps, so a small number of steps
 overestimates its effect."""
-NEGLIGIBLE = 0.01
+NEGLIGIBLE_QUADRATURE = 0.01
 """Relative effect of quadrature below which it is not computed again with more steps."""
 
 
@@ -249,7 +249,8 @@ class Measurement:
         The degree of every rule on cells is raised by two, and points are not moved along lines of low regularity. Two
         changes are added. The first is the change of the error norm. The second is the change of u^h, which is
         estimated by the linear problem without contact whose load is the change of the load. This problem is solved
-        with RESPONSE steps. As long as the change is above NEGLIGIBLE, the number of steps is increased, up to the
+        with RESPONSE steps. As long as the change is above NEGLIGIBLE_QUADRATURE, the number of steps is increased,
+        up to the
         steps of u^h.
         """
         experiment = self.experiment
@@ -271,7 +272,7 @@ class Measurement:
         while True:
             drift = maximum([math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps)])
             effect = (abs(raised - error) + drift) / error
-            if not effect > NEGLIGIBLE or steps >= 2 * experiment.steps:
+            if not effect > NEGLIGIBLE_QUADRATURE or steps >= 2 * experiment.steps:
                 return effect
             steps = min(MORE * steps, 2 * experiment.steps)
 
@@ -291,10 +292,12 @@ def size(levels: pd.DataFrame) -> float:
     return float(np.hypot(finest["error"], finest["discrete_error"]) / finest["interpolation_error"])
 
 
-SMALL = positive_at_most(0.02, "of the error")
-TOLERANCE = f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
-SIZE = around(1, 0.1, "u − u^h and Π^h u − u^h are nearly orthogonal (Pythagoras)")
-SIZES = consequence("size", "size of the error: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖", size, SIZE)
+SMALL_SHARE = positive_at_most(0.02, "of the error")
+RESIDUAL_TOLERANCE = f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
+SIZE_WINDOW = around(1, 0.1, "u − u^h and Π^h u − u^h are nearly orthogonal (Pythagoras)")
+SIZE_CHECK = consequence(
+    "size", "size of the error: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖", size, SIZE_WINDOW
+)
 EVIDENCE = (
     identity(
         "parallelogram",
@@ -302,30 +305,32 @@ EVIDENCE = (
         values("parallelogram"),
         positive_at_most(1e-3, "an identity, up to rounding and the quadrature of the factor of A"),
     ),
-    accuracy("time-share", "time share: error in time / error", values("time_share"), SMALL),
+    accuracy("time-share", "time share: error in time / error", values("time_share"), SMALL_SHARE),
     accuracy(
         "residual",
         "residual of the contact solves / largest accepted residual",
         residual_shares,
-        positive_at_most(1.0, TOLERANCE),
+        positive_at_most(1.0, RESIDUAL_TOLERANCE),
     ),
     accuracy("clamped", "u^h = 0 on Γ1", values("clamped"), at_most(1e-10, "rounding")),
-    accuracy("quadrature", "change of the error under finer quadrature", values("quadrature_change"), SMALL),
+    accuracy("quadrature", "change of the error under finer quadrature", values("quadrature_change"), SMALL_SHARE),
 )
 
 # Further criteria, which hold only with the regularity that Proposition 5.4 assumes.
-IRREGULAR = "; on irregular meshes the leading term replaces h"
+ON_IRREGULAR = "; on irregular meshes the leading term replaces h"
 """Text that is added to the descriptions of orders.
 
 On irregular meshes orders are orders in the leading term of the interpolation error, which replaces the mesh size h."""
-SOLID = around(1, 0.1, IRREGULAR.removeprefix("; "))
+SOLID_WINDOW = around(1, 0.1, ON_IRREGULAR.removeprefix("; "))
 SOLIDS = (
-    paper_claim("order-finest", "order of the error, finest pair", over_refinements("error", 1), SOLID, levels=ENOUGH),
+    paper_claim(
+        "order-finest", "order of the error, finest pair", over_refinements("error", 1), SOLID_WINDOW, levels=ENOUGH
+    ),
     consequence(
         "interpolation-order-finest",
         "order of ‖u − Π^h u‖_V, finest pair",
         over_refinements("interpolation_error", 1),
-        SOLID,
+        SOLID_WINDOW,
         levels=ENOUGH,
     ),
 )
@@ -340,21 +345,21 @@ LEADING_ORDER = accuracy(
 """A criterion for irregular meshes: the leading term of the interpolation error must be of order h.
 
 This is necessary, because the leading term replaces h on these meshes."""
-OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
-DISCRETE = "order of ‖Π^h u − u^h‖_V"
+ORDER_ON_OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
+DISCRETE_ORDER = "order of ‖Π^h u − u^h‖_V"
 DISCRETE_ORDERS = {
     True: consequence(
         "discrete-order-superclose",
-        f"{DISCRETE}, superclose",
+        f"{DISCRETE_ORDER}, superclose",
         fitted("discrete_error", last=ENOUGH),
         between(1.5, 2, 0.2, 0.2, "u^h is superclose to Π^h u on one-diagonal meshes"),
         levels=ENOUGH,
     ),
     False: consequence(
         "discrete-order-others",
-        f"{DISCRETE}, other families",
+        f"{DISCRETE_ORDER}, other families",
         fitted("discrete_error", last=ENOUGH),
-        OTHERS,
+        ORDER_ON_OTHERS,
         levels=ENOUGH,
     ),
 }
@@ -362,13 +367,13 @@ DISCRETE_ORDERS = {
 
 On one-diagonal meshes neighbouring triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (because
 of the traction boundary) to 2. On other meshes its order is at least the order of the error and at most 2."""
-SHARE = positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same error up to 20 %")
+DISCRETE_SHARE = positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same error up to 20 %")
 DISCRETE_SIZES = (
     consequence(
         "discrete-share",
         "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V",
         finest_quotient("discrete_error", "interpolation_error"),
-        SHARE,
+        DISCRETE_SHARE,
     ),
     accuracy(
         "discrete-time-share",
@@ -416,8 +421,8 @@ class FirstOrder(Rates):
         expected = value_of_case(groups, "expected_order")
         in_h = in_leading_term(groups)
         (irregular, _) = split_irregular(groups)
-        by_level = around(expected, 0.15, f"every consecutive order{IRREGULAR}")
-        limit = around(expected, 0.1, f"extrapolated from the three finest levels{IRREGULAR}")
+        by_level = around(expected, 0.15, f"every consecutive order{ON_IRREGULAR}")
+        limit = around(expected, 0.1, f"extrapolated from the three finest levels{ON_IRREGULAR}")
         yield (
             paper_claim(
                 "order",
@@ -435,7 +440,7 @@ class FirstOrder(Rates):
             ),
             in_h,
         )
-        yield SIZES, in_h
+        yield SIZE_CHECK, in_h
         for superclose, criterion in DISCRETE_ORDERS.items():
             if tables := split_superclose(groups)[superclose]:
                 yield criterion, tables

@@ -65,7 +65,7 @@ from study.solve.signorini import Signorini
 from study.solve.tableau import BDF2, Tableau
 from study.statements.shared import estimates
 from study.statements.shared.base import Numbers, Setting, Statement, grid, steps_like_h
-from study.statements.shared.meshes import ALONG, CELLS
+from study.statements.shared.meshes import ALONG, CELL_POWER
 from study.stresses.composite import alfeld_split, barycentric, bernstein
 from study.stresses.hybrid import DualState, StressEvolution, act, tensor_at
 from study.stresses.stress_space import StressSpace
@@ -91,18 +91,27 @@ OTHER_MESHES = {
 The pressure error at a resting natural front is the error of one cell. If the position of the front in that cell is
 random, orders scatter by 1 from seed to seed. Merging patches and layers are three or four cells wide on the coarsest
 meshes, and on such random meshes orders scatter most."""
-LEVELS, FINEST = (8, 16, 32), {"re-entrant": (64,)}
+STRESS_LEVELS, FINER_LEVELS = (8, 16, 32), {"re-entrant": (64,)}
 """Levels of the full study, and further, finer levels for some cases."""
 
-ERRORS = "stress", "stress_sup", "best", "strain", "pressure", "displacement", "primal_stress", "primal_displacement"
+STRESS_ERRORS = (
+    "stress",
+    "stress_sup",
+    "best",
+    "strain",
+    "pressure",
+    "displacement",
+    "primal_stress",
+    "primal_displacement",
+)
 RELATIVE_TO = {
     **dict.fromkeys(("stress", "best", "pressure", "primal_stress"), "stress"),
     **{"strain": "strain", "displacement": "displacement", "primal_displacement": "displacement"},
 }
 """The exact quantity to whose norm in L²(0,T) each error is relative."""
-EDGE_POINTS = 4
+MOMENT_POINTS = 4
 """Number of Gauss points on an edge for the moments of the exact displacement."""
-RAISED = 2
+RAISED_LOAD_DEGREE = 2
 """How much the degree of the quadrature rule for f_0 is raised in the computation with half as many steps."""
 
 
@@ -151,7 +160,7 @@ class StressExperiment:
 
         Their distance from the stresses of ``march`` shows the error of time steps and quadrature.
         """
-        return islice(self.scheme.march(replace(self.problem, raised=RAISED), self.steps // 2), 1, None)
+        return islice(self.scheme.march(replace(self.problem, raised=RAISED_LOAD_DEGREE), self.steps // 2), 1, None)
 
 
 def norm_in_q(values: Tensors, space: StressSpace) -> float:
@@ -183,7 +192,7 @@ class Exact:
             edges = space.parts[space.body.parts.index(face.part)]
             on = facet_rule(space.mesh, edges, face.part, face.rough, FACET_POINTS)
             self._faces.append((edges, bernstein(space.degree, on.shapes), on.weights, solution.on(face, on.s)))
-        x, weights = np.polynomial.legendre.leggauss(EDGE_POINTS)
+        x, weights = np.polynomial.legendre.leggauss(MOMENT_POINTS)
         self._along = np.array([1 - x, 1 + x]) / 2
         self._shapes = bernstein(space.degree, self._along)
         self._moments = self._shapes * weights / 2
@@ -339,7 +348,7 @@ def inadmissible(space: StressSpace, state: DualState) -> float:
 
 
 # Criteria, whose windows follow from the regularity of each solution.
-MARGIN, SMOOTH = 0.15, 0.3
+SINGULAR_TOLERANCE, SMOOTH_TOLERANCE = 0.15, 0.3
 """Tolerances below a predicted order: below the order of a singularity, and below the order 2 of smooth solutions.
 
 The second is larger, because on coarse meshes observed orders are less than 2 near the boundary."""
@@ -356,9 +365,9 @@ CHANCE = 0.3
 It is three standard deviations. In a pilot study on shaken meshes with n = 8, 16, 32, which judged nothing, the
 standard deviation was 0.03 to 0.19. Orders of sums over all cells scattered by 0.03 and need no additional
 tolerance."""
-TIME = positive_at_most(0.5, "with the order 3/2 in k, time steps then contribute at most 0.27 of the error")
+TIME_WINDOW = positive_at_most(0.5, "with the order 3/2 in k, time steps then contribute at most 0.27 of the error")
 RATIO = "‖σ − σ^h‖_Q / error of the best piecewise polynomials"
-QUANTITIES = {
+ERROR_TEXTS = {
     "stress": "‖σ − σ^h‖_Q",
     "strain": "‖ε(u) − ε^h‖_Q for the strains ε^h computed from σ^h",
     "pressure": "‖σ_ν − σ^h_ν‖_{L²(Γ3)}",
@@ -381,7 +390,9 @@ class Orders:
         Args:
             chance: an additional tolerance on random meshes.
         """
-        return between(self.low, self.high, (SMOOTH if self.low == 2 else MARGIN) + chance, 0.2 + chance)
+        return between(
+            self.low, self.high, (SMOOTH_TOLERANCE if self.low == 2 else SINGULAR_TOLERANCE) + chance, 0.2 + chance
+        )
 
 
 def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
@@ -425,10 +436,14 @@ def checks_of(regularity: Regularity, family: str) -> Iterator[Check]:
     random = family_named(family).random
     orders_of = predicted(regularity, family)
     for name, orders in orders_of.items():
-        parts = CELLS if name in IN_CELLS else ALONG
+        parts = CELL_POWER if name in IN_CELLS else ALONG
         window = orders.window(CHANCE if parts == ALONG and random else 0.0)
         yield consequence(
-            f"order-{name}", f"order of {QUANTITIES[name]}", fitted(name, last=JUDGED, power=parts), window, levels=PAIR
+            f"order-{name}",
+            f"order of {ERROR_TEXTS[name]}",
+            fitted(name, last=JUDGED, power=parts),
+            window,
+            levels=PAIR,
         )
     # The ratio on the finest level is displayed, because it matters most.
     larger = "the best polynomials come from a larger space"
@@ -444,7 +459,7 @@ def checks_of(regularity: Regularity, family: str) -> Iterator[Check]:
         values("admissibility"),
         positive_at_most(1e-9),
     )
-    yield accuracy("time-share", "error of time steps and quadrature / ‖σ − σ^h‖_Q", values("time_share"), TIME)
+    yield accuracy("time-share", "error of time steps and quadrature / ‖σ − σ^h‖_Q", values("time_share"), TIME_WINDOW)
     # On other meshes theory predicts the same order for the largest error in time as for the error in L²(0,T).
     window = Window()
     if "stress" in orders_of and not random:
@@ -460,7 +475,7 @@ def checks_of(regularity: Regularity, family: str) -> Iterator[Check]:
 
 def growth(h: Array, ratio: Array) -> float:
     """Return the growth of a ratio from the coarsest to the finest mesh, by a fit with the weights h^−2."""
-    return float((h[-1] / h[0]) ** weighted_order(h, ratio, CELLS))
+    return float((h[-1] / h[0]) ** weighted_order(h, ratio, CELL_POWER))
 
 
 class OwnSpace(Statement):
@@ -480,7 +495,7 @@ class OwnSpace(Statement):
         Setting(case, family, level)
         for case in CASES
         for family in OTHER_MESHES.get(case, MESHES)
-        for level in (*LEVELS, *FINEST.get(case, ()))
+        for level in (*STRESS_LEVELS, *FINER_LEVELS.get(case, ()))
     )
 
     def setup(self, setting: Setting) -> StressExperiment:

@@ -18,7 +18,7 @@ from study.cli.main import main
 from study.ledger.datafiles import read_rates
 from study.ledger.files import UsageError
 from study.ledger.text import above, below
-from study.present.body import DISPLACEMENT, magnification
+from study.present.body import DRAWN_DISPLACEMENT, magnification
 from study.present.charts import order_differences, order_in_words
 from study.present.drawing import Drawing, Output, column_width, draw_one, family_styles, in_style, page_width
 from study.present.figures import drawings, drawings_of, figure, overview
@@ -209,7 +209,7 @@ def test_displacements_are_magnified_to_the_stated_share_of_the_body(pictures: l
     for shown in pictures:
         largest = np.linalg.norm(shown.displacement, axis=1).max()
         drawn = magnification(shown.vertices, shown.displacement) * largest
-        assert 0.9 * DISPLACEMENT * shown.size < drawn <= DISPLACEMENT * shown.size
+        assert 0.9 * DRAWN_DISPLACEMENT * shown.size < drawn <= DRAWN_DISPLACEMENT * shown.size
     assert magnification(shown.vertices, np.zeros_like(shown.displacement)) == 1
 
 

@@ -13,7 +13,7 @@ from manufactured.colours import VERMILLION
 from study.ledger.datafiles import DataError
 from study.present.pages import badges, main, refresh, verdicts_in_words
 from study.present.templates import FullRun
-from study.statements.prop_5_3 import LIMIT
+from study.statements.prop_5_3 import ERROR_LIMIT
 
 (VERDICTS,) = [page.text for page in SITE if page.name == "docs/explanation/verdicts.md"]
 
@@ -58,7 +58,7 @@ def test_badges_are_red_where_a_row_fails_and_a_defect_goes_unseen(full: FullRun
 
 def test_windows_it_names_in_its_text_are_those_of_the_program() -> None:
     assert "at most 10 % of the errors on the two finest levels" in " ".join(VERDICTS.split())
-    assert LIMIT.high == 0.1
+    assert ERROR_LIMIT.high == 0.1
 
 
 def test_a_page_without_marks_and_data_of_no_full_run_are_refused(full: FullRun, tmp_path, monkeypatch) -> None:

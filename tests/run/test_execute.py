@@ -486,7 +486,7 @@ def test_a_cluster_is_refused_with_the_mend_where_there_is_none(tmp_path, capsys
 
 
 def test_a_cluster_without_workers_is_refused_with_how_to_start_some(monkeypatch) -> None:
-    monkeypatch.setattr("study.run.executor.PATIENCE", 1)
+    monkeypatch.setattr("study.run.executor.CLUSTER_PATIENCE", 1)
     with dask(0) as empty:
         told = f"has no workers.*dask worker {empty.scheduler_address} "
         with pytest.raises(UsageError, match=told), connected(empty.scheduler_address, []):

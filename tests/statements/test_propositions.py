@@ -19,7 +19,7 @@ from study.run.provenance import Complete
 from study.statements.own_cases import enough, finer, judge_own, least_levels
 from study.statements.prop_5_3 import Convergence, InitialGap, RegularityNeeded, SizeOfInterpolation
 from study.statements.prop_5_4 import FirstOrder
-from study.statements.shared.meshes import CELLS, LEADING, in_leading_term, is_random
+from study.statements.shared.meshes import CELL_POWER, LEADING, in_leading_term, is_random
 from study.statements.thm_4_2 import SameMesh
 from study.statements.thm_4_2_own_space import growth
 
@@ -344,15 +344,15 @@ H = 1 / np.array([8.0, 16.0, 32.0])
 
 
 def test_a_weighted_order_is_exact_for_powers_and_sees_what_is_wrong_on_the_finest_level() -> None:
-    assert weighted_order(H, 3 * H**1.5, CELLS) == pytest.approx(1.5)
+    assert weighted_order(H, 3 * H**1.5, CELL_POWER) == pytest.approx(1.5)
     stagnating = np.array([1.0, 0.5, 0.4])
-    assert weighted_order(H, stagnating, CELLS) < weighted_order(H, stagnating, 0)
+    assert weighted_order(H, stagnating, CELL_POWER) < weighted_order(H, stagnating, 0)
 
 
 def test_growth_is_that_of_a_power_over_all_levels_and_errors_without_an_order_fail() -> None:
     assert growth(H, 1.7 * H**-0.25) == pytest.approx(4**0.25)
     levels = pd.DataFrame({"h": H, "e": [1.0, 0.0, 0.5]})
-    check = Check("key", "quantity", quantities.fitted("e", power=CELLS), Window(0, 2), CheckKind.CLAIM)
+    check = Check("key", "quantity", quantities.fitted("e", power=CELL_POWER), Window(0, 2), CheckKind.CLAIM)
     assert check.verdict(FirstOrder(), "a", {"shaken": levels}).verdict == FAILS
 
 

@@ -40,7 +40,7 @@ class Setting:
         return resolve(self.case).solution.body.dim
 
 
-REPORTED = "_reported"
+JOINED_SUFFIX = "_reported"
 """Suffix of the names of the columns that come from the second data file, ``Statement.joined_file``."""
 
 

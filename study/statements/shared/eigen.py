@@ -12,7 +12,7 @@ from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
 from study.statements.shared.base import SEED
 
-SMALLEST, LARGEST = 1e-9, 1e-4
+SMALLEST_TOLERANCE, LARGEST_TOLERANCE = 1e-9, 1e-4
 """Relative tolerances for the smallest and for the largest eigenvalue.
 
 The largest eigenvalues lie in clusters, so their eigenvectors converge slowly. A loose tolerance suffices for them,
@@ -54,7 +54,7 @@ def smallest(form: sps.csc_array, product: sps.csc_array) -> float:
         product: the matrix of b, positive definite.
     """
     start = np.random.default_rng(SEED).standard_normal(form.shape[0])
-    return float(eigsh(form, 1, product, sigma=0.0, v0=start, tol=SMALLEST, return_eigenvectors=False)[0])
+    return float(eigsh(form, 1, product, sigma=0.0, v0=start, tol=SMALLEST_TOLERANCE, return_eigenvectors=False)[0])
 
 
 def largest(form: sps.csc_array, product: sps.csc_array) -> float:
@@ -68,4 +68,6 @@ def largest(form: sps.csc_array, product: sps.csc_array) -> float:
     """
     start = np.random.default_rng(SEED).standard_normal(form.shape[0])
     vectors = min(LANCZOS, len(start))
-    return float(eigsh(form, 1, product, which="LA", v0=start, tol=LARGEST, ncv=vectors, return_eigenvectors=False)[0])
+    return float(
+        eigsh(form, 1, product, which="LA", v0=start, tol=LARGEST_TOLERANCE, ncv=vectors, return_eigenvectors=False)[0]
+    )
