@@ -28,7 +28,7 @@ from study.fem.space import Space, means
 from study.solve.evolution import SemiDiscrete, remainder
 from study.solve.signorini import ContactSolver, Signorini
 from study.statements.pictures import contact_weights
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment
 
 Faulty = Experiment | None
 """An experiment with a fault; None where the fault cannot occur."""

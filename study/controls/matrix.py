@@ -28,10 +28,16 @@ from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, CheckKind, Verdict
 from study.run.plan import quick
 from study.statements.contact_force import ContactForce, touches
-from study.statements.prop_5_3 import Convergence, InitialGap, SizeOfInterpolation
-from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting, measure
-from study.statements.shared.base import Setting, Statement
-from study.statements.shared.experiment import Experiment
+from study.statements.prop_5_4 import (
+    Convergence,
+    FirstOrder,
+    InitialGap,
+    Rates,
+    RateSetting,
+    SizeOfInterpolation,
+    measure,
+)
+from study.statements.shared.base import Experiment, Setting, Statement
 from study.statements.shared.scope import regular
 from study.statements.thm_4_2 import SameMesh
 

@@ -20,7 +20,7 @@ from study.statements.pictures import Pictures
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.meshes import is_random
 from study.statements.shared.scope import Scope
-from study.statements.thm_4_2_own_space import OwnSpace
+from study.statements.thm_4_2 import OwnSpace
 
 NOT_SEEDED = Pictures | Bounds | OtherCodes | InterpolationOnContact
 """Statements that are not measured on random meshes. Pictures claim nothing, error bounds are proved for every mesh,

@@ -1,5 +1,8 @@
 """Checks, which are the rows of the ledger: their verdicts, their kinds, and how much of their window they use.
 
+The label of a check names the numbered formulas and statements of the paper that it tests, for example "(3.9)–(3.11),
+(4.14), (4.15)" or "Thm 4.1, 5.2". No other place has this information.
+
 A check compares a measured quantity with a tolerance window. The verdicts are:
 
 holds      the whole range of the quantity over meshes lies in the window
@@ -10,6 +13,7 @@ reported   nothing is claimed about the value
 """
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -17,8 +21,43 @@ from typing import Protocol
 
 import pandas as pd
 
-from study.ledger.numbered import named
 from study.ledger.window import Window, is_two_sided, position
+
+FORMULAS = {2: 18, 3: 15, 4: 30, 5: 43}
+"""Section of the paper ↦ number of the last formula in this section."""
+NUMBERED_STATEMENTS = (
+    "Problem 2.1", "Thm 2.2", "Problem 3.1", "Problem 3.2", "Thm 4.1", "Thm 4.2", "Thm 4.3", "Problem 5.1", "Thm 5.2",
+    "Prop. 5.3", "Prop. 5.4",
+)  # fmt: skip
+NUMBERED = (
+    *(f"({section}.{n})" for section, last in FORMULAS.items() for n in range(1, last + 1)),
+    *NUMBERED_STATEMENTS,
+)
+"""All numbered formulas in the order of the paper, then all numbered statements."""
+NO_ROW, NOT_TESTED = "no row", "not tested"
+"""Labels of rows that give the reason why a formula or statement of the paper has no check that can fail."""
+
+_FORMULA = re.compile(r"\((\d)\.(\d+)\)(?:–\((\d)\.(\d+)\))?")
+_STATEMENT = re.compile(r"(Thm|Prop\.|Problem) (\d\.\d(?:, \d\.\d)*)")
+
+
+def named(text: str) -> set[str]:
+    """Return the formulas and statements that the label of a check names, as a set of texts.
+
+    Raises:
+        ValueError: a range of formulas begins and ends in different sections.
+
+    >>> sorted(named("Thm 4.1, 5.2, (5.2)–(5.4)"))
+    ['(5.2)', '(5.3)', '(5.4)', 'Thm 4.1', 'Thm 5.2']
+    """
+    found = {f"{kind} {number}" for kind, numbers in _STATEMENT.findall(text) for number in numbers.split(", ")}
+    for section, first, last_section, last in _FORMULA.findall(text):
+        end = int(last) if last else int(first)
+        if last_section not in ("", section):
+            raise ValueError(f"{text!r} has a range over two sections, expected one section: write a range for each")
+        found |= {f"({section}.{n})" for n in range(int(first), end + 1)}
+    return found
+
 
 HOLDS, FAILS, UNDECIDED, REPORTED, MISSED = "holds", "fails", "undecided", "reported", "missed"
 VERDICTS = (HOLDS, REPORTED, MISSED, UNDECIDED, FAILS)

@@ -18,7 +18,6 @@ from study.ledger.codes import MADE, Codes
 from study.ledger.datafiles import DataError, by_claim, count_verdicts
 from study.ledger.faults import missed as missed_faults
 from study.ledger.files import write_text
-from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.schema import TABLES as SCHEMA
 from study.ledger.schema import markdown as described
 from study.ledger.text import cell
@@ -26,11 +25,15 @@ from study.ledger.verdict import (
     FAILS,
     HOLDS,
     MISSED,
+    NO_ROW,
+    NOT_TESTED,
+    NUMBERED,
     REPORTED,
     UNCLAIMED,
     UNDECIDED,
     CheckKind,
     is_of_the_paper,
+    named,
 )
 from study.present.article import contact_codes, slips, texts
 from study.present.drawing import caption_text, in_style
@@ -49,6 +52,7 @@ TEXTS = read_page("results")
 CLAIMED = (FAILS, UNDECIDED, HOLDS)
 """Verdicts on claims, from worst to best."""
 END = "<!-- end -->"
+REPOSITORY = Path(__file__).parents[2]
 
 
 def main() -> None:
@@ -269,7 +273,9 @@ def statements(data: FullRun) -> str:
     lines = []
     for label, claim, rows in by_claim(data.claims):
         where = data.provenance["statements"].get(label, {"code": [], "data": ["provenance.json"]})
-        code = ", ".join(f"[`{path}`](../../{path})" for path in where["code"])
+        # Files that were moved since the data were measured have no link.
+        here = [(path, (REPOSITORY / path).is_file()) for path in where["code"]]
+        code = ", ".join(f"[`{path}`](../../{path})" if exists else f"`{path}`" for path, exists in here)
         files = ", ".join(f"`{name}`" for name in where["data"])
         lines.append([_literal(label), _literal(claim), _verdicts(rows), f"{code}: {files}"])
     return markdown(["statement", "says", "verdicts", "code: data"], lines)

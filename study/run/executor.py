@@ -36,7 +36,7 @@ from study.statements.enclosure import resolve_problem
 from study.statements.shared import estimates
 
 P = ParamSpec("P")
-Returned = TypeVar("T")
+Returned = TypeVar("Returned")
 AnyJob = TypeVar("AnyJob", bound="Job | Proof")
 Notify = Callable[[Job], object]
 """Function that shows progress; it is called with each finished job."""

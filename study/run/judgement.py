@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from manufactured.catalogue import NAMES
-from study.fem.naming import is_own, resolve
+from study.fem.naming import describe, is_own, resolve
 from study.ledger.compare import difference
 from study.ledger.datafiles import (
     CsvFile,
@@ -29,7 +29,6 @@ from study.ledger.datafiles import (
 from study.ledger.files import write_text
 from study.ledger.schema import TABLES
 from study.ledger.verdict import Verdict
-from study.run.case_line import describe
 from study.run.plan import Job, Plan
 from study.run.provenance import SUMS, Complete, commit, provenance, read_provenance, text_sum
 from study.run.store import Store

@@ -20,12 +20,11 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from study.fem.naming import resolve
+from study.fem.naming import describe, resolve
 from study.ledger.datafiles import DataError, made_by, nested_keys, planned_keys, read_uncompressed
 from study.ledger.files import StoreError, UsageError
 from study.ledger.verdict import HOLDS, UNDECIDED, CheckKind, Verdict, row
 from study.ledger.window import at_most
-from study.run.case_line import describe
 from study.run.fingerprint import ROOT, packages
 from study.run.plan import Plan
 from study.run.store import STORE_FORMAT, Store, require_format

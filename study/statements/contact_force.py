@@ -63,8 +63,7 @@ from study.ledger.quantities import finest, fitted, values
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import EVOLVING, Judged, Numbers, Setting, Statement, steps_like_h
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import EVOLVING, Experiment, Judged, Numbers, Setting, Statement, steps_like_h
 from study.statements.shared.meshes import split_irregular, split_superclose
 from study.statements.shared.scope import Scope
 

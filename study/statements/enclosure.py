@@ -30,8 +30,7 @@ from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve
 from study.ledger.check import Groups, consequence, identity
 from study.ledger.datafiles import CsvFile, Row
-from study.ledger.orders import orders
-from study.ledger.quantities import values
+from study.ledger.quantities import orders, values
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, CheckKind, Span, Verdict, row
 from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.evolution import Scheme

@@ -23,8 +23,7 @@ from study.fem.quadrature import facet_rule
 from study.fem.space import Space, on_cells
 from study.ledger.check import ENOUGH, ROUNDING, Groups, consequence, identity, paper_claim
 from study.ledger.datafiles import Row
-from study.ledger.orders import fit
-from study.ledger.quantities import Value, finest, fitted, level_by_level, of_errors, over_refinements, values
+from study.ledger.quantities import Value, finest, fit, fitted, level_by_level, of_errors, over_refinements, values
 from study.ledger.window import Window, around, at_least, at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
@@ -35,6 +34,7 @@ from study.statements.shared.base import (
     EVOLVING,
     SEED,
     SOFTENING,
+    Experiment,
     Judged,
     ListedNumbers,
     Numbers,
@@ -43,8 +43,6 @@ from study.statements.shared.base import (
     grid,
     with_h,
 )
-from study.statements.shared.eigen import unloaded
-from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import (
     EVERY_FAMILY,
     body_of,
@@ -54,7 +52,7 @@ from study.statements.shared.meshes import (
     posed,
     space_of,
 )
-from study.statements.shared.norms import Energies, Velocity, dual_norm, maximum, midpoints
+from study.statements.shared.norms import Energies, Velocity, dual_norm, maximum, midpoints, unloaded
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 

@@ -24,6 +24,7 @@ from study.statements.shared.base import (
     EVOLVING,
     SEED,
     SOFTENING,
+    Experiment,
     Judged,
     ListedNumbers,
     Numbers,
@@ -31,10 +32,8 @@ from study.statements.shared.base import (
     grid,
     with_h,
 )
-from study.statements.shared.eigen import unloaded
-from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import CELL_POWER, named, place, posed
-from study.statements.shared.norms import dual_norm, maximum
+from study.statements.shared.norms import dual_norm, maximum, unloaded
 from study.statements.shared.scope import REGULAR
 
 # The load, f ∈ W^{1,1}(0,T;V).

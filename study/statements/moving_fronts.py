@@ -27,8 +27,16 @@ from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, path
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
-from study.statements.shared.base import Judged, ListedNumbers, Numbers, Setting, grid, with_h
-from study.statements.shared.experiment import Experiment, with_cached_loads
+from study.statements.shared.base import (
+    Experiment,
+    Judged,
+    ListedNumbers,
+    Numbers,
+    Setting,
+    grid,
+    with_cached_loads,
+    with_h,
+)
 from study.statements.shared.meshes import posed, split_random
 from study.statements.shared.norms import ContactWork, Velocity, dual_norm, maximum, midpoints
 from study.statements.time_steps import PROVED_BELOW_1

@@ -31,8 +31,7 @@ from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import RATES, RateSetting
 from study.statements.shared import estimates
 from study.statements.shared.base import JOINED_SUFFIX as OF_FILE
-from study.statements.shared.base import ListedNumbers, Numbers, Setting, Statement, grid, with_h
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, Statement, grid, with_h
 from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 from study.statements.shared.tasks import FROZEN_TIMES, Task

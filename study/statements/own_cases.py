@@ -27,10 +27,10 @@ import pandas as pd
 from manufactured.case import INITIAL_GAP
 from study.ledger.check import ENOUGH, Groups, by_family
 from study.ledger.datafiles import since_before
-from study.ledger.orders import Array
+from study.ledger.quantities import Array
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.statements.contact_force import DUAL_ORDERS, EXACT, ContactForce
-from study.statements.prop_5_3 import ROUGH_LEVELS
+from study.statements.prop_5_4 import ROUGH_LEVELS
 
 LABELS = "Prop. 5.3", "Prop. 5.4", "(5.23)", "Thm 4.2", INITIAL_GAP
 NEARER = 0.8

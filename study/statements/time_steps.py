@@ -18,16 +18,14 @@ from manufactured.no_potential import NAME
 from manufactured.tensors import Array
 from study.fem.space import Space
 from study.ledger.check import ENOUGH, ROUNDING, Check, accuracy, consequence, identity
-from study.ledger.orders import fit
-from study.ledger.quantities import Value, change, fitted, values
+from study.ledger.quantities import Value, change, fit, fitted, values
 from study.ledger.window import Window, around, between, positive_at_most
 from study.solve.euler_bounds import EulerBounds, backward_euler
 from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES
-from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
-from study.statements.shared.experiment import Experiment, with_cached_loads
+from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, grid, with_cached_loads, with_h
 from study.statements.shared.norms import maximum, minimum
 
 HALVING_COUNTS = (4, 8, 16, 32, 64, 128, 256)

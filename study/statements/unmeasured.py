@@ -10,8 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 from study.ledger.datafiles import DataFile
-from study.ledger.numbered import NO_ROW, NOT_TESTED
-from study.ledger.verdict import REPORTED, Verdict, row
+from study.ledger.verdict import NO_ROW, NOT_TESTED, REPORTED, Verdict, row
 from study.ledger.window import Window
 from study.statements.shared.base import LISTED, Statement
 

@@ -34,11 +34,20 @@ from study.solve.factorisation import Cholesky
 from study.solve.paths import path
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
-from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Numbers, Setting, grid, with_h
-from study.statements.shared.eigen import h1_product, smallest, strain_product
-from study.statements.shared.experiment import Experiment, with_cached_loads
+from study.statements.shared.base import (
+    EVOLVING,
+    SEED,
+    SOFTENING,
+    Experiment,
+    ListedNumbers,
+    Numbers,
+    Setting,
+    grid,
+    with_cached_loads,
+    with_h,
+)
 from study.statements.shared.meshes import body_of, first_with_each, place, space_of
-from study.statements.shared.norms import Velocity, dual_norm, maximum, norm
+from study.statements.shared.norms import Velocity, dual_norm, h1_product, maximum, norm, smallest, strain_product
 from study.statements.shared.scope import REGULAR
 
 VALUE = "smallest eigenvalue"

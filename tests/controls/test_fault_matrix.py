@@ -19,8 +19,7 @@ from study.fem.naming import resolve
 from study.ledger import faults
 from study.ledger.files import UsageError
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import Setting
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment, Setting
 from study.statements.shared.scope import regular
 
 BY_NAME = {fault.name: fault for fault in FAULTS}

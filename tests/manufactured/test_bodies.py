@@ -10,7 +10,7 @@ from manufactured import Body, BodyError, Kind, examine, named, polygon, unit_sq
 from study.fem.mesh import OneDiagonal
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import measure
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment
 
 SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 

@@ -6,8 +6,7 @@ import pandas as pd
 import pytest
 
 from study.ledger.datafiles import DataError
-from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
-from study.ledger.verdict import HOLDS
+from study.ledger.verdict import HOLDS, NO_ROW, NOT_TESTED, NUMBERED, named
 from study.present.pages import numbered_lines
 from study.statements import STATEMENTS
 from study.statements.pictures import Pictures

@@ -13,7 +13,7 @@ from manufactured.colours import VERMILLION
 from study.ledger.datafiles import DataError
 from study.present.pages import badges, main, refresh, verdicts_in_words
 from study.present.templates import FullRun
-from study.statements.prop_5_3 import ERROR_LIMIT
+from study.statements.prop_5_4 import ERROR_LIMIT
 
 (VERDICTS,) = [page.text for page in SITE if page.name == "docs/explanation/verdicts.md"]
 

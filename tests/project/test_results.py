@@ -29,8 +29,7 @@ from study.statements.other_solvers import Recomputed
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4 import FirstOrder, RateSetting
 from study.statements.shared.base import ListedNumbers, Setting
-from study.statements.thm_4_2 import SameMesh
-from study.statements.thm_4_2_own_space import STRESS_ERRORS, OwnSpace
+from study.statements.thm_4_2 import STRESS_ERRORS, OwnSpace, SameMesh
 
 RESULTS = Path(__file__).parents[2] / "results"
 RATES = pd.read_csv(RESULTS / "data" / "rates.csv")

@@ -56,8 +56,7 @@ from study.statements.enclosure import BoundSetting, EnclosedError
 from study.statements.prop_5_4 import FirstOrder, RateSetting
 from study.statements.shared.base import Setting
 from study.statements.shared.scope import Levels, Scope
-from study.statements.thm_4_2 import SameMesh
-from study.statements.thm_4_2_own_space import OwnSpace
+from study.statements.thm_4_2 import OwnSpace, SameMesh
 
 
 def ignore(job: Any) -> None: ...

@@ -27,8 +27,7 @@ from study.run.store import Store
 from study.statements import STATEMENTS
 from study.statements.enclosure import resolve_problem
 from study.statements.pictures import Pictures
-from study.statements.prop_5_3 import InitialGap
-from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting
+from study.statements.prop_5_4 import FirstOrder, InitialGap, Rates, RateSetting
 from study.statements.shared.base import Setting
 from study.statements.shared.meshes import body_of, first_with_each, law_of
 from study.statements.shared.scope import ON_EVERY_FAMILY, Levels, Scope, regular

@@ -26,7 +26,7 @@ from study.solve.paths import furthest, path
 from study.solve.signorini import Signorini
 from study.solve.solver_choice import FACTORED, SHARE, contact_solver, residual
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment
 
 
 def step_matrix(name: str, space: Space) -> sps.csc_array:

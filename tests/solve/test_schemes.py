@@ -28,9 +28,8 @@ from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, path
 from study.solve.steps import StepsError, rate_steps, stress_steps
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES, Tableau
-from study.statements.shared.base import Setting
-from study.statements.shared.experiment import Experiment
-from study.statements.thm_4_2_own_space import StressExperiment
+from study.statements.shared.base import Experiment, Setting
+from study.statements.thm_4_2 import StressExperiment
 
 K = 0.1
 

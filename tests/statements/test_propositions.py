@@ -11,17 +11,15 @@ from manufactured.case import INITIAL_GAP
 from study.ledger import quantities
 from study.ledger.check import Check
 from study.ledger.datafiles import read_rates
-from study.ledger.orders import weighted_order
+from study.ledger.quantities import weighted_order
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, CheckKind, Verdict
 from study.ledger.window import STEEPER, Window
 from study.run.judgement import with_reasons
 from study.run.provenance import Complete
 from study.statements.own_cases import enough, finer, judge_own, least_levels
-from study.statements.prop_5_3 import Convergence, InitialGap, RegularityNeeded, SizeOfInterpolation
-from study.statements.prop_5_4 import FirstOrder
+from study.statements.prop_5_4 import Convergence, FirstOrder, InitialGap, RegularityNeeded, SizeOfInterpolation
 from study.statements.shared.meshes import CELL_POWER, LEADING, in_leading_term, is_random
-from study.statements.thm_4_2 import SameMesh
-from study.statements.thm_4_2_own_space import growth
+from study.statements.thm_4_2 import SameMesh, growth
 
 
 def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="criss-cross", **changes) -> pd.DataFrame:

@@ -22,9 +22,8 @@ from study.run.fingerprint import by_value
 from study.run.plan import quick
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_3 import Convergence, SizeOfInterpolation
-from study.statements.prop_5_4 import FirstOrder, measure
-from study.statements.shared.experiment import Experiment
+from study.statements.prop_5_4 import Convergence, FirstOrder, SizeOfInterpolation, measure
+from study.statements.shared.base import Experiment
 from study.statements.shared.scope import serving
 
 CASES = [name for name in NAMES if name not in ("closing-gap", "parabolic-gap", "cube-bowl")]

@@ -12,8 +12,7 @@ from manufactured import named
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED
 from study.solve.tableau import BACKWARD_EULER, SCHEMES
 from study.statements.error_estimate import BOTH_BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted
-from study.statements.shared.base import Setting
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment, Setting
 from study.statements.time_steps import FEW_STEPS, FullyDiscrete
 from study.statements.wellposed import fastest, perturbations, quotients
 

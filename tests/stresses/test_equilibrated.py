@@ -21,7 +21,7 @@ from study.fem.mesh import FAMILIES, MeshError, MeshFamily, OneDiagonal, Shaken,
 from study.fem.naming import resolve
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, Tableau
-from study.statements.thm_4_2_own_space import (
+from study.statements.thm_4_2 import (
     ERROR_TEXTS,
     OwnSpace,
     checks_of,
