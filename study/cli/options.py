@@ -175,13 +175,13 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
                help="(default 0) for numbers near round-off"),
         JSON,
     ]),
-    "faults": ("faults", "measure which checks notice deliberate faults; exit code 0 if all are noticed", [
+    "faults": ("controls", "measure which checks notice deliberate faults; exit code 0 if all are noticed", [
         option("--case", nargs="+", metavar=CASE, help="cases, also your own (default: all of the quick study)"),
         option("--fault", nargs="+", metavar="NAME", help="names of faults (default: all)"),
         JOBS,
         out(),
     ]),
-    "seeds": ("seeds", "estimate how often chance makes a check fail, on new random meshes", [
+    "seeds": ("controls", "estimate how often chance makes a check fail, on new random meshes", [
         option("--minutes", type=float, default=60.0, metavar="M",
                within=Range(0, "0 or more (0 prints the record)"),
                help="time for new seeds (default 60; 0: only print the record)"),
@@ -192,7 +192,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         out(),
     ]),
     # Its options are those of the command convergence-orders.
-    "rates": ("rates", "compute the observed orders of any table of errors", []),
+    "rates": ("main", "compute the observed orders of any table of errors", []),
     "bound": ("bound", "enclose the error of a computed displacement, without the exact solution", [
         option("problem", metavar=CASE, help="a case, a problem of this project, or your own problem"),
         *enclosed((8, 16), shorter=4),

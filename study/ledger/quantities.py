@@ -1,8 +1,8 @@
 """Observed orders of errors, and the quantities that many checks use: values on levels, quotients, and orders.
 
 In the functions ``orders`` to ``limit``, ``h`` are the mesh sizes and ``error`` the errors, both (levels,), coarse to
-fine. Each other function returns a function of the table of one mesh family, coarse to fine, with the columns level, h and the
-measured numbers.
+fine. Each other function returns a function of the table of one mesh family, coarse to fine, with the columns level, h
+and the measured numbers.
 """
 
 from collections.abc import Callable

@@ -1,9 +1,9 @@
 """Theorem 4.2: the displacement problem (3.1) and the stress problem (3.2) have the same solution.
 
-**On the strains of V^h** (``SameMesh``), Problem 3.1 is solved in displacements on K^h. Problem 3.2 is solved in stresses on Σ^h(t), dual to
-the strains of V^h, by an interior-point method, in which u_n is a multiplier that is not forced into K^h. Both share
-only the strain matrix, the load and the time steps of backward Euler. A row of ``equivalence.csv`` has the *gaps*, the
-largest differences between both solutions over time.
+**On the strains of V^h** (``SameMesh``), Problem 3.1 is solved in displacements on K^h. Problem 3.2 is solved in
+stresses on Σ^h(t), dual to the strains of V^h, by an interior-point method, in which u_n is a multiplier that is not
+forced into K^h. Both share only the strain matrix, the load and the time steps of backward Euler. A row of
+``equivalence.csv`` has the *gaps*, the largest differences between both solutions over time.
 
 **The tolerance.** The gaps have a bound that can be computed without the exact solution. At step j the interior-point
 method stops with a duality gap g_j. Then ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C = A/k + G are
@@ -23,10 +23,10 @@ G ε = G_0 ε + β(ε − P_K ε) with a linear G_0, where A/k + G_0 and β(ε �
 The checks must notice the fault, so the comparison is not one of a solution with itself. How stresses are computed is
 tested in a process that has no displacement solver (``tests/controls/test_fault_matrix.py``).
 
-**On a conforming stress space** (``OwnSpace``), Problem 3.2 is solved by BDF2 in a space of equilibrated composite stresses
-(``study.stresses.hybrid``), from f_0, f_2 and ε(u_0) alone. No displacement and no V^h is used. A row of
-``stresses.csv`` is one mesh, with k ~ h. The stress σ^h is compared with the exact σ and with the stress of Problem 5.1
-for the same time steps. Its multipliers are compared with displacements.
+**On a conforming stress space** (``OwnSpace``), Problem 3.2 is solved by BDF2 in a space of equilibrated composite
+stresses (``study.stresses.hybrid``), from f_0, f_2 and ε(u_0) alone. No displacement and no V^h is used. A row of
+``stresses.csv`` is one mesh, with k ~ h. The stress σ^h is compared with the exact σ and with the stress of Problem
+5.1 for the same time steps. Its multipliers are compared with displacements.
 
 **Predicted orders** are for norms in L²(0,T) with k ~ h, if u(t) ∈ H^{1+s} and u̇(t) ∈ H^{1+s'} with s' ≤ s
 (``manufactured.regularity``):

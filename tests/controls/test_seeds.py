@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from study.cli import seeds
+from study.cli import controls
 from study.cli.main import main
 from study.controls.seeded import rules, seeded
 from study.fem.mesh import Shaken
@@ -124,8 +124,8 @@ def few(seed: int) -> Plan:
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Seeds of few measurements, and a clock that goes on by a second whenever somebody looks at it."""
-    monkeypatch.setattr(seeds, "seeded", few)
-    monkeypatch.setattr(seeds, "time", SimpleNamespace(monotonic=count().__next__))
+    monkeypatch.setattr(controls, "seeded", few)
+    monkeypatch.setattr(controls, "time", SimpleNamespace(monotonic=count().__next__))
 
 
 @pytest.mark.usefixtures("quick")

@@ -13,13 +13,13 @@ from PIL import Image
 from manufactured.colours import VERMILLION
 from manufactured.tensors import full, mandel
 from study.cli.main import main
+from study.cli.show import SHOWN_EVERY, affordable_family, mesh_series, solve_showcase
 from study.fem.mesh import FAMILIES
 from study.fem.naming import resolve
 from study.ledger.pictures import UNITS
 from study.present import problem
 from study.present.picture import Picture
 from study.present.show import NO_FFMPEG, draw_show, mesh_of, write_mp4
-from study.run.showcase import SHOWN_EVERY, affordable_family, mesh_series, solve_showcase
 from study.solve.motion import Motion, von_mises
 from study.statements import pictures
 
@@ -43,7 +43,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Shown:
     directory, case, notified = tmp_path_factory.mktemp("shows"), resolve(CASE), []
     (directory / "animation.mp4").touch()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("study.run.showcase.SHOWN_STEPS", 8)
+        patch.setattr("study.cli.show.SHOWN_STEPS", 8)
         patch.setattr("study.present.show.find_ffmpeg", lambda: None)
         record, series = solve_showcase(case, affordable_family(case, 6), 6, lambda: notified.append("frame"))
         files = draw_show(record, series, directory, lambda: notified.append("image"))
