@@ -12,8 +12,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from manufactured.law import isotropic_matrix
 from study.cli.main import main
-from study.controls.faults import FAULTS, Fault
+from study.controls.faults import FAULTS, Fault, axes_exchanged, exchanged, shear_scaled
 from study.controls.matrix import distance_of_solutions, measured_on, rows_of
 from study.fem.naming import resolve
 from study.ledger import faults
@@ -62,6 +63,41 @@ def test_a_fault_changes_what_is_solved_in_some_case_and_leaves_the_norm_alone(f
         if math.isnan(distance) or distance > 1e-8:
             return
     pytest.fail(f"{fault.name} changes nothing in {', '.join(SEVERAL_KINDS)}")
+
+
+A = np.arange(9.0).reshape(3, 3)
+B = np.diag([1.0, 2, 3, 4, 5, 6])
+
+
+@pytest.mark.parametrize(
+    ("change", "matrix", "size", "expected"),
+    [
+        (axes_exchanged, A, 1.0, [[4, 3, 5], [1, 0, 2], [7, 6, 8]]),
+        (axes_exchanged, B, 1.0, np.diag([2.0, 1, 3, 5, 4, 6])),
+        (shear_scaled, A, 1.0, [[0, 1, 4], [3, 4, 10], [12, 14, 32]]),
+        (exchanged, isotropic_matrix(1, 3, 2), 1.0, isotropic_matrix(3, 1, 2)),
+        (exchanged, isotropic_matrix(1, 3, 3), 0.5, isotropic_matrix(2, 2, 3)),
+    ],
+)
+def test_faults_of_a_tensor_change_it_as_they_say(change, matrix: np.ndarray, size: float, expected) -> None:
+    assert change(matrix, size) == pytest.approx(np.array(expected))
+
+
+FORCE = ["Prop. 5.4", "contact force", "Thm 4.2"]
+
+
+@pytest.mark.parametrize(
+    ("case", "labels", "coarsest"),
+    [
+        *(("full-contact", FORCE, 4), ("cube-disc", FORCE, 3), ("parabolic-gap", ["beyond: initial gap"], 8)),
+        ("junction", ["Prop. 5.3", "Thm 4.2"], 4),
+    ],
+)
+def test_a_case_meets_the_statements_about_it_on_levels_of_the_quick_study(case, labels, coarsest: int) -> None:
+    every = measured_on(case)
+    assert [one.statement.label for one in every] == labels
+    assert every[-1].settings[0].level == coarsest
+    assert len(every[0].settings) > 2
 
 
 def test_vertices_that_are_never_released_stay_on_the_foundation_while_they_are_pulled() -> None:

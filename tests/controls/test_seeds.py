@@ -24,7 +24,10 @@ from study.ledger.seeds import FalseAlarms, Seed, SeedRecord, interval, seeds_ne
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict
 from study.ledger.window import at_most
 from study.run.plan import Plan
-from study.statements.wellposed import BoundedVelocity
+from study.statements.moving_fronts import NodalErrors
+from study.statements.shared.base import Statement
+from study.statements.thm_4_2 import OwnSpace
+from study.statements.wellposed import BoundedVelocity, Dependence
 
 RESULTS = Path(__file__).parents[2] / "results"
 RULES = "r1"
@@ -119,6 +122,18 @@ def few(seed: int) -> Plan:
     jobs = [job for job in every.jobs if isinstance(job.statement, BoundedVelocity)][:2]
     family = f"shaken-{seed}"
     return Plan(every.scope, tuple(replace(job, setting=replace(job.setting, family=family)) for job in jobs))
+
+
+@pytest.mark.parametrize(
+    ("kind", "levels"),
+    [(BoundedVelocity, {8, 16}), (Dependence, {3}), (NodalErrors, set()), (OwnSpace, {8, 16, 32})],
+    ids=["quick", "full up to the finest of quick", "none", "all of full"],
+)
+def test_statements_have_their_settings_on_random_meshes(kind: type[Statement], levels: set[int]) -> None:
+    """Of the quick study; if it has none, of the full study, but on no finer level."""
+    settings = [job.setting for job in plan_of_three().jobs if type(job.statement) is kind]
+    assert {setting.level for setting in settings} == levels
+    assert {setting.family for setting in settings} <= {"shaken-3"}
 
 
 @pytest.fixture

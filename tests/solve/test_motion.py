@@ -98,6 +98,22 @@ def test_a_law_without_a_known_potential_and_a_run_without_steps_are_refused() -
         list(strange.march(2))
 
 
+@pytest.mark.parametrize(("law", "u", "stress", "gap"), [(1, 4, 4, 16), (4, 1, 4, 4)], ids=["loads", "all forces"])
+def test_four_times_the_loads_or_all_forces_change_the_solution_and_its_duality_gap_in_their_units(
+    law: int, u: int, stress: int, gap: int
+) -> None:
+    """Powers of two change no digit."""
+    _, one = problems(named("full-contact").solution, OneDiagonal(), 4)
+    A, G = (replace(operator, matrix=law * operator.matrix) for operator in (one.law.A, one.law.G))
+    stiffer = replace(one.law, A=A, G=G)
+    other = replace(one, law=stiffer, load=lambda time: 4 * one.load(time), u0=u * one.u0)
+    first, second = ([*each.march(2)][-1] for each in (one, other))
+    assert second.u == pytest.approx(u * first.u, rel=1e-12)
+    assert second.stress == pytest.approx(stress * first.stress, rel=1e-12)
+    assert second.gap == pytest.approx(gap * first.gap, rel=1e-12)
+    assert first.gap > 0
+
+
 def test_theorem_4_2_is_not_about_a_gap() -> None:
     with pytest.raises(StressError, match="initial gap"):
         problems(named("closing-gap").solution, OneDiagonal(), 4)

@@ -16,7 +16,7 @@ from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, Che
 from study.ledger.window import STEEPER, Window
 from study.run.judgement import with_reasons
 from study.run.provenance import Complete
-from study.statements.own_cases import enough, finer, judge_own, least_levels
+from study.statements.own_cases import enough, finer, judge_own, least_levels, why_missed
 from study.statements.prop_5_4 import Convergence, FirstOrder, InitialGap, RegularityNeeded, SizeOfInterpolation
 from study.statements.shared.meshes import CELL_POWER, LEADING, in_leading_term, is_random
 from study.statements.thm_4_2 import SameMesh, growth
@@ -255,6 +255,23 @@ def test_orders_that_stay_away_contradict_the_statement_also_on_one_family_alone
 )
 def test_what_an_own_case_leaves_undecided_is_told_with_its_reason_and_what_to_do(orders, changes, key, told) -> None:
     assert told in reason(own(following(orders, **changes))[key])
+
+
+@pytest.mark.parametrize(
+    ("ends", "reason"),
+    [
+        ((0.5, 0.6), "not asymptotic yet"),
+        ((0.5, 0.59), ""),
+        ((1.5, 1.41), ""),
+        ((0.5, 1.5), "values scatter"),
+        ((0.85, 0.9), "not asymptotic yet"),
+        ((0.84, 0.86), "not asymptotic yet"),
+        ((0.95, 0.8), "values scatter"),
+    ],
+)
+def test_a_missed_order_is_explained_unless_two_values_stay_on_one_side_and_hardly_approach(ends, reason: str) -> None:
+    """The order 1 with the tolerance 0.15; an approach takes off a fifth of the distance or more."""
+    assert why_missed([np.array(ends)], 1.0, 0.15, "").removesuffix(": ") == reason
 
 
 @pytest.mark.parametrize(
