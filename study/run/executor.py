@@ -11,6 +11,7 @@ from __future__ import annotations
 import gc
 import multiprocessing
 import os
+import re
 import signal
 import socket
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -276,22 +277,15 @@ def available(root: Path = Path("/")) -> float:
 
 def _free_in_control_groups(root: Path) -> Iterator[float]:
     """Yield the free bytes of each control group with a memory limit that contains this process."""
-    mounted = root / "sys/fs/cgroup"
-    for line in _read(root / "proc/self/cgroup").splitlines():
-        _, controllers, path = line.split(":", 2)
-        if controllers == "":
-            top, names = mounted, ("memory.max", "memory.current", "inactive_file")
-        elif "memory" in controllers.split(","):
-            top, names = mounted / "memory", ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file")
-        else:
-            continue
-        group = top / path.lstrip("/")
-        for directory in (group, *(parent for parent in group.parents if parent.is_relative_to(top))):
-            limit, used = (_read(directory / name).strip() for name in names[:2])
-            statistics = _read(directory / "memory.stat").split()
-            droppable = dict(zip(statistics[::2], statistics[1::2], strict=True)).get(names[2], "0")
-            if limit.isdigit() and used.isdigit():
-                yield float(int(limit) - int(used) + int(droppable))
+    top = root / "sys/fs/cgroup"
+    # The line of the second version of control groups begins with 0 and names no controllers.
+    own = re.search(r"^0::/(.*)$", _read(root / "proc/self/cgroup"), re.MULTILINE)
+    group = top / own[1] if own else top
+    for directory in (group, *(parent for parent in group.parents if parent.is_relative_to(top))):
+        limit, used = (_read(directory / name).strip() for name in ("memory.max", "memory.current"))
+        droppable = re.search(r"^inactive_file (\d+)$", _read(directory / "memory.stat"), re.MULTILINE)
+        if limit.isdigit() and used.isdigit():
+            yield float(int(limit) - int(used) + int(droppable[1] if droppable else 0))
 
 
 def _read(path: Path) -> str:

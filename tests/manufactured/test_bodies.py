@@ -85,7 +85,7 @@ TRIANGLE = np.array([[0.0, 1, 0], [0, 0, 1], [0, 0, 0]])
 @pytest.mark.parametrize(
     ("corners", "served"),
     [(np.eye(2), True), (TRIANGLE, True), (np.eye(2)[:, :1], False), (TRIANGLE[:2], False), (TRIANGLE[:, :2], False)]
-    + [(np.arange(8.0).reshape(4, 2) ** 2, False), (np.ones(2), False)],
+    + [(np.arange(20.0).reshape(4, 5) ** 2, False), (np.ones(2), False)],
 )
 def test_a_part_has_two_corners_in_the_plane_and_three_or_more_in_space(corners: np.ndarray, served: bool) -> None:
     if served:
