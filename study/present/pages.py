@@ -53,6 +53,11 @@ CLAIMED = (FAILS, UNDECIDED, HOLDS)
 """Verdicts on claims, from worst to best."""
 END = "<!-- end -->"
 REPOSITORY = Path(__file__).parents[2]
+MOVED = {
+    "study/statements/prop_5_3.py": "study/statements/prop_5_4.py",
+    "study/statements/thm_4_2_own_space.py": "study/statements/thm_4_2.py",
+}
+"""Files that were moved since the committed results were measured ↦ their new places."""
 
 
 def main() -> None:
@@ -273,11 +278,10 @@ def statements(data: FullRun) -> str:
     lines = []
     for label, claim, rows in by_claim(data.claims):
         where = data.provenance["statements"].get(label, {"code": [], "data": ["provenance.json"]})
-        # Files that were moved since the data were measured have no link.
-        here = [(path, (REPOSITORY / path).is_file()) for path in where["code"]]
-        code = ", ".join(f"[`{path}`](../../{path})" if exists else f"`{path}`" for path, exists in here)
+        here = [path for path in (MOVED.get(path, path) for path in where["code"]) if (REPOSITORY / path).is_file()]
+        code = ", ".join(f"[`{path}`](../../{path})" for path in here)
         files = ", ".join(f"`{name}`" for name in where["data"])
-        lines.append([_literal(label), _literal(claim), _verdicts(rows), f"{code}: {files}"])
+        lines.append([_literal(label), _literal(claim), _verdicts(rows), f"{code or 'an earlier version'}: {files}"])
     return markdown(["statement", "says", "verdicts", "code: data"], lines)
 
 
