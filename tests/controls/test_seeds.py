@@ -15,7 +15,7 @@ from scipy import stats
 
 from study.cli import controls
 from study.cli.main import main
-from study.controls.seeded import rules, seeded
+from study.controls.seeded import SeededScope, on_shaken, rules, seeded
 from study.fem.mesh import Shaken
 from study.fem.naming import family_named, resolve
 from study.ledger.datafiles import DataError
@@ -25,9 +25,9 @@ from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict
 from study.ledger.window import at_most
 from study.run.plan import Plan
 from study.statements.moving_fronts import NodalErrors
-from study.statements.shared.base import Statement
+from study.statements.shared.base import ListedNumbers, Statement, grid
 from study.statements.thm_4_2 import OwnSpace
-from study.statements.wellposed import BoundedVelocity, Dependence
+from study.statements.wellposed import BoundedVelocity
 
 RESULTS = Path(__file__).parents[2] / "results"
 RULES = "r1"
@@ -124,14 +124,23 @@ def few(seed: int) -> Plan:
     return Plan(every.scope, tuple(replace(job, setting=replace(job.setting, family=family)) for job in jobs))
 
 
+class Toy(ListedNumbers):
+    """Without random meshes in the quick study."""
+
+    quick = grid(("full-contact",), ("one-diagonal",), (8,))
+    full = grid(("full-contact",), ("one-diagonal", "shaken"), (4, 8, 16))
+
+
 @pytest.mark.parametrize(
-    ("kind", "levels"),
-    [(BoundedVelocity, {8, 16}), (Dependence, {3}), (NodalErrors, set()), (OwnSpace, {8, 16, 32})],
+    ("statement", "levels"),
+    [(BoundedVelocity(), {8, 16}), (Toy(), {4, 8}), (NodalErrors(), set()), (OwnSpace(), {8, 16, 32})],
     ids=["quick", "full up to the finest of quick", "none", "all of full"],
 )
-def test_statements_have_their_settings_on_random_meshes(kind: type[Statement], levels: set[int]) -> None:
+def test_statements_have_their_settings_on_random_meshes(statement: Statement, levels: set[int]) -> None:
     """Of the quick study; if it has none, of the full study, but on no finer level."""
-    settings = [job.setting for job in plan_of_three().jobs if type(job.statement) is kind]
+    scope = plan_of_three().scope
+    assert isinstance(scope, SeededScope)
+    settings = on_shaken(statement, scope)
     assert {setting.level for setting in settings} == levels
     assert {setting.family for setting in settings} <= {"shaken-3"}
 
