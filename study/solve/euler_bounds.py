@@ -42,7 +42,8 @@ def backward_euler(problem: SemiDiscrete, times: Sequence[float]) -> Array:
     """
     end = times[0]
     held = replace(problem, load=lambda _: problem.load(end))
-    states, steps = [problem.initial()], dict[float, ContactStep]()
+    states = [problem.initial()]
+    steps = dict[float, ContactStep]()
     for begin, end in pairwise(times):
         # Step sizes are rounded, so that steps of equal size share one factorisation.
         k = round(end - begin, 12)

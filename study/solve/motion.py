@@ -83,12 +83,14 @@ class Motion:
         """
         space = Space(family(solution.body, level), solution.body)
         v_norm = ErrorNorm(solution, space)
-        start, gap = v_norm.sample(0.0).interpolant, gaps_at_vertices(solution, space)
+        start = v_norm.sample(0.0).interpolant
+        gap = gaps_at_vertices(solution, space)
         problem = SemiDiscrete.of(space, solution.law, v_norm.load, start, gap)
         cells = on_cells(space, solution.law)
         found = []
         for state, velocity in velocities(problem, BDF2, steps):
-            strain, rate = space.strain(state.u), space.strain(velocity)
+            strain = space.strain(state.u)
+            rate = space.strain(velocity)
             stress = cells.A(rate) + cells.G(strain)
             normal = problem.N @ state.u - problem.gap
             found.append(Frame(state.time, state.u, velocity, stress, normal, state.multipliers))
