@@ -27,7 +27,7 @@ from study.ledger.check import by_family
 from study.ledger.codes import GRADES, Codes
 from study.ledger.faults import INVISIBLE_SHARE
 from study.ledger.quantities import Array, RatesError, fit, orders
-from study.ledger.text import above, below, interval
+from study.ledger.text import interval
 from study.present.drawing import (
     COLOURS,
     OUTLINE,
@@ -38,7 +38,6 @@ from study.present.drawing import (
     dots,
     entry,
     family_styles,
-    is_slide,
     legend,
     page_width,
 )
@@ -134,12 +133,6 @@ def add_legend(figure: Figure, *columns: Sequence[Artist]) -> None:
     legend(figure, handles, columns=len(columns))
 
 
-def add_headline(figure: Figure, text: str) -> None:
-    """Write the main result above a figure if it is a slide, which has no caption."""
-    if is_slide() and text:
-        figure.suptitle(textwrap.fill(text, 64))
-
-
 def families(styles: Mapping[str, Style], **more: Any) -> list[Line2D]:
     """Return the legend entries of mesh families below a heading; ``more`` are further properties of the lines."""
     return [entry("mesh family", ls=""), *(entry(family, **style, **more) for family, style in styles.items())]
@@ -183,9 +176,6 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
 
 
 # Observed orders.
-
-ORDER_ROOM = 0.15
-"""Observed orders may be smaller than the proved order by this number, as in the checks of Proposition 5.4."""
 
 
 def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
@@ -329,8 +319,6 @@ def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
         axes.plot(rows["predicted"] + shift, rows["observed"], ls="", **style)
     axes.set(xlim=(0, top), ylim=(0, top), xlabel="predicted order", ylabel="observed order, last two refinements")
     add_legend(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
-    most = above(table["difference"].abs().max(), 2)
-    add_headline(figure, f"Over the last two refinements, observed and predicted orders differ by at most {most}")
     return figure
 
 
@@ -368,7 +356,6 @@ def draw_collapsed(rates: pd.DataFrame) -> Figure:
     errors.set_ylabel("error / C")
     ratios.set(xlabel=MESH_SIZE, ylabel="error / (C h)")
     add_legend(figure, families(styles), [entry("C h, not fitted", color=GREY)])
-    add_headline(figure, order_in_words(rates))
     return figure
 
 
@@ -377,19 +364,6 @@ def caption_collapsed(rates: pd.DataFrame) -> str:
     table = over_constants(rates)
     finest = table.groupby(["case", "family"], sort=False)["relative"].last().groupby("family", sort=False)
     return caption("collapsed", cases=_all_cases(rates), relative=table["relative"], finest=finest)
-
-
-def order_in_words(rates: pd.DataFrame) -> str:
-    """Return the orders of the errors of smooth solutions over the last two refinements, and whether they are O(h)."""
-    observed = order_differences(rates, dict.fromkeys(rates["case"], 1.0))["observed"]
-    if observed.empty:
-        return ""
-    low, high = observed.min(), observed.max()
-    result = "The error is O(h)" if low >= 1 - ORDER_ROOM else "On these meshes the error is not O(h)"
-    return (
-        f"{result}: observed orders {below(low, 2)} to {above(high, 2)} in {_all_cases(rates)}, over the last two "
-        "refinements"
-    )
 
 
 # Bounds of the error.

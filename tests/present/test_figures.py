@@ -15,12 +15,9 @@ from matplotlib.text import Text
 from PIL import Image
 
 from study.cli.main import main
-from study.ledger.datafiles import read_rates
 from study.ledger.files import UsageError
-from study.ledger.text import above, below
 from study.present.body import DRAWN_DISPLACEMENT, magnification
-from study.present.charts import order_differences, order_in_words
-from study.present.drawing import Drawing, Output, column_width, draw_one, family_styles, in_style, page_width
+from study.present.drawing import Drawing, Output, column_width, draw_one, in_style, page_width
 from study.present.figures import drawings, drawings_of, figure, overview
 from study.present.picture import Picture, Segment, misplaced_length, read_pictures
 
@@ -124,23 +121,6 @@ def test_the_sheet_of_all_cases_is_for_articles_and_one_figure_with_all_orders_f
     sheets = {drawing.name: drawing.sheet for drawing in overview(RESULTS)}
     assert {name for name, sheet in sheets.items() if sheet} == {"convergence", "convergence-prop-5-3"}
     assert not sheets["orders"]
-
-
-def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_line(measured: Path, figures) -> None:
-    smooth = read_rates(measured).query("claim == 'Prop. 5.4'")
-    observed = order_differences(smooth, dict.fromkeys(smooth["case"], 1.0))["observed"]
-    with in_style(Output("slides")):
-        figure = figures["collapsed"].draw()
-    low, high = below(observed.min(), 2), above(observed.max(), 2)
-    headline = figure.get_suptitle().replace("\n", " ")
-    assert headline.startswith(f"The error is O(h): observed orders {low} to {high} ")
-    assert headline.endswith(" over the last two refinements")
-    entries = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert entries == ["mesh family", *family_styles(smooth["family"]), "C h, not fitted"]
-    with in_style():
-        assert figures["collapsed"].draw().get_suptitle() == ""
-    slow = order_in_words(smooth.assign(error=smooth["error"] * smooth["h"] ** -0.3))
-    assert slow.startswith("On these meshes the error is not O(h): observed orders 0.")
 
 
 def test_figures_are_drawn_by_name_from_one_directory_into_another(alone: Path, tmp_path: Path, capsys) -> None:
