@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from manufactured.catalogue import NAMES
-from study.fem.naming import describe
+from study.fem.naming import describe, is_own, resolve
 from study.ledger.compare import difference
 from study.ledger.datafiles import (
     CsvFile,
@@ -59,6 +59,25 @@ def stored_rows(jobs: Iterable[Job], store: Store) -> dict[DataFile, list[Row]]:
         for file, row in job.statement.records(job.setting, result):
             rows.setdefault(file, []).append(row)
     return rows
+
+
+def stored_tables(jobs: Sequence[Job], store: Store) -> dict[DataFile, pd.DataFrame]:
+    """Return tables of the stored results of jobs on one case, with the predictions for this case."""
+    predictions = pd.DataFrame([describe(resolve(jobs[0].case))])
+    rows = stored_rows(jobs, store)
+    return {file: predicted(pd.DataFrame(rows[file]), predictions) for file in rows if isinstance(file, CsvFile)}
+
+
+def judge_stored(jobs: Sequence[Job], store: Store) -> list[Verdict]:
+    """Judge the stored results of jobs of one statement and one case, before the data files are written.
+
+    The list is empty if the statement cannot be judged from these results alone.
+    """
+    statement, case = jobs[0].statement, jobs[0].case
+    if statement.joined_file or not (is_own(case) or case in NAMES):
+        return []
+    tables = stored_tables(jobs, store)
+    return statement.judge(tables[statement.file]) if statement.file in tables else []
 
 
 def collect(plan: Plan, store: Store) -> None:

@@ -151,6 +151,14 @@ def test_what_is_measured_is_judged_by_a_statement_of_the_list_and_the_others_me
             statement.measure(Setting("full-contact", "shaken", 4))
 
 
+@pytest.mark.parametrize("name", SCOPES)
+def test_a_study_begins_with_the_case_of_the_readme_and_leaves_nothing_out(name: str) -> None:
+    first, rest = plan(name).stages()
+    assert {job.case for job in first} == {"advance-recede"}
+    assert {type(job.statement) for job in first} >= {FirstOrder, SameMesh}
+    assert sorted(job.key for job in (*first, *rest)) == sorted(job.key for job in plan(name).jobs)
+
+
 def test_a_case_alone_is_measured_by_the_statements_about_every_case() -> None:
     alone = Plan.of(replace(quick(), cases=("full-contact",), statements=False))
     assert {job.statement for job in alone.jobs} == {FirstOrder(), SameMesh(), Pictures()}
