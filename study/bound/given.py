@@ -342,8 +342,11 @@ def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, in
     if triangles.shape[1] == 3:
         return mesh, corners, 1
     midpoints = np.zeros(mesh.facets.shape[1], dtype=np.int64)
-    midpoints[mesh.t2f.T] = triangles[:, 3:]
-    if (midpoints[mesh.t2f.T] != triangles[:, 3:]).any():
+    # The mesh lists the corners of a triangle in increasing order. So sides are compared by the corner opposite.
+    sides = mesh.t2f[[1, 2, 0]].T
+    numbers = np.take_along_axis(triangles[:, [4, 5, 3]], np.argsort(triangles[:, :3], axis=1), axis=1)
+    midpoints[sides] = numbers
+    if (midpoints[sides] != numbers).any():
         raise BoundError("two triangles have different midpoints of a common side; number the midpoint once")
     off = np.linalg.norm(points[midpoints].T - p[:, mesh.facets].mean(axis=1), axis=0)
     lengths = np.linalg.norm(np.diff(p[:, mesh.facets], axis=1)[:, 0], axis=0)

@@ -45,7 +45,11 @@ KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
 
 def of_degree_2(points: Array, triangles: Array) -> tuple[Array, Array]:
-    """Return points and triangles with the midpoints of 01, 12 and 20; neighbours repeat the one that they share."""
+    """Return points and triangles with the midpoints of 01, 12 and 20; neighbours repeat the one that they share.
+
+    The corners are not in the order of their numbers, as in files of most programs.
+    """
+    triangles = np.roll(triangles, 1, axis=1)
     middles = (points[triangles] + points[np.roll(triangles, -1, axis=1)]) / 2
     numbers = len(points) + np.arange(triangles.size).reshape(-1, 3)
     return np.vstack([points, middles.reshape(-1, 2)]), np.hstack([triangles, numbers])
