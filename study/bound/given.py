@@ -15,7 +15,6 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sps
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 from skfem import Mesh, MeshTri
 
@@ -48,9 +47,11 @@ SCALED, IN_TIME, ALIKE, NEAR = 0.03, 0.1, 0.7, 0.02
 """A displacement counts as a multiple of the solution if its factor differs from 1 by more than ``SCALED``, in time by
 more than ``IN_TIME``, because long time steps and penalties change the factor by some per cent; and if the relative
 distance that remains after division by this factor is below ``ALIKE``. A usual mistake explains the factor
-if the factors that it can have differ from it by less than ``NEAR``, relatively."""
+if the factors that it can have differ from it by less than ``NEAR``, relatively, or by less than the square of this distance."""
 AS_PRESCRIBED = 1e-15
 """A prescribed displacement counts as exact up to this fraction of the largest displacement."""
+ROUNDED = 1e-9
+"""A change of u_h by at most this fraction of its norm is rounding, and is not reported."""
 LOW_END = 0.1
 """The lower end of an interval counts as small up to this fraction of the upper end."""
 FLAT = 1e-12
@@ -104,7 +105,7 @@ def bounded_displacement(
     low, high = found.error
     ends = max(0.0, low - computed.offset), high + computed.offset
     remarks = [*suspicion(found, data), *computed.remarks, *found.remarks]
-    if computed.offset:
+    if computed.offset > ROUNDED * high:
         remarks.append(f"the error of the displacement in the file lies in {interval(*ends, 4)}")
     if low <= LOW_END * high and computed.degree == 2:
         much, more = "0" if low == 0 else "small", refined.refinements + 1
@@ -132,13 +133,15 @@ def suspicion(found: BoundedSolution, data: Data) -> list[str]:
         "plane stress there, and plane strain here?": [(1.0, 1 / (1 - strain**2))],
         "plane strain there, and plane stress here?": [(1 - stress**2, 1.0)],
     }
-    matches = (
-        name for name, ranges in usual.items() for ends in ranges if abs(np.clip(factor, *ends) / factor - 1) < NEAR
+    off, question = min(
+        (abs(np.clip(factor, *ends) / factor - 1), name) for name, ranges in usual.items() for ends in ranges
     )
-    question = next(matches, "compare loads, stiffness and units.")
+    # The part of u_h that is no multiple of the solution changes the factor by about its square.
+    if off > max(NEAR, rest**2):
+        question = "compare loads, stiffness and units."
     return [
         f"the displacement is {float(f'{factor:.3g}'):g} times the one of this problem: {question} Divided by this "
-        f"factor it differs by {100 * rest:.2g} %"
+        f"factor it differs by {_percent(rest)}"
     ]
 
 
@@ -183,8 +186,8 @@ def given(
         u: the displacements of the points at the times, (k, n, 2), or (k, n, 3) with third component 0.
         steps: the number of time steps of the more accurate displacement ũ is a multiple of this number. The default is
             the number of time intervals of u, but at least ``LEAST_STEPS``.
-        nearest: what to do if u does not vanish on Γ1: if true, use the nearest field that does, otherwise raise an
-            error.
+        nearest: what to do if u has other values on CLAMPED and ROLLER sides than prescribed: if true, replace the
+            values at the nodes there, otherwise raise an error.
 
     Raises:
         BoundError: an array is invalid. The message names the array and the position of the fault, and says how to
@@ -422,9 +425,9 @@ def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
     depth = normal[time, node]
     if depth <= CLAMPED * abs(found.nodes).max():
         return []
-    share, when = 100 * depth / abs(found.nodes).max(), f"t = {found.times[time]:.4g}, " if moving else ""
+    share, when = _percent(depth / abs(found.nodes).max()), f"t = {found.times[time]:.4g}, " if moving else ""
     return [
-        f"u_h penetrates the foundation at its nodes by up to {depth:.3g}, {share:.2g} % of its largest component, at "
+        f"u_h penetrates the foundation at its nodes by up to {depth:.3g}, {share} of its largest component, at "
         f"{when}x = {_shown(space.nodes[:, node])}"
     ]
 
@@ -441,40 +444,44 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     """Return a displacement with the prescribed values on CLAMPED and ROLLER sides, which are 0 by default.
 
     If the displacement ``found`` has these values up to round-off, it is returned. Otherwise, if ``nearest`` is true,
-    the result is the field nearest to ``found`` in ‖·‖_V among all fields with these values. If ``nearest`` is false,
-    BoundError is raised.
+    the values at the nodes of these sides are replaced. If ``nearest`` is false, BoundError is raised.
     """
-    mesh, size = found.mesh, float(abs(found.nodes).max())
-    V = Quadratic(mesh, found.body)
-    fixed = np.setdiff1d(np.arange(2 * V.count), V.free)
-    coefficients = on_refinement(mesh, found.degree, mesh) @ found.nodes.T
-    beyond = coefficients - V.prescribed[:, None]
-    largest = float(abs(beyond[fixed]).max(initial=0.0))
+    mesh, body, size = found.mesh, found.body, float(abs(found.nodes).max())
+    V = Quadratic(mesh, body)
+    fixed = np.setdiff1d(np.arange(found.nodes.shape[1]), V.free)
+    # Prescribed displacements are linear on a side, so their Bernstein coefficients are their values at the nodes.
+    beyond = found.nodes[:, fixed] - V.prescribed[fixed]
+    largest = float(abs(beyond).max(initial=0.0))
     # Prescribed values may have rounding errors, and a common motion of all points would hide errors of the strain.
-    if largest <= (AS_PRESCRIBED if found.body.is_moved else CLAMPED) * size:
+    if largest <= (AS_PRESCRIBED if body.is_moved else CLAMPED) * size:
         return found
-    nearest |= found.body.is_moved and largest <= SINGLE * size
-    unclamped = _Unclamped(mesh, found.body)
-    M = unclamped.form(data.law.A.matrix, data.law.A.factor(V.points))
-    difference = beyond.copy()
-    difference[V.free] -= splu(sps.csc_array(M[V.free][:, V.free])).solve((M @ beyond)[V.free])
-    projected = coefficients - difference
-    squares = (np.einsum("it,it->t", v, M @ v).max() for v in (difference, coefficients))
+    values = found.nodes.copy()
+    values[:, fixed] = V.prescribed[fixed]
+    J = on_refinement(mesh, found.degree, mesh)
+    M = J.T @ _Unclamped(mesh, body).form(data.law.A.matrix, data.law.A.factor(V.points)) @ J
+    squares = (np.einsum("ti,it->t", v, M @ v.T).max() for v in (found.nodes - values, found.nodes))
     offset, whole = (math.sqrt(max(square, 0.0)) for square in squares)
-    share = f"{offset:.3g} = {100 * offset / whole if whole else math.inf:.2g} % of the largest ‖u_h‖_V"
-    kinds = "CLAMPED or ROLLER" if found.body.of(Kind.ROLLER) else "CLAMPED"
-    differs, wanted = ("differs by", "as prescribed") if found.body.is_moved else ("reaches", "0")
-    what = f"u_h {differs} {largest:.3g} on a {kinds} side"
-    if not nearest:
+    share = f"{offset:.3g} = {_percent(offset / whole if whole else math.inf)} of the largest ‖u_h‖_V"
+    time, worst = np.unravel_index(abs(beyond).argmax(), beyond.shape)
+    node, direction = divmod(int(fixed[worst]), 2)
+    held = (part for part in body.parts if part.kind in (Kind.CLAMPED, Kind.ROLLER))
+    side = next(part for part in held if part.contains(V.nodes[:, node], SINGLE * body.extent))
+    wanted = V.prescribed[fixed[worst]]
+    where = f"side {body.parts.index(side)} ({side.kind.name})"
+    if not (nearest or (body.is_moved and largest <= SINGLE * size)):
         raise BoundError(
-            f"{what}, {100 * largest / size:.2g} % of its largest component, and "
-            f"has to be {wanted} there. The nearest field that is so differs from it by {share}: with --nearest "
-            "(nearest=True) the error of that field is enclosed, and the difference is added"
+            f"u_h is {found.nodes[time, fixed[worst]]:.4g} in the direction x{direction + 1} at x = "
+            f"{_shown(V.nodes[:, node])} on {where}, and has to be {wanted:.4g} there. With --nearest (nearest=True) "
+            f"the values at the nodes of such sides are replaced, which changes u_h by {share}"
         )
-    remark = f"{what}, so the bounds are about the nearest field that is {wanted} there; it differs from u_h by {share}"
-    # A ``GivenDisplacement`` stores nodal values, and not Bernstein coefficients.
-    values = splu(sps.csc_array(on_refinement(mesh, 2, mesh))).solve(projected).T
-    return replace(found, degree=2, nodes=values, remarks=(*found.remarks, remark), offset=offset)
+    changed = f"u_h is changed by up to {largest:.3g} on {where}, to the prescribed values, and in ‖·‖_V by {share}"
+    remarks = (*found.remarks, changed) if offset > ROUNDED * whole else found.remarks
+    return replace(found, nodes=values, remarks=remarks, offset=offset)
+
+
+def _percent(share: float) -> str:
+    """Return a share in per cent with two significant digits, without an exponent for 100 % and more."""
+    return f"{float(f'{100 * share:.2g}'):g} %"
 
 
 def _shown(x: Array) -> str:

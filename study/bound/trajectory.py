@@ -130,8 +130,8 @@ class GivenDisplacement(Computed):
             the vertices and, for degree 2, then the midpoints of the edges.
         steps: the number of time steps of the more accurate displacement ũ is a multiple of this number.
         remarks: sentences on changes of the input and on penetration of the foundation.
-        offset: 0 if u_h is the displacement of the file. If u_h is the nearest field that vanishes on Γ1, a bound of
-            the distance ‖u_file − u_h‖_V at all times.
+        offset: 0 if u_h is the displacement of the file. If its values on Γ1 were replaced, a bound of the distance
+            ‖u_file − u_h‖_V at all times.
     """
 
     mesh: Mesh
