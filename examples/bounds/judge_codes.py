@@ -27,7 +27,7 @@ from manufactured.problems import ramp
 from study.bound import bounded, fields
 from study.bound.bounded import BoundedSolution
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import enclose_several
+from study.bound.enclosing import enclose
 from study.bound.given import given
 from study.bound.trajectory import Refined, prolongation
 from study.fem.naming import family_named
@@ -107,9 +107,9 @@ def bound(level: int, paths: list[Path]) -> list[dict[str, Any]]:
     data = ramp()
     computed = [given(data, **vars(fields.read(path))) for path in paths]
     coarse = Discretisation(data, computed[0].mesh)
-    found = enclose_several(coarse, computed, BETTER[level])
     rows = []
-    for path, u_h, enclosure in zip(paths, computed, found, strict=True):
+    for path, u_h in zip(paths, computed, strict=True):
+        enclosure = enclose(coarse, u_h, BETTER[level])
         with np.load(path) as arrays:
             code, version, method = arrays["name"].tolist()
         row = bounded.record(level, BoundedSolution(u_h, None, enclosure))["row"]
@@ -121,9 +121,9 @@ def default_bounds(paths: list[Path]) -> pd.DataFrame:
     """Return the upper bounds of the errors with the default settings, a row for each displacement on one mesh."""
     data = ramp()
     computed = [given(data, **vars(fields.read(path))) for path in paths]
-    found = enclose_several(Discretisation(data, computed[0].mesh), computed, Refined())
-    rows = []
-    for path, enclosure in zip(paths, found, strict=True):
+    coarse, rows = Discretisation(data, computed[0].mesh), []
+    for path, u_h in zip(paths, computed, strict=True):
+        enclosure = enclose(coarse, u_h, Refined())
         with np.load(path) as arrays:
             code, _, method = arrays["name"].tolist()
         rows.append({"code": code, "method": method, "level": DEFAULT, "default_high": enclosure.highest})

@@ -20,7 +20,7 @@ from study.bound.discretisation import Discretisation, refuse_unserved
 from study.bound.enclosing import Enclosure, enclose, known_error, order_interval, relative
 from study.bound.problem import BoundError, require_ordered
 from study.bound.static import compute_static, enclose_static
-from study.bound.trajectory import Computed, DiscreteSolution, Refined, SmoothedInTime, compute
+from study.bound.trajectory import Computed, Refined, SmoothedInTime, compute
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.ledger.files import write_text, write_whole
 from study.solve.evolution import Scheme
@@ -226,7 +226,7 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
     row = {
         "level": level,
         "h": enclosure.h,
-        "dofs": found.computed.nodes.shape[1],
+        "dofs": len(found.computed.free),
         "steps": len(found.computed.times) - 1,
         "error": float(enclosure.error.max()),
         "lowest": found.error[0],
@@ -296,10 +296,8 @@ def write_displacement(path: Path, computed: Computed, **more: Array) -> Path:
     The file contains the mesh, p (2, vertices) and t (3, cells), the times (steps + 1,), the nodal values u
     (steps + 1, 2, vertices), and the arrays ``more``.
     """
-    assert isinstance(computed, DiscreteSolution)
-    space = computed.space
-    values = np.array([space.nodal(u) for u in computed.nodes])
-    arrays = {"p": space.mesh.p, "t": space.mesh.t, "times": computed.times, "u": values, **more}
+    mesh = computed.mesh
+    arrays = {"p": mesh.p, "t": mesh.t, "times": computed.times, "u": computed.at_vertices, **more}
 
     def save(path: Path) -> None:
         with path.open("wb") as file:

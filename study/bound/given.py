@@ -27,7 +27,7 @@ from study.bound.bounded import BoundedSolution, both_bounds, check_problem
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import squared_distances
 from study.bound.problem import BoundError
-from study.bound.trajectory import GivenDisplacement, Refined, on_refinement
+from study.bound.trajectory import Computed, Refined, on_refinement
 from study.fem.mesh import MeshError, boundary_parts, cell_volumes
 from study.fem.quadratic import Quadratic
 from study.ledger.text import interval
@@ -47,7 +47,8 @@ SCALED, IN_TIME, ALIKE, NEAR = 0.03, 0.1, 0.7, 0.02
 """A displacement counts as a multiple of the solution if its factor differs from 1 by more than ``SCALED``, in time by
 more than ``IN_TIME``, because long time steps and penalties change the factor by some per cent; and if the relative
 distance that remains after division by this factor is below ``ALIKE``. A usual mistake explains the factor
-if the factors that it can have differ from it by less than ``NEAR``, relatively, or by less than the square of this distance."""
+if the factors that it can have differ from it by less than ``NEAR``, relatively, or by less than the square of this
+distance."""
 AS_PRESCRIBED = 1e-15
 """A prescribed displacement counts as exact up to this fraction of the largest displacement."""
 ROUNDED = 1e-9
@@ -92,7 +93,7 @@ def bound_displacement(
 
 def bounded_displacement(
     data: Data,
-    computed: GivenDisplacement,
+    computed: Computed,
     refined: Refined,
     case: Case | None = None,
     progress: Callable[[float], object] = lambda time: None,
@@ -145,9 +146,7 @@ def suspicion(found: BoundedSolution, data: Data) -> list[str]:
     ]
 
 
-def true_error(
-    case: Case | None, coarse: Discretisation, computed: GivenDisplacement
-) -> Callable[[float, Array], float] | None:
+def true_error(case: Case | None, coarse: Discretisation, computed: Computed) -> Callable[[float, Array], float] | None:
     """Return the function (t, nodal values) ↦ ‖u(t) − u_h(t)‖_V, or None if the exact solution is unknown."""
     if case is None:
         return None
@@ -171,7 +170,7 @@ def given(
     u: Array,
     steps: int | None = None,
     nearest: bool = False,
-) -> GivenDisplacement:
+) -> Computed:
     """Check the displacement of another program and return it together with its mesh.
 
     Points that belong to no triangle are removed. Points at the same position with the same displacement are merged.
@@ -209,7 +208,7 @@ def given(
     values = u[:, nodes].reshape(len(times), -1)
     _check_fit(mesh, data.body)
     steps = steps or max(len(times) - 1, LEAST_STEPS)
-    found = GivenDisplacement(mesh, data.body, degree, times, values, steps)
+    found = Computed(mesh, data.body, degree, times, values, steps)
     found = replace(found, remarks=(*remarks, *_penetration(found, moving=not isinstance(data, Static))))
     return _clamped(data, found, nearest)
 
@@ -335,7 +334,7 @@ def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, in
     """Make the mesh from points and triangles.
 
     Returns:
-        The mesh; for each of its nodes the number of the point there, in the order that ``GivenDisplacement``
+        The mesh; for each of its nodes the number of the point there, in the order that ``Computed``
         describes; and the polynomial degree of the displacement, 1 or 2.
     """
     corners, local = np.unique(triangles[:, :3], return_inverse=True)
@@ -412,7 +411,7 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
         raise BoundError(f"the mesh does not fit the body: {error}") from error
 
 
-def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
+def _penetration(found: Computed, moving: bool) -> list[str]:
     """Return a list with a sentence that says how far u_h penetrates the foundation; empty if it does not."""
     space = Quadratic(found.mesh, found.body)
     values = found.nodes.reshape(len(found.times), -1, 2)
@@ -440,7 +439,7 @@ class _Unclamped(Quadratic):
         return np.arange(self.dim * self.count)
 
 
-def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDisplacement:
+def _clamped(data: Data, found: Computed, nearest: bool) -> Computed:
     """Return a displacement with the prescribed values on CLAMPED and ROLLER sides, which are 0 by default.
 
     If the displacement ``found`` has these values up to round-off, it is returned. Otherwise, if ``nearest`` is true,

@@ -44,7 +44,7 @@ from study.bound.enclosing import POOR, Enclosure
 from study.bound.problem import SMALLEST, BoundError, require_visible
 from study.bound.remainders import Evidence, proportional
 from study.bound.terms import Shares
-from study.bound.trajectory import Computed, DiscreteSolution, on_refinement, prolongation
+from study.bound.trajectory import Computed, on_refinement, prolongation
 from study.fem.space import Space, form
 from study.solve.signorini import Signorini
 from study.solve.solver_choice import contact_solver
@@ -81,7 +81,7 @@ class StaticDiscretisation(Discretisation):
         return np.asarray(np.einsum("Icq,Icq,cq->c", stress, strain, self.stresses.weights))
 
 
-def compute_static(coarse: Discretisation) -> DiscreteSolution:
+def compute_static(coarse: Discretisation) -> Computed:
     """Return the P1 solution u_h of the static problem, stored as a displacement that is constant in time."""
     fine = StaticDiscretisation(coarse.data, coarse.mesh)
     data, space = fine.data, Space(fine.mesh, fine.data.body)
@@ -90,7 +90,8 @@ def compute_static(coarse: Discretisation) -> DiscreteSolution:
     lifting = on_refinement(space.mesh, 1, fine.mesh) @ space.prescribed
     load = prolongation(space, fine).T @ fine.residual(lifting[fine.displacements.free])
     u, _ = contact_solver(space)(form(space, data.law.A), space.N)(load)
-    return DiscreteSolution(space, np.array([u, u]), np.array([0.0, data.body.T]), 1)
+    nodes = space.coefficients(u).ravel()
+    return Computed(space.mesh, data.body, 1, np.array([0.0, data.body.T]), np.array([nodes, nodes]), 1)
 
 
 def enclose_static(coarse: Discretisation, computed: Computed, refinements: int | None) -> tuple[Enclosure, Shares]:

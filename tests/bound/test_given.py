@@ -31,12 +31,11 @@ from manufactured import (
 from manufactured.tensors import Array
 from study.bound.bounded import contact_sentences
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import enclose, enclose_several
 from study.bound.fields import _together, read
 from study.bound.given import SINGLE, _check_cells, _on_boundary, bound_displacement, given
 from study.bound.problem import BoundError
 from study.bound.static import StaticDiscretisation, compute_static
-from study.bound.trajectory import Refined, compute, on_refinement
+from study.bound.trajectory import compute, on_refinement
 from study.fem.mesh import MeshError, Shaken, Unstructured
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
@@ -94,17 +93,6 @@ def test_sixteen_contact_sides_of_a_half_disk_are_called_a_curved_foundation() -
     assert "a curved one" in sentence
     in_two = polygon([(0, 0), (1, 0), (2, 0), (1, 1)], [Kind.CONTACT, Kind.CONTACT, Kind.LOADED, Kind.CLAMPED])
     assert contact_sentences(in_two) == []
-
-
-def test_displacements_on_one_mesh_share_the_better_displacement_and_its_bound() -> None:
-    data, arrays = square(), field()
-    given_ones = [given(data, **(arrays | {"u": factor * arrays["u"]})) for factor in (1.0, -2.0)]
-    coarse, better = Discretisation(data, given_ones[0].mesh), Refined(0, 1)
-    together = enclose_several(coarse, given_ones, better)
-    for one, u_h in zip(together, given_ones, strict=True):
-        alone = enclose(coarse, u_h, better)
-        assert (one.lowest, one.highest, one.norm) == (alone.lowest, alone.highest, alone.norm)
-    assert together[0].highest != together[1].highest
 
 
 def square(T: float = 1.0) -> Data:
@@ -285,7 +273,7 @@ def test_the_usual_mistakes_are_named_by_the_factor_of_the_displacement_on_coars
     given_problem, problem = (static(PLATE, PLANE[law], (0, -1), {1: (1, 0)}) for law in (there, here))
     coarse = Discretisation(given_problem, Shaken()(PLATE, level))
     solution = compute_static(coarse)
-    u = factor * solution.space.nodal(solution.nodes[0]).T
+    u = factor * solution.at_vertices[0].T
     found = bound_displacement(problem, coarse.mesh.p.T, coarse.mesh.t.T, None, u)
     told = [remark for remark in found.remarks if "times the one of this problem" in remark]
     assert len(told) == bool(question)
@@ -298,7 +286,7 @@ def test_in_time_a_factor_of_some_per_cent_may_come_from_long_steps_and_a_large_
 ) -> None:
     coarse = Discretisation(square(), Shaken()(square().body, 3))
     solution = compute(coarse, MIDPOINT, 2)
-    u = factor * np.array([solution.space.nodal(values).T for values in solution.nodes])
+    u = factor * solution.at_vertices.swapaxes(1, 2)
     arrays = {"points": coarse.mesh.p.T, "triangles": coarse.mesh.t.T, "times": solution.times, "u": u}
     found = bound_displacement(square(), **arrays, refine=0, shorter=1)
     assert any("metres and millimetres?" in remark for remark in found.remarks) == named
@@ -474,11 +462,6 @@ def mesh(points: Array = CORNERS, triangles: list[list[int]] = HALVES, name: str
 def test_a_mesh_or_a_field_that_changes_between_two_times_is_refused(later: SimpleNamespace, message: str) -> None:
     with pytest.raises(BoundError, match=message):
         _together(Path("u.pvd"), [(0.0, mesh()), (1.0, later)], None)
-
-
-def test_triangles_in_another_order_are_the_same_mesh() -> None:
-    found = _together(Path("u.pvd"), [(0.0, mesh()), (1.0, mesh(triangles=[[2, 3, 0], [1, 2, 0]]))], None)
-    assert np.array_equal(found.triangles, HALVES)
 
 
 def test_of_several_fields_of_other_names_the_displacement_has_to_be_named() -> None:
