@@ -73,17 +73,10 @@ class Tolerance:
     Attributes:
         number: the number or the percentage.
         percent: whether ``number`` is a percentage.
-
-    Raises:
-        BoundError: the number is not positive.
     """
 
     number: float
     percent: bool = False
-
-    def __post_init__(self) -> None:
-        if not 0 < self.number < math.inf:
-            raise BoundError(f"--adapt needs a tolerance that is a positive number, got {self.number:g}")
 
     def reached(self, row: pd.Series) -> bool:
         """Return whether the error bound of a mesh, from its row of ``adaptive.csv``, is at most this tolerance."""
@@ -102,8 +95,10 @@ def tolerance_from(text: str) -> Tolerance:
     percent = text.strip().endswith("%")
     try:
         number = float(text.strip().removesuffix("%"))
-    except ValueError as error:
-        raise BoundError(f"--adapt needs a tolerance such as 0.2 or 5%, got {text!r}") from error
+    except ValueError:
+        number = math.nan
+    if not 0 < number < math.inf:
+        raise BoundError(f"--adapt needs a tolerance that is a positive number, such as 0.2 or 5%, got {text!r}")
     return Tolerance(number, percent)
 
 

@@ -19,7 +19,7 @@ from study.bound.given import bound_displacement
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.certify.statement import statement
-from study.fem.mesh import Shaken, Unstructured
+from study.fem.mesh import Shaken, Unstructured, cell_volumes
 from study.solve.tableau import MIDPOINT
 
 CLAMPED, CONTACT, FREE, ROLLER = Kind.CLAMPED, Kind.CONTACT, Kind.LOADED, Kind.ROLLER
@@ -55,11 +55,10 @@ def test_a_bar_of_varying_stiffness_has_hand_values_on_every_cell_of_an_irregula
     bar = isotropic(0.5, 0, factor=Factor(1 / (1 + x1), 1 / 3, 1.0))
     pulled, loaded = (polygon(OUTLINE, [ROLLER, right, FREE, ROLLER]) for right in (ROLLER, FREE))
     mesh = Shaken()(loaded, 4)
-    x, y = mesh.p[:, mesh.t]
-    areas = abs((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])) / 2
+    middles = mesh.p[0, mesh.t].mean(axis=0)
     data = static(loaded, bar, f2={1: (1, 0)})
     found = bound_displacement(data, mesh.p.T, mesh.t.T, None, 0 * mesh.p.T)
-    assert found.enclosure.on_cells == pytest.approx(areas * (1 + x.mean(axis=0)), rel=1e-9)
+    assert found.enclosure.on_cells == pytest.approx(cell_volumes(mesh) * (1 + middles), rel=1e-9)
     assert found.error == pytest.approx((2, 2), rel=1e-9)
     found = bounded_solution(static(pulled, bar, u={1: (4, 0)}), None, Shaken(), 4, MIDPOINT, 1, Refined(1, 1))
     assert found.norm == pytest.approx((2, 2), rel=1e-9)
@@ -111,20 +110,15 @@ def test_one_of_several_load_steps_is_read(tmp_path: Path) -> None:
         read(tmp_path / "u.npz", step=2)
 
 
-@pytest.mark.parametrize(("noise", "refused"), [(0, False), (1e-8, False), (1e-3, True)])
-def test_prescribed_displacements_in_files_are_rounded_or_refused(noise: float, refused: bool) -> None:
+@pytest.mark.parametrize("noise", [0, 1e-8])
+def test_prescribed_displacements_in_files_may_be_rounded(noise: float) -> None:
     """A body that moves far and is stretched little: the rounding of u_h must not be taken for its error."""
     body = polygon(OUTLINE, [FREE, CLAMPED, FREE, CLAMPED])
     data = static(body, G, u={1: (100.01, 0), 3: (100, 0)})
     mesh = Unstructured()(body, 4)
     u = np.array([100 + 0.005 * mesh.p[0], 0 * mesh.p[0]]).T
     u[mesh.p[0] == 0] += 100 * noise
-    arguments = data, mesh.p.T, mesh.t.T, None, u
-    if refused:
-        with pytest.raises(BoundError, match=r"u_h is 0.1 .* on side 3 \(CLAMPED\), and has to be 0 there"):
-            bound_displacement(*arguments)
-        return
-    found = bound_displacement(*arguments, refine=0)
+    found = bound_displacement(data, mesh.p.T, mesh.t.T, None, u, refine=0)
     assert found.computed.offset == pytest.approx(0, abs=1e-4)
     assert (found.computed.offset > 1e-6) == (noise > 0)
 
