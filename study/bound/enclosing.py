@@ -208,9 +208,20 @@ def enclose(
     evidence = Evidence(fine.sampling.reasons, fine.sampling.worst(worst.a, worst.b) if poor else "")
     loaded = bool(initial.any() or any(fine.load(time).any() for time in times))
     distances, errors, between = np.array(rows).T.copy()
-    at_0 = start + fine.norm(first.start - u_h(0.0))
-    over_time = times, distances, bounds, errors
-    found = Enclosure(computed.h, *over_time, tuple(intervals), at_0, initial, between, evidence, (low, high), products)
+    found = Enclosure(
+        h=computed.h,
+        times=times,
+        distance=distances,
+        bound=bounds,
+        error=errors,
+        intervals=tuple(intervals),
+        start=start + fine.norm(first.start - u_h(0.0)),
+        initial=initial,
+        between=between,
+        evidence=evidence,
+        norm=(low, high),
+        products=products,
+    )
     require_visible(fine.data, found.highest, loaded or bool(computed.nodes.any()))
     # Squares of small data may have underflowed to 0 at single times, so the bound is at least SMALLEST.
     return replace(found, bound=np.maximum(bounds, SMALLEST)) if found.highest > 0 else found

@@ -128,16 +128,28 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     d, products = float(fine.norm(v - u_h)), fine.products(v, u_h)
     size = math.sqrt(products[0, 0])
     require_visible(fine.data, d + y, bool(fine.load(0.0).any()))
-    y, above = max(y, SMALLEST) if y > 0 else y, np.array([d + y])
-    cells, zero, unknown = np.zeros(fine.mesh.t.shape[1]), np.zeros(1), np.full(1, math.nan)
+    y = max(y, SMALLEST) if y > 0 else y
     norm = max(0.0, size - y), size + y
     if not (fine.data.body.of(Kind.CONTACT) or fine.data.body.is_moved):
         rest = (2 * missed.everywhere + ENERGY_ROUNDING * size) * size
         energy = 2 * float(fine.load(0.0) @ v) - size**2
         norm = math.sqrt(max(0.0, energy - rest)), math.sqrt(energy + y**2 + rest)
-    bounds = zero, np.array([d]), np.array([y]), unknown
     distances = fine.squares(fine.elastic(v) - fine.elastic(u_h))
     # A refinement lists the parts of all cells in the order of the cells, again and again.
     on_cells = distances.reshape(-1, coarse.mesh.t.shape[1]).sum(axis=0)
-    found = Enclosure(computed.h, *bounds, (), d + y, cells, above, evidence, norm, products, on_cells)
+    found = Enclosure(
+        h=computed.h,
+        times=np.zeros(1),
+        distance=np.array([d]),
+        bound=np.array([y]),
+        error=np.array([math.nan]),
+        intervals=(),
+        start=d + y,
+        initial=np.zeros(fine.stresses.cells),
+        between=np.array([d + y]),
+        evidence=evidence,
+        norm=norm,
+        products=products,
+        on_cells=on_cells,
+    )
     return found, shares
