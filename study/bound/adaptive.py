@@ -22,7 +22,7 @@ from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import Enclosure, enclose, known_error
+from study.bound.enclosing import Enclosure, enclose, known_error, relative
 from study.bound.problem import BoundError
 from study.bound.static import compute_static, enclose_static
 from study.bound.terms import Shares
@@ -169,7 +169,7 @@ def record(number: int, found: Adapted) -> dict[str, Any]:
         "steps": found.computed.steps,
         "error": float(enclosure.error.max()),
         "bound": enclosure.highest,
-        "percent": 100 * enclosure.relative[1],
+        "percent": 100 * relative((enclosure.lowest, enclosure.highest), enclosure.norm)[1],
         "in_time": found.shares.time / found.shares.total,
         "kind": enclosure.evidence.kind,
     }

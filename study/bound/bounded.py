@@ -28,8 +28,6 @@ from study.solve.steps import rate_steps, require_steps
 
 DIGITS = 9
 """Number of decimals in the files that the command writes."""
-NO_PLAIN = "the bound from u_h alone is left out: {why} (the interval does not need this bound)"
-"""The sentence that is printed if no error bound can be computed from u_h alone."""
 INSIDE = 1e-12
 """Penetration of the foundation up to this fraction of the largest displacement counts as round-off."""
 EQUAL = 1e-9
@@ -96,7 +94,7 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
         MeshError: a mesh does not fit the parts of the body.
     """
     if not levels or min(levels) < 2 or any(b <= a for a, b in pairwise(levels)):
-        raise BoundError(f"levels must be 2 or more and increase, got {' '.join(map(str, levels)) or 'none'}")
+        raise BoundError(f"levels must be 2 or more and increase, got {' '.join(map(str, levels))}")
     check_problem(data, steps, refined)
     if not family.serves(data.body):
         served = ", ".join(known.name for known in FAMILIES if known.serves(data.body))
@@ -166,7 +164,7 @@ def both_bounds(
             it is called with T/4 after the bound from u_h alone, and with T at the end.
     """
     why, T = why_no_plain(coarse, computed), coarse.data.body.T
-    remarks = (NO_PLAIN.format(why=why),) if why else ()
+    remarks = (f"the bound from u_h alone is left out: {why} (the interval does not need this bound)",) if why else ()
     try:
         if isinstance(coarse.data, Static):
             plain = None if why else enclose_static(coarse, computed, None)[0]

@@ -141,14 +141,6 @@ class Enclosure:
         return float(self.lower.max())
 
     @property
-    def relative(self) -> tuple[float, float]:
-        """Interval that contains the relative error max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V.
-
-        If u may be 0, the upper end is ∞.
-        """
-        return relative((self.lowest, self.highest), self.norm)
-
-    @property
     def contains(self) -> bool:
         """Whether the known error lies between the lower and the upper bound at all times."""
         return bool(((self.lower <= self.error) & (self.error <= self.upper)).all())
@@ -222,7 +214,7 @@ def enclose(
         norm=(low, high),
         products=products,
     )
-    require_visible(fine.data, found.highest, loaded or bool(computed.nodes.any()))
+    require_visible(found.highest, loaded or bool(computed.nodes.any()))
     # Squares of small data may have underflowed to 0 at single times, so the bound is at least SMALLEST.
     return replace(found, bound=np.maximum(bounds, SMALLEST)) if found.highest > 0 else found
 

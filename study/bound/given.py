@@ -26,7 +26,7 @@ from manufactured.tensors import Array, Points
 from study.bound.bounded import BoundedSolution, both_bounds, check_problem
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import squared_distances
-from study.bound.problem import BoundError
+from study.bound.problem import BoundError, place
 from study.bound.trajectory import Computed, Refined, on_refinement
 from study.fem.mesh import MeshError, boundary_parts, cell_volumes
 from study.fem.quadratic import Quadratic
@@ -120,9 +120,9 @@ def suspicion(found: BoundedSolution, data: Data) -> list[str]:
     The sentence asks for the mistake that usually gives this factor.
     """
     factor, rest = found.enclosure.factor
-    if data.body.is_moved:
-        return []  # the factor of a Galerkin solution is then not 1, and wrong prescribed values are refused
-    if not (abs(factor - 1) > (SCALED if isinstance(data, Static) else IN_TIME) and rest < ALIKE):
+    is_scaled = abs(factor - 1) > (SCALED if isinstance(data, Static) else IN_TIME)
+    # If displacements are prescribed, the factor of a Galerkin solution is not 1, and wrong values are refused.
+    if data.body.is_moved or not is_scaled or rest >= ALIKE:
         return []
     stiff, side = abs(data.law.A.matrix[0, :2])
     # Poisson's ratio if the law here means plane strain, and if it means plane stress.
@@ -224,8 +224,6 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
         )
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise BoundError(f"points have the shape {points.shape}, expected (n, 2)")
-    if points.shape[1] == 3 and np.ptp(points[:, 2]) > SINGLE * np.ptp(points, axis=0).max():
-        raise BoundError("the points do not lie in a plane x3 = constant; the bound serves plane bodies")
     if u.ndim == 2 and len(times) == 1:
         u = u[None]
     if u.shape not in {(len(times), len(points), components) for components in (2, 3)}:
@@ -233,15 +231,16 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
             f"u has the shape {u.shape}, expected {(len(times), len(points), 2)}: one displacement for each of "
             f"{len(times)} times and {len(points)} points"
         )
-    if u.shape[2] == 3 and abs(u[..., 2]).max() > SINGLE * abs(u).max():
-        raise BoundError(f"the third component of u reaches {abs(u[..., 2]).max():.3g}, expected 0 for a plane body")
     for name, array in (("points", points), ("times", times), ("u", u)):
         if not np.isfinite(array).all():
             first = np.argwhere(~np.isfinite(array))[0]
             where = f" in row {first[0]} (rows are numbered from 0)"
             if name == "u":
-                where = f" at t = {times[first[0]]:.6g}, x = {_shown(points[first[1], :2])}"
+                where = f" at t = {times[first[0]]:.6g}, x = {place(points[first[1], :2])}"
             raise BoundError(f"{name} has {(~np.isfinite(array)).sum()} numbers that are not finite, the first{where}")
+    for name, array in (("points", points), ("u", u)):
+        if array.shape[-1] == 3 and np.ptp(array[..., 2]) > SINGLE * np.ptp(array):
+            raise BoundError(f"the third component of {name} is not constant, and the bound serves plane bodies")
     least, most = triangles.min(initial=len(points)), triangles.max(initial=-1)
     if least < 0 or not least <= most < len(points):
         raise BoundError(
@@ -264,7 +263,10 @@ def _checked_times(times: Array, T: float) -> Array:
     """Check that the times increase from 0 to T, and return them; steps equal up to rounding are made equal."""
     if times.ndim != 1 or (np.diff(times) <= 0).any():
         fall = ", ".join(f"{times[k + 1]:g} after {times[k]:g}" for k in np.flatnonzero(np.diff(times) <= 0)[:1])
-        raise BoundError(f"times have to increase strictly, got {fall or f'an array of the shape {times.shape}'}")
+        raise BoundError(
+            f"times have to increase strictly, got {fall or f'an array of the shape {times.shape}'}; the parts of a "
+            "parallel run have to be merged into one file for each time"
+        )
     if abs(times[0]) > SINGLE * T:
         raise BoundError(
             f"the initial time is missing: the first time is {times[0]:.6g}. Errors depend on all that happens from "
@@ -320,13 +322,13 @@ def _check_box(vertices: Array, body: Body) -> None:
     if np.ptp(ratios) > SAME_SIZE * ratios.max() or not ratios.all():
         remedy = "It is the mesh of another body"
     elif abs(ratios - 1).max() <= SAME_SIZE:
-        remedy = f"The mesh is shifted by {_shown(low - start)}: give both in the same coordinates"
+        remedy = f"The mesh is shifted by {place(low - start)}: give both in the same coordinates"
     else:
         factor, than = (ratios.mean(), "larger") if ratios.mean() > 1 else (1 / ratios.mean(), "smaller")
         remedy = f"The mesh is {than} than the body by the factor {factor:.4g}: give both in the same unit of length"
     raise BoundError(
-        f"the mesh does not fit the body: the mesh reaches from x = {_shown(low)} to {_shown(high)}, the body from "
-        f"x = {_shown(start)} to {_shown(end)}. {remedy}"
+        f"the mesh does not fit the body: the mesh reaches from x = {place(low)} to {place(high)}, the body from "
+        f"x = {place(start)} to {place(end)}. {remedy}"
     )
 
 
@@ -355,7 +357,7 @@ def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, in
     if (off > 10 * SINGLE * lengths).any():
         worst = int((off / lengths).argmax())
         raise BoundError(
-            f"the node of the side near x = {_shown(points[midpoints[worst]])} lies {off[worst]:.3g} off its midpoint: "
+            f"the node of the side near x = {place(points[midpoints[worst]])} lies {off[worst]:.3g} off its midpoint: "
             "curved triangles, and midpoints in another order than 01, 12, 20, are not served"
         )
     return mesh, np.concatenate([corners, midpoints]), 2
@@ -382,13 +384,13 @@ def _check_cells(mesh: Mesh) -> None:
     diameters = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
     flat = np.flatnonzero(cell_volumes(mesh) <= FLAT * diameters**2)
     if flat.size:
-        place = _shown(corners[:, :, flat[0]].mean(axis=1))
-        raise BoundError(f"{flat.size} triangles have no area, the first near x = {place}; remove them")
+        where = place(corners[:, :, flat[0]].mean(axis=1))
+        raise BoundError(f"{flat.size} triangles have no area, the first near x = {where}; remove them")
     sides = np.bincount(mesh.t2f.ravel())
     if sides.max() > 2:
-        place = _shown(mesh.p[:, mesh.facets[:, sides.argmax()]].mean(axis=1))
+        where = place(mesh.p[:, mesh.facets[:, sides.argmax()]].mean(axis=1))
         raise BoundError(
-            f"{sides.max()} triangles share a side near x = {place}: triangles overlap or are listed twice"
+            f"{sides.max()} triangles share a side near x = {where}: triangles overlap or are listed twice"
         )
 
 
@@ -402,7 +404,7 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
         stray = middle[:, ~on_part]
         raise BoundError(
             f"the mesh does not cover the body: {stray.shape[1]} sides of triangles have a triangle on one side only "
-            f"and lie on no part of the boundary, the first near x = {_shown(stray[:, 0])}. The mesh has a hole "
+            f"and lie on no part of the boundary, the first near x = {place(stray[:, 0])}. The mesh has a hole "
             "that the body lacks, or hanging nodes there, or it is the mesh of another body"
         )
     try:
@@ -427,7 +429,7 @@ def _penetration(found: Computed, moving: bool) -> list[str]:
     share, when = _percent(depth / abs(found.nodes).max()), f"t = {found.times[time]:.4g}, " if moving else ""
     return [
         f"u_h penetrates the foundation at its nodes by up to {depth:.3g}, {share} of its largest component, at "
-        f"{when}x = {_shown(space.nodes[:, node])}"
+        f"{when}x = {place(space.nodes[:, node])}"
     ]
 
 
@@ -470,7 +472,7 @@ def _clamped(data: Data, found: Computed, nearest: bool) -> Computed:
     if not (nearest or (body.is_moved and largest <= SINGLE * size)):
         raise BoundError(
             f"u_h is {found.nodes[time, fixed[worst]]:.4g} in the direction x{direction + 1} at x = "
-            f"{_shown(V.nodes[:, node])} on {where}, and has to be {wanted:.4g} there. With --nearest (nearest=True) "
+            f"{place(V.nodes[:, node])} on {where}, and has to be {wanted:.4g} there. With --nearest (nearest=True) "
             f"the values at the nodes of such sides are replaced, which changes u_h by {share}"
         )
     changed = f"u_h is changed by up to {largest:.3g} on {where}, to the prescribed values, and in ‖·‖_V by {share}"
@@ -481,7 +483,3 @@ def _clamped(data: Data, found: Computed, nearest: bool) -> Computed:
 def _percent(share: float) -> str:
     """Return a share in per cent with two significant digits, without an exponent for 100 % and more."""
     return f"{float(f'{100 * share:.2g}'):g} %"
-
-
-def _shown(x: Array) -> str:
-    return f"({', '.join(f'{c:.4g}' for c in x)})"

@@ -38,7 +38,7 @@ from manufactured.factor import UNIFORM, x1, x2
 from manufactured.law import Linear
 from manufactured.symbols import t
 from manufactured.tensors import Array
-from study.bound.problem import LoadConstants, load_constants, require_finite
+from study.bound.problem import LoadConstants, load_constants, place, require_finite
 from study.bound.ranges import ACROSS, ARC, Boxes, Pair, RangeError, along_side, require_known
 from study.fem.quadrature import Line, rough_cells
 from study.stresses.loads import EDGE_PARTS, LeftOut
@@ -234,9 +234,8 @@ class Sampling:
         force, surface = (2 * e + q for e, _, q in self._remainders(a, b))
         inside = self.constants.volume * force.max() >= self.constants.surface * surface.max(initial=0.0)
         mesh = self.space.mesh
-        place = mesh.p[:, mesh.t[:, force.argmax()] if inside else mesh.facets[:, surface.argmax()]].mean(axis=1)
-        x = ", ".join(f"{c:.3g}" for c in place)
-        return f"{'f_0' if inside else 'f_2'} is seen poorly near x = ({x}), {a:.3g} ≤ t ≤ {b:.3g}"
+        at = mesh.p[:, mesh.t[:, force.argmax()] if inside else mesh.facets[:, surface.argmax()]].mean(axis=1)
+        return f"{'f_0' if inside else 'f_2'} is seen poorly near x = {place(at)}, {a:.3g} ≤ t ≤ {b:.3g}"
 
     @property
     def _expressions(self) -> Expressions:

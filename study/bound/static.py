@@ -127,7 +127,7 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     # Both ends for ‖u − u_h‖.
     d, products = float(fine.norm(v - u_h)), fine.products(v, u_h)
     size = math.sqrt(products[0, 0])
-    require_visible(fine.data, d + y, bool(fine.load(0.0).any()))
+    require_visible(d + y, bool(fine.load(0.0).any() or computed.nodes.any()))
     y = max(y, SMALLEST) if y > 0 else y
     norm = max(0.0, size - y), size + y
     if not (fine.data.body.of(Kind.CONTACT) or fine.data.body.is_moved):

@@ -17,6 +17,7 @@ from functools import cached_property, partial
 
 import numpy as np
 import scipy.sparse as sps
+from scipy.interpolate import make_interp_spline
 from skfem import Mesh
 
 from manufactured.arguments import checked
@@ -86,11 +87,10 @@ class Computed:
         values = self.nodes.reshape(len(self.times), -1, 2)[:, : self.mesh.p.shape[1]]
         return values.swapaxes(1, 2)
 
-    def at(self, time: float) -> Array:
-        """Return the values of u_h at any time, linearly interpolated, (number of values,)."""
-        low = int(np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.times) - 2))
-        share = (time - self.times[low]) / (self.times[low + 1] - self.times[low])
-        return np.asarray((1 - share) * self.nodes[low] + share * self.nodes[low + 1])
+    @cached_property
+    def at(self) -> Callable[[float], Array]:
+        """Function from any time to the values of u_h, linearly interpolated, (number of values,)."""
+        return make_interp_spline(self.times, self.nodes, k=1)
 
     def on(self, fine: Discretisation) -> Callable[[float], Array]:
         """Return the function t ↦ u_h(t) on a finer mesh.

@@ -19,7 +19,7 @@ from manufactured.symbols import t
 from manufactured.tensors import Array
 from study.bound import enclosing, problem
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import Enclosure, enclose
+from study.bound.enclosing import Enclosure, enclose, relative
 from study.bound.problem import load_constants
 from study.bound.remainders import Evidence
 from study.bound.trajectory import Parabola, SmoothedInTime, compute
@@ -105,9 +105,9 @@ def test_both_ends_of_an_enclosure_differ_from_the_distance_by_the_bound() -> No
     times, distance, bound = np.array([0.25, 0.5, 1.0]), np.array([2.0, 1.0, 0.25]), np.array([0.5, 2.0, 0.25])
     rest = np.full(3, math.nan), (), 1.0, np.zeros(1), np.array([2.75, 3.5, 1.0]), Evidence(()), (4.0, 5.0)
     found = Enclosure(0.5, times, distance, bound, *rest, np.eye(2))
-    assert found.relative == (1.5 / 5, 3.5 / 4)
-    assert replace(found, norm=(0.0, 5.0)).relative == (1.5 / 5, math.inf)
-    assert replace(found, distance=bound, norm=(0.0, 0.0)).relative == (0.0, math.inf)
+    assert relative((1.5, 3.5), (4.0, 5.0)) == (1.5 / 5, 3.5 / 4)
+    assert relative((1.5, 3.5), (0.0, 5.0)) == (1.5 / 5, math.inf)
+    assert relative((0.0, 3.5), (0.0, 0.0)) == (0.0, math.inf)
     assert found.lower.tolist() == [1.5, 0.0, 0.0]
     assert found.upper.tolist() == [2.5, 3.0, 0.5]
     assert (found.lowest, found.highest) == (1.5, 3.5)
