@@ -46,8 +46,7 @@ def do_adapt(options: argparse.Namespace) -> int:
     check_force(case)
     tolerance = adaptive.tolerance_from(options.adapt)
     bounded.check_bound(data, family, [level], options.steps, Refined(0, 1))
-    mesh = family(data.body, level)
-    stage = Stage(mesh.p, mesh.t, bounded.steps_on(data, level, options.steps))
+    stage = Stage(family(data.body, level), bounded.steps_on(data, level, options.steps))
     store = Store(options.out / name, written=(".",))
     results: list[dict[str, Any]] = []
     with store.locked():
