@@ -121,7 +121,7 @@ class Enclosure:
         The factor of a Galerkin solution is 1 on every mesh, because its error is orthogonal to it.
         """
         (better, mixed), (_, given) = self.products.tolist()
-        if not mixed:
+        if not mixed or not better * given:
             return math.nan, 1.0
         return given / mixed, math.sqrt(max(0.0, 1 - mixed**2 / (better * given)))
 

@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sps
@@ -18,6 +19,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 from skfem import Mesh, MeshTri
 
+from manufactured.arguments import Count, checked
 from manufactured.body import Body, Kind
 from manufactured.case import Case
 from manufactured.data import Data
@@ -59,15 +61,16 @@ FLAT = 1e-12
 """A triangle counts as degenerate if its area divided by its squared diameter is below this number."""
 
 
+@checked(BoundError)
 def bound_displacement(
     data: Data,
-    points: Array,
-    triangles: Array,
-    times: Array | None,
-    u: Array,
+    points: Any,
+    triangles: Any,
+    times: Any,
+    u: Any,
     refine: int = 1,
     shorter: int = 4,
-    steps: int | None = None,
+    steps: Count | None = None,
     nearest: bool = False,
     case: Case | None = None,
     progress: Callable[[float], object] = lambda time: None,
@@ -162,13 +165,14 @@ def true_error(case: Case | None, coarse: Discretisation, computed: Computed) ->
 # The remaining functions check the arrays of a displacement that another program has computed.
 
 
+@checked(BoundError)
 def given(
     data: Data,
-    points: Array,
-    triangles: Array,
-    times: Array | None,
-    u: Array,
-    steps: int | None = None,
+    points: Any,
+    triangles: Any,
+    times: Any,
+    u: Any,
+    steps: Count | None = None,
     nearest: bool = False,
 ) -> Computed:
     """Check the displacement of another program and return it together with its mesh.
@@ -198,8 +202,8 @@ def given(
             raise BoundError(f"the problem is static, and u_h has {len(times)} times: choose one by --step")
         times, u = np.array([0.0, data.body.T]), np.concatenate([u, u])
     times = _checked_times(times, data.body.T)
-    points, triangles, u, remarks = _joined(points, triangles, u)
     _check_box(points[np.unique(triangles[:, :3])], data.body)
+    points, triangles, u, remarks = _joined(points, triangles, u)
     mesh, nodes, degree = _mesh(data.body, points, triangles)
     moved = float(np.linalg.norm(mesh.p - points[nodes[: mesh.p.shape[1]]].T, axis=0).max())
     if moved > ROUNDING * float(np.ptp(points, axis=0).max()):
@@ -216,12 +220,13 @@ def given(
 def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Array, Array, Array, Array]:
     """Convert the arrays to shapes (n, 2), (cells, 3 or 6), (k,), (k, n, 2); raise BoundError if one is invalid."""
     points, times, u = _real("points", points), np.atleast_1d(_real("times", times)), _real("u", u)
-    triangles = np.asarray(triangles)
+    triangles = _unmasked("triangles", triangles)
     if triangles.ndim != 2 or triangles.shape[1] not in (3, 6) or not np.issubdtype(triangles.dtype, np.integer):
         raise BoundError(
             f"triangles have the shape {triangles.shape} and the type {triangles.dtype}, expected integers (cells, 3) "
             "for linear or (cells, 6) for quadratic displacements; other cells are not served"
         )
+    triangles = triangles.astype(np.int64)
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise BoundError(f"points have the shape {points.shape}, expected (n, 2)")
     if u.ndim == 2 and len(times) == 1:
@@ -246,17 +251,26 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
         raise BoundError(
             f"triangles have point numbers from {least} to {most}, expected 0 to {len(points) - 1}; numbers start at 0"
         )
-    return points[:, :2], triangles.astype(np.int64), times, u[..., :2]
+    return points[:, :2], triangles, times, u[..., :2]
 
 
-def _real(name: str, array: Array) -> Array:
+def _real(name: str, array: Any) -> Array:
     """Convert an array to floating-point numbers; raise BoundError if it is empty or not real."""
-    kind = np.asarray(array).dtype
-    if np.size(array) == 0 or kind.kind not in "iufc":
-        raise BoundError(f"{name} has the shape {np.shape(array)} and the type {kind}, expected numbers, at least one")
-    if np.imag(array).any():
-        raise BoundError(f"{name} has complex numbers, expected real ones")
-    return np.asarray(np.real(array), dtype=float)
+    numbers = _unmasked(name, array)
+    kind, shape = numbers.dtype, numbers.shape
+    if numbers.size == 0 or kind.kind not in "iufc" or np.imag(numbers).any():
+        raise BoundError(f"{name} has the shape {shape} and the type {kind}, expected real numbers, at least one")
+    return np.asarray(np.real(numbers), dtype=float)
+
+
+def _unmasked(name: str, array: Any) -> Array:
+    """Return an array without a mask; raise BoundError if entries are masked or rows have different lengths."""
+    try:
+        if not np.ma.is_masked(array):
+            return np.asarray(array)
+    except ValueError:
+        pass
+    raise BoundError(f"{name} has masked entries or rows of different lengths, expected an array of numbers")
 
 
 def _checked_times(times: Array, T: float) -> Array:

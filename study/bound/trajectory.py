@@ -11,16 +11,18 @@ points, so ũ(t) is admissible for every t, however inaccurate the control point
 value and the difference quotient of the midpoint scheme.
 """
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import Annotated
 
 import numpy as np
 import scipy.sparse as sps
 from scipy.interpolate import make_interp_spline
 from skfem import Mesh
 
-from manufactured.arguments import checked
+from manufactured.arguments import Count, checked
 from manufactured.body import Body
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
@@ -69,6 +71,11 @@ class Computed:
     def h(self) -> float:
         """The mesh size."""
         return mesh_size(self.mesh)
+
+    @property
+    def level(self) -> int:
+        """The number of cells of size h along a side of a square with the area of the body, at least 1."""
+        return max(1, round(math.sqrt(self.body.measure) / self.h))
 
     @property
     def T(self) -> float:
@@ -191,18 +198,12 @@ class Refined:
         name: the entry in the column ``trajectory`` of ``bounds.csv``.
 
     Raises:
-        BoundError: ``refinements`` is negative, or ``shorter`` is less than 1.
+        BoundError: ``refinements`` is not between 0 and 20, or ``shorter`` is less than 1.
     """
 
-    refinements: int = 1
-    shorter: int = 4
+    refinements: Annotated[int, 0, 20] = 1
+    shorter: Count = 4
     name: str = "enclosure"
-
-    def __post_init__(self) -> None:
-        if self.refinements < 0 or self.shorter < 1:
-            raise BoundError(
-                f"refinements has to be 0 or more, and shorter 1 or more, got {self.refinements} and {self.shorter}"
-            )
 
     def discretisation(self, coarse: Discretisation) -> Discretisation:
         return Discretisation(coarse.data, coarse.mesh.refined(self.refinements)) if self.refinements else coarse

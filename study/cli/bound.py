@@ -23,6 +23,7 @@ from study.cli.common import tell_written, with_progress
 from study.cli.displacement import Displacement, displacements_in_files
 from study.cli.options import FAILED, OK
 from study.cli.problem import OUTPUT, draw_problem
+from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError
 from study.ledger.text import folded
@@ -30,7 +31,7 @@ from study.present.bounds import text, worst_tenth
 from study.present.drawing import draw_one
 from study.present.figures import figure
 from study.present.problem import error_map
-from study.run.executor import available, require
+from study.run.executor import require_bound
 from study.run.fingerprint import of_data, of_problem
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
@@ -98,12 +99,7 @@ def computed_displacements(
         refined: how the mesh and the time steps are refined for the bound.
     """
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
-    # The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
-    finest = max(options.levels)
-    cells = estimates.triangles(finest, family.name)
-    require(f"level {finest}", estimates.bound(cells, refined.refinements), available())
-    estimates.require_factorisation(cells, refined.refinements)
-    bounded.check_bound(data, family, options.levels, options.steps, refined)
+    check_levels(options, data, family, refined)
     directory = options.out / name
 
     def displacement(level: int) -> Displacement:
@@ -124,3 +120,13 @@ def computed_displacements(
         return Displacement(f"level-{level}", cache_key, compute, (file,), shown)
 
     return directory, [displacement(level) for level in options.levels]
+
+
+def check_levels(options: argparse.Namespace, data: Data, family: MeshFamily, refined: Refined) -> None:
+    """Refuse levels whose meshes are too large or do not fit the body, and problems that cannot be bounded.
+
+    The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
+    """
+    finest = max(options.levels)
+    require_bound(f"level {finest}", estimates.triangles(finest, family.name), refined.refinements)
+    bounded.check_bound(data, family, options.levels, options.steps, refined)

@@ -285,7 +285,7 @@ def test_a_limit_stops_with_the_reason_and_keeps_what_there_is(tmp_path, capsys)
 
 @pytest.mark.slow
 def test_memory_that_is_not_there_stops_with_the_reason(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.setattr("study.cli.adapt.available", lambda: 0.5 * 2.0**30)
+    monkeypatch.setattr("study.run.executor.available", lambda: 0.5 * 2.0**30)
     assert adapt(tmp_path / "out", "--adapt", "1e-6") == 1
     assert "GiB of memory" in capsys.readouterr().out
 

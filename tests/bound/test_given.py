@@ -166,8 +166,11 @@ FAULTS: dict[str, tuple[str, Callable[[Array], Array], str]] = {
     ),
     "no start": ("times", lambda at: at + 0.5, "initial time is missing: the first time is 0.5"),
     "too short": ("times", lambda at: at / 2, "the last time is 0.5, the problem ends at T = 1"),
-    "no times": ("times", lambda at: at[:0], r"times has the shape \(0,\) .* expected numbers, at least one"),
-    "texts": ("u", lambda u: u.astype(str), "u has the shape .* and the type <U.*, expected numbers"),
+    "no times": ("times", lambda at: at[:0], r"times has the shape \(0,\) .* expected real numbers, at least one"),
+    "texts": ("u", lambda u: u.astype(str), "u has the shape .* and the type <U.*, expected real numbers"),
+    "mask": ("triangles", lambda c: np.ma.masked_equal(c, 0), "triangles has masked entries"),
+    "rows": ("points", lambda p: [[0, 0], [1]], "rows of different lengths"),
+    "huge": ("points", lambda p: 1e200 * p, "larger than the body by the factor 1e"),
     "backwards": ("times", lambda at: at[::-1], "increase strictly, got 0.5 after 1; the parts of a parallel run"),
     "shape": ("u", lambda u: u[:, 1:], r"u has the shape .* expected \(3, 9, 2\)"),
     "quads": ("triangles", lambda c: c[:, [0, 1, 2, 2]], "expected integers"),
@@ -282,9 +285,9 @@ def test_in_time_a_factor_of_some_per_cent_may_come_from_long_steps_and_a_large_
     assert any("times the one" in remark for remark in found.remarks) == named
 
 
-@pytest.mark.parametrize("wrong", [{"refine": -1}, {"shorter": 0}, {"steps": -5}, {"refine": 0.5}])
-def test_a_number_of_refinements_or_steps_that_makes_no_sense_is_refused(wrong: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match=r"(refine|shorter|steps).* (has to be|allowed)"):
+@pytest.mark.parametrize("wrong", [{"refine": -1}, {"shorter": 0}, {"steps": 1.5}, {"refine": 0.5}, {"nearest": "no"}])
+def test_arguments_that_make_no_sense_are_refused_by_name(wrong: dict[str, object]) -> None:
+    with pytest.raises(BoundError, match=r"(refine|shorter|steps|nearest).* has to be"):
         bound_displacement(square(), **field(), **wrong)
 
 

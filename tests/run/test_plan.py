@@ -282,6 +282,7 @@ def moved(x):
 MINE = """
 '''Problems of a user.'''
 from dataclasses import dataclass, replace
+from functools import wraps
 from sympy.utilities.lambdify import implemented_function
 from helper import LOAD, moved
 from manufactured import *
@@ -310,6 +311,9 @@ own_load = replace(data, body_force=moved)
 own_class = OwnData(**vars(data))
 mixed = replace(data, body_force=Data.formulas(data.body, law, f0=(0, LOAD)).body_force)
 own_function = Data.formulas(data.body, law, f0=(0, implemented_function("f", lambda x: 3 * x)(t)))
+posing = Data.formulas(data.body, law, **loads)
+posed = wraps(data.body_force)(lambda x: lambda time: 2 * data.body_force(x)(time))
+object.__setattr__(posing, "body_force", posed)
 """
 
 
@@ -365,6 +369,7 @@ def test_the_key_of_a_problem_of_formulas_does_not_depend_on_words_or_on_other_p
         ("still", "nu=0.3", "nu=0.2"),
         ("gap", "closing-gap", "parabolic-gap"),
         ("gap", "pace=3", "pace=2"),
+        ("posing", "2 * data", "3 * data"),
         *((name, "", "") for name in ("python", "own_load", "own_class", "own_function", "own_law", "mixed")),
     ],
 )
