@@ -341,9 +341,13 @@ def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, in
     _check_cells(mesh)
     if triangles.shape[1] == 3:
         return mesh, corners, 1
+    # MeshTri sorts the corners of a triangle. The midpoints follow: each is opposite to a corner.
+    order = np.argsort(local.reshape(-1, 3), axis=1)
+    opposite = np.take_along_axis(triangles[:, [4, 5, 3]], order, axis=1)
+    of_sides = opposite[:, [2, 0, 1]]
     midpoints = np.zeros(mesh.facets.shape[1], dtype=np.int64)
-    midpoints[mesh.t2f.T] = triangles[:, 3:]
-    if (midpoints[mesh.t2f.T] != triangles[:, 3:]).any():
+    midpoints[mesh.t2f.T] = of_sides
+    if (midpoints[mesh.t2f.T] != of_sides).any():
         raise BoundError("two triangles have different midpoints of a common side; number the midpoint once")
     off = np.linalg.norm(points[midpoints].T - p[:, mesh.facets].mean(axis=1), axis=0)
     lengths = np.linalg.norm(np.diff(p[:, mesh.facets], axis=1)[:, 0], axis=0)
