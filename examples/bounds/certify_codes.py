@@ -6,7 +6,8 @@ A certificate has a displacement ũ, stresses and constants, from which the chec
 This part does not depend on the computed displacement u_h. So the displacement of any code can stand in the place of
 u_h, if it is P1 on the mesh of the certificate, has equal time steps, and is exactly 0 on Γ1. The problem is ``wedge``
 of examples/certificates. Needs the codes that `make codes` needs; displacements in build/certificates-of-codes/fields
-are used again. Writes results/codes/certified.csv and one certificate for each code, method and mesh in build/certificates-of-codes.
+are used again. Writes results/codes/certified.csv and one certificate for each code, method and mesh
+in build/certificates-of-codes.
 """
 
 from __future__ import annotations

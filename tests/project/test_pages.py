@@ -1,4 +1,4 @@
-"""What the README and the documentation tell people to type works; notebooks and formulas of the gallery."""
+"""What the README and the documentation tell people to type works; notebooks."""
 
 import importlib.util
 import io
@@ -10,13 +10,10 @@ import warnings
 from collections.abc import Callable, Iterable
 from contextlib import redirect_stdout
 from functools import cache
-from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
-from docutils.utils.math.latex2mathml import tex2mathml
 from pages import PAGES, README, ROOT, SITE, Page, words
 
 from manufactured import catalogue
@@ -25,13 +22,11 @@ from study.fem.naming import resolve, resolve_data
 from study.statements.enclosure import resolve_problem
 
 CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
-LONG = {"README.md", *(f"docs/how-to/{name}.md" for name in ("adapt", "certify", "figures", "verify-a-contact-code"))}
-LONG |= {f"docs/tutorials/{name}.md" for name in ("own-case", "bound", "static", "calculix")}
+LONG = {"README.md", *(f"docs/how-to/{name}.md" for name in ("figures", "verify-a-contact-code"))}
+LONG |= {f"docs/tutorials/{name}.md" for name in ("own-case", "bound")}
 """Pages whose commands take longer than three seconds, for the slow tests, which `make tutorials` runs. The case of
 ``own-case.md`` is what the tests of most commands start from (``cli/conftest.py``)."""
-LONG_PYTHON = {
-    f"docs/{name}.md" for name in ("how-to/verify-a-contact-code", "tutorials/own-case", "tutorials/your-displacement")
-}
+LONG_PYTHON = {"docs/how-to/verify-a-contact-code.md", "docs/tutorials/own-case.md"}
 """Pages whose Python takes longer than three seconds."""
 NEEDS = {"docs/tutorials/dolfinx.md": "dolfinx"}
 """Pages that need a program which no wheel has."""
@@ -150,9 +145,7 @@ def test_the_readme_can_be_read_in_a_few_minutes() -> None:
 
 
 def test_the_page_on_exact_solutions_says_why_each_case_is_there() -> None:
-    rows = re.findall(
-        r"^\| ([a-z0-9.,\- ]+) \|", (ROOT / "docs/explanation/exact-solutions.md").read_text("utf-8"), re.MULTILINE
-    )
+    rows = re.findall(r"^\| ([a-z0-9.,\- ]+) \|", (ROOT / "docs/gallery.md").read_text("utf-8"), re.MULTILINE)
     listed = ", ".join(rows[1:]).split(", ")
     assert sorted(listed) == sorted(case.name for case in catalogue())
 
@@ -196,30 +189,3 @@ def test_a_notebook_prints_what_is_stored_and_draws_a_figure(path: Path) -> None
     run = nbclient.NotebookClient(nbformat.read(path, as_version=4), timeout=300).execute()
     assert printed(run) == printed(stored), "run: .venv/bin/jupyter execute --inplace docs/notebooks/*.ipynb"
     assert has_figure(run)
-
-
-# The formulas of the gallery are those that the cases state, in the form that browsers draw.
-
-
-def extension(name: str) -> ModuleType:
-    """A module of the site."""
-    sys.path.insert(0, str(ROOT / "docs" / "extensions"))
-    try:
-        return import_module(name)
-    finally:
-        sys.path.pop(0)
-
-
-@pytest.fixture(scope="module")
-def gallery() -> ModuleType:
-    return extension("gallery")
-
-
-def test_the_formulas_of_a_case_can_be_drawn_and_none_is_left_in_letters_of_a_keyboard(gallery: ModuleType) -> None:
-    for case in catalogue():
-        _, _, text = gallery.formulas(case)
-        found = re.findall(r"\$(.+?)\$", text)
-        assert len(found) > 2, case.name
-        for formula in found:
-            assert tex2mathml(formula), case.name
-        assert re.findall(r"^    |[\^]|_\{", re.sub(r"\$.+?\$|``.*?``", "", text), re.MULTILINE) == [], case.name
