@@ -1,4 +1,4 @@
-"""The numbered formulas and statements of the paper, and which of them belong to a check.
+"""The numbered formulas and statements of the paper that belong to a check.
 
 The label of a check names the formulas and statements that the check tests, for example "(3.9)–(3.11), (4.14), (4.15)"
 or "Thm 4.1, 5.2". No other place has this information.
@@ -6,14 +6,6 @@ or "Thm 4.1, 5.2". No other place has this information.
 
 import re
 
-FORMULAS = {2: 18, 3: 15, 4: 30, 5: 43}
-"""Section of the paper ↦ number of the last formula in this section."""
-STATEMENTS = (
-    "Problem 2.1", "Thm 2.2", "Problem 3.1", "Problem 3.2", "Thm 4.1", "Thm 4.2", "Thm 4.3", "Problem 5.1", "Thm 5.2",
-    "Prop. 5.3", "Prop. 5.4",
-)  # fmt: skip
-NUMBERED = (*(f"({section}.{n})" for section, last in FORMULAS.items() for n in range(1, last + 1)), *STATEMENTS)
-"""All numbered formulas in the order of the paper, then all numbered statements."""
 NO_ROW, NOT_TESTED = "no row", "not tested"
 """Labels of rows that give the reason why a formula or statement of the paper has no check that can fail."""
 
