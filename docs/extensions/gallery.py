@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from sphinx.application import Sphinx
@@ -75,11 +76,12 @@ def write_thumbnail(path: Path, picture: Picture) -> None:
 
 
 def orders(case: Case) -> str:
-    """The last consecutive orders measured, over all mesh families."""
-    rates = read_csv(ROOT / "results", "rates.csv", ["case", "family", "level", "order"])
-    mine = rates[rates["case"] == case.name].dropna(subset=["order"]).sort_values("level")
-    last = mine.groupby("family")["order"].last()
-    return f"{last.min():.2f} … {last.max():.2f}"
+    """The orders over the last two refinements, over all mesh families."""
+    rates = read_csv(ROOT / "results", "rates.csv", ["case", "family", "level", "h", "error"])
+    logs = np.log(rates.set_index("family").loc[rates["case"].to_numpy() == case.name, ["h", "error"]])
+    steps = logs.groupby("family").diff(2).groupby("family").last()
+    found = steps["error"] / steps["h"]
+    return f"{found.min():.2f} to {found.max():.2f}"
 
 
 def chosen_by(case: Case) -> dict[str, str]:
@@ -131,7 +133,7 @@ def entry(case: Case, film: str) -> str:
 :loading: lazy
 ```
 
-{sentence(case)}. Law: {case.solution.law.name}. Regularity: {typeset(str(case.regularity))}.
+{sentence(case)}. Law: {case.solution.law.name}.
 Predicted order {case.order:.3g}: {typeset(case.reason)}. Observed: {orders(case)}.
 [Formulas](../manufactured/cases/{module}.py)
 """
