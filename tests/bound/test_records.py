@@ -55,7 +55,6 @@ def test_the_bound_with_default_settings_is_at_most_a_quarter_above_the_error() 
         (record.PAGE, "effectivity", stiff.summary(EFFECTIVITY), "make trials"),
         (record.PAGE, "random-trials", random_problems.summary(RANDOM), "make trials"),
     ],
-    ids=lambda value: value if isinstance(value, str) and " " not in value else "",
 )
 def test_the_page_shows_the_record(page: Path, name: str, table: str, remedy: str) -> None:
     text = page.read_text(encoding="utf-8")

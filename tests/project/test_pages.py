@@ -22,14 +22,13 @@ from study.fem.naming import resolve, resolve_data
 from study.statements.enclosure import resolve_problem
 
 CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
-LONG = {"README.md", *(f"docs/how-to/{name}.md" for name in ("figures", "verify-a-contact-code"))}
-LONG |= {f"docs/tutorials/{name}.md" for name in ("own-case", "bound")}
-"""Pages whose commands take longer than three seconds, for the slow tests, which `make tutorials` runs. The case of
-``own-case.md`` is what the tests of most commands start from (``cli/conftest.py``)."""
 LONG_PYTHON = {"docs/how-to/verify-a-contact-code.md", "docs/tutorials/own-case.md"}
 """Pages whose Python takes longer than three seconds."""
+LONG = {"README.md", "docs/how-to/figures.md", "docs/tutorials/bound.md", *LONG_PYTHON}
+"""Pages whose commands take longer than three seconds, for the slow tests, which `make tutorials` runs. The case of
+``own-case.md`` is what the tests of most commands start from (``cli/conftest.py``)."""
 NEEDS = {"docs/tutorials/dolfinx.md": "dolfinx"}
-"""Pages that need a program which no wheel has."""
+"""Pages that need a program that may not be installed."""
 
 
 def is_one_of(line: str, commands: Iterable[str]) -> bool:
@@ -112,11 +111,6 @@ def test_the_commands_of_a_page_end_with_success(page: Page, run: Callable[[Page
     programs += [line for line in page.typed if line.startswith("python examples/")]
     studies = [line for line in page.typed if words(line)[0] == "study" and not is_one_of(line, CI)]
     expect(page.printed("sh"), "".join(run(page, line) for line in page.typed if line in (*programs, *studies)))
-
-
-def test_the_bound_of_the_readme_is_the_one_that_its_example_prints(run: Callable[[Page, str], str]) -> None:
-    (said,) = [text for text in README.printed("sh") if "from u_h alone" in text]
-    expect([said], "".join(run(README, line) for line in README.typed if "displacement" in line))
 
 
 def test_the_commands_of_the_table_are_those_of_the_program() -> None:
