@@ -138,7 +138,7 @@ def _read_mesh(path: Path) -> Any:
     if not path.is_file():
         raise BoundError(f"there is no file {path}")
     if path.suffix.lower() not in meshio.extension_to_filetypes:
-        advice = "; the tutorial on CalculiX converts .frd files" if path.suffix.lower() == ".frd" else ""
+        advice = "; docs/tutorials/bound.md converts .frd files" if path.suffix.lower() == ".frd" else ""
         raise BoundError(
             f"{path} has a format that cannot be read: expected .npz, .pvd, .xdmf or a mesh format of meshio, such as "
             f".vtu, .vtk or .msh{advice}"

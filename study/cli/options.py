@@ -134,7 +134,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     "run": ("run", "run the study: measure and judge; continues if it was stopped", [
         [
             option("--quick", dest="plan", action="store_const", const="quick", default="quick",
-                   help="few levels, about three minutes, results in results/quick (default)"),
+                   help="few levels, about a minute on two cores, results in results/quick (default)"),
             option("--full", dest="plan", action="store_const", const="full",
                    help="all levels, an hour, results in results"),
         ],

@@ -9,6 +9,7 @@ from itertools import cycle
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 from cycler import cycler
 from matplotlib import rc_context, rc_params_from_file, rcParams
 from matplotlib.artist import Artist
@@ -69,6 +70,7 @@ class Drawing:
         summary: the kind of the figure in a few words, for readers who cannot see it.
         case: the case that the figure shows; empty for figures over several cases.
         sheet: whether the figure has more subplots than can be read on a slide.
+        table: function that returns the data of the figure; None for a sketch, which has none.
     """
 
     name: str
@@ -77,6 +79,7 @@ class Drawing:
     summary: str
     case: str = ""
     sheet: bool = False
+    table: Callable[[], pd.DataFrame | None] = lambda: None
 
     @property
     def alternative(self) -> str:
@@ -204,7 +207,7 @@ def draw_figures(
     progress: Callable[[int, int, str], None] = lambda done, total, name: None,
     output: Output = ARTICLE,
 ) -> list[Path]:
-    """Draw figures into ``output.folder(directory)``, with captions and alternative texts in txt files.
+    """Draw figures into ``output.folder(directory)``, with their texts in txt files and their data in csv files.
 
     Parameters:
         directory: directory of a run.
@@ -230,7 +233,7 @@ def draw_figures(
 
 
 def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> list[Path]:
-    """Draw one figure, save it in each format, and save its caption and alternative text in a txt file.
+    """Draw one figure, save it in each format, its caption in a txt file, and its data in a csv file.
 
     Returns:
         The paths of the files.
@@ -257,7 +260,10 @@ def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> lis
         # A name may contain dots (rough-1.75), so the suffix is appended, not replaced.
         files = {suffix: directory / f"{drawing.name}.{suffix}" for suffix in output.suffixes}
         written = [write_whole(path, partial(_save, figure, drawing, suffix)) for suffix, path in files.items()]
-    return [*written, write_text(directory / f"{drawing.name}.txt", caption_text(drawing))]
+    written.append(write_text(directory / f"{drawing.name}.txt", caption_text(drawing)))
+    if (table := drawing.table()) is not None:
+        written.append(write_text(directory / f"{drawing.name}.csv", table.to_csv(index=False)))
+    return written
 
 
 def _save(figure: Figure, drawing: Drawing, suffix: str, path: Path) -> None:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from changed import overridden
 from committed import CORNER, RESULTS, SMOOTH, SOLID, copy_results
@@ -107,7 +108,7 @@ def size_of(png: Path) -> tuple[int, int]:
 
 def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_not_cut_off(figures, tmp_path: Path) -> None:
     slides = Output("slides", ("png",))
-    png, _ = draw_one(tmp_path, figures["orders"], slides)
+    png, *_ = draw_one(tmp_path, figures["orders"], slides)
     assert size_of(png) == (1920, 1080)
     for name in ("orders", f"profiles-{CORNER}"):
         with in_style(slides):
@@ -128,7 +129,7 @@ def test_figures_are_drawn_by_name_from_one_directory_into_another(alone: Path, 
     command = ["figures", "--data", str(alone), "--out", str(tmp_path / "talk"), "--jobs", "1", "--only"]
     assert main([*command, "problem", "orders", "--format", "png"]) == 0
     written = {path.name for path in (tmp_path / "talk" / "figures").iterdir()}
-    assert written == {"orders.png", "orders.txt", "problem.png", "problem.txt"}
+    assert written == {"orders.csv", "orders.png", "orders.txt", "problem.png", "problem.txt"}
     assert not (alone / "figures").exists()
     assert main([*command, "order"]) == 2
     assert re.search(rf"--only order: {alone} has no such figure, only .*orders", capsys.readouterr().err)
@@ -137,18 +138,26 @@ def test_figures_are_drawn_by_name_from_one_directory_into_another(alone: Path, 
 def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(figures, tmp_path: Path) -> None:
     drawing = figures[f"zone-{CORNER}"]
     assert drawing.alternative.startswith(f"The contact zone in space and time, exact and computed: {CORNER}. ")
-    png, svg, pdf, txt = draw_one(tmp_path, drawing, Output(formats=("png", "svg", "pdf")))
+    png, svg, pdf, txt, csv = draw_one(tmp_path, drawing, Output(formats=("png", "svg", "pdf")))
     with Image.open(png) as image:
         assert image.info["Description"] == drawing.alternative
+    assert {"gap_exact", "pressure_exact"} < {*pd.read_csv(csv)}
     assert drawing.alternative[:60] in svg.read_text(encoding="utf-8")
     assert b"/Subject" in pdf.read_bytes()
     assert "Alternative text: The contact zone" in txt.read_text(encoding="utf-8")
 
 
+def test_every_figure_has_its_data_beside_it_except_a_sketch(figures: dict[str, Drawing]) -> None:
+    assert [name for name, drawing in figures.items() if drawing.table() is None] == ["problem"]
+    nodes = figures[f"profiles-{CORNER}"].table()
+    assert nodes[["time", "face", "x1", "x2"]].drop_duplicates().shape[0] == len(nodes) > 100
+    assert np.minimum(nodes["gap_exact"], nodes["pressure_exact"]).abs().max() < 1e-8
+
+
 def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_column_width(alone: Path, tmp_path: Path) -> None:
     style = tmp_path / "journal.mplstyle"
     style.write_text("figure.figsize: 5.0, 4.0\nfont.size: 10\n")
-    png, _ = draw_one(tmp_path, named(alone, "orders"), Output(formats=("png",), dpi=100, style=style))
+    png, *_ = draw_one(tmp_path, named(alone, "orders"), Output(formats=("png",), dpi=100, style=style))
     assert size_of(png)[0] == 500
     style.write_text("figure.fgsize: 5.0, 4.0\n")
     complaint = r"--style .*journal.mplstyle is not a Matplotlib style file"
