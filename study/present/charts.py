@@ -134,12 +134,6 @@ def add_legend(figure: Figure, *columns: Sequence[Artist]) -> None:
     legend(figure, handles, columns=len(columns))
 
 
-def add_headline(figure: Figure, text: str) -> None:
-    """Write the main result above a figure if it is a slide, which has no caption."""
-    if is_slide() and text:
-        figure.suptitle(textwrap.fill(text, 64))
-
-
 def families(styles: Mapping[str, Style], **more: Any) -> list[Line2D]:
     """Return the legend entries of mesh families below a heading; ``more`` are further properties of the lines."""
     return [entry("mesh family", ls=""), *(entry(family, **style, **more) for family, style in styles.items())]
@@ -178,7 +172,7 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
         axes.annotate(f"{slope:.3g}", beside, (-2, 0), ha="right", va="center", **text)
     axes.annotate(f"{slope:.3g}" if small else "1", above_it, (0, 1.5), ha="center", va="bottom", **text)
     # The text needs room above the triangle.
-    axes.update_datalim([(10**end, 10 ** (top + (0.13 if small else 0.05) * decades))])
+    axes.update_datalim([(10**end, 10 ** (top + 0.13 * decades))])
     axes.autoscale_view()
 
 
@@ -327,10 +321,10 @@ def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
         # Families are drawn next to each other, because their markers would hide each other.
         shift = 0.012 * (number - (len(styles) - 1) / 2)
         axes.plot(rows["predicted"] + shift, rows["observed"], ls="", **style)
-    axes.set(xlim=(0, top), ylim=(0, top), xlabel="predicted order", ylabel="observed order, last two refinements")
-    add_legend(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
-    most = above(table["difference"].abs().max(), 2)
-    add_headline(figure, f"Over the last two refinements, observed and predicted orders differ by at most {most}")
+    axes.set(xlim=(0, top), ylim=(0, top), xlabel="predicted order", ylabel="observed order")
+    heading, *entries = families(styles, ls="")
+    heading.set_label("mesh family, side by side")
+    add_legend(figure, [heading, *entries], [entry("observed = predicted", color=GREY)])
     return figure
 
 
@@ -364,11 +358,11 @@ def draw_collapsed(rates: pd.DataFrame) -> Figure:
     for (_, family), rows in over_constants(rates).groupby(["case", "family"], sort=False):
         errors.plot(rows["h"], rows["scaled"], **styles[str(family)])
         ratios.plot(rows["h"], rows["relative"], **styles[str(family)])
+    draw_slope(errors, 1)
     label_ticks([errors, ratios])
     errors.set_ylabel("error / C")
     ratios.set(xlabel=MESH_SIZE, ylabel="error / (C h)")
     add_legend(figure, families(styles), [entry("C h, not fitted", color=GREY)])
-    add_headline(figure, order_in_words(rates))
     return figure
 
 
@@ -376,7 +370,8 @@ def caption_collapsed(rates: pd.DataFrame) -> str:
     """Return the caption of ``draw_collapsed``."""
     table = over_constants(rates)
     finest = table.groupby(["case", "family"], sort=False)["relative"].last().groupby("family", sort=False)
-    return caption("collapsed", cases=_all_cases(rates), relative=table["relative"], finest=finest)
+    orders = order_in_words(rates)
+    return caption("collapsed", cases=_all_cases(rates), relative=table["relative"], finest=finest, orders=orders)
 
 
 def order_in_words(rates: pd.DataFrame) -> str:
@@ -385,7 +380,7 @@ def order_in_words(rates: pd.DataFrame) -> str:
     if observed.empty:
         return ""
     low, high = observed.min(), observed.max()
-    result = "The error is O(h)" if low >= 1 - ORDER_ROOM else "On these meshes the error is not O(h)"
+    result = "the error is O(h)" if low >= 1 - ORDER_ROOM else "on these meshes the error is not O(h)"
     return (
         f"{result}: observed orders {below(low, 2)} to {above(high, 2)} in {_all_cases(rates)}, over the last two "
         "refinements"
@@ -475,27 +470,25 @@ def draw_effectivity(known: pd.DataFrame) -> Figure:
     # A slide has room for a line per scheme. Elsewhere the markers of the schemes are shifted, or they would hide each
     # other.
     line, shift = ("scheme", 0.0) if is_slide() else ("case", 0.22)
-    names = known[line].unique()[::-1].tolist()
     used = {scheme: style for scheme, style in SCHEMES.items() if (known["scheme"] == scheme).any()}
-    shifts = {scheme: shift * (number - 1) for number, scheme in enumerate(used)}
-    known = known.assign(
-        y=known[line].map(names.index) + known["scheme"].map(shifts), size=_marker_area(known["level"])
-    )
-    figure = Figure(figsize=(page_width(), 1.2 + 0.15 * len(names)))
-    left, right = figure.subplots(1, 2, sharey=True)
+    figure = Figure(figsize=(page_width(), 1.2 + 0.15 * known[line].nunique()))
+    left, right = figure.subplots(1, 2, sharey=not is_slide())
     for axes, trajectory, ends in ((left, "bound", ("upper",)), (right, "enclosure", ("lower", "upper"))):
-        for scheme, end in product(used, ends):
-            rows = known[(known["trajectory"] == trajectory) & (known["scheme"] == scheme)]
-            style = used[scheme]
+        shown = known[known["trajectory"] == trajectory]
+        names = (shown if is_slide() else known)[line].unique()[::-1].tolist()
+        for (number, scheme), end in product(enumerate(used), ends):
+            rows = shown[shown["scheme"] == scheme]
+            style, y = used[scheme], rows[line].map(names.index) + shift * (number - 1)
             look = {"marker": style["marker"], "edgecolor": style["color"], "linewidth": 0.6, "zorder": 3}
             face = style["color"] if end == "upper" else "white"
-            axes.scatter(rows[end], rows["y"], _marker_area(rows["level"]), facecolor=face, **look)
+            axes.scatter(rows[end], y, _marker_area(rows["level"]), facecolor=face, **look)
         axes.axvline(1, color=BLACK, lw=0.7)
         axes.grid(True)
+        axes.set_yticks(range(len(names)), names)
+        axes.set_ylim(-0.7, len(names) - 0.3)
     left.set_xscale("log")
     label_ticks([left], least=4)
-    left.set_yticks(range(len(names)), names)
-    left.set(ylim=(-0.7, len(names) - 0.3), xlabel="bound / error" if is_slide() else "bound from $u_h$ alone / error")
+    left.set(xlabel="bound / error" if is_slide() else "bound from $u_h$ alone / error")
     right.set(xlim=(0, None), xlabel="enclosure / error" if is_slide() else "ends of the enclosure / error")
     handles = [dots(scheme, **style) for scheme, style in used.items()]
     handles += [dots("upper end of the bound", color=DARK), dots("lower end of the bound", color=DARK, **HOLLOW)]

@@ -118,7 +118,9 @@ def test_a_plot_is_drawn_whatever_the_errors_do(ending: str, start: bytes, tmp_p
     columns = {"L2": GOOD, "$\\rho^{": LOW, "inf": [0, 0, 0, 0], "some": [1, 0.1, 0, 0], "nan": [1, "nan", 0.1, 0.2]}
     file = table(tmp_path / "t.csv", **columns)
     assert main(["rates", file, "--expected", "2", "--plot", str(tmp_path / f"p.{ending}")]) == 1
-    assert (tmp_path / f"p.{ending}").read_bytes().startswith(start)
+    content = (tmp_path / f"p.{ending}").read_bytes()
+    assert content.startswith(start)
+    assert ending != "svg" or len(re.findall(rb"<!-- [\d.e+-]+ -->", content)) == 8, "four labelled ticks on both axes"
 
 
 NUMBER = st.floats(1e-12, 1e3).map(lambda value: float(f"{value:.6g}"))
