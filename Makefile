@@ -131,11 +131,15 @@ lint: $(DEVELOPMENT)  ## check style, types, the order of imports and the weight
 docs: $(DOCUMENTATION)  ## build the documentation with notebooks, gallery and API, build/docs/index.html; FILMS=no saves minutes
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
 
+# The figures of the papers, drawn for their width and with their letters.
+FIGURES := body-hexagon codes collapsed contact-work convergence enclosure-ramp problem profiles-merging-patches rollers \
+	zone-merging-patches
 LATEX := latexmk -cd -pdf -halt-on-error -interaction=nonstopmode -outdir=build
 
 # The study refers to tables of the supplement, and the supplement to the study: it is built before and after.
 paper: $(RUNTIME)  ## both papers and the supplement from results/, paper/build; needs latexmk
 	$(BIN)/study tables --out results
+	$(BIN)/study figures --data results --out paper/build --style paper/figures.mplstyle --format pdf --only $(FIGURES)
 	$(BIN)/python paper/formulas.py paper/build/formulas.tex
 	$(BIN)/python paper/certified.py paper/build/certified.tex
 	$(LATEX) paper/supplement.tex
