@@ -186,7 +186,7 @@ def overview(directory: Path) -> list[Drawing]:
         tables |= {"contact-work": charts.work_rows(statements), "rollers": charts.roller_rows(statements)}
     if (data / "faults.csv").is_file():
         tables["faults"] = read_csv(directory, "faults.csv")
-    figures += [figure(kind, table) for kind, table in tables.items() if len(table)]
+    figures += [figure(kind, table, sheet=kind == "faults") for kind, table in tables.items() if len(table)]
     if codes := Codes.read(directory):
         figures.append(figure("codes", codes))
     return [*figures, figure("problem")]

@@ -16,9 +16,21 @@ from matplotlib.text import Text
 from PIL import Image
 
 from study.cli.main import main
+from study.ledger.datafiles import read_rates
 from study.ledger.files import UsageError
+from study.ledger.text import above, below
 from study.present.body import DRAWN_DISPLACEMENT, magnification
-from study.present.drawing import Drawing, Output, column_width, draw_one, in_style, page_width
+from study.present.charts import order_differences, order_in_words
+from study.present.drawing import (
+    Drawing,
+    Output,
+    column_width,
+    draw_one,
+    drawn_for_use,
+    family_styles,
+    in_style,
+    page_width,
+)
 from study.present.figures import drawings, drawings_of, figure, overview
 from study.present.picture import Picture, Segment, misplaced_length, read_pictures
 
@@ -112,16 +124,39 @@ def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_not_cut_o
     assert size_of(png) == (1920, 1080)
     for name in ("orders", f"profiles-{CORNER}"):
         with in_style(slides):
-            figure = figures[name].draw()
-            figure.set_size_inches(4.8, 2.7)
+            figure = drawn_for_use(figures[name])
             figure.draw_without_rendering()
             assert cut_off_or_tiny(figure) == [], name
 
 
-def test_the_sheet_of_all_cases_is_for_articles_and_one_figure_with_all_orders_for_slides() -> None:
+def test_every_slide_has_a_headline_of_at_most_three_lines_which_the_figure_of_an_article_has_not(figures) -> None:
+    for drawing in figures.values():
+        assert 10 < len(drawing.headline) < 3 * 68, drawing.name
+        assert drawing.headline.lower() in drawing.caption.lower()
+    with in_style(Output("slides")):
+        assert drawn_for_use(figures["problem"]).get_suptitle().startswith("Where there is a gap ")
+    with in_style():
+        assert drawn_for_use(figures["problem"]).get_suptitle() == ""
+
+
+def test_figures_with_more_rows_or_axes_than_can_be_read_on_a_slide_are_for_articles() -> None:
     sheets = {drawing.name: drawing.sheet for drawing in overview(RESULTS)}
-    assert {name for name, sheet in sheets.items() if sheet} == {"convergence", "convergence-prop-5-3"}
-    assert not sheets["orders"]
+    assert {name for name, sheet in sheets.items() if sheet} == {"convergence", "convergence-prop-5-3", "faults"}
+
+
+def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_line(measured: Path, figures) -> None:
+    smooth = read_rates(measured).query("claim == 'Prop. 5.4'")
+    observed = order_differences(smooth, dict.fromkeys(smooth["case"], 1.0))["observed"]
+    with in_style(Output("slides")):
+        figure = drawn_for_use(figures["collapsed"])
+    low, high = below(observed.min(), 2), above(observed.max(), 2)
+    headline = figure.get_suptitle().replace("\n", " ")
+    assert headline.startswith(f"The error is O(h): observed orders {low} to {high} ")
+    assert headline.endswith(" over the last two refinements")
+    entries = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert entries == ["mesh family", *family_styles(smooth["family"]), "C h, not fitted"]
+    slow = order_in_words(smooth.assign(error=smooth["error"] * smooth["h"] ** -0.3))
+    assert slow.startswith("on these meshes the error is not O(h): observed orders 0.")
 
 
 def test_figures_are_drawn_by_name_from_one_directory_into_another(alone: Path, tmp_path: Path, capsys) -> None:
