@@ -54,7 +54,7 @@ def do_adapt(options: argparse.Namespace) -> int:
             number = len(results)
             # The tolerance only decides when to stop. It is not part of the cache key, so stored meshes can be used
             # with another tolerance.
-            cache_key = of_problem(data, case, (stage, scheme))
+            cache_key = of_problem(data, case, (stage.mesh.p, stage.mesh.t, stage.steps, scheme))
             path = adaptive.stage_file(store.directory, number)
 
             def compute(stage: Stage = stage, number: int = number, path: Path = path) -> dict[str, Any]:
