@@ -478,9 +478,9 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
     mesh, bounds = figure.subplots(1, 2)
     mesh.triplot(result.mesh, color=DARK, lw=0.25)
     handles = []
-    for which, colour, text in ((result.closed, VERMILLION, "in contact"), (~result.closed, BLUE, "open")):
+    for which, colour, text in ((result.closed, VERMILLION, "touches"), (~result.closed, BLUE, "is open")):
         mesh.add_collection(LineCollection(list(result.edges[:, :, which].T), colors=colour, linewidths=2.5, zorder=3))
-        handles += [entry(rf"$\Gamma_3$ {text}", color=colour, lw=2.5)] * bool(result.closed.size)
+        handles += [entry(f"CONTACT side {text}", color=colour, lw=2.5)] * bool(result.closed.size)
     mesh.set(aspect="equal", title=f"mesh {rows['mesh'].iloc[-1]}, {rows['cells'].iloc[-1]} cells")
     mesh.axis("off")
     handles += bounds.loglog(rows["dofs"], rows["bound"], color=BLUE, marker="o", label="adaptive")

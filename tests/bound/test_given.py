@@ -252,6 +252,7 @@ PLANE = {"stress": plane_stress(2.0, 0.3), "strain": plane_strain(2.0, 0.3)}
         ("stress", "stress", 1e3, "is 1000 times .*: metres and millimetres[?]"),
         ("stress", "stress", 1e-6, "is 1e-06 times .*: pascals and megapascals[?]"),
         ("stress", "stress", -1.0, "is -1 times .*: loads in the opposite direction[?]"),
+        ("stress", "stress", -1.05, "is -1.05 times .*: loads in the opposite direction[?]"),
         ("stress", "stress", 1.5, "is 1.5 times .*: compare loads, stiffness and units"),
         ("strain", "stress", 1.0, "is 1.0.* times .*: plane stress there, and plane strain here[?]"),
         ("stress", "strain", 1.0, "is 0.9.* times .*: plane strain there, and plane stress here[?]"),
