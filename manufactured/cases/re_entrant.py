@@ -33,7 +33,6 @@ from manufactured.singular import SingularField, kolosov
 from manufactured.symbols import pos, s, t
 
 RADIUS = 0.9
-LAW = proportional(2.0)
 
 
 def exponent() -> float:

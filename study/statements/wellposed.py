@@ -322,9 +322,9 @@ def column(law: str, what: str, omega: float, T: float) -> str:
     return f"{law} {what}, ω = {omega:g}, T = {T:g}"
 
 
-def columns(law: str, what: str, pairs: tuple[tuple[float, float], ...] = SWEEP) -> list[str]:
+def columns(law: str, what: str) -> list[str]:
     """Return the names of the columns with a measured number of a law, one for each pair (ω, T)."""
-    return [column(law, what, omega, T) for omega, T in pairs]
+    return [column(law, what, omega, T) for omega, T in SWEEP]
 
 
 class SolutionDivergence(ListedNumbers):

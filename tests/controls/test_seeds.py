@@ -134,7 +134,6 @@ class Toy(ListedNumbers):
 @pytest.mark.parametrize(
     ("statement", "levels"),
     [(BoundedVelocity(), {8, 16}), (Toy(), {4, 8}), (NodalErrors(), set()), (OwnSpace(), {8, 16, 32})],
-    ids=["quick", "full up to the finest of quick", "none", "all of full"],
 )
 def test_statements_have_their_settings_on_random_meshes(statement: Statement, levels: set[int]) -> None:
     """Of the quick study; if it has none, of the full study, but on no finer level."""
