@@ -70,7 +70,7 @@ class Data:
     start: Callable[[Points], Vectors]
     initial: Callable[[Points], Tensors]
     lines: tuple[Hyperplane, ...] = ()
-    points: tuple[tuple[float, ...], ...] = ()
+    points: tuple[tuple[float, float], ...] = ()
     formulas_of: object = field(default=None, init=False)
     fronts: Callable[[float], tuple[Hyperplane, ...]] = no_fronts
     force_modes: Callable[[Points], ForceModes] | None = None

@@ -165,7 +165,6 @@ with local_pool(2) as pool:
 def test_ctrl_c_ends_all_processes_at_once_however_often_it_is_pressed(to_all: bool, times: int) -> None:
     command = [sys.executable, "-c", ASLEEP]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as process:
-        assert process.stdout is not None
         assert process.stdout.readline() == b"started\n"
         for _ in range(times):
             with suppress(ProcessLookupError):
@@ -199,7 +198,6 @@ def test_a_full_disk_behind_the_output_is_said_in_words() -> None:
 
 def test_a_reader_who_has_seen_enough_ends_the_command_without_a_word() -> None:
     with subprocess.Popen(CASES, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as command:
-        assert command.stdout and command.stderr  # noqa: PT018
         command.stdout.close()
         assert command.stderr.read() == ""
     assert command.returncode == CLOSED
