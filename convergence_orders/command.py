@@ -117,7 +117,7 @@ def run(options: argparse.Namespace, name: str) -> int:
     given = [f"--{name.replace('_', '-')}" for name in judging if getattr(options, name) is not None]
     wishes = {name: getattr(options, name) for name in judging[:3]}
     reading = (options.dim, options.size, options.ratio, options.columns)
-    file = ""
+    file, opened = "", options.file
     try:
         if options.values and given:
             raise OrderError(f"with --values the columns have no expected order: leave out {', '.join(given)}")
@@ -130,13 +130,13 @@ def run(options: argparse.Namespace, name: str) -> int:
         file = ""
         for path, write in ((options.junit, as_junit), (options.markdown, as_markdown)):
             if path:
+                opened = path
                 path.write_text(write(judged), encoding="utf-8")
         if options.plot:
+            opened = options.plot
             plot(judged, options.plot)
     except (OrderError, OSError) as error:
-        reason = (
-            f"{error.filename or options.file}: {error.strerror}" if isinstance(error, OSError) else f"{file}{error}"
-        )
+        reason = f"{opened}: {error.strerror or error}" if isinstance(error, OSError) else f"{file}{error}"
         print(printable(f"{name}: {reason}"), file=sys.stderr)
         return USAGE
     print(printable(_dumps(as_json(judged)) if options.json else as_text(judged)))

@@ -257,9 +257,10 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
 def _real(name: str, array: Any) -> Array:
     """Convert an array to floating-point numbers; raise BoundError if it is empty or not real."""
     numbers = _unmasked(name, array)
-    kind, shape = numbers.dtype, numbers.shape
-    if numbers.size == 0 or kind.kind not in "iufc" or np.imag(numbers).any():
-        raise BoundError(f"{name} has the shape {shape} and the type {kind}, expected real numbers, at least one")
+    if numbers.size == 0 or numbers.dtype.kind not in "iufc" or np.imag(numbers).any():
+        raise BoundError(
+            f"{name} has the shape {numbers.shape} and the type {numbers.dtype}, expected real numbers, at least one"
+        )
     return np.asarray(np.real(numbers), dtype=float)
 
 
