@@ -38,7 +38,6 @@ from study.present.drawing import (
     dots,
     entry,
     family_styles,
-    is_slide,
     legend,
     page_width,
 )
@@ -321,10 +320,8 @@ def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
         # Families are drawn next to each other, because their markers would hide each other.
         shift = 0.012 * (number - (len(styles) - 1) / 2)
         axes.plot(rows["predicted"] + shift, rows["observed"], ls="", **style)
-    axes.set(xlim=(0, top), ylim=(0, top), xlabel="predicted order", ylabel="observed order")
-    heading, *entries = families(styles, ls="")
-    heading.set_label("mesh family, side by side")
-    add_legend(figure, [heading, *entries], [entry("observed = predicted", color=GREY)])
+    axes.set(xlim=(0, top), ylim=(0, top), xlabel="predicted order, families side by side", ylabel="observed order")
+    add_legend(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
     return figure
 
 
@@ -458,43 +455,36 @@ SCHEMES: dict[str, Style] = {
 
 
 def draw_effectivity(known: pd.DataFrame) -> Figure:
-    """Draw the bounds of the error divided by the error, a line for each case.
+    """Draw the bounds of the error divided by the error, a line for each time scheme.
 
     The left axes show the upper bound from u_h alone, the right axes both ends of the enclosure. A line has a marker
-    for each time scheme, mesh family and level; markers of finer levels are larger.
+    for each case, mesh family and level; markers of finer levels are larger.
 
     Parameters:
         known: the rows of ``bounds.csv`` whose error is known. ``upper`` and ``lower`` are the worst ratios of the
             bounds to the error in the second half of time.
     """
-    # A slide has room for a line per scheme. Elsewhere the markers of the schemes are shifted, or they would hide each
-    # other.
-    line, shift = ("scheme", 0.0) if is_slide() else ("case", 0.22)
-    used = {scheme: style for scheme, style in SCHEMES.items() if (known["scheme"] == scheme).any()}
-    figure = Figure(figsize=(page_width(), 1.2 + 0.15 * known[line].nunique()))
-    left, right = figure.subplots(1, 2, sharey=not is_slide())
+    figure = Figure(figsize=(page_width(), 2.4))
+    left, right = figure.subplots(1, 2)
     for axes, trajectory, ends in ((left, "bound", ("upper",)), (right, "enclosure", ("lower", "upper"))):
         shown = known[known["trajectory"] == trajectory]
-        names = (shown if is_slide() else known)[line].unique()[::-1].tolist()
-        for (number, scheme), end in product(enumerate(used), ends):
-            rows = shown[shown["scheme"] == scheme]
-            style, y = used[scheme], rows[line].map(names.index) + shift * (number - 1)
-            look = {"marker": style["marker"], "edgecolor": style["color"], "linewidth": 0.6, "zorder": 3}
+        names = [scheme for scheme in SCHEMES if (shown["scheme"] == scheme).any()]
+        for (line, scheme), end in product(enumerate(names), ends):
+            rows, style = shown[shown["scheme"] == scheme], SCHEMES[scheme]
             face = style["color"] if end == "upper" else "white"
-            axes.scatter(rows[end], y, _marker_area(rows["level"]), facecolor=face, **look)
+            look = {"marker": style["marker"], "edgecolor": style["color"], "linewidth": 0.6, "zorder": 3}
+            axes.scatter(rows[end], [line] * len(rows), _marker_area(rows["level"]), facecolor=face, **look)
         axes.axvline(1, color=BLACK, lw=0.7)
         axes.grid(True)
         axes.set_yticks(range(len(names)), names)
-        axes.set_ylim(-0.7, len(names) - 0.3)
+        axes.set(ylim=(-0.7, len(names) - 0.3), xlabel=f"{trajectory} / error")
     left.set_xscale("log")
     label_ticks([left], least=4)
-    left.set(xlabel="bound / error" if is_slide() else "bound from $u_h$ alone / error")
-    right.set(xlim=(0, None), xlabel="enclosure / error" if is_slide() else "ends of the enclosure / error")
-    handles = [dots(scheme, **style) for scheme, style in used.items()]
-    handles += [dots("upper end of the bound", color=DARK), dots("lower end of the bound", color=DARK, **HOLLOW)]
+    right.set_xlim(left=0)
+    handles = [dots("upper end of the bound", color=DARK), dots("lower end of the bound", color=DARK, **HOLLOW)]
     for level in sorted({known["level"].min(), known["level"].max()}):
         handles.append(dots(f"$n={level}$", color=DARK, ms=float(np.sqrt(_marker_area(level))), mew=0))
-    legend(figure, [*handles, entry("the error itself", color=BLACK, lw=0.7)], columns=4)
+    legend(figure, [*handles, entry("the error itself", color=BLACK, lw=0.7)], columns=5)
     return figure
 
 
