@@ -45,8 +45,7 @@ def do_adapt(options: argparse.Namespace) -> int:
     check_force(case)
     tolerance = adaptive.tolerance_from(options.adapt)
     bounded.check_bound(data, family, [level], options.steps, Refined(0, 1))
-    mesh = family(data.body, level)
-    stage = Stage(mesh.p, mesh.t, bounded.steps_on(data, level, options.steps))
+    stage = Stage(family(data.body, level), bounded.steps_on(data, level, options.steps))
     store = Store(options.out / name, written=(".",))
     results: list[dict[str, Any]] = []
     with store.locked():
@@ -55,7 +54,7 @@ def do_adapt(options: argparse.Namespace) -> int:
             number = len(results)
             # The tolerance only decides when to stop. It is not part of the cache key, so stored meshes can be used
             # with another tolerance.
-            cache_key = of_problem(data, case, (stage, scheme))
+            cache_key = of_problem(data, case, (stage.mesh.p, stage.mesh.t, stage.steps, scheme))
             path = adaptive.stage_file(store.directory, number)
 
             def compute(stage: Stage = stage, number: int = number, path: Path = path) -> dict[str, Any]:

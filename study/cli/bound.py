@@ -4,6 +4,7 @@ Finished meshes are stored, so that the command continues after Ctrl-C.
 """
 
 import argparse
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from manufactured.self_proof import prove
 from manufactured.tensors import Array
 from study.bound import bounded
 from study.bound.discretisation import check_force
+from study.bound.problem import place
 from study.bound.trajectory import Refined
 from study.cli.adapt import do_adapt
 from study.cli.common import tell_written, with_progress
@@ -67,7 +69,9 @@ def do_bound(options: argparse.Namespace) -> int:
         written += [file for one in displacements for file in one.files]
         one_of_each_size = table["level"].is_unique
         if data.in_time and one_of_each_size:
-            written += draw_one(store.directory, figure("enclosure", over_time, name))
+            # Its data are in enclosure.csv already, rounded outwards.
+            drawing = replace(figure("enclosure", over_time, name), table=lambda: None)
+            written += draw_one(store.directory, drawing)
         mesh, displacement_over_time = displacements[-1].shown()
         written += draw_problem(store.directory, name, data, mesh, displacement_over_time)
         squares = rows[-1]["on_cells"]
@@ -82,7 +86,8 @@ def do_bound(options: argparse.Namespace) -> int:
             print(folded(one.remark))
     sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
     if any(squares):
-        sentences.append(worst_tenth(squares))
+        worst = mesh[0][:, mesh[1][:, int(np.argmax(squares))]].mean(axis=1)
+        sentences.append(f"{worst_tenth(squares)}; the worst one is near x = {place(worst)}")
     last = pd.DataFrame(rows[-1]["series"])
     print(f"\n{text(name, table, last, sentences, data.in_time, names or None)}\n")
     return OK if case is None or all(row["inside"] for row in rows) else FAILED

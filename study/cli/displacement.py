@@ -13,7 +13,7 @@ from manufactured.data import Data
 from manufactured.tensors import Array
 from study.bound import bounded, fields
 from study.bound.given import bounded_displacement, given
-from study.bound.trajectory import GivenDisplacement, Refined
+from study.bound.trajectory import Computed, Refined
 from study.cli.common import with_progress
 from study.run.executor import require_bound
 from study.run.fingerprint import of_problem
@@ -56,7 +56,7 @@ def displacements_in_files(
     # The meshes are sorted, because observed orders are computed between consecutive meshes.
     read.sort(key=lambda pair: -pair[1].h)
 
-    def displacement(number: int, path: Path, u_h: GivenDisplacement) -> Displacement:
+    def displacement(number: int, path: Path, u_h: Computed) -> Displacement:
         def compute() -> dict[str, Any]:
             found = with_progress(str(path), u_h.T, partial(bounded_displacement, data, u_h, refined, case))
             return bounded.record(u_h.level, found)
@@ -67,8 +67,7 @@ def displacements_in_files(
         remark = f"{path}: degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"
 
         def shown() -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-            mesh, at_nodes = u_h.mesh, u_h.nodes.reshape(len(u_h.times), -1, 2)
-            return (mesh.p, mesh.t), (u_h.times, at_nodes[:, : mesh.p.shape[1]].swapaxes(1, 2))
+            return (u_h.mesh.p, u_h.mesh.t), (u_h.times, u_h.at_vertices)
 
         return Displacement(f"displacement-{number}", cache_key, compute, (), shown, path.name, remark)
 
@@ -76,7 +75,7 @@ def displacements_in_files(
     return directory, [displacement(number, *pair) for number, pair in enumerate(read)]
 
 
-def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined) -> GivenDisplacement:
+def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined) -> Computed:
     """Read a displacement file, check the displacement, and return it.
 
     Raises:

@@ -20,6 +20,7 @@ from manufactured.multiscale import COARSEST_ROLLER, ROLLERS, multiscale, roller
 from manufactured.natural_motion import natural_motion
 from manufactured.no_potential import no_potential
 from manufactured.problems import OpenProblem, problems
+from manufactured.proved import proved_order
 from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
 from study.ledger.files import UsageError
 
@@ -204,3 +205,21 @@ def _none_named(file: str, name: str, module: ModuleType) -> str:
     made += [key for key, value in own.items() if isfunction(value) and value.__module__ == module.__name__]
     lacks = f"{file} defines no {name!r}" if name else f"{file} is a file without the name of a case in it"
     return f"{lacks}; give {' or '.join(f'{file}:{key}' for key in made) or 'a file that defines a Case or Data'}"
+
+
+def describe(case: Case) -> dict[str, Any]:
+    """Return the row of ``cases.csv`` for a case, as a dictionary: name of the column ↦ value."""
+    motion = "moving" if case.regularity.moving else "no front" if case.regularity.gap == float("inf") else "fixed"
+    return {
+        "case": case.name,
+        "summary": case.summary,
+        "dimension": case.solution.body.dim,
+        "law": case.solution.law.name,
+        "zone": motion,
+        "regularity": str(case.regularity),
+        "expected_order": case.order,
+        "proved_order": proved_order(case),
+        "twin": case.twin,
+        "statements": case.proposition if case.solution.has_initial_gap else f"{case.proposition}, Thm 4.2",
+        "reason": case.reason,
+    }

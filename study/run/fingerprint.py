@@ -44,11 +44,16 @@ COMPUTING = (
 """The modules on which results depend. The last two round the numbers of pictures and of measurements."""
 ALL_CODE = ("manufactured/**/*.py", "study/**/*.py")
 """All modules of the two packages: of the continuous problem, and of the study."""
-SINGLE = ("manufactured/cases/*.py", "study/statements/*.py")
+SINGLE_MODULES = ("manufactured/cases/*.py", "study/statements/*.py")
 """The modules of single cases and statements. A result depends only on its own case, its own statement and imports."""
-LISTS = ("manufactured/catalogue.py", "manufactured/colours.py", "manufactured/html.py", "manufactured/body/html.py")
+LISTING_MODULES = (
+    "manufactured/catalogue.py",
+    "manufactured/colours.py",
+    "manufactured/html.py",
+    "manufactured/body/html.py",
+)
 """Modules that list the cases, name colours or draw pictures in notebooks. No result depends on them."""
-VALUES = (bool, int, float, complex, str, type(None), tuple, list, np.ndarray)
+HASHED_TYPES = (bool, int, float, complex, str, type(None), tuple, list, np.ndarray)
 """Types outside this project that are hashed by value, besides numbers of NumPy and formulas of SymPy."""
 PROJECT = ("manufactured", "study")
 """The packages of this project. Their code is part of every cache key."""
@@ -137,12 +142,12 @@ def measuring_code(own: tuple[str, ...]) -> str:
 @cache
 def _common() -> frozenset[str]:
     """Return the modules on which every measurement depends."""
-    return _with_imports(frozenset(), _modules(COMPUTING) - _modules(SINGLE))
+    return _with_imports(frozenset(), _modules(COMPUTING) - _modules(SINGLE_MODULES))
 
 
 def _with_imports(modules: frozenset[str], new: Set[str]) -> frozenset[str]:
     """Return modules with new modules and everything that these import, if results depend on it."""
-    computing = _modules(COMPUTING) - _modules(LISTS)
+    computing = _modules(COMPUTING) - _modules(LISTING_MODULES)
     while new := (new & computing) - modules:
         modules |= new
         new = {file for module in new for file in _parsed(module)[1]}
@@ -229,7 +234,7 @@ def _has_value(item: object) -> bool:
         return {_package(type(node)) for node in sp.preorder_traversal(item)} <= {"sympy", *PROJECT}
     if _package(kind) in PROJECT:
         return isinstance(item, Enum) or is_dataclass(kind)
-    return kind in VALUES or (isinstance(item, np.generic) and _package(kind) == "numpy")
+    return kind in HASHED_TYPES or (isinstance(item, np.generic) and _package(kind) == "numpy")
 
 
 def _package(item: object) -> str:

@@ -55,8 +55,7 @@ from study.statements.enclosure import BoundSetting, EnclosedError
 from study.statements.prop_5_4 import FirstOrder, RateSetting
 from study.statements.shared.base import Setting
 from study.statements.shared.scope import Levels, Scope
-from study.statements.thm_4_2 import SameMesh
-from study.statements.thm_4_2_own_space import OwnSpace
+from study.statements.thm_4_2 import OwnSpace, SameMesh
 
 
 def ignore(job: Any) -> None: ...
@@ -322,23 +321,15 @@ def test_no_job_takes_more_memory_than_estimated_nor_much_less(job: Job) -> None
     assert 0.1 <= (whole - base) / (job.memory - least.memory) <= 1
 
 
-@pytest.mark.parametrize(
-    ("line", "prefix", "files", "expected"),
-    [
-        ("0::/job", "", {"job/memory.max": "max", "job/memory.current": "5", "memory.max": "1000"}
-         | {"memory.current": "700", "memory.stat": "anon 600\ninactive_file 50"}, 350),
-        ("4:memory:/job\n1:cpu:/", "memory/job/memory.", {"limit_in_bytes": "2000", "usage_in_bytes": "500"}
-         | {"stat": "total_inactive_file 100"}, 1600),
-    ],
-    ids=["version 2", "version 1"],
-)  # fmt: skip
-def test_memory_is_what_the_tightest_control_group_allows(tmp_path, line, prefix, files, expected: int) -> None:
+def test_memory_is_what_the_tightest_control_group_allows(tmp_path) -> None:
     """Below another root lie the files of a Linux system that are read."""
-    groups = {f"sys/fs/cgroup/{prefix}{name}": text for name, text in files.items()}
-    for name, text in {"proc/self/cgroup": line, **groups}.items():
+    limits = {"job/memory.max": "max", "job/memory.current": "5", "memory.max": "1000", "memory.current": "700"}
+    groups = {f"sys/fs/cgroup/{name}": text for name, text in limits.items()}
+    groups["sys/fs/cgroup/memory.stat"] = "anon 600\ninactive_file 50"
+    for name, text in {"proc/self/cgroup": "1:cpu:/\n0::/job", **groups}.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text + "\n")
-    assert available(tmp_path) == expected
+    assert available(tmp_path) == 350
 
 
 def test_data_are_locked_exactly_where_they_are_there_and_may_be_written(tmp_path, monkeypatch) -> None:
@@ -479,7 +470,7 @@ def test_a_cluster_is_refused_with_the_mend_where_there_is_none(tmp_path, capsys
 
 
 def test_a_cluster_without_workers_is_refused_with_how_to_start_some(monkeypatch) -> None:
-    monkeypatch.setattr("study.run.executor.PATIENCE", 1)
+    monkeypatch.setattr("study.run.executor.CLUSTER_PATIENCE", 1)
     with dask(0) as empty:
         told = f"has no workers.*dask worker {empty.scheduler_address} "
         with pytest.raises(UsageError, match=told), connected(empty.scheduler_address, []):
