@@ -216,7 +216,7 @@ def by_value(item: object) -> object:
     that does not occur again.
     """
     if not _has_value(item):
-        return uuid.uuid4().hex
+        return uuid.uuid4()
     if is_dataclass(item):
         return [type(item).__name__, *(by_value(getattr(item, field.name)) for field in fields(item) if field.init)]
     if isinstance(item, np.ndarray):
