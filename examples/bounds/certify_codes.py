@@ -24,7 +24,7 @@ from judge_codes import NAMES, ROOT, export, run_codes, task
 from manufactured.data import Data
 from study.bound import fields
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import Enclosure, enclose_several
+from study.bound.enclosing import Enclosure, enclose
 from study.bound.given import given
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
@@ -77,7 +77,8 @@ def in_place(proof: dict[str, Any], path: Path) -> dict[str, Any]:
 def in_doubles_bounded(data: Data, proof: dict[str, Any], paths: list[Path]) -> list[Enclosure]:
     """Return the bounds of ``study bound`` for the files, with ũ on the same mesh and with the same steps."""
     computed = [given(data, **vars(fields.read(path)), steps=len(proof["computed"]) - 1) for path in paths]
-    return enclose_several(Discretisation(data, computed[0].mesh), computed, BETTER)
+    coarse = Discretisation(data, computed[0].mesh)
+    return [enclose(coarse, u_h, BETTER) for u_h in computed]
 
 
 def rows_of(data: Data, level: int, names: list[str]) -> list[dict[str, Any]]:

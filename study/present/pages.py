@@ -17,7 +17,6 @@ from study.ledger.codes import MADE, Codes
 from study.ledger.datafiles import DataError, by_claim, count_verdicts
 from study.ledger.faults import missed as missed_faults
 from study.ledger.files import write_text
-from study.ledger.numbered import NO_ROW, NOT_TESTED
 from study.ledger.schema import TABLES as SCHEMA
 from study.ledger.schema import markdown as described
 from study.ledger.text import cell
@@ -25,6 +24,8 @@ from study.ledger.verdict import (
     FAILS,
     HOLDS,
     MISSED,
+    NO_ROW,
+    NOT_TESTED,
     REPORTED,
     UNDECIDED,
     CheckKind,
@@ -46,6 +47,12 @@ TEXTS = read_page("results")
 CLAIMED = (FAILS, UNDECIDED, HOLDS)
 """Verdicts on claims, from worst to best."""
 END = "<!-- end -->"
+REPOSITORY = Path(__file__).parents[2]
+MOVED = {
+    "study/statements/prop_5_3.py": "study/statements/prop_5_4.py",
+    "study/statements/thm_4_2_own_space.py": "study/statements/thm_4_2.py",
+}
+"""Files that were moved since the committed results were measured ↦ their new places."""
 
 
 def main() -> None:
@@ -252,7 +259,8 @@ def statements(data: FullRun) -> str:
     lines, shown = [], TEXTS["shown"]
     for label, claim, rows in by_claim(data.claims[~data.claims["label"].isin((MISPRINTS, NOT_TESTED, NO_ROW))]):
         where = data.provenance["statements"].get(label, {"code": [], "data": ["provenance.json"]})
-        code = next(iter(where["code"]), "study/run/provenance.py")
+        here = [path for path in (MOVED.get(path, path) for path in where["code"]) if (REPOSITORY / path).is_file()]
+        code = next(iter(here), "study/run/provenance.py")
         cases = rows["case"].unique()
         more = f" and {len(cases) - 1} more" if len(cases) > 1 else ""
         command = TEXTS["commands"].get(label, "make study").format(cases[0])

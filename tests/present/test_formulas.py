@@ -5,11 +5,10 @@ from dataclasses import asdict
 import pandas as pd
 import pytest
 
-from study.ledger.numbered import NO_ROW, NOT_TESTED, named
-from study.ledger.verdict import HOLDS
+from study.ledger.verdict import HOLDS, NO_ROW, NOT_TESTED, named
 from study.statements import STATEMENTS
 from study.statements.pictures import Pictures
-from study.statements.unmeasured import TEXTS, Listed, WithoutRow
+from study.statements.unmeasured import ROW_TEXTS, Listed, WithoutRow
 
 FORMULAS = {2: 18, 3: 15, 4: 30, 5: 43}
 """Section of the paper ↦ number of the last formula in this section."""
@@ -45,5 +44,5 @@ def test_labels_name_formulas_of_the_source_and_lines_without_a_row_those_that_h
         assert set().union(*map(named, places)) <= set(NUMBERED), label
     # What is not tested may be a part of what is; a reason why there is no row would be wrong.
     measured = set().union(*(named(label) for label in set(claims["label"]) - {NO_ROW, NOT_TESTED, "slips"}))
-    reasons = {place for place, _, _ in TEXTS[WithoutRow.texts].values()}
+    reasons = {place for place, _, _ in ROW_TEXTS[WithoutRow.texts].values()}
     assert {place: named(place) & measured for place in reasons if named(place) & measured} == {}
