@@ -8,13 +8,13 @@ DEVELOPMENT := $(VENV)/.development
 DOCUMENTATION := $(VENV)/.documentation
 CLUSTER := $(VENV)/.cluster
 PAGES := README.md docs/index.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
-	docs/explanation/verdicts.md docs/reference/files.md
+	docs/explanation/verdicts.md docs/reference/columns.md
 
 .PHONY: study full again faults seeds test dist tutorials pages codes codes-bounds codes-venv codes-check dist-debian certificates \
 	certificates-check trials bench bench-growth bench-peers \
 	bench-parallel lint docs paper film cluster lock clean help
 
-study: $(RUNTIME)  ## quick study, results/quick, about three minutes
+study: $(RUNTIME)  ## quick study, results/quick, about a minute on two cores
 	$(BIN)/study run --quick --figures --undecided results/undecided-quick.csv --out results/quick
 
 full: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## full study, results/, an hour, and the tests marked slow

@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import cycle, product
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, ORANGE, SKY, VERMILLION
 from study.ledger.check import by_family
 from study.ledger.codes import GRADES, Codes
-from study.ledger.faults import INVISIBLE
-from study.ledger.orders import Array, RatesError, fit, orders
+from study.ledger.faults import INVISIBLE_SHARE
+from study.ledger.quantities import Array, RatesError, fit, orders
 from study.ledger.text import above, below, interval
 from study.present.drawing import (
     COLOURS,
@@ -51,7 +51,7 @@ HOLLOW: Style = {"mfc": "white"}
 RANGE: Style = {"alpha": 0.35, "lw": 0}
 RULE: Style = {"color": GREY, "lw": 0.6}
 TRIANGLE_STYLE: Style = {"facecolor": TRIANGLE, "edgecolor": OUTLINE, "lw": 0.6, "zorder": 1.5}
-TINY: Style = {"ms": 2.4}
+TINY_MARKERS: Style = {"ms": 2.4}
 """The markers of small axes."""
 MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
 """The ticks of a logarithmic axis in a decade: the first choice with enough ticks is taken."""
@@ -90,7 +90,7 @@ def draw_cases(
     shown = dict(zip(cases, panels, strict=False))
     for i, (case, axes) in enumerate(shown.items()):
         for column, (_, style) in quantities.items():
-            plot_families(axes, rows[rows["case"] == case], column, styles, style | TINY)
+            plot_families(axes, rows[rows["case"] == case], column, styles, style | TINY_MARKERS)
         axes.set_title(textwrap.fill(case, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
         axes.tick_params(labelbottom=i + columns >= len(cases))
         axes.grid(True)
@@ -177,7 +177,7 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
 
 # Observed orders.
 
-ORDER_ROOM = 0.15
+ROOM_BELOW = 0.15
 """Observed orders may be smaller than the proved order by this number, as in the checks of Proposition 5.4."""
 
 
@@ -238,7 +238,7 @@ def _all_cases(rates: pd.DataFrame) -> str:
 
 # Errors against the mesh size.
 
-NEGLIGIBLE = 1e-3
+NEGLIGIBLE_VALUE = 1e-3
 """In a chart of errors, values below this fraction of the smallest error are not shown, because the vertical axis would
 become too long."""
 ERROR_LINES: dict[str, tuple[str, Style]] = {
@@ -261,7 +261,7 @@ def draw_convergence(rates: pd.DataFrame, order: float) -> Figure:
         order: the expected order, which is the slope of the triangle.
     """
     figure, (axes,) = stacked_axes(1)
-    styles, lowest = family_styles(rates["family"]), NEGLIGIBLE * rates["error"].min()
+    styles, lowest = family_styles(rates["family"]), NEGLIGIBLE_VALUE * rates["error"].min()
     rates = rates.assign(in_time=rates["time_share"] * rates["error"])
     for column, (_, style) in reversed(ERROR_LINES.items()):
         shown = rates.assign(**{column: rates[column].where(rates[column] >= lowest)})
@@ -279,7 +279,7 @@ def caption_convergence(rates: pd.DataFrame, order: float) -> str:
     last, graded = last_orders(rates)
     finest = rates.groupby("family").tail(1).query("discrete_error > 0")
     closer = finest["error"] / finest["discrete_error"]
-    values = {"last": last, "graded": graded, "closer": closer, "negligible": NEGLIGIBLE}
+    values = {"last": last, "graded": graded, "closer": closer, "negligible": NEGLIGIBLE_VALUE}
     return caption("convergence", rates=rates, order=order, **values)
 
 
@@ -320,7 +320,8 @@ def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
         # Families are drawn next to each other, because their markers would hide each other.
         shift = 0.012 * (number - (len(styles) - 1) / 2)
         axes.plot(rows["predicted"] + shift, rows["observed"], ls="", **style)
-    axes.set(xlim=(0, top), ylim=(0, top), xlabel="predicted order, families side by side", ylabel="observed order")
+    axes.set(xlabel="predicted order, families side by side", ylabel="observed order, last two refinements")
+    axes.set(xlim=(0, top), ylim=(0, top))
     add_legend(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
     return figure
 
@@ -377,7 +378,7 @@ def order_in_words(rates: pd.DataFrame) -> str:
     if observed.empty:
         return ""
     low, high = observed.min(), observed.max()
-    result = "the error is O(h)" if low >= 1 - ORDER_ROOM else "on these meshes the error is not O(h)"
+    result = "the error is O(h)" if low >= 1 - ROOM_BELOW else "on these meshes the error is not O(h)"
     return (
         f"{result}: observed orders {below(low, 2)} to {above(high, 2)} in {_all_cases(rates)}, over the last two "
         "refinements"
@@ -447,59 +448,6 @@ def caption_enclosure(series: pd.DataFrame, title: str) -> str:
     return caption("enclosure", title=title, interval=interval, **values)
 
 
-SCHEMES: dict[str, Style] = {
-    "backward-euler": {"color": VERMILLION, "marker": "s"},
-    "bdf2": {"color": GREEN, "marker": "^"},
-    "midpoint": {"color": BLUE, "marker": "o"},
-}
-
-
-def draw_effectivity(known: pd.DataFrame) -> Figure:
-    """Draw the bounds of the error divided by the error, a line for each time scheme.
-
-    The left axes show the upper bound from u_h alone, the right axes both ends of the enclosure. A line has a marker
-    for each case, mesh family and level; markers of finer levels are larger.
-
-    Parameters:
-        known: the rows of ``bounds.csv`` whose error is known. ``upper`` and ``lower`` are the worst ratios of the
-            bounds to the error in the second half of time.
-    """
-    figure = Figure(figsize=(page_width(), 2.4))
-    left, right = figure.subplots(1, 2)
-    for axes, trajectory, ends in ((left, "bound", ("upper",)), (right, "enclosure", ("lower", "upper"))):
-        shown = known[known["trajectory"] == trajectory]
-        names = [scheme for scheme in SCHEMES if (shown["scheme"] == scheme).any()]
-        for (line, scheme), end in product(enumerate(names), ends):
-            rows, style = shown[shown["scheme"] == scheme], SCHEMES[scheme]
-            face = style["color"] if end == "upper" else "white"
-            look = {"marker": style["marker"], "edgecolor": style["color"], "linewidth": 0.6, "zorder": 3}
-            axes.scatter(rows[end], [line] * len(rows), _marker_area(rows["level"]), facecolor=face, **look)
-        axes.axvline(1, color=BLACK, lw=0.7)
-        axes.grid(True)
-        axes.set_yticks(range(len(names)), names)
-        axes.set(ylim=(-0.7, len(names) - 0.3), xlabel=f"{trajectory} / error")
-    left.set_xscale("log")
-    label_ticks([left], least=4)
-    right.set_xlim(left=0)
-    handles = [dots("upper end of the bound", color=DARK), dots("lower end of the bound", color=DARK, **HOLLOW)]
-    for level in sorted({known["level"].min(), known["level"].max()}):
-        handles.append(dots(f"$n={level}$", color=DARK, ms=float(np.sqrt(_marker_area(level))), mew=0))
-    legend(figure, [*handles, entry("the error itself", color=BLACK, lw=0.7)], columns=5)
-    return figure
-
-
-def _marker_area(level: Any) -> Any:
-    """Return the area of the marker of a level in square points."""
-    return 5.0 * np.log2(level) - 8
-
-
-def caption_effectivity(known: pd.DataFrame) -> str:
-    """Return the caption of ``draw_effectivity``."""
-    plain, enclosed = (known[known["trajectory"] == name] for name in ("bound", "enclosure"))
-    wrong = int((known["upper"] < 1).sum() + (enclosed["lower"] > 1).sum())
-    return caption("effectivity", known=known, plain=plain, enclosed=enclosed, wrong=wrong)
-
-
 @dataclass(frozen=True, eq=False)
 class AdaptiveRefinement:
     """The result of an adaptive refinement.
@@ -529,9 +477,9 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
     mesh, bounds = figure.subplots(1, 2)
     mesh.triplot(result.mesh, color=DARK, lw=0.25)
     handles = []
-    for which, colour, text in ((result.closed, VERMILLION, "in contact"), (~result.closed, BLUE, "open")):
+    for which, colour, text in ((result.closed, VERMILLION, "touches"), (~result.closed, BLUE, "is open")):
         mesh.add_collection(LineCollection(list(result.edges[:, :, which].T), colors=colour, linewidths=2.5, zorder=3))
-        handles += [entry(rf"$\Gamma_3$ {text}", color=colour, lw=2.5)] * bool(result.closed.size)
+        handles += [entry(f"CONTACT side {text}", color=colour, lw=2.5)] * bool(result.closed.size)
     mesh.set(aspect="equal", title=f"mesh {rows['mesh'].iloc[-1]}, {rows['cells'].iloc[-1]} cells")
     mesh.axis("off")
     handles += bounds.loglog(rows["dofs"], rows["bound"], color=BLUE, marker="o", label="adaptive")
@@ -686,7 +634,7 @@ def caption_codes(codes: Codes) -> str:
     return caption("codes", rows=rows, bad=bad, tolerance=tolerance)
 
 
-SHADES = (
+FAULT_SHADES = (
     ("#EEEEEE", "cannot occur"),
     ("#FFFFFF", "by no check"),
     ("#D6E6F2", "by other checks only"),
@@ -706,7 +654,7 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     is_smallest = sizes == sizes.groupby([matrix["fault"], matrix["case"]]).transform("min")
     errors, others = matrix["by_error"] != "", matrix["by_others"] != ""
     # Without a distance nothing is known about the discrete solution.
-    visible = ~(matrix["distance"] < INVISIBLE * matrix["error"])
+    visible = ~(matrix["distance"] < INVISIBLE_SHARE * matrix["error"])
     shade = np.select([errors & is_smallest, errors, others], [4, 3, 2], 1)
     cells = matrix.assign(shade=shade, visible=visible * 1.0).groupby(["fault", "case"])[["shade", "visible"]].max()
     equations, cases = matrix.groupby("fault", sort=False)["equation"].first(), matrix["case"].unique()
@@ -714,7 +662,7 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     figure = Figure(figsize=(page_width(), 1.9 + 0.155 * len(equations)))
     axes = figure.subplots()
     style: dict[str, Any] = {"vmin": -0.5, "vmax": 4.5, "edgecolors": "white", "linewidth": 0.5}
-    colours = ListedColormap([colour for colour, _ in SHADES])
+    colours = ListedColormap([colour for colour, _ in FAULT_SHADES])
     axes.pcolormesh(table["shade"][cases].fillna(0).to_numpy(), cmap=colours, **style)
     rows, columns = np.nonzero(table["visible"][cases] == 0)
     axes.plot(columns + 0.5, rows + 0.5, ".", color=GREY, markersize=3)
@@ -722,7 +670,9 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     axes.set_xticks(np.arange(len(cases)) + 0.5, cases, rotation=90)
     axes.set_yticks(np.arange(len(equations)) + 0.5, equations.index + "   " + equations)
     axes.tick_params(length=0, labelsize="x-small")
-    handles = [Patch(facecolor=colour, label=text, edgecolor=DARK, linewidth=0.3) for colour, text in SHADES[::-1]]
+    handles = [
+        Patch(facecolor=colour, label=text, edgecolor=DARK, linewidth=0.3) for colour, text in FAULT_SHADES[::-1]
+    ]
     legend(figure, [*handles, dots("invisible", marker=".", color=GREY)], 3, "upper", wide=True)
     return figure
 

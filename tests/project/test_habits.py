@@ -27,10 +27,8 @@ from study.fem.mesh import OneDiagonal
 from study.ledger.verdict import HOLDS
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_3 import SizeOfInterpolation
-from study.statements.prop_5_4 import FirstOrder, measure
-from study.statements.shared.base import Setting
-from study.statements.shared.experiment import Experiment
+from study.statements.prop_5_4 import FirstOrder, SizeOfInterpolation, measure
+from study.statements.shared.base import Experiment, Setting
 
 ROOT = Path(__file__).parents[2]
 WORKFLOWS = [*sorted((ROOT / ".github" / "workflows").glob("*.yml")), ROOT / "examples" / "convergence-check.yml"]
