@@ -53,7 +53,7 @@ def _parser(name: str) -> argparse.ArgumentParser:
     )
     add = parser.add_argument
     wish = "P|NAME=P,..."
-    add("file", type=Path, metavar="FILE", help="a table of errors as text; - reads standard input")
+    add("file", type=_name, metavar="FILE", help="a table of errors as text; - reads standard input")
     add("--expected", type=_orders, metavar=wish, help="expected order; lower and higher orders fail")
     add("--at-least", type=_orders, metavar=wish, help="lower limit of the order; higher orders pass")
     add("--max-error", type=_orders, metavar="E|NAME=E,...", help="largest accepted error on the finest mesh")
@@ -64,11 +64,18 @@ def _parser(name: str) -> argparse.ArgumentParser:
     add("--dim", type=int, metavar="D", help="dimension of the mesh, if sizes are numbers of cells or unknowns")
     add("--ratio", type=float, metavar="R", help="ratio of the mesh sizes in consecutive rows")
     add("--values", action="store_true", help="the columns are values, not errors: grid convergence index")
-    add("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
-    add("--markdown", type=Path, metavar="FILE", help="also write the verdicts as a Markdown table")
-    add("--plot", type=Path, metavar="FILE", help="also draw errors over h as PNG, SVG or PDF")
+    add("--junit", type=_name, metavar="FILE", help="also write the verdicts as JUnit XML")
+    add("--markdown", type=_name, metavar="FILE", help="also write the verdicts as a Markdown table")
+    add("--plot", type=_name, metavar="FILE", help="also draw errors over h as PNG, SVG or PDF")
     add("--json", action="store_true", help="print as JSON")
     return parser
+
+
+def _name(text: str) -> Path:
+    """Return the name of a file; an empty one is refused."""
+    if not text.strip():
+        raise argparse.ArgumentTypeError("got an empty text, expected a name")
+    return Path(text)
 
 
 def _orders(text: str) -> float | dict[str, float]:

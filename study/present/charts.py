@@ -320,12 +320,8 @@ def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
         # Families are drawn next to each other, because their markers would hide each other.
         shift = 0.012 * (number - (len(styles) - 1) / 2)
         axes.plot(rows["predicted"] + shift, rows["observed"], ls="", **style)
-    axes.set(
-        xlim=(0, top),
-        ylim=(0, top),
-        xlabel="predicted order, families side by side",
-        ylabel="observed order, last two refinements",
-    )
+    axes.set(xlabel="predicted order, families side by side", ylabel="observed order, last two refinements")
+    axes.set(xlim=(0, top), ylim=(0, top))
     add_legend(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
     return figure
 
