@@ -98,7 +98,7 @@ def test_the_predicted_behaviour_holds_in_every_row() -> None:
     reported = "scatter", "best", "share", "order-unstructured", "order-end", "nodal-beside", "order-standing-shaken"
     assert sorted(key for (_, key), verdict in found.items() if verdict == REPORTED) == sorted(reported)
     assert set(found.values()) == {HOLDS, REPORTED}
-    assert len(found) == 17
+    assert len(found) == 19
 
 
 @pytest.mark.parametrize(
