@@ -117,7 +117,8 @@ def run(options: argparse.Namespace, name: str) -> int:
     given = [f"--{name.replace('_', '-')}" for name in judging if getattr(options, name) is not None]
     wishes = {name: getattr(options, name) for name in judging[:3]}
     reading = (options.dim, options.size, options.ratio, options.columns)
-    file, opened = "", options.file
+    file = ""
+    opened = options.file
     try:
         if options.values and given:
             raise OrderError(f"with --values the columns have no expected order: leave out {', '.join(given)}")
