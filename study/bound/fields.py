@@ -138,7 +138,7 @@ def _refuse_packed_hdf(path: Path) -> None:
     for text in {str(item.text).strip() for item in ET.parse(path).iterfind(".//DataItem[@Format='HDF']")}:
         import h5py  # type: ignore[import-untyped]  # Only files of this kind need it.
 
-        name, _, dataset = text.partition(":")
+        name, dataset = text.split(":")
         packed = path.parent / name
         with h5py.File(packed) as file:
             whole[packed] += file[dataset].nbytes

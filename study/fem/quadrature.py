@@ -208,7 +208,8 @@ def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> l
             given in 3D.
     """
     names = [*map(str, lines), *(f"the point {point}" for point in points)]
-    if names and {mesh.dim(), *(len(line.direction) for line in lines)} != {2}:
+    sizes = {mesh.dim(), *(len(line.direction) for line in lines)}
+    if names and sizes != {2}:
         raise MeshError(
             f"the solution is not smooth at {', '.join(names)}, but cells are cut and graded in 2D only; use a "
             "contact face without `rough`, a material without `steps` and a solution without `singular`"

@@ -406,7 +406,7 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
             "tcp://192.168.0.1:8786"
         ) from error
     # Dask prints tracebacks when connections are lost. This program says it in a sentence.
-    logging.disable(logging.CRITICAL)
+    logging.disable()
     try:
         yield _pool(client, address, references)
     except Exception as error:
@@ -416,7 +416,7 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
         raise JobsError(f"the Dask scheduler at {address} {LOST}") from error
     finally:
         client.close(timeout=1)
-        logging.disable(logging.NOTSET)
+        logging.disable(0)
 
 
 def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:

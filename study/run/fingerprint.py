@@ -254,9 +254,10 @@ def _sampled(data: Data) -> list[str]:
     x = data.body.sample(np.random.default_rng(0), 16)
     time = 0.4 * data.body.T
     strain = data.initial(x)
-    tractions = [data.surface_load(part, x)(time) for part in data.body.of(Kind.LOADED)]
-    values = [data.body_force(x)(time), data.law.at(x).stress(strain + 1, strain + 2), *tractions]
-    return [f"{value:.9g}" for value in np.concatenate(values, axis=None)]
+    loads = data.body_force(x)(time), *(data.surface_load(part, x)(time) for part in data.body.of(Kind.LOADED))
+    return [
+        f"{value:.9g}" for value in np.concatenate([*loads, data.law.at(x).stress(strain + 1, strain + 2)], axis=None)
+    ]
 
 
 def _hash(values: list[object], code: str | None = None) -> str:
