@@ -82,6 +82,11 @@ class Measured:
             measured.append({**right, **self._again(faulty)} if fault else right)
         return [verdict for verdict in self._judged(measured) if verdict.verdict == FAILS]
 
+    @cached_property
+    def missed(self) -> set[str]:
+        """The keys of the checks that fail without a fault: a user's case may miss predictions of this study."""
+        return {verdict.key for verdict in self.failing()}
+
     def _again(self, faulty: Experiment) -> Mapping[str, Any]:
         """Return the numbers that a fault can change."""
         if not isinstance(self.statement, Rates):
@@ -119,14 +124,13 @@ def rows_of(name: str, faults: Sequence[Fault] = FAULTS) -> Iterator[dict[str, A
     """Yield the rows of the matrix for one case; in space, for the largest size of each fault.
 
     Raises:
-        UsageError: a check fails without a fault, so that nothing can be concluded from its failing with one.
+        UsageError: a check of the errors fails without a fault, so that nothing follows from its failing with one.
     """
     case = resolve(name)
     with threadpool_limits(1), np.errstate(all="ignore"):
-        rates, *others = measured = measured_on(name)
-        wrong = [verdict for one in measured for verdict in one.failing()]
-        if wrong:
-            keys = ", ".join(verdict.key for verdict in wrong)
+        rates, *others = measured_on(name)
+        if rates.missed:
+            keys = ", ".join(sorted(rates.missed))
             raise UsageError(
                 f"{name}: without a fault these checks fail: {keys}; mend the case, see `study run --case`"
             )
@@ -156,7 +160,7 @@ def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: floa
     try:
         row["distance"] = distance_of_solutions(right, faulty)
         failing = rates.failing(fault, size)
-        of_others = [verdict for one in others for verdict in one.failing(fault, size)]
+        of_others = [one for each in others for one in each.failing(fault, size) if one.key not in each.missed]
     except (ArithmeticError, np.linalg.LinAlgError, RuntimeError) as error:
         return {**row, "distance": math.inf, "by_error": "", "by_others": f"stopped by {type(error).__name__}"}
     by_error = [verdict.key for verdict in failing if verdict.kind in BY_ORDER_OR_SIZE]

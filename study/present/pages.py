@@ -258,7 +258,7 @@ def statements(data: FullRun) -> str:
     """Return all claims in Markdown: verdicts, cases, the command that measures them, tables, figures and data."""
     lines, shown = [], TEXTS["shown"]
     for label, claim, rows in by_claim(data.claims[~data.claims["label"].isin((MISPRINTS, NOT_TESTED, NO_ROW))]):
-        where = data.provenance["statements"].get(label, {"code": [], "data": ["provenance.json"]})
+        where = data.provenance["statements"][label]
         here = [path for path in (MOVED.get(path, path) for path in where["code"]) if (REPOSITORY / path).is_file()]
         code = next(iter(here), "study/run/provenance.py")
         cases = rows["case"].unique()
