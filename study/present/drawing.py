@@ -244,7 +244,7 @@ def drawn_for_use(drawing: Drawing) -> Figure:
     figure = drawing.draw()
     if is_slide():
         figure.set_size_inches(rcParams["figure.figsize"])
-        lines = [textwrap.fill(drawing.headline, 68), figure.get_suptitle()]
+        lines = [textwrap.fill(drawing.headline, 76), figure.get_suptitle()]
         figure.suptitle("\n".join(filter(None, lines)))
     return figure
 

@@ -131,7 +131,7 @@ def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_not_cut_o
 
 def test_every_slide_has_a_headline_of_at_most_three_lines_which_the_figure_of_an_article_has_not(figures) -> None:
     for drawing in figures.values():
-        assert 10 < len(drawing.headline) < 3 * 68, drawing.name
+        assert 10 < len(drawing.headline) < 3 * 76, drawing.name
         assert drawing.headline.lower() in drawing.caption.lower()
     with in_style(Output("slides")):
         assert drawn_for_use(figures["problem"]).get_suptitle().startswith("Where there is a gap ")
