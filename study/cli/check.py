@@ -8,9 +8,9 @@ from pathlib import Path
 from study.cli.common import code_of, known_undecided, progress_bar
 from study.cli.options import FAILED, OK, SEED_BITS
 from study.ledger.compare import Tolerance, as_text, difference
+from study.ledger.controls import SeedRecord
 from study.ledger.datafiles import DataError, read_claims
 from study.ledger.files import UsageError
-from study.ledger.seeds import SeedRecord
 from study.ledger.text import folded
 from study.ledger.verdict import Verdict
 from study.present.outcome import ledger_text, write_junit

@@ -7,7 +7,7 @@ forced into K^h. Both share only the strain matrix, the load and the time steps 
 
 **The tolerance.** The gaps have a bound that can be computed without the exact solution. At step j the interior-point
 method stops with a duality gap g_j. Then ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C = A/k + G are
-at most g_j, where σ* and ε* solve the step exactly for the same ε_{j−1} (``study.solve.interior_point``). Let
+at most g_j, where σ* and ε* solve the step exactly for the same ε_{j−1} (``study.solve.stress_problem``). Let
 ω = max(−m, 0)/m_A, which is 0 for monotone G. Then C ≥ (1 − kω) A/k, so a step is Lipschitz in ε_{j−1} with q = 1/(1 −
 kω) in the norm of A, which is the norm of V, and A ≤ q k C. With R_n = q R_{n−1} + g_n^{1/2}, which is Σ_{j≤n}
 g_j^{1/2} for monotone G,

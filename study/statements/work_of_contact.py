@@ -1,4 +1,14 @@
-"""Beyond the paper: the work of contact, its bound on every edge, and the error that moving contact patches add."""
+"""Beyond the paper: the work of contact, its bound on every edge, and the error that moving contact patches add.
+
+**Locally refined meshes for quadrature.** A solution with details of many sizes needs fine quadrature in a few places. Cells are divided there by red, green and
+blue refinement. Every cell is then a union of finer cells, so each function of V^h is also a P1 function on the finer
+mesh. Loads and errors of functions in V^h can thus be computed on the finer mesh, where only the quadrature is
+approximate.
+
+**Seminorms.** The Sobolev–Slobodeckij seminorm of a function v on an interval, for 0 < ϱ < 1, is
+
+    |v|_ϱ² = ∬ |v(x) − v(y)|² |x − y|^{−1−2ϱ} dx dy.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +22,8 @@ import numpy as np
 import pandas as pd
 import scipy.sparse as sps
 import sympy as sp
+from scipy.spatial import cKDTree
+from skfem import Mesh
 
 from manufactured.body import Kind
 from manufactured.contact import ContactFace
@@ -21,11 +33,9 @@ from manufactured.jet import Jet
 from manufactured.multiscale import ROLLERS, FadingFace
 from manufactured.tensors import Array, Points
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
-from study.fem.mesh import Shaken
+from study.fem.mesh import Shaken, with_midpoints
 from study.fem.naming import family_named, resolve
-from study.fem.quadrature import facet_rule
-from study.fem.refining import inclusion_of, refined
-from study.fem.seminorm import FIRST, PANELS, SECOND, composite_gauss, gram, seminorm
+from study.fem.quadrature import facet_rule, gauss
 from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, Check, Groups, accuracy, consequence, identity
 from study.ledger.quantities import fitted, level_by_level, quotients, values
@@ -40,6 +50,106 @@ from study.statements.shared.base import SEED, Judged, ListedNumbers, Numbers, S
 from study.statements.shared.meshes import posed, space_of, split_irregular
 from study.statements.shared.norms import ContactWork, maximum, midpoints, norm
 from study.statements.shared.scope import Scope
+
+PANELS, POINTS = 64, 3
+"""The quadrature of the double integral: number of equal panels of (0, 1), and number of Gauss points in each panel.
+
+The rule in y has one more point in each panel than the rule in x, so that x = y does not occur.
+"""
+
+
+def composite_gauss(panels: int, points: int) -> tuple[Array, Array]:
+    """Return nodes and weights of the Gauss rule repeated on equal panels of (0, 1), (panels · points,) each."""
+    x, w = gauss(points)
+    return ((np.arange(panels)[:, None] + x) / panels).ravel(), np.tile(w / panels, panels)
+
+
+FIRST, SECOND = composite_gauss(PANELS, POINTS), composite_gauss(PANELS, POINTS + 1)
+"""The quadrature rules of the double integral, in x and in y."""
+
+
+def _kernel(first: tuple[Array, Array], second: tuple[Array, Array], rho: float) -> Array:
+    """Return the products of the weights of two quadrature rules with |x − y|^{−1−2ϱ} at all pairs of nodes, (n, m)."""
+    (x, wx), (y, wy) = first, second
+    return np.asarray(np.multiply.outer(wx, wy) * abs(x[:, None] - y) ** (-1 - 2 * rho))
+
+
+def seminorm(first: Array, second: Array, rho: float) -> Array:
+    """Return the Sobolev–Slobodeckij seminorm |v|_ϱ of functions v on (0, 1), (...).
+
+    For a Lipschitz v and ϱ ≤ 1/2 the integrand is bounded. The relative error is a few per mille if v has about ten
+    oscillations.
+
+    Args:
+        first: the values of v at the nodes of ``FIRST``, (..., n).
+        second: the values of v at the nodes of ``SECOND``, (..., m).
+        rho: the order ϱ.
+    """
+    kernel = _kernel(FIRST, SECOND, rho)
+    squares = first**2 @ kernel.sum(axis=1) + second**2 @ kernel.sum(axis=0)
+    return np.sqrt(np.maximum(squares - 2 * np.einsum("...i,ij,...j->...", first, kernel, second, optimize=True), 0.0))
+
+
+@lru_cache
+def gram(panels: int, rho: float) -> Array:
+    """Return the Gram matrix of |·|_ϱ for the hat functions on equal panels of (0, 1), (panels + 1, panels + 1)."""
+    nodes = np.linspace(0, 1, panels + 1)
+    rules = composite_gauss(panels, POINTS), composite_gauss(panels, POINTS + 1)
+    hats = [np.maximum(0, 1 - panels * abs(nodes[:, None] - x)) for x, _ in rules]
+    kernel = _kernel(*rules, rho)
+    mixed = hats[0] @ kernel @ hats[1].T
+    squares = [(hat * weights) @ hat.T for hat, weights in zip(hats, (kernel.sum(1), kernel.sum(0)), strict=True)]
+    found: Array = squares[0] + squares[1] - mixed - mixed.T
+    return found
+
+
+MOST = 40
+"""Largest number of successive refinements of a mesh."""
+
+
+def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.csr_array]:
+    """Refine a mesh until its cells are small enough; return also the matrix that interpolates P1 functions to it.
+
+    Args:
+        mesh: a mesh of triangles.
+        wanted: function from the corners of cells (2, 3, cells) to the largest permitted length of their sides,
+            (cells,).
+
+    Returns:
+        The refined mesh, and the matrix from vertex values on the given mesh to vertex values on the refined one.
+
+    Raises:
+        ValueError: cells are still too large after ``MOST`` refinements.
+    """
+    inclusion = sps.csr_array(sps.eye_array(mesh.p.shape[1]))
+    for _ in range(MOST):
+        corners = mesh.p[:, mesh.t]
+        sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
+        large = np.flatnonzero(sides > wanted(corners) * (1 + 1e-9))
+        if not large.size:
+            return mesh, inclusion
+        finer = mesh.refined(large)
+        old = mesh.p.shape[1]
+        distance, edge = cKDTree(mesh.p[:, mesh.facets].mean(axis=1).T).query(finer.p[:, old:].T)
+        if not (np.array_equal(finer.p[:, :old], mesh.p) and np.all(distance < 1e-12)):
+            raise ValueError("the finer mesh must have the old vertices first, then midpoints of old edges")
+        inclusion = sps.csr_array(with_midpoints(mesh)[np.concatenate([np.arange(old), old + edge])] @ inclusion)
+        mesh = finer
+    raise ValueError(
+        f"{large.size} cells are still larger than wanted after {MOST} refinements; ask for a positive, larger size"
+    )
+
+
+def inclusion_of(space: Space, finer: Space, nodal: sps.csr_array) -> sps.csr_array:
+    """Return the matrix that embeds the displacements V^h in the space on a finer mesh, (finer dofs, dofs).
+
+    Args:
+        space: the space V^h.
+        finer: the space on the finer mesh.
+        nodal: the matrix for scalar functions that ``refined`` returns.
+    """
+    return sps.csr_array(sps.kron(nodal, sps.eye_array(space.dim), format="csr")[finer.free][:, space.free])
+
 
 EQUAL_BRANCHES = 2 / (2 + math.pi**2)
 """The fraction |N|/h of an edge with a gap at which both expressions for the constant β of the bound are equal."""
