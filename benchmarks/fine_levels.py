@@ -1,4 +1,4 @@
-"""Two experiments of docs/explanation/predictions.md on finer meshes than the ledger has, up to n = 512.
+"""Two experiments of paper/experiments.tex on finer meshes than the ledger has, up to n = 512.
 
 Both measure single numbers for which a limit has been predicted:
 

@@ -1,6 +1,6 @@
 """Solutions and strains that several cases share.
 
-**An advancing front.** An advancing contact front, which the cases ``anisotropic``, ``heterogeneous`` and ``layered`` share.
+**An advancing contact front**, which the cases ``anisotropic``, ``heterogeneous`` and ``layered`` share.
 
 The gap w, the slip z and the contact zone {ψ ≥ 0} with the front c are
 
@@ -8,8 +8,9 @@ The gap w, the slip z and the contact zone {ψ ≥ 0} with the front c are
 
 on the bottom of the unit square. Each case prescribes another contact pressure.
 
-**The law (3.3)**, for a face that is loaded until t_1 and then released. For the normal strain −Q with Q ≥ 0, the law gives the pressure p = a Q̇ + b (Q − ρ)_+. Here ρ is the value of Q at which
-the strain reaches the boundary of K. Q changes from Q_0(s) at t = 0 to Q_1(s) at t = t_1. With τ = t/t_1 its formula is
+**The law (3.3)**, for a face that is loaded until t_1 and then released. For the normal strain −Q with Q ≥ 0, the law
+gives the pressure p = a Q̇ + b (Q − ρ)_+. Here ρ is the value of Q at which the strain reaches the boundary of K.
+Q changes from Q_0(s) at t = 0 to Q_1(s) at t = t_1. With τ = t/t_1 its formula is
 
     Q = Q_0 + (Q_1 − Q_0) h(τ) + t_1 D k(τ),   h = τ²(3 − 2τ),   k = τ²(τ − 1),   D = −(b/a)(Q_1 − ρ)   for t ≤ t_1,
     Q = ρ + (Q_1 − ρ) e^{−b(t − t_1)/a}                                                                 for t ≥ t_1,

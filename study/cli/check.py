@@ -7,9 +7,10 @@ from pathlib import Path
 
 from study.cli.common import code_of, known_undecided, progress_bar
 from study.cli.options import FAILED, OK, SEED_BITS
+from study.ledger.codes import FOLDER, MARCHES
 from study.ledger.compare import Tolerance, as_text, difference
-from study.ledger.controls import SeedRecord
-from study.ledger.datafiles import DataError, read_claims
+from study.ledger.controls import SEEDS_FILE, SeedRecord
+from study.ledger.datafiles import CsvFile, DataError, read_claims
 from study.ledger.files import UsageError
 from study.ledger.text import folded
 from study.ledger.verdict import Verdict
@@ -17,9 +18,18 @@ from study.present.outcome import ledger_text, write_junit
 from study.present.pages import expected_texts
 from study.run.check import compare_again, draw_jobs, expected_seconds, planned_jobs, verify
 from study.run.executor import local_pool
-from study.run.judgement import claims, claims_file, compare_claims, verdicts
+from study.run.judgement import claims, claims_file, compare_claims, data_files, verdicts
 from study.run.provenance import compare_sums
 from study.run.store import Store
+
+IN_PART = (
+    "data/provenance.json",
+    "data/faults.csv",
+    f"data/{SEEDS_FILE}",
+    *(f"{folder}/{name}.csv" for folder in (FOLDER, MARCHES) for name in ("classes", "errors")),
+)
+"""Files in which only some edits are noticed: cells of a wrong kind, and cells from which tables are made. The data
+tables of a run also belong to these files if its provenance has no checksums."""
 
 
 def do_check(options: argparse.Namespace) -> int:
@@ -50,6 +60,11 @@ def do_check(options: argparse.Namespace) -> int:
     print(
         folded(f"{verified}; {len(judged)} verdicts and {inside} files agree with the texts that this version writes")
     )
+    in_part, unchecked = not_compared(options.out, compared)
+    for what, paths in (("checked in part", in_part), ("not checked", unchecked)):
+        if paths:
+            listed = " ".join(str(path) for path in paths)
+            print(folded(f"{what}, {len(paths)} files: {listed}"))
     return code
 
 
@@ -104,3 +119,21 @@ def compare_texts(expected: Mapping[Path, tuple[str, str]]) -> set[Path]:
                 f"`{command}` writes the file again"
             )
     return set(expected)
+
+
+def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list[Path]]:
+    """Return the files of a result directory that were checked in part, and the files that were not checked.
+
+    Hidden files, stored results of jobs, and result directories inside this one are left out.
+
+    Parameters:
+        directory: the result directory.
+        compared: the files that were checked completely.
+    """
+    inside = (path.parent.parent for path in directory.rglob("data/provenance.json"))
+    left_out = {directory / "data" / "jobs", *inside} - {directory}
+    files = [path for path in sorted(directory.rglob("*")) if path.is_file() and not path.name.startswith(".")]
+    rest = [path for path in files if path not in compared and not left_out & {*path.parents}]
+    tables = [f"data/{file.name}" for file in data_files() if isinstance(file, CsvFile)]
+    in_part = {directory / name for name in (*IN_PART, *tables)}
+    return [path for path in rest if path in in_part], [path for path in rest if path not in in_part]

@@ -134,7 +134,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     "run": ("run", "run the study: measure and judge; continues if it was stopped", [
         [
             option("--quick", dest="plan", action="store_const", const="quick", default="quick",
-                   help="few levels, about three minutes, results in results/quick (default)"),
+                   help="few levels, about a minute on two cores, results in results/quick (default)"),
             option("--full", dest="plan", action="store_const", const="full",
                    help="all levels, an hour, results in results"),
         ],
@@ -203,8 +203,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--step", type=int, metavar="N",
                help="the load step in the file that a static problem describes, counted from 0; -1 is the last"),
         option("--nearest", action="store_true",
-               help="if the displacement is not zero on the clamped part, bound the error of the nearest one that "
-               "is"),
+               help="replace the values of the displacement at the nodes of clamped and rolling sides, where they "
+               "are not the prescribed ones"),
         option("--adapt", metavar="TOL|P%",
                help="refine the first mesh until the error bound is at most TOL, or P per cent of the norm of u"),
         option("--cells", type=int, within=FROM_1, default=MOST_CELLS, metavar="N",

@@ -3,18 +3,20 @@
 import argparse
 import shlex
 import sys
+from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from study.cli.common import code_of, known_undecided, progress_bar, tell_written
-from study.fem.naming import absolute, choose
+from study.cli.common import ProgressBar, code_of, known_undecided, progress_bar, tell_written
+from study.fem.naming import absolute, choose, name_of
 from study.ledger.datafiles import read_claims
 from study.ledger.text import folded
 from study.present.outcome import ledger_text, orders_text, rates_text
 from study.run.executor import Pool, connected, execute, local_pool, prove, refuse_too_large, save_proofs, unfinished
-from study.run.judgement import collect, judge
-from study.run.plan import Plan, full, quick
+from study.run.judgement import collect, judge, judge_stored
+from study.run.plan import Job, Plan, full, quick
 from study.run.provenance import read_provenance, refuse_to_replace
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
@@ -49,7 +51,7 @@ def do_run(options: argparse.Namespace) -> int:
         refuse_too_large(unfinished(plan.jobs, store), pool)
         plan.check()
         # A user's case is refused before the result directory exists.
-        proofs = prove(plan.jobs, scope.cases, store, pool)
+        proofs = prove(plan.stages()[0], scope.cases, store, pool)
         with store.locked():
             save_proofs(proofs, store)
             measure(plan, store, pool)
@@ -78,8 +80,31 @@ def measure(plan: Plan, store: Store, pool: Pool) -> None:
     store.check()
     left = unfinished(plan.jobs, store)
     with progress_bar(round(sum(job.cost for job in left)), f"{len(left)} jobs") as bar:
-        execute(plan.jobs, store, pool, bar.add)
+        for stage in plan.stages():
+            save_proofs(prove(stage, plan.scope.cases, store, pool), store)
+            execute(stage, store, pool, verdict_printer(stage, store, bar))
         collect(plan, store)
+
+
+def verdict_printer(jobs: Sequence[Job], store: Store, bar: ProgressBar) -> Callable[[Job], None]:
+    """Return a function that moves a progress bar, and prints the verdicts on a statement when they can be judged.
+
+    The function is called with each finished job. The verdicts on a statement for a case are printed when all its
+    measurements are finished. Statements that are judged from several files are left out.
+    """
+    left = Counter((job.statement, job.case) for job in unfinished(jobs, store))
+
+    def tell(job: Job) -> None:
+        bar.add(job)
+        group = job.statement, job.case
+        left[group] -= 1
+        if left[group] == 0:
+            all_jobs = [other for other in jobs if (other.statement, other.case) == group]
+            if counts := Counter(verdict.verdict for verdict in judge_stored(all_jobs, store)):
+                words = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+                bar.write(f"{job.statement.label}, {name_of(job.case)}: {words}", file=sys.stderr)
+
+    return tell
 
 
 def with_levels_of(directory: Path, scope: Scope) -> Scope:

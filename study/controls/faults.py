@@ -3,7 +3,7 @@
 A fault changes the problem that is solved, or its data. The exact solution, the norm and the measurement of errors stay
 right. ``study.controls.matrix`` measures in which cases a fault is noticed.
 
-Most faults have a size δ: a relative change of a datum, a stiffness, an angle. The fault of size 0 is no
+Most faults have a size δ: a relative change of a datum, a coefficient of friction, an angle. The fault of size 0 is no
 fault.
 """
 
@@ -323,6 +323,79 @@ def owners(space: Space, directions: int) -> Array:
     return np.concatenate([np.tile(part, directions) for part in parts])
 
 
+class Frictional:
+    """Solves the contact problem of one step with Coulomb friction, |σ_τ| ≤ μ |σ_ν|, on the total displacement.
+
+    The bound of the friction force is taken from the last contact forces until both agree. With μ = ∞ the body is glued
+    to the foundation where it is in contact.
+
+    Args:
+        S, N, gap: as for ``Signorini``.
+        T: the matrix from displacements to their tangential components at the vertices of Γ3.
+        owners: for each row of T, the row of N of the same vertex.
+        friction: the coefficient μ.
+    """
+
+    def __init__(
+        self, S: sps.csc_array, N: sps.csr_array, T: sps.csr_array, owners: Array, friction: float, gap: Array | float
+    ) -> None:
+        self.m = N.shape[0]
+        self.owners = owners
+        self.friction = friction
+        self.gap = np.concatenate([np.broadcast_to(gap, self.m), np.zeros(T.shape[0])])
+        self.both = Signorini(S, sps.csr_array(sps.vstack([N, T])))
+        self.normal = Signorini(S, N)
+
+    def __call__(self, b: Array) -> tuple[Array, Array]:
+        solver = self.both
+        m = self.m
+        W = solver.W
+        y = solver.factor.forward(b)
+        free = y[solver.contact] @ solver.Y - self.gap
+        pressure = np.zeros(m)
+        shear = np.zeros(len(free) - m)
+        for _ in range(100):
+            before = pressure
+            pressure = self.normal.complementarity(free[:m] - W[:m, m:] @ shear)
+            on = pressure[self.owners]
+            bound = np.where(on > 0, self.friction * np.maximum(on, np.finfo(float).tiny), 0.0)
+            shear = bounded(W[m:, m:], free[m:] - W[m:, :m] @ pressure, bound, shear)
+            if abs(pressure - before).max(initial=0.0) <= 1e-12 * abs(pressure).max(initial=0.0):
+                break
+        y[solver.contact] -= solver.Y @ np.concatenate([pressure, shear])
+        return solver.factor.backward(y), pressure
+
+
+def bounded(W: Array, free: Array, bound: Array, start: Array) -> Array:
+    """Return the forces λ with |λ| ≤ bound that minimise ½ λᵀWλ − free·λ, by a primal–dual active set method."""
+    forces = np.clip(start, -bound, bound)
+    sides = np.full(len(forces), np.nan)
+    for _ in range(50):
+        trial = forces + (free - W @ forces) / W.diagonal()
+        above = (bound == 0) | (trial > bound)
+        following = np.where(above, 1.0, np.where(trial < -bound, -1.0, 0.0))
+        if (following == sides).all():
+            break
+        sides = following
+        inside = sides == 0
+        forces = np.where(inside, 0.0, sides * np.where(inside, 0.0, bound))
+        if inside.any():
+            rest = free[inside] - W[np.ix_(inside, ~inside)] @ forces[~inside]
+            forces[inside] = np.linalg.solve(W[np.ix_(inside, inside)], rest)
+    return forces
+
+
+def friction(setup: Experiment, size: float) -> Experiment:
+    """Solve with Coulomb friction of the coefficient δ; δ = ∞ glues the body where it is in contact."""
+    T = tangents(setup.space)
+    rows = owners(setup.space, setup.space.dim - 1)
+
+    def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> Frictional:
+        return Frictional(S, N, T, rows, size, gap)
+
+    return solving(setup, solver=solver)
+
+
 def tilted(setup: Experiment, size: float) -> Experiment:
     """Turn the normals of the constraint by the angle δ towards the first tangent."""
 
@@ -536,6 +609,8 @@ FAULTS = (
     ),
     Fault("opposite faces in contact", "(2.5) σ_ν u_ν = 0", opposite_faces),
     Fault("glued on Γ3", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "reference", size), (1e6,)),
+    Fault("glued where in contact", "(2.5) σ_τ = 0", lambda setup, size: friction(setup, np.inf)),
+    Fault("Coulomb friction δ", "(2.5) σ_τ = 0", friction, (0.3, 0.1)),
     Fault("springs along Γ3", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "reference", size), (0.3, 0.1)),
     Fault("dashpots along Γ3", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "M", size), (0.3, 0.1)),
     Fault("one tangent of Γ3 held", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "reference", 1e6, True)),

@@ -2,6 +2,7 @@
 
 import importlib.util
 import re
+import reprlib
 import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -25,8 +26,6 @@ from study.ledger.files import UsageError
 
 SEED_DIGITS = 20
 """Largest number of digits of a seed, which is enough for 64 bits. File names contain the seed, so it must be short."""
-LONGEST_SHOWN = 120
-"""Names up to this number of characters are shown in full in error messages."""
 
 
 def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
@@ -115,8 +114,9 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
         raise UsageError(f"{reference} is a {type(found).__name__}, expected manufactured.Data or a manufactured.Case")
     name = found.name if isinstance(found, OpenProblem) else reference.rpartition(":")[2]
     if fault := file_name_fault(name):
-        shown = name if len(name) <= LONGEST_SHOWN else name[:LONGEST_SHOWN] + "…"
-        raise UsageError(f"the problem {shown!r} cannot be part of a file name, as {fault}: give it another name")
+        raise UsageError(
+            f"the problem {reprlib.repr(name)} cannot be part of a file name, as {fault}: give it another name"
+        )
     return name, data, None
 
 

@@ -103,7 +103,7 @@ class OtherErrors(CsvFile):
 
     label: str = ""
     key = ("label", *MESH_KEY)
-    columns = ["label", *MESH_KEY, "mode", "code", "version", "variant", "class", "error"]
+    columns = ["label", *MESH_KEY, "mode", "code", "version", "variant", "class", "error", "distance"]
 
     def read(self, directory: Path) -> pd.DataFrame:
         """Return the errors of all codes in one table with the columns ``mode`` and ``label``; empty without data.

@@ -1,7 +1,7 @@
 # ruff: noqa: E501 – every column has one line.
 """The tables of a result directory: the meaning, the unit and the empty cells of every column.
 
-Reading, checks and the tables in ``docs/reference/files.md`` follow from ``TABLES``. To add a column, add a line here,
+Reading, checks and the tables in ``docs/reference/columns.md`` follow from ``TABLES``. To add a column, add a line here,
 and write the column where the rows are measured.
 """
 

@@ -23,17 +23,6 @@ import pandas as pd
 
 from study.ledger.window import Window, is_two_sided, position
 
-FORMULAS = {2: 18, 3: 15, 4: 30, 5: 43}
-"""Section of the paper ↦ number of the last formula in this section."""
-NUMBERED_STATEMENTS = (
-    "Problem 2.1", "Thm 2.2", "Problem 3.1", "Problem 3.2", "Thm 4.1", "Thm 4.2", "Thm 4.3", "Problem 5.1", "Thm 5.2",
-    "Prop. 5.3", "Prop. 5.4",
-)  # fmt: skip
-NUMBERED = (
-    *(f"({section}.{n})" for section, last in FORMULAS.items() for n in range(1, last + 1)),
-    *NUMBERED_STATEMENTS,
-)
-"""All numbered formulas in the order of the paper, then all numbered statements."""
 NO_ROW, NOT_TESTED = "no row", "not tested"
 """Labels of rows that give the reason why a formula or statement of the paper has no check that can fail."""
 
@@ -175,11 +164,6 @@ def exit_code(verdicts: Sequence[Verdict]) -> int:
     """
     found = {verdict.verdict for verdict in verdicts}
     return 1 if FAILS in found else 3 if UNDECIDED in found or not found else 0
-
-
-def is_of_the_paper(label: str) -> bool:
-    """Return whether the label of a check names a numbered formula or statement of the paper."""
-    return bool(named(label))
 
 
 def window_share(row: pd.Series) -> float:

@@ -27,7 +27,7 @@ from study.ledger.check import by_family
 from study.ledger.codes import GRADES, Codes
 from study.ledger.controls import INVISIBLE_SHARE
 from study.ledger.quantities import Array, RatesError, fit, orders
-from study.ledger.text import interval
+from study.ledger.text import above, below, interval
 from study.present.drawing import (
     COLOURS,
     OUTLINE,
@@ -171,11 +171,14 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
         axes.annotate(f"{slope:.3g}", beside, (-2, 0), ha="right", va="center", **text)
     axes.annotate(f"{slope:.3g}" if small else "1", above_it, (0, 1.5), ha="center", va="bottom", **text)
     # The text needs room above the triangle.
-    axes.update_datalim([(10**end, 10 ** (top + (0.13 if small else 0.05) * decades))])
+    axes.update_datalim([(10**end, 10 ** (top + 0.13 * decades))])
     axes.autoscale_view()
 
 
 # Observed orders.
+
+ROOM_BELOW = 0.15
+"""Observed orders may be smaller than the proved order by this number, as in the checks of Proposition 5.4."""
 
 
 def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
@@ -318,7 +321,9 @@ def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
         shift = 0.012 * (number - (len(styles) - 1) / 2)
         axes.plot(rows["predicted"] + shift, rows["observed"], ls="", **style)
     axes.set(xlim=(0, top), ylim=(0, top), xlabel="predicted order", ylabel="observed order, last two refinements")
-    add_legend(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
+    heading, *entries = families(styles, ls="")
+    heading.set_label("mesh family, side by side")
+    add_legend(figure, [heading, *entries], [entry("observed = predicted", color=GREY)])
     return figure
 
 
@@ -352,6 +357,7 @@ def draw_collapsed(rates: pd.DataFrame) -> Figure:
     for (_, family), rows in over_constants(rates).groupby(["case", "family"], sort=False):
         errors.plot(rows["h"], rows["scaled"], **styles[str(family)])
         ratios.plot(rows["h"], rows["relative"], **styles[str(family)])
+    draw_slope(errors, 1)
     label_ticks([errors, ratios])
     errors.set_ylabel("error / C")
     ratios.set(xlabel=MESH_SIZE, ylabel="error / (C h)")
@@ -363,7 +369,21 @@ def caption_collapsed(rates: pd.DataFrame) -> str:
     """Return the caption of ``draw_collapsed``."""
     table = over_constants(rates)
     finest = table.groupby(["case", "family"], sort=False)["relative"].last().groupby("family", sort=False)
-    return caption("collapsed", cases=_all_cases(rates), relative=table["relative"], finest=finest)
+    orders = order_in_words(rates)
+    return caption("collapsed", cases=_all_cases(rates), relative=table["relative"], finest=finest, orders=orders)
+
+
+def order_in_words(rates: pd.DataFrame) -> str:
+    """Return the orders of the errors of smooth solutions over the last two refinements, and whether they are O(h)."""
+    observed = order_differences(rates, dict.fromkeys(rates["case"], 1.0))["observed"]
+    if observed.empty:
+        return ""
+    low, high = observed.min(), observed.max()
+    result = "the error is O(h)" if low >= 1 - ROOM_BELOW else "on these meshes the error is not O(h)"
+    return (
+        f"{result}: observed orders {below(low, 2)} to {above(high, 2)} in {_all_cases(rates)}, over the last two "
+        "refinements"
+    )
 
 
 # Bounds of the error.
@@ -458,9 +478,9 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
     mesh, bounds = figure.subplots(1, 2)
     mesh.triplot(result.mesh, color=DARK, lw=0.25)
     handles = []
-    for which, colour, text in ((result.closed, VERMILLION, "in contact"), (~result.closed, BLUE, "open")):
+    for which, colour, text in ((result.closed, VERMILLION, "touches"), (~result.closed, BLUE, "is open")):
         mesh.add_collection(LineCollection(list(result.edges[:, :, which].T), colors=colour, linewidths=2.5, zorder=3))
-        handles += [entry(rf"$\Gamma_3$ {text}", color=colour, lw=2.5)] * bool(result.closed.size)
+        handles += [entry(f"CONTACT side {text}", color=colour, lw=2.5)] * bool(result.closed.size)
     mesh.set(aspect="equal", title=f"mesh {rows['mesh'].iloc[-1]}, {rows['cells'].iloc[-1]} cells")
     mesh.axis("off")
     handles += bounds.loglog(rows["dofs"], rows["bound"], color=BLUE, marker="o", label="adaptive")

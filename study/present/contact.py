@@ -164,6 +164,7 @@ def draw_profile(axes: Axes, face: Segment, exact: Array, computed: Array, colou
     axes.plot(face.line, exact, color=BLACK, lw=0.9)
     axes.plot(face.s, computed, "o", color=colour, clip_on=False, zorder=3, **NODES)
     axes.set_xlim(face.line.min(), face.line.max())
+    axes.locator_params(axis="x", nbins=3)
     axes.grid(True)
 
 

@@ -14,7 +14,7 @@ from study.ledger.datafiles import expected_orders, read_csv, read_rates
 from study.ledger.files import UsageError
 from study.present import body, charts, contact, problem
 from study.present.drawing import SHEET, Drawing
-from study.present.picture import read_pictures
+from study.present.picture import Picture, read_pictures
 
 FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., str], str]] = {
     "problem": (problem.draw_sketch, problem.caption_sketch, "Sketch of a body on a rigid foundation"),
@@ -89,7 +89,19 @@ def figure(kind: str, *data: Any, name: str = "", case: str = "", about: str = "
     """
     draw, describe, summary = FIGURES[kind]
     title = ": ".join(filter(None, (summary, about or case)))
-    return Drawing(name or kind, partial(draw, *data), describe(*data), title, case, sheet)
+    return Drawing(name or kind, partial(draw, *data), describe(*data), title, case, sheet, partial(_table, data))
+
+
+def _table(data: Sequence[Any]) -> pd.DataFrame | None:
+    """Return the data of a figure as a table; None for a sketch."""
+    for shown in data:
+        if isinstance(shown, pd.DataFrame):
+            return shown
+        if isinstance(shown, Codes):
+            return shown.errors
+        if isinstance(shown, Picture):
+            return shown.on_faces
+    return None
 
 
 def drawings(directory: Path) -> list[Drawing]:
@@ -174,7 +186,7 @@ def overview(directory: Path) -> list[Drawing]:
         tables |= {"contact-work": charts.work_rows(statements), "rollers": charts.roller_rows(statements)}
     if (data / "faults.csv").is_file():
         tables["faults"] = read_csv(directory, "faults.csv")
-    figures += [figure(kind, table) for kind, table in tables.items() if len(table)]
+    figures += [figure(kind, table, sheet=kind == "faults") for kind, table in tables.items() if len(table)]
     if codes := Codes.read(directory):
         figures.append(figure("codes", codes))
     return [*figures, figure("problem")]

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from study.ledger.datafiles import DataError, made_by, read_csv, read_uncompressed
@@ -202,6 +203,18 @@ class Picture:
     def polygons(self) -> list[Polygon]:
         """The contact faces of a body in 3D; empty in 2D."""
         return [face for face in self.faces if isinstance(face, Polygon)]
+
+    @property
+    def on_faces(self) -> pd.DataFrame:
+        """Gap and pressure, computed and exact, with one row for each time and node of a contact face."""
+        tables = []
+        for face in self.faces:
+            columns = {"time": np.repeat(face.times, face.x.shape[1]), "face": face.number}
+            columns |= {f"x{i}": np.tile(x, len(face.times)) for i, x in enumerate(face.x, start=1)}
+            for name in ("gap", "gap_exact", "pressure", "pressure_exact"):
+                columns[name] = getattr(face, name).ravel()
+            tables.append(pd.DataFrame(columns))
+        return pd.concat(tables)
 
     def showing(self, instants: Sequence[int]) -> Picture:
         """Return the data for figures that show the body at the times with these indices."""

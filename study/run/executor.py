@@ -261,9 +261,21 @@ def require(what: str, need: float, room: float) -> None:
     if need > room:
         raise UsageError(
             f"{what} needs about {need / GIB:.1f} GiB of memory, {room / GIB:.1f} GiB are available; take coarser "
-            "levels with --levels (--level of `study show`), fewer refinements with --refine (`study bound` and `study "
-            "certify`), free memory, or take a machine with more"
+            "levels with --levels (--level of `study show`) or a coarser mesh, fewer refinements with --refine (`study "
+            "bound` and `study certify`), free memory, or take a machine with more"
         )
+
+
+def require_bound(what: str, cells: int, refinements: int) -> None:
+    """Raise UsageError if an error bound on a mesh needs more memory than is available, or has too many cells.
+
+    Parameters:
+        what: the mesh in words, for the message.
+        cells: the number of its cells.
+        refinements: how often it is refined for the bound.
+    """
+    require(what, estimates.bound(cells, refinements), available())
+    estimates.require_factorisation(cells, refinements)
 
 
 def available(root: Path = Path("/")) -> float:

@@ -7,7 +7,8 @@ not part of the key, although last digits may differ between processors.
 
 A problem is known by its value: numbers, texts, arrays, formulas, and dataclasses of this project. Functions and
 classes of a user have no value, because what they compute may depend on anything, such as other files. A result that
-depends on them is stored with a key that is only known to the process that computed it.
+depends on them is stored with a key that is only known to the process that computed it. Loads and stresses at some
+points are a part of the value, because the file of a user may replace functions of this program or of a library.
 """
 
 import ast
@@ -25,6 +26,7 @@ from pathlib import Path
 import numpy as np
 import sympy as sp
 
+from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.catalogue import NAMES, module_of
 from manufactured.data import Data
@@ -111,7 +113,10 @@ def problem(reference: str) -> str:
     Parameters:
         reference: the name, or FILE.py:NAME.
     """
-    return _hash([by_value(resolve(reference))]) if is_own(reference) else reference
+    if not is_own(reference):
+        return reference
+    case = resolve(reference)
+    return of_problem(Data.of(case.solution), case, ())
 
 
 @cache
@@ -247,7 +252,19 @@ def _value_of(data: Data) -> object:
     formulas = data.formulas_of
     if any(_package(one) not in PROJECT for one in (type(data), *data.functions) if one):
         formulas = None
-    return by_value([type(data).__name__, data.body, data.law, data.lines, data.points, formulas or data.functions])
+    sampled = _sampled(data) if formulas else ""
+    functions = formulas or data.functions
+    return by_value([type(data).__name__, data.body, data.law, data.lines, data.points, functions, sampled])
+
+
+def _sampled(data: Data) -> list[str]:
+    """Return loads and stresses at some points to nine digits, because the last digits are rounding."""
+    x = data.body.sample(np.random.default_rng(0), 16)
+    time = 0.4 * data.body.T
+    strain = data.initial(x)
+    tractions = [data.surface_load(part, x)(time) for part in data.body.of(Kind.LOADED)]
+    values = [data.body_force(x)(time), data.law.at(x).stress(strain + 1, strain + 2), *tractions]
+    return [f"{value:.9g}" for value in np.concatenate(values, axis=None)]
 
 
 def _hash(values: list[object], code: str | None = None) -> str:

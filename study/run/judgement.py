@@ -6,14 +6,12 @@ Judging needs the data files only: nothing is solved, and the checks in ``claims
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
-from io import StringIO
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from manufactured.catalogue import NAMES
-from study.fem.naming import describe
+from study.fem.naming import describe, is_own, resolve
 from study.ledger.compare import difference
 from study.ledger.datafiles import (
     CsvFile,
@@ -30,7 +28,7 @@ from study.ledger.files import write_text
 from study.ledger.schema import TABLES
 from study.ledger.verdict import Verdict
 from study.run.plan import Job, Plan
-from study.run.provenance import SUMS, Complete, commit, provenance, read_provenance, text_sum
+from study.run.provenance import SUMS, Complete, provenance, read_provenance, text_sum
 from study.run.store import Store
 from study.statements import STATEMENTS
 from study.statements.enclosure import BOUNDS, ENCLOSURES
@@ -59,6 +57,25 @@ def stored_rows(jobs: Iterable[Job], store: Store) -> dict[DataFile, list[Row]]:
         for file, row in job.statement.records(job.setting, result):
             rows.setdefault(file, []).append(row)
     return rows
+
+
+def stored_tables(jobs: Sequence[Job], store: Store) -> dict[DataFile, pd.DataFrame]:
+    """Return tables of the stored results of jobs on one case, with the predictions for this case."""
+    predictions = pd.DataFrame([describe(resolve(jobs[0].case))])
+    rows = stored_rows(jobs, store)
+    return {file: predicted(pd.DataFrame(rows[file]), predictions) for file in rows if isinstance(file, CsvFile)}
+
+
+def judge_stored(jobs: Sequence[Job], store: Store) -> list[Verdict]:
+    """Judge the stored results of jobs of one statement and one case, before the data files are written.
+
+    The list is empty if the statement cannot be judged from these results alone.
+    """
+    statement, case = jobs[0].statement, jobs[0].case
+    if statement.joined_file or not (is_own(case) or case in NAMES):
+        return []
+    tables = stored_tables(jobs, store)
+    return statement.judge(tables[statement.file]) if statement.file in tables else []
 
 
 def collect(plan: Plan, store: Store) -> None:
@@ -109,28 +126,8 @@ def compare_claims(directory: Path, judged: Sequence[Verdict]) -> None:
     path, again = claims_file(directory), f"`study tables --out {directory}` writes it again"
     if not path.is_file():
         raise DataError(f"{path} is missing: {again}")
-    expected = table_text(claims(judged))
-    if read_provenance(directory).get("commit") != commit()["commit"]:
-        expected = with_older_checks(path.read_text(encoding="utf-8"), expected)
-    if differs := difference(path, expected, frozenset(TABLES["claims.csv"].numbers)):
+    if differs := difference(path, table_text(claims(judged)), frozenset(TABLES["claims.csv"].numbers)):
         raise DataError(f"{differs}: {again}")
-
-
-def with_older_checks(written: str, expected: str) -> str:
-    """Return the text of ``claims.csv`` that is expected if another version of the program wrote it.
-
-    Rows of checks that this version no longer has stand; checks that are new in this version are left out.
-
-    Parameters:
-        written: the text of the file.
-        expected: the text that this version would write.
-    """
-    old, new = (pd.read_csv(StringIO(text), dtype=str, keep_default_na=False) for text in (written, expected))
-    checks = [pd.MultiIndex.from_frame(table[["label", "key"]]) for table in (old, new)]
-    shared, known = checks[0].isin(checks[1]), checks[1].isin(checks[0])
-    judged = new[known]
-    judged.index = pd.Index([*np.flatnonzero(shared), *range(len(old), len(old) + len(new))][: len(judged)])
-    return table_text(pd.concat([old[~shared], judged]).sort_index())
 
 
 def claims(judged: Sequence[Verdict]) -> pd.DataFrame:

@@ -20,9 +20,10 @@ The proofs are in paper/time.tex. The first bound needs the computed solution, t
 independent of h. z is the initial velocity u̇^h(0+), which is the projection of f(0) − B^h u_0 onto the cone of
 directions that K^h permits at u_0, and ‖z‖_V ≤ ‖f(0)‖_V + ‖B^h u_0‖_V.
 
-**Steps of variable size, without a potential** (``EulerBounds``). The semi-discrete problem (Problem 5.1) is u̇ + Bu + N_K(u) ∋ f in V^h with ‖Bv − Bw‖ ≤ κ ‖v − w‖ and
-(Bv − Bw, v − w) ≥ −γ ‖v − w‖², 0 ≤ γ ≤ κ, in the norm and inner product of V. N_K is the normal cone of the admissible
-set. Backward Euler on 0 = t_0 < … < t_N = T with k_n = t_n − t_{n−1}, k = max k_n and γk < 1 gives U_n,
+**Steps of variable size, without a potential** (``EulerBounds``). The semi-discrete problem (Problem 5.1) is
+u̇ + Bu + N_K(u) ∋ f in V^h with ‖Bv − Bw‖ ≤ κ ‖v − w‖ and (Bv − Bw, v − w) ≥ −γ ‖v − w‖², 0 ≤ γ ≤ κ, in the norm and
+inner product of V. N_K is the normal cone of the admissible set.
+Backward Euler on 0 = t_0 < … < t_N = T with k_n = t_n − t_{n−1}, k = max k_n and γk < 1 gives U_n,
 δ_n = (U_n − U_{n−1})/k_n and ξ_n = f(t_n) − BU_n − δ_n ∈ N_K(U_n). Let û be the piecewise linear interpolant of the
 U_n, V = Var f, z = u̇(0+), F_n = ∫_{t_{n−1}}^{t_n} ‖f(t) − f(t_n)‖ dt and P = Π_n (1 − γk_n)^{−1}. Then max_t
 ‖u(t) − û(t)‖ is at most
@@ -74,8 +75,9 @@ class GradientFlow:
 
         The arguments are arrays of k indices each.
         """
-        squares = np.sum((self.loads[i] - self.loads[j]) * (self.representers[i] - self.representers[j]), axis=-1)
-        root: Array = np.sqrt(np.maximum(squares, 0))
+        between = self.loads[i] - self.loads[j]
+        represented = self.representers[i] - self.representers[j]
+        root: Array = np.sqrt(np.maximum(np.sum(between * represented, axis=-1), 0))
         return root
 
     @cached_property
@@ -89,7 +91,8 @@ class GradientFlow:
         """The initial velocity z = u̇^h(0+), (n,)."""
         problem, u0 = self.problem, self.problem.u0
         touching = problem.N @ u0 >= -TOUCHING * abs(u0).max(initial=0.0)
-        return Signorini(problem.M, problem.N[np.flatnonzero(touching)])(self.loads[0] - problem.elastic(u0))[0]
+        solver = Signorini(problem.M, problem.N[np.flatnonzero(touching)])
+        return solver(self.loads[0] - problem.elastic(u0))[0]
 
     @property
     def interval(self) -> float:
@@ -105,7 +108,8 @@ class GradientFlow:
         Args:
             nodes: the indices of t_0 = 0, …, t_N = T in the grid, (N + 1,).
         """
-        grid, ahead = np.arange(len(self.loads)), np.repeat(nodes[1:], np.diff(nodes))
+        grid = np.arange(len(self.loads))
+        ahead = np.repeat(nodes[1:], np.diff(nodes))
         away = np.maximum(self.distance(ahead, grid[:-1]), self.distance(ahead, grid[1:]))
         return np.add.reduceat(away, nodes[:-1]) * self.interval
 
@@ -136,10 +140,11 @@ class GradientFlow:
         Args:
             states: the displacements U_0, …, U_N, (N + 1, n), where N divides m.
         """
-        steps, M = len(states) - 1, self.problem.M
-        k, every = self.problem.T / steps, (len(self.loads) - 1) // steps
+        steps = len(states) - 1
+        k = self.problem.T / steps
+        every = (len(self.loads) - 1) // steps
         rates = np.vstack([self.start, np.diff(states, axis=0) / k])
-        forces = self.loads[::every] - (M @ rates.T).T
+        forces = self.loads[::every] - (self.problem.M @ rates.T).T
         total = float(np.sum(np.diff(forces, axis=0) * rates[1:]))
         return float(self.delays(np.arange(0, len(self.loads), every)).sum()) + k * math.sqrt(max(total, 0.0))
 

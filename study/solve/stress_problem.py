@@ -38,7 +38,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
 
 import clarabel
 import numpy as np
@@ -47,48 +46,8 @@ import scipy.sparse as sps
 from manufactured.law import Combined, KelvinVoigt, Linear, Yield
 from manufactured.tensors import Array, Tensors
 from study.fem.space import Space, means
+from study.solve.interior_point import SOLVED, Accuracy, settings
 from study.solve.steps import longest_step, require_unique, step_size
-
-REFINEMENT = 1e-16
-"""Tolerance of the linear systems in the solver.
-
-It cannot be reached, so the systems are refined until rounding prevents further progress.
-"""
-SOLVED = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
-
-
-class Accuracy(NamedTuple):
-    """Tolerances of the solver.
-
-    Attributes:
-        gap: the tolerance for the duality gap, absolute or relative.
-        feasibility: the tolerance for the residuals of the constraints.
-    """
-
-    gap: float
-    feasibility: float
-
-
-def settings(aim: Accuracy, enough: Accuracy) -> clarabel.DefaultSettings:
-    """Return the settings with which the solver stops at a given accuracy.
-
-    Args:
-        aim: the accuracy at which the solver stops.
-        enough: the accuracy that is accepted if rounding stops the solver before ``aim``.
-    """
-    found = clarabel.DefaultSettings()
-    found.verbose = False
-    # Presolve and chordal decomposition are switched off, because the solver could not take new data for the next time
-    # step.
-    found.presolve_enable = False
-    found.chordal_decomposition_enable = False
-    found.tol_gap_abs = found.tol_gap_rel = aim.gap
-    found.tol_feas = aim.feasibility
-    found.reduced_tol_gap_abs = found.reduced_tol_gap_rel = enough.gap
-    found.reduced_tol_feas = enough.feasibility
-    found.iterative_refinement_abstol = found.iterative_refinement_reltol = REFINEMENT
-    return found
-
 
 AIM = Accuracy(gap=1e-15, feasibility=1e-11)
 """The accuracy at which the solver should stop, as high as rounding permits.

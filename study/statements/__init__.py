@@ -7,6 +7,7 @@ from study.statements.contact_force import ContactForce
 from study.statements.enclosure import BoundedError, EnclosedError
 from study.statements.error_estimate import (
     ErrorBounds,
+    InterpolationInV,
     InterpolationOnContact,
     NodalStart,
     ResidualBound,
@@ -19,16 +20,17 @@ from study.statements.prop_5_4 import Convergence, FirstOrder, InitialGap, Regul
 from study.statements.shared.base import Statement
 from study.statements.thm_4_2 import OwnSpace, SameMesh
 from study.statements.time_steps import BackwardEuler, FullyDiscrete, JumpingLoad, Landings, NoPotential
+from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.unmeasured import Misprints, Untested, WithoutRow
 from study.statements.wellposed import BoundedVelocity, Dependence, Korn, SolutionDivergence
 from study.statements.work_of_contact import EdgeWork, Rollers, WorkOfContact
 
 IN_ORDER: tuple[type[Statement], ...] = (
-    # The order is the order of the paper: first the problem and its data.
-    *(Korn, Dependence, SolutionDivergence, LoadInTime, BoundedVelocity),
-    *(SameMesh, OwnSpace, TractionInTime, NaturalConditions),
+    # The order is the order of the paper: first the problem, its data, existence and uniqueness.
+    *(Korn, Dependence, SolutionDivergence, LoadInTime, BoundedVelocity, OneTrajectory),
+    *(SameMesh, OwnSpace, OneStress, TractionInTime, NaturalConditions),
     # Then the discretisation, the error estimate and convergence.
-    *(ErrorBounds, SizeOfInterpolation, InterpolationOnContact, ResidualBound),
+    *(ErrorBounds, InterpolationInV, SizeOfInterpolation, InterpolationOnContact, ResidualBound),
     *(Convergence, NodalStart, FirstOrder, RegularityNeeded),
     # The paper does not compute contact forces; comparisons with other solvers and codes test the program.
     *(ContactForce, Recomputed, OtherCodes),

@@ -13,7 +13,7 @@ exact solution is unknown.
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -279,6 +279,7 @@ TIGHT = (
 )
 INTERVAL_TOLERANCE = 0.15
 """Tolerance around a predicted order. Other statements use the same tolerance for orders between levels."""
+LAST_PAIR = "no claim: two meshes give a wider interval for the order than all meshes"
 KNOWN_SOLUTION = "no claim: this interval contains the observed order whenever the errors lie between their bounds"
 UNPREDICTED = "no claim: neither the solution nor its order is known"
 
@@ -314,6 +315,9 @@ class EnclosedError(Bounds):
                 levels = series.sort_values("h", ascending=False)
                 if len(levels) > 1:
                     judged.append(self.judge_order(case, str(family), levels, known))
+                if len(levels) > 2:
+                    of_pair = self.judge_order(case, str(family), levels.tail(2), known)
+                    judged.append(replace(of_pair, key="order-last", verdict=REPORTED, expected=LAST_PAIR))
         return judged
 
     def judge_order(self, case: str, family: str, levels: pd.DataFrame, known: bool) -> Verdict:

@@ -1,6 +1,6 @@
 """The error estimate of Problem 5.1 and its parts.
 
-The statements are (5.20), (5.21) and (5.42), bounds of the error; (5.24), the interpolation error; (5.27), a
+The statements are (5.20), (5.21) and (5.42), bounds of the error; (5.23) and (5.24), interpolation errors; (5.27), a
 bound of the residual; and the remark after (5.35) on the nodal interpolant of the initial displacement.
 """
 
@@ -16,7 +16,7 @@ from manufactured.case import Case
 from manufactured.exact import ExactSolution, Face
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array, Points, Tensors, dyad
-from study.fem.error_norm import FACET_POINTS, ErrorNorm
+from study.fem.error_norm import DEGREE, FACET_POINTS, ErrorNorm, rules
 from study.fem.mesh import Graded, Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
@@ -29,7 +29,7 @@ from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.load_and_traction import Field, planes, vanishing, waves
+from study.statements.load_and_traction import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import (
     EVOLVING,
     SEED,
@@ -44,13 +44,16 @@ from study.statements.shared.base import (
     with_h,
 )
 from study.statements.shared.meshes import (
+    CELL_POWER,
     EVERY_FAMILY,
     body_of,
     first_with_each,
+    law_of,
     named,
     place,
     posed,
     space_of,
+    split_random,
 )
 from study.statements.shared.norms import Energies, Velocity, dual_norm, maximum, midpoints, unloaded
 from study.statements.shared.scope import REGULAR
@@ -206,6 +209,81 @@ def smooth(body: Body) -> Field:
     return vanishing(waves(body, np.random.default_rng(SEED)), planes(body, Kind.CLAMPED))
 
 
+# (5.23): interpolation in V.
+
+
+SHARP = around(1.0, ORDER_TOLERANCE)
+"""Tolerance window of the order in V, which is 1 for piecewise linear functions."""
+
+
+class InterpolationInV(ListedNumbers):
+    """Measures the interpolation error ‖v − Π^h v‖_V for solutions in H² on each cell, and judges its order.
+
+    On random meshes the order from two coarse levels depends on the random size of the cells where v is strongly
+    curved. Therefore on random meshes the order is fitted to all levels, with the numbers of cells as weights.
+
+    Interpolation errors of P1 elements, in V (5.23) and on the contact faces (5.24).
+
+    The paper states for v ∈ V that
+
+        ‖v − Π^h v‖_V = O(h)  for v ∈ H²(Ω)^d,      ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)} = O(h²)  for v_ν ∈ H²(Γ3,i).
+
+    The orders are measured for v = u(t) at fixed times, and for a smooth field v that vanishes on Γ1. Both orders are
+    sharp for piecewise linear functions, so the windows have two ends. (5.24) is printed with h instead of h². The
+    proof of Prop. 5.4 takes the root of this error in (5.42), so it needs h². If a gap behaves like s_+^α at a front,
+    the trace lies in H^τ for τ < α + 1/2, and the predicted order is min(2, α + 1/2).
+    """
+
+    label = "(5.23)"
+    claim = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
+
+    def places(self, full: bool) -> list[Setting]:
+        if not full:
+            return place(named("advance-recede"), REGULAR, (8, 16, 32))
+        cases = first_with_each(lambda case: (body_of(case), law_of(case), case.regularity.smoothness > 1))
+        cases = [case for case in cases if case.regularity.smoothness > 1]
+        # Graded meshes are left out: their cells at singular points are much smaller than h, which changes the order.
+        return [s for s in place(cases, EVERY_FAMILY, (8, 16, 32), (8, 12, 16)) if s.family != Graded().name]
+
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
+        v_norm = ErrorNorm(solution, space, RAISED_FOR_KINKS)
+        samples = {v: v_norm.sample(fraction * solution.body.T) for v, fraction in FUNCTIONS.items()}
+        errors = {v: v_norm.distance(sample, sample.interpolant) for v, sample in samples.items()}
+        return with_h(space.h, {**errors, SMOOTH_FIELD: distance_in_V(solution, space, smooth(space.body))})
+
+    def checks_of(self, case: str, groups: Groups) -> Judged:
+        by_cells = around(1.0, ORDER_TOLERANCE, "least squares, weighted by the number of cells")
+        random, others = split_random(groups)
+        for key, v in INTERPOLATED.items():
+            quantity = f"order of ‖v − Π^h v‖_V, v = {v}"
+            by_level = level_by_level(v)
+            if others:
+                check = paper_claim(key, f"{quantity}, level by level", by_level, SHARP, levels=ENOUGH, finest=True)
+                yield check, others
+            if random:
+                quantity = f"{quantity}, random meshes, fitted"
+                order = fitted(v, power=CELL_POWER)
+                yield paper_claim(f"{key}-random", quantity, order, by_cells, levels=ENOUGH), random
+
+
+def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
+    """Return the interpolation error ‖v − Π^h v‖_V of a smooth field v.
+
+    Args:
+        solution: the exact solution, whose viscosity defines the norm.
+        space: the P1 space.
+        field: the field, analytic in x.
+    """
+    interpolant = space.strain(space.interpolate(field(space.mesh.p)))
+    total = 0.0
+    for rule in rules(solution, space.mesh, DEGREE + RAISED_FOR_KINKS):
+        difference = strain(field, rule.points) - interpolant[:, rule.cells, None]
+        viscous = solution.law.A.at(rule.points)(difference)
+        total += np.einsum("Inq,Inq,nq->", viscous, difference, rule.weights)
+    return math.sqrt(total)
+
+
 # (5.24): interpolation of normal traces on contact faces.
 
 
@@ -213,12 +291,6 @@ class InterpolationOnContact(ListedNumbers):
     """Measures the interpolation error of normal traces v_ν in L² on each contact face, and judges its order.
 
     Linear traces are left out, because they have no interpolation error.
-
-    The paper states for v ∈ V with v_ν ∈ H²(Γ3,i) that ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)} = O(h²). The order is measured for
-    v = u(t) at fixed times, and for a smooth field v that vanishes on Γ1. It is sharp for piecewise linear functions,
-    so the window has two ends. (5.24) is printed with h instead of h². The proof of Prop. 5.4 takes the root of this
-    error in (5.42), so it needs h². If a gap behaves like s_+^α at a front, the trace lies in H^τ for τ < α + 1/2, and
-    the predicted order is min(2, α + 1/2).
     """
 
     label = "(5.24)"

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -432,6 +433,7 @@ LABEL = "other codes"
 ALL_PROBLEMS = "all cases"
 ROUNDED_IN_FILES = at_most(1e-10, "of the error; ten times the rounding of numbers in a task file")
 DEFORMED = at_most(1e-8, "of the error; this code evaluates contact in the deformed position, 1e-5 away")
+OWN = at_most(0.1, "equal to nine digits; 1 if one code copies the solutions of another")
 
 
 @dataclass(frozen=True)
@@ -463,7 +465,9 @@ PEERS = (
 PLANE = "advance-recede", "rotated", "corner", "layered", "anisotropic", "lift-and-land"
 MARCHED = frozenset(grid(("advance-recede", "anisotropic"), ("one-diagonal",), (8, 16, 32)))
 """The settings in which solutions in time are compared as well."""
-MODE, CODE, VERSION_COLUMN, VARIANT, CLASS, ERROR_COLUMN = (name + OF_FILE for name in OtherErrors.columns[4:])
+MODE, CODE, VERSION_COLUMN, VARIANT, CLASS, ERROR_COLUMN, DISTANCE_COLUMN = (
+    name + OF_FILE for name in OtherErrors.columns[4:]
+)
 PROBLEM_KEY = ["case", "family", "level", "quantity"]
 """The columns that identify a problem. The column "quantity" is the mode, static ("frozen") or in time ("march")."""
 
@@ -488,6 +492,13 @@ class OtherCodes(ListedNumbers):
     perturbations. Kratos imposes contact in the deformed configuration. Therefore its loads are multiplied by 1e-5:
     points then move by about 1e-5, and displacements change by about 1e-5 of their size. The first window for its
     errors was 1e-5; 5e-10 was measured, and the window was narrowed.
+
+    **No copies.** A further check tests that no column of errors was copied from another code. Linear solvers of
+    different codes round differently. A task contains the solution in K^h with 14 digits. The distance of a code from
+    it consists of the missing digits, which are the same for all codes, and of the round-off of the code, about a
+    thousandth of the distance. So two codes agree by chance in the nine reported digits on one mesh in a million;
+    copied columns agree on all meshes. (The errors cannot be used for this test: in double precision they agree on up
+    to three meshes of eight.)
     """
 
     label = LABEL
@@ -512,7 +523,7 @@ class OtherCodes(ListedNumbers):
             nothing = float("nan"), NOWHERE, REPORTED
             made = f"no claim: these data lack the file with errors of other codes, which `{MADE}` makes"
             return [row(self, "none", "errors of other codes", Window(), nothing, ALL_PROBLEMS, expected=made)]
-        return [self.agreement(rows, peer) for peer in PEERS]
+        return [*(self.agreement(rows, peer) for peer in PEERS), self.own_digits(rows)]
 
     def agreement(self, rows: pd.DataFrame, peer: Peer) -> Verdict:
         """Return the check that compares the errors of one code with the errors of this study.
@@ -529,6 +540,19 @@ class OtherCodes(ListedNumbers):
             return judged
         verdict = UNDECIDED if judged.verdict == HOLDS else judged.verdict
         return replace(judged, verdict=verdict, expected=f"{judged.expected}{BECAUSE}{missing} problems lack an error")
+
+    def own_digits(self, rows: pd.DataFrame) -> Verdict:
+        """Return the check that no code copied the results of another.
+
+        For every pair of codes, problems are counted in which both have the same distance from the discrete solution.
+        The largest fraction of such problems is judged.
+        """
+        names = [THIS_STUDY, *((peer.code, peer.variant) for peer in PEERS)]
+        columns = [rows_of(rows, *name).set_index(PROBLEM_KEY)[DISTANCE_COLUMN].dropna() for name in names]
+        both = [pd.concat(pair, axis=1, join="inner").to_numpy() for pair in combinations(columns, 2)]
+        shares = np.array([np.mean(pair[:, 0] == pair[:, 1]) for pair in both if len(pair)])
+        quantity = "share of problems in which two codes have the same distance from the solution in K^h"
+        return accuracy("own-digits", quantity, lambda _: shares, OWN, levels=0).verdict(self, ALL_PROBLEMS, {"": rows})
 
     def cost(self, setting: Setting) -> float:
         """Return the expected run time in µs.

@@ -7,7 +7,7 @@ forced into K^h. Both share only the strain matrix, the load and the time steps 
 
 **The tolerance.** The gaps have a bound that can be computed without the exact solution. At step j the interior-point
 method stops with a duality gap g_j. Then ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C = A/k + G are
-at most g_j, where σ* and ε* solve the step exactly for the same ε_{j−1} (``study.solve.stress_problem``). Let
+at most g_j, where σ* and ε* solve the step exactly for the same ε_{j−1} (``study.solve.interior_point``). Let
 ω = max(−m, 0)/m_A, which is 0 for monotone G. Then C ≥ (1 − kω) A/k, so a step is Lipschitz in ε_{j−1} with q = 1/(1 −
 kω) in the norm of A, which is the norm of V, and A ≤ q k C. With R_n = q R_{n−1} + g_n^{1/2}, which is Σ_{j≤n}
 g_j^{1/2} for monotone G,
@@ -86,6 +86,7 @@ from study.ledger.text import power_of_ten
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, at_least, at_most, between, positive_at_most
 from study.solve.evolution import SemiDiscrete, velocities
+from study.solve.signorini import Signorini
 from study.solve.steps import step_size
 from study.solve.stress_problem import StressError, StressProblem
 from study.solve.tableau import BACKWARD_EULER, BDF2, Tableau
@@ -346,6 +347,7 @@ class StressExperiment:
         data: the loads f_0 and f_2 and the initial strain ε(u_0), which are the only data of Problem 3.2.
         space: the conforming stress space.
         scheme, steps: the time scheme, BDF2, and the number of its steps.
+        solver: the class of the contact solver; its constructor takes the matrices S and N.
     """
 
     solution: ExactSolution
@@ -353,6 +355,7 @@ class StressExperiment:
     space: StressSpace
     scheme: Tableau
     steps: int
+    solver: type[Signorini] = Signorini
 
     @classmethod
     def of(cls, solution: ExactSolution, family: MeshFamily, level: int, steps: int) -> Self:
@@ -367,7 +370,7 @@ class StressExperiment:
     @cached_property
     def problem(self) -> StressEvolution:
         """The discrete stress problem, which a time scheme can solve."""
-        return StressEvolution(self.data, self.space)
+        return StressEvolution(self.data, self.space, self.solver)
 
     def march(self) -> Iterator[DualState]:
         """Yield the discrete stresses at the time nodes after t = 0."""

@@ -78,12 +78,13 @@ class Equilibrium:
         space: the composite stresses.
         compliance: the inverse C⁻¹ of a stiffness in Mandel form, (3, 3), or at the quadrature points,
             (cells, Q, 3, 3).
+        solver: a function that makes the contact solver from S, N and the points of the unknowns.
 
     Raises:
         MeshError: triangles are too thin for double precision.
     """
 
-    def __init__(self, space: StressSpace, compliance: Array) -> None:
+    def __init__(self, space: StressSpace, compliance: Array, solver: type[Signorini] = Signorini) -> None:
         self.space = space
         # Tensors at points are stored component by component, because ``act`` is then several times faster.
         self.compliance = np.moveaxis(np.moveaxis(compliance, (-2, -1), (0, 1)).copy(), (0, 1), (-2, -1))
@@ -126,7 +127,7 @@ class Equilibrium:
         midpoints = space.mesh.p[:, space.mesh.facets].mean(axis=1)
         try:
             # With rollers, the edges have different numbers of unknowns.
-            self.solve = Signorini(self.S, self.N, midpoints[:, self.free[:: 1 if rollers else 2 * n] // (2 * n)])
+            self.solve = solver(self.S, self.N, midpoints[:, self.free[:: 1 if rollers else 2 * n] // (2 * n)])
         except np.linalg.LinAlgError as error:
             raise MeshError(_too_thin(space.mesh, compliance)) from error
 
@@ -295,11 +296,13 @@ class StressEvolution:
     Attributes:
         data: the body, the law, the loads and the initial displacement.
         space: the composite stresses.
+        solver: the class of the contact solver of one step.
         raised: a number added to the degree of the quadrature rule for f_0.
     """
 
     data: Data
     space: StressSpace
+    solver: type[Signorini] = Signorini
     raised: int = 0
 
     @property
@@ -340,7 +343,7 @@ class StressEvolution:
         scheme.require_unique(k, law.growth)
         viscous = tensor_at(law.A, points) / k
         compliance = np.linalg.inv(scheme.newest * viscous + tensor_at(law.G, points))
-        equilibrium = Equilibrium(self.space, compliance)
+        equilibrium = Equilibrium(self.space, compliance, self.solver)
 
         def step(n: int, past: Sequence[DualState]) -> DualState:
             known = scheme.known([state.strain for state in past])

@@ -18,7 +18,7 @@ from study.cli import check
 from study.cli.main import main
 from study.ledger.datafiles import DataError, nested_keys, planned_keys, write_csv
 from study.run.check import draw_jobs, expected_seconds, planned_jobs, verify
-from study.run.judgement import verdicts, with_older_checks
+from study.run.judgement import verdicts
 from study.run.provenance import compare_sums
 
 Edit = Callable[[Path], None]
@@ -240,18 +240,3 @@ def test_a_sample_is_repeated_by_its_seed_and_its_expected_time_is_bounded() -> 
     bound = 5 * len(jobs) / (1 / costs).sum() / 1e6
     mean = np.mean([expected_seconds(sample) for sample in drawn])
     assert 0.6 * bound < mean < 1.6 * bound < 0.2 * 5 * costs.mean() / 1e6
-
-
-@pytest.mark.parametrize(
-    ("judged", "expected"),
-    [
-        (["a,k,x,1", "a,k,y,4", "c,new,x,5"], ["a,k,x,1", "b,gone,x,2", "a,k,y,4"]),
-        (["a,k,x,1"], ["a,k,x,1", "b,gone,x,2"]),
-        (["a,k,x,1", "a,k,y,3", "a,k,z,6"], ["a,k,x,1", "b,gone,x,2", "a,k,y,3", "a,k,z,6"]),
-    ],
-)
-def test_checks_that_only_one_version_has_stand_and_rows_of_all_others_must_agree(judged, expected) -> None:
-    def text(*rows: str) -> str:
-        return "\n".join(["label,key,case,low", *rows, ""])
-
-    assert with_older_checks(text("a,k,x,1", "b,gone,x,2", "a,k,y,3"), text(*judged)) == text(*expected)

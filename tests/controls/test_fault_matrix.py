@@ -14,11 +14,12 @@ import pytest
 
 from manufactured.law import isotropic_matrix
 from study.cli.main import main
-from study.controls.faults import FAULTS, Fault, axes_exchanged, exchanged, shear_scaled
+from study.controls.faults import FAULTS, Fault, Frictional, axes_exchanged, exchanged, friction, shear_scaled, tangents
 from study.controls.matrix import distance_of_solutions, measured_on, rows_of
 from study.fem.naming import resolve
 from study.ledger import controls
 from study.ledger.files import UsageError
+from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import Experiment, Setting
 from study.statements.shared.scope import regular
@@ -63,6 +64,35 @@ def test_a_fault_changes_what_is_solved_in_some_case_and_leaves_the_norm_alone(f
         if math.isnan(distance) or distance > 1e-8:
             return
     pytest.fail(f"{fault.name} changes nothing in {', '.join(SEVERAL_KINDS)}")
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.2, np.inf])
+def test_friction_obeys_coulombs_law_at_every_vertex(mu: float) -> None:
+    """|λ_τ| ≤ μ λ_ν; where it is less, nothing slides; and λ_τ opposes the sliding."""
+    setup = experiment("corner", 8)
+    solved = friction(setup, mu).solved
+    S, load = setup.problem.M, setup.problem.load(0.5)
+    solver = solved.solver(S, setup.problem.N)
+    assert isinstance(solver, Frictional)
+    u, pressure = solver(load)
+    T = tangents(setup.space)
+    shear = np.linalg.lstsq(T.toarray().T, load - S @ u - setup.problem.N.T @ pressure, rcond=None)[0]
+    room = mu * pressure[solver.owners] if np.isfinite(mu) else np.where(pressure[solver.owners] > 0, np.inf, 0.0)
+    slides = T @ u
+    size = abs(pressure).max()
+    assert (abs(shear) <= room + 1e-6 * size).all()
+    stuck = abs(shear) < room - 1e-6 * size
+    assert abs(slides[stuck]).max(initial=0.0) < 1e-9
+    assert (shear * slides >= -1e-9 * size).all()
+
+
+def test_without_friction_the_frictional_solver_is_the_right_one() -> None:
+    setup = experiment("corner", 8)
+    solver = friction(setup, 0.0).solved.solver(setup.problem.M, setup.problem.N)
+    u, pressure = solver(load := setup.problem.load(0.7))
+    v, right = Signorini(setup.problem.M, setup.problem.N)(load)
+    assert u == pytest.approx(v, abs=1e-9 * abs(v).max())
+    assert pressure == pytest.approx(right, abs=1e-9 * right.max())
 
 
 A = np.arange(9.0).reshape(3, 3)

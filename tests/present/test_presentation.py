@@ -54,7 +54,7 @@ def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over
     of_corner = {name for name in known if name.endswith(CORNER)}
     assert of_corner == {f"{kind}-{CORNER}" for kind in ("zone", "profiles", "body")}
     assert {f"convergence-{case}" for case in CASES} | {f"enclosure-{SMOOTH}", "convergence-prop-5-3"} <= {*known}
-    forms = ("pdf", "png", "txt")
+    forms = ("csv", "pdf", "png", "txt")
     assert files(data / "figures") == sorted(f"{name}.{form}" for name in known[::8] for form in forms)
 
 

@@ -151,6 +151,14 @@ def test_what_is_measured_is_judged_by_a_statement_of_the_list_and_the_others_me
             statement.measure(Setting("full-contact", "shaken", 4))
 
 
+@pytest.mark.parametrize("name", SCOPES)
+def test_a_study_begins_with_the_case_of_the_readme_and_leaves_nothing_out(name: str) -> None:
+    first, rest = plan(name).stages()
+    assert {job.case for job in first} == {"advance-recede"}
+    assert {type(job.statement) for job in first} >= {FirstOrder, SameMesh}
+    assert sorted(job.key for job in (*first, *rest)) == sorted(job.key for job in plan(name).jobs)
+
+
 def test_a_case_alone_is_measured_by_the_statements_about_every_case() -> None:
     alone = Plan.of(replace(quick(), cases=("full-contact",), statements=False))
     assert {job.statement for job in alone.jobs} == {FirstOrder(), SameMesh(), Pictures()}
@@ -274,6 +282,7 @@ def moved(x):
 MINE = """
 '''Problems of a user.'''
 from dataclasses import dataclass, replace
+from functools import wraps
 from sympy.utilities.lambdify import implemented_function
 from helper import LOAD, moved
 from manufactured import *
@@ -302,6 +311,9 @@ own_load = replace(data, body_force=moved)
 own_class = OwnData(**vars(data))
 mixed = replace(data, body_force=Data.formulas(data.body, law, f0=(0, LOAD)).body_force)
 own_function = Data.formulas(data.body, law, f0=(0, implemented_function("f", lambda x: 3 * x)(t)))
+posing = Data.formulas(data.body, law, **loads)
+posed = wraps(data.body_force)(lambda x: lambda time: 2 * data.body_force(x)(time))
+object.__setattr__(posing, "body_force", posed)
 """
 
 
@@ -357,6 +369,7 @@ def test_the_key_of_a_problem_of_formulas_does_not_depend_on_words_or_on_other_p
         ("still", "nu=0.3", "nu=0.2"),
         ("gap", "closing-gap", "parabolic-gap"),
         ("gap", "pace=3", "pace=2"),
+        ("posing", "2 * data", "3 * data"),
         *((name, "", "") for name in ("python", "own_load", "own_class", "own_function", "own_law", "mixed")),
     ],
 )

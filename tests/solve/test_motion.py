@@ -16,9 +16,10 @@ from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import FAMILIES, OneDiagonal, Shaken, Unstructured
 from study.fem.naming import resolve
 from study.solve import stress_problem
+from study.solve.interior_point import Accuracy
 from study.solve.motion import Motion, von_mises
 from study.solve.steps import StepsError
-from study.solve.stress_problem import Accuracy, StressError
+from study.solve.stress_problem import StressError
 from study.statements.thm_4_2 import gaps
 
 CASES = ("advance-recede", "yield-and-release", "heterogeneous", "cube-disc")

@@ -10,6 +10,7 @@ from measured_rows import invented, measured
 from manufactured.exact.solution import FaceFields
 from manufactured.tensors import Array
 from study.fem.naming import resolve
+from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.statements.shared.base import Setting, grid
 from study.statements.shared.meshes import space_of
@@ -17,21 +18,16 @@ from study.statements.work_of_contact import (
     BRANCHES,
     C_0,
     EQUAL_BRANCHES,
-    FIRST,
     OF_ALL,
     OVERALL,
-    PANELS,
-    SECOND,
     WORK,
     EdgeWork,
     Resolved,
     TotalWork,
     WorkOfContact,
     beta,
-    gram,
     least_depth,
     pressing_on,
-    seminorm,
     supremum,
     vertices_on,
 )

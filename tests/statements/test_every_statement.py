@@ -10,19 +10,20 @@ from measured_rows import quick_rows, verdicts
 from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED
 from study.run.plan import quick
-from study.statements.error_estimate import ErrorBounds, InterpolationOnContact
+from study.statements.error_estimate import ErrorBounds, InterpolationInV, InterpolationOnContact
 from study.statements.load_and_traction import NaturalConditions
 from study.statements.shared.base import ListedNumbers
 from study.statements.shared.meshes import EVERY_FAMILY, body_of, first_with_each, place, space_of
 from study.statements.shared.scope import Levels, Scope
+from study.statements.uniqueness import OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence, Korn
 
-EVOLUTION = BoundedVelocity(), Dependence(), NaturalConditions(), ErrorBounds()
-STATEMENTS: tuple[ListedNumbers, ...] = (Korn(), InterpolationOnContact(), *EVOLUTION)
-ORDERS_AND_CHANGES = Korn(), InterpolationOnContact(), NaturalConditions(), ErrorBounds()
+EVOLUTION = OneTrajectory(), BoundedVelocity(), Dependence(), NaturalConditions(), ErrorBounds()
+STATEMENTS: tuple[ListedNumbers, ...] = (Korn(), InterpolationInV(), InterpolationOnContact(), *EVOLUTION)
+ORDERS_AND_CHANGES = Korn(), InterpolationInV(), InterpolationOnContact(), NaturalConditions(), ErrorBounds()
 """Statements about orders, and changes under refinement."""
 DEAR = {
-    *(InterpolationOnContact(), BoundedVelocity(), Dependence(), ErrorBounds()),
+    *(InterpolationInV(), InterpolationOnContact(), BoundedVelocity(), Dependence(), ErrorBounds()),
     NaturalConditions(),
 }
 """Statements whose quick settings take more than a second."""

@@ -1,4 +1,4 @@
-"""Other people's codes have our errors; one that has others or was left out is noticed."""
+"""Other people's codes have our errors; one that has others, that was copied or left out is noticed."""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -13,10 +13,10 @@ from manufactured.body import Kind
 from manufactured.tensors import full
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve
-from study.ledger.codes import FROZEN, MARCH
+from study.ledger.codes import FROZEN, MARCH, MESH_KEY, NOT_EXPRESSED
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.run.judgement import joined
-from study.statements.other_solvers import PEERS, OtherCodes, Peer
+from study.statements.other_solvers import PEERS, THIS_STUDY, OtherCodes, Peer
 from study.statements.shared.base import LISTED, grid
 from study.statements.shared.tasks import Task
 
@@ -53,7 +53,7 @@ def one(table: pd.DataFrame, peer: Peer, mode: str = FROZEN) -> int:
     return int(np.flatnonzero(of(table, peer.code, peer.variant) & on)[0])
 
 
-EVERY = {peer.key: HOLDS for peer in PEERS}
+EVERY = {peer.key: HOLDS for peer in PEERS} | {"own-digits": HOLDS}
 
 
 @pytest.mark.parametrize("name", ["full-contact", "hexagon"])
@@ -105,6 +105,22 @@ def test_an_error_that_is_another_turns_the_row_of_its_code_to_fails(peer: Peer,
         return found
 
     assert verdicts(change) == EVERY | {peer.key: FAILS}
+
+
+@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)
+def test_a_column_that_was_copied_is_noticed(peer: Peer) -> None:
+    """From this study to the code, on all meshes that both have."""
+
+    def change(table: pd.DataFrame) -> pd.DataFrame:
+        found, place = table.copy(), [*MESH_KEY, "mode"]
+        source = table[of(table, *THIS_STUDY)].set_index(place)["distance"]
+        chosen = of(table, peer.code, peer.variant) & (table["class"] != NOT_EXPRESSED)
+        found.loc[chosen, "distance"] = [source[names] for names in table.loc[chosen, place].itertuples(index=False)]
+        return found
+
+    found = judged(change)
+    assert found["own-digits"].observed == 1
+    assert {key: one.verdict for key, one in found.items()} == EVERY | {"own-digits": FAILS}
 
 
 @pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)

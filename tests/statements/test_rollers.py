@@ -78,7 +78,7 @@ def data(excess=predicted, right: float = 2.0, changed: float = 1.001, step: flo
     found = []
     for setting in own.Rollers().places(full=True):
         family, n = setting.family, setting.level
-        numbers = dict.fromkeys(("error", "E_h"), 1 / n) | {"right side": right / n}
+        numbers = dict.fromkeys(("error", "E_h", "excess at T", "M_h beside"), 1 / n) | {"right side": right / n}
         numbers["excess"] = excess(setting.case.removesuffix(f"-{n}"), family, n)
         if n == own.HALVED and family not in own.SEEDS[1:]:
             numbers["excess, k/2"] = changed * numbers["excess"]
@@ -95,10 +95,10 @@ def verdicts(rows: pd.DataFrame) -> dict[tuple[str, str], str]:
 
 def test_the_predicted_behaviour_holds_in_every_row() -> None:
     found = verdicts(data())
-    reported = "scatter", "best", "share", "order-unstructured", "order-standing-shaken"
+    reported = "scatter", "best", "share", "order-unstructured", "order-end", "nodal-beside", "order-standing-shaken"
     assert sorted(key for (_, key), verdict in found.items() if verdict == REPORTED) == sorted(reported)
     assert set(found.values()) == {HOLDS, REPORTED}
-    assert len(found) == 17
+    assert len(found) == 19
 
 
 @pytest.mark.parametrize(

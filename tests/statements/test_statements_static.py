@@ -6,7 +6,7 @@ from measured_rows import invented, measured, verdicts
 
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED
 from study.statements import error_estimate
-from study.statements.error_estimate import InterpolationOnContact
+from study.statements.error_estimate import InterpolationInV, InterpolationOnContact
 from study.statements.shared.base import grid
 from study.statements.wellposed import Korn
 
@@ -24,7 +24,17 @@ def test_eigenvalues_that_rise_or_tend_to_zero_fail() -> None:
         assert FAILS in verdicts(Korn(), invented({"smallest eigenvalue": values})).values(), values
 
 
-# (5.24).
+# (5.23), (5.24).
+
+
+@pytest.mark.parametrize(("family", "scatter"), [("one-diagonal", 1.0), ("shaken", 1.05)])
+@pytest.mark.parametrize(
+    ("order", "verdict"), [(1.0, HOLDS), (0.8, FAILS), (1.2, FAILS), (2.0, FAILS), (np.nan, FAILS)]
+)
+def test_the_order_in_v_is_judged_from_both_sides(order: float, verdict: str, family: str, scatter: float) -> None:
+    """On random meshes the scatter of the coarsest one hardly counts."""
+    errors = dict.fromkeys(error_estimate.INTERPOLATED.values(), H**order * [scatter, 1, 1])
+    assert set(verdicts(InterpolationInV(), invented(errors, family=family)).values()) == {verdict}
 
 
 @pytest.mark.parametrize(

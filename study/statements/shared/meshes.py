@@ -58,6 +58,11 @@ def body_of(case: Case) -> Hashable:
     return tuple((part.kind, *part.corners.ravel()) for part in case.solution.body.parts)
 
 
+def law_of(case: Case) -> Hashable:
+    """Return the moduli of a case, which are equal for equal laws."""
+    return repr(case.solution.law.A), repr(case.solution.law.G)
+
+
 def space_of(setting: Setting) -> Space:
     """Return the P1 displacement space V^h for the case and the mesh of a setting."""
     body = resolve(setting.case).solution.body
