@@ -22,8 +22,8 @@ from manufactured.tensors import Array
 from study.bound.bounded import BoundedSolution, bounded_solution
 from study.bound.trajectory import Computed, Refined
 from study.fem.mesh import MeshFamily, OneDiagonal, Shaken, Unstructured
-from study.fem.refining import refined
 from study.solve.tableau import MIDPOINT
+from study.statements.work_of_contact import refined
 
 DEGREE = 8
 """Degree of the rule for errors, on cells as small as the details of the solution."""

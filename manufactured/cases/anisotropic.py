@@ -15,7 +15,7 @@ Predicted order 1: the front moves. q and r have the exponent m = 2 > 3/2 of p a
 from manufactured.body import unit_square
 from manufactured.case import Case
 from manufactured.cases import laws
-from manufactured.cases.advancing_front import FRONT, advancing_front
+from manufactured.cases.shared import FRONT, advancing_front
 from manufactured.profile import cutoff
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s

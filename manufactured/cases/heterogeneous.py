@@ -16,8 +16,8 @@ Predicted order 1: the front moves. The coefficients are smooth, so the exponent
 
 from manufactured.body import unit_square
 from manufactured.case import Case
-from manufactured.cases.advancing_front import FRONT, advancing_front
 from manufactured.cases.laws import not_proportional
+from manufactured.cases.shared import FRONT, advancing_front
 from manufactured.factor import Factor, x1, x2
 from manufactured.profile import cutoff
 from manufactured.regularity import Regularity

@@ -15,8 +15,8 @@ the proof of Prop. 5.4 uses H² in (5.23) cell by cell, and no cell lies in both
 
 from manufactured.body import Kind, polygon
 from manufactured.case import Case
-from manufactured.cases.advancing_front import FRONT, advancing_front
 from manufactured.cases.laws import two_layers
+from manufactured.cases.shared import FRONT, advancing_front
 from manufactured.profile import layered
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s

@@ -18,7 +18,7 @@ from sympy import Float, Rational
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
-from manufactured.cases.yielding import RELEASE, edge, pressed_and_released
+from manufactured.cases.shared import RELEASE, edge, pressed_and_released
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.law import FrobeniusBall, KelvinVoigt, Yield, isotropic

@@ -4,7 +4,7 @@ A computation that uses only ``Data`` works for problems with unknown solutions.
 exact solution, ``Data.formulas`` makes data from formulas of x1, x2 and t.
 """
 
-from manufactured.data.expressions import Expressions
+from manufactured.data.compiled_formulas import Expressions
 from manufactured.data.problem_data import Data, ForceInTime, LoadError, no_fronts
 
 __all__ = ["Data", "Expressions", "ForceInTime", "LoadError", "no_fronts"]

@@ -1,6 +1,7 @@
 """Turns formulas of x1, x2, x3 and t into functions of points and time."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import reduce
 from typing import Any
 
@@ -8,10 +9,31 @@ import numpy as np
 import sympy as sp
 from sympy.core.relational import Relational
 
+from manufactured.arguments import checked
 from manufactured.compiled import function
 from manufactured.factor import x1, x2, x3
 from manufactured.symbols import FormulaError, extreme_numbers, t
 from manufactured.tensors import Points, Vectors
+
+
+@dataclass(frozen=True)
+@checked(FormulaError)
+class Expressions:
+    """Formulas of the body force f_0, the tractions f_2 and the initial displacement u_0 in x1, x2 (x3) and t.
+
+    Two instances are equal if their formulas are equal.
+
+    Attributes:
+        force: the components of f_0.
+        loads: pairs of the number of a part in ``body.parts`` and the components of f_2 on it, sorted by number. On
+            other parts there is no load.
+        start: the components of u_0.
+    """
+
+    force: tuple[sp.Expr, ...]
+    loads: tuple[tuple[int, tuple[sp.Expr, ...]], ...]
+    start: tuple[sp.Expr, ...]
+
 
 KNOWN = {str(symbol): symbol for symbol in (x1, x2, x3, t)}
 """The symbols that formulas may contain, by their names."""

@@ -11,8 +11,7 @@ import sympy as sp
 
 from manufactured.arguments import checked
 from manufactured.body import Body, Kind, Part
-from manufactured.data.compiled_formulas import compiled, gradient, own_formula
-from manufactured.data.expressions import Expressions
+from manufactured.data.compiled_formulas import Expressions, compiled, gradient, own_formula
 from manufactured.exact import ExactSolution, ForceModes
 from manufactured.factor import x1, x2, x3
 from manufactured.law import KelvinVoigt, Linear

@@ -11,7 +11,7 @@ import numpy as np
 
 from manufactured.contact.contact_face import Lifting
 from manufactured.contact.lifting_terms import COMBINATIONS, first_indices, plus
-from manufactured.exact.contribution import ContributionAtPoints
+from manufactured.exact.domain import ContributionAtPoints
 from manufactured.law import AtPoints, LawError, Scaled
 from manufactured.modes import Modes, at_each
 from manufactured.symbols import Index

@@ -12,8 +12,14 @@ from numpy.typing import ArrayLike
 from manufactured.arguments import checked
 from manufactured.body import Body, BodyError, Kind, Part
 from manufactured.contact import ContactFace
-from manufactured.exact.contribution import Contribution, ContributionAtPoints, Face
-from manufactured.exact.domain import coordinates, require_inside, require_times
+from manufactured.exact.domain import (
+    Contribution,
+    ContributionAtPoints,
+    Face,
+    coordinates,
+    require_inside,
+    require_times,
+)
 from manufactured.exact.forces import ForceModes, force_modes
 from manufactured.html import table
 from manufactured.jet import Jet

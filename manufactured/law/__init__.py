@@ -13,8 +13,7 @@ A linear operator may vary in space through a scalar factor, C(x) = α(x) C. Ten
 
 from manufactured.law.combined import Combined
 from manufactured.law.kelvin_voigt import KelvinVoigt, PointLaw
-from manufactured.law.linear_operator import Indefinite, Linear, Scaled, isotropic, isotropic_matrix
-from manufactured.law.nonsymmetric import NonSymmetric
+from manufactured.law.linear_operator import Indefinite, Linear, NonSymmetric, Scaled, isotropic, isotropic_matrix
 from manufactured.law.operators import AtPoints, Elasticity, LawError
 from manufactured.law.projection import ConvexSet, DeviatoricBall, FrobeniusBall, Yield
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from manufactured.contact import ContactFace
-from manufactured.exact.contribution import ContributionAtPoints
+from manufactured.exact.domain import ContributionAtPoints
 from manufactured.modes import Modes
 from manufactured.tensors import Array, Points, Tensors, Vectors
 

@@ -9,9 +9,9 @@ from study.cli.common import code_of, known_undecided, progress_bar
 from study.cli.options import FAILED, OK, SEED_BITS
 from study.ledger.codes import FOLDER, MARCHES
 from study.ledger.compare import Tolerance, as_text, difference
+from study.ledger.controls import SEEDS_FILE, SeedRecord
 from study.ledger.datafiles import CsvFile, DataError, read_claims
 from study.ledger.files import UsageError
-from study.ledger.seeds import SEEDS_FILE, SeedRecord
 from study.ledger.text import folded
 from study.ledger.verdict import Verdict
 from study.present.outcome import ledger_text, write_junit

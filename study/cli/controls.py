@@ -1,7 +1,7 @@
 """``study faults`` measures which checks notice deliberate faults; ``study seeds`` measures how often chance fails one.
 
 A *seed* is a number from which a random mesh of every size and body is made. On the meshes of new seeds, all checks are
-judged that the study claims to hold there. The results are added to the record of seeds (``study.ledger.seeds``).
+judged that the study claims to hold there. The results are added to the record of seeds (``study.ledger.controls``).
 """
 
 import argparse
@@ -21,10 +21,9 @@ from study.controls.faults import FAULTS
 from study.controls.matrix import measure_case
 from study.controls.seeded import rules, seeded
 from study.fem.naming import absolute, choose, family_named, is_own, name_of, resolve
+from study.ledger.controls import FalseAlarms, SeedRecord, in_words, missed, summary
 from study.ledger.datafiles import write_csv
-from study.ledger.faults import in_words, missed, summary
 from study.ledger.schema import TABLES
-from study.ledger.seeds import FalseAlarms, SeedRecord
 from study.ledger.text import folded
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
 from study.run.executor import Pool, Processes, execute, local_pool, unfinished

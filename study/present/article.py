@@ -10,8 +10,8 @@ from pathlib import Path
 import pandas as pd
 
 from study.ledger.codes import Codes
+from study.ledger.controls import summary
 from study.ledger.datafiles import by_claim, count_kinds, count_verdicts
-from study.ledger.faults import summary
 from study.ledger.files import write_text
 from study.ledger.text import above, below, down, up
 from study.ledger.verdict import (

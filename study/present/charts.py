@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, ORANGE, SKY, VERMILLION
 from study.ledger.check import by_family
 from study.ledger.codes import GRADES, Codes
-from study.ledger.faults import INVISIBLE_SHARE
+from study.ledger.controls import INVISIBLE_SHARE
 from study.ledger.quantities import Array, RatesError, fit, orders
 from study.ledger.text import above, below, interval
 from study.present.drawing import (

@@ -14,8 +14,8 @@ import pandas as pd
 from manufactured.colours import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.fem.mesh import FAMILIES
 from study.ledger.codes import MADE, Codes
+from study.ledger.controls import missed as missed_faults
 from study.ledger.datafiles import DataError, by_claim, count_verdicts
-from study.ledger.faults import missed as missed_faults
 from study.ledger.files import write_text
 from study.ledger.schema import TABLES as SCHEMA
 from study.ledger.schema import markdown as described

@@ -13,8 +13,8 @@ from typing import Any
 
 import pandas as pd
 
+from study.ledger.controls import summary
 from study.ledger.datafiles import read_claims, read_csv, read_rates, since_before
-from study.ledger.faults import summary
 from study.ledger.text import cell
 from study.present.notation import encode, folding, prose, read_page
 from study.present.templates import render

@@ -18,6 +18,7 @@ import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from study.ledger.codes import MARCHES, Codes
+from study.ledger.controls import LARGEST_RATE, FalseAlarms, SeedRecord, in_words, missed, seeds_needed
 from study.ledger.datafiles import (
     DataError,
     count_kinds,
@@ -27,8 +28,6 @@ from study.ledger.datafiles import (
     read_csv,
     read_rates,
 )
-from study.ledger.faults import in_words, missed
-from study.ledger.seeds import LARGEST_RATE, FalseAlarms, SeedRecord, seeds_needed
 from study.ledger.text import above, below
 from study.ledger.verdict import NO_ROW, NOT_TESTED, UNCLAIMED, agreement
 from study.ledger.window import STEEPER

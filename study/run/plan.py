@@ -183,9 +183,9 @@ COVER = (
     *("heterogeneous", "layered", "corner", "hexagon", "cube-disc", "cube-two-faces", "natural-front", "junction"),
     *("softening", "closing-gap", "parabolic-gap"),
 )
-"""The cases of the quick study. Together they notice every deliberate fault as ``study.ledger.faults.missed`` demands:
-smooth solutions with linear laws, the law (3.3), coupled and varying moduli, several faces, space, rough solutions, a
-law that softens, and initial gaps."""
+"""The cases of the quick study. Together they notice every deliberate fault as ``study.ledger.controls.missed``
+demands: smooth solutions with linear laws, the law (3.3), coupled and varying moduli, several faces, space, rough
+solutions, a law that softens, and initial gaps."""
 
 
 def quick() -> Scope:

@@ -20,9 +20,8 @@ from study.fem.space import Space
 from study.ledger.check import ENOUGH, ROUNDING, Check, accuracy, consequence, identity
 from study.ledger.quantities import Value, change, fit, fitted, values
 from study.ledger.window import Window, around, between, positive_at_most
-from study.solve.euler_bounds import EulerBounds, backward_euler
 from study.solve.evolution import Scheme, SemiDiscrete
-from study.solve.gradient_flow import GradientFlow
+from study.solve.gradient_flow import EulerBounds, GradientFlow, backward_euler
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES
 from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, grid, with_cached_loads, with_h
@@ -245,7 +244,7 @@ class NoPotential(ListedNumbers):
     estimate for an elasticity G with a convex potential. The theorem tested here assumes only (3.2), that G is
     Lipschitz. With κ = L_G/m_A and steps of any size below 1/κ it says max_t ‖u^h − û^{hk}‖_V ≤ c k, where c does not
     depend on the mesh. Here û^{hk} interpolates the values of backward Euler linearly in time. So by Prop. 5.4 the
-    fully discrete error is O(h + k). ``study.solve.euler_bounds`` has two bounds with all constants, one from the data
+    fully discrete error is O(h + k). ``study.solve.gradient_flow`` has two bounds with all constants, one from the data
     and one from the computed solution; paper/time.tex has the proof. The solver factorises the symmetric part of G. The
     skew part is treated by the fixed-point iteration that also serves nonlinear laws.
 

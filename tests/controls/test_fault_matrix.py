@@ -17,7 +17,7 @@ from study.cli.main import main
 from study.controls.faults import FAULTS, Fault, Frictional, axes_exchanged, exchanged, friction, shear_scaled, tangents
 from study.controls.matrix import distance_of_solutions, measured_on, rows_of
 from study.fem.naming import resolve
-from study.ledger import faults
+from study.ledger import controls
 from study.ledger.files import UsageError
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
@@ -186,7 +186,7 @@ SEEN, UNSEEN = "order", ""
     ],
 )
 def test_a_fault_must_be_noticed_in_two_plane_cases_and_in_one_in_space(rows, lacking: str) -> None:
-    assert faults.in_words(faults.missed(matrix(*rows))) == lacking
+    assert controls.in_words(controls.missed(matrix(*rows))) == lacking
 
 
 OWN = """

@@ -18,9 +18,9 @@ from study.cli.main import main
 from study.controls.seeded import SeededScope, on_shaken, rules, seeded
 from study.fem.mesh import Shaken
 from study.fem.naming import family_named, resolve
+from study.ledger.controls import FalseAlarms, Seed, SeedRecord, interval, seeds_needed
 from study.ledger.datafiles import DataError
 from study.ledger.files import UsageError
-from study.ledger.seeds import FalseAlarms, Seed, SeedRecord, interval, seeds_needed
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict
 from study.ledger.window import at_most
 from study.run.plan import Plan

@@ -1,0 +1,78 @@
+"""Solutions and strains that several cases share.
+
+**An advancing contact front**, which the cases ``anisotropic``, ``heterogeneous`` and ``layered`` share.
+
+The gap w, the slip z and the contact zone {ψ ≥ 0} with the front c are
+
+    w = 8 (1/5 + t) (x − c)_+^4,   z = t(1 + t) sin(2x + 1),   ψ = c − x,   c(t) = 1/4 + t/2
+
+on the bottom of the unit square. Each case prescribes another contact pressure.
+
+**The law (3.3)**, for a face that is loaded until t_1 and then released. For the normal strain −Q with Q ≥ 0, the law
+gives the pressure p = a Q̇ + b (Q − ρ)_+. Here ρ is the value of Q at which the strain reaches the boundary of K.
+Q changes from Q_0(s) at t = 0 to Q_1(s) at t = t_1. With τ = t/t_1 its formula is
+
+    Q = Q_0 + (Q_1 − Q_0) h(τ) + t_1 D k(τ),   h = τ²(3 − 2τ),   k = τ²(τ − 1),   D = −(b/a)(Q_1 − ρ)   for t ≤ t_1,
+    Q = ρ + (Q_1 − ρ) e^{−b(t − t_1)/a}                                                                 for t ≥ t_1,
+
+Then Q, Q̇ and p are continuous, p(t_1) = 0, and after t_1, where p = 0, Q relaxes towards ρ.
+"""
+
+from sympy import Expr, Float, Rational, exp, sin
+
+from manufactured.body import Body, Kind, Part
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.face_strain import Prescribed
+from manufactured.law import KelvinVoigt, Yield
+from manufactured.profile import Profile
+from manufactured.symbols import pos, s, t
+
+FRONT: Expr = Rational(1, 4) + t / 2
+"""The position c(t) of the contact front."""
+
+
+def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Expr) -> ExactSolution:
+    """Return the exact solution with the advancing front of this module, for a given material law and pressure.
+
+    Args:
+        body: the unit square.
+        law: the material law.
+        profile: the functions that continue the displacement into the body.
+        pressure: the formula of the contact pressure p(s, t), which must be 0 beyond the front.
+    """
+    (part,) = body.of(Kind.CONTACT)
+    gap = 8 * (Rational(1, 5) + t) * pos(s - FRONT, 4)
+    slip = t * (1 + t) * sin(2 * s + 1)
+    face = ContactFace.linear(part, law, body.T, gap, pressure, FRONT - s, profile=profile, slip=(slip,))
+    return ExactSolution(body, law, (face,))
+
+
+RELEASE = Rational(3, 5)
+"""The time t_1 at which the face is released."""
+
+
+def edge(law: KelvinVoigt, part: Part) -> float:
+    """Return the value ρ of Q at which the strain −Q n⊗n reaches the boundary of K, on a face with the normal n."""
+    assert isinstance(law.G, Yield)
+    return law.G.normal_response(part.normal)[1]
+
+
+def pressed_and_released(law: KelvinVoigt, part: Part, start: Expr, rise: Expr, release: Expr) -> Prescribed:
+    """Return the prescribed normal strain −Q on a face that is loaded and then released.
+
+    Args:
+        law: the law (3.3).
+        part: the face.
+        start, rise: the formulas of Q_0 and of Q_1 − Q_0.
+        release: the time t_1 of release.
+    """
+    assert isinstance(law.G, Yield)
+    response, rho = law.G.normal_response(part.normal)
+    tau = t / release
+    h, k = tau**2 * (3 - 2 * tau), tau**2 * (tau - 1)
+    decay = Float(response / law.A.normal_modulus(part.normal))
+    excess = start + rise - Float(rho)
+    loading = start + rise * h - release * decay * excess * k
+    relaxing = Float(rho) + excess * exp(-decay * (t - release))
+    return Prescribed(((float(release), -loading), (1.0, -relaxing)))
