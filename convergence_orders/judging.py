@@ -93,9 +93,10 @@ def check_orders(
     if not hasattr(errors, "keys"):
         raise OrderError("errors must be a dictionary or a DataFrame, name ↦ errors; for one list use observed_orders")
     table = {str(name): errors[name] for name in errors}
-    size = h if h is None or isinstance(h, str) else "h" if "h" not in table else "mesh size"
-    if h is not None and size is not h:
-        table = {str(size): h} | table
+    size = h
+    if not (h is None or isinstance(h, str)):
+        size = "mesh size" if "h" in table else "h"
+        table = {size: h} | table
     cells = {name: _cells(column, name) for name, column in table.items()}
     if not cells:
         raise OrderError("there are no errors: give one for each mesh")
