@@ -124,7 +124,7 @@ _METHOD = re.compile(r"(?:\d+(?:st|nd|rd|th)|first|second|third|fourth|fifth|six
 _ERROR = re.compile(r"err|fehler|erreur|norm|l ?(?:1|2|inf|∞)\b|h ?[12]\b|linf|l∞|rmse|mae|\|")
 _OTHER = re.compile(
     r"\b(?:time|times|cpu|wall|runtime|elapsed|seconds|mem|memory|cond|condition|kappa|nnz|iter|iters|iterations?|its|"
-    r"newton|cfl|speedup|efficiency|effectivity|procs|cores|ranks|threads|index|row|id|seed|g?flops|steps?|"
+    r"newton|cfl|speedup|efficiency|effectivity|procs|cores|ranks|threads|index|unnamed|row|id|seed|g?flops|steps?|"
     r"cells|n?dofs?|elements|nodes|points|mesh|grid|expected|theory|theoretical|predicted)\b|^(?:t|i|j|k|#|no|nr|)$"
 )
 

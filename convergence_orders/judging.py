@@ -1,5 +1,6 @@
 """Checks of observed orders: of the columns of tables, in the command, in Python programs and in tests."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import chain
@@ -93,9 +94,10 @@ def check_orders(
     if not hasattr(errors, "keys"):
         raise OrderError("errors must be a dictionary or a DataFrame, name ↦ errors; for one list use observed_orders")
     table = {str(name): errors[name] for name in errors}
-    size = h if h is None or isinstance(h, str) else "h" if "h" not in table else "mesh size"
-    if h is not None and size is not h:
-        table = {str(size): h} | table
+    size = h if isinstance(h, str) else None
+    if not (h is None or size):
+        size = "mesh size" if "h" in table else "h"
+        table = {size: h} | table
     cells = {name: _cells(column, name) for name, column in table.items()}
     if not cells:
         raise OrderError("there are no errors: give one for each mesh")
@@ -107,7 +109,8 @@ def check_orders(
 def _cells(column: Any, name: str) -> list[str]:
     """Return the entries of a column as text."""
     if any(isinstance(entry, str) for entry in (column if hasattr(column, "__len__") else ())):
-        return [str(entry) for entry in column]
+        # pandas writes NaN into the empty cells of a column of words.
+        return ["" if isinstance(entry, float) and math.isnan(entry) else str(entry) for entry in column]
     return [repr(value) for value in real_numbers(column, name).tolist()]
 
 

@@ -401,6 +401,7 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, rates) -> No
             "h,Größe\n.4,32\n.2,128\n.1,512\n".encode(),
             "column Größe has whole numbers: numbers of cells, iterations or seconds, or errors? Name",
         ),
+        (b"Weite;Fehler;EOC\n.4;.16;\n.2;.04;2.0\n.1;.01;2.0\n", "no column is a mesh size; seen: Weite, Fehler, EOC"),
         (b"h,order\n1,-\n.5,2\n", "no column of errors among h (size), order (order)"),
         (
             b"h,L2,H1\n1,.1,.2\n.5,.05,\n",

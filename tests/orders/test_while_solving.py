@@ -70,11 +70,11 @@ COLUMNS = {
 
 
 def test_python_judges_the_columns_that_the_command_judges(tmp_path, capsys) -> None:
-    pd.DataFrame(COLUMNS).to_csv(tmp_path / "t.csv", index=False)
+    pd.DataFrame(COLUMNS).to_csv(tmp_path / "t.csv")
     main([str(tmp_path / "t.csv"), "--at-least", "0.9", "--json"])
     told = {column["name"]: column["verdict"] for column in json.loads(capsys.readouterr().out)}
     assert told == {"L2": "holds", "p": "holds"}
-    for table in (COLUMNS, pd.DataFrame(COLUMNS)):
+    for table in (COLUMNS, pd.DataFrame(COLUMNS), pd.read_csv(tmp_path / "t.csv")):
         assert {name: result.verdict for name, result in check_orders("h", table, at_least=0.9).items()} == told
 
 
