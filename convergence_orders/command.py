@@ -53,7 +53,7 @@ def _parser(name: str) -> argparse.ArgumentParser:
     )
     add = parser.add_argument
     wish = "P|NAME=P,..."
-    add("file", type=Path, metavar="FILE", help="a table of errors as text; - reads standard input")
+    add("file", type=_name, metavar="FILE", help="a table of errors as text; - reads standard input")
     add("--expected", type=_orders, metavar=wish, help="expected order; lower and higher orders fail")
     add("--at-least", type=_orders, metavar=wish, help="lower limit of the order; higher orders pass")
     add("--max-error", type=_orders, metavar="E|NAME=E,...", help="largest accepted error on the finest mesh")
@@ -64,11 +64,18 @@ def _parser(name: str) -> argparse.ArgumentParser:
     add("--dim", type=int, metavar="D", help="dimension of the mesh, if sizes are numbers of cells or unknowns")
     add("--ratio", type=float, metavar="R", help="ratio of the mesh sizes in consecutive rows")
     add("--values", action="store_true", help="the columns are values, not errors: grid convergence index")
-    add("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
-    add("--markdown", type=Path, metavar="FILE", help="also write the verdicts as a Markdown table")
-    add("--plot", type=Path, metavar="FILE", help="also draw errors over h as PNG, SVG or PDF")
+    add("--junit", type=_name, metavar="FILE", help="also write the verdicts as JUnit XML")
+    add("--markdown", type=_name, metavar="FILE", help="also write the verdicts as a Markdown table")
+    add("--plot", type=_name, metavar="FILE", help="also draw errors over h as PNG, SVG or PDF")
     add("--json", action="store_true", help="print as JSON")
     return parser
+
+
+def _name(text: str) -> Path:
+    """Return the name of a file; an empty one is refused."""
+    if not text.strip():
+        raise argparse.ArgumentTypeError("got an empty text, expected a name")
+    return Path(text)
 
 
 def _orders(text: str) -> float | dict[str, float]:
@@ -95,6 +102,7 @@ def run(options: argparse.Namespace, name: str) -> int:
         0 if all orders hold or none is expected, 1 if one fails, 2 for bad input, 3 if one is undecided.
     """
     wishes = {"expected": options.expected, "at_least": options.at_least, "max_error": options.max_error}
+    opened = options.file
     try:
         if options.values and any([*wishes.values(), options.junit, options.markdown, options.plot]):
             raise OrderError("with --values the columns have no expected order: leave out all options about verdicts")
@@ -105,13 +113,16 @@ def run(options: argparse.Namespace, name: str) -> int:
             return 0
         judged = judge(tables, tolerance=options.tolerance, floor=options.floor, **wishes)
         if options.junit:
+            opened = options.junit
             options.junit.write_text(as_junit(judged), encoding="utf-8")
         if options.markdown:
+            opened = options.markdown
             options.markdown.write_text(as_markdown(judged), encoding="utf-8")
         if options.plot:
+            opened = options.plot
             plot(judged, options.plot)
     except OSError as error:
-        return _refuse(f"{name}: {error.filename or 'output'}: {error.strerror}")
+        return _refuse(f"{name}: {opened}: {error.strerror or error}")
     except OrderError as error:
         return _refuse(f"{name}: {options.file}: {error}")
     print(printable(as_json(judged) if options.json else as_text(judged)))

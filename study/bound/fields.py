@@ -2,6 +2,7 @@
 
 import re
 import xml.etree.ElementTree as ET
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -131,20 +132,34 @@ def _refuse_larger(path: Path, whole: int) -> None:
         )
 
 
+def _refuse_packed_hdf(path: Path) -> None:
+    """Raise BoundError, before anything is unpacked, if the HDF5 files of an .xdmf file unpack to very much."""
+    whole = Counter[Path]()
+    for text in {str(item.text).strip() for item in ET.parse(path).iterfind(".//DataItem[@Format='HDF']")}:
+        import h5py  # type: ignore[import-untyped]  # Only files of this kind need it.
+
+        name, _, dataset = text.partition(":")
+        packed = path.parent / name
+        with h5py.File(packed) as file:
+            whole[packed] += file[dataset].nbytes
+        _refuse_larger(packed, whole[packed])
+
+
 def _read_mesh(path: Path) -> Any:
     """Read a mesh file by meshio; raise BoundError if the format is unknown or the file is broken."""
     import meshio  # type: ignore[import-untyped]  # Only files of this kind need it.
 
     if not path.is_file():
         raise BoundError(f"there is no file {path}")
-    if path.suffix.lower() not in meshio.extension_to_filetypes:
-        advice = "; docs/tutorials/bound.md converts .frd files" if path.suffix.lower() == ".frd" else ""
+    kind = path.suffix.lower()
+    if kind not in meshio.extension_to_filetypes:
+        advice = "; docs/tutorials/bound.md converts .frd files" if kind == ".frd" else ""
         raise BoundError(
             f"{path} has a format that cannot be read: expected .npz, .pvd, .xdmf or a mesh format of meshio, such as "
             f".vtu, .vtk or .msh{advice}"
         )
     try:
-        if path.suffix.lower() == ".vtu":
+        if kind == ".vtu":
             # Every point and every cell takes 8 bytes at least.
             _refuse_larger(path, 8 * sum(map(int, COUNTS.findall(path.read_bytes()))))
         return meshio.read(path)
@@ -174,6 +189,7 @@ def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
     """Yield the times and meshes of an .xdmf file. Without a time series, yield its one mesh and the time None."""
     import meshio
 
+    _refuse_packed_hdf(path)
     try:
         series = meshio.xdmf.TimeSeriesReader(path)
     except (meshio.ReadError, AttributeError, IndexError):
@@ -248,8 +264,7 @@ def _displacement_name(path: Path, mesh: Any, name: str | None) -> str:
             f"{path} has no vectors at points, only the fields {fields}: write the displacement as one field of "
             "vectors at the points"
         )
-    wanted = f"the field {name!r}" if name is not None else "one displacement"
     raise BoundError(
-        f"{path} does not have {wanted}: its vector fields at points are {', '.join(vectors)}; choose one with --field "
-        "NAME"
+        f"{path} does not have {name or 'one displacement'}: its vector fields at points are {', '.join(vectors)}; "
+        "choose one with --field NAME"
     )

@@ -112,8 +112,8 @@ def bounded_displacement(
     if computed.offset > ROUNDED * high:
         remarks.append(f"the error of the displacement in the file lies in {interval(*ends, 4)}")
     if low <= LOW_END * high and computed.degree == 2:
-        much, more = "0" if low == 0 else "small", refined.refinements + 1
-        remarks.append(f"the lower end is {much}, because ũ is hardly better than u_h of degree 2: try --refine {more}")
+        more = refined.refinements + 1
+        remarks.append(f"the lower end is small, because ũ is hardly better than u_h of degree 2: try --refine {more}")
     return replace(found, remarks=tuple(remarks))
 
 
@@ -257,9 +257,10 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
 def _real(name: str, array: Any) -> Array:
     """Convert an array to floating-point numbers; raise BoundError if it is empty or not real."""
     numbers = _unmasked(name, array)
-    kind, shape = numbers.dtype, numbers.shape
-    if numbers.size == 0 or kind.kind not in "iufc" or np.imag(numbers).any():
-        raise BoundError(f"{name} has the shape {shape} and the type {kind}, expected real numbers, at least one")
+    if numbers.size == 0 or numbers.dtype.kind not in "iufc" or np.imag(numbers).any():
+        raise BoundError(
+            f"{name} has the shape {numbers.shape} and the type {numbers.dtype}, expected real numbers, at least one"
+        )
     return np.asarray(np.real(numbers), dtype=float)
 
 

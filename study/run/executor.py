@@ -9,6 +9,7 @@ nevertheless, for example by the system because memory runs out. Then the result
 from __future__ import annotations
 
 import gc
+import logging
 import multiprocessing
 import os
 import re
@@ -404,6 +405,8 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
             f"no Dask scheduler answers at {address} ({error}); give what `dask scheduler` prints, such as "
             "tcp://192.168.0.1:8786"
         ) from error
+    # Dask prints tracebacks when connections are lost. This program says it in a sentence.
+    logging.disable(logging.CRITICAL)
     try:
         yield _pool(client, address, references)
     except Exception as error:
@@ -413,6 +416,7 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
         raise JobsError(f"the Dask scheduler at {address} {LOST}") from error
     finally:
         client.close(timeout=1)
+        logging.disable(logging.NOTSET)
 
 
 def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:

@@ -7,8 +7,8 @@ not part of the key, although last digits may differ between processors.
 
 A problem is known by its value: numbers, texts, arrays, formulas, and dataclasses of this project. Functions and
 classes of a user have no value, because what they compute may depend on anything, such as other files. A result that
-depends on them is stored with a key that is only known to the process that computed it. Loads and stresses at some
-points are a part of the value, because the file of a user may replace functions of this program or of a library.
+depends on them is stored with a key that no later command knows. Loads and stresses at some points are a part of the
+value, because the file of a user may replace functions of this program or of a library.
 """
 
 import ast
@@ -213,10 +213,10 @@ def by_value(item: object) -> object:
     """Return a value as nested lists of texts and numbers, for a hash.
 
     A dataclass becomes a list of its fields, and a formula becomes a text. An object without a value becomes a text
-    that no other process knows.
+    that does not occur again.
     """
     if not _has_value(item):
-        return _WITHOUT_VALUE.setdefault(id(item), (item, uuid.uuid4().hex))[1]
+        return uuid.uuid4()
     if is_dataclass(item):
         return [type(item).__name__, *(by_value(getattr(item, field.name)) for field in fields(item) if field.init)]
     if isinstance(item, np.ndarray):
@@ -224,11 +224,6 @@ def by_value(item: object) -> object:
     if isinstance(item, tuple | list):
         return [by_value(entry) for entry in item]
     return sp.srepr(item) if isinstance(item, sp.Basic) else repr(item)
-
-
-_WITHOUT_VALUE: dict[int, tuple[object, str]] = {}
-"""Identity of an object without a value ↦ the object, which is kept so that no other object gets its identity, and its
-text in cache keys."""
 
 
 def _has_value(item: object) -> bool:
@@ -249,12 +244,9 @@ def _package(item: object) -> str:
 
 def _value_of(data: Data) -> object:
     """Return the value of the data of a problem; functions and classes of a user have none."""
-    formulas = data.formulas_of
-    if any(_package(one) not in PROJECT for one in (type(data), *data.functions) if one):
-        formulas = None
-    sampled = _sampled(data) if formulas else ""
-    functions = formulas or data.functions
-    return by_value([type(data).__name__, data.body, data.law, data.lines, data.points, functions, sampled])
+    known = data.formulas_of and _package(type(data)) in PROJECT
+    functions = (data.formulas_of, _sampled(data)) if known else data.functions
+    return by_value([type(data).__name__, data.body, data.law, data.lines, data.points, functions])
 
 
 def _sampled(data: Data) -> list[str]:

@@ -134,7 +134,7 @@ def test_a_refined_mesh_encloses_the_error_more_tightly() -> None:
 def test_a_load_that_is_left_out_puts_errors_outside(name: str, trajectory: Trajectory) -> None:
     """f_2 is left out of u_h and of the bound alike, so that they agree with each other."""
     case = named(name)
-    data = replace(Data.of(case.solution), formulas_of=None)
+    data = replace(Data.of(case.solution))
     without = replace(data, surface_load=lambda part, x: lambda time: np.zeros_like(x))
     for given_data, holds in ((data, True), (without, False)):
         discretisation = Discretisation(given_data, OneDiagonal()(case.solution.body, 4))

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import h5py
 import meshio
 import numpy as np
 import pytest
@@ -365,7 +366,7 @@ def test_files_of_other_programs_are_read(suffix: str, form: str, degree: int, t
     ("name", "field_name", "message"),
     [
         ("missing.npz", None, "there is no file"),
-        ("mine.pvd", "stress", "does not have the field 'stress': its vector fields at points are .*velocity"),
+        ("mine.pvd", "stress", "does not have stress: its vector fields at points are .*velocity"),
         ("noise.vtu", None, "noise.vtu is broken, incomplete or no .*: write it again"),
         ("noise.npz", None, "noise.npz is no .npz file: write it by numpy.savez, with the arrays points, triangles"),
         ("noise.frd", None, "a format that cannot be read: expected .npz, .*; docs/tutorials/bound.md converts .frd"),
@@ -374,6 +375,7 @@ def test_files_of_other_programs_are_read(suffix: str, form: str, degree: int, t
         ("short.npz", None, "lacks triangles, u; expected the arrays points, triangles, times, u"),
         ("bomb.npz", None, "bomb.npz has .* bytes and unpacks to 100000776 bytes, .* write it without compression"),
         ("bomb.vtu", None, "bomb.vtu has .* bytes and unpacks to 80.* bytes, more than 100 times as many"),
+        ("bomb.xdmf", None, "bomb.h5 has .* bytes and unpacks to 160000000 bytes, more than 100 times as many"),
         ("locked.npz", None, "locked.npz is encrypted: write it by numpy.savez"),
         ("broken.npz", None, "broken.npz cannot be read"),
         ("strange.xdmf", None, "strange.xdmf cannot be read: ReadError"),
@@ -391,6 +393,9 @@ def test_files_without_a_displacement_are_refused(tmp_path: Path, name: str, fie
     np.savez_compressed(tmp_path / "bomb.npz", **(field() | {"u": np.zeros(100_000_000, dtype=np.int8)}))
     zeros = meshio.Mesh(np.zeros((10_000_000, 3)), [("triangle", np.array([[0, 1, 2]]))])
     zeros.write(tmp_path / "bomb.vtu", compression="zlib") if name == "bomb.vtu" else None
+    with h5py.File(tmp_path / "bomb.h5", "w") as file:
+        file.create_dataset("u", (10_000_000, 2), float, chunks=True, compression="gzip")
+    (tmp_path / "bomb.xdmf").write_text('<Xdmf><DataItem Format="HDF">bomb.h5:/u</DataItem></Xdmf>')
     packed = (tmp_path / "short.npz").read_bytes()
     # The flag of encryption in the header of the entry and in the table of all entries.
     locked = packed[:6] + b"\x01" + packed[7:]

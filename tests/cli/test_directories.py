@@ -165,7 +165,6 @@ with local_pool(2) as pool:
 def test_ctrl_c_ends_all_processes_at_once_however_often_it_is_pressed(to_all: bool, times: int) -> None:
     command = [sys.executable, "-c", ASLEEP]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as process:
-        assert process.stdout is not None
         assert process.stdout.readline() == b"started\n"
         for _ in range(times):
             with suppress(ProcessLookupError):
@@ -192,22 +191,19 @@ def test_an_empty_name_is_refused(command: str, tmp_path: Path, monkeypatch, cap
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no /dev/full")
 def test_a_full_disk_behind_the_output_is_said_in_words() -> None:
     with open("/dev/full", "w") as full:
-        done = subprocess.run([*STUDY, *RATES], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run(CASES, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     said = "study: cannot write the output: the disk is full (No space left on device); free space there"
     assert (done.returncode, done.stderr.startswith(said), len(done.stderr.splitlines())) == (2, True, 1)
 
 
 def test_a_reader_who_has_seen_enough_ends_the_command_without_a_word() -> None:
-    with subprocess.Popen([*STUDY, *RATES], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as command:
-        assert command.stdout and command.stderr  # noqa: PT018
+    with subprocess.Popen(CASES, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as command:
         command.stdout.close()
         assert command.stderr.read() == ""
     assert command.returncode == CLOSED
 
 
-STUDY = [sys.executable, "-m", "study"]
-RATES = ["rates", str(Path(__file__).parents[2] / "examples" / "errors.csv")]
-"""A command that prints, and needs no case."""
+CASES = [sys.executable, "-m", "study", "cases"]
 
 
 def planned(tmp_path: Path, *arguments: str) -> Scope:
