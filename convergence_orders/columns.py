@@ -18,7 +18,7 @@ from .tables import Cells, Table, read_tables, shorten
 
 Rows = NDArray[np.intp]
 """Indices of the rows of a series."""
-_WHOLE = re.compile(r"\d{1,12}(?:\.0)?|\d{1,3}(?:[ ,'’\u00a0\u202f]\d{3})+")
+_WHOLE = re.compile(r"\d{1,10}(?:\.0)?|\d{1,3}(?:[ ,'’\u00a0\u202f]\d{3})+")
 """Matches a whole number, also as pandas writes it in a table of floats: 512, 512.0, 1 024, 1,024."""
 _SIDES = re.compile(r"\D*(\d+)(?:\s*(?:[x×]|\\times)\s*\1)+\D*")
 """Matches the cells along the sides of a mesh, such as ``$8 \\times 8$``."""
