@@ -18,7 +18,7 @@ from .tables import Cells, Table, read_tables, shorten
 
 Rows = NDArray[np.intp]
 """Indices of the rows of a series."""
-_WHOLE = re.compile(r"\d{1,12}(?:\.0)?|\d{1,3}(?:[ ,'’\u00a0\u202f]\d{3})+")
+_WHOLE = re.compile(r"\d{1,10}(?:\.0)?|\d{1,3}(?:[ ,'’\u00a0\u202f]\d{3})+")
 """Matches a whole number, also as pandas writes it in a table of floats: 512, 512.0, 1 024, 1,024."""
 _SIDES = re.compile(r"\D*(\d+)(?:\s*(?:[x×]|\\times)\s*\1)+\D*")
 """Matches the cells along the sides of a mesh, such as ``$8 \\times 8$``."""
@@ -310,7 +310,7 @@ class Reading:
         Raises:
             OrderError: mesh sizes are unknown or ambiguous, or a cell is not a positive number.
         """
-        for column in [*self.errors, *([self.size] if self.size else [])]:
+        for column in filter(None, [*self.errors, self.size]):
             self._check(column)
         labels = [column for column in self.columns if self._is_label(column)]
         cases: dict[str, list[int]] = {}
@@ -361,7 +361,7 @@ class Reading:
             # A rule below every row of a table means nothing.
             starts = set()
         for column in self.columns:
-            missing = [is_missing(column.cells[k]) for k in rows]
+            missing = np.isnan(column.numbers[rows])
             if column.role in ("order", "quotient") and missing[0]:
                 starts |= {j for j in range(1, len(rows)) if missing[j] and not missing[j - 1]}
             if column.role in ("level", *SIZES) or column is self.size:
@@ -388,13 +388,14 @@ class Reading:
                 levels = column.numbers[rows]
                 if ratio is not None and (np.abs(np.diff(levels)) != 1).any():
                     raise OrderError(f"--ratio {ratio:g}, but the levels in column {column.name} are not consecutive")
-        h = np.power(max(ratio, 1 / ratio) if ratio else 2.0, -levels)
+        finer = ratio or 2.0
+        h = max(finer, 1 / finer) ** -levels
         # A column with another name and without orders may be one of sizes.
         named = all(
             column.role == "error" or column in self.printed or not column.numbers.any() for column in self.errors
         )
         if named and self._agrees(h, rows):
-            return h, f"ratio {ratio or 2:g}, which follows from the printed orders"
+            return h, f"ratio {finer:g}, which follows from the printed orders"
         if ratio is None:
             raise OrderError(
                 f"no column is a mesh size; seen: {self.names}. Give --ratio 2 if each mesh is twice as fine as the "

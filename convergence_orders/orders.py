@@ -427,7 +427,7 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     if verdict == HIGHER:
         kind = "higher than expected"
         sentence = f"orders {_text(orders)} are higher than expected: superconvergence, or another error?"
-    elif orders.min() < -STALLED:
+    elif verdict != HOLDS and orders.min() < -STALLED:
         kind = "pre-asymptotic"
         sentence = f"errors rise and fall: orders {_text(orders)}; no convergence is visible yet"
     elif len(change) > 1 and change[-1] < drop and change[-2:].sum() < -0.04:

@@ -48,7 +48,7 @@ def as_text(judged: Judged) -> str:
     for series, results in judged:
         lines += ["", *wrapped(series.caption), *wrapped(series.recognised("errors"))]
         for result in results:
-            lines += ["", result.name[:80], f"  {'h':>12} {'error':>12} {'order':>8}"]
+            lines += ["", result.name, f"  {'h':>12} {'error':>12} {'order':>8}"]
             orders = ["", *(f"{order:9.3f}" for order in result.orders)]
             for h, error, order in zip(result.h, result.errors, orders, strict=True):
                 lines.append(f"  {h:12.5g} {error:12.5g}{order}")
