@@ -24,9 +24,9 @@ from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict
 from study.ledger.window import at_most
 from study.run.plan import Plan
-from study.statements.moving_fronts import NodalErrors
 from study.statements.shared.base import ListedNumbers, Statement, grid
 from study.statements.thm_4_2 import OwnSpace
+from study.statements.time_steps import FullyDiscrete
 from study.statements.wellposed import BoundedVelocity
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -133,7 +133,7 @@ class Toy(ListedNumbers):
 
 @pytest.mark.parametrize(
     ("statement", "levels"),
-    [(BoundedVelocity(), {8, 16}), (Toy(), {4, 8}), (NodalErrors(), set()), (OwnSpace(), {8, 16, 32})],
+    [(BoundedVelocity(), {8, 16}), (Toy(), {4, 8}), (FullyDiscrete(), set()), (OwnSpace(), {8, 16, 32})],
 )
 def test_statements_have_their_settings_on_random_meshes(statement: Statement, levels: set[int]) -> None:
     """Of the quick study; if it has none, of the full study, but on no finer level."""
