@@ -112,8 +112,8 @@ def bounded_displacement(
     if computed.offset > ROUNDED * high:
         remarks.append(f"the error of the displacement in the file lies in {interval(*ends, 4)}")
     if low <= LOW_END * high and computed.degree == 2:
-        much, more = "0" if low == 0 else "small", refined.refinements + 1
-        remarks.append(f"the lower end is {much}, because ũ is hardly better than u_h of degree 2: try --refine {more}")
+        more = refined.refinements + 1
+        remarks.append(f"the lower end is small, because ũ is hardly better than u_h of degree 2: try --refine {more}")
     return replace(found, remarks=tuple(remarks))
 
 

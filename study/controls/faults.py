@@ -372,7 +372,8 @@ def bounded(W: Array, free: Array, bound: Array, start: Array) -> Array:
     sides = np.full(len(forces), np.nan)
     for _ in range(50):
         trial = forces + (free - W @ forces) / W.diagonal()
-        following = np.where(bound == 0, 1.0, np.where(trial > bound, 1.0, np.where(trial < -bound, -1.0, 0.0)))
+        above = (bound == 0) | (trial > bound)
+        following = np.where(above, 1.0, np.where(trial < -bound, -1.0, 0.0))
         if (following == sides).all():
             break
         sides = following

@@ -42,7 +42,7 @@ def fit(h: Array, error: Array) -> float:
         RatesError: mesh sizes do not decrease, or errors are not positive and finite.
     """
     orders(h, error)
-    return fitted_order(h, error)[0]
+    return fitted_order(h, error)
 
 
 def extrapolated_order(h: Array, error: Array) -> float:

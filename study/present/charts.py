@@ -320,10 +320,9 @@ def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
         # Families are drawn next to each other, because their markers would hide each other.
         shift = 0.012 * (number - (len(styles) - 1) / 2)
         axes.plot(rows["predicted"] + shift, rows["observed"], ls="", **style)
-    axes.set(xlim=(0, top), ylim=(0, top), xlabel="predicted order", ylabel="observed order, last two refinements")
-    heading, *entries = families(styles, ls="")
-    heading.set_label("mesh family, side by side")
-    add_legend(figure, [heading, *entries], [entry("observed = predicted", color=GREY)])
+    axes.set(xlabel="predicted order, families side by side", ylabel="observed order, last two refinements")
+    axes.set(xlim=(0, top), ylim=(0, top))
+    add_legend(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
     return figure
 
 

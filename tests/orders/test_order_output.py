@@ -14,12 +14,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
-from scipy.stats import linregress, t
 from table_forms import FORMS, Cells, joined, markdown
 
 from convergence_orders import OrderError, assert_order, check_orders, observed_orders
 from convergence_orders.columns import Options, read_series
-from convergence_orders.orders import fitted_order, grid_convergence
+from convergence_orders.orders import grid_convergence
 from study.cli.main import main
 
 GOOD, LOW, BENT = [1, 0.25, 0.0625, 0.015625], [1, 0.5, 0.25, 0.125], [1, 0.5, 0.3, 0.08]
@@ -76,7 +75,7 @@ def test_names_with_commas_and_equal_signs_can_be_expected(expected: str, code: 
     assert main(["rates", str(tmp_path / "t.csv"), "--expected", expected]) == code
 
 
-@pytest.mark.parametrize("expected", ["e, max", "2,1", "two", "e, max=1,2", "2,e=1", ""])
+@pytest.mark.parametrize("expected", ["e, max", "2,1", "two", "e, max=1,2", ""])
 def test_an_expectation_that_is_not_understood_is_answered_with_an_example(expected: str, capsys) -> None:
     with pytest.raises(SystemExit) as stop:
         main(["rates", "t.csv", "--expected", expected])
@@ -200,7 +199,7 @@ def test_errors_with_a_floor_fail_unless_it_is_permitted(coarse: int) -> None:
     h, errors = FINE[coarse:], FINE[coarse:] ** 2 + 1e-4
     for wish in ({"expected": 2}, {"at_least": 0.4}):
         found = observed_orders(h, errors, **wish)
-        assert (found.verdict, found.limit) == ("fails", pytest.approx(1e-4))
+        assert found.verdict == "fails"
         assert "tends to 0.0001, not to 0" in found.sentence
     permitted = [observed_orders(FINE, FINE**2 + 1e-4, 2, floor=floor).verdict for floor in (0.9e-4, 1.1e-4)]
     assert permitted == ["fails", "holds"]
@@ -318,17 +317,15 @@ def test_what_is_no_number_is_refused_in_words(h, errors, wish, said: str) -> No
         observed_orders(h, errors, wish, name="u")
 
 
-CELLS = "; h seems to be the number n of cells: give h = 1/n"
+CELLS = "; or is h the number n of cells? Then give h = 1/n"
 
 
 @pytest.mark.parametrize(
     ("h", "order", "said"),
     [
         ([4, 8, 16, 32], 2, True),
-        ([32, 16, 8, 4], 0.1, True),
         ([4, 8], 2, True),
         ([4, 8, 16, 32], -2, False),
-        ([4.5, 8.5, 16.5, 32.5], 2, False),
         ([1, 2, 4, 8], 2, False),
         ([4], 2, False),
     ],
@@ -358,12 +355,3 @@ def test_columns_of_pandas_are_judged_or_refused_by_name() -> None:
     with pytest.raises(OrderError, match="hh: there is no such column; there are h, L2, note"):
         check_orders("hh", table, 2)
     assert list(check_orders("h", table, 2)) == ["L2"]
-
-
-@pytest.mark.parametrize("levels", [3, 4, 7])
-def test_the_interval_of_a_fitted_order_is_that_of_the_regression(levels: int) -> None:
-    h = 2.0 ** -np.arange(levels)
-    errors = h**1.5 * np.random.default_rng(levels).uniform(0.8, 1.2, levels)
-    found = linregress(np.log(h), np.log(errors))
-    half = t.ppf(0.975, levels - 2) * found.stderr
-    assert fitted_order(h, errors) == pytest.approx((found.slope, found.slope - half, found.slope + half))
