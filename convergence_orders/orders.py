@@ -485,6 +485,10 @@ def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:
     (limit, p), finest, changes = limit_and_order(sizes, phi), float(phi[-1]), np.diff(phi[-3:])
     if not changes.all():
         return GridConvergence("equal values", extrapolated=finest, index=math.nan if changes[1] else 0.0)
+    # Rounding of the values changes the quotient of their differences, and the order by this change over log r.
+    rounding = 4 * np.finfo(float).eps * abs(phi).max() / abs(changes).min()
+    if rounding > 0.01 * np.diff(-np.log(sizes[-3:])).min():
+        return GridConvergence("undecided")
     monotone = np.sign(changes).sum() != 0
     if not math.isfinite(limit):
         # Values that turn on finer meshes after an extremum do not diverge.

@@ -177,6 +177,9 @@ def test_the_grid_convergence_index_is_the_published_one(cells, values, kind, or
     assert found.index == pytest.approx(index, abs=6e-4)
     assert grid_convergence([4, 2, 1], [1.0, 1.1, 1.5]).kind == "diverging"
     assert grid_convergence([4, 2, 1], [1.0, 1.1, 1.1]).kind == "equal values"
+    # The differences are rounding.
+    fine = np.array([1.0002, 1.0001, 1.0])
+    assert grid_convergence(fine, 1 + 1e-9 * fine**2).kind == "undecided"
 
 
 RATIOS = [pytest.param(h, id=f"h {h}") for h in itertools.combinations([0.4, 0.3, 0.2, 0.15, 0.1, 0.08, 0.05, 0.01], 3)]
