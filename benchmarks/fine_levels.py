@@ -26,6 +26,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from manufactured.modes import at_each
 from manufactured.multiscale.roller import START
 from manufactured.natural_motion import NAME
 from study.fem.error_norm import ErrorNorm
@@ -81,7 +82,7 @@ def natural_front(n: int) -> dict[str, float]:
     for place in range(PLACES):
         time = 0.5 + place / PLACES / n / (front(1.0) - front(0.0))  # the front has a constant speed
         theta = 0.25 + time
-        strain = v_norm.means(time)
+        strain = v_norm.sample(time).means.copy()
         from_front = space.mesh.p[:, space.mesh.t].mean(axis=1) - face.part.point(np.array([[front(time)]]))
         cells = np.flatnonzero(np.linalg.norm(from_front, axis=0) < NEAR / n)
         strain[:, cells] = means_from_edges(
@@ -107,7 +108,7 @@ def front_error(n: int) -> dict[str, float]:
     problem = SemiDiscrete.of(
         space,
         solution.law,
-        lambda time: load_from_forces(solution, space, time, DEGREE),
+        lambda times: at_each(times, lambda time: load_from_forces(solution, space, time, DEGREE)),
         v_norm.sample(0.0).interpolant,
     )
     every = steps // INSTANTS

@@ -23,6 +23,7 @@ from matplotlib.figure import Figure
 from skfem import Mesh
 
 from manufactured.data import Data
+from manufactured.modes import at_each
 from manufactured.problems import ramp
 from study.bound import bounded, fields
 from study.bound.bounded import BoundedSolution
@@ -65,7 +66,7 @@ def task(name: str, data: Data, mesh: Mesh, level: int) -> Any:
     space = Space(discretisation.mesh, data.body)
     J, cells = prolongation(space, discretisation), space.mesh.t.shape[1]
     start = space.interpolate(data.start(space.mesh.p))
-    problem = SemiDiscrete.of(space, data.law, lambda time: J.T @ discretisation.load(time), start)
+    problem = SemiDiscrete.of(space, data.law, lambda times: J.T @ at_each(times, discretisation.load), start)
     unknown = SimpleNamespace(means=np.zeros((3, cells)), oscillation=0.0, interpolant=0 * start)
     return SimpleNamespace(
         case=SimpleNamespace(name=name),

@@ -22,6 +22,7 @@ from skfem import Mesh
 
 from manufactured.arguments import checked
 from manufactured.body import Body
+from manufactured.modes import at_each
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
@@ -162,7 +163,7 @@ def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Discr
     """
     data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
     J, start = prolongation(space, discretisation), space.interpolate(data.start(space.mesh.p))
-    problem = SemiDiscrete.of(space, data.law, lambda time: J.T @ discretisation.load(time), start)
+    problem = SemiDiscrete.of(space, data.law, lambda times: J.T @ at_each(times, discretisation.load), start)
     nodes = np.array([state.u for state in scheme.march(problem, steps)])
     return DiscreteSolution(space, nodes, np.linspace(0.0, data.body.T, steps + 1), steps)
 
@@ -272,7 +273,7 @@ class Refined:
             reference=V.form(G.reference, factor),
             remainder=remainder(V, G, factor),
             N=V.N,
-            load=fine.load,
+            load=lambda times: at_each(times, fine.load),
             u0=start,
             T=data.body.T,
             solver=partial(Signorini, x=V.free_points),

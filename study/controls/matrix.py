@@ -22,6 +22,7 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
+from manufactured.modes import at_each
 from study.controls.faults import FAULTS, Fault
 from study.fem.naming import resolve
 from study.ledger.verdict import FAILS, CheckKind, Verdict
@@ -157,10 +158,11 @@ def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: floa
 
 def cached(setup: Experiment) -> Experiment:
     """Return an experiment whose loads and exact values are computed once for each time."""
-    v_norm = setup.v_norm
-    load = setup.problem.load
-    v_norm.sample = lru_cache(maxsize=None)(v_norm.sample)  # type: ignore[method-assign]
-    return replace(setup, problem=replace(setup.problem, load=lru_cache(maxsize=None)(load)))
+    v_norm, samples = setup.v_norm, setup.v_norm.samples
+    load = lru_cache(maxsize=None)(setup.problem.load)
+    sample = lru_cache(maxsize=None)(lambda time: next(samples(time)))
+    v_norm.samples = lambda times: map(sample, np.atleast_1d(times).tolist())  # type: ignore[method-assign]
+    return replace(setup, problem=replace(setup.problem, load=lambda times: at_each(times, load)))
 
 
 def distance_of_solutions(right: Experiment, faulty: Experiment) -> float:

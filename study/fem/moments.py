@@ -26,29 +26,40 @@ from skfem import Mesh
 from manufactured.body import Part
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.modes import Modes
-from manufactured.tensors import Array, Tensors
+from manufactured.tensors import Array, Tensors, mapped
 from study.fem.quadrature import CellRule, FacetRule
 
 Amplitudes = Array
-"""The values T_k(s_j, t) at one time of the functions that describe how a strain changes with time.
+"""The values T_k(s_j, t) at n times of the functions that describe how a strain changes with time.
 
-The J values of each of the K terms follow one after the other, (Σ K J,).
+The J values of each of the K terms follow one after the other, (Σ K J, n).
+"""
+MOST_TIMES, MOST_VALUES = 32, 1 << 19
+"""Largest number of times that are evaluated together, and of values that belong to them.
+
+Formulas are called less often for blocks of times. Larger blocks would leave the processor's cache.
 """
 MANY = 4
 """The energy is stored as a matrix if it needs at most this many times the memory of the terms of the strain."""
 
 
-def amplitudes_of(modes: Sequence[Modes]) -> Callable[[float, bool], Amplitudes]:
-    """Return the function (time, rate) ↦ amplitudes of the strain ε, or of its rate ε̇ if ``rate`` is true."""
+def blocks(times: Array | float, size: int) -> list[Array]:
+    """Divide times, (n,), into blocks that are evaluated together; ``size`` values belong to each time."""
+    most = max(1, min(MOST_TIMES, MOST_VALUES // max(size, 1)))
+    return [np.atleast_1d(times)[first : first + most] for first in range(0, np.size(times), most)]
+
+
+def amplitudes_of(modes: Sequence[Modes]) -> Callable[[Array, bool], Amplitudes]:
+    """Return the function (times, rate) ↦ amplitudes of the strain ε, or of its rate ε̇ if ``rate`` is true."""
     # The returned function stores only these references. A reference to the modes would keep their large arrays in
     # memory.
     each = [part.amplitudes for part in modes]
 
-    def at(time: float, rate: bool) -> Amplitudes:
+    def at(times: Array, rate: bool) -> Amplitudes:
         # A loop, because a comprehension is one more call in Python 3.11, and the depth of calls is limited.
         found = []
         for of in each:
-            found.append(of(time, rate).ravel())
+            found.append(of(times, rate).reshape(-1, len(times)))
         return np.concatenate(found)
 
     return at
@@ -123,7 +134,7 @@ def strain_matrix(modes: Sequence[Modes], count: int) -> sps.csr_array:
 
 
 class StrainSums:
-    """Computes weighted sums Σ w_p ε(x_p, t) of a strain over points, (D, sums), from its amplitudes at the time t.
+    """Computes weighted sums Σ w_p ε(x_p, t) of a strain over points, (D, sums, n), from its amplitudes at n times.
 
     Args:
         modes: the terms of the strain ε at the points x_p.
@@ -144,14 +155,14 @@ class StrainSums:
 
     def __call__(self, amplitudes: Amplitudes, C: Array | None = None) -> Tensors:
         """Return the sums of the strain ε, or of the stress C ε if a tensor C is given in Mandel form, (D, D)."""
-        sums = (self._matrix @ amplitudes).reshape(self._tensors.shape[1], -1)
-        return np.asarray((self._tensors if C is None else C @ self._tensors) @ sums)
+        sums = (self._matrix @ amplitudes).reshape(self._tensors.shape[1], -1, amplitudes.shape[1])
+        return mapped(self._tensors if C is None else C @ self._tensors, sums)
 
 
 class StressSums:
-    """Computes weighted sums Σ w_p σ(x_p, t) of the stress σ = A ε(u̇) + G ε(u), (D, sums).
+    """Computes weighted sums Σ w_p σ(x_p, t) of the stress σ = A ε(u̇) + G ε(u) at n times, (D, sums, n).
 
-    A call needs the amplitudes of the strain ε and of its rate ε̇ at the time t.
+    A call needs the amplitudes of the strain ε and of its rate ε̇ at these times.
 
     Attributes:
         viscous: the sums Σ w_p α of the material factor α of A, (sums,).
@@ -169,14 +180,19 @@ class StressSums:
             self._elastic = lambda strains: linear(strains, G.matrix)
         else:
             strain, add = strain_matrix(modes, len(elastic)), points.adding(elastic)
-            self._elastic = lambda strains: (add @ G((strain @ strains).reshape(-1, len(elastic))).T).T
+
+            def nonlinear(strains: Amplitudes) -> Tensors:
+                stress = G((strain @ strains).reshape(-1, len(elastic), strains.shape[1]))
+                return np.array([add @ component for component in stress])
+
+            self._elastic = nonlinear
 
     def __call__(self, strains: Amplitudes, rates: Amplitudes) -> Tensors:
         return self.strains(rates, self._A.matrix) + self._elastic(strains)
 
 
 class StrainEnergy:
-    """Computes the energy ∫_Ω α C ε·ε dx of a strain from its amplitudes.
+    """Computes the energies ∫_Ω α C ε·ε dx of a strain at n times, (n,), from its amplitudes.
 
     If many points have the same coordinate along the contact face, the energy is stored as a quadratic form of the
     amplitudes. Otherwise the matrix of this form would need too much memory, and the strain at the points is computed
@@ -206,6 +222,6 @@ class StrainEnergy:
                     blocks[k][l] = (1 if k == l else 2) * products[k, l] * (weighted @ shapes[l])
         self._form = sps.csr_array(sps.block_array(blocks))
 
-    def __call__(self, amplitudes: Amplitudes) -> float:
+    def __call__(self, amplitudes: Amplitudes) -> Array:
         v = amplitudes if self._strain is None else self._strain @ amplitudes
-        return float(v @ (self._form @ v))
+        return np.einsum("in,in->n", v, self._form @ v)

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from manufactured.modes import at_each
 from manufactured.multiscale import ROLLERS, rollers
 from study.fem.naming import resolve
 from study.ledger.files import UsageError
@@ -47,9 +48,12 @@ def test_the_problem_on_contact_is_problem_5_1_with_all_unknowns_eliminated_off_
         moved = (exact[n + 1] - exact[n]) / k + (exact[n + 1] + exact[n]) / 2
         return on.M @ moved + space.N.T @ coarse.forces[n]
 
-    problem = SemiDiscrete.of(space, law, load, on.start)
+    def free_load(time: float) -> np.ndarray:
+        return load(time) - space.N.T @ coarse.forces[round(time / k - 0.5)]
+
+    problem = SemiDiscrete.of(space, law, lambda times: at_each(times, load), on.start)
     states = path(problem, MIDPOINT, coarse.steps)
-    free = replace(problem, N=space.N[:0], load=lambda t: load(t) - space.N.T @ coarse.forces[round(t / k - 0.5)])
+    free = replace(problem, N=space.N[:0], load=lambda times: at_each(times, free_load))
     linear = path(free, MIDPOINT, coarse.steps)
     for n in (1, coarse.steps // 2, coarse.steps):
         assert coarse.displacement(n) == pytest.approx(states[n], abs=1e-10)
