@@ -133,5 +133,11 @@ def plot(judged: Judged, file: Path) -> None:
             finest, error = shown[-1]
             below = [0.6 * error * (h / finest) ** wanted for h in result.h]
             axes.plot(result.h, below, "--", color=line.get_color())
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = axis.get_view_interval()
+        # Matplotlib labels powers of ten, of which a short axis may have none.
+        texts = [f"{low * (high / low) ** part:.3g}" for part in (0.2, 0.4, 0.6, 0.8)]
+        axis.set_ticks([], minor=True)
+        axis.set_ticks(list(map(float, texts)), texts)
     axes.legend(title="dashed: expected order, shifted")
     figure.savefig(file, dpi=150)

@@ -27,6 +27,9 @@ Formulas = Annotated[
 Tractions = Annotated[
     Mapping[int, Formulas], "a dict from the number of a LOADED side to the traction on it, such as {2: (0, -4)}"
 ]
+Displacements = Annotated[
+    Mapping[int, Formulas], "a dict from the number of a CLAMPED or ROLLER side to its displacement, as {0: (0, 0.1)}"
+]
 
 
 class LoadError(ValueError):

@@ -29,7 +29,7 @@ from study.fem.space import Space, means
 from study.solve.evolution import SemiDiscrete, remainder
 from study.solve.signorini import ContactSolver, Signorini
 from study.statements.pictures import contact_weights
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment
 
 Faulty = Experiment | None
 """An experiment with a fault; None where the fault cannot occur."""
@@ -250,7 +250,7 @@ class Loosened(Space):
         return np.flatnonzero(np.repeat(~fixed, self.dim))
 
 
-INSIDE = 1e-9
+INSIDE_SHARE = 1e-9
 """Share of the way from Γ1 to the middle of the body."""
 
 
@@ -262,7 +262,7 @@ def partly_clamped(setup: Experiment, size: float) -> Experiment:
 
     # On Γ1 itself the stress is 0 where a profile of the exact solution ends, so it is taken slightly inside.
     centre = space.body.vertices.mean(axis=1)
-    inside = SimpleNamespace(at=lambda x: solution.at(x + INSIDE * (centre.reshape(-1, *[1] * (x.ndim - 1)) - x)))
+    inside = SimpleNamespace(at=lambda x: solution.at(x + INSIDE_SHARE * (centre.reshape(-1, *[1] * (x.ndim - 1)) - x)))
 
     def load(times: Array) -> Array:
         return v_norm.load(times) - at_each(times, partial(work_on, Kind.CLAMPED, inside, space))  # type: ignore[arg-type]

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).parents[2]
-TUTORIAL = (ROOT / "docs/tutorials/convergence-in-ci.md").read_text(encoding="utf-8")
+TUTORIAL = (ROOT / "docs/how-to/convergence-orders.md").read_text(encoding="utf-8")
 FILES = dict(re.findall(r"^```\{code-block\} \w+\n:caption: (\S+)\n\n(.*?)^```$", TUTORIAL, re.DOTALL | re.MULTILINE))
 RIGHT, WRONG = "f(x[1:-1])", "f(x[:-2])"
 

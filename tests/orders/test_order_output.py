@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from json_schema import faults_of
+from jsonschema import Draft202012Validator
 from scipy.stats import linregress, t
 from table_forms import FORMS, Cells, joined, markdown
 
@@ -25,7 +25,9 @@ from study.cli.main import main
 GOOD, LOW, BENT = [1, 0.25, 0.0625, 0.015625], [1, 0.5, 0.25, 0.125], [1, 0.5, 0.3, 0.08]
 H = np.array([0.5, 0.25, 0.125, 0.0625])
 SQUARES = H**2
-SCHEMA = json.loads((Path(__file__).parents[2] / "docs/reference/rates.schema.json").read_text(encoding="utf-8"))
+SCHEMA = Draft202012Validator(
+    json.loads((Path(__file__).parents[2] / "docs/reference/rates.schema.json").read_text(encoding="utf-8"))
+)
 
 
 def table(path: Path, **columns: list[float]) -> str:
@@ -91,8 +93,8 @@ def test_json_has_the_documented_schema(capsys) -> None:
             read += 1
             entries = json.loads(output, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
             assert entries, file
-            assert faults_of(entries, SCHEMA, SCHEMA) == [], file
-            assert faults_of([entries[0] | {"verdict": "?", "more": 1}], SCHEMA, SCHEMA), file
+            SCHEMA.validate(entries)
+            assert not SCHEMA.is_valid([entries[0] | {"verdict": "?", "more": 1}]), file
     assert read > 20
 
 
@@ -116,7 +118,9 @@ def test_a_plot_is_drawn_whatever_the_errors_do(ending: str, start: bytes, tmp_p
     columns = {"L2": GOOD, "$\\rho^{": LOW, "inf": [0, 0, 0, 0], "some": [1, 0.1, 0, 0], "nan": [1, "nan", 0.1, 0.2]}
     file = table(tmp_path / "t.csv", **columns)
     assert main(["rates", file, "--expected", "2", "--plot", str(tmp_path / f"p.{ending}")]) == 1
-    assert (tmp_path / f"p.{ending}").read_bytes().startswith(start)
+    content = (tmp_path / f"p.{ending}").read_bytes()
+    assert content.startswith(start)
+    assert ending != "svg" or len(re.findall(rb"<!-- [\d.e+-]+ -->", content)) == 8, "four labelled ticks on both axes"
 
 
 NUMBER = st.floats(1e-12, 1e3).map(lambda value: float(f"{value:.6g}"))

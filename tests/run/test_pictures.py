@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from manufactured.catalogue import NAMES
 from study.fem.mesh import Skin
 from study.fem.naming import resolve
-from study.ledger.pictures import FINE, STEPS
+from study.ledger.pictures import FINE_UNITS, UNITS
 from study.present.picture import Picture
 from study.solve.motion import Motion
 from study.statements import pictures
@@ -65,12 +65,12 @@ def test_displacement_gap_and_pressure_are_those_of_the_motion_at_the_vertices(c
         np.testing.assert_allclose(part.point(face.s), picture.vertices[:, face.nodes], atol=1e-3)
         for n, frame in enumerate(motion.frames[::2]):
             gap, pressure = -frame.normal[rows][order], (frame.multipliers / weights)[rows][order]
-            np.testing.assert_allclose(face.gap[n], gap, atol=0.51 * abs(face.gap).max() / FINE)
-            np.testing.assert_allclose(face.pressure[n], pressure, atol=0.51 * abs(face.pressure).max() / FINE)
+            np.testing.assert_allclose(face.gap[n], gap, atol=0.51 * abs(face.gap).max() / FINE_UNITS)
+            np.testing.assert_allclose(face.pressure[n], pressure, atol=0.51 * abs(face.pressure).max() / FINE_UNITS)
             np.testing.assert_array_equal(face.touching[n], pressure > 0)
     largest = max(abs(space.nodal(frame.u)).max() for frame in motion.frames[::2])
     for instant in picture.shown:
         (frame,) = (frame for frame in motion.frames if frame.time == picture.times[instant])
         moved = space.nodal(frame.u)[:, Skin.of(space.mesh).vertices]
         # Three digits of the largest displacement at any time: a tenth of a pixel.
-        np.testing.assert_allclose(picture.displacement[instant], moved, atol=0.51 * largest / STEPS)
+        np.testing.assert_allclose(picture.displacement[instant], moved, atol=0.51 * largest / UNITS)

@@ -27,10 +27,9 @@ from study.run.store import Store
 from study.statements import STATEMENTS
 from study.statements.enclosure import resolve_problem
 from study.statements.pictures import Pictures
-from study.statements.prop_5_3 import InitialGap
-from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting
+from study.statements.prop_5_4 import FirstOrder, InitialGap, Rates, RateSetting
 from study.statements.shared.base import Setting
-from study.statements.shared.meshes import body_of, first_with_each, law_of
+from study.statements.shared.meshes import body_of, first_with_each
 from study.statements.shared.scope import ON_EVERY_FAMILY, Levels, Scope, regular
 from study.statements.thm_4_2 import SameMesh
 from study.statements.time_steps import FullyDiscrete, Landings
@@ -108,7 +107,7 @@ def test_a_case_that_names_a_family_that_cannot_mesh_its_body_is_refused() -> No
         scope("quick").families_of(hexagon)
 
 
-@pytest.mark.parametrize("feature", [body_of, law_of])
+@pytest.mark.parametrize("feature", [body_of, lambda case: repr(case.solution.law)])
 def test_every_body_and_every_law_is_measured_in_one_case(feature: Callable[[Case], Hashable]) -> None:
     measured = [feature(case) for case in first_with_each(feature)]
     assert len(set(measured)) == len(measured)
@@ -283,6 +282,7 @@ def moved(x):
 MINE = """
 '''Problems of a user.'''
 from dataclasses import dataclass, replace
+from functools import wraps
 from sympy.utilities.lambdify import implemented_function
 from helper import LOAD, moved
 from manufactured import *
@@ -311,6 +311,9 @@ own_load = replace(data, body_force=moved)
 own_class = OwnData(**vars(data))
 mixed = replace(data, body_force=Data.formulas(data.body, law, f0=(0, LOAD)).body_force)
 own_function = Data.formulas(data.body, law, f0=(0, implemented_function("f", lambda x: 3 * x)(t)))
+posing = Data.formulas(data.body, law, **loads)
+posed = wraps(data.body_force)(lambda x: lambda time: 2 * data.body_force(x)(time))
+object.__setattr__(posing, "body_force", posed)
 """
 
 
@@ -366,6 +369,7 @@ def test_the_key_of_a_problem_of_formulas_does_not_depend_on_words_or_on_other_p
         ("still", "nu=0.3", "nu=0.2"),
         ("gap", "closing-gap", "parabolic-gap"),
         ("gap", "pace=3", "pace=2"),
+        ("posing", "2 * data", "3 * data"),
         *((name, "", "") for name in ("python", "own_load", "own_class", "own_function", "own_law", "mixed")),
     ],
 )
