@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -82,7 +83,7 @@ def natural_front(n: int) -> dict[str, float]:
     for place in range(PLACES):
         time = 0.5 + place / PLACES / n / (front(1.0) - front(0.0))  # the front has a constant speed
         theta = 0.25 + time
-        strain = v_norm.sample(time).means.copy()
+        strain = v_norm.sample(time).means
         from_front = space.mesh.p[:, space.mesh.t].mean(axis=1) - face.part.point(np.array([[front(time)]]))
         cells = np.flatnonzero(np.linalg.norm(from_front, axis=0) < NEAR / n)
         strain[:, cells] = means_from_edges(
@@ -108,7 +109,7 @@ def front_error(n: int) -> dict[str, float]:
     problem = SemiDiscrete.of(
         space,
         solution.law,
-        lambda times: at_each(times, lambda time: load_from_forces(solution, space, time, FORCE_DEGREE)),
+        partial(at_each, of=partial(load_from_forces, solution, space, degree=FORCE_DEGREE)),
         v_norm.sample(0.0).interpolant,
     )
     every = steps // ERROR_INSTANTS

@@ -221,7 +221,7 @@ class Refined:
             reference=V.form(G.reference, factor),
             remainder=remainder(V, G, factor),
             N=V.N,
-            load=lambda times: at_each(times, fine.load),
+            load=partial(at_each, of=fine.load),
             u0=start,
             T=data.body.T,
             solver=partial(Signorini, x=V.free_points),

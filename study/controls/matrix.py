@@ -14,15 +14,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from manufactured.modes import at_each
 from study.controls.faults import FAULTS, Fault
 from study.fem.naming import resolve
 from study.ledger.files import UsageError
@@ -66,7 +65,7 @@ class Measured:
     @cached_property
     def setups(self) -> list[Experiment]:
         """The experiments of the settings. Their loads and exact values are computed once for each time."""
-        return [cached(self.statement.setup(setting)) for setting in self.settings]
+        return [self.statement.setup(setting) for setting in self.settings]
 
     @cached_property
     def right(self) -> list[Mapping[str, Any]]:
@@ -164,15 +163,6 @@ def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: floa
     evidence = [verdict for verdict in failing if verdict.kind not in BY_ORDER_OR_SIZE]
     by_others = [f"{verdict.label} {verdict.key}" for verdict in (*evidence, *of_others)]
     return {**row, "by_error": "; ".join(by_error), "by_others": "; ".join(by_others)}
-
-
-def cached(setup: Experiment) -> Experiment:
-    """Return an experiment whose loads and exact values are computed once for each time."""
-    v_norm, samples = setup.v_norm, setup.v_norm.samples
-    load = lru_cache(maxsize=None)(setup.problem.load)
-    sample = lru_cache(maxsize=None)(lambda time: next(samples(time)))
-    v_norm.samples = lambda times: map(sample, np.atleast_1d(times).tolist())  # type: ignore[method-assign]
-    return replace(setup, problem=replace(setup.problem, load=lambda times: at_each(times, load)))
 
 
 def distance_of_solutions(right: Experiment, faulty: Experiment) -> float:

@@ -45,8 +45,8 @@ MANY = 4
 
 def blocks(times: Array | float, size: int) -> list[Array]:
     """Divide times, (n,), into blocks that are evaluated together; ``size`` values belong to each time."""
-    most = max(1, min(MOST_TIMES, MOST_VALUES // max(size, 1)))
-    return [np.atleast_1d(times)[first : first + most] for first in range(0, np.size(times), most)]
+    most = max(1, min(MOST_TIMES, MOST_VALUES // size))
+    return np.split(np.atleast_1d(times), range(most, np.size(times), most))
 
 
 def amplitudes_of(modes: Sequence[Modes]) -> Callable[[Array, bool], Amplitudes]:
@@ -205,22 +205,13 @@ class StrainEnergy:
     """
 
     def __init__(self, modes: Sequence[Modes], weights: Array, C: Array) -> None:
+        strain = strain_matrix(modes, len(weights))
+        form = sps.csr_array(sps.kron(C, sps.diags_array(weights)))
         self._strain: sps.csr_array | None = None
         if sum(len(part.tensors) ** 2 * part.count for part in modes) > MANY * sum(part.shapes.size for part in modes):
-            self._strain = strain_matrix(modes, len(weights))
-            self._form = sps.csr_array(sps.kron(C, sps.diags_array(weights)))
-            return
-        tensors = np.concatenate([part.tensors for part in modes])
-        products, shapes = tensors @ C @ tensors.T, [*shapes_at_points(modes, len(weights))]
-        # The matrix is symmetric, so only blocks on and above the diagonal are computed. Blocks above the diagonal are
-        # doubled.
-        blocks: list[list[sps.csr_array | None]] = [[None] * len(shapes) for _ in shapes]
-        for k, shape in enumerate(shapes):
-            weighted = sps.csr_array(shape.T @ sps.diags_array(weights))
-            for l in range(k, len(shapes)):
-                if products[k, l] or k == l:
-                    blocks[k][l] = (1 if k == l else 2) * products[k, l] * (weighted @ shapes[l])
-        self._form = sps.csr_array(sps.block_array(blocks))
+            self._strain, self._form = strain, form
+        else:
+            self._form = sps.csr_array(strain.T @ form @ strain)
 
     def __call__(self, amplitudes: Amplitudes) -> Array:
         v = amplitudes if self._strain is None else self._strain @ amplitudes

@@ -206,14 +206,9 @@ class ContactStep:
         self.known = [sps.csc_array(weight / k * problem.M) for weight in scheme.past]
         if scheme.theta < 1:
             self.known[0] = sps.csc_array(self.known[0] - (1 - scheme.theta) * problem.reference)
-        times = np.array([scheme.balanced(n, k) for n in range(1, round(problem.T / k) + 1)])
+        times = scheme.balanced(np.arange(1, round(problem.T / k) + 1), k)
         self._blocks = blocks(times, len(problem.u0))
         self._loads = lru_cache(1)(lambda number: problem.load(self._blocks[number]))
-
-    def load(self, n: int) -> Array:
-        """Return the load vector of the step to t_n, (n,)."""
-        block, column = divmod(n - 1, len(self._blocks[0]))
-        return self._loads(block)[:, column]
 
     def __call__(self, n: int, past: Sequence[State]) -> State:
         """Compute one time step and return the state at t_n.
@@ -225,7 +220,8 @@ class ContactStep:
         Raises:
             EvolutionError: the iteration for a nonlinear law did not converge, or values are not finite.
         """
-        return self.solved(n * self.k, self.load(n), past)
+        block, column = divmod(n - 1, len(self._blocks[0]))
+        return self.solved(n * self.k, self._loads(block)[:, column], past)
 
     def solved(self, time: float, load: Array, past: Sequence[State]) -> State:
         """Compute one time step to a time with a given load vector, (n,); see ``__call__``."""

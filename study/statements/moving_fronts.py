@@ -83,7 +83,7 @@ def half_quotient(problem: SemiDiscrete, states: Array) -> float:
     k = problem.T / steps
     velocities = np.diff(states, axis=0) / k
     middles = (states[1:] + states[:-1]) / 2
-    loads = problem.load(np.array([MIDPOINT.balanced(n, k) for n in range(1, steps + 1)])).T
+    loads = problem.load(MIDPOINT.balanced(np.arange(1, steps + 1), k)).T
     g = Cholesky(problem.M)(loads - [problem.elastic(u) for u in middles])
     speed = norms(problem, velocities).max()
     variation = norms(problem, np.diff(g, axis=0)).sum()
@@ -408,14 +408,8 @@ class AdvancingFront(ListedNumbers):
         steps = FRONT_STEPS_PER_CELL * setting.level
         v_norm = ErrorNorm(solution, space)
         force = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, FORCE_DEGREE))
-
-        def load(times: Array) -> Array:
-            return at_each(times, force)
-
-        def pressed(times: Array) -> Array:
-            return at_each(times, lambda time: force(time) + pressure_load(solution, space, time))
-
-        problem = SemiDiscrete.of(space, solution.law, load, v_norm.sample(0.0).interpolant)
+        pressed = partial(at_each, of=lambda time: force(time) + pressure_load(solution, space, time))
+        problem = SemiDiscrete.of(space, solution.law, partial(at_each, of=force), v_norm.sample(0.0).interpolant)
         # Without rows of N there is no contact condition, so the exact σ_ν acts as a given traction in the load.
         linear = replace(problem, N=problem.N[:0], load=pressed)
         coarse = path(problem, MIDPOINT, steps)

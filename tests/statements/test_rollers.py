@@ -1,6 +1,7 @@
 """Rollers: the problem condensed to Γ3, and the verdicts with the changes that must turn them."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -43,17 +44,17 @@ def test_the_problem_on_contact_is_problem_5_1_with_all_unknowns_eliminated_off_
     space, law = on.at.space, on.at.solution.law
     exact = [on.projected(n * k) for n in range(coarse.steps + 1)]
 
-    def load(time: float) -> np.ndarray:
+    def free_load(time: float) -> np.ndarray:
         n = round(time / k - 0.5)
         moved = (exact[n + 1] - exact[n]) / k + (exact[n + 1] + exact[n]) / 2
-        return on.M @ moved + space.N.T @ coarse.forces[n]
+        return on.M @ moved
 
-    def free_load(time: float) -> np.ndarray:
-        return load(time) - space.N.T @ coarse.forces[round(time / k - 0.5)]
+    def load(time: float) -> np.ndarray:
+        return free_load(time) + space.N.T @ coarse.forces[round(time / k - 0.5)]
 
-    problem = SemiDiscrete.of(space, law, lambda times: at_each(times, load), on.start)
+    problem = SemiDiscrete.of(space, law, partial(at_each, of=load), on.start)
     states = path(problem, MIDPOINT, coarse.steps)
-    free = replace(problem, N=space.N[:0], load=lambda times: at_each(times, free_load))
+    free = replace(problem, N=space.N[:0], load=partial(at_each, of=free_load))
     linear = path(free, MIDPOINT, coarse.steps)
     for n in (1, coarse.steps // 2, coarse.steps):
         assert coarse.displacement(n) == pytest.approx(states[n], abs=1e-10)
