@@ -226,7 +226,11 @@ def late(setup: Experiment, size: float) -> Experiment:
     """Take the load of the time t − δT, and of t = 0 before."""
     right = setup.problem.load
     delay = size * setup.problem.T
-    return solving(setup, load=lambda times: right(np.maximum(times - delay, 0.0)))
+
+    def delayed(times: Array) -> Array:
+        return right(np.maximum(times - delay, 0.0))
+
+    return solving(setup, load=delayed)
 
 
 def step_of_unit_time(setup: Experiment, size: float) -> Faulty:

@@ -84,7 +84,9 @@ class ErrorNorm:
     def __init__(
         self, solution: ExactSolution, space: Space, raised: int = 0, along: Sequence[Line] | None = None
     ) -> None:
-        self.solution, self.space, self.A = solution, space, solution.law.A
+        self.solution = solution
+        self.space = space
+        self.A = solution.law.A
         degree, count = (DEGREE, FACET_POINTS) if space.dim == 2 else (SOLID_DEGREE, SOLID_FACET_POINTS)
         self.degree = degree + raised
         lines = shared_lines(solution) if along is None else along
@@ -159,7 +161,8 @@ class ErrorNorm:
         """
         found = []
         for block in blocks(time, self._size):
-            strains, rates = self._amplitudes(block, False), self._amplitudes(block, True)
+            strains = self._amplitudes(block, False)
+            rates = self._amplitudes(block, True)
             # The work of the contact pressure p = −σ_ν.
             pressure = [mapped(-dyad(normal, normal), sums(strains, rates)) for normal, sums in self._faces]
             found.append(self.space.tested(self._cells(strains, rates)) + self._normal @ np.concatenate(pressure))

@@ -99,7 +99,8 @@ class QuadraturePoints:
         vertices.
         """
         vertices, sums = np.unique(mesh.facets[:, rule.facets], return_inverse=True)
-        x, weights = part.point(rule.s), rule.shapes * rule.weights
+        x = part.point(rule.s)
+        weights = rule.shapes * rule.weights
         copies = np.repeat(x[:, None], len(weights), axis=1).reshape(len(x), -1)
         sums = np.repeat(sums.reshape(weights.shape[:2])[..., None], weights.shape[2], axis=2)
         return cls(copies, sums.ravel(), weights.ravel(), len(vertices)), vertices
@@ -143,7 +144,10 @@ class StrainSums:
     """
 
     def __init__(self, modes: Sequence[Modes], points: QuadraturePoints, weights: Array) -> None:
-        add, count, blocks, first = points.adding(weights), len(weights), [], 0
+        add = points.adding(weights)
+        count = len(weights)
+        blocks = []
+        first = 0
         width = sum(len(part.tensors) * part.count for part in modes)
         for shape in shapes_at_points(modes, count):
             sums = add @ shape
@@ -170,7 +174,8 @@ class StressSums:
     """
 
     def __init__(self, law: KelvinVoigt, modes: Sequence[Modes], points: QuadraturePoints) -> None:
-        self._A, G = law.A, law.G
+        self._A = law.A
+        G = law.G
         viscous, elastic = (points.weights * tensor.factor(points.x) for tensor in (law.A, G))
         self.viscous = np.bincount(points.sums, viscous, points.count)
         self.strains = StrainSums(modes, points, viscous)
@@ -179,7 +184,8 @@ class StressSums:
             linear = self.strains if np.array_equal(viscous, elastic) else StrainSums(modes, points, elastic)
             self._elastic = lambda strains: linear(strains, G.matrix)
         else:
-            strain, add = strain_matrix(modes, len(elastic)), points.adding(elastic)
+            strain = strain_matrix(modes, len(elastic))
+            add = points.adding(elastic)
 
             def nonlinear(strains: Amplitudes) -> Tensors:
                 stress = G((strain @ strains).reshape(-1, len(elastic), strains.shape[1]))
@@ -209,7 +215,8 @@ class StrainEnergy:
         form = sps.csr_array(sps.kron(C, sps.diags_array(weights)))
         self._strain: sps.csr_array | None = None
         if sum(len(part.tensors) ** 2 * part.count for part in modes) > MANY * sum(part.shapes.size for part in modes):
-            self._strain, self._form = strain, form
+            self._strain = strain
+            self._form = form
         else:
             self._form = sps.csr_array(strain.T @ form @ strain)
 

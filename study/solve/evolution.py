@@ -200,9 +200,12 @@ class ContactStep:
 
     def __init__(self, problem: SemiDiscrete, scheme: Tableau, k: float) -> None:
         scheme.require_unique(k, problem.growth)
-        self.problem, self.scheme, self.k = problem, scheme, k
+        self.problem = problem
+        self.scheme = scheme
+        self.k = k
         self.S = sps.csc_array(scheme.newest / k * problem.M + scheme.theta * problem.reference)
-        self.solve, self.forces = problem.contact(self.S), problem.N.T
+        self.solve = problem.contact(self.S)
+        self.forces = problem.N.T
         self.known = [sps.csc_array(weight / k * problem.M) for weight in scheme.past]
         if scheme.theta < 1:
             self.known[0] = sps.csc_array(self.known[0] - (1 - scheme.theta) * problem.reference)
@@ -240,7 +243,8 @@ class ContactStep:
 
         S u + Nᵀλ = constant − remainder(θv + (1 − θ) u_{n−1}).
         """
-        problem, theta = self.problem, self.scheme.theta
+        problem = self.problem
+        theta = self.scheme.theta
         base = (1 - theta) * before[-1]
         multipliers = np.zeros(problem.N.shape[0])
 

@@ -226,10 +226,14 @@ def random_problem(seed: int, n: int = 3) -> tuple[SemiDiscrete, float, float]:
     L = np.linalg.cholesky(M)
     B = rng.standard_normal((n, n))
     B *= rng.uniform(0.2, 3) / np.linalg.norm(B, 2)
-    kappa, gamma = np.linalg.norm(B, 2), max(0.0, -np.linalg.eigvalsh(B + B.T)[0] / 2)
+    kappa = np.linalg.norm(B, 2)
+    gamma = max(0.0, -np.linalg.eigvalsh(B + B.T)[0] / 2)
     C = L @ B @ L.T
-    symmetric, skew = (C + C.T) / 2, (C - C.T) / 2
-    amplitude, frequency, jump = rng.standard_normal((3, n)), rng.uniform(0, 12), rng.uniform(0.1, 0.9)
+    symmetric = (C + C.T) / 2
+    skew = (C - C.T) / 2
+    amplitude = rng.standard_normal((3, n))
+    frequency = rng.uniform(0, 12)
+    jump = rng.uniform(0.1, 0.9)
 
     def load(t: np.ndarray) -> np.ndarray:
         return amplitude.T @ [np.ones(t.size), np.sin(frequency * t), 2.0 * (t > jump)]
@@ -246,7 +250,8 @@ def random_problem(seed: int, n: int = 3) -> tuple[SemiDiscrete, float, float]:
 @given(seed=st.integers(0, 2**32))
 def test_both_bounds_hold_for_steps_of_any_size_and_the_one_with_the_solution_is_the_smaller(seed: int) -> None:
     problem, kappa, gamma = random_problem(seed)
-    grid, exact = np.arange(FINE + 1), path(problem, BACKWARD_EULER, FINE)
+    grid = np.arange(FINE + 1)
+    exact = path(problem, BACKWARD_EULER, FINE)
     flow = GradientFlow(problem, problem.load(grid / FINE).T)
     bounds = EulerBounds(flow, kappa, gamma)
     room = bounds.by_data(grid)
@@ -265,8 +270,10 @@ def test_both_bounds_hold_for_steps_of_any_size_and_the_one_with_the_solution_is
 
 def test_the_bound_from_data_alone_has_the_value_computed_by_hand() -> None:
     """M = 4 and f jumps from 8 to 12, so that ‖z‖_V = 4 and Var f = 2."""
-    C, N = sps.csc_array((1, 1)), sps.csr_array([[-1.0]])
-    M, u0 = sps.csc_array([[4.0]]), np.zeros(1)
+    C = sps.csc_array((1, 1))
+    N = sps.csr_array([[-1.0]])
+    M = sps.csc_array([[4.0]])
+    u0 = np.zeros(1)
     problem = SemiDiscrete(M, C, np.zeros_like, N, lambda times: np.full((1, times.size), 8.0), u0, 1.0)
     flow = GradientFlow(problem, np.array([[8.0], [8.0], [12.0]]))
     assert flow.a_priori(8) == pytest.approx((4 / math.sqrt(2) + 2 * 2) / 8)
