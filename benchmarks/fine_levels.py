@@ -21,11 +21,13 @@ from __future__ import annotations
 
 import math
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from manufactured.modes import at_each
 from manufactured.multiscale.roller import START
 from manufactured.natural_motion import NAME
 from study.fem.error_norm import ErrorNorm
@@ -54,7 +56,8 @@ nodal errors by 0.4 to 0.7 %. On edges the displacement is integrated, which is 
 
 def rollers(n: int) -> dict[str, float]:
     """Return the excess and the difference of neighbours on alternating diagonals at level n."""
-    solution, space = resolve(f"roller-{n}").solution, space_of(Setting(f"roller-{n}", "alternating", n))
+    solution = resolve(f"roller-{n}").solution
+    space = space_of(Setting(f"roller-{n}", "alternating", n))
     T = solution.body.T
     found = Trajectories.of(OnContact(Resolved(solution, space)), round(PER_H * n * T))
     excess, (s,) = found.excess(), found.on.places
@@ -72,16 +75,19 @@ def rollers(n: int) -> dict[str, float]:
 
 def natural_front(n: int) -> dict[str, float]:
     """Return the largest nodal errors of P_hu near the front and farther away at level n, one diagonal."""
-    solution, space = resolve(NAME).solution, space_of(Setting(NAME, "one-diagonal", n))
+    solution = resolve(NAME).solution
+    space = space_of(Setting(NAME, "one-diagonal", n))
     v_norm, (face,), (_, vertices) = ErrorNorm(solution, space), solution.faces, space.contact[0]
     front = face.field.place_at
     condensed = Signorini(form(space, solution.law.A), space.N)
     s = face.part.coordinates(space.mesh.p[:, vertices])[0][0]
-    near, far, highest = [], [], []
+    near = []
+    far = []
+    highest = []
     for place in range(PLACES):
         time = 0.5 + place / PLACES / n / (front(1.0) - front(0.0))  # the front has a constant speed
         theta = 0.25 + time
-        strain = v_norm.means(time)
+        strain = v_norm.sample(time).means
         from_front = space.mesh.p[:, space.mesh.t].mean(axis=1) - face.part.point(np.array([[front(time)]]))
         cells = np.flatnonzero(np.linalg.norm(from_front, axis=0) < NEAR / n)
         strain[:, cells] = means_from_edges(
@@ -102,12 +108,14 @@ def natural_front(n: int) -> dict[str, float]:
 
 def front_error(n: int) -> dict[str, float]:
     """Return the error of u^h for the advancing front at level n, one diagonal; the time step is h/4."""
-    solution, space = resolve(NAME).solution, space_of(Setting(NAME, "one-diagonal", n))
-    v_norm, steps = ErrorNorm(solution, space), round(4 * n * solution.body.T)
+    solution = resolve(NAME).solution
+    space = space_of(Setting(NAME, "one-diagonal", n))
+    v_norm = ErrorNorm(solution, space)
+    steps = round(4 * n * solution.body.T)
     problem = SemiDiscrete.of(
         space,
         solution.law,
-        lambda time: load_from_forces(solution, space, time, FORCE_DEGREE),
+        partial(at_each, of=partial(load_from_forces, solution, space, degree=FORCE_DEGREE)),
         v_norm.sample(0.0).interpolant,
     )
     every = steps // ERROR_INSTANTS

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import sympy as sp
@@ -32,9 +31,6 @@ class Jet:
     expression: sp.Expr
     variables: tuple[sp.Symbol, ...] = (s,)
     in_time: int = 0
-    _compiled: dict[int, Callable[..., list[Array]]] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
 
     def __post_init__(self) -> None:
         refuse_kinks(self.expression)
@@ -50,11 +46,10 @@ class Jet:
     def __call__(self, points: Array, time: Array | complex, order: int = 0) -> Values:
         shape = np.broadcast_shapes(points.shape[1:], np.shape(time))
         keys = indices(len(self.variables), order)
-        if order not in self._compiled:
-            orders = tuple((*key, self.in_time) for key in keys)
-            self._compiled[order] = derivatives(self.expression, (*self.variables, t), orders)
+        orders = tuple((*key, self.in_time) for key in keys)
+        evaluate = derivatives(self.expression, (*self.variables, t), orders)
         found: Values = {}
-        for key, value in zip(keys, self._compiled[order](*points, time), strict=True):
+        for key, value in zip(keys, evaluate(*points, time), strict=True):
             # A formula need not contain all variables, so its value may have fewer axes than points and times.
             full = isinstance(value, np.ndarray) and value.shape == shape
             found[key] = value if full else np.broadcast_to(value, shape)

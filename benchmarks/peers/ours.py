@@ -20,7 +20,7 @@ def solve(given):
         reference=sps.csc_array(given.G),
         remainder=None,
         N=sps.csr_array(given.N),
-        load=lambda t: given.loads[round(t / given.k) - 1],
+        load=lambda times: np.array([given.loads[round(t / given.k) - 1] for t in times]).T,
         u0=given.u0,
         T=steps * given.k,
         solver=partial(Signorini, x=given.p[:, given.free[::2] // 2]),

@@ -23,6 +23,7 @@ from matplotlib.figure import Figure
 from skfem import Mesh
 
 from manufactured.data import Data
+from manufactured.modes import at_each
 from manufactured.problems import ramp
 from study.bound import bounded, fields
 from study.bound.bounded import BoundedSolution
@@ -63,9 +64,10 @@ def task(name: str, data: Data, mesh: Mesh, level: int) -> Any:
     """
     discretisation = Discretisation(data, mesh)
     space = Space(discretisation.mesh, data.body)
-    J, cells = prolongation(space, discretisation), space.mesh.t.shape[1]
+    J = prolongation(space, discretisation)
+    cells = space.mesh.t.shape[1]
     start = space.interpolate(data.start(space.mesh.p))
-    problem = SemiDiscrete.of(space, data.law, lambda time: J.T @ discretisation.load(time), start)
+    problem = SemiDiscrete.of(space, data.law, lambda times: J.T @ at_each(times, discretisation.load), start)
     unknown = SimpleNamespace(means=np.zeros((3, cells)), oscillation=0.0, interpolant=0 * start)
     return SimpleNamespace(
         case=SimpleNamespace(name=name),
@@ -104,7 +106,8 @@ def run_codes(names: list[str], directory: Path) -> None:
 
 def bound(level: int, paths: list[Path], better: Refined) -> list[dict[str, Any]]:
     """Return a row with the interval of the largest error for each displacement on the mesh of a level."""
-    data, rows = ramp(), []
+    data = ramp()
+    rows = []
     for path in paths:
         u_h = given(data, **vars(fields.read(path)))
         enclosure = enclose(Discretisation(data, u_h.mesh), u_h, better)
@@ -168,7 +171,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", nargs="+", metavar="ADAPTER", default=list(NAMES))
     options = parser.parse_args()
-    data, family = ramp(), family_named(FAMILY)
+    data = ramp()
+    family = family_named(FAMILY)
     for level in BETTER:
         export(task("ramp", data, family(data.body, level), level), level, BUILD)
     run_codes(options.only, BUILD)

@@ -1,7 +1,7 @@
 """The normal strain q on a contact face for a linear law, which depends on the history of the pressure."""
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 import sympy as sp
@@ -115,7 +115,7 @@ class MemoryAtPoints:
         self.points = points
         self.flat = points.reshape(points.shape[0], -1)
         self.contacts = [_ContactIntervals(term, self.flat, memory) for term in memory.terms]
-        self._start: dict[int, Values] = {}
+        self._start = lru_cache(partial(memory.start, self.flat, 0.0))
         # Strains are cached, because a stress needs strain and strain rate at one time, and several computations need
         # the same times.
         self._found = lru_cache(RECENT)(self._strain)
@@ -132,13 +132,11 @@ class MemoryAtPoints:
         """Return the strain q at one or several times, with its derivatives along the face up to an order."""
         time = np.array(when) if isinstance(when, tuple) else when
         memory, shape = self.memory, (*self.points.shape[1:], *np.shape(time))
-        if order not in self._start:
-            self._start[order] = memory.start(self.flat, 0.0, order)
         fading = np.exp(-memory.decay * time)
         kind = np.result_type(self.flat, time)
         totals = {
             index: np.multiply.outer(start, fading).astype(kind, copy=False)
-            for index, start in self._start[order].items()
+            for index, start in self._start(order).items()
         }
         for contact in self.contacts:
             contact.subtract(totals, time, order)
@@ -161,16 +159,16 @@ class _ContactIntervals:
         self.touched = np.nonzero(used)[1]
         self.points = points[:, self.touched]
         self.entry, self.exit = entry[used], exit_[used]
-        # For each order: the integrals from the entry into contact as functions of time, and their values at the exit.
-        self._found: dict[int, tuple[Started, Values]] = {}
+        self._integrals = lru_cache(self._start)
+
+    def _start(self, order: int) -> tuple[Started, Values]:
+        """Return the integrals from the entry into contact as functions of time, and their values at the exit."""
+        started = self.integral.started(self.points, self.entry, self.exit, order)
+        return started, started.upto(self.exit, np.arange(self.exit.size))
 
     def subtract(self, totals: Values, time: Array | complex, order: int) -> None:
         """Subtract the integrals up to one or several times from the strains ``totals``, for every derivative."""
-        if order not in self._found:
-            started = self.integral.started(self.points, self.entry, self.exit, order)
-            self._found[order] = started, started.upto(self.exit, np.arange(self.exit.size))
-        # The integrals from the entry into contact, as functions of time, and their values at the exit.
-        started, whole = self._found[order]
+        started, whole = self._integrals(order)
         times, entry, exit_ = np.atleast_1d(time), self.entry[:, None], self.exit[:, None]
         now = times.real
         over, when = np.nonzero(exit_ <= now)

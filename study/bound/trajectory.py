@@ -24,6 +24,7 @@ from skfem import Mesh
 
 from manufactured.arguments import Count, checked
 from manufactured.body import Body
+from manufactured.modes import at_each
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
@@ -116,7 +117,7 @@ def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Compu
     """
     data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
     J, start = prolongation(space, discretisation), space.interpolate(data.start(space.mesh.p))
-    problem = SemiDiscrete.of(space, data.law, lambda time: J.T @ discretisation.load(time), start)
+    problem = SemiDiscrete.of(space, data.law, lambda times: J.T @ at_each(times, discretisation.load), start)
     nodes = np.array([space.coefficients(state.u).ravel() for state in scheme.march(problem, steps)])
     return Computed(space.mesh, space.body, 1, np.linspace(0.0, data.body.T, steps + 1), nodes, steps)
 
@@ -220,7 +221,7 @@ class Refined:
             reference=V.form(G.reference, factor),
             remainder=remainder(V, G, factor),
             N=V.N,
-            load=fine.load,
+            load=partial(at_each, of=fine.load),
             u0=start,
             T=data.body.T,
             solver=partial(Signorini, x=V.free_points),

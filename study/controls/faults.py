@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -21,6 +21,7 @@ import scipy.sparse as sps
 
 from manufactured.body import Kind, Part
 from manufactured.law import Yield, isotropic_matrix
+from manufactured.modes import at_each
 from manufactured.tensors import Array, Points
 from study.fem.error_norm import ErrorNorm, gaps_at_vertices
 from study.fem.independent import work_on
@@ -183,7 +184,7 @@ def added_load(part: Callable[[Experiment, float], Array]) -> Change:
 
     def faulty(setup: Experiment, size: float) -> Experiment:
         right = setup.problem.load
-        return solving(setup, load=lambda time: right(time) + size * part(setup, time))
+        return solving(setup, load=lambda times: right(times) + size * at_each(times, partial(part, setup)))
 
     return faulty
 
@@ -225,7 +226,11 @@ def late(setup: Experiment, size: float) -> Experiment:
     """Take the load of the time t − δT, and of t = 0 before."""
     right = setup.problem.load
     delay = size * setup.problem.T
-    return solving(setup, load=lambda time: right(max(time - delay, 0.0)))
+
+    def delayed(times: Array) -> Array:
+        return right(np.maximum(times - delay, 0.0))
+
+    return solving(setup, load=delayed)
 
 
 def step_of_unit_time(setup: Experiment, size: float) -> Faulty:
@@ -263,8 +268,8 @@ def partly_clamped(setup: Experiment, size: float) -> Experiment:
     centre = space.body.vertices.mean(axis=1)
     inside = SimpleNamespace(at=lambda x: solution.at(x + INSIDE_SHARE * (centre.reshape(-1, *[1] * (x.ndim - 1)) - x)))
 
-    def load(time: float) -> Array:
-        return v_norm.load(time) - work_on(Kind.CLAMPED, inside, space, time)  # type: ignore[arg-type]
+    def load(times: Array) -> Array:
+        return v_norm.load(times) - at_each(times, partial(work_on, Kind.CLAMPED, inside, space))  # type: ignore[arg-type]
 
     start = v_norm.sample(0.0).interpolant
     problem = SemiDiscrete.of(space, solution.law, load, start, gaps_at_vertices(solution, space))

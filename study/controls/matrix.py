@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -65,7 +65,7 @@ class Measured:
     @cached_property
     def setups(self) -> list[Experiment]:
         """The experiments of the settings. Their loads and exact values are computed once for each time."""
-        return [cached(self.statement.setup(setting)) for setting in self.settings]
+        return [self.statement.setup(setting) for setting in self.settings]
 
     @cached_property
     def right(self) -> list[Mapping[str, Any]]:
@@ -167,14 +167,6 @@ def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: floa
     evidence = [verdict for verdict in failing if verdict.kind not in BY_ORDER_OR_SIZE]
     by_others = [f"{verdict.label} {verdict.key}" for verdict in (*evidence, *of_others)]
     return {**row, "by_error": "; ".join(by_error), "by_others": "; ".join(by_others)}
-
-
-def cached(setup: Experiment) -> Experiment:
-    """Return an experiment whose loads and exact values are computed once for each time."""
-    v_norm = setup.v_norm
-    load = setup.problem.load
-    v_norm.sample = lru_cache(maxsize=None)(v_norm.sample)  # type: ignore[method-assign]
-    return replace(setup, problem=replace(setup.problem, load=lru_cache(maxsize=None)(load)))
 
 
 def distance_of_solutions(right: Experiment, faulty: Experiment) -> float:

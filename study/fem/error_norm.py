@@ -10,17 +10,18 @@ relative accuracy to about (machine precision)/h², that is 1e-10 at h = 1e-3.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy.sparse as sps
 from skfem import Mesh
 
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Tensors, dyad, mapped
-from study.fem.moments import Amplitudes, QuadraturePoints, StrainEnergy, StressSums, amplitudes_of
+from study.fem.moments import QuadraturePoints, StrainEnergy, StressSums, amplitudes_of, blocks
 from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
 
@@ -83,7 +84,9 @@ class ErrorNorm:
     def __init__(
         self, solution: ExactSolution, space: Space, raised: int = 0, along: Sequence[Line] | None = None
     ) -> None:
-        self.solution, self.space, self.A = solution, space, solution.law.A
+        self.solution = solution
+        self.space = space
+        self.A = solution.law.A
         degree, count = (DEGREE, FACET_POINTS) if space.dim == 2 else (SOLID_DEGREE, SOLID_FACET_POINTS)
         self.degree = degree + raised
         lines = shared_lines(solution) if along is None else along
@@ -96,34 +99,34 @@ class ErrorNorm:
         points = [cells, *(found for found, _ in faces)]
         modes = solution.at(np.concatenate([found.x for found in points], axis=1)).modes()
         self._amplitudes = amplitudes_of(modes)
+        self._size = sum(len(part.tensors) * part.count for part in modes)
         ends = np.cumsum([0, *(len(found.weights) for found in points)])
         split = [[part.among(first, stop) for part in modes] for first, stop in pairwise(ends)]
         self._cells, *on_faces = (StressSums(solution.law, *both) for both in zip(split, points, strict=True))
         on = [(face.part, vertices) for face, (_, vertices) in zip(solution.faces, faces, strict=True)]
         self._faces = [(part.normal, sums) for (part, _), sums in zip(on, on_faces, strict=True)]
-        self._normal = space.normal_components(on)
+        self._normal = sps.csr_array(space.normal_components(on).T)
         self._energy = StrainEnergy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
         self._nodes = solution.at(space.mesh.p)
 
-    def means(self, time: float) -> Tensors:
-        """Return the mean of the exact strain ε(u(t)) on every cell, (D, cells)."""
-        return self._means(self._amplitudes(time, False))
-
-    def _means(self, strains: Amplitudes) -> Tensors:
-        return self._cells.strains(strains) / self._cells.viscous
-
     def sample(self, time: float) -> ExactAtTime:
         """Evaluate the exact solution at a time; ``distance`` needs the result."""
-        strains = self._amplitudes(time, False)
-        means = self._means(strains)
-        # If the strain is constant on every cell, this difference is round-off, which may be negative.
-        oscillation = max(self._energy(strains) - self._constant_energy(means), 0.0)
-        interpolant = self.space.interpolate(self._nodes.displacement(time))
-        return ExactAtTime(time, means, oscillation, interpolant)
+        return next(self.samples(time))
 
-    def _constant_energy(self, strain: Tensors) -> float:
-        """Return the energy ∫ A ε·ε of a strain that is constant on every cell, (D, cells)."""
-        return float(self._cells.viscous @ np.einsum("Ic,Ic->c", mapped(self.A.matrix, strain), strain))
+    def samples(self, times: Array | float) -> Iterator[ExactAtTime]:
+        """Evaluate the exact solution at one time after another, from times (n,)."""
+        for block in blocks(times, self._size):
+            strains = self._amplitudes(block, False)
+            means = self._cells.strains(strains) / self._cells.viscous[:, None]
+            # If the strain is constant on every cell, this difference is round-off, which may be negative.
+            oscillations = np.maximum(self._energy(strains) - self._constant_energy(means), 0.0)
+            interpolants = self.space.interpolate(self._nodes.displacement(block))
+            by_time = block.tolist(), np.moveaxis(means, -1, 0), oscillations.tolist(), interpolants.T
+            yield from map(ExactAtTime, *by_time)
+
+    def _constant_energy(self, strain: Tensors) -> Array:
+        """Return the energy ∫ A ε·ε of a strain that is constant on every cell, (D, cells), or of n strains, (n,)."""
+        return self._cells.viscous @ np.einsum("Ic...,Ic...->c...", mapped(self.A.matrix, strain), strain)
 
     def distance(self, sample: ExactAtTime, v: Array) -> float:
         """Return the error ‖u(t) − v‖_V of a displacement v at a time t.
@@ -143,20 +146,27 @@ class ErrorNorm:
             )
         return found
 
-    def load(self, time: float) -> Array:
-        """Return the load vector of an exact solution, v ↦ (f(t), v)_V for the basis functions v, (dofs,).
+    def largest(self, times: Array, displacements: Iterable[Array]) -> float:
+        """Return the largest error max_n ‖u(t_n) − v_n‖_V of displacements v_n, (dofs,), at times t_n, (n,)."""
+        return float(np.max([*map(self.distance, self.samples(times), displacements)]))
+
+    def load(self, time: Array | float) -> Array:
+        """Return the load vector of an exact solution, v ↦ (f(t), v)_V for the basis functions v.
+
+        The result has the shape (dofs,), or (dofs, n) for n times.
 
         It is computed from the exact stress σ: Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0 gives
         (f, v)_V = (σ, ε(v))_Q − ∫_{Γ3} σ_ν v_ν. No derivative of σ is needed, so this also holds for solutions whose
         body force is not in L².
         """
-        strains, rates = self._amplitudes(time, False), self._amplitudes(time, True)
-        return self.space.tested(self._cells(strains, rates)) + self._contact_work(strains, rates)
-
-    def _contact_work(self, strains: Amplitudes, rates: Amplitudes) -> Array:
-        """Return the vector of the work of the contact pressure p = −σ_ν, v ↦ ∫_{Γ3} p v_ν, (dofs,)."""
-        pressure = [-dyad(normal, normal) @ sums(strains, rates) for normal, sums in self._faces]
-        return np.asarray(self._normal.T @ np.concatenate(pressure))
+        found = []
+        for block in blocks(time, self._size):
+            strains = self._amplitudes(block, False)
+            rates = self._amplitudes(block, True)
+            # The work of the contact pressure p = −σ_ν.
+            pressure = [mapped(-dyad(normal, normal), sums(strains, rates)) for normal, sums in self._faces]
+            found.append(self.space.tested(self._cells(strains, rates)) + self._normal @ np.concatenate(pressure))
+        return np.concatenate(found, axis=1).reshape(-1, *np.shape(time))
 
 
 def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Line] = ()) -> list[CellRule]:

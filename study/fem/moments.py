@@ -26,29 +26,40 @@ from skfem import Mesh
 from manufactured.body import Part
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.modes import Modes
-from manufactured.tensors import Array, Tensors
+from manufactured.tensors import Array, Tensors, mapped
 from study.fem.quadrature import CellRule, FacetRule
 
 Amplitudes = Array
-"""The values T_k(s_j, t) at one time of the functions that describe how a strain changes with time.
+"""The values T_k(s_j, t) at n times of the functions that describe how a strain changes with time.
 
-The J values of each of the K terms follow one after the other, (Σ K J,).
+The J values of each of the K terms follow one after the other, (Σ K J, n).
+"""
+MOST_TIMES, MOST_VALUES = 32, 1 << 19
+"""Largest number of times that are evaluated together, and of values that belong to them.
+
+Formulas are called less often for blocks of times. Larger blocks would leave the processor's cache.
 """
 MANY = 4
 """The energy is stored as a matrix if it needs at most this many times the memory of the terms of the strain."""
 
 
-def amplitudes_of(modes: Sequence[Modes]) -> Callable[[float, bool], Amplitudes]:
-    """Return the function (time, rate) ↦ amplitudes of the strain ε, or of its rate ε̇ if ``rate`` is true."""
+def blocks(times: Array | float, size: int) -> list[Array]:
+    """Divide times, (n,), into blocks that are evaluated together; ``size`` values belong to each time."""
+    most = max(1, min(MOST_TIMES, MOST_VALUES // size))
+    return np.split(np.atleast_1d(times), range(most, np.size(times), most))
+
+
+def amplitudes_of(modes: Sequence[Modes]) -> Callable[[Array, bool], Amplitudes]:
+    """Return the function (times, rate) ↦ amplitudes of the strain ε, or of its rate ε̇ if ``rate`` is true."""
     # The returned function stores only these references. A reference to the modes would keep their large arrays in
     # memory.
     each = [part.amplitudes for part in modes]
 
-    def at(time: float, rate: bool) -> Amplitudes:
+    def at(times: Array, rate: bool) -> Amplitudes:
         # A loop, because a comprehension is one more call in Python 3.11, and the depth of calls is limited.
         found = []
         for of in each:
-            found.append(of(time, rate).ravel())
+            found.append(of(times, rate).reshape(-1, len(times)))
         return np.concatenate(found)
 
     return at
@@ -88,7 +99,8 @@ class QuadraturePoints:
         vertices.
         """
         vertices, sums = np.unique(mesh.facets[:, rule.facets], return_inverse=True)
-        x, weights = part.point(rule.s), rule.shapes * rule.weights
+        x = part.point(rule.s)
+        weights = rule.shapes * rule.weights
         copies = np.repeat(x[:, None], len(weights), axis=1).reshape(len(x), -1)
         sums = np.repeat(sums.reshape(weights.shape[:2])[..., None], weights.shape[2], axis=2)
         return cls(copies, sums.ravel(), weights.ravel(), len(vertices)), vertices
@@ -123,7 +135,7 @@ def strain_matrix(modes: Sequence[Modes], count: int) -> sps.csr_array:
 
 
 class StrainSums:
-    """Computes weighted sums Σ w_p ε(x_p, t) of a strain over points, (D, sums), from its amplitudes at the time t.
+    """Computes weighted sums Σ w_p ε(x_p, t) of a strain over points, (D, sums, n), from its amplitudes at n times.
 
     Args:
         modes: the terms of the strain ε at the points x_p.
@@ -132,7 +144,10 @@ class StrainSums:
     """
 
     def __init__(self, modes: Sequence[Modes], points: QuadraturePoints, weights: Array) -> None:
-        add, count, blocks, first = points.adding(weights), len(weights), [], 0
+        add = points.adding(weights)
+        count = len(weights)
+        blocks = []
+        first = 0
         width = sum(len(part.tensors) * part.count for part in modes)
         for shape in shapes_at_points(modes, count):
             sums = add @ shape
@@ -144,14 +159,14 @@ class StrainSums:
 
     def __call__(self, amplitudes: Amplitudes, C: Array | None = None) -> Tensors:
         """Return the sums of the strain ε, or of the stress C ε if a tensor C is given in Mandel form, (D, D)."""
-        sums = (self._matrix @ amplitudes).reshape(self._tensors.shape[1], -1)
-        return np.asarray((self._tensors if C is None else C @ self._tensors) @ sums)
+        sums = (self._matrix @ amplitudes).reshape(self._tensors.shape[1], -1, amplitudes.shape[1])
+        return mapped(self._tensors if C is None else C @ self._tensors, sums)
 
 
 class StressSums:
-    """Computes weighted sums Σ w_p σ(x_p, t) of the stress σ = A ε(u̇) + G ε(u), (D, sums).
+    """Computes weighted sums Σ w_p σ(x_p, t) of the stress σ = A ε(u̇) + G ε(u) at n times, (D, sums, n).
 
-    A call needs the amplitudes of the strain ε and of its rate ε̇ at the time t.
+    A call needs the amplitudes of the strain ε and of its rate ε̇ at these times.
 
     Attributes:
         viscous: the sums Σ w_p α of the material factor α of A, (sums,).
@@ -159,7 +174,8 @@ class StressSums:
     """
 
     def __init__(self, law: KelvinVoigt, modes: Sequence[Modes], points: QuadraturePoints) -> None:
-        self._A, G = law.A, law.G
+        self._A = law.A
+        G = law.G
         viscous, elastic = (points.weights * tensor.factor(points.x) for tensor in (law.A, G))
         self.viscous = np.bincount(points.sums, viscous, points.count)
         self.strains = StrainSums(modes, points, viscous)
@@ -168,15 +184,21 @@ class StressSums:
             linear = self.strains if np.array_equal(viscous, elastic) else StrainSums(modes, points, elastic)
             self._elastic = lambda strains: linear(strains, G.matrix)
         else:
-            strain, add = strain_matrix(modes, len(elastic)), points.adding(elastic)
-            self._elastic = lambda strains: (add @ G((strain @ strains).reshape(-1, len(elastic))).T).T
+            strain = strain_matrix(modes, len(elastic))
+            add = points.adding(elastic)
+
+            def nonlinear(strains: Amplitudes) -> Tensors:
+                stress = G((strain @ strains).reshape(-1, len(elastic), strains.shape[1]))
+                return np.array([add @ component for component in stress])
+
+            self._elastic = nonlinear
 
     def __call__(self, strains: Amplitudes, rates: Amplitudes) -> Tensors:
         return self.strains(rates, self._A.matrix) + self._elastic(strains)
 
 
 class StrainEnergy:
-    """Computes the energy ∫_Ω α C ε·ε dx of a strain from its amplitudes.
+    """Computes the energies ∫_Ω α C ε·ε dx of a strain at n times, (n,), from its amplitudes.
 
     If many points have the same coordinate along the contact face, the energy is stored as a quadratic form of the
     amplitudes. Otherwise the matrix of this form would need too much memory, and the strain at the points is computed
@@ -189,23 +211,15 @@ class StrainEnergy:
     """
 
     def __init__(self, modes: Sequence[Modes], weights: Array, C: Array) -> None:
+        strain = strain_matrix(modes, len(weights))
+        form = sps.csr_array(sps.kron(C, sps.diags_array(weights)))
         self._strain: sps.csr_array | None = None
         if sum(len(part.tensors) ** 2 * part.count for part in modes) > MANY * sum(part.shapes.size for part in modes):
-            self._strain = strain_matrix(modes, len(weights))
-            self._form = sps.csr_array(sps.kron(C, sps.diags_array(weights)))
-            return
-        tensors = np.concatenate([part.tensors for part in modes])
-        products, shapes = tensors @ C @ tensors.T, [*shapes_at_points(modes, len(weights))]
-        # The matrix is symmetric, so only blocks on and above the diagonal are computed. Blocks above the diagonal are
-        # doubled.
-        blocks: list[list[sps.csr_array | None]] = [[None] * len(shapes) for _ in shapes]
-        for k, shape in enumerate(shapes):
-            weighted = sps.csr_array(shape.T @ sps.diags_array(weights))
-            for l in range(k, len(shapes)):
-                if products[k, l] or k == l:
-                    blocks[k][l] = (1 if k == l else 2) * products[k, l] * (weighted @ shapes[l])
-        self._form = sps.csr_array(sps.block_array(blocks))
+            self._strain = strain
+            self._form = form
+        else:
+            self._form = sps.csr_array(strain.T @ form @ strain)
 
-    def __call__(self, amplitudes: Amplitudes) -> float:
+    def __call__(self, amplitudes: Amplitudes) -> Array:
         v = amplitudes if self._strain is None else self._strain @ amplitudes
-        return float(v @ (self._form @ v))
+        return np.einsum("in,in->n", v, self._form @ v)

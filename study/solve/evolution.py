@@ -17,14 +17,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial, reduce
+from functools import lru_cache, partial, reduce
 from operator import add
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sps
 
 from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.tensors import Array, mapped
+from study.fem.moments import blocks
 from study.fem.space import Displacements, Space, form, means
 from study.solve.fixed_point import FixedPointError, fixed_point
 from study.solve.signorini import ContactSolver, Signorini
@@ -43,7 +45,7 @@ class SemiDiscrete:
             tensor.
         remainder: the function v ↦ (G ε(v) − G_ref ε(v), ε(·))_Q, (n,) → (n,); None for a linear law.
         N: the constraint matrix, (m, n): displacements with N v ≤ g are admissible.
-        load: the function from a time t to the load vector F(t), (n,).
+        load: the function from m times t to the load vectors F(t), (m,) → (n, m).
         u0: the initial value u_0^h ∈ K^h, (n,).
         T: the final time.
         solver: a function that makes the contact solver of one step from S and N; an initial gap is passed as
@@ -57,7 +59,7 @@ class SemiDiscrete:
     reference: sps.csc_array
     remainder: Callable[[Array], Array] | None
     N: sps.csr_array
-    load: Callable[[float], Array]
+    load: Callable[[Any], Array]
     u0: Array
     T: float
     solver: Callable[..., ContactSolver] = Signorini
@@ -69,7 +71,7 @@ class SemiDiscrete:
         cls,
         space: Space,
         law: KelvinVoigt,
-        load: Callable[[float], Array],
+        load: Callable[[Any], Array],
         u0: Array,
         gap: Array | float = 0.0,
     ) -> SemiDiscrete:
@@ -198,12 +200,18 @@ class ContactStep:
 
     def __init__(self, problem: SemiDiscrete, scheme: Tableau, k: float) -> None:
         scheme.require_unique(k, problem.growth)
-        self.problem, self.scheme, self.k = problem, scheme, k
+        self.problem = problem
+        self.scheme = scheme
+        self.k = k
         self.S = sps.csc_array(scheme.newest / k * problem.M + scheme.theta * problem.reference)
-        self.solve, self.forces = problem.contact(self.S), problem.N.T
+        self.solve = problem.contact(self.S)
+        self.forces = problem.N.T
         self.known = [sps.csc_array(weight / k * problem.M) for weight in scheme.past]
         if scheme.theta < 1:
             self.known[0] = sps.csc_array(self.known[0] - (1 - scheme.theta) * problem.reference)
+        times = scheme.balanced(np.arange(1, round(problem.T / k) + 1), k)
+        self._blocks = blocks(times, len(problem.u0))
+        self._loads = lru_cache(1)(lambda number: problem.load(self._blocks[number]))
 
     def __call__(self, n: int, past: Sequence[State]) -> State:
         """Compute one time step and return the state at t_n.
@@ -215,12 +223,16 @@ class ContactStep:
         Raises:
             EvolutionError: the iteration for a nonlinear law did not converge, or values are not finite.
         """
+        block, column = divmod(n - 1, len(self._blocks[0]))
+        return self.solved(n * self.k, self._loads(block)[:, column], past)
+
+    def solved(self, time: float, load: Array, past: Sequence[State]) -> State:
+        """Compute one time step to a time with a given load vector, (n,); see ``__call__``."""
         before = [state.u for state in past]
-        load = self.problem.load(self.scheme.balanced(n, self.k))
         b = reduce(add, (matrix @ u for matrix, u in zip(self.known, reversed(before), strict=False)), load)
         if self.problem.remainder is None:
-            return self._state(n * self.k, *self.solve(b), b, 1)
-        return self._nonlinear(n * self.k, b, before, self.problem.remainder)
+            return self._state(time, *self.solve(b), b, 1)
+        return self._nonlinear(time, b, before, self.problem.remainder)
 
     def _nonlinear(
         self, time: float, constant: Array, before: Sequence[Array], remainder: Callable[[Array], Array]
@@ -231,7 +243,8 @@ class ContactStep:
 
         S u + Nᵀλ = constant − remainder(θv + (1 − θ) u_{n−1}).
         """
-        problem, theta = self.problem, self.scheme.theta
+        problem = self.problem
+        theta = self.scheme.theta
         base = (1 - theta) * before[-1]
         multipliers = np.zeros(problem.N.shape[0])
 

@@ -36,10 +36,8 @@ paper/time.tex.
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
@@ -149,12 +147,12 @@ class GradientFlow:
         return float(self.delays(np.arange(0, len(self.loads), every)).sum()) + k * math.sqrt(max(total, 0.0))
 
 
-def backward_euler(problem: SemiDiscrete, times: Sequence[float]) -> Array:
+def backward_euler(problem: SemiDiscrete, times: Array) -> Array:
     """Solve the semi-discrete problem by backward Euler with steps of variable size.
 
     Args:
         problem: the semi-discrete problem on a mesh, with n unknowns.
-        times: the times t_0 = 0, …, t_N.
+        times: the times t_0 = 0, …, t_N, (N + 1,).
 
     Returns:
         The displacements U_0, …, U_N, (N + 1, n).
@@ -162,16 +160,14 @@ def backward_euler(problem: SemiDiscrete, times: Sequence[float]) -> Array:
     Raises:
         StepsError: a step is so long that it may have several solutions.
     """
-    end = times[0]
-    held = replace(problem, load=lambda _: problem.load(end))
     states = [problem.initial()]
     steps = dict[float, ContactStep]()
-    for begin, end in pairwise(times):
+    for begin, end, load in zip(times[:-1], times[1:], problem.load(times[1:]).T, strict=True):
         # Step sizes are rounded, so that steps of equal size share one factorisation.
         k = round(end - begin, 12)
         if k not in steps:
-            steps[k] = ContactStep(held, BACKWARD_EULER, k)
-        states.append(steps[k](1, states[-1:]))
+            steps[k] = ContactStep(problem, BACKWARD_EULER, k)
+        states.append(steps[k].solved(end, load, states[-1:]))
     return np.array([state.u for state in states])
 
 

@@ -1,9 +1,9 @@
 """Numerical solutions as arrays of displacements at equidistant times, and distances between such solutions."""
 
 import math
-from itertools import pairwise
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
 from manufactured.tensors import Array
 from study.solve.evolution import Scheme, SemiDiscrete
@@ -21,10 +21,8 @@ def interpolated(states: Array, steps: int) -> Array:
         states: displacements at the nodes of the coarse grid, (N + 1, n).
         steps: the number of steps of the finer grid, a multiple of N.
     """
-    inner = steps // (len(states) - 1)
-    part = np.arange(inner)[:, None] / inner
-    pieces = [left + part * (right - left) for left, right in pairwise(states)]
-    return np.vstack([*pieces, states[-1:]])
+    nodes = np.linspace(0, steps, len(states))
+    return np.asarray(make_interp_spline(nodes, states, k=1)(np.arange(steps + 1)))
 
 
 def last(states: Array, steps: int) -> tuple[Array, Array]:

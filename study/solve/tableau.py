@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from operator import add, sub
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from manufactured.tensors import Array
 from study.solve.steps import longest_step, require_unique, step_size
@@ -75,8 +75,8 @@ class Tableau:
         """
         return self.starting if self.starting and n < len(self.past) else self
 
-    def balanced(self, n: int, k: float) -> float:
-        """Return the time t_{n−1+θ} at which the forces are in equilibrium in the step to t_n."""
+    def balanced(self, n: Array | int, k: float) -> Any:
+        """Return the time t_{n−1+θ} at which the forces are in equilibrium in the step to t_n, or in several steps."""
         # The formula is chosen such that, for θ = ½, it gives exactly the same numbers as the knots of splines in
         # ``study.bound``.
         return (1 - self.theta) * ((n - 1) * k) + self.theta * (n * k)

@@ -117,7 +117,7 @@ class LoadInTime(ListedNumbers):
         v_norm = ErrorNorm(solution, space)
         riesz = Cholesky(unloaded(space, solution.law).M)
         times = np.linspace(0, solution.body.T, LOAD_INTERVALS + 1)
-        loads = np.array([v_norm.load(float(t)) for t in times])
+        loads = v_norm.load(times).T
         # A finite norm shows in increments ‖f^h(t_i) − f^h(t_{i−1})‖_V that do not grow from grid to grid.
         fine, half, coarse = (
             np.array([dual_norm(after - before, riesz) for before, after in pairwise(loads[::step])])

@@ -10,6 +10,7 @@ import pandas as pd
 
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
+from manufactured.modes import at_each
 from manufactured.natural_motion import NAME
 from manufactured.singular import SingularFace, TravellingField
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel
@@ -34,7 +35,6 @@ from study.statements.shared.base import (
     Numbers,
     Setting,
     grid,
-    with_cached_loads,
     with_h,
 )
 from study.statements.shared.meshes import posed, split_random
@@ -83,8 +83,8 @@ def half_quotient(problem: SemiDiscrete, states: Array) -> float:
     k = problem.T / steps
     velocities = np.diff(states, axis=0) / k
     middles = (states[1:] + states[:-1]) / 2
-    forces = [problem.load(MIDPOINT.balanced(n, k)) - problem.elastic(u) for n, u in enumerate(middles, 1)]
-    g = Cholesky(problem.M)(np.array(forces))
+    loads = problem.load(MIDPOINT.balanced(np.arange(1, steps + 1), k)).T
+    g = Cholesky(problem.M)(loads - [problem.elastic(u) for u in middles])
     speed = norms(problem, velocities).max()
     variation = norms(problem, np.diff(g, axis=0)).sum()
     constant = speed * (2 * variation + speed / 2 + norms(problem, g - velocities).max())
@@ -170,10 +170,9 @@ class HalfDerivative(ListedNumbers):
         return Experiment.at(setting, MIDPOINT, STEPS_PER_CELL * setting.level)
 
     def measure(self, setup: Experiment) -> Numbers:
-        problem = with_cached_loads(setup.solved or setup.problem)
+        problem = setup.solved or setup.problem
         steps = setup.steps
-        loads = [problem.load(problem.T * n / steps) for n in range(steps + 1)]
-        flow = GradientFlow(problem, np.array(loads))
+        flow = GradientFlow(problem, problem.load(problem.T * np.arange(steps + 1) / steps).T)
         numbers = {
             "half": half_quotient(problem, path(problem, MIDPOINT, steps)),
             "euler": euler_quotient(flow, setup.solution.law.kappa, path(problem, BACKWARD_EULER, steps)),
@@ -408,16 +407,17 @@ class AdvancingFront(ListedNumbers):
         space, solution = posed(setting)
         steps = FRONT_STEPS_PER_CELL * setting.level
         v_norm = ErrorNorm(solution, space)
-        load = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, FORCE_DEGREE))
-        problem = SemiDiscrete.of(space, solution.law, load, v_norm.sample(0.0).interpolant)
+        force = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, FORCE_DEGREE))
+        pressed = partial(at_each, of=lambda time: force(time) + pressure_load(solution, space, time))
+        problem = SemiDiscrete.of(space, solution.law, partial(at_each, of=force), v_norm.sample(0.0).interpolant)
         # Without rows of N there is no contact condition, so the exact σ_ν acts as a given traction in the load.
-        linear = replace(problem, N=problem.N[:0], load=lambda time: load(time) + pressure_load(solution, space, time))
+        linear = replace(problem, N=problem.N[:0], load=pressed)
         coarse = path(problem, MIDPOINT, steps)
         states = list(MIDPOINT.march(problem, 2 * steps))
         fine = np.array([state.u for state in states])
         forces = np.array([state.multipliers for state in states[1:]])
-        nodes = range(0, 2 * steps + 1, max(1, 2 * steps // ERROR_INSTANTS))
-        error = maximum(v_norm.distance(v_norm.sample(n * problem.T / (2 * steps)), fine[n]) for n in nodes)
+        nodes = np.arange(0, 2 * steps + 1, max(1, 2 * steps // ERROR_INSTANTS))
+        error = v_norm.largest(nodes * problem.T / (2 * steps), fine[nodes])
         # A change δf of the load changes u^h by at most T max ‖δf‖_V, because the elasticity G is monotone.
         riesz = Cholesky(problem.M)
         changes = []
@@ -459,7 +459,7 @@ def violation(v_norm: ErrorNorm, problem: SemiDiscrete, forces: Array) -> float:
     project = Signorini(problem.M, problem.N)
     A = v_norm.A.matrix
     times = midpoints(problem.T, len(forces))
-    functionals = np.array([v_norm.space.functional(A @ v_norm.means(time)) for time in times])
+    functionals = np.array([v_norm.space.functional(A @ sample.means) for sample in v_norm.samples(times)])
     works = np.sum(forces * project.gap(functionals), axis=1)
     return problem.T * float(np.mean(np.maximum(works, 0.0)))
 

@@ -157,8 +157,9 @@ def measure(experiment: Experiment) -> Measurement:
     drifts: list[float] = []
     residuals: list[float] = []
     largest = 0.0
-    for n, state in enumerate(experiment.march(2 * experiment.steps)):
-        sample = v_norm.sample(state.time)
+    steps = 2 * experiment.steps
+    samples = v_norm.samples(experiment.problem.T * np.arange(steps + 1) / steps)
+    for n, (state, sample) in enumerate(zip(experiment.march(steps), samples, strict=True)):
         interpolant = sample.interpolant
         discrete = sample.interpolant - state.u
         measured = [v_norm.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)]

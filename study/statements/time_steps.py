@@ -24,7 +24,7 @@ from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.gradient_flow import EulerBounds, GradientFlow, backward_euler
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES
-from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, grid, with_cached_loads, with_h
+from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, grid, with_h
 from study.statements.shared.norms import maximum, minimum
 
 HALVING_COUNTS = (4, 8, 16, 32, 64, 128, 256)
@@ -143,10 +143,8 @@ class BackwardEuler(ListedNumbers):
         return Experiment.at(setting, MIDPOINT, REFERENCE_COUNT)
 
     def measure(self, setup: Experiment) -> Numbers:
-        problem = with_cached_loads(setup.problem)
-        flow = GradientFlow(
-            problem, np.array([problem.load(t) for t in problem.T * np.arange(REFERENCE_COUNT + 1) / REFERENCE_COUNT])
-        )
+        problem = setup.problem
+        flow = GradientFlow(problem, problem.load(problem.T * np.arange(REFERENCE_COUNT + 1) / REFERENCE_COUNT).T)
         exact = path(problem, MIDPOINT, REFERENCE_COUNT)
         half = path(problem, MIDPOINT, REFERENCE_COUNT // 2)
         numbers: Numbers = {}
@@ -181,8 +179,11 @@ class JumpingLoad(BackwardEuler):
         setup = super().setup(setting)
         problem = setup.problem
         jump = problem.load(problem.T) / 2
-        jumping = replace(problem, load=lambda time: problem.load(time) + (time >= problem.T / 2) * jump)
-        return replace(setup, problem=jumping)
+
+        def jumping(times: Array) -> Array:
+            return problem.load(times) + np.multiply.outer(jump, times >= problem.T / 2)
+
+        return replace(setup, problem=replace(problem, load=jumping))
 
 
 STEP_COUNTS = (4, 8, 16, 32, 64)
@@ -341,16 +342,16 @@ class NoPotential(ListedNumbers):
     def measure(self, setting: Setting) -> Numbers:
         setup = Experiment.at(setting, MIDPOINT, REFERENCE_STEPS)
         law = setup.solution.law
-        problem = with_cached_loads(setup.problem)
+        problem = setup.problem
         times = problem.T * np.arange(REFERENCE_STEPS + 1) / REFERENCE_STEPS
-        flow = GradientFlow(problem, np.array([problem.load(t) for t in times.tolist()]))
+        flow = GradientFlow(problem, problem.load(times).T)
         bounds = EulerBounds(flow, law.kappa, law.growth)
         exact = path(problem, MIDPOINT, REFERENCE_STEPS)
         half = path(problem, MIDPOINT, REFERENCE_STEPS // 2)
         numbers: Numbers = {}
         for kind, count in product(GRID_KINDS, STEP_COUNTS):
             nodes = partition(kind, count)
-            states = backward_euler(problem, times[nodes].tolist())
+            states = backward_euler(problem, times[nodes])
             # Between its nodes, the solution is interpolated linearly in time.
             error = furthest(problem, exact, make_interp_spline(nodes, states, k=1)(np.arange(REFERENCE_STEPS + 1)))
             numbers[f"{kind} {count} error"] = error
@@ -360,9 +361,8 @@ class NoPotential(ListedNumbers):
         numbers["reference"] = furthest(problem, exact[::2], half) / smallest
         # Errors in time cannot show a wrong solver, so the error against the exact solution is measured for k ~ h.
         steps = STEPS_PER_SIDE_CELL * setting.level
-        instants = (problem.T * np.arange(steps + 1) / steps).tolist()
-        pairs = zip(instants, backward_euler(problem, instants), strict=True)
-        numbers["fully discrete"] = maximum(setup.v_norm.distance(setup.v_norm.sample(t), u) for t, u in pairs)
+        instants = problem.T * np.arange(steps + 1) / steps
+        numbers["fully discrete"] = setup.v_norm.largest(instants, backward_euler(problem, instants))
         return with_h(setup.space.h, {**numbers, "rotation": rotating()})
 
 
@@ -375,7 +375,7 @@ def rotating() -> float:
     none = sps.csc_array((2, 2))
     start = np.array([1.0, 0.0])
     M = sps.csc_array(np.eye(2))
-    problem = SemiDiscrete(M, none, turn.__matmul__, sps.csr_array((0, 2)), lambda t: np.zeros(2), start, 1.0)
+    problem = SemiDiscrete(M, none, turn.__matmul__, sps.csr_array((0, 2)), lambda t: np.zeros((2, t.size)), start, 1.0)
     states = path(problem, BACKWARD_EULER, TURNS)
     angle = ANGULAR_VELOCITY * np.arange(TURNS + 1) / TURNS
     error = np.linalg.norm(states - np.stack([np.cos(angle), np.sin(angle)], axis=1), axis=1).max()
@@ -461,9 +461,9 @@ class FullyDiscrete(ListedNumbers):
         M = setup.problem.M
         T = setup.problem.T
         common = min(FEW_STEPS)
-        problem = with_cached_loads(setup.problem, 12)
+        problem = setup.problem
         reference = path(problem, MIDPOINT, MANY_STEPS)[:: MANY_STEPS // common]
-        samples = [v_norm.sample(n * T / common) for n in range(common + 1)]
+        samples = list(v_norm.samples(T * np.arange(common + 1) / common))
         measured: Numbers = {}
         for scheme in SCHEMES:
             for count in FEW_STEPS:
@@ -495,7 +495,7 @@ def two_unknowns() -> SemiDiscrete:
     none = sps.csc_array((2, 2))
     force = np.array([0.15, -2.0])
     start = np.array([0.0, LANDING])
-    return SemiDiscrete(S, none, None, sps.csr_array(-np.eye(2)), lambda t: force, start, 1.0)
+    return SemiDiscrete(S, none, None, sps.csr_array(-np.eye(2)), lambda t: np.tile(force[:, None], t.size), start, 1.0)
 
 
 def solution_of_two_unknowns(t: Array) -> Array:
@@ -503,8 +503,8 @@ def solution_of_two_unknowns(t: Array) -> Array:
     return np.stack([RISE * np.maximum(t - LANDING, 0), np.maximum(LANDING - t, 0)], axis=1)
 
 
-def rolling(space: Space) -> Callable[[float], Array]:
-    """Return a load that moves along the first contact face, as a function of time with values (dofs,).
+def rolling(space: Space) -> Callable[[Array], Array]:
+    """Return a load that moves along the first contact face, as a function of n times with values (dofs, n).
 
     It is the normal traction (1 − 5 sin 2π(2s − 4t))ν with the coordinate 0 ≤ s ≤ 1 on the face.
     """
@@ -513,7 +513,7 @@ def rolling(space: Space) -> Callable[[float], Array]:
     s = np.linalg.norm(along, axis=0) / part.measure
     normal = sps.csr_array(space.N[: len(vertices)].T) * (np.gradient(s) * part.measure)
 
-    return lambda t: np.asarray(normal @ (1 - 5 * np.sin(2 * np.pi * (2 * s - 4 * t))))
+    return lambda t: np.asarray(normal @ (1 - 5 * np.sin(2 * np.pi * (2 * s[:, None] - 4 * t))))
 
 
 def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -> Check:

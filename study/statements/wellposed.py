@@ -43,7 +43,6 @@ from study.statements.shared.base import (
     Numbers,
     Setting,
     grid,
-    with_cached_loads,
     with_h,
 )
 from study.statements.shared.meshes import body_of, first_with_each, place, space_of
@@ -186,9 +185,9 @@ class Perturbation:
     frequency: float
     start: Array
 
-    def change(self, time: float) -> Array:
-        """Return the change of the load at one time, cos(ωt) · force, (dofs,)."""
-        return math.cos(self.frequency * time) * self.force
+    def change(self, time: Array | float) -> Array:
+        """Return the change of the load, cos(ωt) · force, (dofs,), or (dofs, n) for n times."""
+        return np.multiply.outer(self.force, np.cos(self.frequency * time))
 
 
 class Dependence(ListedNumbers):
@@ -265,7 +264,7 @@ def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]
     rng = np.random.default_rng(SEED)
     riesz = Cholesky(problem.M)
     onto = Signorini(problem.M, problem.N)
-    load = maximum(norm(problem, riesz(problem.load(float(t)))) for t in np.linspace(0, problem.T, 9))
+    load = maximum(norm(problem, f) for f in riesz(problem.load(np.linspace(0, problem.T, 9)).T))
     pressing = riesz(problem.N.T @ np.ones(problem.N.shape[0]))
     for relative in PERTURBATION_SIZES:
         fields = along_the_contact(problem, smooth(space, rng)), smooth(space, rng), pressing, -pressing
@@ -393,7 +392,6 @@ class SolutionDivergence(ListedNumbers):
     def measure(self, setting: Setting) -> Numbers:
         setup = Experiment.at(setting, MIDPOINT, 1)
         law = resolve(setting.case).solution.law
-        setup = replace(setup, problem=with_cached_loads(setup.problem, 9))
         numbers: Numbers = {}
         for omega, T in SWEEP:
             for name, softening in (("own", scaled(law, omega)), ("even", even_law(law.dim, omega))):
@@ -461,9 +459,9 @@ def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
     strain = abs(space.strain(v)).max()
     start = SMALL_STRAIN * math.exp(-c * T) / strain * v
     pressing = space.N.T @ np.full(len(force), 2 * SMALL_STRAIN * abs(force).max() / strain)
-    problem = SemiDiscrete.of(space, law, lambda t: np.zeros(space.dofs), start)
+    problem = SemiDiscrete.of(space, law, lambda t: np.zeros((space.dofs, t.size)), start)
     rest = problem.elastic(np.zeros(space.dofs))
-    problem = replace(problem, T=T, load=lambda t: rest + math.exp(c * (t - T)) * pressing)
+    problem = replace(problem, T=T, load=lambda t: rest[:, None] + np.multiply.outer(pressing, np.exp(c * (t - T))))
     states = path(problem, MIDPOINT, steps_for(law, T))
     return math.log(norm(problem, states[-1]) / norm(problem, states[0])) / (c * T)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -18,6 +17,7 @@ from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.exact.solution import FaceFields
 from manufactured.jet import Jet
+from manufactured.modes import at_each
 from manufactured.multiscale import ROLLERS, FadingFace
 from manufactured.multiscale.roller import START
 from manufactured.tensors import Array, Points
@@ -458,11 +458,13 @@ class WorkOfContact(ListedNumbers):
         v_norm = at.v_norm
         inclusion = at.inclusion
         press = pressing_on(at)
-        # Loads are cached, because both problems need them at the same times.
-        load = lru_cache(maxsize=None)(lambda time: np.asarray(inclusion.T @ v_norm.load(time)))
+
+        def load(times: Array) -> Array:
+            return np.asarray(inclusion.T @ v_norm.load(times))
+
         start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))
         problem = SemiDiscrete.of(space, solution.law, load, start)
-        linear = replace(problem, N=problem.N[:0], load=lambda time: load(time) - press(time))
+        linear = replace(problem, N=problem.N[:0], load=lambda times: load(times) - at_each(times, press))
         sizes = []
         for state, free in zip(MIDPOINT.march(problem, steps), MIDPOINT.march(linear, steps), strict=True):
             error = v_norm.distance(v_norm.sample(state.time), inclusion @ state.u)
@@ -542,7 +544,7 @@ class OnContact:
         """Return the functional (u(t), ·)_V of the exact displacement on V^h, (dofs,)."""
         v_norm = self.at.v_norm
         law = self.at.solution.law
-        return np.asarray(self.at.inclusion.T @ v_norm.space.functional(law.A.matrix @ v_norm.means(time)))
+        return np.asarray(self.at.inclusion.T @ v_norm.space.functional(law.A.matrix @ v_norm.sample(time).means))
 
     def projected(self, time: float) -> Array:
         """Return the projection P_hu(t) of the exact displacement onto V^h, (dofs,)."""
@@ -593,8 +595,8 @@ class Trajectories:
         forces = np.array([N @ pressing((n + 0.5) * k) for n in range(steps)])
         moved = (np.diff(projected, axis=0) / k + (projected[1:] + projected[:-1]) / 2) @ on.S
 
-        def during(values: Array) -> Callable[[float], Array]:
-            return lambda time: values[round(time / k - 0.5)]
+        def during(values: Array) -> Callable[[Array], Array]:
+            return lambda times: values[np.rint(times / k - 0.5).astype(int)].T
 
         S = sps.csc_array(on.S)
         start = N @ on.start

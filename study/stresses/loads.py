@@ -247,7 +247,12 @@ def _force_at(data: Data, x: Points) -> ForceInTime:
     modes = data.force_modes(x.reshape(len(x), -1))
     rates, strains = (amplitudes_of(part) for part in (modes.viscous, modes.elastic))
     viscous, elastic = (strain_matrix(part, x[0].size) for part in (modes.viscous, modes.elastic))
-    return lambda time: (viscous @ rates(time, True) + elastic @ strains(time, False)).reshape(x.shape)
+
+    def force(time: float) -> Vectors:
+        now = np.array([time])
+        return (viscous @ rates(now, True) + elastic @ strains(now, False)).reshape(x.shape)
+
+    return force
 
 
 class _Edges:

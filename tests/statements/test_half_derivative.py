@@ -61,7 +61,7 @@ def test_the_quotient_of_a_velocity_that_jumps_once_is_known() -> None:
     steps = 32
     times = np.linspace(0, 1, steps + 1)
     one, zero = (sps.csc_array([[value]]) for value in (1.0, 0.0))
-    problem = SemiDiscrete(one, zero, None, one, lambda time: np.ones(1), np.zeros(1), 1.0)
+    problem = SemiDiscrete(one, zero, None, one, lambda times: np.ones((1, times.size)), np.zeros(1), 1.0)
     states = np.minimum(times, 0.5)[:, None]
     assert moving_fronts.half_quotient(problem, states) == pytest.approx(1 / 3)
 

@@ -1,11 +1,13 @@
 """Rollers: the problem condensed to Γ3, and the verdicts with the changes that must turn them."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from manufactured.modes import at_each
 from manufactured.multiscale import ROLLERS, rollers
 from study.fem.naming import resolve
 from study.ledger.files import UsageError
@@ -42,14 +44,17 @@ def test_the_problem_on_contact_is_problem_5_1_with_all_unknowns_eliminated_off_
     space, law = on.at.space, on.at.solution.law
     exact = [on.projected(n * k) for n in range(coarse.steps + 1)]
 
-    def load(time: float) -> np.ndarray:
+    def free_load(time: float) -> np.ndarray:
         n = round(time / k - 0.5)
         moved = (exact[n + 1] - exact[n]) / k + (exact[n + 1] + exact[n]) / 2
-        return on.M @ moved + space.N.T @ coarse.forces[n]
+        return on.M @ moved
 
-    problem = SemiDiscrete.of(space, law, load, on.start)
+    def load(time: float) -> np.ndarray:
+        return free_load(time) + space.N.T @ coarse.forces[round(time / k - 0.5)]
+
+    problem = SemiDiscrete.of(space, law, partial(at_each, of=load), on.start)
     states = path(problem, MIDPOINT, coarse.steps)
-    free = replace(problem, N=space.N[:0], load=lambda t: load(t) - space.N.T @ coarse.forces[round(t / k - 0.5)])
+    free = replace(problem, N=space.N[:0], load=partial(at_each, of=free_load))
     linear = path(free, MIDPOINT, coarse.steps)
     for n in (1, coarse.steps // 2, coarse.steps):
         assert coarse.displacement(n) == pytest.approx(states[n], abs=1e-10)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
 
@@ -304,14 +303,3 @@ class Experiment:
     def at(cls, setting: Setting, scheme: Tableau, steps: int) -> Experiment:
         """Return the discretisation of the paper for the case and the mesh of a setting."""
         return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, scheme, steps)
-
-
-def with_cached_loads(problem: SemiDiscrete, digits: int | None = None) -> SemiDiscrete:
-    """Return a problem whose load vectors are computed once for each time, for time grids with common times.
-
-    Args:
-        problem: the problem.
-        digits: times are rounded to this number of decimals, so that the same time in two grids is recognised.
-    """
-    load = lru_cache(maxsize=None)(problem.load)
-    return replace(problem, load=load if digits is None else lambda time: load(round(time, digits)))

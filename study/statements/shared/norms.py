@@ -182,7 +182,7 @@ def unloaded(space: Space, law: KelvinVoigt) -> SemiDiscrete:
 
     Only the matrices of this problem are used.
     """
-    return SemiDiscrete.of(space, law, lambda time: np.zeros(space.dofs), np.zeros(space.dofs))
+    return SemiDiscrete.of(space, law, lambda times: np.zeros((space.dofs, times.size)), np.zeros(space.dofs))
 
 
 def strain_product(space: Space) -> sps.csc_array:

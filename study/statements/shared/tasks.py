@@ -36,7 +36,6 @@ from study.solve.evolution import SemiDiscrete, State
 from study.solve.signorini import ContactSolver
 from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.norms import maximum
 
 FROZEN_TIMES = 0.15, 0.55, 0.9
 """Default times of frozen problems, as fractions of the final time T.
@@ -94,7 +93,7 @@ class Task:
         return gaps_at_vertices(self.solution, self.space)
 
     @cached_property
-    def _rates(self) -> tuple[Callable[[float, bool], Amplitudes], StrainSums]:
+    def _rates(self) -> tuple[Callable[[Array, bool], Amplitudes], StrainSums]:
         solution, mesh = self.solution, self.space.mesh
         points = QuadraturePoints.on_cells(rules(solution, mesh, self.v_norm.degree, shared_lines(solution)))
         modes = solution.at(points.x).modes()
@@ -103,7 +102,7 @@ class Task:
     def initial_stress(self, time: float) -> Tensors:
         """Return the means over cells of the exact viscous stress A ε(u̇) at one time, (D, cells)."""
         amplitudes, sums = self._rates
-        rates = sums(amplitudes(time, True))
+        rates = sums(amplitudes(np.array([time]), True))[..., 0]
         return np.asarray(self.solution.law.A.matrix @ rates / self.space.volumes)
 
     @cached_property
@@ -117,7 +116,7 @@ class Task:
     def error(self, times: Sequence[float]) -> float:
         """Return the largest error ‖u(t) − u^h‖_V of the frozen (static) problems at the given fractions of T."""
         frozen = [part * self.solution.body.T for part in times]
-        return maximum(self.v_norm.distance(self.v_norm.sample(t), self.static(t)) for t in frozen)
+        return self.v_norm.largest(np.array(frozen), map(self.static, frozen))
 
     def march(self, steps: int) -> tuple[SemiDiscrete, Iterator[State]]:
         """Return the semi-discrete problem, and its solution by the midpoint rule as an iterator over the time nodes.
@@ -130,9 +129,10 @@ class Task:
 
     def error_of_march(self, steps: int) -> float:
         """Return the largest error ‖u(t_n) − u_n‖_V of the midpoint rule over the time nodes after t = 0."""
-        _, states = self.march(steps)
+        problem, states = self.march(steps)
         next(states)
-        return maximum(self.v_norm.distance(self.v_norm.sample(state.time), state.u) for state in states)
+        times = problem.T * np.arange(1, steps + 1) / steps
+        return self.v_norm.largest(times, (state.u for state in states))
 
     def resultants(self, time: float) -> Array:
         """Return the exact total contact force on each contact face, (faces,).
