@@ -160,23 +160,26 @@ with local_pool(2) as pool:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal that a test could send")
-@pytest.mark.parametrize("times", [1, 3])
-@pytest.mark.parametrize("to_all", [True, False])
-def test_ctrl_c_ends_all_processes_at_once_however_often_it_is_pressed(to_all: bool, times: int) -> None:
+@pytest.mark.parametrize(
+    ("number", "times", "send"),
+    [(signal.SIGINT, 1, os.kill), (signal.SIGINT, 3, os.killpg), (signal.SIGKILL, 1, os.kill)],
+)
+def test_ctrl_c_and_a_kill_end_all_processes_at_once_however_often_it_is_pressed(number, times, send) -> None:
+    """Ctrl-C reaches the whole process group, ``kill`` one process; a killed process leaves no worker behind."""
     command = [sys.executable, "-c", ASLEEP]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == b"started\n"
         for _ in range(times):
             with suppress(ProcessLookupError):
-                (os.killpg if to_all else os.kill)(process.pid, signal.SIGINT)
+                send(process.pid, number)
             time.sleep(0.05)
         try:
             process.communicate(timeout=10)  # The pipes are open until the last worker has ended.
         finally:
             with suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL)
-    assert process.returncode == -signal.SIGINT
+    assert process.returncode == -number
 
 
 @pytest.mark.parametrize("command", ["rates {} --expected 2", "figures --out {}", "compare {} {}", "bound {}"])
