@@ -66,7 +66,9 @@ def test_a_folder_of_somebody_else_is_left_alone(command: list[str], folder: str
     assert list(everything(tmp_path)) == [mine]
 
 
-def test_a_bound_resumes_with_the_levels_that_are_not_done(tmp_path, capsys, monkeypatch) -> None:
+def test_a_bound_resumes_with_the_levels_that_are_not_done_and_removes_those_of_another_problem(
+    tmp_path, capsys, monkeypatch
+) -> None:
     asked: list[int] = []
     original = bounded.bounded_solution
 
@@ -77,8 +79,12 @@ def test_a_bound_resumes_with_the_levels_that_are_not_done(tmp_path, capsys, mon
     monkeypatch.setattr(bounded, "bounded_solution", counted)
     monkeypatch.setattr("study.cli.bound.draw_one", lambda *_: [])
     command = ["bound", "ramp", *COARSE, "--out", str(tmp_path), "--levels", "2"]
+    for file, content in ((".lock", ""), ("problem.txt", "another problem"), ("../trajectory-9.npz", "")):
+        write_text(tmp_path / "ramp" / "data" / file, content)
     assert main(command) == main([*command, "4"]) == 0
-    whole, printed = everything(tmp_path), capsys.readouterr().out
+    (printed, removed), whole = capsys.readouterr(), everything(tmp_path)
+    assert f"removed from {tmp_path}/ramp: results of other data" in removed
+    assert tmp_path / "ramp" / "trajectory-9.npz" not in whole
     assert main([*command, "4"]) == 0
     assert capsys.readouterr().out.split("enclosed")[-1] == printed.split("enclosed")[-1]
     assert (asked, everything(tmp_path)) == ([2, 4], whole)

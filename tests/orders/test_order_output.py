@@ -22,63 +22,57 @@ from convergence_orders.columns import Options, read_series
 from convergence_orders.orders import fitted_order, grid_convergence
 from study.cli.main import main
 
-GOOD, LOW, BENT = [1, 0.25, 0.0625, 0.015625], [1, 0.5, 0.25, 0.125], [1, 0.5, 0.3, 0.08]
 H = np.array([0.5, 0.25, 0.125, 0.0625])
 SQUARES = H**2
+GOOD, LOW, BENT, ZERO = [1, 0.25, 0.0625, 0.015625], [1, 0.5, 0.25, 0.125], [1, 0.5, 0.3, 0.08], [0, 0, 0, 0]
 SCHEMA = json.loads((Path(__file__).parents[2] / "docs/reference/rates.schema.json").read_text(encoding="utf-8"))
 
 
-def table(path: Path, **columns: list[float]) -> str:
-    rows = zip(H.tolist(), *columns.values(), strict=True)
-    path.write_text("\n".join([",".join(["h", *columns]), *(",".join(map(str, row)) for row in rows)]))
-    return str(path)
-
-
-@pytest.mark.parametrize(
-    ("columns", "options", "code"),
-    [
-        ({"a": GOOD}, [], 0),
-        ({"a": GOOD}, ["--expected", "1"], 1),
-        ({"a": BENT}, ["--expected", "2"], 3),
-        ({"a": LOW, "b": BENT}, ["--expected", "2"], 1),
-        ({"a": LOW, "b": BENT}, ["--expected", "a=1"], 0),
-        ({"a": GOOD, "b": [0, 0, 0, 0]}, ["--expected", "2"], 0),
-        ({"b": [0, 0, 0, 0]}, ["--expected", "2"], 3),
-        ({"a": LOW, "b": BENT}, ["--expected", "c=1"], 2),
-        ({"a": [1, -1, 1, 1]}, ["--expected", "2"], 2),
-        ({"a": [1, -1, 1, 1]}, ["--values"], 0),
-    ],
-)
-def test_exit_codes_are_ordered_2_1_3_0(columns, options, code, tmp_path, capsys) -> None:
-    assert main(["rates", table(tmp_path / "table.csv", **columns), *options]) == code
-    captured = capsys.readouterr()
-    assert bool(captured.err) == (code == 2)
+def table(**columns: list[float]) -> str:
+    return pd.DataFrame({"h": H} | columns).to_csv(index=False)
 
 
 CONTRADICTING = "--expected 2 --at-least 1", "--values --expected 1", "--values --plot p.png"
 MEANINGLESS = "--expected -2", "--tolerance 0", "--dim 4", "--ratio 1", "--ratio 2", "--columns z", "--plot p.bmp"
 
 
-@pytest.mark.parametrize("options", [*CONTRADICTING, *MEANINGLESS])
-def test_options_that_contradict_each_other_or_have_no_meaning_have_the_exit_code_2(options, tmp_path, capsys) -> None:
-    assert main(["rates", table(tmp_path / "table.csv", a=LOW), *options.split()]) == 2
-    assert capsys.readouterr().err.startswith("study rates: ")
+@pytest.mark.parametrize(
+    ("columns", "options", "code"),
+    [
+        ({"a": GOOD}, "", 0),
+        ({"a": GOOD}, "--expected 1", 1),
+        ({"a": BENT}, "--expected 2", 3),
+        ({"a": LOW, "b": BENT}, "--expected 2", 1),
+        ({"a": LOW, "b": BENT}, "--expected a=1", 0),
+        ({"a": GOOD, "b": ZERO}, "--expected 2", 0),
+        ({"b": ZERO}, "--expected 2", 3),
+        ({"a": LOW, "b": BENT}, "--expected c=1", 2),
+        ({"a": [1, -1, 1, 1]}, "--expected 2", 2),
+        ({"a": [1, -1, 1, 1]}, "--values", 0),
+        *(({"a": LOW}, options, 2) for options in (*CONTRADICTING, *MEANINGLESS)),
+    ],
+)
+def test_exit_codes_are_ordered_2_1_3_0(columns, options: str, code: int, tmp_path, capsys) -> None:
+    """Options that contradict each other or have no meaning are errors of use, as those of ``study rates`` show."""
+    (tmp_path / "t.csv").write_text(table(**columns))
+    assert main(["rates", str(tmp_path / "t.csv"), *options.split()]) == code
+    assert capsys.readouterr().err.startswith("study rates: " if code == 2 else "")
 
 
 @pytest.mark.parametrize(
     ("expected", "code"),
     [("e, max=1,L2(0,T;H1)=2", 0), ("L2(0,T;H1)=2,e, max=1", 0), ("L2(0,T;H1) = 1", 1), ("p = 1=2", 0)],
 )
-def test_names_with_commas_and_equal_signs_can_be_expected(expected: str, code: int, tmp_path) -> None:
-    (tmp_path / "t.csv").write_text('h,"L2(0,T;H1)","e, max",p = 1\n.4,.4,.4,.4\n.2,.1,.2,.1\n.1,.025,.1,.025\n')
-    assert main(["rates", str(tmp_path / "t.csv"), "--expected", expected]) == code
+def test_names_with_commas_and_equal_signs_can_be_expected(expected: str, code: int, rates) -> None:
+    rates(
+        'h,"L2(0,T;H1)","e, max",p = 1\n.4,.4,.4,.4\n.2,.1,.2,.1\n.1,.025,.1,.025\n', "--expected", expected, code=code
+    )
 
 
 @pytest.mark.parametrize("expected", ["e, max", "2,1", "two", "e, max=1,2", "2,e=1", ""])
 def test_an_expectation_that_is_not_understood_is_answered_with_an_example(expected: str, capsys) -> None:
-    with pytest.raises(SystemExit) as stop:
+    with pytest.raises(SystemExit, match="2"):
         main(["rates", "t.csv", "--expected", expected])
-    assert stop.value.code == 2
     assert f"got '{expected}', expected a number such as 2, or names such as L2=2,H1=1" in capsys.readouterr().err
 
 
@@ -96,10 +90,9 @@ def test_json_has_the_documented_schema(capsys) -> None:
     assert read > 20
 
 
-def test_junit_and_markdown_say_what_the_terminal_says(tmp_path, capsys) -> None:
-    file = table(tmp_path / "t.csv", **{"good": GOOD, "|low|": LOW, "bent": BENT, "zero": [0, 0, 0, 0]})
+def test_junit_and_markdown_say_what_the_terminal_says(tmp_path: Path, rates) -> None:
     outputs = ["--junit", str(tmp_path / "j.xml"), "--markdown", str(tmp_path / "m.md")]
-    assert main(["rates", file, "--expected", "2", *outputs]) == 1
+    said = rates(table(**{"good": GOOD, "|low|": LOW, "bent": BENT, "zero": ZERO}), "--expected", "2", *outputs, code=1)
     suite = ElementTree.parse(tmp_path / "j.xml").getroot()
     assert {case.get("name"): [child.tag for child in case] for case in suite} == {
         "good": [], "|low|": ["failure"], "bent": ["failure"], "zero": ["skipped"],
@@ -108,14 +101,13 @@ def test_junit_and_markdown_say_what_the_terminal_says(tmp_path, capsys) -> None
     lines = (tmp_path / "m.md").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 6
     assert lines[3].startswith(r"| \|low\| | fails | converges with order 1.00")
-    assert "|low|: fails: converges with order 1.00" in capsys.readouterr().out
+    assert "|low|: fails: converges with order 1.00" in said
 
 
 @pytest.mark.parametrize(("ending", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
-def test_a_plot_is_drawn_whatever_the_errors_do(ending: str, start: bytes, tmp_path) -> None:
-    columns = {"L2": GOOD, "$\\rho^{": LOW, "inf": [0, 0, 0, 0], "some": [1, 0.1, 0, 0], "nan": [1, "nan", 0.1, 0.2]}
-    file = table(tmp_path / "t.csv", **columns)
-    assert main(["rates", file, "--expected", "2", "--plot", str(tmp_path / f"p.{ending}")]) == 1
+def test_a_plot_is_drawn_whatever_the_errors_do(ending: str, start: bytes, tmp_path: Path, rates) -> None:
+    columns = {"L2": GOOD, "$\\rho^{": LOW, "inf": ZERO, "some": [1, 0.1, 0, 0], "nan": [1, "nan", 0.1, 0.2]}
+    rates(table(**columns), "--expected", "2", "--plot", str(tmp_path / f"p.{ending}"), code=1)
     assert (tmp_path / f"p.{ending}").read_bytes().startswith(start)
 
 
@@ -189,27 +181,18 @@ def test_the_order_of_values_is_found_for_every_ratio_of_meshes(h: tuple[float, 
 
 
 FINE = 0.5 ** np.arange(1, 8)
+STAGNATING = [1, 0.25, 0.0625, 0.0156, 0.0039, 1e-4, 1e-4, 1e-4]
 
 
-@pytest.mark.parametrize("coarse", [0, 2])
-def test_errors_with_a_floor_fail_unless_it_is_permitted(coarse: int) -> None:
-    h, errors = FINE[coarse:], FINE[coarse:] ** 2 + 1e-4
-    for wish in ({"expected": 2}, {"at_least": 0.4}):
-        found = observed_orders(h, errors, **wish)
-        assert (found.verdict, found.limit) == ("fails", pytest.approx(1e-4))
-        assert "tends to 0.0001, not to 0" in found.sentence
-    permitted = [observed_orders(FINE, FINE**2 + 1e-4, 2, floor=floor).verdict for floor in (0.9e-4, 1.1e-4)]
-    assert permitted == ["fails", "holds"]
-
-
-def test_errors_that_stagnate_after_good_orders_fail_unless_it_is_permitted() -> None:
-    errors = [1, 0.25, 0.0625, 0.0156, 0.0039, 1e-4, 1e-4, 1e-4]
-    h = 0.5 ** np.arange(8)
-    assert [observed_orders(h, errors, 2, floor=floor).verdict for floor in (0.0, 1e-5, 1e-3)] == [
-        "fails",
-        "fails",
-        "holds",
-    ]
+def test_errors_with_a_floor_fail_unless_it_is_permitted() -> None:
+    for errors in (FINE**2 + 1e-4, FINE[2:] ** 2 + 1e-4):
+        for wish in ({"expected": 2}, {"at_least": 0.4}):
+            found = observed_orders(FINE[-len(errors) :], errors, **wish)
+            assert (found.verdict, found.limit) == ("fails", pytest.approx(1e-4))
+            assert "tends to 0.0001, not to 0" in found.sentence
+    for errors, floors in ((FINE**2 + 1e-4, (0.9e-4, 1.1e-4)), (STAGNATING, (1e-5, 1e-3))):
+        h = 0.5 ** np.arange(len(errors))
+        assert [observed_orders(h, errors, 2, floor=floor).verdict for floor in floors] == ["fails", "holds"]
 
 
 @pytest.mark.parametrize("term", [0.5, 1.0, 2.0])
@@ -232,12 +215,10 @@ def test_the_quoted_order_lies_within_the_quoted_orders(orders: list[float], rat
         assert low - 0.01 <= float(quoted[1]) <= high + 0.01
 
 
-def test_names_with_terminal_escapes_are_printed_without_them(tmp_path, capsys) -> None:
-    (tmp_path / "t.csv").write_text("h,e\x1b]0;x\u202e\n4,0.4\n2,0.2\n1,0.1\n")
-    for options in ([], ["--markdown", str(tmp_path / "m"), "--junit", str(tmp_path / "j")], ["--columns", "\x1b[2J"]):
-        main(["rates", str(tmp_path / "t.csv"), "--at-least", "0.9", *options])
-        printed = "".join(capsys.readouterr())
-        assert printed
+def test_names_with_terminal_escapes_are_printed_without_them(tmp_path: Path, rates) -> None:
+    outputs = ["--markdown", str(tmp_path / "m"), "--junit", str(tmp_path / "j")]
+    for options, code in (([], 0), (outputs, 0), (["--columns", "\x1b[2J"], 2)):
+        printed = rates("h,e\x1b]0;x\u202e\n4,0.4\n2,0.2\n1,0.1\n", "--at-least", "0.9", *options, code=code)
         assert not set(printed) & set("\x1b\u202e")
     ElementTree.parse(tmp_path / "j")
     assert "\x1b" not in (tmp_path / "m").read_text()
@@ -279,19 +260,20 @@ def test_errors_with_a_small_order_stagnate_unless_it_is_expected(orders, wish, 
     assert (found.kind in ("stagnates", "grows")) == (verdict != "holds")
 
 
-def test_orders_are_expected_of_columns_with_numbers_as_names() -> None:
+def test_columns_of_pandas_or_of_a_dictionary_are_judged_or_refused_by_name() -> None:
+    frame = pd.DataFrame({"h": H, "L2": SQUARES, "note": ["fine"] * 4})
+    assert check_orders("h", frame, 2)["L2"].verdict == check_orders(H, frame["L2"], {"L2": 2})["L2"].verdict == "holds"
     for errors in ({1: H, 2: SQUARES}, pd.DataFrame({1: H, 2: SQUARES})):
-        found = check_orders(H, errors, expected={1: 1, 2: 2})
-        assert {name: column.verdict for name, column in found.items()} == {"1": "holds", "2": "holds"}
+        assert [found.verdict for found in check_orders(H, errors, {1: 1, 2: 2}).values()] == ["holds", "holds"]
         assert check_orders(H, errors, at_least={2: 1.9})["1"].verdict is None
-        with pytest.raises(OrderError, match="an order is expected of 3, but the columns of errors are 1, 2"):
-            check_orders(H, errors, expected={3: 1})
-
-
-def test_errors_without_names_are_refused_in_words() -> None:
-    for errors in ([4.0, 1.0], np.ones((2, 2))):
-        with pytest.raises(OrderError, match="for one list use observed_orders"):
-            check_orders([2, 1], errors)
+    for arguments, said in (
+        (("hh", frame, 2), "hh: there is no such column; there are h, L2, note"),
+        ((H, {1: H, 2: SQUARES}, {3: 1}), "an order is expected of 3, but the columns of errors are 1, 2"),
+        (([2, 1], [4.0, 1.0]), "for one list use observed_orders"),
+        (([2, 1], np.ones((2, 2))), "for one list use observed_orders"),
+    ):
+        with pytest.raises(OrderError, match=said):
+            check_orders(*arguments)
 
 
 @pytest.mark.parametrize(
@@ -334,25 +316,16 @@ def test_numbers_of_cells_given_as_mesh_sizes_are_told(h: list[float], order: fl
     assert (found.verdict == "holds") == (order < 0)
 
 
-@pytest.mark.parametrize(("option", "code"), [([], 2), (["--dim", "1"], 0), (["--in", "h"], 1)])
-def test_a_column_h_that_may_have_numbers_of_cells_asks_what_it_has(option, code, tmp_path, capsys) -> None:
-    (tmp_path / "t.csv").write_text("h,e\n4,1\n8,.25\n16,.0625\n32,.015625\n")
-    assert main(["rates", str(tmp_path / "t.csv"), "--expected", "2", *option]) == code
-    said = {0: "e: holds", 1: CELLS, 2: "give --dim 1 if h counts cells along a side, or --in h"}[code]
-    assert said in " ".join("".join(capsys.readouterr()).split())
-
-
-def test_masked_numbers_are_missing() -> None:
-    found = observed_orders(H, np.ma.masked_less(SQUARES, 0.01), expected=2)
-    assert found.conclusion.startswith("fails: the error is not finite for h = 0.0625")
-
-
-def test_columns_of_pandas_are_judged_or_refused_by_name() -> None:
-    table = pd.DataFrame({"h": H, "L2": SQUARES, "note": ["fine"] * 4})
-    assert check_orders(H, table["L2"], {"L2": 2})["L2"].verdict == "holds"
-    with pytest.raises(OrderError, match="hh: there is no such column; there are h, L2, note"):
-        check_orders("hh", table, 2)
-    assert list(check_orders("h", table, 2)) == ["L2"]
+@pytest.mark.parametrize(
+    ("options", "code", "said"),
+    [
+        ("", 2, "give --dim 1 if h counts cells along a side, or --in h"),
+        ("--dim 1", 0, "e: holds"),
+        ("--in h", 1, CELLS),
+    ],
+)
+def test_a_column_h_that_may_have_numbers_of_cells_asks_what_it_has(options: str, code: int, said: str, rates) -> None:
+    assert said in rates("h,e\n4,1\n8,.25\n16,.0625\n32,.015625\n", "--expected", "2", *options.split(), code=code)
 
 
 @pytest.mark.parametrize("levels", [3, 4, 7])
