@@ -18,13 +18,12 @@ from xml.etree import ElementTree
 import common
 import contact_judge as judge
 import drive
-import faults
 import numpy as np
 import pytest
 import run_codes
 import this_study
 from json_schema import faults_of
-from judged_codes import exported, read, task
+from judged_codes import exported, judged, read, task
 
 from study.cli.main import main
 from study.ledger.codes import FOLDER, MARCHES, Codes
@@ -336,8 +335,7 @@ def test_tasks_fit_their_schema(kind: str) -> None:
 
 def test_version_1_is_read_and_is_the_same_task() -> None:
     task = judge.Task("old", exported("corner", 4, times=(0.55,)).data | {"version": 1})
-    (found,) = judge.assess([task], {"old": judge.answer(task, this_study.make)})
-    assert found.verdict == "exact for P1"
+    assert judged(this_study.make, task).verdict == "exact for P1"
 
 
 def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tmp_path: Path, capsys: Any) -> None:
@@ -374,12 +372,3 @@ def test_arrays_of_another_shape_are_refused_in_words(name: str, packed: Path) -
         judge.answer(task, lambda task: lambda load, stress: [change(u)])
     with pytest.raises(judge.TaskError, match=r"reported pressure of .*: steps, contact vertices"):
         judge.assess([task], {task.name: u}, {task.name: {"pressure": change(u)}})
-
-
-def test_loads_of_another_size_scale_the_gap_too(packed: Path) -> None:
-    (task,) = judge.read_tasks(packed)
-    gap = [0.5] * len(task.data["contact"][0]["vertices"])
-    pieces = [piece | {"gap": gap} for piece in task.data["contact"]]
-    scaled = judge.Task("gap", task.data | {"contact": pieces}).scaled(10)
-    assert np.array_equal(np.concatenate(scaled.gaps()), 10 * np.array(gap * len(pieces)))
-    assert faults.right(np.eye(1), np.array([2.0]), {}) == pytest.approx([2.0])

@@ -18,6 +18,7 @@ from study.bound.trajectory import prolongation
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured
 from study.fem.mesh import barycentric as barycentric_of
 from study.fem.quadratic import Quadratic
+from study.fem.quadrature import simplex_rule
 from study.fem.space import Space
 from study.stresses.composite import bernstein
 
@@ -115,6 +116,13 @@ def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body
     assert np.allclose(values(space, v, barycentric), polynomial(c, x), atol=1e-11)
     expected = mandel(gradient(c, x))
     assert np.allclose(strains(space, v, barycentric), expected, atol=1e-10)
+    # The form is the integral of the products of strains.
+    rule, weights = simplex_rule(2, 2)
+    e = mandel(gradient(c, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], rule)))
+    A = anisotropic().A.matrix
+    energy = np.einsum("IJ,Jcq,Icq,q,c->", A, e, e, weights, space.volumes)
+    assert v @ space.form(A) @ v == pytest.approx(energy, rel=1e-10)
+    assert v @ space.functional(np.einsum("IJ,Jcq->Icq", A, space.strain(v))) == pytest.approx(energy, rel=1e-10)
     some = rng.permutation(space.cells)[:3]
     assert np.allclose(space.strain_at(v, some, x[:, some]), expected[:, some], atol=1e-10)
 
@@ -125,17 +133,18 @@ def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body
 @pytest.mark.parametrize("refinements", [0, 1, 2])
 @pytest.mark.parametrize("body", BODIES)
 def test_linear_functions_keep_their_values_and_strains_on_refined_meshes(body: str, refinements: int) -> None:
-    rng = np.random.default_rng(refinements)
+    """At the vertices of the refined mesh, and as the products of their strains."""
     coarse, fine = discretisation(body), discretisation(body, refinements)
     space, V = Space(coarse.mesh, coarse.data.body), fine.displacements
-    v = rng.normal(size=space.dofs)
-    w = prolongation(space, fine) @ v
-    barycentric, x = in_cells(V, rng, 3)
-    cells = coarse.mesh.element_finder()(*x.reshape(2, -1))
-    local = barycentric_of(coarse.mesh, cells, x.reshape(2, -1, 1))[..., 0]
-    expected = np.einsum("dvc,vc->dc", space.nodal(v)[:, coarse.mesh.t[:, cells]], local)
-    assert np.allclose(values(V, w, barycentric).reshape(2, -1), expected, atol=1e-9)
-    assert np.allclose(strains(V, w, barycentric).reshape(3, -1), space.strain(v)[:, cells], atol=1e-8)
+    v = np.random.default_rng(refinements).normal(size=space.dofs)
+    P = prolongation(space, fine)
+    x = V.mesh.p
+    cells = coarse.mesh.element_finder()(*x)
+    local = barycentric_of(coarse.mesh, cells, x[..., None])[..., 0]
+    expected = np.einsum("dvc,vc->cd", space.nodal(v)[:, coarse.mesh.t[:, cells]], local)
+    assert np.allclose(V.coefficients(P @ v)[: len(expected)], expected, atol=1e-9)
+    A = coarse.data.law.A.matrix
+    assert abs(P.T @ V.form(A) @ P - space.form(A)).max() < 1e-10
 
 
 def test_a_mesh_that_is_no_refinement_is_refused() -> None:
@@ -143,28 +152,3 @@ def test_a_mesh_that_is_no_refinement_is_refused() -> None:
     other = Discretisation(coarse.data, OneDiagonal()(coarse.data.body, LEVEL).refined())
     with pytest.raises(BoundError, match="no refinement"):
         prolongation(Space(coarse.mesh, coarse.data.body), other)
-
-
-# ---- forms, functionals and moments
-
-
-def folded_gauss(n: int) -> tuple[Array, Array]:
-    """Gauss points of the square folded onto the triangle, (3, n²), with weights: nothing of the rule of the space."""
-    x, w = np.polynomial.legendre.leggauss(n)
-    a, b = (g.ravel() for g in np.meshgrid((x + 1) / 2, (x + 1) / 2))
-    return np.array([a, (1 - a) * b, (1 - a) * (1 - b)]), np.multiply.outer(w, w).ravel() / 2 * (1 - a)
-
-
-@pytest.mark.parametrize("body", BODIES)
-def test_the_form_is_the_integral_of_the_products_of_strains(body: str) -> None:
-    found, rng = discretisation(body), np.random.default_rng(5)
-    V = found.displacements
-    u, v = rng.normal(size=(2, V.dofs))
-    barycentric, weights = folded_gauss(4)
-    A = found.data.law.A.matrix
-    integral = np.einsum(
-        "IJ,Jcq,Icq,q,c->", A, strains(V, u, barycentric), strains(V, v, barycentric), weights, V.volumes
-    )
-    assert v @ (found.M @ u) == pytest.approx(integral, rel=1e-11)
-    stress = np.einsum("IJ,Jcq->Icq", A, V.strain(u))
-    assert v @ V.functional(stress) == pytest.approx(integral, rel=1e-11)

@@ -335,44 +335,34 @@ def test_memory_is_what_the_machine_has_without_control_groups(tmp_path) -> None
 
 
 def test_data_are_locked_exactly_where_they_are_there_and_may_be_written(tmp_path, monkeypatch) -> None:
-    """Root may write everywhere, so the system's answer is replaced."""
-    with Store(tmp_path / "nowhere").steady():
+    """Root may write everywhere, so the system's answer is replaced. Data without a possible lock are refused."""
+    store = Store(tmp_path)
+    with store.steady():
         assert [*tmp_path.iterdir()] == []
-    data = Store(tmp_path).data
-    data.mkdir()
-    for writable, found in ((False, []), (True, [data / ".lock"])):
-        with monkeypatch.context() as patch:
-            patch.setattr(os, "access", lambda path, mode, answer=writable: answer)
-            with Store(tmp_path).steady():
-                assert [*data.iterdir()] == found
-
-
-def test_data_that_may_be_written_are_not_left_unlocked_where_the_lock_may_not(tmp_path, monkeypatch) -> None:
-    data = Store(tmp_path).data
-    (data / ".lock").mkdir(parents=True)
-    monkeypatch.setattr(os, "access", lambda path, mode: path == data)
-    with pytest.raises(StoreError, match="lock"), Store(tmp_path).steady():
+    store.data.mkdir()
+    for writable, found in ((False, []), (True, [store.data / ".lock"])):
+        monkeypatch.setattr(os, "access", lambda path, mode, answer=writable: answer)
+        with store.steady():
+            assert [*store.data.iterdir()] == found
+    (store.data / ".lock").unlink()
+    (store.data / ".lock").mkdir()
+    monkeypatch.setattr(os, "access", lambda path, mode: path == store.data)
+    with pytest.raises(StoreError, match="lock"), store.steady():
         pass
 
 
 def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_one_writes_is_not(tmp_path) -> None:
+    """Neither a digit that is no number nor a folder belongs to a process."""
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
     jobs = tmp_path / "data" / "jobs"
-    jobs.mkdir(parents=True)
-    alive = jobs / f".b.json.{os.getpid()}.part"
-    # Neither a digit that is no number nor a folder belongs to a process.
-    others = [jobs / ".c.json.².part", jobs / ".folder.0.part"]
-    others[1].mkdir()
-    owners = (dead.pid, 2**31, "9" * 30)
-    for part in (
-        alive,
-        others[0],
-        *(place / f".a.json.{owner}.part" for place in (jobs, tmp_path) for owner in owners),
-    ):
-        part.touch()
+    (jobs / ".folder.0.part").mkdir(parents=True)
+    for owner in (dead.pid, 2**31, "9" * 30, "²", os.getpid()):
+        for place in (jobs, tmp_path):
+            (place / f".a.json.{owner}.part").touch()
     with Store(tmp_path).locked():
-        assert {*tmp_path.rglob("*.part")} == {alive, *others}
+        left = {path.name for path in tmp_path.rglob("*.part")}
+    assert left == {".folder.0.part", ".a.json.².part", f".a.json.{os.getpid()}.part"}
 
 
 @pytest.mark.parametrize(
