@@ -5,7 +5,6 @@ from __future__ import annotations
 import runpy
 import subprocess
 import sys
-from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -37,7 +36,7 @@ from study.certify.certified import check_certifiable, make_certificate, write
 from study.certify.statement import in_doubles, rational, rational_mesh, statement, voigt
 from study.certify.witnesses import value_of
 from study.cli.main import main
-from study.fem.mesh import MeshFamily, OneDiagonal, Shaken, Unstructured
+from study.fem.mesh import OneDiagonal, Shaken, Unstructured
 from study.ledger.files import write_text
 from study.solve.tableau import MIDPOINT
 
@@ -51,12 +50,12 @@ CERTIFICATES = [
 """One is checked by the quick tests; `make certificates-check` checks all of them."""
 
 
-def test_it_has_the_size_that_is_claimed_for_it() -> None:
+def test_it_has_the_size_that_is_claimed_for_it():
     weigh = runpy.run_path(str(ROOT / ".ci" / "weight.py"))["weigh"]
     assert weigh(Path(checker.__file__).read_text()).lines <= 830
 
 
-def test_a_copy_of_the_file_checks_a_certificate_without_any_package(tmp_path: Path) -> None:
+def test_a_copy_of_the_file_checks_a_certificate_without_any_package(tmp_path):
     copied = tmp_path / "check.py"
     copied.write_text(Path(checker.__file__).read_text())
     command = [sys.executable, "-I", "-S", str(copied), str(SMALL)]
@@ -65,18 +64,18 @@ def test_a_copy_of_the_file_checks_a_certificate_without_any_package(tmp_path: P
 
 
 @pytest.mark.parametrize("path", CERTIFICATES)
-def test_committed_certificates_prove_positive_intervals(path: Path) -> None:
+def test_committed_certificates_prove_positive_intervals(path):
     found = checker.verified(checker.load(path))
     assert 0 < found.low < found.high < 10 * found.low
 
 
-def test_the_level_is_not_believed(certificate: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_level_is_not_believed(certificate, tmp_path, capsys):
     """What is printed is counted on the mesh: 8 cells of the unit square, h = √(2/8)."""
     assert checker.main([str(write(tmp_path / "other-level.json.gz", certificate | {"level": 64}))]) == 0
     assert "    8 cells, h = 0.5000: max ‖u − u_h‖_V in [0.00392611, 0.27550807]" in capsys.readouterr().out
 
 
-def test_u_h_is_what_the_interval_is_about(certificate: Any, plain: checker.Enclosure) -> None:
+def test_u_h_is_what_the_interval_is_about(certificate, plain):
     """An error that is added to u_h at a vertex inside the body moves the interval by as much."""
     mesh = certificate["mesh"]
     (place,) = set(range(len(mesh["points"]))) - {v for side in mesh["sides"] for v in side}
@@ -85,7 +84,7 @@ def test_u_h_is_what_the_interval_is_about(certificate: Any, plain: checker.Encl
     assert checker.verified(certificate).low > plain.high + 1 / 2
 
 
-def test_certificates_of_two_problems_give_no_order(certificate: Any, tmp_path, capsys) -> None:
+def test_certificates_of_two_problems_give_no_order(certificate, tmp_path, capsys):
     first = write(tmp_path / "one.json.gz", certificate)
     certificate["problem"]["loads"] = {}
     certificate["stress"]["tractions"] = [row[:8] + row[24:] for row in certificate["stress"]["tractions"]]
@@ -95,25 +94,25 @@ def test_certificates_of_two_problems_give_no_order(certificate: Any, tmp_path, 
 
 
 FUNCTIONS = runpy.run_path(str(EXAMPLES / "problems.py"))
-PROBLEMS: dict[str, Data] = {name: FUNCTIONS[name]() for name in ("square", "wedge", "bracket")}
+PROBLEMS = {name: FUNCTIONS[name]() for name in ("square", "wedge", "bracket")}
 LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
 
 
 @pytest.fixture(autouse=True, scope="module")
-def constants_of_a_coarse_mesh() -> Iterator[None]:
+def constants_of_a_coarse_mesh():
     """The semidefinite programme is most of what a small certificate costs."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(certified, "CONSTANTS_LEVEL", 3)
         yield
 
 
-def test_better_witnesses_prove_a_narrower_interval_for_the_same_error(plain: checker.Enclosure) -> None:
+def test_better_witnesses_prove_a_narrower_interval_for_the_same_error(plain):
     narrow = checker.verified(make_certificate(PROBLEMS["square"], OneDiagonal(), 2, MIDPOINT, 2, Refined(1, 1)))
     assert plain.low < narrow.low < narrow.high < plain.high
 
 
 @pytest.mark.parametrize("name", PROBLEMS)
-def test_committed_certificates_state_the_problems_beside_them(name: str) -> None:
+def test_committed_certificates_state_the_problems_beside_them(name):
     assert checker.load(EXAMPLES / f"{name}-4.json.gz")["problem"] == statement(PROBLEMS[name])
 
 
@@ -132,7 +131,7 @@ COMPUTED = {
 
 
 @pytest.mark.parametrize("name", COMPUTED)
-def test_what_is_proved_is_what_is_computed(name: str, plain: checker.Enclosure) -> None:
+def test_what_is_proved_is_what_is_computed(name, plain):
     data, family, level, accuracy = COMPUTED[name]
     steps = MIDPOINT, 2, Refined(0, 1)
     computed = bounded_solution(data, None, family, level, *steps).enclosure
@@ -151,7 +150,7 @@ def loaded(f2: Any) -> Data:
 
 YIELDS = KelvinVoigt(isotropic(1, 0.5), Yield(2.0, FrobeniusBall(0.1)), "yields")
 LAYERS = KelvinVoigt(isotropic(1, 0.5, factor=layers((0, 1), 0.5, 2)), isotropic(1, 1), "layers")
-REFUSED: dict[str, tuple[Data, str]] = {
+REFUSED = {
     "no polynomial": (formulas((0, sin(x1))), "f_0 has .*support polynomials"),
     "not rational": (formulas((0, sqrt(3) * t)), "coefficients are not rational"),
     "a kink in f_0": (formulas((0, pos(x1 - t, 3))), "f_0 has a kink"),
@@ -167,21 +166,19 @@ REFUSED: dict[str, tuple[Data, str]] = {
 
 
 @pytest.mark.parametrize("name", REFUSED, ids=str)
-def test_what_is_not_served_is_refused_in_words_before_it_is_computed(name: str) -> None:
+def test_what_is_not_served_is_refused_in_words_before_it_is_computed(name):
     data, message = REFUSED[name]
     with pytest.raises(BoundError, match=message):
         check_certifiable(data)
 
 
-def test_cases_are_refused_by_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_cases_are_refused_by_the_command(capsys, tmp_path):
     assert main(["certify", "full-contact", "--out", str(tmp_path)]) == 2
     assert "certificates support data that are formulas" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["bracket", pytest.param("wedge", marks=pytest.mark.slow)])
-def test_the_command_writes_certificates_checks_them_and_keeps_none_of_another_problem(
-    name: str, capsys, tmp_path
-) -> None:
+def test_the_command_writes_certificates_checks_them_and_keeps_none_of_another_problem(name, capsys, tmp_path):
     out = tmp_path / name
     for file, content in ((".lock", ""), ("problem.txt", "another problem"), ("../certificate-9.json.gz", "")):
         write_text(out / "data" / file, content)
@@ -193,12 +190,12 @@ def test_the_command_writes_certificates_checks_them_and_keeps_none_of_another_p
     assert {path.name for path in out.glob("*.gz")} == {"certificate-2.json.gz", "certificate-3.json.gz"}
 
 
-def test_more_refinements_than_the_checker_accepts_are_refused(capsys: Any, tmp_path: Path) -> None:
+def test_more_refinements_than_the_checker_accepts_are_refused(capsys, tmp_path):
     assert main(["certify", f"{EXAMPLES / 'problems.py'}:square", "--refine", "9", "--out", str(tmp_path)]) == 2
     assert "--refine 9: a certificate allows at most 8 refinements" in capsys.readouterr().err
 
 
-def test_doubles_are_read_as_the_fractions_that_are_meant() -> None:
+def test_doubles_are_read_as_the_fractions_that_are_meant():
     assert (rational(0.8), rational(1 / 3)) == (Fraction(4, 5), Fraction(1, 3))
     assert rational(3**0.5) == Fraction(3**0.5)
     root = 2**0.5
@@ -206,7 +203,7 @@ def test_doubles_are_read_as_the_fractions_that_are_meant() -> None:
     assert (matrix[0][2], matrix[2][2]) == (Fraction(3, 10), Fraction(7, 10))
 
 
-def test_loads_are_read_as_they_are() -> None:
+def test_loads_are_read_as_they_are():
     push = 4 * t * pos(1 - (x1 - t / 2) ** 2, 3) + x1 * t**2
     formula = checker.formula(statement(loaded(push))["loads"]["1"][0])
     for place in ((0.5, 1.0, 0.25), (1.75, 0.0, 0.5), (0.0, 0.5, 1.0)):
@@ -215,7 +212,7 @@ def test_loads_are_read_as_they_are() -> None:
 
 
 @pytest.mark.parametrize("family", [OneDiagonal(), Shaken(), Unstructured()], ids=lambda family: family.name)
-def test_meshes_are_those_of_the_families_up_to_a_little(family: MeshFamily) -> None:
+def test_meshes_are_those_of_the_families_up_to_a_little(family):
     data = PROBLEMS["wedge"]
     mesh = family(data.body, 4)
     exact = checker.Mesh.of(rational_mesh(mesh, data.body), checker.Problem(statement(data)))

@@ -6,7 +6,7 @@ import fcntl
 import os
 import re
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
@@ -49,7 +49,7 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(autouse=True)
-def shortened(monkeypatch: pytest.MonkeyPatch) -> None:
+def shortened(monkeypatch):
     shorten(monkeypatch)
 
 
@@ -68,12 +68,12 @@ def run_tutorial(directory: Path) -> None:
 
 
 @pytest.fixture(scope="session")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def made(tmp_path_factory):
     """A directory with ``pocket.py``, the case of the tutorial, and ``results``, a small run of that case.
 
     Of the processes of pytest-xdist the first makes the run, and each gets a copy of its own.
     """
-    directory: Path = tmp_path_factory.getbasetemp() / "tutorial"
+    directory = tmp_path_factory.getbasetemp() / "tutorial"
     if "PYTEST_XDIST_WORKER" not in os.environ:
         run_tutorial(directory)
         return directory
@@ -88,7 +88,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def own(made: Path, tmp_path: Path) -> Path:
+def own(made, tmp_path):
     """The results of a copy of the small run, next to the file of its case; a test may edit both."""
     shutil.copytree(made, tmp_path, dirs_exist_ok=True, ignore=shutil.ignore_patterns("jobs", "figures"))
     resolve.cache_clear()
@@ -96,10 +96,10 @@ def own(made: Path, tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def told(capsys) -> Callable[..., str]:
+def told(capsys):
     """Runs a command that must end with an exit code, 2 unless told otherwise; returns all that it printed."""
 
-    def run(*arguments: str, code: int = 2) -> str:
+    def run(*arguments, code=2):
         capsys.readouterr()
         assert main([*arguments]) == code
         printed = capsys.readouterr()

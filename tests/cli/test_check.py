@@ -79,7 +79,7 @@ def emptied(directory: Path) -> None:
 
 
 @pytest.fixture
-def refusal(told) -> Callable[..., str]:
+def refusal(told):
     """Checks a directory; returns what the command says."""
     return lambda directory, code=2: told("check", "--out", str(directory), code=code)
 
@@ -95,7 +95,7 @@ def cell(
     return edit(name, column, change, where, rows), rf"{Path(name).name}, line {line}, column {column}: {said}"
 
 
-EDITS: dict[str, tuple[Edit, str]] = {
+EDITS = {
     "an order that nobody predicted": cell(CASES, "expected_order", to("0.9"), "found '0.9', expected '1'.*run"),
     "a level that is a word": cell(RATES, "level", to("x"), "found 'x'", rows=1),
     "a row twice": (twice(RATES), r"rates.csv, line \d+: the row case pocket, .* is also in line 3"),
@@ -130,7 +130,7 @@ def assert_refused(part: Part, directory: Path, message: str) -> None:
 
 
 @pytest.mark.parametrize("name", EDITS)
-def test_an_edit_is_refused_by_file_line_and_column(name: str, own: Path) -> None:
+def test_an_edit_is_refused_by_file_line_and_column(name, own):
     change, message = EDITS[name]
     change(own)
     parts = {"claims.csv": verdicts_as_written, "was changed after": compare_sums}
@@ -138,15 +138,15 @@ def test_an_edit_is_refused_by_file_line_and_column(name: str, own: Path) -> Non
 
 
 @pytest.mark.parametrize("part", ["verify", "verdicts", "compare_sums", "SeedRecord.read", "as_written"])
-def test_the_command_refuses_what_one_of_its_parts_refuses(part: str, own: Path, refusal, monkeypatch) -> None:
-    def refuse(*_: object) -> None:
+def test_the_command_refuses_what_one_of_its_parts_refuses(part, own, refusal, monkeypatch):
+    def refuse(*_):
         raise DataError(f"{part} says no")
 
     monkeypatch.setattr(f"study.cli.check.{part}", refuse)
     assert f"study: {part} says no" in refusal(own)
 
 
-def test_errors_that_fit_each_other_and_miss_the_claim_fail(own: Path, refusal) -> None:
+def test_errors_that_fit_each_other_and_miss_the_claim_fail(own, refusal):
     path = own / "data" / RATES
     table = pd.read_csv(path)
     errors = ["error", "interpolation_error", "discrete_error", "predicted_interpolation", "initial_error"]
@@ -173,25 +173,25 @@ def test_errors_that_fit_each_other_and_miss_the_claim_fail(own: Path, refusal) 
     ],
     ids=str,
 )
-def test_a_record_of_another_form_is_called_damaged(damage: dict[str, Any], own: Path, refusal) -> None:
+def test_a_record_of_another_form_is_called_damaged(damage, own, refusal):
     recorded(lambda made: made.update(damage))(own)
     assert "provenance.json is damaged" in refusal(own)
 
 
-def test_a_case_whose_file_is_gone_is_judged_by_the_record_of_its_run(own: Path, refusal) -> None:
+def test_a_case_whose_file_is_gone_is_judged_by_the_record_of_its_run(own, refusal):
     (own.parent / "pocket.py").unlink()
     assert "not compared, because their files no longer exist: pocket" in " ".join(refusal(own, code=0).split())
     edit(CASES, "expected_order", to("0.9"))(own)
     assert "column expected_order: found '0.9', expected '1'" in refusal(own)
 
 
-def test_a_case_whose_file_predicts_something_else_now_is_refused(own: Path, refusal) -> None:
+def test_a_case_whose_file_predicts_something_else_now_is_refused(own, refusal):
     path = own.parent / "pocket.py"
     path.write_text(path.read_text(encoding="utf-8").replace('reason="', 'reason="now '), encoding="utf-8")
     assert re.search(r"cases.csv, line 2, column reason: found .*, expected 'now ", refusal(own))
 
 
-def test_tables_writes_what_check_asks_for_and_check_writes_nothing(own: Path, refusal) -> None:
+def test_tables_writes_what_check_asks_for_and_check_writes_nothing(own, refusal):
     edit("claims.csv", "observed", to("0.5"), rows=1)(own)
     assert "`study tables" in refusal(own)
     assert main(["report", "--out", str(own)]) == 2
@@ -204,12 +204,12 @@ def test_tables_writes_what_check_asks_for_and_check_writes_nothing(own: Path, r
 
 
 @pytest.fixture
-def checked(told) -> Callable[..., str]:
+def checked(told):
     """``study check`` in one process, with further options."""
     return partial(told, "check", "--jobs", "1")
 
 
-def test_rows_that_were_changed_are_noticed(own: Path, checked, monkeypatch) -> None:
+def test_rows_that_were_changed_are_noticed(own, checked, monkeypatch):
     """Without checksums, only a measurement shows these changes, in the first rows."""
     changes = {"rates.csv": ("quadrature_change", 1.001), "equivalence.csv": ("steps", 2.0)}
     jobs = planned_jobs(own)
@@ -228,13 +228,13 @@ def test_rows_that_were_changed_are_noticed(own: Path, checked, monkeypatch) -> 
         assert f"{column}: 1 beyond tolerance" in said
 
 
-def test_a_seed_without_rows_to_draw_is_refused(checked) -> None:
+def test_a_seed_without_rows_to_draw_is_refused(checked):
     assert "--seed chooses the rows of --again: give --again N with it" in checked("--seed", "1")
 
 
-def test_a_sample_is_repeated_by_its_seed_and_its_expected_time_is_bounded() -> None:
+def test_a_sample_is_repeated_by_its_seed_and_its_expected_time_is_bounded():
     costs = 1e6 * np.geomspace(0.3, 300, 500)
-    jobs: list[Any] = [SimpleNamespace(cost=cost) for cost in costs]
+    jobs = [SimpleNamespace(cost=cost) for cost in costs]
     drawn = [draw_jobs(jobs, 5, seed) for seed in range(400)]
     assert drawn[3] == draw_jobs(jobs, 5, 3) != drawn[4]
     bound = 5 * len(jobs) / (1 / costs).sum() / 1e6

@@ -12,7 +12,6 @@ import sys
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 import pytest
@@ -39,7 +38,7 @@ def everything(directory: Path) -> dict[Path, bytes]:
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_files_that_the_study_did_not_write_are_never_overwritten(command: str, tmp_path, told) -> None:
+def test_files_that_the_study_did_not_write_are_never_overwritten(command, tmp_path, told):
     write_text(tmp_path / "data" / "rates.csv", "mine")
     write_text(tmp_path / "figures" / "convergence.png", "mine")
     before = everything(tmp_path)
@@ -59,7 +58,7 @@ OWNED = [
 
 
 @pytest.mark.parametrize(("command", "folder"), OWNED, ids=["bound", "show", "export", "certify"])
-def test_a_folder_of_somebody_else_is_left_alone(command: list[str], folder: str, tmp_path, told) -> None:
+def test_a_folder_of_somebody_else_is_left_alone(command, folder, tmp_path, told):
     write_text(tmp_path / folder / "notes.txt", "mine")
     mine = tmp_path / folder / "notes.txt"
     assert f"{mine} was not written by a study" in told(*command, "--out", str(tmp_path))
@@ -68,11 +67,11 @@ def test_a_folder_of_somebody_else_is_left_alone(command: list[str], folder: str
 
 def test_a_bound_resumes_with_the_levels_that_are_not_done_and_removes_those_of_another_problem(
     tmp_path, capsys, monkeypatch
-) -> None:
-    asked: list[int] = []
+):
+    asked = []
     original = bounded.bounded_solution
 
-    def counted(*arguments: Any) -> bounded.BoundedSolution:
+    def counted(*arguments):
         asked.append(arguments[3])
         return original(*arguments)
 
@@ -93,7 +92,7 @@ def test_a_bound_resumes_with_the_levels_that_are_not_done_and_removes_those_of_
     assert asked == [2, 4, 2, 4]
 
 
-HELD: list[Any] = []
+HELD = []
 """Locks that a worker process holds until it ends."""
 
 
@@ -108,8 +107,8 @@ def hold(store: Store | TaskStore) -> None:
     ids=["bound", "export", "run"],
 )
 def test_two_commands_on_one_directory_are_refused_by_name_until_the_first_one_ends(
-    store, command, folder: str, tmp_path, told
-) -> None:
+    store, command, folder, tmp_path, told
+):
     with Processes(1) as other:
         other.submit(hold, store(tmp_path / folder)).result()
         said = told(*command, "--out", str(tmp_path))
@@ -121,7 +120,7 @@ def test_two_commands_on_one_directory_are_refused_by_name_until_the_first_one_e
         pass
 
 
-def test_the_record_of_a_run_names_the_commit_and_whether_the_code_was_changed_since(tmp_path, monkeypatch) -> None:
+def test_the_record_of_a_run_names_the_commit_and_whether_the_code_was_changed_since(tmp_path, monkeypatch):
     monkeypatch.setattr("study.run.provenance.ROOT", tmp_path)
     assert commit() == {"commit": "", "clean": False}
     write_text(tmp_path / "study" / "a.py", "")
@@ -142,8 +141,8 @@ def test_the_record_of_a_run_names_the_commit_and_whether_the_code_was_changed_s
         *((command, STARTS_AGAIN) for command in ("cases", "figures")),
     ],
 )
-def test_ctrl_c_says_what_is_true_of_the_command(command: str, said: str, tmp_path, told, monkeypatch) -> None:
-    def stop(*_: object) -> None:
+def test_ctrl_c_says_what_is_true_of_the_command(command, said, tmp_path, told, monkeypatch):
+    def stop(*_):
         raise KeyboardInterrupt
 
     # A command that is not stopped writes here, not into the committed results.
@@ -170,7 +169,7 @@ with local_pool(2) as pool:
     ("number", "times", "send"),
     [(signal.SIGINT, 1, os.kill), (signal.SIGINT, 3, os.killpg), (signal.SIGKILL, 1, os.kill)],
 )
-def test_ctrl_c_and_a_kill_end_all_processes_at_once_however_often_it_is_pressed(number, times, send) -> None:
+def test_ctrl_c_and_a_kill_end_all_processes_at_once_however_often_it_is_pressed(number, times, send):
     """Ctrl-C reaches the whole process group, ``kill`` one process; a killed process leaves no worker behind."""
     command = [sys.executable, "-c", ASLEEP]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as process:
@@ -189,7 +188,7 @@ def test_ctrl_c_and_a_kill_end_all_processes_at_once_however_often_it_is_pressed
 
 
 @pytest.mark.parametrize("command", ["rates {} --expected 2", "figures --out {}", "compare {} {}", "bound {}"])
-def test_an_empty_name_is_refused(command: str, tmp_path: Path, monkeypatch, capsys) -> None:
+def test_an_empty_name_is_refused(command, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     for name in ("", " "):
         with pytest.raises(SystemExit, match="2"):
@@ -199,14 +198,14 @@ def test_an_empty_name_is_refused(command: str, tmp_path: Path, monkeypatch, cap
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no /dev/full")
-def test_a_full_disk_behind_the_output_is_said_in_words() -> None:
+def test_a_full_disk_behind_the_output_is_said_in_words():
     with open("/dev/full", "w") as full:
         done = subprocess.run([*STUDY, *RATES], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     said = "study: cannot write the output: the disk is full (No space left on device); free space there"
     assert (done.returncode, done.stderr.startswith(said), len(done.stderr.splitlines())) == (2, True, 1)
 
 
-def test_a_reader_who_has_seen_enough_ends_the_command_without_a_word() -> None:
+def test_a_reader_who_has_seen_enough_ends_the_command_without_a_word():
     with subprocess.Popen([*STUDY, *RATES], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as command:
         assert command.stdout and command.stderr  # noqa: PT018
         command.stdout.close()
@@ -227,7 +226,7 @@ def planned(tmp_path: Path, *arguments: str) -> Scope:
     return scope
 
 
-def test_levels_can_be_added_to_a_directory(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_levels_can_be_added_to_a_directory(tmp_path, capsys):
     planned(tmp_path, "--case", "corner", "cube-disc")
     first = read_provenance(tmp_path)["planned"]
     scope = planned(tmp_path, "--case", "corner", "cube-disc", "--levels", "64")
@@ -245,7 +244,7 @@ WORDS = [("error", "small"), ("error", "nan"), ("order", "steep"), ("error", "")
     ("command", "column", "word"),
     [*(("check", *cell) for cell in WORDS), *((command, *WORDS[0]) for command in ("tables", "figures", "report"))],
 )
-def test_a_word_in_place_of_a_number_is_named_by_file_line_and_column(command, column, word, own: Path, told) -> None:
+def test_a_word_in_place_of_a_number_is_named_by_file_line_and_column(command, column, word, own, told):
     path = own / "data" / "rates.csv"
     table = pd.read_csv(path, dtype=str, keep_default_na=False)
     table.loc[2, column] = word
@@ -255,8 +254,8 @@ def test_a_word_in_place_of_a_number_is_named_by_file_line_and_column(command, c
     assert f"--levels 8 16 32 --out {own}`" in said
 
 
-def test_a_plain_run_in_a_fresh_clone_leaves_the_committed_results_alone(tmp_path, told, monkeypatch) -> None:
-    def measured(plan: Any, store: Any, pool: Any) -> Any:
+def test_a_plain_run_in_a_fresh_clone_leaves_the_committed_results_alone(tmp_path, told, monkeypatch):
+    def measured(plan, store, pool):
         raise UsageError(f"it would write in {store.directory}")
 
     write_text(tmp_path / "results" / "data" / "provenance.json", "{}")
@@ -276,7 +275,7 @@ mine = Data.formulas(body, law, f0=(0, 0))
 """
 
 
-def test_what_would_take_for_ever_is_refused_at_once(tmp_path: Path, told) -> None:
+def test_what_would_take_for_ever_is_refused_at_once(tmp_path, told):
     path = write_text(tmp_path / "sliver.py", SLIVER)
     assert "so thin that rounding errors hide" in told("bound", f"{path}:mine", "--out", str(tmp_path / "out"))
     out = ["--out", str(tmp_path / "out")]
@@ -323,9 +322,9 @@ READ_ONLY = "Read-only file system; give a directory you may write with --out"
     ids=lambda value: str(value).split()[0],
 )
 def test_a_disk_that_cannot_be_written_is_named_by_every_command(
-    command: str, code: int, says: str, request, tmp_path, told, monkeypatch
-) -> None:
-    def unwritable(*_: object) -> None:
+    command, code, says, request, tmp_path, told, monkeypatch
+):
+    def unwritable(*_):
         raise OSError(code, os.strerror(code))
 
     out = tmp_path / "out" if command in WRITERS else request.getfixturevalue("own")

@@ -70,7 +70,7 @@ def on_contact(space: Quadratic, v: Array, x: Array) -> Array:
 
 
 @pytest.mark.parametrize("body", BODIES)
-def test_the_constraints_are_the_bernstein_coefficients_of_the_normal_trace(body: str) -> None:
+def test_the_constraints_are_the_bernstein_coefficients_of_the_normal_trace(body):
     """They follow from the trace at the ends and the midpoints of edges. If they are ≤ 0, so is the trace."""
     space = quadratic(body)
     v = np.random.default_rng(0).normal(size=space.dofs)
@@ -104,7 +104,7 @@ class Unclamped(Quadratic):
 
 @pytest.mark.parametrize("body", BODIES)
 @given(st.integers(0, 10**6))
-def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body: str, seed: int) -> None:
+def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body, seed):
     rng, plain = np.random.default_rng(seed), quadratic(body)
     space = Unclamped(plain.mesh, plain.body)
     c = rng.normal(size=(2, 6))
@@ -132,7 +132,7 @@ def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body
 
 @pytest.mark.parametrize("refinements", [0, 1, 2])
 @pytest.mark.parametrize("body", BODIES)
-def test_linear_functions_keep_their_values_and_strains_on_refined_meshes(body: str, refinements: int) -> None:
+def test_linear_functions_keep_their_values_and_strains_on_refined_meshes(body, refinements):
     """At the vertices of the refined mesh, and as the products of their strains."""
     coarse, fine = discretisation(body), discretisation(body, refinements)
     space, V = Space(coarse.mesh, coarse.data.body), fine.displacements
@@ -147,7 +147,7 @@ def test_linear_functions_keep_their_values_and_strains_on_refined_meshes(body: 
     assert abs(P.T @ V.form(A) @ P - space.form(A)).max() < 1e-10
 
 
-def test_a_mesh_that_is_no_refinement_is_refused() -> None:
+def test_a_mesh_that_is_no_refinement_is_refused():
     coarse = discretisation("square")
     other = Discretisation(coarse.data, OneDiagonal()(coarse.data.body, LEVEL).refined())
     with pytest.raises(BoundError, match="no refinement"):

@@ -57,7 +57,7 @@ def damage(draw: random.Random, text: str) -> str:
 
 
 @pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 10))])
-def test_200_damaged_tables_of_a_wrong_order_never_hold_and_never_end_with_a_traceback(seed, tmp_path, capsys) -> None:
+def test_200_damaged_tables_of_a_wrong_order_never_hold_and_never_end_with_a_traceback(seed, tmp_path, capsys):
     draw = random.Random(seed)
     for _ in range(200):
         orders = [EXPECTED] * draw.choice([0, 0, 1, 2])

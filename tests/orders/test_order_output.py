@@ -52,7 +52,7 @@ MEANINGLESS = "--expected -2", "--tolerance 0", "--dim 4", "--ratio 1", "--ratio
         *(({"a": LOW}, options, 2) for options in (*CONTRADICTING, *MEANINGLESS)),
     ],
 )
-def test_exit_codes_are_ordered_2_1_3_0(columns, options: str, code: int, tmp_path, capsys) -> None:
+def test_exit_codes_are_ordered_2_1_3_0(columns, options, code, tmp_path, capsys):
     """Options that contradict each other or have no meaning are errors of use, as those of ``study rates`` show."""
     (tmp_path / "t.csv").write_text(table(**columns))
     assert main(["rates", str(tmp_path / "t.csv"), *options.split()]) == code
@@ -63,20 +63,20 @@ def test_exit_codes_are_ordered_2_1_3_0(columns, options: str, code: int, tmp_pa
     ("expected", "code"),
     [("e, max=1,L2(0,T;H1)=2", 0), ("L2(0,T;H1)=2,e, max=1", 0), ("L2(0,T;H1) = 1", 1), ("p = 1=2", 0)],
 )
-def test_names_with_commas_and_equal_signs_can_be_expected(expected: str, code: int, rates) -> None:
+def test_names_with_commas_and_equal_signs_can_be_expected(expected, code, rates):
     rates(
         'h,"L2(0,T;H1)","e, max",p = 1\n.4,.4,.4,.4\n.2,.1,.2,.1\n.1,.025,.1,.025\n', "--expected", expected, code=code
     )
 
 
 @pytest.mark.parametrize("expected", ["e, max", "2,1", "two", "e, max=1,2", "2,e=1", ""])
-def test_an_expectation_that_is_not_understood_is_answered_with_an_example(expected: str, capsys) -> None:
+def test_an_expectation_that_is_not_understood_is_answered_with_an_example(expected, capsys):
     with pytest.raises(SystemExit, match="2"):
         main(["rates", "t.csv", "--expected", expected])
     assert f"got '{expected}', expected a number such as 2, or names such as L2=2,H1=1" in capsys.readouterr().err
 
 
-def test_json_has_the_documented_schema(capsys) -> None:
+def test_json_has_the_documented_schema(capsys):
     read = 0
     for file in sorted((Path(__file__).parent / "cases").glob("*.*")):
         code = main(["rates", str(file), "--json", "--dim", "2", "--expected", "2"])
@@ -90,7 +90,7 @@ def test_json_has_the_documented_schema(capsys) -> None:
     assert read > 20
 
 
-def test_junit_and_markdown_say_what_the_terminal_says(tmp_path: Path, rates) -> None:
+def test_junit_and_markdown_say_what_the_terminal_says(tmp_path, rates):
     outputs = ["--junit", str(tmp_path / "j.xml"), "--markdown", str(tmp_path / "m.md")]
     said = rates(table(**{"good": GOOD, "|low|": LOW, "bent": BENT, "zero": ZERO}), "--expected", "2", *outputs, code=1)
     suite = ElementTree.parse(tmp_path / "j.xml").getroot()
@@ -105,7 +105,7 @@ def test_junit_and_markdown_say_what_the_terminal_says(tmp_path: Path, rates) ->
 
 
 @pytest.mark.parametrize(("ending", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
-def test_a_plot_is_drawn_whatever_the_errors_do(ending: str, start: bytes, tmp_path: Path, rates) -> None:
+def test_a_plot_is_drawn_whatever_the_errors_do(ending, start, tmp_path, rates):
     columns = {"L2": GOOD, "$\\rho^{": LOW, "inf": ZERO, "some": [1, 0.1, 0, 0], "nan": [1, "nan", 0.1, 0.2]}
     rates(table(**columns), "--expected", "2", "--plot", str(tmp_path / f"p.{ending}"), code=1)
     assert (tmp_path / f"p.{ending}").read_bytes().startswith(start)
@@ -135,7 +135,7 @@ def with_orders(cells: Cells) -> str:
 
 @pytest.mark.parametrize("form", [*FORMS, decimal_commas, with_orders])
 @given(drawn=TABLES)
-def test_a_table_that_is_written_reads_back_the_same(form, drawn: tuple[list[float], list[list[float]]]) -> None:
+def test_a_table_that_is_written_reads_back_the_same(form, drawn):
     h, errors = drawn
     names = ["h", *(f"err{k}" for k in range(len(errors)))]
     # 1.234e3 as 1.234 and three digits would be read as thousands with decimal commas: an exponent tells.
@@ -158,7 +158,7 @@ def test_a_table_that_is_written_reads_back_the_same(form, drawn: tuple[list[flo
         ((18000, 4500, 980), (6.0042, 5.9624, 6.0909), "oscillating", 1.51, 6.0269, 0.005),
     ],
 )
-def test_the_grid_convergence_index_is_the_published_one(cells, values, kind, order, extrapolated, index) -> None:
+def test_the_grid_convergence_index_is_the_published_one(cells, values, kind, order, extrapolated, index):
     found = grid_convergence(np.array(cells) ** -0.5, values)
     assert found.kind == kind
     assert found.order == pytest.approx(order, abs=0.01)
@@ -172,7 +172,7 @@ RATIOS = [pytest.param(h, id=f"h {h}") for h in itertools.combinations([0.4, 0.3
 
 
 @pytest.mark.parametrize("h", RATIOS)
-def test_the_order_of_values_is_found_for_every_ratio_of_meshes(h: tuple[float, float, float]) -> None:
+def test_the_order_of_values_is_found_for_every_ratio_of_meshes(h):
     for p in (0.25, 0.5, 1, 1.5, 2, 3, 4, 6):
         for limit, factor in ((1.0, 1.0), (3.0, -1.0)):
             found = grid_convergence(h, limit + factor * np.array(h) ** p)
@@ -184,7 +184,7 @@ FINE = 0.5 ** np.arange(1, 8)
 STAGNATING = [1, 0.25, 0.0625, 0.0156, 0.0039, 1e-4, 1e-4, 1e-4]
 
 
-def test_errors_with_a_floor_fail_unless_it_is_permitted() -> None:
+def test_errors_with_a_floor_fail_unless_it_is_permitted():
     for errors in (FINE**2 + 1e-4, FINE[2:] ** 2 + 1e-4):
         for wish in ({"expected": 2}, {"at_least": 0.4}):
             found = observed_orders(FINE[-len(errors) :], errors, **wish)
@@ -197,7 +197,7 @@ def test_errors_with_a_floor_fail_unless_it_is_permitted() -> None:
 
 @pytest.mark.parametrize("term", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize("order", [0.5, 1.0, 2.0, 4.0])
-def test_a_term_of_higher_order_is_no_floor(order: float, term: float) -> None:
+def test_a_term_of_higher_order_is_no_floor(order, term):
     for factor in (-0.5, 0.5, 3.0):
         found = observed_orders(FINE, FINE**order * (1 + factor * FINE**term), order)
         assert found.verdict != "fails"
@@ -207,7 +207,7 @@ def test_a_term_of_higher_order_is_no_floor(order: float, term: float) -> None:
 
 
 @given(st.lists(st.floats(0.3, 4), min_size=2, max_size=9), st.floats(1.2, 4))
-def test_the_quoted_order_lies_within_the_quoted_orders(orders: list[float], ratio: float) -> None:
+def test_the_quoted_order_lies_within_the_quoted_orders(orders, ratio):
     h = ratio ** -np.arange(len(orders) + 1.0)
     found = observed_orders(h, np.cumprod([1.0, *ratio ** -np.array(orders)]))
     if quoted := re.match(r"converges with order (\S+) \(orders (.*?)\)", found.sentence):
@@ -215,7 +215,7 @@ def test_the_quoted_order_lies_within_the_quoted_orders(orders: list[float], rat
         assert low - 0.01 <= float(quoted[1]) <= high + 0.01
 
 
-def test_names_with_terminal_escapes_are_printed_without_them(tmp_path: Path, rates) -> None:
+def test_names_with_terminal_escapes_are_printed_without_them(tmp_path, rates):
     outputs = ["--markdown", str(tmp_path / "m"), "--junit", str(tmp_path / "j")]
     for options, code in (([], 0), (outputs, 0), (["--columns", "\x1b[2J"], 2)):
         printed = rates("h,e\x1b]0;x\u202e\n4,0.4\n2,0.2\n1,0.1\n", "--at-least", "0.9", *options, code=code)
@@ -225,7 +225,7 @@ def test_names_with_terminal_escapes_are_printed_without_them(tmp_path: Path, ra
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no /dev/full")
-def test_a_full_disk_behind_the_output_is_said_in_words() -> None:
+def test_a_full_disk_behind_the_output_is_said_in_words():
     command = [sys.executable, "-m", "convergence_orders", str(Path(__file__).parents[2] / "examples/errors.csv")]
     with open("/dev/full", "w") as full:
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
@@ -233,7 +233,7 @@ def test_a_full_disk_behind_the_output_is_said_in_words() -> None:
     assert done.stderr.startswith("convergence-orders: cannot write the output: ")
 
 
-def test_a_broken_solver_fails_the_assertion() -> None:
+def test_a_broken_solver_fails_the_assertion():
     assert assert_order(H, SQUARES, expected=2).order == pytest.approx(2)
     with pytest.raises(AssertionError, match="fails"):
         assert_order(H, H, expected=2)
@@ -253,14 +253,14 @@ def test_a_broken_solver_fails_the_assertion() -> None:
         ([0.19] * 3, {}, None),
     ],
 )
-def test_errors_with_a_small_order_stagnate_unless_it_is_expected(orders, wish, verdict) -> None:
+def test_errors_with_a_small_order_stagnate_unless_it_is_expected(orders, wish, verdict):
     errors = 2.0 ** -np.cumsum([0, *orders])
     found = observed_orders(2.0 ** -np.arange(len(errors)), errors, **wish)
     assert found.verdict == verdict
     assert (found.kind in ("stagnates", "grows")) == (verdict != "holds")
 
 
-def test_columns_of_pandas_or_of_a_dictionary_are_judged_or_refused_by_name() -> None:
+def test_columns_of_pandas_or_of_a_dictionary_are_judged_or_refused_by_name():
     frame = pd.DataFrame({"h": H, "L2": SQUARES, "note": ["fine"] * 4})
     assert check_orders("h", frame, 2)["L2"].verdict == check_orders(H, frame["L2"], {"L2": 2})["L2"].verdict == "holds"
     for errors in ({1: H, 2: SQUARES}, pd.DataFrame({1: H, 2: SQUARES})):
@@ -290,7 +290,7 @@ def test_columns_of_pandas_or_of_a_dictionary_are_judged_or_refused_by_name() ->
         (H, SQUARES, -2, "expected must be one positive number, got -2"),
     ],
 )
-def test_what_is_no_number_is_refused_in_words(h, errors, wish, said: str) -> None:
+def test_what_is_no_number_is_refused_in_words(h, errors, wish, said):
     with pytest.raises(OrderError, match=said):
         observed_orders(h, errors, wish, name="u")
 
@@ -310,7 +310,7 @@ CELLS = "; h seems to be the number n of cells: give h = 1/n"
         ([4], 2, False),
     ],
 )
-def test_numbers_of_cells_given_as_mesh_sizes_are_told(h: list[float], order: float, said: bool) -> None:
+def test_numbers_of_cells_given_as_mesh_sizes_are_told(h, order, said):
     found = observed_orders(h, np.array(h, dtype=float) ** -order, expected=2)
     assert (CELLS in found.conclusion) == said
     assert (found.verdict == "holds") == (order < 0)
@@ -324,12 +324,12 @@ def test_numbers_of_cells_given_as_mesh_sizes_are_told(h: list[float], order: fl
         ("--in h", 1, CELLS),
     ],
 )
-def test_a_column_h_that_may_have_numbers_of_cells_asks_what_it_has(options: str, code: int, said: str, rates) -> None:
+def test_a_column_h_that_may_have_numbers_of_cells_asks_what_it_has(options, code, said, rates):
     assert said in rates("h,e\n4,1\n8,.25\n16,.0625\n32,.015625\n", "--expected", "2", *options.split(), code=code)
 
 
 @pytest.mark.parametrize("levels", [3, 4, 7])
-def test_the_interval_of_a_fitted_order_is_that_of_the_regression(levels: int) -> None:
+def test_the_interval_of_a_fitted_order_is_that_of_the_regression(levels):
     h = 2.0 ** -np.arange(levels)
     errors = h**1.5 * np.random.default_rng(levels).uniform(0.8, 1.2, levels)
     found = linregress(np.log(h), np.log(errors))

@@ -16,7 +16,7 @@ def collected(order: float = 2.0, meshes: int = 4) -> ConvergenceTable:
     return table
 
 
-def test_a_table_of_errors_prints_orders_beside_the_errors_and_judges_them() -> None:
+def test_a_table_of_errors_prints_orders_beside_the_errors_and_judges_them():
     table = collected()
     assert str(table).splitlines()[0].split() == ["h", "dofs", "seconds", "L2", "order", "H1", "order"]
     assert str(table).split()[-3:] == ["2.00", "2.187e-02", "1.00"]
@@ -31,7 +31,7 @@ def test_a_table_of_errors_prints_orders_beside_the_errors_and_judges_them() -> 
 
 
 @pytest.mark.parametrize("form", ["to_markdown", "to_csv", "to_latex", "__str__"])
-def test_every_written_table_is_read_back_with_the_same_orders(form: str, tmp_path, capsys) -> None:
+def test_every_written_table_is_read_back_with_the_same_orders(form, tmp_path, capsys):
     (tmp_path / "t").write_text(getattr(collected(), form)())
     assert main([str(tmp_path / "t"), "--expected", "L2=2,H1=1", "--json"]) == 0
     columns = {column["name"]: column["order"] for column in json.loads(capsys.readouterr().out)}
@@ -47,7 +47,7 @@ def test_every_written_table_is_read_back_with_the_same_orders(form: str, tmp_pa
         (3, {"seconds": 0}, [], 1),
     ],
 )
-def test_refinement_ends_when_the_order_is_settled_or_the_budget_is_used(tail, budget, verdicts, meshes: int) -> None:
+def test_refinement_ends_when_the_order_is_settled_or_the_budget_is_used(tail, budget, verdicts, meshes):
     """The error is h² + 3 h⁴, or of the order 1."""
     table = ConvergenceTable()
     results = refine_until_settled(
@@ -71,7 +71,7 @@ COLUMNS = {
 }
 
 
-def test_python_judges_the_columns_that_the_command_judges(tmp_path, capsys) -> None:
+def test_python_judges_the_columns_that_the_command_judges(tmp_path, capsys):
     pd.DataFrame(COLUMNS).to_csv(tmp_path / "t.csv", index=False)
     main([str(tmp_path / "t.csv"), "--at-least", "0.9", "--json"])
     told = {column["name"]: column["verdict"] for column in json.loads(capsys.readouterr().out)}
@@ -81,13 +81,13 @@ def test_python_judges_the_columns_that_the_command_judges(tmp_path, capsys) -> 
 
 
 @pytest.mark.parametrize(("bound", "code"), [("2e-2", 0), ("1e-2", 1), ("L2=2e-2", 0)])
-def test_the_error_on_the_finest_mesh_is_bounded(bound: str, code: int, rates) -> None:
+def test_the_error_on_the_finest_mesh_is_bounded(bound, code, rates):
     for order in ([], ["--expected", "2"]):
         rates("h,L2\n.5,1\n.25,.25\n.125,.0625\n.0625,.0156\n", "--max-error", bound, *order, code=code)
     assert "0.0156" in observed_orders([4, 2, 1], [1, 0.1, 0.0156], max_error=0.01).conclusion
 
 
-def test_a_table_is_judged_by_the_fixture(convergence_orders) -> None:
+def test_a_table_is_judged_by_the_fixture(convergence_orders):
     assert convergence_orders.table(collected(), L2=2, H1=1)["L2"].verdict == "holds"
     with pytest.raises(pytest.fail.Exception, match="L2: fails"):
         convergence_orders.table(collected(1), L2=2)

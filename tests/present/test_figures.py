@@ -23,24 +23,24 @@ from study.present.body import DISPLACEMENT, magnification
 from study.present.charts import order_differences, order_in_words
 from study.present.drawing import Drawing, Output, column_width, draw_one, family_styles, in_style, page_width
 from study.present.figures import drawings, drawings_of, figure, overview
-from study.present.picture import Picture, Segment, misplaced_length, read_pictures
+from study.present.picture import misplaced_length, read_pictures
 
 SMALLEST = 7.0
 """Points, of all text but scripts."""
 
 
 @pytest.fixture(scope="module")
-def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def measured(tmp_path_factory):
     return copy_results(tmp_path_factory.mktemp("results"))
 
 
 @pytest.fixture(scope="module")
-def figures(measured: Path) -> dict[str, Drawing]:
+def figures(measured):
     return {drawing.name: drawing for drawing in drawings(measured)}
 
 
 @pytest.fixture
-def alone(tmp_path: Path) -> Path:
+def alone(tmp_path):
     """Data of one case, to change."""
     return copy_results(tmp_path, (SMOOTH,), ())
 
@@ -71,7 +71,7 @@ def cut_off_or_tiny(figure: Figure) -> list[str]:
 
 
 @pytest.mark.parametrize("every", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["some", "all"])
-def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(figures, every: bool) -> None:
+def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(figures, every):
     with in_style():
         narrowest, widest = column_width(), page_width()
     for name in figures if every else ("effectivity", "collapsed", f"energy-{CORNER}"):
@@ -80,7 +80,7 @@ def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off
         assert cut_off_or_tiny(figure) == [], name
 
 
-def test_every_caption_says_what_to_see_with_numbers(figures: dict[str, Drawing]) -> None:
+def test_every_caption_says_what_to_see_with_numbers(figures):
     for drawing in figures.values():
         assert re.search(r"What to see: .*\d.*\.$", drawing.caption), drawing.name
         assert "nan" not in drawing.caption, drawing.name
@@ -89,7 +89,7 @@ def test_every_caption_says_what_to_see_with_numbers(figures: dict[str, Drawing]
 # Old versions of Matplotlib use names of pyparsing that are deprecated.
 @pytest.mark.filterwarnings("error::UserWarning", "ignore::DeprecationWarning")
 @pytest.mark.parametrize("level", [-1.0, pytest.param(1.0, marks=pytest.mark.slow)])
-def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured: Path, level: float) -> None:
+def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured, level):
     solid, pressure = read_pictures(measured)[-1], max(level, 0.0)
     given = {"level": level, "pressure": pressure, "pressure_exact": pressure, "gap": 0.0, "gap_exact": 0.0}
     values = {name: np.broadcast_to(value, getattr(solid.faces[0], name).shape) for name, value in given.items()}
@@ -101,7 +101,7 @@ def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured: P
         assert "nan" not in drawing.caption
 
 
-def test_upper_bounds_below_the_error_are_counted_and_unknown_errors_make_no_effectivity(alone: Path) -> None:
+def test_upper_bounds_below_the_error_are_counted_and_unknown_errors_make_no_effectivity(alone):
     assert "no bounds on the wrong side of the error" in named(alone, "effectivity").caption
     path = alone / "data" / "bounds.csv"
     bounds = pd.read_csv(path)
@@ -119,7 +119,7 @@ def size_of(png: Path) -> tuple[int, int]:
         return image.size
 
 
-def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_not_cut_off(figures, tmp_path: Path) -> None:
+def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_not_cut_off(figures, tmp_path):
     slides = Output("slides", ("png",))
     png, _ = draw_one(tmp_path, figures["orders"], slides)
     assert size_of(png) == (1920, 1080)
@@ -131,13 +131,13 @@ def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_not_cut_o
             assert cut_off_or_tiny(figure) == [], name
 
 
-def test_the_sheet_of_all_cases_is_for_articles_and_one_figure_with_all_orders_for_slides() -> None:
+def test_the_sheet_of_all_cases_is_for_articles_and_one_figure_with_all_orders_for_slides():
     sheets = {drawing.name: drawing.sheet for drawing in overview(RESULTS)}
     assert {name for name, sheet in sheets.items() if sheet} == {"convergence", "convergence-prop-5-3"}
     assert not sheets["orders"]
 
 
-def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_line(measured: Path, figures) -> None:
+def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_line(measured, figures):
     smooth = read_rates(measured).query("claim == 'Prop. 5.4'")
     observed = order_differences(smooth, dict.fromkeys(smooth["case"], 1.0))["observed"]
     with in_style(Output("slides")):
@@ -154,7 +154,7 @@ def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_l
     assert slow.startswith("On these meshes the error is not O(h): observed orders 0.")
 
 
-def test_figures_are_drawn_by_name_from_one_directory_into_another(alone: Path, tmp_path: Path, capsys) -> None:
+def test_figures_are_drawn_by_name_from_one_directory_into_another(alone, tmp_path, capsys):
     shutil.copy(RESULTS / "data" / "provenance.json", alone / "data")
     command = ["figures", "--data", str(alone), "--out", str(tmp_path / "talk"), "--jobs", "1", "--only"]
     assert main([*command, "problem", "orders", "--format", "png"]) == 0
@@ -165,7 +165,7 @@ def test_figures_are_drawn_by_name_from_one_directory_into_another(alone: Path, 
     assert re.search(rf"--only order: {alone} has no such figure, only .*orders", capsys.readouterr().err)
 
 
-def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(figures, tmp_path: Path) -> None:
+def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(figures, tmp_path):
     drawing = figures[f"energy-{CORNER}"]
     assert drawing.alternative.startswith(f"The balance of energy over time, and its defect: {CORNER}. ")
     png, svg, pdf, txt = draw_one(tmp_path, drawing, Output(formats=("png", "svg", "pdf")))
@@ -176,7 +176,7 @@ def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(figures
     assert "Alternative text: The balance of energy" in txt.read_text(encoding="utf-8")
 
 
-def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_column_width(alone: Path, tmp_path: Path) -> None:
+def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_column_width(alone, tmp_path):
     style = tmp_path / "journal.mplstyle"
     style.write_text("figure.figsize: 5.0, 4.0\nfont.size: 10\n")
     png, _ = draw_one(tmp_path, named(alone, "orders"), Output(formats=("png",), dpi=100, style=style))
@@ -187,7 +187,7 @@ def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_column_width
         pass
 
 
-def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refused(alone: Path) -> None:
+def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refused(alone):
     assert {drawing.case for drawing in drawings_of(alone, [SMOOTH])} == {SMOOTH}
     with pytest.raises(UsageError, match=rf"--case nobody: {alone} has no such case, only {SMOOTH}"):
         drawings_of(alone, ["nobody"])
@@ -197,18 +197,18 @@ def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refus
 
 
 @pytest.fixture(scope="module")
-def pictures(tmp_path_factory: pytest.TempPathFactory) -> list[Picture]:
+def pictures(tmp_path_factory):
     return read_pictures(copy_results(tmp_path_factory.mktemp("results"), (SMOOTH, SOLID), (SMOOTH, SOLID)))
 
 
 @pytest.fixture
-def face(pictures: list[Picture]) -> Segment:
+def face(pictures):
     """The contact face of a body in the plane, with vertices at equal distances, which the file rounds."""
     (face,) = pictures[0].segments
     return replace(face, s=np.linspace(0, 1, len(face.s)))
 
 
-def test_the_exact_zone_is_as_deep_as_the_distance_to_its_fronts_and_ends_of_the_face_are_no_fronts(face) -> None:
+def test_the_exact_zone_is_as_deep_as_the_distance_to_its_fronts_and_ends_of_the_face_are_no_fronts(face):
     zone, s = [[], [(0.2, 0.6)], [(0.0, 0.3), (0.7, 1.0)]], np.array([0.0, 0.1, 0.25, 0.5, 0.8, 1.0])
     empty, middle, ends = face.depth(zone, s)
     assert (empty == -np.inf).all()
@@ -216,7 +216,7 @@ def test_the_exact_zone_is_as_deep_as_the_distance_to_its_fronts_and_ends_of_the
     assert ends == pytest.approx([0.3, 0.2, 0.05, -0.2, 0.1, 0.3])
 
 
-def test_displacements_are_magnified_to_the_stated_share_of_the_body(pictures: list[Picture]) -> None:
+def test_displacements_are_magnified_to_the_stated_share_of_the_body(pictures):
     for shown in pictures:
         largest = np.linalg.norm(shown.displacement, axis=1).max()
         drawn = magnification(shown.vertices, shown.displacement) * largest
@@ -224,7 +224,7 @@ def test_displacements_are_magnified_to_the_stated_share_of_the_body(pictures: l
     assert magnification(shown.vertices, np.zeros_like(shown.displacement)) == 1
 
 
-def test_an_exact_zone_is_off_by_half_a_cell_and_fronts_three_cells_too_far_by_three(face: Segment) -> None:
+def test_an_exact_zone_is_off_by_half_a_cell_and_fronts_three_cells_too_far_by_three(face):
     exact = misplaced_length(replace(face, pressure=face.pressure_exact))
     assert exact.max() <= 0.5 + 0.01
     wide = replace(face, pressure=np.maximum(face.pressure_exact, np.roll(face.pressure_exact, 3, axis=1)))
@@ -233,7 +233,7 @@ def test_an_exact_zone_is_off_by_half_a_cell_and_fronts_three_cells_too_far_by_t
     assert np.median(off) > 1.9
 
 
-def test_a_zone_that_should_not_be_there_counts_with_its_length(face: Segment) -> None:
+def test_a_zone_that_should_not_be_there_counts_with_its_length(face):
     pressure = np.zeros_like(face.pressure)
     empty = replace(face, zone=[[] for _ in face.zone_times], pressure=pressure)
     assert not misplaced_length(empty).any()
@@ -244,7 +244,7 @@ def test_a_zone_that_should_not_be_there_counts_with_its_length(face: Segment) -
     np.testing.assert_array_equal(empty.outside.sum(axis=1), [0, *[3] * (len(face.times) - 1)])
 
 
-def test_between_known_times_ends_of_the_exact_zone_are_interpolated_unless_their_number_changes(face: Segment) -> None:
+def test_between_known_times_ends_of_the_exact_zone_are_interpolated_unless_their_number_changes(face):
     moving = replace(face, zone_times=np.array([0.0, 1.0, 2.0]), zone=[[(0.0, 0.4)], [(0.0, 0.6)], []])
     assert moving.exact_zone(0.25) == [(0.0, pytest.approx(0.45))]
     assert moving.exact_zone(1.4) == [(0.0, 0.6)]

@@ -106,7 +106,7 @@ class Toy:
         return {"done": self.deed()}
 
 
-def test_the_most_expensive_jobs_go_first(tmp_path) -> None:
+def test_the_most_expensive_jobs_go_first(tmp_path):
     executor = AtOnce()
     jobs = [Toy("a", 1), Toy("b", 3), Toy("c", 2)]
     execute(jobs, Store(tmp_path), pool(executor, workers=1), ignore)
@@ -122,7 +122,7 @@ class Circular:
         return {}
 
 
-def test_a_large_process_does_not_keep_what_a_job_leaves_in_circles_of_references(monkeypatch) -> None:
+def test_a_large_process_does_not_keep_what_a_job_leaves_in_circles_of_references(monkeypatch):
     monkeypatch.setattr("study.run.executor.CROWDED", 0.0)
     assert run_job(job := Circular()) == {}
     assert job.made() is None
@@ -148,19 +148,17 @@ HEX, DISC = replace(SMALL, case="hexagon"), replace(TINY, case="cube-disc")
         pytest.param([TINY], [SMALL], "tiny", None, id="a suspect starts beside nothing"),
     ],
 )
-def test_an_idle_worker_takes_the_job_that_memory_and_its_last_case_suggest(
-    waiting: list[Toy], running: list[Toy], suspects: str, starting: Toy | None
-) -> None:
+def test_an_idle_worker_takes_the_job_that_memory_and_its_last_case_suggest(waiting, running, suspects, starting):
     assert next_job(waiting, running, set(suspects.split()), "hexagon", 10) == starting
 
 
-def test_as_many_jobs_run_at_once_as_there_are_executors(tmp_path) -> None:
-    begun: list[Future[Any]] = []
+def test_as_many_jobs_run_at_once_as_there_are_executors(tmp_path):
+    begun = []
 
     class Third(AtOnce):
         """Finishes its jobs when three are running."""
 
-        def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        def submit(self, function, /, *args, **kwargs):
             begun.append(Future())
             for future in begun if len(begun) == 3 else ():
                 future.set_result({})
@@ -170,7 +168,7 @@ def test_as_many_jobs_run_at_once_as_there_are_executors(tmp_path) -> None:
     assert all(future.done() for future in begun)
 
 
-def test_a_solution_is_proved_once_and_only_if_it_is_measured(tmp_path, monkeypatch) -> None:
+def test_a_solution_is_proved_once_and_only_if_it_is_measured(tmp_path, monkeypatch):
     store, cases = Store(tmp_path), ("full-contact", "advance-recede")
     executor = AtOnce()
     for _ in range(2):
@@ -181,7 +179,7 @@ def test_a_solution_is_proved_once_and_only_if_it_is_measured(tmp_path, monkeypa
     assert len(executor.order) == 2
 
 
-def test_a_violated_condition_is_raised_and_not_stored(tmp_path, monkeypatch) -> None:
+def test_a_violated_condition_is_raised_and_not_stored(tmp_path, monkeypatch):
     violated = Finding("(2.3) u = 0 on Γ1", 1.0, 1e-9, (0.0, 0.0), 0.5)
     monkeypatch.setattr("study.run.executor.examine", lambda solution: [violated, replace(violated, defect=0.0)])
     with pytest.raises(SelfProofError, match="full-contact does not prove itself") as raised:
@@ -190,7 +188,7 @@ def test_a_violated_condition_is_raised_and_not_stored(tmp_path, monkeypatch) ->
     assert [*tmp_path.iterdir()] == []
 
 
-def test_a_job_that_raises_is_named_and_the_others_are_kept(tmp_path) -> None:
+def test_a_job_that_raises_is_named_and_the_others_are_kept(tmp_path):
     store = Store(tmp_path)
     with pytest.raises(JobsError, match=r"1 job\(s\) failed.*\nbad: ZeroDivisionError"):
         execute([Toy("bad", 2, deed=lambda: 1 / 0), Toy("good")], store, pool(AtOnce()), ignore)
@@ -218,9 +216,9 @@ class DieOnce:
 OTHERS = [Toy(f"other {i}") for i in range(4)]
 
 
-def test_a_run_goes_on_with_new_workers_when_one_is_killed(tmp_path) -> None:
+def test_a_run_goes_on_with_new_workers_when_one_is_killed(tmp_path):
     store, jobs = Store(tmp_path), [Toy("hit", 2, deed=DieOnce(tmp_path / "mark")), *OTHERS]
-    finished: list[Toy] = []
+    finished = []
     with local_pool(2) as two:
         execute(jobs, store, two, finished.append)
     assert store.load("hit", "hit") == {"done": "survived"}
@@ -228,7 +226,7 @@ def test_a_run_goes_on_with_new_workers_when_one_is_killed(tmp_path) -> None:
     assert sorted(job.key for job in finished) == sorted(job.key for job in jobs)
 
 
-def test_processes_end_although_work_was_cancelled() -> None:
+def test_processes_end_although_work_was_cancelled():
     """The standard pool of Python 3.11.2 alone does not."""
     processes = Processes(1)
     processes.submit(int).result()
@@ -239,7 +237,7 @@ def test_processes_end_although_work_was_cancelled() -> None:
     assert not ending.is_alive()
 
 
-def test_a_job_that_kills_its_process_again_when_it_is_alone_is_refused_by_name(tmp_path) -> None:
+def test_a_job_that_kills_its_process_again_when_it_is_alone_is_refused_by_name(tmp_path):
     store, jobs = Store(tmp_path), [Toy("killer", 2, GIB, deed=die), *OTHERS]
     with local_pool(2) as two, pytest.raises(JobsError, match=r"^1 job.*\nkiller: .* killed twice.*1\.0 GiB"):
         execute(jobs, store, two, ignore)
@@ -247,10 +245,10 @@ def test_a_job_that_kills_its_process_again_when_it_is_alone_is_refused_by_name(
 
 
 @pytest.mark.parametrize("cancels", [True, False], ids=["cancels its jobs", "is silent"])
-def test_a_run_ends_when_its_executor(cancels: bool, tmp_path, monkeypatch) -> None:
+def test_a_run_ends_when_its_executor(cancels, tmp_path, monkeypatch):
     class Gone(AtOnce):
-        def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-            future: Future[Any] = Future()
+        def submit(self, function, /, *args, **kwargs):
+            future = Future()
             if cancels:
                 future.cancel()
                 future.set_running_or_notify_cancel()
@@ -266,7 +264,7 @@ def test_a_run_ends_when_its_executor(cancels: bool, tmp_path, monkeypatch) -> N
         execute([Toy("a")], Store(tmp_path), lost, ignore)
 
 
-def test_a_job_that_no_worker_has_the_memory_for_is_refused_before_any_job_starts(tmp_path) -> None:
+def test_a_job_that_no_worker_has_the_memory_for_is_refused_before_any_job_starts(tmp_path):
     jobs, executor = [Toy("small", memory=GIB), Toy("rates__case__family__00512", memory=50 * GIB)], AtOnce()
     with pytest.raises(UsageError, match=r"^rates__case__family__00512 needs about 50\.0 GiB.*20\.0 GiB are.*--levels"):
         execute(jobs, Store(tmp_path), pool(executor, together=20 * GIB), ignore)
@@ -301,7 +299,7 @@ EVERY = [
     [full_contact(48), *(pytest.param(job, marks=pytest.mark.slow) for job in EVERY)],
     ids=lambda job: job.key,
 )
-def test_no_job_takes_more_memory_than_estimated_nor_much_less(job: Job) -> None:
+def test_no_job_takes_more_memory_than_estimated_nor_much_less(job):
     """The base is most of a small estimate. What grows with the level is compared over the same job at n = 2."""
     least = replace(job, setting=replace(job.setting, level=2))
     jobs = pickle.dumps([least, job])
@@ -321,7 +319,7 @@ def test_no_job_takes_more_memory_than_estimated_nor_much_less(job: Job) -> None
     ],
     ids=["version 2", "version 1"],
 )  # fmt: skip
-def test_memory_is_what_the_tightest_control_group_allows(tmp_path, line, prefix, files, expected: int) -> None:
+def test_memory_is_what_the_tightest_control_group_allows(tmp_path, line, prefix, files, expected):
     """Below another root lie the files of a Linux system that are read."""
     groups = {f"sys/fs/cgroup/{prefix}{name}": text for name, text in files.items()}
     for name, text in {"proc/self/cgroup": line, **groups}.items():
@@ -330,11 +328,11 @@ def test_memory_is_what_the_tightest_control_group_allows(tmp_path, line, prefix
     assert available(tmp_path) == expected
 
 
-def test_memory_is_what_the_machine_has_without_control_groups(tmp_path) -> None:
+def test_memory_is_what_the_machine_has_without_control_groups(tmp_path):
     assert 0 < available(tmp_path) <= psutil.virtual_memory().total
 
 
-def test_data_are_locked_exactly_where_they_are_there_and_may_be_written(tmp_path, monkeypatch) -> None:
+def test_data_are_locked_exactly_where_they_are_there_and_may_be_written(tmp_path, monkeypatch):
     """Root may write everywhere, so the system's answer is replaced. Data without a possible lock are refused."""
     store = Store(tmp_path)
     with store.steady():
@@ -351,7 +349,7 @@ def test_data_are_locked_exactly_where_they_are_there_and_may_be_written(tmp_pat
         pass
 
 
-def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_one_writes_is_not(tmp_path) -> None:
+def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_one_writes_is_not(tmp_path):
     """Neither a digit that is no number nor a folder belongs to a process."""
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
@@ -379,7 +377,7 @@ def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_on
     ],
     ids=["truncated", "empty", "altered", "of another job", "without a checksum", "foreign", "nested", "many digits"],
 )
-def test_a_job_file_that_is_not_what_was_written_is_not_believed(tmp_path, spoil) -> None:
+def test_a_job_file_that_is_not_what_was_written_is_not_believed(tmp_path, spoil):
     store = Store(tmp_path)
     result = {"v": 0.25, "nan": float("nan"), "list": [1e-17, None, "ũ"]}
     store.save("a", "x", result)
@@ -391,14 +389,14 @@ def test_a_job_file_that_is_not_what_was_written_is_not_believed(tmp_path, spoil
     assert store.load("a", "x") is None
 
 
-def test_a_file_of_an_interrupted_result_is_not_taken_for_that_of_an_earlier_one(tmp_path) -> None:
+def test_a_file_of_an_interrupted_result_is_not_taken_for_that_of_an_earlier_one(tmp_path):
     store, file = Store(tmp_path), tmp_path / "trajectory"
 
-    def interrupted() -> dict[str, Any]:
+    def interrupted():
         file.write_text("bdf2")
         raise KeyboardInterrupt
 
-    def midpoint() -> dict[str, Any]:
+    def midpoint():
         file.write_text("midpoint")
         return {}
 
@@ -409,7 +407,7 @@ def test_a_file_of_an_interrupted_result_is_not_taken_for_that_of_an_earlier_one
     assert file.read_text() == "midpoint"
 
 
-def test_a_job_file_that_may_not_be_read_is_refused_by_name(tmp_path, capsys, monkeypatch) -> None:
+def test_a_job_file_that_may_not_be_read_is_refused_by_name(tmp_path, capsys, monkeypatch):
     """Root may read all files: a link to itself is one that nobody can."""
     path = Store(tmp_path).path(full_contact(2).key)
     path.parent.mkdir(parents=True)
@@ -439,14 +437,14 @@ def dask(workers: int, threads: int = 1) -> LocalCluster:
 
 
 @pytest.fixture(scope="module")
-def cluster() -> Iterator[str]:
+def cluster():
     """The address of a scheduler with two workers."""
     with dask(2) as started:
         yield started.scheduler_address
 
 
 @pytest.mark.parametrize("executor", ["processes", pytest.param("cluster", marks=pytest.mark.slow)])
-def test_another_executor_gives_the_same_files_byte_for_byte(executor: str, tmp_path, request) -> None:
+def test_another_executor_gives_the_same_files_byte_for_byte(executor, tmp_path, request):
     levels = Levels((2, 4))
     few = replace(quick(), cases=("advance-recede",), plane=levels, rough=levels, equivalence=(2,))
     small = replace(few, every_family=False, statements=False)
@@ -457,8 +455,8 @@ def test_another_executor_gives_the_same_files_byte_for_byte(executor: str, tmp_
     assert any(name.startswith("data/jobs/rates__advance-recede") for name in files)
 
 
-def test_a_cluster_is_refused_with_the_mend_where_there_is_none(tmp_path, capsys, monkeypatch) -> None:
-    def refusal(address: str) -> str:
+def test_a_cluster_is_refused_with_the_mend_where_there_is_none(tmp_path, capsys, monkeypatch):
+    def refusal(address):
         assert main(["run", "--case", "full-contact", "--cluster", address, "--out", str(tmp_path / "r")]) == 2
         assert not (tmp_path / "r").exists()
         return capsys.readouterr().err
@@ -473,7 +471,7 @@ def test_a_cluster_is_refused_with_the_mend_where_there_is_none(tmp_path, capsys
     assert "pip install '.[study,cluster]' in a clone" in refusal("tcp://127.0.0.1:8786")
 
 
-def test_a_cluster_without_workers_is_refused_with_how_to_start_some(monkeypatch) -> None:
+def test_a_cluster_without_workers_is_refused_with_how_to_start_some(monkeypatch):
     monkeypatch.setattr("study.run.executor.PATIENCE", 1)
     with dask(0) as empty:
         told = f"has no workers.*dask worker {empty.scheduler_address} "
@@ -482,7 +480,7 @@ def test_a_cluster_without_workers_is_refused_with_how_to_start_some(monkeypatch
 
 
 @pytest.mark.slow
-def test_workers_with_several_threads_are_refused() -> None:
+def test_workers_with_several_threads_are_refused():
     told = "runs 2 threads, expected 1; start it with dask worker"
     with dask(1, threads=2) as started, pytest.raises(UsageError, match=told), connected(started.scheduler_address, []):
         pass
@@ -491,7 +489,7 @@ def test_workers_with_several_threads_are_refused() -> None:
 @pytest.mark.slow
 def test_two_workers_on_loopback_measure_a_case_in_a_file_that_is_given_without_its_directory(
     cluster, tmp_path, monkeypatch
-) -> None:
+):
     (tmp_path / "mine.py").write_text(MINE)
     monkeypatch.chdir(tmp_path)
     assert main(["run", "--case", "mine.py:mine", "--levels", "2", "--out", "r", "--cluster", cluster]) == 3
@@ -503,14 +501,14 @@ def test_two_workers_on_loopback_measure_a_case_in_a_file_that_is_given_without_
     ("name", "value", "told"),
     [("versions", {**versions(), "numpy": "another"}, r"numpy [\d.]+"), ("code_hash", "another", r"code \w+")],
 )
-def test_a_worker_that_would_compute_something_else_is_refused(cluster, monkeypatch, name, value, told) -> None:
+def test_a_worker_that_would_compute_something_else_is_refused(cluster, monkeypatch, name, value, told):
     monkeypatch.setattr(f"study.run.executor.{name}", lambda *patterns: value)
     told = rf"the worker tcp://127.* would not compute the same: {told}, here another"
     with pytest.raises(UsageError, match=told), connected(cluster, ["full-contact"]):
         pass
 
 
-def test_a_case_is_known_by_what_its_file_says_now_and_a_function_only_to_its_process(tmp_path) -> None:
+def test_a_case_is_known_by_what_its_file_says_now_and_a_function_only_to_its_process(tmp_path):
     """A worker serves many runs, and the file may change between two of them."""
     file = tmp_path / "mine.py"
     file.write_text(MINE)
@@ -539,13 +537,13 @@ def dask_command(*words: str) -> Iterator[tuple[psutil.Process, str]]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("victim", ["one worker", "workers", "scheduler", "stopped scheduler"])
-def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_is_continued(victim, tmp_path) -> None:
+def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_is_continued(victim, tmp_path):
     store, jobs = Store(tmp_path), [full_contact(n) for n in range(32, 48)]
-    killed: list[float] = []
+    killed = []
     told = ""
 
-    def run(address: str, processes: dict[str, list[psutil.Process]]) -> None:
-        def kill_once(job: Job) -> None:
+    def run(address, processes):
+        def kill_once(job):
             if not killed:
                 killed.append(time.monotonic())
                 for process in processes[victim.removeprefix("stopped ")]:

@@ -41,7 +41,7 @@ def vectors(x: Array, triangles: NDArray[np.int64]) -> Array:
 
 
 @pytest.mark.parametrize("case", SOLIDS)
-def test_the_surface_of_a_solid_is_closed_and_seen_from_outside(case: str) -> None:
+def test_the_surface_of_a_solid_is_closed_and_seen_from_outside(case):
     """∫ ν = 0 and ∫ x·ν/3 = |Ω|."""
     motion, picture = solved(case)
     areas = vectors(picture.vertices, picture.cells)
@@ -51,7 +51,7 @@ def test_the_surface_of_a_solid_is_closed_and_seen_from_outside(case: str) -> No
 
 
 @pytest.mark.parametrize("case", SOLIDS)
-def test_displacement_gap_and_pressure_are_those_of_the_motion_at_the_vertices(case: str) -> None:
+def test_displacement_gap_and_pressure_are_those_of_the_motion_at_the_vertices(case):
     motion, picture = solved(case)
     space, frames = motion.space, motion.frames[::2]
     pressures = np.array([frame.multipliers for frame in frames]) / pictures.contact_weights(space)

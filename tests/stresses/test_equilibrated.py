@@ -20,7 +20,7 @@ from manufactured.tensors import Array, full
 from study.fem.mesh import FAMILIES, MeshError, MeshFamily, OneDiagonal, Shaken, Unstructured, cell_volumes
 from study.fem.naming import resolve
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
-from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, Tableau
+from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
 from study.statements.thm_4_2_own_space import (
     QUANTITIES,
     OwnSpace,
@@ -81,7 +81,7 @@ def fitted(space: StressSpace, values: Array) -> Callable[[Array, Array], Array]
 
 
 @pytest.mark.parametrize(("name", "family", "degree"), MESHED)
-def test_a_stress_is_admissible_on_every_mesh_and_body(name: str, family: MeshFamily, degree: int) -> None:
+def test_a_stress_is_admissible_on_every_mesh_and_body(name, family, degree):
     """All conditions of Σ^h(t) follow from values of the stress at points; nothing of the element is used."""
     space, loads, equilibrium, stress = stress_at(resolve(name).solution, family, degree)
     force = np.einsum("ctad,aq->dctq", loads.force, space.force_shapes).reshape(2, space.cells, -1)
@@ -143,7 +143,7 @@ def pressed_square() -> Data:
 @pytest.mark.parametrize("degree", DEGREES)
 @pytest.mark.parametrize("scheme", [BACKWARD_EULER, BDF2], ids=lambda s: s.name)
 @pytest.mark.parametrize("family", [f for f in FAMILIES if f.serves(unit_square())], ids=lambda f: f.name)
-def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme: Tableau, degree: int) -> None:
+def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme, degree):
     """Stress, strains, multipliers and pressure at every time, to round-off: nothing is approximated."""
     data = pressed_square()
     space = StressSpace(family(data.body, 3), data.body, degree)
@@ -173,7 +173,7 @@ def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme: T
     ],
     ids=lambda value: getattr(value, "name", str(value)),
 )
-def test_a_stress_of_least_energy_satisfies_the_variational_inequality(name: str, family, degree: int) -> None:
+def test_a_stress_of_least_energy_satisfies_the_variational_inequality(name, family, degree):
     """(C⁻¹σ + ε*, τ − σ)_Q ≥ 0 for random admissible stresses τ, which are stresses of least energy for other ε*.
 
     And σ is the admissible stress that is nearest to −C ε*.
@@ -198,7 +198,7 @@ def test_a_stress_of_least_energy_satisfies_the_variational_inequality(name: str
     assert (pressure < 1e-6 * pressure.max()).any()
 
 
-def test_what_cannot_be_posed_is_refused() -> None:
+def test_what_cannot_be_posed_is_refused():
     with pytest.raises(ValueError, match="needs a degree of 1 or more, got 0"):
         composite(0)
     data = pressed_square()
@@ -231,7 +231,7 @@ def judged(orders, regularity: Regularity, levels=3, family="one-diagonal", **ch
     return {v.key: v.verdict for v in found if v.verdict != REPORTED}
 
 
-def test_predicted_orders_hold_and_every_other_one_fails() -> None:
+def test_predicted_orders_hold_and_every_other_one_fails():
     assert set(judged(SMOOTH, Regularity()).values()) == {HOLDS}
     for name in QUANTITIES:
         for order in (0.5 * SMOOTH[name], SMOOTH[name] + 1.3):
@@ -263,7 +263,7 @@ FRONT, CORNER = {"gap": 4, "pressure": 2, "moving": True}, {"corner": 0.5445}
         (FRONT | CORNER, "graded", "pressure", 1.0),
     ],
 )
-def test_predicted_orders_follow_the_regularity(regularity, family: str, quantity: str, low: float) -> None:
+def test_predicted_orders_follow_the_regularity(regularity, family, quantity, low):
     """A corner off Γ3 costs the pressure no half order."""
     assert predicted(Regularity(**regularity), family)[quantity].low == pytest.approx(low)
 
@@ -279,7 +279,7 @@ def test_predicted_orders_follow_the_regularity(regularity, family: str, quantit
     ],
     ids=["pull", "friction", "pressure", "clamped", "load"],
 )
-def test_a_traction_that_no_admissible_stress_has_is_measured(kind: Kind, traction, violation: float) -> None:
+def test_a_traction_that_no_admissible_stress_has_is_measured(kind, traction, violation):
     """All other tractions are at most 1."""
     space, loads, _, stress = stress_at(resolve("full-contact").solution, OneDiagonal(), 1)
     scale = abs(stress.tractions).max()
@@ -311,7 +311,7 @@ def fluxes(solution: ExactSolution, corners: Array, fronts: list[float], time: f
     ("family", "time", "count"),
     [(OneDiagonal(), 0.1, 4), (Shaken(seed=3), 0.28, 2), (Shaken(seed=3), 0.1, 4), (OneDiagonal(), 0.5, 2)],
 )
-def test_the_mean_of_f0_is_the_flux_of_the_stress_on_cells_that_moving_fronts_cross(family, time, count) -> None:
+def test_the_mean_of_f0_is_the_flux_of_the_stress_on_cells_that_moving_fronts_cross(family, time, count):
     solution = resolve("merging-patches").solution
     space, data = StressSpace(family(solution.body, 6), solution.body), Data.of(solution)
     thirds, corners = alfeld_split(space.mesh)
@@ -319,7 +319,7 @@ def test_the_mean_of_f0_is_the_flux_of_the_stress_on_cells_that_moving_fronts_cr
     assert len(fronts) == count
     expected = -fluxes(solution, corners, fronts, time).T
 
-    def error(data: Data) -> float:
+    def error(data):
         means = ProjectedLoads(data, space, raised=10)(time).force.reshape(-1, 2)
         return float(abs(means * cell_volumes(thirds)[:, None] - expected).max() / abs(expected).max())
 

@@ -76,7 +76,7 @@ EVERY = [
 
 @pytest.mark.parametrize("q", [1, 2, 3])
 @pytest.mark.parametrize(("shape", "tensor"), EVERY)
-def test_the_constant_of_a_cell_bounds_what_loads_can_do_and_not_by_much(shape: str, tensor: str, q: int) -> None:
+def test_the_constant_of_a_cell_bounds_what_loads_can_do_and_not_by_much(shape, tensor, q):
     F, C = TRIANGLES[shape], TENSORS[tensor]
     (found,), least = cell_constants(F[None], np.linalg.inv(C), q), largest(F, C, q)
     assert least <= found <= CELLS * least
@@ -84,7 +84,7 @@ def test_the_constant_of_a_cell_bounds_what_loads_can_do_and_not_by_much(shape: 
 
 @pytest.mark.parametrize("side", range(3))
 @pytest.mark.parametrize(("shape", "tensor"), EVERY)
-def test_the_constant_of_a_side_bounds_what_loads_can_do_and_not_by_much(shape: str, tensor: str, side: int) -> None:
+def test_the_constant_of_a_side_bounds_what_loads_can_do_and_not_by_much(shape, tensor, side):
     F, C = TRIANGLES[shape], TENSORS[tensor]
     (found,), least = side_constants(F[None], np.linalg.inv(C), side), largest(F, C, 1, side)
     assert least <= found <= SIDES_TOO * least
