@@ -3,7 +3,6 @@
 import math
 import os
 import shutil
-import stat
 from fractions import Fraction
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,7 +17,7 @@ from study.ledger.compare import difference
 from study.ledger.datafiles import DataError, read_checked, read_table
 from study.ledger.files import StoreError, write_packed, write_text, write_whole
 from study.ledger.numbered import named
-from study.ledger.orders import RatesError, extrapolated_order, fit, limit, orders
+from study.ledger.orders import RatesError, limit, orders
 from study.ledger.text import cell, down, interval, power_of_ten, up
 
 
@@ -34,21 +33,6 @@ def test_only_a_full_disk_is_called_full(tmp_path, monkeypatch):
         write_whole(tmp_path / "a.csv", fails)
 
 
-DEVICES = {"null": 3, "full": 7}
-"""Names and minor numbers of character devices with the major number 1 on Linux. The tests never use those in /dev."""
-
-
-def device(place: Path, name: str) -> Path:
-    """Make a device in a directory, or skip the test."""
-    path = place / name
-    try:
-        os.mknod(path, stat.S_IFCHR | 0o600, os.makedev(1, DEVICES[name]))
-        path.read_bytes() if name == "null" else path.open("rb").close()
-    except (OSError, AttributeError):
-        pytest.skip("only root of Linux can make devices")
-    return path
-
-
 @pytest.mark.parametrize("write", [write_text, write_packed])
 def test_a_pipe_receives_the_content_and_remains(write, tmp_path):
     write(tmp_path / "expected", "two\nlines\n")
@@ -60,18 +44,6 @@ def test_a_pipe_receives_the_content_and_remains(write, tmp_path):
     os.close(reader)
     assert pipe.is_fifo()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["expected", "pipe"]
-
-
-@pytest.mark.parametrize("name", DEVICES)
-def test_a_device_is_written_and_remains(name, tmp_path):
-    path = device(tmp_path, name)
-    if name == "null":
-        write_text(path, "text")
-    else:
-        with pytest.raises(StoreError, match="the disk is full"):
-            write_text(path, "text")
-    assert path.is_char_device()
-    assert [*tmp_path.iterdir()] == [path]
 
 
 @pytest.mark.parametrize("exists", [True, False])
@@ -159,13 +131,6 @@ def test_the_first_difference_between_a_table_and_its_expected_text_is_told(tmp_
 
 
 H = 1 / np.array([8.0, 16, 32, 64, 128])
-
-
-@given(st.floats(0.1, 4), st.floats(1e-3, 1e3))
-def test_a_pure_power_has_its_exponent_as_every_order_and_as_the_fit(p, c):
-    assert np.allclose(orders(H, c * H**p), p)
-    assert fit(H, c * H**p) == pytest.approx(p)
-    assert extrapolated_order(H, c * H**p) == pytest.approx(p)
 
 
 @given(st.floats(0.2, 2), st.floats(0, 1))

@@ -1,8 +1,6 @@
 """Exit codes, outputs and plots of ``study rates``; tables that are written and read back; the library."""
 
-import itertools
 import json
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -168,18 +166,6 @@ def test_the_grid_convergence_index_is_the_published_one(cells, values, kind, or
     assert grid_convergence([4, 2, 1], [1.0, 1.1, 1.1]).kind == "equal values"
 
 
-RATIOS = [pytest.param(h, id=f"h {h}") for h in itertools.combinations([0.4, 0.3, 0.2, 0.15, 0.1, 0.08, 0.05, 0.01], 3)]
-
-
-@pytest.mark.parametrize("h", RATIOS)
-def test_the_order_of_values_is_found_for_every_ratio_of_meshes(h):
-    for p in (0.25, 0.5, 1, 1.5, 2, 3, 4, 6):
-        for limit, factor in ((1.0, 1.0), (3.0, -1.0)):
-            found = grid_convergence(h, limit + factor * np.array(h) ** p)
-            assert (found.kind, found.order) == ("monotone", pytest.approx(p, rel=1e-4))
-            assert found.extrapolated == pytest.approx(limit, rel=1e-6)
-
-
 FINE = 0.5 ** np.arange(1, 8)
 STAGNATING = [1, 0.25, 0.0625, 0.0156, 0.0039, 1e-4, 1e-4, 1e-4]
 
@@ -193,26 +179,6 @@ def test_errors_with_a_floor_fail_unless_it_is_permitted():
     for errors, floors in ((FINE**2 + 1e-4, (0.9e-4, 1.1e-4)), (STAGNATING, (1e-5, 1e-3))):
         h = 0.5 ** np.arange(len(errors))
         assert [observed_orders(h, errors, 2, floor=floor).verdict for floor in floors] == ["fails", "holds"]
-
-
-@pytest.mark.parametrize("term", [0.5, 1.0, 2.0])
-@pytest.mark.parametrize("order", [0.5, 1.0, 2.0, 4.0])
-def test_a_term_of_higher_order_is_no_floor(order, term):
-    for factor in (-0.5, 0.5, 3.0):
-        found = observed_orders(FINE, FINE**order * (1 + factor * FINE**term), order)
-        assert found.verdict != "fails"
-        assert "tends to" not in found.sentence
-    for n in (np.array([8, 16, 32, 64]), np.array([9, 17, 33, 65])):
-        assert "tends to" not in observed_orders(1 / n, 7.3 / (n - 1), 1).sentence
-
-
-@given(st.lists(st.floats(0.3, 4), min_size=2, max_size=9), st.floats(1.2, 4))
-def test_the_quoted_order_lies_within_the_quoted_orders(orders, ratio):
-    h = ratio ** -np.arange(len(orders) + 1.0)
-    found = observed_orders(h, np.cumprod([1.0, *ratio ** -np.array(orders)]))
-    if quoted := re.match(r"converges with order (\S+) \(orders (.*?)\)", found.sentence):
-        low, *_, high = sorted(map(float, quoted[2].split(", ")))
-        assert low - 0.01 <= float(quoted[1]) <= high + 0.01
 
 
 def test_names_with_terminal_escapes_are_printed_without_them(tmp_path, rates):
@@ -243,11 +209,7 @@ def test_a_broken_solver_fails_the_assertion():
     ("orders", "wish", "verdict"),
     [
         ([0.19] * 3, {"expected": 0.25}, "holds"),
-        ([0.18] * 3, {"at_least": 0.15}, "holds"),
-        ([0.1] * 3, {"expected": 0.1}, "holds"),
         ([0.19] * 3, {"expected": 1}, "fails"),
-        ([0.01] * 3, {"expected": 0.25}, "fails"),
-        ([0.1, 0, 0, 0], {"expected": 0.1}, "fails"),
         ([0.1, -0.01, -0.01, -0.01], {"expected": 0.1}, "fails"),
         ([-2, 0.19, 0.19, 0.19], {"expected": 0.25}, "fails"),
         ([0.19] * 3, {}, None),
@@ -303,11 +265,9 @@ CELLS = "; h seems to be the number n of cells: give h = 1/n"
     [
         ([4, 8, 16, 32], 2, True),
         ([32, 16, 8, 4], 0.1, True),
-        ([4, 8], 2, True),
         ([4, 8, 16, 32], -2, False),
         ([4.5, 8.5, 16.5, 32.5], 2, False),
         ([1, 2, 4, 8], 2, False),
-        ([4], 2, False),
     ],
 )
 def test_numbers_of_cells_given_as_mesh_sizes_are_told(h, order, said):

@@ -2,10 +2,9 @@
 
 import json
 
-import pandas as pd
 import pytest
 
-from convergence_orders import ConvergenceTable, OrderError, check_orders, observed_orders, refine_until_settled
+from convergence_orders import ConvergenceTable, OrderError, observed_orders, refine_until_settled
 from convergence_orders.command import main
 
 
@@ -57,27 +56,6 @@ def test_refinement_ends_when_the_order_is_settled_or_the_budget_is_used(tail, b
         **budget,
     )
     assert ([result.verdict for result in results.values()], len(table)) == (verdicts, meshes)
-
-
-COLUMNS = {
-    "h": [0.5, 0.25, 0.125, 0.0625],
-    "cells": [4, 16, 64, 256],
-    "L2": [1, 0.25, 0.0625, 0.0156],
-    "EOC": [float("nan"), 2, 2, 2],
-    "reduction": [float("nan"), 4, 4, 4],
-    "seconds": [0.1, 0.4, 1.6, 6.4],
-    "note": ["coarse", "", "", "fine"],
-    "p": [0.3, 0.15, 0.075, 0.0375],
-}
-
-
-def test_python_judges_the_columns_that_the_command_judges(tmp_path, capsys):
-    pd.DataFrame(COLUMNS).to_csv(tmp_path / "t.csv", index=False)
-    main([str(tmp_path / "t.csv"), "--at-least", "0.9", "--json"])
-    told = {column["name"]: column["verdict"] for column in json.loads(capsys.readouterr().out)}
-    assert told == {"L2": "holds", "p": "holds"}
-    for table in (COLUMNS, pd.DataFrame(COLUMNS)):
-        assert {name: result.verdict for name, result in check_orders("h", table, at_least=0.9).items()} == told
 
 
 @pytest.mark.parametrize(("bound", "code"), [("2e-2", 0), ("1e-2", 1), ("L2=2e-2", 0)])

@@ -69,8 +69,11 @@ def test_the_slope_triangle_has_its_slope_and_keeps_clear_of_the_curves(slope):
     h = 2.0 ** -np.arange(8, 2, -1, dtype=float)
     axes = Figure().subplots()
     axes.loglog(h, 3 * h**0.5, h / 1.4, h**1.5, h[::-1], h[::-1] + 0.1)
-    draw_slope(axes, math.nan)
-    assert not axes.patches
+    single = Figure().subplots()
+    single.loglog(1.0, 1.0)
+    for without, order in ((axes, math.nan), (single, 1.0)):
+        draw_slope(without, order)
+        assert not without.patches
     draw_slope(axes, slope)
     start, end, corner, *_ = np.log10(axes.patches[0].get_xy())
     assert (end - start)[1] == pytest.approx(slope * (end - start)[0])
@@ -80,13 +83,6 @@ def test_the_slope_triangle_has_its_slope_and_keeps_clear_of_the_curves(slope):
         x, y = np.log10(np.sort(line.get_xydata(), axis=0)).T
         at = np.linspace(max(start[0], x[0]), end[0], 50)
         assert (start[1] + slope * (at - start[0]) - np.interp(at, x, y)).min() > 0.1
-
-
-def test_a_single_level_has_no_triangle():
-    axes = Figure().subplots()
-    axes.loglog(1.0, 1.0)
-    draw_slope(axes, 1.0)
-    assert not axes.patches
 
 
 @pytest.mark.parametrize(("ends", "least"), [((0.011, 0.13), 3), ((0.21, 0.34), 3), ((1e-9, 1.0), 3), ((2.0, 3e4), 2)])

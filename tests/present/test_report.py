@@ -14,7 +14,6 @@ import pytest
 from committed import RESULTS, TABLES, copy_results
 from PIL import Image
 
-from study.cli.main import main
 from study.ledger.datafiles import DataError
 from study.ledger.files import write_packed
 from study.ledger.pictures import Packed
@@ -201,11 +200,6 @@ def test_a_picture_that_cannot_be_drawn_is_refused(data, displacement, complaint
     write_packed(path, json.dumps(read_record(path) | {"displacement": displacement}))
     with pytest.raises(DataError, match=complaint):
         draw_case(data, "corner", [])
-
-
-def test_a_directory_without_a_run_is_refused(tmp_path, capsys):
-    assert main(["report", "--out", str(tmp_path)]) == 2
-    assert "study run" in capsys.readouterr().err
 
 
 def test_every_statement_of_the_committed_ledger_names_the_files_that_judge_it():
