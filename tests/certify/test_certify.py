@@ -7,7 +7,6 @@ import subprocess
 import sys
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -120,11 +119,11 @@ def test_what_is_proved_is_what_is_computed(name, plain):
     assert [[float(x) for x in (proof.low, proof.high, proof.last)] for proof in proofs] == [bounds] * len(proofs)
 
 
-def formulas(f0: Any = (0, 0), law: KelvinVoigt = LAW, **more: Any) -> Data:
+def formulas(f0=(0, 0), law=LAW, **more):
     return Data.formulas(unit_square(), law, f0=f0, **more)
 
 
-def loaded(f2: Any) -> Data:
+def loaded(f2):
     return formulas(f2={1: (f2, 0)})
 
 

@@ -11,10 +11,8 @@ import subprocess
 import sys
 import time
 import tracemalloc
-from collections.abc import Callable, Iterator
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -26,7 +24,7 @@ BAD = "\x1b[2J\r\n\u202e\u2066\x9b\x7fא"
 """Clears the screen, starts a line, turns the direction of text around."""
 
 
-def safe(sentence: str) -> str:
+def safe(sentence):
     """A sentence that is short and cannot harm a terminal; our own letters, as in ũ and σ̃, may be other than ASCII."""
     assert sentence.isprintable()
     assert re.search(r"[^\x20-\x7eũ_νσ̃ΦΩΓν₀≤−°·]", sentence) is None
@@ -34,13 +32,13 @@ def safe(sentence: str) -> str:
     return sentence
 
 
-def refusal(data: Any) -> str:
+def refusal(data):
     with pytest.raises(checker.RefusedError) as caught:
         checker.verified(data)
     return safe(str(caught.value))
 
 
-def checked(path: Path, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
+def checked(path, capsys):
     """Exit code and output of the program; it took less than a second."""
     began = time.process_time()
     code = checker.main([str(path)])
@@ -48,7 +46,7 @@ def checked(path: Path, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, s
     return code, *capsys.readouterr()
 
 
-def refused(content: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> str:
+def refused(content, tmp_path, capsys):
     path = tmp_path / "hostile.json.gz"
     path.write_bytes(content)
     code, out, error = checked(path, capsys)
@@ -57,20 +55,20 @@ def refused(content: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     return safe(sentence)
 
 
-def packed(text: str) -> bytes:
+def packed(text):
     return gzip.compress(text.encode(), 1)
 
 
 # Values of another type, in every place
 
 
-def at(data: Any, path: tuple[Any, ...]) -> Any:
+def at(data, path):
     for key in path:
         data = data[key]
     return data
 
 
-def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+def places(data, path=()):
     """The places of all values in objects, and of the last value of every list."""
     yield path
     entries = data.items() if isinstance(data, dict) else list(enumerate(data))[-1:] if isinstance(data, list) else ()
@@ -148,31 +146,31 @@ def test_only_fractions_of_at_most_100_digits_are_numbers():
 # Certificates of which one entry is wrong
 
 
-def edit(*keys: Any, to: Any = None, by: Callable[[Any], Any] | None = None) -> Callable[[Any], None]:
-    def change(data: Any) -> None:
+def edit(*keys, to=None, by=None):
+    def change(data):
         place = at(data, keys[:-1])
         place[keys[-1]] = by(place[keys[-1]]) if by else to
 
     return change
 
 
-def last(rows: Any) -> Any:
+def last(rows):
     return rows[:-1]
 
 
-def twice(number: str) -> str:
+def twice(number):
     return str(2 * Fraction(number))
 
 
-def plus(changes: dict[int, int]) -> Callable[[list[int]], list[int]]:
+def plus(changes):
     return lambda column: [x + changes.get(n, 0) for n, x in enumerate(column)]
 
 
-def stated(data: Any) -> checker.Mesh:
+def stated(data):
     return checker.Mesh.of(data["mesh"], checker.Problem(data["problem"]))
 
 
-def squeezed(column: list[int]) -> list[int]:
+def squeezed(column):
     """A stress of the element that is 0 on its sides, and not in balance: X Y (1 − X − Y) in the third component."""
     bubble = {(1, 1, 0): 1, (2, 1, 0): -1, (1, 2, 0): -1}
     return [0] * 60 + [bubble.get(key, 0) for key in checker.CUBIC] * 3
@@ -228,7 +226,7 @@ def test_what_is_tampered_with_is_refused(name, certificate):
     assert re.search(message, refusal(certificate))
 
 
-def move_a_vertex(data: Any) -> None:
+def move_a_vertex(data):
     mesh = stated(data)
     inner = next(v for v in range(len(mesh.points)) if not any(v in edge for edge in mesh.boundary))
     data["displacement"]["nodes"][1][2 * inner] += 2**36

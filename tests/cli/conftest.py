@@ -6,17 +6,14 @@ import fcntl
 import os
 import re
 import shutil
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from manufactured.case import Case
 from study.cli import check, present, run
 from study.cli.main import main
-from study.fem.mesh import MeshFamily
 from study.fem.naming import resolve
 from study.present.figures import drawings
 from study.run.executor import GIB, Pool
@@ -26,20 +23,20 @@ TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorials" / "own-case.md"
 FAMILIES_OF = Scope.families_of
 
 
-def two_families(scope: Scope, case: Case) -> list[MeshFamily]:
+def two_families(scope, case):
     """Return the regular and the shaken meshes; all families of a case that has none of them."""
     families = FAMILIES_OF(scope, case)
     return [family for family in families if family.name in ("one-diagonal", "shaken")] or families
 
 
 @contextmanager
-def in_this_process(workers: int) -> Iterator[Pool]:
+def in_this_process(workers):
     """Takes the place of worker processes, which would import and compile all again; ``tests/run`` tests those."""
     with ThreadPoolExecutor(1) as executor:
         yield Pool([executor], 64 * GIB, 64 * GIB)
 
 
-def shorten(patch: pytest.MonkeyPatch) -> None:
+def shorten(patch):
     """Leave out of runs two mesh families."""
     patch.setattr(run, "contact_tests", lambda plan: [])
     for module in (run, check):
@@ -53,7 +50,7 @@ def shortened(monkeypatch):
     shorten(monkeypatch)
 
 
-def run_tutorial(directory: Path) -> None:
+def run_tutorial(directory):
     """Write the case of the tutorial into ``pocket.py`` and run it into ``results``, as a newcomer would."""
     directory.mkdir()
     code = re.findall(r":caption: pocket.py\n\n(.*?)```", TUTORIAL.read_text(encoding="utf-8"), re.DOTALL)[0]

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -24,20 +23,20 @@ from study.run.provenance import compare_sums
 Edit = Callable[[Path], None]
 
 
-def rewritten(change: Callable[[pd.DataFrame], pd.DataFrame], name: str) -> Edit:
+def rewritten(change, name):
     """Change the table in a data file, whose cells are texts."""
 
-    def change_it(directory: Path) -> None:
+    def change_it(directory):
         path = directory / "data" / name
         write_csv(path, change(pd.read_csv(path, dtype=str, keep_default_na=False)))
 
     return change_it
 
 
-def edit(name: str, column: str, change: Callable[[str], str], where: str = "index >= 0", rows: int = 10**6) -> Edit:
+def edit(name, column, change, where="index >= 0", rows=10**6):
     """Change a column in the first rows that a query chooses."""
 
-    def changed(table: pd.DataFrame) -> pd.DataFrame:
+    def changed(table):
         chosen = table.query(where, engine="python").index[:rows]
         assert len(chosen)
         table.loc[chosen, column] = table.loc[chosen, column].map(change)
@@ -46,20 +45,20 @@ def edit(name: str, column: str, change: Callable[[str], str], where: str = "ind
     return rewritten(changed, name)
 
 
-def times(factor: float) -> Callable[[str], str]:
+def times(factor):
     return lambda cell: f"{factor * float(cell):.12g}" if cell else cell
 
 
-def to(value: str) -> Callable[[str], str]:
+def to(value):
     return lambda cell: value
 
 
-def twice(name: str, row: int = 1) -> Edit:
+def twice(name, row=1):
     return rewritten(lambda table: pd.concat([table, table.iloc[[row]]]), name)
 
 
-def recorded(change: Callable[[dict[str, Any]], object]) -> Edit:
-    def change_it(directory: Path) -> None:
+def recorded(change):
+    def change_it(directory):
         path = directory / "data" / "provenance.json"
         made = json.loads(path.read_text(encoding="utf-8"))
         change(made)
@@ -68,11 +67,11 @@ def recorded(change: Callable[[dict[str, Any]], object]) -> Edit:
     return change_it
 
 
-def planned(change: Callable[[list[tuple[str, ...]]], list[tuple[str, ...]]]) -> Edit:
+def planned(change):
     return recorded(lambda made: made.update(planned=nested_keys(change(planned_keys(made)))))
 
 
-def emptied(directory: Path) -> None:
+def emptied(directory):
     for path in (directory / "data").glob("*.csv"):
         rewritten(lambda table: table.head(0), path.name)(directory)
     planned(lambda keys: [])(directory)
@@ -87,9 +86,7 @@ def refusal(told):
 RATES, CASES, EQUIVALENCE = "rates.csv", "cases.csv", "equivalence.csv"
 
 
-def cell(
-    name: str, column: str, change: Callable[[str], str], said: str, where: str = "index >= 0", rows: int = 10**6
-) -> tuple[Edit, str]:
+def cell(name, column, change, said, where="index >= 0", rows=10**6):
     """An edit of a column, and what is said of the first cell that it changes."""
     line = "2" if where == "index >= 0" else r"\d+"
     return edit(name, column, change, where, rows), rf"{Path(name).name}, line {line}, column {column}: {said}"
@@ -118,12 +115,12 @@ EDITS = {
 Part = Callable[[Path], object]
 
 
-def verdicts_as_written(directory: Path) -> None:
+def verdicts_as_written(directory):
     """The part of ``study check`` that compares the ledger and tables with what would be written now."""
     check.as_written(directory, verdicts(directory))
 
 
-def assert_refused(part: Part, directory: Path, message: str) -> None:
+def assert_refused(part, directory, message):
     with pytest.raises(DataError) as told:
         part(directory)
     assert re.search(message, str(told.value)), str(told.value)

@@ -6,16 +6,14 @@ import json
 import re
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
-from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from manufactured.catalogue import OTHER_NAMES
-from study.cli.common import ProgressBar, code_of, progress_bar
+from study.cli.common import code_of, progress_bar
 from study.cli.main import main
 from study.fem.naming import outside_the_catalogue, resolve
 from study.ledger.files import UsageError, write_text
@@ -114,7 +112,7 @@ def test_a_run_that_would_drop_rows_of_a_finished_one_is_refused(told, made):
     assert re.search(r"pocket one-diagonal 32.*--out", told(*command), re.DOTALL)
 
 
-def spoil(data: Path, change: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
+def spoil(data, change):
     change(pd.read_csv(data / "rates.csv")).to_csv(data / "rates.csv", index=False)
 
 
@@ -157,7 +155,7 @@ ROW = Verdict(
 LINE = "(0.0),order,pocket,shaken,three levels leave the order open\n"
 
 
-def listed(directory: Path, text: str) -> Path:
+def listed(directory, text):
     file = directory / "undecided.csv"
     file.write_text(text, encoding="utf-8")
     return file
@@ -197,7 +195,7 @@ def bar(monkeypatch):
         yield shown
 
 
-def left_after(bar: ProgressBar, seconds: float) -> str:
+def left_after(bar, seconds):
     bar._time = lambda: seconds
     return str(bar.format_dict["left"])
 

@@ -26,14 +26,13 @@ from study.run.plan import Plan
 from study.run.provenance import commit, provenance, read_provenance
 from study.run.store import Store
 from study.run.tasks import TaskStore
-from study.statements.shared.scope import Scope
 
 COARSE = ["--steps", "2", "--refine", "0", "--shorter", "1"]
 COMMANDS = ["run --case full-contact --levels 2 4 8", "check", "tables", "figures", "report"]
 COMMANDS += ["faults --case full-contact", "seeds --seeds 1"]
 
 
-def everything(directory: Path) -> dict[Path, bytes]:
+def everything(directory):
     return {path: path.read_bytes() for path in directory.rglob("*") if path.is_file()}
 
 
@@ -96,7 +95,7 @@ HELD = []
 """Locks that a worker process holds until it ends."""
 
 
-def hold(store: Store | TaskStore) -> None:
+def hold(store):
     HELD.append(lock := store.locked())
     lock.__enter__()
 
@@ -218,7 +217,7 @@ RATES = ["rates", str(Path(__file__).parents[2] / "examples" / "errors.csv")]
 """A command that prints, and needs no case."""
 
 
-def planned(tmp_path: Path, *arguments: str) -> Scope:
+def planned(tmp_path, *arguments):
     """The scope of a run, whose provenance is written as if it were finished."""
     options = parser().parse_args(["run", *arguments])
     scope = run.with_levels_of(tmp_path, run.scope_from_options(options))

@@ -8,11 +8,9 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 from xml.etree import ElementTree
 
 import common
@@ -28,7 +26,6 @@ from judged_codes import exported, judged, read, task
 from study.cli.main import main
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
-from study.present.charts import caption_codes
 from study.run.tasks import frozen, march, with_foundation, write_task
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -113,17 +110,6 @@ def test_committed_classes_are_those_of_the_committed_errors(folder, grades):
     assert seen >= grades
 
 
-def test_the_caption_counts_what_the_order_does_not_see():
-    codes = Codes.read(RESULTS)
-    assert codes is not None
-    finest, classes = codes.errors.sort_values("level").groupby(KEY).last(), codes.classes.set_index(KEY)
-    passed = classes[(abs(classes["order_in_v"] - 1) <= 0.15) & classes["class"].isin(["stagnates", "wrong"])].index
-    worst = (finest["pressure"] / finest["best_pressure"])[passed].max()
-    caption = caption_codes(codes)
-    assert f"of {len(passed)} runs whose" in caption
-    assert f"up to {worst:.0f} times" in caption
-
-
 def test_results_without_other_codes_have_none_and_half_a_table_is_refused(tmp_path):
     assert Codes.read(tmp_path) is None
     (tmp_path / "codes").mkdir()
@@ -149,16 +135,16 @@ def place(packed, tmp_path):
     return tmp_path
 
 
-def run(place: Path, *options: str) -> int:
+def run(place, *options):
     return judge.main([str(place / "tasks"), str(place / "answers"), *options])
 
 
-def change_answer(place: Path, change: Callable[[np.ndarray], np.ndarray]) -> None:
+def change_answer(place, change):
     (path,) = place.glob("answers/*/u.txt")
     np.savetxt(path, change(np.loadtxt(path, ndmin=2)))
 
 
-def change_task(place: Path, change: Callable[[dict[str, Any]], Any]) -> None:
+def change_task(place, change):
     """Replace the task by changed data, packed as JSON."""
     (path,) = place.glob("tasks/*.json.xz")
     data = json.loads(lzma.decompress(path.read_bytes()))
@@ -168,21 +154,21 @@ def change_task(place: Path, change: Callable[[dict[str, Any]], Any]) -> None:
     path.with_suffix("").write_text(json.dumps(data if result is None else result))
 
 
-def task_with(**changes: Any) -> Callable[[Path], None]:
+def task_with(**changes):
     return lambda place: change_task(place, lambda data: data | changes)
 
 
-def put(name: str, text: str, mode: str = "w") -> Callable[[Path], Any]:
+def put(name, text, mode="w"):
     """Write another file of the tasks, or of the answer, or append to it."""
 
-    def damage(place: Path) -> None:
+    def damage(place):
         with ((place if "/" in name else place / "tasks") / name).open(mode) as file:
             file.write(text)
 
     return damage
 
 
-def unpacked_as_well(place: Path) -> None:
+def unpacked_as_well(place):
     (path,) = place.glob("tasks/*.xz")
     path.with_suffix("").write_bytes(lzma.decompress(path.read_bytes()))
 
@@ -303,7 +289,7 @@ def test_junit_has_a_case_for_each_series_and_no_control_characters(output, plac
     assert "times the right ones" in str(failure.text)
 
 
-def fits(value: Any, name: str) -> list[str]:
+def fits(value, name):
     schema = json.loads((RESULTS.parent / "docs" / "reference" / name).read_text(encoding="utf-8"))
     return faults_of(value, schema, schema)
 

@@ -9,7 +9,6 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import contact_judge as judge
 import faults
@@ -106,7 +105,7 @@ def test_contact_forgotten_is_seen_by_the_pressure_and_the_penetration(tasks):
 # The class follows from the errors
 
 
-def errors(shares: list[float], pressure: list[float], tangential: float = 0.0) -> list[Any]:
+def errors(shares, pressure, tangential=0.0):
     """Errors with distances of some shares of a discretisation error h, on meshes h = 1, ½, ¼ …"""
     rows = zip([0.5**k for k in range(len(shares))], shares, pressure, strict=True)
     return [judge.Errors(k, k, k, share * k, p, 0.01 * k, 0.0, 0.0, tangential) for k, share, p in rows]
@@ -147,7 +146,7 @@ def test_a_pressure_that_falls_as_that_of_k_h_does_is_no_reason_to_stagnate():
         assert judge.classify(h, [judge.Errors(k, k, k, 0.1 * k, one, b, 0, 0, 0) for k, one, b in rows]) == verdict
 
 
-def judgement(found: list[Any]) -> Any:
+def judgement(found):
     why = judge.judged([one.best for one in found], found)
     return judge.Judgement("c", "f", "frozen", 1.0, [1, 2, 4], found, *why, (1, 1, 1), 1.0, 1.0, 1.0, 1.0)
 

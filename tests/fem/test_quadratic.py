@@ -11,7 +11,7 @@ from manufactured import Kind, named, polygon, unit_square
 from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.data import Data
 from manufactured.problems import problems
-from manufactured.tensors import Array, Points, Tensors, mandel
+from manufactured.tensors import mandel
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.bound.trajectory import prolongation
@@ -34,33 +34,33 @@ LEVEL = 4
 
 
 @lru_cache
-def quadratic(body: str) -> Quadratic:
+def quadratic(body):
     found, family = BODIES[body]
     return Quadratic(family(found, LEVEL), found)
 
 
 @lru_cache
-def discretisation(body: str, refinements: int = 0) -> Discretisation:
+def discretisation(body, refinements=0):
     found, family = BODIES[body]
     data = Data.formulas(found, anisotropic() if body == "square" else not_proportional(), f0=(0, 0))
     return Discretisation(data, family(found, LEVEL).refined(refinements) if refinements else family(found, LEVEL))
 
 
-def in_cells(space: Quadratic, rng: np.random.Generator, q: int = 5) -> tuple[Array, Points]:
+def in_cells(space, rng, q=5):
     """Random barycentric coordinates (3, q), the same in every cell, and their points (2, cells, q)."""
     barycentric = rng.dirichlet(np.ones(3), q).T
     return barycentric, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], barycentric)
 
 
-def values(space: Quadratic, v: Array, barycentric: Array) -> Array:
+def values(space, v, barycentric):
     return np.einsum("aq,acd->dcq", space.shapes(barycentric), space.coefficients(v)[space.numbers])
 
 
-def strains(space: Quadratic, v: Array, barycentric: Array) -> Tensors:
+def strains(space, v, barycentric):
     return (space.strains(barycentric) @ v).reshape(3, space.cells, -1)
 
 
-def on_contact(space: Quadratic, v: Array, x: Array) -> Array:
+def on_contact(space, v, x):
     """v_ν at places x in [0, 1] of every edge of Γ3, (edges, points)."""
     normal = [space.coefficients(v)[space.on_edges(edges)] @ part.normal for part, edges in space.on(CONTACT)]
     return np.concatenate(normal, axis=1).T @ bernstein(2, np.array([1 - x, x]))
@@ -83,12 +83,12 @@ def test_the_constraints_are_the_bernstein_coefficients_of_the_normal_trace(body
 # ---- values and strains
 
 
-def polynomial(c: Array, x: Points) -> Array:
+def polynomial(c, x):
     """The values u_i = Σ_m c_im m(x) with the monomials m up to the degree 2."""
     return np.tensordot(c, [0 * x[0] + 1, x[0], x[1], x[0] ** 2, x[0] * x[1], x[1] ** 2], axes=1)
 
 
-def gradient(c: Array, x: Points) -> Array:
+def gradient(c, x):
     zero, one = 0 * x[0], 0 * x[0] + 1
     rows = [zero, one, zero, 2 * x[0], x[1], zero], [zero, zero, one, zero, x[0], 2 * x[1]]
     return np.stack([np.tensordot(c, row, axes=1) for row in rows], axis=1)
@@ -98,7 +98,7 @@ class Unclamped(Quadratic):
     """Fixed nowhere, so that every polynomial belongs to it."""
 
     @property
-    def free(self) -> Array:  # type: ignore[override]
+    def free(self):  # type: ignore[override]
         return np.arange(2 * self.count)
 
 

@@ -9,7 +9,6 @@ from skfem import Basis, BilinearForm, ElementTetP1, ElementTriP1, ElementVector
 from skfem.helpers import ddot, sym_grad, trace
 
 from manufactured import Body, BodyError, Kind, Part, box, isotropic, named, polygon, unit_square
-from manufactured.tensors import Array
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm, load_from_forces
 from study.fem.mesh import (
@@ -50,15 +49,15 @@ O, X, Y, Z = np.zeros(3), *np.eye(3)
 XY = X + Y
 
 
-def face(kind: Kind, *corners: Array) -> Part:
+def face(kind, *corners):
     return Part(kind, np.array(corners).T)
 
 
-def skewed() -> Body:
+def skewed():
     return Body(tuple(Part(part.kind, SKEW @ part.corners + [[3.0], [-1.0], [0.5]]) for part in box().parts))
 
 
-def split_bottom(*halves: Part) -> Body:
+def split_bottom(*halves):
     """Return the unit cube with other parts as its bottom, such that the boundary condition changes inside a face."""
     return Body((*(part for part in box().parts if part.kind is not CONTACT), *halves))
 
@@ -66,7 +65,7 @@ def split_bottom(*halves: Part) -> Body:
 HALF = split_bottom(face(CONTACT, O, Y, Y + X / 2, X / 2), face(LOADED, X / 2, X / 2 + Y, XY, X))
 
 
-def prism() -> Body:
+def prism():
     """Return an L-shaped polygon times (0, 1): not convex, its flat ends cut into squares."""
     outline = [x * X + y * Y for x, y in PLAN]
     sides = [face(LOADED, a, b, b + Z, a + Z) for a, b in zip(outline, outline[1:] + outline[:1], strict=True)]
@@ -326,7 +325,7 @@ def test_the_leading_term_is_the_interpolation_error_on_fine_meshes(family, name
 # ---- random meshes
 
 
-def smallest_angle(corners: Array) -> float:
+def smallest_angle(corners):
     """Of triangles (2, 3, n), in degrees."""
     sides = np.roll(corners, -1, axis=1) - corners
     lengths = np.linalg.norm(sides, axis=0)

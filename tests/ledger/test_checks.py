@@ -18,7 +18,6 @@ from study.ledger.verdict import (
     REPORTED,
     UNDECIDED,
     CheckKind,
-    Verdict,
     agreement,
     exit_code,
     is_of_the_paper,
@@ -29,15 +28,15 @@ from study.present.outcome import write_junit
 LEVELS = (8, 16, 32, 64)
 
 
-def levels(values: object, count: int = len(LEVELS)) -> pd.DataFrame:
+def levels(values, count=4):
     return pd.DataFrame({"h": 1 / np.array(LEVELS), "e": np.broadcast_to(values, len(LEVELS))}).head(count)
 
 
-def check(value: quantities.Value, window: Window, levels: int = 1, **options: object) -> Check:
+def check(value, window, levels=1, **options):
     return Check("key", "a quantity", value, window, CheckKind.CLAIM, levels, **options)
 
 
-def judged(check: Check, *families: pd.DataFrame) -> Verdict:
+def judged(check, *families):
     claim = SimpleNamespace(label="(0.0)", claim="a claim")
     return check.verdict(claim, "a", {str(i): family for i, family in enumerate(families)})
 
@@ -124,7 +123,7 @@ def test_one_family_that_cannot_tell_leaves_all_undecided_and_one_that_fails_is_
 # Windows.
 
 
-def in_window(window: Window, value: float, low: float, high: float) -> Verdict:
+def in_window(window, value, low, high):
     return judged(check(lambda _: np.array([low, high, value]), window, finest=True), levels(1.0))
 
 
@@ -159,7 +158,7 @@ def test_a_window_writes_its_own_text(window, text):
     assert window.text == text
 
 
-def observed(window: Window, value: float) -> Verdict:
+def observed(window, value):
     return judged(check(lambda _: value, window, if_missed="nobody knows"), levels(1.0))
 
 

@@ -4,17 +4,15 @@ import gzip
 import json
 import shutil
 import time
-from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from study.cli.main import main
-from study.ledger.compare import Comparison, Tolerance, as_text, compare
+from study.ledger.compare import Tolerance, as_text, compare
 from study.ledger.datafiles import DataError, read_uncompressed
 from study.ledger.files import write_packed
 from study.ledger.pictures import Packed
@@ -47,29 +45,29 @@ def new(old):
     return Path(shutil.copytree(old, old.with_name("new")))
 
 
-def change(directory: Path, name: str, how: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
+def change(directory, name, how):
     path = directory / "data" / name
     how(pd.read_csv(path, dtype=str, keep_default_na=False)).to_csv(path, index=False, lineterminator="\n")
 
 
-def place(directory: Path, name: str, **cells: str) -> int:
+def place(directory, name, **cells):
     """The first row with some cells."""
     table = pd.read_csv(directory / "data" / name, dtype=str, keep_default_na=False)
     return int(table.index[(table[list(cells)] == pd.Series(cells)).all(axis=1)][0])
 
 
-def write(directory: Path, name: str, column: str, row: int, text: str) -> None:
+def write(directory, name, column, row, text):
     change(directory, name, lambda table: table.assign(**{column: table[column].where(table.index != row, text)}))
 
 
-def repaint(directory: Path, name: str, how: Callable[[dict[str, Any]], Any]) -> None:
+def repaint(directory, name, how):
     path = directory / "data" / f"{name}.gz"
     picture = json.loads(read_uncompressed(path))
     how(picture)
     write_packed(path, json.dumps(picture) + "\n")
 
 
-def compared(old: Path, new: Path, relative: float = 1e-12, absolute: float = 0.0) -> Comparison:
+def compared(old, new, relative=1e-12, absolute=0.0):
     """The comparison, after a look at both ways of presenting it."""
     comparison = compare(old, new, Tolerance(relative, absolute))
     assert max(map(len, as_text(comparison).splitlines())) <= 80
@@ -77,7 +75,7 @@ def compared(old: Path, new: Path, relative: float = 1e-12, absolute: float = 0.
     return comparison
 
 
-def told(comparison: Comparison, name: str) -> dict[str, int]:
+def told(comparison, name):
     """Column ↦ number of cells that differ."""
     cells = comparison.cells
     return dict(cells[cells["file"] == name]["column"].value_counts())

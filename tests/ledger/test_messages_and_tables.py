@@ -21,7 +21,7 @@ from study.ledger.orders import RatesError, limit, orders
 from study.ledger.text import cell, down, interval, power_of_ten, up
 
 
-def fails(path: Path) -> None:
+def fails(path):
     raise RuntimeError("a defect")
 
 

@@ -25,20 +25,20 @@ def project(tmp_path):
     return tmp_path
 
 
-def run(project: Path, *command: str, **variables: str) -> subprocess.CompletedProcess[str]:
+def run(project, *command, **variables):
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     env = os.environ | {"PATH": path, "PYTHONPATH": str(ROOT)} | variables
     return subprocess.run(command, cwd=project, env=env, capture_output=True, text=True, check=False)
 
 
-def act(project: Path, **given: str) -> subprocess.CompletedProcess[str]:
+def act(project, **given):
     """Runs the last step of the action, which judges a table."""
     steps = yaml.safe_load((ROOT / ".github/actions/check-orders/action.yml").read_text())["runs"]["steps"]
     files = {name: str(project / name.lower()) for name in ("GITHUB_OUTPUT", "GITHUB_STEP_SUMMARY")}
     return run(project, *("bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", steps[-1]["run"]), **files, **given)
 
 
-def judge(project: Path) -> tuple[int, str]:
+def judge(project):
     """Runs the steps of the job by hand: the solver writes its table, and the action judges it."""
     *_, solver, action = yaml.safe_load(FILES["convergence.yml"])["jobs"]["orders"]["steps"]
     assert run(project, "bash", "-c", solver["run"]).returncode == 0

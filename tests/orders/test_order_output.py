@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from json_schema import faults_of
 from scipy.stats import linregress, t
-from table_forms import FORMS, Cells, joined, markdown
+from table_forms import FORMS, joined, markdown
 
 from convergence_orders import OrderError, assert_order, check_orders, observed_orders
 from convergence_orders.columns import Options, read_series
@@ -26,7 +26,7 @@ GOOD, LOW, BENT, ZERO = [1, 0.25, 0.0625, 0.015625], [1, 0.5, 0.25, 0.125], [1, 
 SCHEMA = json.loads((Path(__file__).parents[2] / "docs/reference/rates.schema.json").read_text(encoding="utf-8"))
 
 
-def table(**columns: list[float]) -> str:
+def table(**columns):
     return pd.DataFrame({"h": H} | columns).to_csv(index=False)
 
 
@@ -120,11 +120,11 @@ TABLES = st.integers(3, 6).flatmap(
 )
 
 
-def decimal_commas(cells: Cells) -> str:
+def decimal_commas(cells):
     return joined(";")([[cell.replace(".", ",") for cell in row] for row in cells])
 
 
-def with_orders(cells: Cells) -> str:
+def with_orders(cells):
     orders = ["EOC", "-", *["1.0"] * (len(cells) - 2)]
     sizes, *errors = zip(*cells, strict=True)
     pairs = [sizes, *(column for error in errors for column in (error, orders))]

@@ -291,7 +291,7 @@ ERRORS_OF_TWO = [*STAGNATING, "1.23E-02", "3.11E-03", "7.80E-04", "1.95E-04"]
 ORDERS_OF_TWO = ["-", "0.48", "0.13", "0.03", "-", "1.98", "2.00", "2.00"]
 
 
-def two_series(header: str, first: list[str], between: str = "") -> str:
+def two_series(header, first, between=""):
     """A table in which a scheme of order 2 stands below a scheme that does not converge; its first column is given."""
     rows = [f"{cell},{error}" for cell, error in zip(first, ERRORS_OF_TWO, strict=True)]
     return "\n".join([header, *rows[:4], *([between] if between != "none" else []), *rows[4:]])
@@ -322,7 +322,7 @@ ERRORS = {1: {8: "4e-2", 16: "1e-2", 32: "2.5e-3"}, 2: {8: "8e-3", 16: "1e-3", 3
 """degree ↦ n ↦ error, of the orders 2 and 3."""
 
 
-def in_rows(row: str, once: str = "{k}", other: str = "{k}") -> str:
+def in_rows(row, once="{k}", other="{k}"):
     """A row for each degree k, n and error e; the first row of a degree may write it otherwise than the others."""
     return "\n".join(
         row.format(k=(other if j else once).format(k=k), n=n, e=e)

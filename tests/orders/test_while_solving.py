@@ -8,7 +8,7 @@ from convergence_orders import ConvergenceTable, OrderError, observed_orders, re
 from convergence_orders.command import main
 
 
-def collected(order: float = 2.0, meshes: int = 4) -> ConvergenceTable:
+def collected(order=2.0, meshes=4):
     table = ConvergenceTable()
     for n in [4 * 2**k for k in range(meshes)]:
         table.add(h=1 / n, dofs=n**2, L2=0.3 * n**-order, H1=0.7 / n, seconds=0.1 * n)

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from study.fem.mesh import FAMILIES
 from study.ledger.datafiles import read_rates
 from study.present.charts import draw_slope, finest_orders, label_ticks, last_orders, roller_rows
-from study.present.drawing import Drawing, family_styles, in_style
+from study.present.drawing import family_styles, in_style
 from study.present.figures import figure
 from study.present.report import svg_chart
 
@@ -32,7 +32,7 @@ def rates():
     return read_rates(RESULTS).query(f"case == {SMOOTH!r} and level <= 32")
 
 
-def drawn(drawing: Drawing) -> Figure:
+def drawn(drawing):
     with in_style():
         return drawing.draw()
 
@@ -105,7 +105,7 @@ def test_orders_are_those_of_a_power_of_h_and_graded_meshes_are_kept_apart():
     assert last_orders(pd.concat([frame, graded])) == ([pytest.approx(0.5)], [pytest.approx(1.0)])
 
 
-def of_rollers(excess: dict[str, float], kind: str = "roller") -> pd.DataFrame:
+def of_rollers(excess, kind="roller"):
     """Rows of ``statements.csv`` with the excess c/n for every family."""
     rows = [(f"{kind}-{n}", family, n, 1 / n, c / n) for family, c in excess.items() for n in (16, 32)]
     table = pd.DataFrame(rows, columns=["case", "family", "level", "h", "value"])
@@ -131,13 +131,13 @@ THEMES = [dict(re.findall(r"--(\w+): ([^;]+);", line)) for line in CSS.splitline
 TEXTS = ("ink", "soft", "link", "good", "bad", "warn")
 
 
-def luminance(colour: str) -> float:
+def luminance(colour):
     """The relative luminance of the Web Content Accessibility Guidelines 2.2: 0 for black, 1 for white."""
     rgb = np.array(to_rgb(colour))
     return float(np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4) @ (0.2126, 0.7152, 0.0722))
 
 
-def contrast(one: str, other: str) -> float:
+def contrast(one, other):
     low, high = sorted((luminance(one), luminance(other)))
     return (high + 0.05) / (low + 0.05)
 

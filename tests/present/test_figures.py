@@ -4,14 +4,12 @@ import re
 import shutil
 from copy import copy
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from changed import overridden
 from committed import CORNER, RESULTS, SMOOTH, SOLID, copy_results
-from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
@@ -21,7 +19,7 @@ from study.ledger.files import UsageError
 from study.ledger.text import above, below
 from study.present.body import DISPLACEMENT, magnification
 from study.present.charts import order_differences, order_in_words
-from study.present.drawing import Drawing, Output, column_width, draw_one, family_styles, in_style, page_width
+from study.present.drawing import Output, column_width, draw_one, family_styles, in_style, page_width
 from study.present.figures import drawings, drawings_of, figure, overview
 from study.present.picture import misplaced_length, read_pictures
 
@@ -45,19 +43,19 @@ def alone(tmp_path):
     return copy_results(tmp_path, (SMOOTH,), ())
 
 
-def named(directory: Path, name: str) -> Drawing:
+def named(directory, name):
     (drawing,) = (drawing for drawing in drawings(directory) if drawing.name == name)
     return drawing
 
 
-def drawn(drawing: Drawing) -> Figure:
+def drawn(drawing):
     with in_style():
         figure = drawing.draw()
         figure.draw_without_rendering()
     return figure
 
 
-def cut_off_or_tiny(figure: Figure) -> list[str]:
+def cut_off_or_tiny(figure):
     """The texts of a drawn figure that are too small, and the labels and titles that reach beyond its ends."""
     axes = [axes for axes in figure.axes if axes.get_visible()]
     labels = [text for one in axes for text in (one.xaxis.label, one.yaxis.label, one.title)]
@@ -114,7 +112,7 @@ def test_upper_bounds_below_the_error_are_counted_and_unknown_errors_make_no_eff
 # Uses: articles, slides, pages.
 
 
-def size_of(png: Path) -> tuple[int, int]:
+def size_of(png):
     with Image.open(png) as image:
         return image.size
 

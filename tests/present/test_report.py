@@ -6,7 +6,6 @@ import re
 import shutil
 from html import unescape
 from io import BytesIO
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -30,7 +29,7 @@ PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"
 HOSTILE = """</script><img src=x onerror="document.title='broken'"> & "quoted\""""
 
 
-def write_data(directory: Path) -> Path:
+def write_data(directory):
     """Copies the committed data of three cases and adds text that is hard on HTML."""
     copy_results(directory, (*PLANE, SOLID), (*PLANE, SOLID))
     data = directory / "data"
@@ -45,30 +44,30 @@ def write_data(directory: Path) -> Path:
     return directory
 
 
-def report(directory: Path) -> Path:
+def report(directory):
     return write_report(directory, read_provenance(directory))
 
 
 class Page:
     """The parts of a page: its text, and rows of tables as texts."""
 
-    def __init__(self, content: str) -> None:
+    def __init__(self, content):
         self.content = content
         self.markup = re.sub(r"<(script|style)\b.*?</\1>", "", content, flags=re.DOTALL)
         self.text = shown(self.markup)
         rows = re.findall(r"<tr\b[^>]*>(.*?)</tr>", self.markup, re.DOTALL)
         self.rows = [list(map(shown, re.findall(r"<t[dh]\b[^>]*>(.*?)</t[dh]>", row, re.DOTALL))) for row in rows]
 
-    def values(self, attribute: str, tag: str = r"\w+") -> list[str]:
+    def values(self, attribute, tag=r"\w+"):
         """The values of an attribute in all tags, or in tags of one kind."""
         return list(map(unescape, re.findall(rf'<{tag}\b[^>]*?\s{attribute}="([^"]*)"', self.markup)))
 
 
-def shown(markup: str) -> str:
+def shown(markup):
     return unescape(re.sub(r"<[^>]*>", "", markup))
 
 
-def plain(text: str) -> str:
+def plain(text):
     """Text without the marks of scripts, which the page raises and lowers instead."""
     return re.sub(r"[\^_{}]", "", text)
 

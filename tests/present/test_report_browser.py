@@ -10,7 +10,6 @@ from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
-from selenium.webdriver.remote.webelement import WebElement
 from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
 from test_report import PLANE, SOLID, report, write_data
@@ -25,13 +24,13 @@ ARGUMENTS += ["--disable-component-update", "--disable-sync"]
 class Browser(webdriver.Chrome):
     address = ""
 
-    def section(self, name: str) -> None:
+    def section(self, name):
         self.get(f"{self.address}#{name}")
 
-    def one(self, selector: str) -> WebElement:
+    def one(self, selector):
         return self.find_element(By.CSS_SELECTOR, selector)
 
-    def width(self, pixels: int) -> None:
+    def width(self, pixels):
         metrics = {"width": pixels, "height": 800, "deviceScaleFactor": 1, "mobile": False}
         self.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
 
@@ -82,7 +81,7 @@ def claims(directory):
     return pd.read_csv(directory / "data" / "claims.csv", dtype=str).fillna("")
 
 
-def shown_rows(browser: Browser) -> list[list[str]]:
+def shown_rows(browser):
     """Case and verdict of the rows of the ledger that are seen, and the statement they belong to."""
     return browser.execute_script(
         "return [...document.querySelectorAll('#rows tr[data-case]')].filter((row) => row.offsetParent !== null)"
@@ -90,7 +89,7 @@ def shown_rows(browser: Browser) -> list[list[str]]:
     )
 
 
-def rows_of(claims: pd.DataFrame) -> list[list[str]]:
+def rows_of(claims):
     return claims[["label", "case", "verdict"]].to_numpy().tolist()
 
 

@@ -11,13 +11,12 @@ import subprocess
 import sys
 import time
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from threading import Thread, Timer
-from typing import Any
 
 import psutil
 import pytest
@@ -51,19 +50,19 @@ from study.run.store import Store
 from study.statements.enclosure import BoundSetting, EnclosedError
 from study.statements.prop_5_4 import FirstOrder, RateSetting
 from study.statements.shared.base import Setting
-from study.statements.shared.scope import Levels, Scope
+from study.statements.shared.scope import Levels
 from study.statements.thm_4_2 import SameMesh
 from study.statements.thm_4_2_own_space import OwnSpace
 
 
-def ignore(job: Any) -> None: ...
+def ignore(job): ...
 
 
-def pool(executor: Executor, workers: int = 2, together: float = 64 * GIB) -> Pool:
+def pool(executor, workers=2, together=64 * GIB):
     return Pool([executor] * workers, together, together)
 
 
-def computed(scope: Scope, directory: Path, jobs_of: Pool) -> dict[str, bytes]:
+def computed(scope, directory, jobs_of):
     """The data files of a study by their names."""
     plan, store = Plan.of(scope), Store(directory)
     execute(plan.jobs, store, jobs_of, ignore)
@@ -74,11 +73,11 @@ def computed(scope: Scope, directory: Path, jobs_of: Pool) -> dict[str, bytes]:
 class AtOnce(Executor):
     """Runs what is submitted then and there, and remembers the order."""
 
-    def __init__(self) -> None:
-        self.order: list[Any] = []
+    def __init__(self):
+        self.order = []
 
-    def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        future: Future[Any] = Future()
+    def submit(self, function, /, *args, **kwargs):
+        future = Future()
         self.order += args
         try:
             future.set_result(function(*args, **kwargs))
@@ -96,13 +95,13 @@ class Toy:
     case: str = ""
 
     @property
-    def key(self) -> str:
+    def key(self):
         return self.name
 
-    def fingerprint(self) -> str:
+    def fingerprint(self):
         return self.name
 
-    def run(self) -> dict[str, Any]:
+    def run(self):
         return {"done": self.deed()}
 
 
@@ -116,7 +115,7 @@ def test_the_most_expensive_jobs_go_first(tmp_path):
 class Circular:
     """A job that refers to what it made from what it made."""
 
-    def run(self) -> dict[str, float]:
+    def run(self):
         self.made = weakref.ref(made := Circular())
         made.itself = made
         return {}
@@ -196,7 +195,7 @@ def test_a_job_that_raises_is_named_and_the_others_are_kept(tmp_path):
     assert store.load("bad", "bad") is None
 
 
-def die() -> None:
+def die():
     os.kill(os.getpid(), signal.SIGKILL)
 
 
@@ -206,7 +205,7 @@ class DieOnce:
 
     mark: Path
 
-    def __call__(self) -> str:
+    def __call__(self):
         if not self.mark.exists():
             self.mark.touch()
             die()
@@ -273,7 +272,7 @@ def test_a_job_that_no_worker_has_the_memory_for_is_refused_before_any_job_start
     refuse_too_large([], pool(executor))
 
 
-def full_contact(n: int) -> Job:
+def full_contact(n):
     return Job(FirstOrder(), RateSetting("full-contact", "one-diagonal", n, "midpoint", 2))
 
 
@@ -431,7 +430,7 @@ mine = Own(**vars(mine))
 """
 
 
-def dask(workers: int, threads: int = 1) -> LocalCluster:
+def dask(workers, threads=1):
     """A scheduler on the loopback interface with worker processes, which start in another directory than the runs."""
     return LocalCluster(n_workers=workers, threads_per_worker=threads, dashboard_address=None)
 
@@ -522,7 +521,7 @@ def test_a_case_is_known_by_what_its_file_says_now_and_a_function_only_to_its_pr
 
 
 @contextmanager
-def dask_command(*words: str) -> Iterator[tuple[psutil.Process, str]]:
+def dask_command(*words):
     """A process of Dask with its children, and its address."""
     command = [sys.executable, "-m", f"distributed.cli.{words[0]}", *words[1:], "--no-dashboard"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
@@ -572,6 +571,6 @@ def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_
     assert len(results(tmp_path)) == len(jobs)
 
 
-def results(out: Path) -> dict[Path, int]:
+def results(out):
     """The files of finished jobs and when they were written."""
     return {path: path.stat().st_mtime_ns for path in out.glob("data/jobs/*.json")}

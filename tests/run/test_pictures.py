@@ -28,13 +28,13 @@ SOLIDS = [
 
 
 @cache
-def solved(case: str) -> tuple[Motion, Picture]:
+def solved(case):
     """A motion on a coarse mesh, and its picture as a reader of the file has it."""
     motion = Motion.of(resolve(case).solution, pictures.SOLID_FAMILY, 3, 4)
     return motion, Picture(json.loads(json.dumps(record(case, motion, 2))))
 
 
-def vectors(x: Array, triangles: NDArray[np.int64]) -> Array:
+def vectors(x, triangles):
     """Area times normal of triangles, (k, 3)."""
     a, b, c = (x[:, corner].T for corner in triangles)
     return np.cross(b - a, c - a) / 2

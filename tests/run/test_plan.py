@@ -29,7 +29,7 @@ from study.statements.prop_5_3 import InitialGap
 from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting
 from study.statements.shared.base import Setting
 from study.statements.shared.meshes import body_of, first_with_each, law_of
-from study.statements.shared.scope import ON_EVERY_FAMILY, Levels, Scope, regular
+from study.statements.shared.scope import ON_EVERY_FAMILY, Levels, regular
 from study.statements.thm_4_2 import SameMesh
 from study.statements.time_steps import FullyDiscrete, Landings
 from study.statements.work_of_contact import Rollers, WorkOfContact
@@ -38,16 +38,16 @@ SCOPES = ("quick", "full")
 
 
 @cache
-def scope(name: str) -> Scope:
+def scope(name):
     return quick() if name == "quick" else full()
 
 
 @cache
-def plan(name: str) -> Plan:
+def plan(name):
     return Plan.of(scope(name))
 
 
-def rates(name: str) -> list[RateSetting]:
+def rates(name):
     return [job.setting for job in plan(name).jobs if isinstance(job.statement, Rates)]
 
 

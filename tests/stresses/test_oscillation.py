@@ -15,7 +15,7 @@ from skfem import Basis, BilinearForm, ElementTriP2, ElementVector, FacetBasis, 
 from skfem.helpers import dot
 
 from manufactured.cases.laws import anisotropic, not_proportional
-from manufactured.tensors import Array, mandel
+from manufactured.tensors import mandel
 from study.fem.mesh import on_segment
 from study.solve.multigrid import rigid_motions
 from study.stresses.composite import CORNERS, SIDES
@@ -37,7 +37,7 @@ def mass(g, v, _):
     return dot(g, v)
 
 
-def largest(F: Array, C: Array, q: int, side: int | None = None) -> float:
+def largest(F, C, q, side=None):
     """Return sup ∫ g·v/(‖g‖ ‖ε(v)‖_A) over quadratic g ⟂ P_q² on small triangles, or on the small edges of a side."""
     mesh = MeshTri(F @ CORNERS, np.array([[0], [1], [2]])).refined(3 if side is None else 4)
     element = ElementVector(ElementTriP2())
