@@ -8,13 +8,13 @@ DEVELOPMENT := $(VENV)/.development
 DOCUMENTATION := $(VENV)/.documentation
 CLUSTER := $(VENV)/.cluster
 PAGES := README.md docs/index.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
-	docs/explanation/verdicts.md docs/reference/files.md
+	docs/explanation/verdicts.md docs/reference/columns.md
 
-.PHONY: study full again faults seeds test wheel tutorials pages codes codes-bounds codes-venv codes-check wheel-debian certificates \
+.PHONY: study full again faults seeds test dist tutorials pages codes codes-bounds codes-venv codes-check dist-debian certificates \
 	certificates-check trials bench bench-growth bench-peers \
 	bench-parallel lint docs paper film cluster lock clean help
 
-study: $(RUNTIME)  ## quick study, results/quick, about three minutes
+study: $(RUNTIME)  ## quick study, results/quick, about a minute on two cores
 	$(BIN)/study run --quick --figures --undecided results/undecided-quick.csv --out results/quick
 
 full: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## full study, results/, an hour, and the tests marked slow
@@ -39,23 +39,31 @@ seeds: $(RUNTIME)  ## false-alarm rate: judge fresh random meshes for an hour, a
 test: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## all tests except those marked slow, about four minutes on two cores; prints only
 	$(BIN)/pytest --numprocesses auto
 
-# As where others install it: from a wheel, without its extras, away from the repository.
-wheel: $(RUNTIME)  ## build the package, install it with NumPy and SymPy alone and test it there, build/wheel
-	rm -rf build/wheel
-	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation -w build/wheel . ./convergence_orders
-	$(BIN)/python .ci/base.py requirements/runtime.txt > build/wheel/base.txt
-	$(BIN)/python -m venv build/wheel/venv
-	build/wheel/venv/bin/python -m pip install --quiet --require-hashes -r build/wheel/base.txt
-	build/wheel/venv/bin/python -m pip install --quiet --no-index build/wheel/*.whl
-	cp .ci/alone.py README.md build/wheel && cd build/wheel && venv/bin/python alone.py README.md
-	if $(BIN)/python -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))'; then $(MAKE) wheel-debian; fi
+# As where others install it: from the source distributions, without extras, away from the repository.
+dist: $(RUNTIME)  ## build sdist and wheel, install the wheel of the sdist with NumPy and SymPy alone and test it there, build/dist
+	rm -rf build/dist
+	mkdir -p build/dist
+	for project in . convergence_orders; do (cd $$project && $(CURDIR)/$(BIN)/python -c \
+		"import sys; from setuptools.build_meta import build_sdist; build_sdist(sys.argv[1])" $(CURDIR)/build/dist > /dev/null) || \
+		exit 1; done
+	tar -tzf build/dist/signorini_study-*.tar.gz > build/dist/files.txt
+	for file in CITATION.cff Makefile docs/index.md examples/codes/contact_judge.py tests/conftest.py; do \
+		grep -q "^[^/]*/$$file$$" build/dist/files.txt || \
+		{ echo "$$file is not in the source distribution: add it to MANIFEST.in"; exit 1; }; done
+	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation -w build/dist build/dist/*.tar.gz
+	$(BIN)/python .ci/base.py requirements/runtime.txt > build/dist/base.txt
+	$(BIN)/python -m venv build/dist/venv
+	build/dist/venv/bin/python -m pip install --quiet --require-hashes -r build/dist/base.txt
+	build/dist/venv/bin/python -m pip install --quiet --no-index build/dist/*.whl
+	cp .ci/alone.py README.md build/dist && cd build/dist && venv/bin/python alone.py README.md
+	if $(BIN)/python -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))'; then $(MAKE) dist-debian; fi
 
 # NumPy 1.24 has wheels up to Python 3.11.
-wheel-debian:  ## the same with NumPy and SymPy of Debian 12, from the wheel of make wheel, build/wheel/debian; Python 3.11
-	$(BIN)/python -m venv --clear build/wheel/debian
-	build/wheel/debian/bin/python -m pip install --quiet --only-binary :all: -r .ci/debian.txt
-	build/wheel/debian/bin/python -m pip install --quiet --no-index build/wheel/*.whl
-	cd build/wheel && debian/bin/python alone.py README.md
+dist-debian:  ## the same with NumPy and SymPy of Debian 12, from the wheel of make dist, build/dist/debian; Python 3.11
+	$(BIN)/python -m venv --clear build/dist/debian
+	build/dist/debian/bin/python -m pip install --quiet --only-binary :all: -r .ci/debian.txt
+	build/dist/debian/bin/python -m pip install --quiet --no-index build/dist/*.whl
+	cd build/dist && debian/bin/python alone.py README.md
 
 tutorials: $(DEVELOPMENT) $(DOCUMENTATION)  ## run the notebooks, and the commands of the documentation pages that take minutes; prints only
 	$(BIN)/pytest -m slow tests/project/test_pages.py
@@ -123,11 +131,15 @@ lint: $(DEVELOPMENT)  ## check style, types, the order of imports and the weight
 docs: $(DOCUMENTATION)  ## build the documentation with notebooks, gallery and API, build/docs/index.html; FILMS=no saves minutes
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
 
+# The figures of the papers, drawn for their width and with their letters.
+FIGURES := body-hexagon codes collapsed contact-work convergence enclosure-ramp problem profiles-merging-patches rollers \
+	zone-merging-patches
 LATEX := latexmk -cd -pdf -halt-on-error -interaction=nonstopmode -outdir=build
 
 # The study refers to tables of the supplement, and the supplement to the study: it is built before and after.
 paper: $(RUNTIME)  ## both papers and the supplement from results/, paper/build; needs latexmk
 	$(BIN)/study tables --out results
+	$(BIN)/study figures --data results --out paper/build --style paper/figures.mplstyle --format pdf --only $(FIGURES)
 	$(BIN)/python paper/formulas.py paper/build/formulas.tex
 	$(BIN)/python paper/certified.py paper/build/certified.tex
 	$(LATEX) paper/supplement.tex
@@ -157,11 +169,12 @@ COMPILE := $(VENV)-lock/bin/pip-compile --quiet --upgrade --generate-hashes --st
 # installs the packages of this repository.
 lock:  ## renew the pins, requirements/
 	$(PYTHON) -m venv $(VENV)-lock
-	$(VENV)-lock/bin/python -m pip install --quiet pip-tools
+	$(VENV)-lock/bin/python -m pip install --quiet dependency-groups pip-tools
 	$(COMPILE) --extra study --build-deps-for editable -o requirements/runtime.txt pyproject.toml
-	$(COMPILE) --extra dev -c requirements/runtime.txt -o requirements/development.txt pyproject.toml
-	$(COMPILE) --extra docs -c requirements/runtime.txt -c requirements/development.txt \
-		-o requirements/documentation.txt pyproject.toml
+	$(VENV)-lock/bin/python -m dependency_groups dev | \
+		$(COMPILE) -c requirements/runtime.txt -o requirements/development.txt -
+	$(VENV)-lock/bin/python -m dependency_groups docs | \
+		$(COMPILE) -c requirements/runtime.txt -c requirements/development.txt -o requirements/documentation.txt -
 	$(COMPILE) --extra cluster -c requirements/runtime.txt -c requirements/development.txt -c requirements/documentation.txt \
 		-o requirements/cluster.txt pyproject.toml
 	$(COMPILE) --extra film -c requirements/runtime.txt -o requirements/film.txt pyproject.toml

@@ -1,4 +1,4 @@
-"""Two experiments of docs/explanation/predictions.md on finer meshes than the ledger has, up to n = 512.
+"""Two experiments of paper/experiments.tex on finer meshes than the ledger has, up to n = 512.
 
 Both measure single numbers for which a limit has been predicted:
 
@@ -35,7 +35,7 @@ from study.fem.space import form
 from study.solve.evolution import SemiDiscrete
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
-from study.statements.moving_fronts import DEGREE, INSTANTS, means_from_edges
+from study.statements.moving_fronts import ERROR_INSTANTS, FORCE_DEGREE, means_from_edges
 from study.statements.shared.base import Setting
 from study.statements.shared.meshes import space_of
 from study.statements.work_of_contact import PER_H, OnContact, Resolved, Trajectories
@@ -107,10 +107,10 @@ def front_error(n: int) -> dict[str, float]:
     problem = SemiDiscrete.of(
         space,
         solution.law,
-        lambda time: load_from_forces(solution, space, time, DEGREE),
+        lambda time: load_from_forces(solution, space, time, FORCE_DEGREE),
         v_norm.sample(0.0).interpolant,
     )
-    every = steps // INSTANTS
+    every = steps // ERROR_INSTANTS
     errors = [
         v_norm.distance(v_norm.sample(step * problem.T / steps), state.u)
         for step, state in enumerate(MIDPOINT.march(problem, steps))

@@ -17,7 +17,7 @@ from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
 from study.solve.solver_choice import multigrid_tolerance
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment
 
 Make = Callable[[sps.csc_array, sps.csr_array], Any]
 

@@ -20,17 +20,20 @@ if TYPE_CHECKING:
     from .solving import ConvergenceTable as ConvergenceTable
     from .solving import refine_until_settled as refine_until_settled
 
-_HOMES = {"assert_order": "judging", "check_orders": "judging", "OrderError": "orders", "OrderResult": "orders"}
-_HOMES |= {"GridConvergence": "orders", "grid_convergence": "orders", "observed_orders": "orders"}
-_HOMES |= {"ConvergenceTable": "solving", "refine_until_settled": "solving"}
-"""Public name ↦ the module that defines it."""
+_HOMES = {
+    "judging": ["assert_order", "check_orders"],
+    "orders": ["GridConvergence", "OrderError", "OrderResult", "grid_convergence", "observed_orders"],
+    "solving": ["ConvergenceTable", "refine_until_settled"],
+}
+"""Module ↦ the public names that it defines."""
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__} has no attribute {name}")
-    return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+    for module, names in _HOMES.items():
+        if name in names:
+            return getattr(importlib.import_module(f"{__name__}.{module}"), name)
+    raise AttributeError(f"module {__name__} has no attribute {name}")
 
 
 def __dir__() -> list[str]:
-    return [*_HOMES, *globals()]
+    return sum(_HOMES.values(), [*globals()])

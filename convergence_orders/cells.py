@@ -118,13 +118,13 @@ _ROLES = {
 """Role ↦ pattern of the whole name."""
 SIZES = ("size", "count", "total", "step")
 """Roles of columns from which mesh sizes or time steps can be computed, the preferred role first."""
-_ORDER = re.compile(r"\b(?:e?oc|orders?|rates?|roc|ooc|slope|log2)(?:(?:l|h)(?:\d|inf))?\b|^(?:q|r|conv|red)$")
+_ORDER = re.compile(r"\b(?:e?oc|orders?|rates?|roc|ooc|slope|log2)(?:(?:l|h)(?:\d|inf))?\b|^(?:conv|red)$")
 _QUOTIENT = re.compile(r"\b(?:ratio|reduction|quotient|factor)s?\b")
 _METHOD = re.compile(r"(?:\d+(?:st|nd|rd|th)|first|second|third|fourth|fifth|sixth) orders?(?: \w+)?\)?$")
 _ERROR = re.compile(r"err|fehler|erreur|norm|l ?(?:1|2|inf|∞)\b|h ?[12]\b|linf|l∞|rmse|mae|\|")
 _OTHER = re.compile(
     r"\b(?:time|times|cpu|wall|runtime|elapsed|seconds|mem|memory|cond|condition|kappa|nnz|iter|iters|iterations?|its|"
-    r"newton|cg|gmres|cfl|speedup|efficiency|effectivity|procs|cores|ranks|threads|index|row|id|seed|g?flops|steps?|"
+    r"newton|cfl|speedup|efficiency|effectivity|procs|cores|ranks|threads|index|row|id|seed|g?flops|steps?|"
     r"cells|n?dofs?|elements|nodes|points|mesh|grid|expected|theory|theoretical|predicted)\b|^(?:t|i|j|k|#|no|nr|)$"
 )
 

@@ -6,14 +6,14 @@ A table is read only if all three are certain. Otherwise, the message says what 
 import math
 import re
 from collections import Counter
-from dataclasses import dataclass, field, replace
-from itertools import chain, groupby, pairwise
+from dataclasses import dataclass, replace
+from itertools import chain, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .cells import SIZES, is_missing, kind_of, role, to_number, uses_decimal_commas, without_words
-from .orders import STALLED, Array, OrderError, consecutive_orders
+from .orders import Array, OrderError, consecutive_orders
 from .tables import Cells, Table, read_tables, shorten
 
 Rows = NDArray[np.intp]
@@ -22,7 +22,6 @@ _WHOLE = re.compile(r"\d+(?:\.0)?|\d{1,3}(?:[ ,'’\u00a0\u202f]\d{3})+")
 """Matches a whole number, also as pandas writes it in a table of floats: 512, 512.0, 1 024, 1,024."""
 _SIDES = re.compile(r"\D*(\d+)(?:\s*(?:[x×]|\\times)\s*\1)+\D*")
 """Matches the cells along the sides of a mesh, such as ``$8 \\times 8$``."""
-_STATUS = re.compile(r"(?i)pass(?:ed)?|fail(?:ed)?|ok|true|false|yes|no|converged|done|x|✓|✗")
 _LOGARITHM = re.compile(r"(?i)[\W_]*(?:log|ln)(?:[\W_]*(?:2|10|e))?(?:[\W_]|$)")
 _ORDER_WORDS = re.compile(r"(?i)e?oc|orders?|rates?|roc|ooc|slope|of|[^\w|]+")
 DEGREES = (
@@ -77,15 +76,18 @@ class Series:
     ignored: dict[str, str]
     caption: str
     form: str
-    label: str = ""
-    remarks: dict[str, str] = field(default_factory=dict)
+    label: str
+    remarks: dict[str, str]
 
-    @property
-    def recognised(self) -> str:
-        """One line about how the table was read: its form, the mesh sizes, the errors and the ignored columns."""
+    def recognised(self, what: str) -> str:
+        """Return one line about how the table was read: its form, the mesh sizes, the columns and the ignored ones.
+
+        Parameters:
+            what: what the columns have, ``errors`` or ``values``.
+        """
         names = [f"{name} (quotients)" if kind == "quotient" else name for name, kind in self.ignored.items()]
         ignored = f"; ignored: {', '.join(names)}" if names else ""
-        return f"read as {self.form}; size: {self.size}; errors: {', '.join(self.errors)}{ignored}"
+        return f"read as {self.form}; size: {self.size}; {what}: {', '.join(self.errors)}{ignored}"
 
 
 @dataclass(eq=False)
@@ -114,9 +116,9 @@ class Column:
         return all(_WHOLE.fullmatch(cell.strip()) for cell in self.cells)
 
     @property
-    def runs(self) -> list[int]:
-        """The lengths of the runs of equal cells."""
-        return [len([*run]) for _, run in groupby(self.cells)]
+    def repeats(self) -> bool:
+        """Whether a cell is equal to the one above."""
+        return any(above == below for above, below in pairwise(self.cells))
 
     @property
     def consecutive(self) -> bool:
@@ -146,13 +148,17 @@ def series_of(tables: list[Table], options: Options) -> list[Series]:
     if not usable:
         seen = ", ".join(f"{column.name} ({column.role})" for column in readings[0].columns)
         raise OrderError(f"no column of errors among {seen}: name one with --columns")
-    confirmed = {reading.size.name: dim for reading in usable if reading.size and (dim := reading.confirmed_dim())}
-    series = [part for reading in usable for part in reading.series(confirmed)]
-    labels = [part.label for part in series]
-    if len(set(labels)) < len(labels):
-        labels = [part.caption.rstrip(": ") for part in series]
-    if len(set(labels)) < len(labels):
-        labels = [f"series {k} {part.label}".strip() for k, part in enumerate(series, start=1)]
+    confirmed: dict[str, int] = {}
+    for reading in usable:
+        confirmed |= reading.confirmed
+        reading.confirmed = confirmed
+    series = [part for reading in usable for part in reading.series()]
+    every_label = (
+        [part.label for part in series],
+        [part.caption.rstrip(": ") for part in series],
+        [f"series {k} {part.label}".strip() for k, part in enumerate(series, start=1)],
+    )
+    labels = next(labels for labels in every_label if len(set(labels)) == len(labels))
     return [replace(part, label=label) for part, label in zip(series, labels, strict=True)]
 
 
@@ -165,8 +171,7 @@ def columns_of(table: Table) -> tuple[list[Column], bool]:
     comma = uses_decimal_commas([*chain(*table.columns)])
     if comma is None:
         cell = next(cell for cells in table.columns for cell in cells if "," in cell)
-        decimal = cell.replace(",", ".")
-        raise OrderError(f"'{cell}' may be {decimal} or {cell.replace(',', '')}: write it without a comma")
+        raise OrderError(f"'{cell}' may be a decimal fraction or have thousands: write it without a comma")
     names = [*table.names]
     columns = []
     for k, cells in enumerate(table.columns):
@@ -187,21 +192,17 @@ def _column(name: str, full_name: str, cells: Cells, comma: bool) -> Column:
 
     Words behind the numbers of a column of errors or sizes are units or remarks.
     """
-    kind = role(name)
+    kind, contents = role(name), [kind_of(cell) for cell in cells]
     clean = [without_words(cell) for cell in cells] if kind in ("error", *SIZES) else cells
     column = Column(full_name, cells, np.array([to_number(cell, comma) for cell in clean], dtype=float), kind)
-    words = [kind_of(cell) == "a" for cell in cells if not is_missing(cell)]
-    if not words:
+    if set(contents) == {"-"}:
         column.role = kind if kind == "error" else "empty"
     elif all(map(_SIDES.fullmatch, cells)):
         column.role = kind if kind in SIZES else "count"
-    elif all(words) or (words[0] and kind in ("unknown", "other", "degree")):
+    elif "9" not in contents or (contents[0] == "a" and kind in ("unknown", "other", "degree")):
         column.role = "text"
-    elif kind in ("order", "degree") and re.fullmatch(r"(?i)\W*[pqr]\W*", name):
-        # An error of the pressure p is neither an order nor a degree.
-        column.role = "degree" if column.whole else "unknown"
-    elif kind == "other" and re.fullmatch("(?i)cg|gmres|mesh|grid", name) and (column.numbers % 1 > 0).all():
-        # Iterations are whole, so that a column named after an element or a mesh may have errors.
+    elif kind == "degree" and not column.whole:
+        # A column p may have errors of the pressure.
         column.role = "unknown"
     return column
 
@@ -215,6 +216,7 @@ class Reading:
         form: the form of the table in words.
         size, errors: the column of mesh sizes, None if there is none, and the columns of errors.
         printed: column of errors ↦ the columns with orders that are printed for it.
+        confirmed: name of a column of counts ↦ the dimension with which printed orders agree, in any table of the text.
     """
 
     def __init__(self, table: Table, options: Options) -> None:
@@ -225,6 +227,7 @@ class Reading:
         self.size = self._size()
         self.printed: dict[Column, list[Column]] = {}
         self.errors = self._errors()
+        self.confirmed = self._confirmed()
 
     def _size(self) -> Column | None:
         """Return the column of mesh sizes; None if there is none."""
@@ -235,13 +238,13 @@ class Reading:
             if equal:
                 return next((column for column in equal if column.name == wanted), equal[0])
             raise OrderError(f"--in {wanted}: there is no such column; there are {self.names}")
-        sizes = [column for column in self.columns if column.role in SIZES and len(set(column.numbers)) > 1]
+        sizes = [column for column in self.columns if column.role in SIZES]
         # Numbers that stay the same from row to row tell series apart, numbers 0, 1, 2, … count rows, and orders refer
         # to the largest cell of a mesh.
         return min(
             sizes,
             key=lambda column: (
-                max(column.runs) > 1,
+                column.repeats,
                 column.role == "count" and column.consecutive and column.numbers[0] < 2,
                 SIZES.index(column.role),
                 "min" in column.name.lower(),
@@ -255,12 +258,13 @@ class Reading:
         for column in self.columns:
             if column is self.size or column.role not in ("unknown", "error", "order", "quotient"):
                 continue
-            quotients = errors and column.role != "error" and self._correct(column, errors)
+            if errors and column.role != "error":
+                self._correct(column, errors)
             if column.role in ("unknown", "error"):
                 errors.append(column)
-            elif column.role == "order" and errors and not quotients:
-                stem = _ORDER_WORDS.sub("", column.name).lower()
-                owner = next((error for error in errors if stem and stem in error.name.lower()), errors[-1])
+            elif column.role == "order" and errors:
+                stem = _stem(column.name)
+                owner = next((error for error in errors if stem and stem in _stem(error.name)), errors[-1])
                 self.printed.setdefault(owner, []).append(column)
         if self.options.columns:
             return self._wanted()
@@ -274,39 +278,34 @@ class Reading:
         is_orders = len(self.table.places) > 2 and all(column.starts_missing for column in errors)
         return [] if is_orders else errors
 
-    def _correct(self, column: Column, errors: list[Column]) -> bool:
-        """Correct the role of a column behind columns of errors; return whether it has quotients of the last errors.
+    def _correct(self, column: Column, errors: list[Column]) -> None:
+        """Correct the role of a column that stands behind columns of errors and may have their quotients or orders.
 
         Quotients may equal the orders of other errors: behind several columns, what is called orders has orders.
         """
         quotients = errors[-1].numbers[:-1] / errors[-1].numbers[1:]
         below, above = column.numbers[1:], column.numbers[:-1]
-        equal = _equal(below, quotients) or _equal(above, quotients)
-        if equal and (len(errors) == 1 or column.role != "order" or column.name.startswith("order of")):
+        certain = len(errors) == 1 or column.role != "order" or column.name.startswith("order of")
+        if certain and (_equal(below, quotients) or _equal(above, quotients)):
             column.role = "quotient"
         elif len(column.cells) > 2 and (column.starts_missing or _equal(below, np.log2(quotients))):
             column.role = "order"
-        return equal
 
     def _wanted(self) -> list[Column]:
         """Return the columns that the user names as columns of errors; names may contain commas."""
-        known = {column.name: column for column in self.columns}
-        name = "|".join(map(re.escape, sorted(known, key=len, reverse=True)))
-        wanted = re.findall(f"(?:^|(?<=,))({name})(?=,|$)", self.options.columns)
-        if ",".join(wanted) != self.options.columns:
+        text = f",{self.options.columns},"
+        wanted = [column for column in self.columns if f",{column.name}," in text]
+        if sum(len(column.name) + 1 for column in wanted) != len(text) - 1:
             raise OrderError(f"--columns {self.options.columns}: expected some of the columns {self.names}")
-        return [known[name] for name in wanted]
+        return wanted
 
     # Series of rows.
 
-    def series(self, confirmed: dict[str, int]) -> list[Series]:
+    def series(self) -> list[Series]:
         """Return the series of the table.
 
         A series ends where the word or the degree in a column changes, where printed orders begin again, where sizes
         jump back, and at a blank line or a rule.
-
-        Parameters:
-            confirmed: name of a column of sizes ↦ dimension that printed orders in any table of the text confirm.
 
         Raises:
             OrderError: mesh sizes are unknown or ambiguous, or a cell is not a positive number.
@@ -316,23 +315,29 @@ class Reading:
         labels = [column for column in self.columns if self._is_label(column)]
         cases: dict[str, list[int]] = {}
         for k in range(len(self.table.places)):
-            cases.setdefault(" ".join(f"{column.name} {column.cells[k]}" for column in labels), []).append(k)
+            label = " ".join(f"{column.name} {column.cells[k]}" for column in labels)
+            cases.setdefault(label, []).append(k)
         series = []
         for label, rows in cases.items():
-            starts = self._starts(rows)
-            for number, (first, stop) in enumerate(pairwise([0, *starts, len(rows)]), start=1):
-                name = f"{label} series {number}".strip() if starts else label
-                series.append(self._series(np.array(rows[first:stop]), name, confirmed))
+            parts = [*pairwise([0, *self._starts(rows), len(rows)])]
+            for number, (first, stop) in enumerate(parts, start=1):
+                name = f"{label} series {number}".strip() if len(parts) > 1 else label
+                series.append(self._series(np.array(rows[first:stop]), name))
         return series
 
-    def _series(self, rows: Rows, label: str, confirmed: dict[str, int]) -> Series:
+    def _series(self, rows: Rows, label: str) -> Series:
         """Return the series in the given rows, with the given label."""
-        h, words = self._sizes(rows, confirmed)
-        used = [self.size, *self.errors]
-        ignored = {column.name: column.role for column in self.columns if column not in used}
-        errors = {column.name: column.numbers[rows].tolist() for column in self.errors}
-        remarks = {column.name: remark for column in self.errors if (remark := self._contradiction(h, rows, column))}
-        return Series(h.tolist(), errors, words, ignored, self.table.caption, self.form, label, remarks)
+        h, words = self._sizes(rows)
+        return Series(
+            h=h.tolist(),
+            errors={column.name: column.numbers[rows].tolist() for column in self.errors},
+            size=words,
+            ignored={column.name: column.role for column in self.columns if column not in (self.size, *self.errors)},
+            caption=self.table.caption,
+            form=self.form,
+            label=label,
+            remarks={column.name: self._contradiction(h, rows, column) for column in self.errors},
+        )
 
     def _is_label(self, column: Column) -> bool:
         """Return whether the entries of a column tell several series apart.
@@ -341,13 +346,11 @@ class Reading:
         repeated.
         """
         times = Counter(column.cells)
-        if column in (self.size, *self.errors) or "" in times or all(map(_STATUS.fullmatch, times)):
-            return False
-        if not 1 < len(times) < len(column.cells):
+        if column in (self.size, *self.errors) or "" in times or not 1 < len(times) < len(column.cells):
             return False
         if column.role in ("text", "degree"):
             return True
-        if column.role == "order" or max(column.runs) == 1:
+        if column.role == "order" or not column.repeats:
             return False
         return self.size is None or (len(set(self.size.cells)) < len(self.size.cells) and min(times.values()) > 1)
 
@@ -367,7 +370,7 @@ class Reading:
 
     # Mesh sizes.
 
-    def _sizes(self, rows: Rows, confirmed: dict[str, int]) -> tuple[Array, str]:
+    def _sizes(self, rows: Rows) -> tuple[Array, str]:
         """Return the mesh sizes of a series, and in words how they were determined.
 
         They come from the ratio that the user gives, from a column, or from orders that are printed in the table.
@@ -376,27 +379,36 @@ class Reading:
             if column.role == "degree" and (column is self.size or (column.consecutive and self.options.size is None)):
                 raise OrderError(f"column {column.name} has degrees: {DEGREES}")
         if self.size is not None:
-            return self._converted(self.size, rows, confirmed)
+            return self._converted(self.size, rows)
         ratio, levels = self.options.ratio, np.arange(len(rows), dtype=float)
         for column in self.columns:
             if ratio is not None and column.role in ("size", "step"):
                 raise OrderError(f"--ratio {ratio:g}, but column {column.name} has sizes: leave out --ratio")
             if column.role == "level":
                 levels = column.numbers[rows]
-                if ratio is not None and set(np.diff(levels)) not in (set(), {1.0}, {-1.0}):
+                if ratio is not None and (np.abs(np.diff(levels)) != 1).any():
                     raise OrderError(f"--ratio {ratio:g}, but the levels in column {column.name} are not consecutive")
         h = np.power(max(ratio, 1 / ratio) if ratio else 2.0, -levels)
-        self._refuse_two_series(h, rows)
-        if ratio is not None:
-            return h, f"ratio {ratio:g}"
-        if self._agrees(h, rows):
-            return h, "ratio 2, which follows from the printed orders"
-        raise OrderError(
-            f"no column is a mesh size; seen: {self.names}. Give --ratio 2 if each mesh is twice as fine as the one "
-            "above, or --in NAME for the column of sizes"
+        # A column with another name and without orders may be one of sizes.
+        named = all(
+            column.role == "error" or column in self.printed or not column.numbers.any() for column in self.errors
         )
+        if named and self._agrees(h, rows):
+            return h, f"ratio {ratio or 2:g}, which follows from the printed orders"
+        if ratio is None:
+            raise OrderError(
+                f"no column is a mesh size; seen: {self.names}. Give --ratio 2 if each mesh is twice as fine as the "
+                "one above, or --in NAME for the column of sizes"
+            )
+        for column in self.errors:
+            if (np.diff(consecutive_orders(h, column.numbers[rows])) > 1).any():
+                raise OrderError(
+                    f"the orders of {column.name} rise by more than 1 from row to row, where another series may begin: "
+                    "give a column with the mesh sizes or the name of the series"
+                )
+        return h, f"ratio {ratio:g}"
 
-    def _converted(self, column: Column, rows: Rows, confirmed: dict[str, int]) -> tuple[Array, str]:
+    def _converted(self, column: Column, rows: Rows) -> tuple[Array, str]:
         """Return the mesh sizes that follow from a column, and in words how they were determined."""
         kind, name, sizes, dim = column.role, column.name, column.numbers[rows], self.options.dim
         whole = sizes.min() > 1 and (dim or not (sizes % 1).any())
@@ -409,43 +421,37 @@ class Reading:
                     f"or --in {name} if its numbers are lengths"
                 )
             return sizes, f"{'Δt' if kind == 'step' else 'h'} from column {name}"
-        power = dim or confirmed.get(name, 0)
-        if not power and (kind == "total" or np.abs(np.diff(np.log(sizes))).min(initial=9) >= math.log(3.5)):
+        power = dim or self.confirmed.get(name)
+        if power is None and (kind == "total" or np.abs(np.diff(np.log(sizes))).min(initial=9) >= math.log(3.5)):
             raise OrderError(
                 f"column {name} is a count: give --dim D (dim=D in Python) for h = {name}^(-1/D), where D is 1 if it "
                 "counts cells along one side, and 2 or 3 if it counts all cells or unknowns in the plane or in space"
             )
-        words = f"h = {name}^(-1/{power})" if power > 1 else f"h = 1/{name}"
-        confirmation = ", which the printed orders confirm" if power and not dim else ""
-        return sizes ** (-1 / (power or 1)), f"{words} from column {name}{confirmation}"
+        formula = f"{name}^(-1/{power})" if power in (2, 3) else f"1/{name}"
+        confirmation = "" if dim or power is None else ", which the printed orders confirm"
+        return sizes ** (-1 / (power or 1)), f"h = {formula} from column {name}{confirmation}"
 
-    def confirmed_dim(self) -> int | None:
-        """Return the dimension with which the printed orders follow from numbers of cells; None if it is uncertain."""
+    def _confirmed(self) -> dict[str, int]:
+        """Return the name of the column of sizes ↦ the one dimension with which its counts give the printed orders."""
         if self.size is None or self.size.role not in ("count", "total"):
-            return None
+            return {}
         rows = np.arange(len(self.table.places))
         agreeing = [dim for dim in (1, 2, 3) if self._agrees(self.size.numbers ** (-1 / dim), rows)]
-        return agreeing[0] if len(agreeing) == 1 else None
+        return {self.size.name: agreeing[0]} if len(agreeing) == 1 else {}
 
     def _agrees(self, h: Array, rows: Rows) -> bool:
         """Return whether the orders that are printed beside the errors follow from these mesh sizes."""
         differences = [self._difference(h, rows, column) for column in self.errors]
-        return max((difference for difference in differences if difference < math.inf), default=1) < 0.02
+        return max((difference for difference in differences if difference < math.inf), default=1) < 0.03
 
     def _difference(self, h: Array, rows: Rows, errors: Column) -> float:
         """Return the largest difference of the orders that are printed for a column of errors and the computed ones.
 
-        One per cent of an order is no difference. Of several columns of orders, the best is taken. The difference is
-        infinite if there are no printed orders.
+        Of several columns of orders, the best is taken. The difference is infinite if there are no printed orders.
         """
-        best = math.inf
         computed = consecutive_orders(h, errors.numbers[rows])
-        for column in self.printed.get(errors, []):
-            printed = column.numbers[rows][1:]
-            difference = np.abs(computed - printed) - 0.01 * np.abs(printed)
-            used = np.isfinite(difference) & (np.abs(printed) > 0.3)
-            best = min(best, difference.max(where=used, initial=-1) if used.any() else best)
-        return best
+        differences = [np.abs(computed - column.numbers[rows][1:]) for column in self.printed.get(errors, [])]
+        return min((float(np.nanmax(d)) for d in differences if np.isfinite(d).any()), default=math.inf)
 
     def _contradiction(self, h: Array, rows: Rows, errors: Column) -> str:
         """Return a remark if the orders that are printed in the table are not the computed ones."""
@@ -453,22 +459,7 @@ class Reading:
             return ""
         printed = ", ".join(f"{order:g}" for order in self.printed[errors][0].numbers[rows][1:])
         computed = ", ".join(f"{order:.2f}" for order in consecutive_orders(h, errors.numbers[rows]))
-        return f"the printed orders {printed} are not the computed ones {computed}"
-
-    def _refuse_two_series(self, h: Array, rows: Rows) -> None:
-        """Refuse rows without sizes if errors that stagnate or grow fall again, or fall much more once.
-
-        Raises:
-            OrderError: the rows may belong to several series.
-        """
-        for column in self.errors:
-            orders = consecutive_orders(h, column.numbers[rows])
-            for k, (before, order, after) in enumerate(zip(orders, orders[1:], orders[2:], strict=False), start=2):
-                if before <= STALLED < after or order > max(before, after) + 1:
-                    raise OrderError(
-                        f"{self.table.places[rows[k]]} may begin another series, {column.name} does not fall there "
-                        "as above and below: give a column with the mesh sizes or the name of the series"
-                    )
+        return f"; the printed orders {printed} are not the computed ones {computed}"
 
     def _check(self, column: Column) -> None:
         """Raise an error if a cell of a column of errors or sizes cannot be used, or if the column has logarithms."""
@@ -483,6 +474,11 @@ class Reading:
                     f"{place}: {name} is '{shorten(cell)}', expected {wanted}: write a number there, delete the line, "
                     "or name the columns of errors with --columns"
                 )
+
+
+def _stem(name: str) -> str:
+    """Return the name of a column of errors, or of the orders that belong to it, without words such as order."""
+    return _ORDER_WORDS.sub("", name).lower()
 
 
 def _equal(numbers: Array, expected: Array) -> bool:

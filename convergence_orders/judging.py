@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from .columns import Options, Series, series_of
-from .orders import HOLDS, TOLERANCE, OrderError, OrderResult, observed_orders, real_numbers
+from .orders import HOLDS, OrderError, OrderResult, observed_orders, real_numbers
 from .tables import from_columns
 
 Wish = float | Mapping[Any, float] | None
@@ -21,26 +22,26 @@ def names_of(series: Series, name: str) -> tuple[str, ...]:
     return f"{name} ({series.label})" if series.label else name, name, series.label
 
 
-def judge(tables: list[Series], tolerance: float = TOLERANCE, floor: float = 0.0, **wishes: Wish) -> Judged:
+def judge(tables: list[Series], **wishes: Wish) -> Judged:
     """Compute the observed orders of every column of errors, and compare them with the expected orders.
 
     An expectation is looked up by the name of a column and its case, then by the name, then by the case.
 
     Parameters:
         tables: the series of meshes.
-        tolerance, floor: as in ``observed_orders``.
-        wishes: ``expected``, ``at_least`` and ``max_error``.
+        wishes: ``expected``, ``at_least``, ``max_error``, ``tolerance`` and ``floor``, as in ``observed_orders``.
 
     Raises:
         OrderError: something is expected of a column that does not exist or was left out.
     """
     columns = [names_of(series, name) for series in tables for name in series.errors]
-    ignored = {name: kind for series in tables for name, kind in series.ignored.items()}
+    known = {*chain(*columns)}
     for wish in wishes.values():
         for name in map(str, wish if isinstance(wish, Mapping) else ()):
-            if not any(name in keys for keys in columns):
-                left_out = f"; {name} was left out ({ignored[name]}): use --columns" if name in ignored else ""
-                every = ", ".join(dict.fromkeys(keys[0] for keys in columns))
+            if name not in known:
+                every = ", ".join(full for full, *_ in columns)
+                ignored = ", ".join(f"{left_out} ({kind})" for left_out, kind in tables[0].ignored.items())
+                left_out = f"; left out, unless you give --columns: {ignored}" if ignored else ""
                 raise OrderError(f"an order is expected of {name}, but the columns of errors are {every}{left_out}")
     judged = []
     for series in tables:
@@ -48,9 +49,8 @@ def judge(tables: list[Series], tolerance: float = TOLERANCE, floor: float = 0.0
         for name, errors in series.errors.items():
             keys = names_of(series, name)
             own: dict[str, Any] = {kind: _wish_for(keys, wish) for kind, wish in wishes.items()}
-            result = observed_orders(series.h, errors, name=keys[0], tolerance=tolerance, floor=floor, **own)
-            sentence = "; ".join(filter(None, [result.sentence, series.remarks.get(name)]))
-            results.append(replace(result, sentence=sentence))
+            result = observed_orders(series.h, errors, name=keys[0], **own)
+            results.append(replace(result, sentence=result.sentence + series.remarks[name]))
         judged.append((series, results))
     return judged
 
@@ -63,9 +63,10 @@ def _wish_for(keys: tuple[str, ...], wish: Wish) -> float | None:
     return next((by_name[key] for key in keys if key in by_name), None)
 
 
-def check_orders(h: ArrayLike | str | None, errors: Any, expected: Wish = None, at_least: Wish = None,
-                 tolerance: float = TOLERANCE, floor: float = 0.0, max_error: Wish = None,
-                 columns: str = "", dim: int | None = None) -> dict[str, OrderResult]:  # fmt: skip
+def check_orders(
+    h: ArrayLike | str | None, errors: Any, expected: Wish = None,
+    columns: str = "", dim: int | None = None, **wishes: Wish,
+) -> dict[str, OrderResult]:  # fmt: skip
     """Compute and judge the observed orders of several columns of errors.
 
     The same columns are judged as by the command for a table with these columns: columns of orders, numbers of cells,
@@ -75,12 +76,10 @@ def check_orders(h: ArrayLike | str | None, errors: Any, expected: Wish = None, 
         h: mesh sizes, (levels,), or the name of their column in ``errors``; by default it is recognised by its name.
         errors: a dictionary or a DataFrame, name of a column ↦ errors, (levels,); or a Series, which is one column.
         expected: expected order: one number for all columns, or name of a column ↦ number.
-        at_least: smallest accepted order: one number for all columns, or name of a column ↦ number.
-        tolerance: accepted difference from ``expected``.
-        floor: the largest accepted limit of the errors; by default, errors must tend to 0.
-        max_error: largest accepted error on the finest mesh: one number, or name of a column ↦ number.
         columns: names of the columns of errors, separated by commas; by default they are recognised.
         dim: dimension of the meshes, if their sizes are numbers of cells or unknowns.
+        wishes: ``at_least``, ``max_error``, ``tolerance`` and ``floor``, as in ``observed_orders``; each is one number
+            for all columns, or name of a column ↦ number.
 
     Returns:
         Name of a column ↦ observed orders and verdict.
@@ -101,7 +100,7 @@ def check_orders(h: ArrayLike | str | None, errors: Any, expected: Wish = None, 
     if not cells:
         raise OrderError("there are no errors: give one for each mesh")
     series = series_of([from_columns("Python", cells)], Options(dim, size, columns=columns))
-    judged = judge(series, tolerance, floor, expected=expected, at_least=at_least, max_error=max_error)
+    judged = judge(series, expected=expected, **wishes)
     return {result.name: result for _, results in judged for result in results}
 
 
@@ -112,23 +111,21 @@ def _cells(column: Any, name: str) -> list[str]:
     return [repr(value) for value in real_numbers(column, name).tolist()]
 
 
-def assert_order(h: ArrayLike, errors: ArrayLike, expected: float | None = None, at_least: float | None = None,
-                 tolerance: float = TOLERANCE, name: str = "", **options: Any) -> OrderResult:  # fmt: skip
+def assert_order(h: ArrayLike, errors: ArrayLike, expected: float | None = None, **wishes: Any) -> OrderResult:
     """Assert, in a test, that errors have the expected order of convergence, and return the observed orders.
 
     Parameters:
         h, errors: mesh sizes and errors, (levels,).
-        expected, at_least: expected order, or smallest accepted order; one of them or ``max_error`` is needed.
-        tolerance: accepted difference from ``expected``.
-        name: name of the errors, for messages.
-        options: ``floor`` and ``max_error``, as in ``observed_orders``.
+        expected: expected order.
+        wishes: ``at_least``, ``max_error``, ``tolerance``, ``floor`` and ``name``, as in ``observed_orders``; without
+            ``expected``, one of the first two is needed.
 
     Raises:
         AssertionError: the errors do not have the expected order; the message describes the observed orders.
         OrderError: no order is expected, or the errors have no orders, as described in ``observed_orders``.
     """
-    result = observed_orders(h, errors, expected, at_least, tolerance, name, **options)
+    result = observed_orders(h, errors, expected, **wishes)
     if not result.expectation.judges:
         raise OrderError("assert_order got no order, expected one: give expected=P or at_least=P")
-    assert result.verdict == HOLDS, f"{name}: {result.conclusion}".removeprefix(": ")
+    assert result.verdict == HOLDS, f"{result.name}: {result.conclusion}".removeprefix(": ")
     return result

@@ -25,10 +25,6 @@ SAME_SIZE = 1e-6
 """Mesh sizes with a smaller relative difference count as equal, because an order between them would be meaningless."""
 QUOTED = 4
 """Number of orders that a sentence quotes."""
-STUDENT = [12.706204736, 4.302652730, 3.182446305, 2.776445105, 2.570581836, 2.446911851, 2.364624252, 2.306004135]
-"""The 0.975 quantiles of Student's distribution for 1, 2, … degrees of freedom."""
-ASYMPTOTIC = [1.959963985, 2.372271230, 2.822498616, 2.555849680, 1.589534053]
-"""Coefficients of the expansion of this quantile in the inverse of the degrees of freedom."""
 
 
 class OrderError(ValueError):
@@ -110,9 +106,8 @@ class OrderResult:
         name: name of the errors.
         h, errors: mesh sizes and errors, (levels,).
         orders: observed orders between consecutive meshes, (levels − 1,); NaN if an error is zero or not finite.
-        order, low, high: least-squares order over the judged meshes, and its 95 % confidence interval.
+        order: least-squares order over the judged meshes.
         extrapolated: order extrapolated to h → 0 from the three finest judged meshes; NaN if there are fewer.
-        limit: limit a of the errors for h → 0, from a fit a + C h^p of the last three judged errors; NaN without a fit.
         first, last: the judged meshes have the indices first, …, last − 1.
         kind, sentence: what the errors do, in a word or two, and as a sentence.
         verdict: holds, fails, undecided, higher (than expected), skipped (all errors are zero); None if nothing is
@@ -125,10 +120,7 @@ class OrderResult:
     errors: tuple[float, ...]
     orders: tuple[float, ...]
     order: float
-    low: float
-    high: float
     extrapolated: float
-    limit: float
     first: int
     last: int
     kind: str
@@ -155,31 +147,10 @@ def consecutive_orders(h: ArrayLike, errors: ArrayLike) -> Array:
     return np.where(np.isfinite(orders), orders, np.nan)
 
 
-def fitted_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float, float]:
-    """Return the observed order over all meshes with its 95 % confidence interval.
-
-    The order is the least-squares slope of log e over log h for errors e; the interval follows from Student's
-    distribution.
-
-    Returns:
-        The order, and the lower and upper end of the interval, which is infinite for two meshes.
-    """
+def fitted_order(h: ArrayLike, errors: ArrayLike) -> float:
+    """Return the least-squares slope of log e over log h for errors e; NaN for fewer than two meshes."""
     x, y = np.log(np.asarray(h, dtype=float)), np.log(np.asarray(errors, dtype=float))
-    if len(x) < 3:
-        return float(np.mean(consecutive_orders(h, errors))) if len(x) == 2 else math.nan, -math.inf, math.inf
-    (order, _), covariance = np.polyfit(x, y, 1, cov=True)
-    half = student_quantile(len(x) - 2) * math.sqrt(covariance[0, 0])
-    return float(order), float(order - half), float(order + half)
-
-
-def student_quantile(free: int) -> float:
-    """Return the 0.975 quantile of Student's distribution with a number of degrees of freedom.
-
-    For more than eight, it is the asymptotic expansion of Fisher and Cornish, whose error is below 1e-5.
-    """
-    if free <= len(STUDENT):
-        return STUDENT[free - 1]
-    return sum(term / free**k for k, term in enumerate(ASYMPTOTIC))
+    return float(np.polyfit(x, y, 1)[0]) if len(x) > 1 else math.nan
 
 
 def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
@@ -250,21 +221,28 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
     if (e < 0).any():
         raise OrderError(f"{name or 'error'} = {np.nanmin(e):g}: errors must not be negative; give absolute values")
     first, last, kind, sentence, verdict = _diagnose(sizes, e, expectation)
-    if sizes.min() > 1 and not (sizes % 1).any() and len(e) > 1 and (np.diff(e) > 0).all():
-        sentence += "; h seems to be the number n of cells: give h = 1/n"
+    if kind == "grows" and sizes.min() > 1:
+        sentence += "; or is h the number n of cells? Then give h = 1/n"
     if max_error is not None and not e[-1] <= max_error:
         verdict, sentence = FAILS, f"{sentence}; the error on the finest mesh is {e[-1]:.3g}"
-    elif max_error is not None and expectation.window is None and verdict == UNDECIDED:
+    elif expectation.window is None and verdict == UNDECIDED:
         verdict = HOLDS
     x, judged = sizes[first:last], e[first:last]
-    order, limit = (math.nan, -math.inf, math.inf), math.nan
-    if np.isfinite(judged).all() and judged.all():
-        order = fitted_order(x, judged)
-        limit = limit_and_order(x, judged)[0] if len(judged) > 2 and np.diff(judged).max() < 0 else limit
-    all_h, all_e, all_p = (tuple(column.tolist()) for column in (sizes, e, consecutive_orders(sizes, e)))
-    told = verdict if expectation.judges or verdict == SKIPPED else None
-    fits = *order, extrapolated_order(x, judged), limit
-    return OrderResult(name, all_h, all_e, all_p, *fits, first, last, kind, sentence, told, expectation)
+    positive = np.isfinite(judged).all() and judged.all()
+    return OrderResult(
+        name=name,
+        h=tuple(sizes.tolist()),
+        errors=tuple(e.tolist()),
+        orders=tuple(consecutive_orders(sizes, e).tolist()),
+        order=fitted_order(x, judged) if positive else math.nan,
+        extrapolated=extrapolated_order(x, judged),
+        first=first,
+        last=last,
+        kind=kind,
+        sentence=sentence,
+        verdict=verdict if expectation.judges or verdict == SKIPPED else None,
+        expectation=expectation,
+    )
 
 
 def _coarse_first(h: ArrayLike, values: ArrayLike, name: str) -> tuple[Array, Array]:
@@ -319,8 +297,10 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
         return Diagnosis(0, n, "exactly zero", "the error is exactly zero on all meshes: nothing to judge", SKIPPED)
     if not e.all():
         stop = int(np.argmin(e != 0))
-        finer = ", but not on all finer meshes (is this value right?)" if e[stop:].any() else ""
-        words = f"is exactly zero for h = {h[stop]:.5g}{finer}"
+        words = f"is exactly zero for h = {h[stop]:.5g}"
+        if e[stop:].any():
+            words += ", but not on all finer meshes: is this value right?"
+            return Diagnosis(0, n, "exactly zero", words, UNDECIDED)
         return _above(h, e, stop, 0.0, "exactly zero", words, expectation)
     if n < 3:
         orders = consecutive_orders(h, e)
@@ -443,7 +423,7 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     # The fitted order lies within the orders that are quoted.
     quoted = slice(max(first, len(e) - QUOTED - 1), None)
     kind = "converges"
-    sentence = f"converges with order {fitted_order(h[quoted], e[quoted])[0]:.2f} (orders {_text(orders[first:])})"
+    sentence = f"converges with order {fitted_order(h[quoted], e[quoted]):.2f} (orders {_text(orders[first:])})"
     if verdict == HIGHER:
         kind = "higher than expected"
         sentence = f"orders {_text(orders)} are higher than expected: superconvergence, or another error?"
@@ -480,6 +460,12 @@ class GridConvergence:
     order: float = math.nan
     extrapolated: float = math.nan
     index: float = math.nan
+
+    def __str__(self) -> str:
+        if not math.isfinite(self.order):
+            return self.kind
+        limit = f"extrapolated {self.extrapolated:.6g}, GCI {self.index:.2%} on the finest mesh"
+        return f"{self.kind}, order {self.order:.2f}, {limit}"
 
 
 def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:

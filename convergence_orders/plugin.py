@@ -28,7 +28,7 @@ class OrderChecks:
         """Return the observed orders of errors; the options are those of ``observed_orders``.
 
         If an order is expected and the errors do not have it, the test fails. Without an expected order, it fails if
-        errors grow or are not finite.
+        errors grow, stagnate, tend to another limit than 0, or are not finite.
         """
         __tracebackhide__ = True
         from .orders import observed_orders
@@ -61,7 +61,10 @@ class OrderChecks:
         __tracebackhide__ = True
         name = f"{title} {result.name}".strip()
         self.properties += [(f"{PREFIX}{name}", result.conclusion), (f"order of {name}", f"{result.order:.4g}")]
-        wrong = result.verdict != "holds" if result.expectation.judges else result.kind in ("grows", "not finite")
+        if result.expectation.judges:
+            wrong = result.verdict != "holds"
+        else:
+            wrong = result.kind in ("grows", "stagnates", "orders falling", "not finite")
         if wrong:
             pytest.fail(f"{name}: {result.conclusion}", pytrace=False)
 

@@ -1,6 +1,7 @@
 """Writes the observed orders of tables as text, JSON, Markdown, JUnit XML and as a plot."""
 
 import importlib
+import json
 import math
 import os
 import textwrap
@@ -9,7 +10,6 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from .columns import Series
 from .judging import Judged
 from .orders import FAILS, HIGHER, SKIPPED, UNDECIDED, OrderError, OrderResult
 from .printing import printable
@@ -18,19 +18,23 @@ from .printing import printable
 def exit_code(judged: Judged) -> int:
     """Return the exit code of the command.
 
-    It is 1 if a verdict is *fails* or *higher*. Otherwise, it is 3 if a verdict is undecided, and 0 if not. Columns
-    without an expectation are not judged.
+    It is 1 if a verdict is *fails* or *higher*. Otherwise, it is 3 if a verdict is undecided or if all errors are zero,
+    and 0 if not. Columns without an expectation are not judged.
     """
-    results = [result for _, results in judged for result in results if result.expectation.judges]
-    verdicts = {result.verdict for result in results} - {SKIPPED}
+    verdicts = {result.verdict for result in results_of(judged) if result.expectation.judges}
     if verdicts & {FAILS, HIGHER}:
         return 1
-    return 3 if UNDECIDED in verdicts or (results and not verdicts) else 0
+    return 3 if UNDECIDED in verdicts or verdicts == {SKIPPED} else 0
 
 
 def results_of(judged: Judged) -> list[OrderResult]:
     """Return the observed orders of all columns."""
     return [result for _, results in judged for result in results]
+
+
+def wrapped(text: str) -> list[str]:
+    """Return the lines of a paragraph, which are at most 80 characters long."""
+    return textwrap.wrap(text, 80, subsequent_indent="    ")
 
 
 def as_text(judged: Judged) -> str:
@@ -40,40 +44,32 @@ def as_text(judged: Judged) -> str:
     """
     lines: list[str] = []
     for result in results_of(judged):
-        lines += textwrap.wrap(f"{result.name}: {result.conclusion}", 80, subsequent_indent="    ")
+        lines += wrapped(f"{result.name}: {result.conclusion}")
     for series, results in judged:
-        lines += ["", *textwrap.wrap(series.caption, 80), *recognised(series)]
+        lines += ["", *wrapped(series.caption), *wrapped(series.recognised("errors"))]
         for result in results:
             lines += ["", result.name[:80], f"  {'h':>12} {'error':>12} {'order':>8}"]
-            orders = ("", *(f"{order:.3f}" for order in result.orders))
+            orders = ["", *(f"{order:9.3f}" for order in result.orders)]
             for h, error, order in zip(result.h, result.errors, orders, strict=True):
-                lines.append(f"  {h:12.5g} {error:12.5g} {order:>8}".rstrip())
+                lines.append(f"  {h:12.5g} {error:12.5g}{order}")
     return "\n".join(lines)
 
 
-def recognised(series: Series) -> list[str]:
-    """Return lines that say how a table was read."""
-    return textwrap.wrap(series.recognised, 80, subsequent_indent="    ")
-
-
-def as_json(judged: Judged) -> list[dict[str, Any]]:
-    """Return one dictionary for each column of errors; numbers that are not finite become None."""
+def as_json(judged: Judged) -> str:
+    """Return JSON with one object for each column of errors."""
     entries = []
     for series, results in judged:
         table = {key: getattr(series, key) for key in ("caption", "form", "label", "size", "ignored")}
         for result in results:
             entry = asdict(result)
-            entries.append(finite(entry | entry.pop("expectation") | {"table": table}))
-    return entries
+            entries.append(entry | entry.pop("expectation") | {"table": table})
+    return dumps(entries)
 
 
-def finite(value: Any) -> Any:
-    """Return nested data with None in place of numbers that are not finite, which JSON cannot write."""
-    if isinstance(value, dict):
-        return {key: finite(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(entry) for entry in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+def dumps(entries: list[dict[str, Any]]) -> str:
+    """Return entries as JSON, with null for numbers that are not finite."""
+    finite = json.loads(json.dumps(entries), parse_constant=lambda name: None)
+    return json.dumps(finite, indent=2, ensure_ascii=False)
 
 
 def as_markdown(judged: Judged) -> str:
@@ -81,8 +77,8 @@ def as_markdown(judged: Judged) -> str:
     rows = ["| column | verdict | behaviour of the errors |", "|---|---|---|"]
     for result in results_of(judged):
         words = result.conclusion.removeprefix(f"{result.verdict}: ")
-        cells = [printable(cell).replace("|", "\\|") for cell in (result.name, result.verdict or "–", words)]
-        rows.append("| " + " | ".join(cells).replace("\n", " ") + " |")
+        cells = [cell.replace("|", "\\|").replace("\n", " ") for cell in (result.name, result.verdict or "–", words)]
+        rows.append(printable(f"| {' | '.join(cells)} |"))
     return "\n".join(rows) + "\n"
 
 
@@ -92,25 +88,21 @@ def as_junit(judged: Judged) -> str:
     An order that is lower or higher than expected is a failure, and so is an undecided verdict.
     """
     suite = ElementTree.Element("testsuite", name="convergence-orders")
-    tags = dict.fromkeys((FAILS, HIGHER, UNDECIDED), "failure") | dict.fromkeys((None, SKIPPED), "skipped")
     for result in results_of(judged):
         case = ElementTree.SubElement(suite, "testcase", classname="orders", name=printable(result.name))
-        if tag := tags.get(result.verdict):
-            ElementTree.SubElement(case, tag, message=printable(result.conclusion))
+        failed = result.verdict in (FAILS, HIGHER, UNDECIDED)
+        if failed or result.verdict in (None, SKIPPED):
+            ElementTree.SubElement(case, "failure" if failed else "skipped", message=printable(result.conclusion))
     suite.set("tests", str(len(suite)))
     suite.set("failures", str(len(suite.findall("*/failure"))))
     return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True)
 
 
 def plot(judged: Judged, file: Path) -> None:
-    """Draw errors over mesh sizes, with two lines for each column: the fitted order and the expected order.
-
-    Parameters:
-        judged: the tables and the observed orders of their columns.
-        file: the file, whose name ends with .png, .svg or .pdf.
+    """Draw errors over mesh sizes, and for each column a dashed line with the expected order.
 
     Raises:
-        OrderError: the name of the file has another ending, or Matplotlib is not installed.
+        OrderError: the name of the file does not end with .png, .svg or .pdf, or Matplotlib is not installed.
     """
     if file.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise OrderError(f"--plot {file}: expected a name that ends with .png, .svg or .pdf")
@@ -123,15 +115,20 @@ def plot(judged: Judged, file: Path) -> None:
     figure = figures.Figure(layout="constrained")
     axes = figure.add_subplot(xscale="log", yscale="log", xlabel="mesh size h or time step", ylabel="error")
     for result in results_of(judged):
-        shown = [(h, error) for h, error in zip(result.h, result.errors, strict=True) if 0 < error < math.inf]
         # Matplotlib would read dollar signs in names as the start of a formula.
         label = f"{result.name}: order {result.order:.2f}".replace("$", r"\$")
-        (line,) = axes.plot([h for h, _ in shown], [error for _, error in shown], "o-", label=label)
-        wanted = result.expectation.expected or result.expectation.at_least
-        if wanted and shown:
-            # The expected line is shifted below the errors, so that both lines are visible if they are parallel.
-            finest, error = shown[-1]
-            below = [0.6 * error * (h / finest) ** wanted for h in result.h]
+        positive = [error if 0 < error < math.inf else math.nan for error in result.errors]
+        (line,) = axes.plot(result.h, positive, "o-", label=label)
+        order = result.expectation.expected or result.expectation.at_least
+        if order:
+            # The line is shifted below the errors, so that both are visible if they are parallel.
+            below = [0.6 * positive[0] * (h / result.h[0]) ** order for h in result.h]
             axes.plot(result.h, below, "--", color=line.get_color())
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = axis.get_view_interval()
+        # Matplotlib labels powers of ten, of which a short axis may have none.
+        texts = [f"{low * (high / low) ** part:.3g}" for part in (0.2, 0.4, 0.6, 0.8)]
+        axis.set_ticks([], minor=True)
+        axis.set_ticks(list(map(float, texts)), texts)
     axes.legend(title="dashed: expected order, shifted")
     figure.savefig(file, dpi=150)

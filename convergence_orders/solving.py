@@ -5,10 +5,8 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from .columns import Options, series_of
 from .judging import check_orders
-from .orders import FAILS, HOLDS, UNDECIDED, OrderError, OrderResult, consecutive_orders
-from .tables import from_columns
+from .orders import FAILS, HOLDS, UNDECIDED, OrderError, OrderResult
 
 
 class ConvergenceTable:
@@ -54,8 +52,9 @@ class ConvergenceTable:
             AssertionError: an order is not as expected; the message has the table.
             OrderError: no order is expected, or a name is no column.
         """
-        options: dict[str, Any] = {"tolerance": tolerance, "floor": floor, "max_error": max_error, "at_least": at_least}
-        results = self.check(expected or None, columns=columns, **options)
+        results = self.check(
+            expected or None, at_least=at_least, tolerance=tolerance, floor=floor, max_error=max_error, columns=columns
+        )
         judged = [result for result in results.values() if result.expectation.judges]
         if not judged:
             raise OrderError("assert_order got no order, expected one: assert_order(L2=2) or at_least={'L2': 1.8}")
@@ -65,23 +64,26 @@ class ConvergenceTable:
 
     def cells(self) -> list[list[str]]:
         """Return the names and the cells of the table, with a column of orders beside each column of errors."""
-        texts = {name: [f"{value:.17g}" for value in values] for name, values in self.columns.items()}
-        orders = {}
         try:
-            (series,) = series_of([from_columns("Python", texts)], Options(self.dim))
-            orders = {name: consecutive_orders(series.h, errors) for name, errors in series.errors.items()}
-        except ValueError:
-            # A table without mesh sizes, or with several series, is printed without orders.
-            pass
-        columns = [[name, *(f"{value:.6g}" for value in self.columns[name])] for name in texts if name not in orders]
-        for name in orders:
-            columns.append([name, *(f"{error:.3e}" for error in self.columns[name])])
-            columns.append(["order", "-", *(f"{order:.2f}" for order in orders[name])])
+            results = self.check()
+        except OrderError:
+            # A table without mesh sizes is printed without orders.
+            results = {}
+        columns = []
+        for name, values in self.columns.items():
+            result = results.get(name)
+            # Orders belong to the rows if the coarsest mesh comes first.
+            if result and result.errors == tuple(values):
+                columns.append([name, *(f"{error:.3e}" for error in values)])
+                columns.append(["order", "-", *(f"{order:.2f}" for order in result.orders)])
+            else:
+                columns.append([name, *(f"{value:.6g}" for value in values)])
         return [list(row) for row in zip(*columns, strict=True)]
 
     def __str__(self) -> str:
-        columns = [[cell.rjust(max(map(len, column))) for cell in column] for column in zip(*self.cells(), strict=True)]
-        return "\n".join(map("  ".join, zip(*columns, strict=True)))
+        rows = self.cells()
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        return "\n".join("  ".join(map(str.rjust, row, widths)) for row in rows)
 
     def to_markdown(self) -> str:
         """Return the table in Markdown."""
@@ -122,9 +124,10 @@ def refine_until_settled(
     start = time.monotonic()
     for level in range(most):
         table.add(**solve(level))
-        results = table.check(**wishes) if len(table) > 1 else {}
+        if level > 0:
+            results = table.check(**wishes)
         open_verdicts = (UNDECIDED, FAILS) if level < 3 else (UNDECIDED,)
-        settled = all(result.verdict not in open_verdicts for result in results.values() if result.expectation.judges)
-        if (settled and level > 1) or time.monotonic() - start > seconds:
+        settled = level > 1 and not any(result.verdict in open_verdicts for result in results.values())
+        if settled or time.monotonic() - start > seconds:
             break
     return results

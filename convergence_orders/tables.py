@@ -1,16 +1,15 @@
 """Cuts a text into tables: finds rows, columns and names in the forms in which people paste tables.
 
-A text is JSON, or lists ``name = [1, 2, 3]`` and ``name: 1, 2, 3``, or lines whose cells are separated by pipes, ``&``,
-tabs, semicolons, commas or blanks, or lines ``name = value``. What a column means is decided in ``columns.py``.
+A text is lists ``name = [1, 2, 3]`` and ``name: 1, 2, 3``, also those of JSON, or lines whose cells are separated by
+pipes, ``&``, tabs, semicolons, commas or blanks, or lines ``name = value``. What a column means is decided in
+``columns.py``.
 """
 
 import csv
-import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
-from typing import Any
 
 import numpy as np
 
@@ -58,8 +57,6 @@ def read_tables(data: bytes | str) -> list[Table]:
     text = decode(data) if isinstance(data, bytes) else data
     if not text.strip():
         raise OrderError(f"it is empty; {EXAMPLE}")
-    if tables := _json(text):
-        return tables
     lines = _lines(text)
     joined = "\n".join(line.text for line in lines)
     lists, singles = _lists(joined)
@@ -76,24 +73,21 @@ def read_tables(data: bytes | str) -> list[Table]:
 
 
 def decode(data: bytes) -> str:
-    """Return the text in bytes that are encoded in UTF-8, UTF-16 with its mark, or Windows-1252.
+    """Return the text in bytes that are encoded in UTF-8 or Windows-1252.
 
     Raises:
         OrderError: there are more than 8 MB, or the bytes are not text.
     """
     if len(data) > MAX_BYTES:
         raise OrderError(f"it has more than 8 MB; {EXAMPLE}")
-    wide = data[:2] in (b"\xff\xfe", b"\xfe\xff")
-    for encoding in ["utf-16"] if wide else ["utf-8-sig", "cp1252"]:
-        try:
-            text = data.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-        if control := re.search(r"[\0-\x08\x0e-\x1a\x1c-\x1f]", text):
-            line = text.count("\n", 0, control.start()) + 1
-            raise OrderError(f"line {line} contains {control[0]!r}: a binary file? Save the table as text in UTF-8")
-        return text
-    raise OrderError("it is not text but binary: save the table as text in UTF-8")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = data.decode("cp1252", errors="replace")
+    if control := re.search(r"[\0-\x08\x0e-\x1a\x1c-\x1f]", text):
+        line = text.count("\n", 0, control.start()) + 1
+        raise OrderError(f"line {line} contains {control[0]!r}: a binary file? Save the table as text in UTF-8")
+    return text
 
 
 def shorten(text: str, width: int = 60) -> str:
@@ -112,9 +106,7 @@ _COMPUTED = re.compile(r"(?<!\S)(\S{1,30}) \((?:computed|numerical)\),? +(\S{1,3
 GAP = "\x1e"
 """Sign behind a line with a rule below it."""
 _CLEANED: list[tuple[str, str]] = [
-    (r"\x1b\[[0-9;]*[A-Za-z]|[\u200b\ufeff]", ""),
     (r"\r\n|\r", "\n"),
-    (r"\b\d\d:\d\d:\d\d[.,\d]*", ""),
     (r"[│┃║┆]", "|"),
     (r"\b(?:(?:np\.|numpy\.)?float\d*|tensor|array)\(([^()\[\]]*)\)", r"\1"),
     (r"(?m)^\s*\[\d+,\]", "      "),
@@ -122,12 +114,10 @@ _CLEANED: list[tuple[str, str]] = [
     (r"=[ \t]*[^\W\d]\w*[ \t]*(?==)", ""),
     (r'(?m)^\s*ZONE\s+T\s*=\s*"([^"\n]*)"', r"\1"),
     (r"&[ \t]*\n(.*)\n", r"& \1\n\n"),
-    (r"(?m)^[ \t]*(?:\\(?:begin|end|label|centering|small|tabcolsep)|```|@f|\.\. code).*$", ""),
     (r"(?m)^[ \t]*\\caption\{(.*)\}", r"\1"),
     (rf"(?m){_ROW_END}{_RULED}+$", GAP),
     (rf"(?m){_ROW_END}$", ""),
     (rf"(?m)^(?:[\s|+:=_#*~.─━═┼╪┌┐└┘├┤┬┴╞╡╤╧╭╮╯╰╌╍-]|{_RULED})*$", ""),
-    (rf"(?m)^[ \t]*{_RULED}+", ""),
     (rf"\\multirow(?:\[\w+\])?\{{[^{{}}\n]*\}}\{{[^{{}}\n]*\}}{_BRACED}", r"\1"),
     (r"\\\|", "‖"),
     (r"\|\|(?=[^|\n]*[^|\n\d.\s][^|\n]*\|\|)([^|\n]+)\|\|", r"¦¦\1¦¦"),
@@ -158,16 +148,14 @@ def _lines(text: str) -> list[Line]:
     Raises:
         OrderError: the text has too many lines, or a line is too long.
     """
-    if text.count("\n") > MAX_LINES:
-        raise OrderError(f"it has more than {MAX_LINES} lines: a table of errors has one line for each mesh; {EXAMPLE}")
-    if max(map(len, text.split("\n"))) > MAX_LINE:
-        raise OrderError(f"it has a line of more than {MAX_LINE} characters; {EXAMPLE}")
+    if text.count("\n") > MAX_LINES or max(map(len, text.split("\n"))) > MAX_LINE:
+        raise OrderError(f"it has more than {MAX_LINES} lines, or a line of more than {MAX_LINE} characters; {EXAMPLE}")
     for pattern, replacement in _CLEANED:
         text = re.sub(pattern, replacement, text)
     text = _SPANNED.sub(lambda match: match[2] + " &" * (int(match[1]) - 1), text)
     text = _VARIABLES.sub(lambda match: re.sub(r'"[, ]+"', "\t", match[1]), text)
     text = _COMPUTED.sub(_difference, text)
-    lines: list[Line] = []
+    lines = []
     gap = False
     for number, line in enumerate(text.split("\n"), start=1):
         filled = re.search(r"\w", line)
@@ -325,7 +313,7 @@ def _header(above: list[Row], block: list[Row], width: int) -> tuple[Cells, list
         names = _names(row, block, width)
         if names and all(re.search(r"[^\W\d_]|[#‖¦|]", name) for name in names if name):
             grouped = _grouped(upper, names) if 0 < row.line.number - upper.line.number <= 2 else []
-            return grouped or names, [row, *([upper] if grouped else [])]
+            return grouped or names, [row, upper] if grouped else [row]
     return [], []
 
 
@@ -443,11 +431,11 @@ def from_columns(form: str, columns: Columns) -> Table:
     return Table(form, [*columns], [*columns.values()], [f"value {k}" for k in range(1, length + 1)])
 
 
-_NUMBER = r"[-+.\d][^\s,;:=]*(?:,\d[^\s,;=:]*)*(?:\s*(?:%|(?:[xX×·*]|\\times|\\cdot)\s*10[^\s,;=:]*))?"
+_NUMBER = r"[-+.\d][^\s,;:=\]}]*(?:,\d[^\s,;=:\]}]*)*(?:\s*(?:%|(?:[xX×·*]|\\times|\\cdot)\s*10[^\s,;=:]*))?"
 _NAMED = re.compile(
     r"(?<![^\s\[\]{},;=:])(?P<name>[^\[\]{},;=:\n]{1,80}?)[ \t]*[=:][ \t]*"
-    r"(?:(?:[\w.]{1,40}\(?)?[\[({](?P<list>[^\[\](){}]*)[\])}]|"
-    rf"(?P<row>{_NUMBER}(?:,[ \t]+{_NUMBER})*(?![^\s,;])|[^\s,;=:]+))"
+    r"(?:(?:[\w.]{1,40}\(?)?[\[({](?P<list>[^\[\](){}:]*)[\])}]|"
+    rf"(?P<row>{_NUMBER}(?:,[ \t]+{_NUMBER})*(?![^\s,;\]}}])|[^\s,;=:\[\](){{}}]+))"
 )
 """Matches a name, the sign = or :, and a list in brackets, numbers with commas between them, or one value."""
 _PAIRS = re.compile(r"(?m)^(?P<name>[^:\n]{0,60}?)(?P<pairs>(?:[ ,]+\d[\d.]*: ?[\d.eE+-]+){2,})$")
@@ -464,14 +452,9 @@ def _lists(text: str) -> tuple[list[Table], Columns]:
     for match in _NAMED.finditer(_PAIRS.sub(_as_lists, text)):
         name, separator = match["name"].strip(" \t*-\"'"), r"[,;\s]+" if match["list"] else r",\s+"
         values = re.split(separator, (match["list"] or match["row"] or "").strip(" ,;\n\t"))
-        kinds = [kind_of(value) for value in values]
         if len(values) == 1:
-            # Logging programs write the date and INFO in front of the name.
-            last = name.split()[-1] if name else ""
-            name = last if role(last) in SIZES and role(name) == "unknown" else name
             singles.setdefault(name, []).append(values[0].strip("*|`"))
-        # A word in a list of numbers is a failure; a list of words is none of numbers.
-        elif "9" in kinds and ("a" not in kinds or len(values) in map(len, tables[-1].values())):
+        elif any(kind_of(value) == "9" for value in values):
             if name in tables[-1] and role(name) in SIZES:
                 tables.append({})
             columns = tables[-1]
@@ -484,35 +467,3 @@ def _as_lists(match: re.Match[str]) -> str:
     """Return two lists, of sizes and of errors, for ``label 51: 0.1, 101: 0.02``."""
     sizes, errors = zip(*re.findall(r"(\S+): ?([^\s,]+)", match["pairs"]), strict=True)
     return f"n = [{', '.join(sizes)}]\n{match['name']} = [{', '.join(errors)}]"
-
-
-def _json(text: str) -> list[Table]:
-    """Return the tables in JSON: numbers with the same name are a column, in lists of objects or objects of lists.
-
-    The outermost object that has a column is a table; the names of the objects around it are its caption.
-    """
-    columns: dict[tuple[str, ...], Cells] = {}
-    try:
-        for path, value in _leaves(json.loads(text), ()):
-            columns.setdefault(path, []).append(value)
-    except (ValueError, RecursionError):
-        return []
-    columns = {path: values for path, values in columns.items() if path and len(values) > 1}
-    objects = {path[:-1] for path in columns}
-    tables: dict[tuple[str, ...], Columns] = {}
-    for path, values in columns.items():
-        around = next(path[:depth] for depth in range(len(path)) if path[:depth] in objects)
-        tables.setdefault(around, {})[" ".join(path[len(around) :])] = values
-    return [replace(from_columns("JSON", table), caption=" ".join(around)) for around, table in tables.items()]
-
-
-def _leaves(data: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Yield the names of the objects around each number or text, and the number or text."""
-    if isinstance(data, dict):
-        for name, entry in data.items():
-            yield from _leaves(entry, (*path, name))
-    elif isinstance(data, list):
-        for entry in data:
-            yield from _leaves(entry, path)
-    else:
-        yield path, str(data)

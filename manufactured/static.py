@@ -11,7 +11,7 @@ from manufactured.body import Body, Kind
 from manufactured.body.part import ROUNDING
 from manufactured.data import Data
 from manufactured.data.compiled_formulas import compiled, own_formula
-from manufactured.data.problem_data import Formulas, Tractions
+from manufactured.data.problem_data import Displacements, Formulas, Tractions
 from manufactured.factor import x1, x2, x3
 from manufactured.law import Elasticity, Indefinite, KelvinVoigt, LawError, Linear, isotropic
 from manufactured.symbols import FormulaError
@@ -36,7 +36,7 @@ def static(
     G: Elasticity,
     f0: Formulas | None = None,
     f2: Tractions | None = None,
-    u: Tractions | None = None,
+    u: Displacements | None = None,
 ) -> Static:
     """Return the data of a static contact problem, from formulas of x1, x2 (x3).
 

@@ -11,7 +11,7 @@ from study.fem.mesh import MeshFamily
 from study.solve.evolution import SemiDiscrete
 from study.solve.stress_problem import StressProblem
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment
 from study.statements.thm_4_2 import stress_problem
 
 

@@ -20,7 +20,7 @@ from manufactured.data import Data
 from manufactured.factor import x1, x2
 from manufactured.tensors import Array
 from study.bound.bounded import BoundedSolution, bounded_solution
-from study.bound.trajectory import DiscreteSolution, Refined
+from study.bound.trajectory import Computed, Refined
 from study.fem.mesh import MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.refining import refined
 from study.solve.tableau import MIDPOINT
@@ -191,10 +191,10 @@ class Known:
     def _compiled(self):
         return function((x1, x2, t), self.strain)
 
-    def error(self, computed: DiscreteSolution, time: float) -> float:
+    def error(self, computed: Computed, time: float) -> float:
         """‖u(t) − u_h(t)‖_V, on a refinement of the mesh of u_h with cells as small as the details of u."""
-        mesh, inclusion = self._fine(computed.space.mesh)
-        nodal = (inclusion @ computed.space.nodal(computed.at(time)).T).T
+        mesh, inclusion = self._fine(computed.mesh)
+        nodal = (inclusion @ computed.at(time).reshape(-1, 2)).T
         corners, values = mesh.p[:, mesh.t], nodal[:, mesh.t]
         F = np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)
         gradient = np.moveaxis(values[:, 1:] - values[:, :1], 2, 0) @ np.linalg.inv(F)

@@ -65,7 +65,7 @@ def row(seed: int) -> dict[str, Any]:
     verdict, largest = outcome(trial, found, times)
     if found.enclosure.evidence.kind != GUARANTEED:
         verdict = REFUSED
-    blind = trial.bounded(replace(known.data, formulas_of=None))
+    blind = trial.bounded(replace(known.data))  # a copy has no formulas
     ends = {"low": _short(found.enclosure.lowest), "high": _short(min(found.enclosure.highest, found.plain.highest))}
     return features | {"error": _short(largest), **ends, "blind": outcome(trial, blind, times)[0], "outcome": verdict}
 

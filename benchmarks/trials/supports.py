@@ -98,7 +98,7 @@ def row(seed: int) -> dict[str, Any]:
     """Return one trial: the intervals of the error and of the norm, the reference, and whether they agree."""
     data = random_problem(seed)
     found = bounded_solution(data, None, Unstructured(seed=seed), LEVEL, MIDPOINT, 1, Refined(1, 1))
-    error, norm = reference(data, found.computed.own_mesh, found.computed.nodal(0.0).reshape(-1, 2))
+    error, norm = reference(data, found.computed.mesh, found.computed.at(0.0).reshape(-1, 2))
     pairs = (error, found.error), (norm, found.norm)
     inside = all(low * (1 - SLACK) <= known <= high * (1 + SLACK) for known, (low, high) in pairs)
     return {

@@ -1,4 +1,4 @@
-"""The gallery: every case of the catalogue with its film, formulas, prediction and measured orders.
+"""The gallery: every case of the catalogue with its film, prediction and measured orders.
 
 Thumbnails and films are drawn from ``results/data/pictures``, numbers come from ``results/data``; nothing is solved. A
 picture is drawn again only if its data have changed. With FILMS=no in the environment films are left out, which saves
@@ -6,14 +6,12 @@ minutes while a page is written.
 """
 
 import hashlib
-import inspect
 import os
 import re
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from formulas import prose, with_formulas
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from sphinx.application import Sphinx
@@ -23,6 +21,7 @@ from manufactured.catalogue import catalogue
 from study.ledger.datafiles import read_csv
 from study.present.body import BodyScale, draw_deformed_mesh
 from study.present.drawing import in_style
+from study.present.notation import typeset
 from study.present.picture import Picture, picture_path, read_record
 from study.present.show import write_gif
 
@@ -37,9 +36,6 @@ INSTRUCTIVE = (
     "layered",
 )
 """The cases that come first: moving fronts, several faces, space, a gap, a rough solution, and other laws."""
-HEAD = """This page shows every exact solution of the catalogue; the most instructive ones come first. Select cases by
-their properties, and click a picture to see the film, the formulas and the observed orders of a case.
-"""
 CHOICES = {
     "dimension": ("dim", {"2": "2", "3": "3"}),
     "law": ("law", {"linear": "linear", "nonlinear": "nonlinear"}),
@@ -47,19 +43,6 @@ CHOICES = {
     "predicted order": ("order", {"one": "1", "less": "below 1"}),
 }
 """The properties by which cases are chosen: label ↦ (key, value ↦ text); ``chosen_by`` has the values of a case."""
-LEGEND = """The films show the solutions computed on one mesh with n cells along a side.
-One part shows the body with the contact pressure; its displacement is multiplied by the factor in the legend. The other
-part shows the pressure along the contact face, exact (line) and computed (dots), over the exact contact zone (blue). A
-body in space is turned so that its contact faces can be seen through the foundation. Its maps show the contact faces
-from inside the body: the exact pressure as a surface, and the computed pressure as dots in the same colours, which are
-invisible if both agree.
-
-A and G are the viscosity tensor and the elasticity tensor of the law; α and m are the exponents of gap and pressure at
-a contact front; (5.36) is the smoothness that Proposition 5.4 assumes. [A first exact
-solution](/notebooks/exact-solution.ipynb) shows how to evaluate a case. [How the exact solutions are
-made](/explanation/exact-solutions.md) explains the exponents, and the [glossary](/reference/glossary.md) lists the
-letters.
-"""
 DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
 GENERATED = DOCS / "generated"
@@ -93,21 +76,12 @@ def write_thumbnail(path: Path, picture: Picture) -> None:
 
 
 def orders(case: Case) -> str:
-    """The last consecutive orders measured, over all mesh families."""
-    rates = read_csv(ROOT / "results", "rates.csv", ["case", "family", "level", "order"])
-    mine = rates[rates["case"] == case.name].dropna(subset=["order"]).sort_values("level")
-    last = mine.groupby("family")["order"].last()
-    return f"{last.min():.2f} … {last.max():.2f}"
-
-
-def formulas(case: Case) -> tuple[str, str, str]:
-    """Module, formulas and prediction of a case, from the docstring of the module."""
-    stem = re.sub(r"\W", "_", case.name)
-    module = sys.modules[f"manufactured.cases.{stem}"]
-    text = inspect.getdoc(module) or ""
-    title, *rest = text.split("\n\n")
-    lifted = "\n\n".join(rest)
-    return f"manufactured.cases.{stem}", title, with_formulas(lifted)
+    """The orders over the last two refinements, over all mesh families."""
+    rates = read_csv(ROOT / "results", "rates.csv", ["case", "family", "level", "h", "error"])
+    logs = np.log(rates.set_index("family").loc[rates["case"].to_numpy() == case.name, ["h", "error"]])
+    steps = logs.groupby("family").diff(2).groupby("family").last()
+    found = steps["error"] / steps["h"]
+    return f"{found.min():.2f} to {found.max():.2f}"
 
 
 def chosen_by(case: Case) -> dict[str, str]:
@@ -133,26 +107,25 @@ def choice() -> str:
 
 def sentence(case: Case) -> str:
     """Returns the summary of a case with a capital letter and typeset formulas."""
-    return prose(case.summary[0].upper() + case.summary[1:])
+    return str(typeset(case.summary[0].upper() + case.summary[1:]))
 
 
 def card(case: Case, thumbnail: str) -> str:
-    """Returns the card of a case: picture, name and summary, with a link to its entry."""
+    """Returns the card of a case: picture and name, with a link to its entry."""
     classes = " ".join(f"{key}-{value}" for key, value in chosen_by(case).items())
     return f"""::::{{grid-item-card}} {case.name}
 :img-top: /generated/films/{thumbnail}
 :img-alt: Deformed body on its foundation, {case.summary}
 :link: "#{re.sub(r"[^a-z0-9]+", "-", case.name)}"
 :class-item: case {classes}
-
-{sentence(case)}
 ::::
 """
 
 
 def entry(case: Case, film: str) -> str:
-    module, title, body = formulas(case)
-    return f"""## {case.name}
+    """Returns the entry of a case: film, summary, orders, and a link to the file with its formulas."""
+    module = re.sub(r"\W", "_", case.name)
+    return f"""### {case.name}
 
 ```{{image}} /generated/films/{film}
 :alt: Film of the deforming body and of its contact pressure, {case.summary}
@@ -160,17 +133,9 @@ def entry(case: Case, film: str) -> str:
 :loading: lazy
 ```
 
-{sentence(case)}. Law: {case.solution.law.name}. Regularity: {prose(str(case.regularity))}.
-
-Predicted order {case.order:.3g}: {prose(case.reason)}. Observed orders between the two finest meshes: {orders(case)}.
-
-```{{dropdown}} Formulas
-{prose(title)}
-
-{body}
-```
-
-`named("{case.name}")`, written in `{module.replace(".", "/")}.py`.
+{sentence(case)}. Law: {case.solution.law.name}.
+Predicted order {case.order:.3g}: {typeset(case.reason)}. Observed: {orders(case)}.
+[Formulas](../manufactured/cases/{module}.py)
 """
 
 
@@ -185,7 +150,7 @@ def write_gallery(app: Sphinx) -> None:
         film = thumbnail if os.environ.get("FILMS") == "no" else drawn_once(data, "gif", write_film)
         entries.append(entry(case, film))
     grid = ":::::{grid} 2 3 4 4\n:gutter: 2\n:class-container: cases\n\n" + "".join(cards) + ":::::\n"
-    text = f"# Gallery\n\n{HEAD}\n{choice()}\n{grid}\n{LEGEND}\n" + "\n".join(entries)
+    text = f"{choice()}\n{grid}\n" + "\n".join(entries)
     (GENERATED / "gallery.md").write_text(text, encoding="utf-8")
 
 

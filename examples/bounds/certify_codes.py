@@ -6,26 +6,25 @@ A certificate has a displacement ũ, stresses and constants, from which the chec
 This part does not depend on the computed displacement u_h. So the displacement of any code can stand in the place of
 u_h, if it is P1 on the mesh of the certificate, has equal time steps, and is exactly 0 on Γ1. The problem is ``wedge``
 of examples/certificates. Needs the codes that `make codes` needs; displacements in build/certificates-of-codes/fields
-are used again. Writes results/codes/certified.csv, the table of docs/explanation/bounds.md, and one certificate for
-each code, method and mesh in build/certificates-of-codes.
+are used again. Writes results/codes/certified.csv and one certificate for each code, method and mesh
+in build/certificates-of-codes.
 """
 
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from judge_codes import NAMES, PAGE, ROOT, export, run_codes, task
+from judge_codes import NAMES, ROOT, export, run_codes, task
 
 from manufactured.data import Data
 from study.bound import fields
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import Enclosure, enclose_several, order_interval
+from study.bound.enclosing import Enclosure, enclose
 from study.bound.given import given
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
@@ -35,7 +34,6 @@ from study.certify.statement import in_doubles
 from study.fem.mesh import Unstructured
 from study.ledger.files import write_text
 from study.ledger.text import interval
-from study.present.pages import markdown, put
 from study.solve.tableau import MIDPOINT
 
 sys.path.insert(0, str(ROOT / "examples" / "certificates"))
@@ -79,7 +77,8 @@ def in_place(proof: dict[str, Any], path: Path) -> dict[str, Any]:
 def in_doubles_bounded(data: Data, proof: dict[str, Any], paths: list[Path]) -> list[Enclosure]:
     """Return the bounds of ``study bound`` for the files, with ũ on the same mesh and with the same steps."""
     computed = [given(data, **vars(fields.read(path)), steps=len(proof["computed"]) - 1) for path in paths]
-    return enclose_several(Discretisation(data, computed[0].mesh), computed, BETTER)
+    coarse = Discretisation(data, computed[0].mesh)
+    return [enclose(coarse, u_h, BETTER) for u_h in computed]
 
 
 def rows_of(data: Data, level: int, names: list[str]) -> list[dict[str, Any]]:
@@ -105,25 +104,8 @@ def rows_of(data: Data, level: int, names: list[str]) -> list[dict[str, Any]]:
     return rows
 
 
-def summary(found: pd.DataFrame) -> str:
-    """Return the table of the page: for each code the intervals of its error on each mesh, and of the proved order."""
-    levels, lines = sorted(found["level"].unique()), []
-    for (code, method), part in found.groupby(["code", "method"], sort=False):
-        line, part = [f"{code} {part['version'].iloc[0]}", method], part.set_index("level")
-        for low, high in (("proved_low", "proved_high"), ("lowest", "highest")):
-            line += [interval(part[low][level], part[high][level], SHOWN) for level in levels]
-        proved = part[["proved_low", "proved_high"]].apply(tuple, axis=1)
-        if len(levels) == 2:
-            coarse, fine = levels
-            ratio = math.log(part["h"][coarse] / part["h"][fine])
-            line.append(interval(*order_interval(proved[coarse], proved[fine], ratio), 2))
-        lines.append(line)
-    heads = [f"$n = {level}$, {how}" for how in ("proved", "in double precision") for level in levels]
-    return markdown(["code", "method", *heads, *(["order, proved"] if len(levels) == 2 else [])], lines)
-
-
 def main() -> None:
-    """Run the codes, check the certificates of their displacements, and write table and page."""
+    """Run the codes, check the certificates of their displacements, and write the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", nargs="+", metavar="ADAPTER", default=list(NAMES))
     parser.add_argument("--levels", nargs="+", type=int, metavar="N", default=list(LEVELS))
@@ -131,7 +113,6 @@ def main() -> None:
     BUILD.mkdir(parents=True, exist_ok=True)
     found = pd.DataFrame([row for level in options.levels for row in rows_of(wedge(), level, options.only)])
     write_text(TABLE, found.to_csv(index=False))
-    write_text(PAGE, put(PAGE.read_text(encoding="utf-8"), "certificates-of-codes", summary(found)))
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ from manufactured.problems import ramp
 from study.bound import bounded, fields
 from study.bound.bounded import BoundedSolution
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import enclose_several
+from study.bound.enclosing import enclose
 from study.bound.given import given
 from study.bound.trajectory import Refined, prolongation
 from study.fem.naming import family_named
@@ -102,14 +102,12 @@ def run_codes(names: list[str], directory: Path) -> None:
         subprocess.run(list(map(str, command)), check=True)
 
 
-def bound(level: int, paths: list[Path]) -> list[dict[str, Any]]:
+def bound(level: int, paths: list[Path], better: Refined) -> list[dict[str, Any]]:
     """Return a row with the interval of the largest error for each displacement on the mesh of a level."""
-    data = ramp()
-    computed = [given(data, **vars(fields.read(path))) for path in paths]
-    coarse = Discretisation(data, computed[0].mesh)
-    found = enclose_several(coarse, computed, BETTER[level])
-    rows = []
-    for path, u_h, enclosure in zip(paths, computed, found, strict=True):
+    data, rows = ramp(), []
+    for path in paths:
+        u_h = given(data, **vars(fields.read(path)))
+        enclosure = enclose(Discretisation(data, u_h.mesh), u_h, better)
         with np.load(path) as arrays:
             code, version, method = arrays["name"].tolist()
         row = bounded.record(level, BoundedSolution(u_h, None, enclosure))["row"]
@@ -119,15 +117,8 @@ def bound(level: int, paths: list[Path]) -> list[dict[str, Any]]:
 
 def default_bounds(paths: list[Path]) -> pd.DataFrame:
     """Return the upper bounds of the errors with the default settings, a row for each displacement on one mesh."""
-    data = ramp()
-    computed = [given(data, **vars(fields.read(path))) for path in paths]
-    found = enclose_several(Discretisation(data, computed[0].mesh), computed, Refined())
-    rows = []
-    for path, enclosure in zip(paths, found, strict=True):
-        with np.load(path) as arrays:
-            code, _, method = arrays["name"].tolist()
-        rows.append({"code": code, "method": method, "level": DEFAULT, "default_high": enclosure.highest})
-    return pd.DataFrame(rows)
+    rows = pd.DataFrame(bound(DEFAULT, paths, Refined()))
+    return rows.rename(columns={"highest": "default_high"})[["code", "method", "level", "default_high"]]
 
 
 def bounds_of(level: int) -> Path:
@@ -184,7 +175,7 @@ def main() -> None:
     for level in BETTER:
         if not bounds_of(level).exists():
             files = [path for name in options.only for path in sorted((BUILD / "fields").glob(f"{name}-{level}-*.npz"))]
-            pd.DataFrame(bound(level, files)).to_csv(bounds_of(level), index=False)
+            pd.DataFrame(bound(level, files, BETTER[level])).to_csv(bounds_of(level), index=False)
             print(f"n = {level}: {len(files)} displacements bounded", flush=True)
     default = BUILD / "default.csv"
     if not default.exists():

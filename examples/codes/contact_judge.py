@@ -9,7 +9,7 @@ writes the tasks as text files.
 TASKS holds files *.json.xz in the format contact-task 2 or 1 (docs/reference/tasks.md), ANSWERS for the task
 NAME.json.xz a file NAME/u.txt: one line for each step, with u_x u_y (u_z) of vertex after vertex, and optionally what
 the code reports about contact. From Python, ``answer`` drives a code and ``assess`` judges it
-(docs/reference/judge.md). Exit codes: 0 all series pass, 1 one fails, 2 usage or input, 3 undecided.
+(docs/reference/tasks.md). Exit codes: 0 all series pass, 1 one fails, 2 usage or input, 3 undecided.
 """
 
 from __future__ import annotations
@@ -2094,7 +2094,7 @@ def order_of(name, h, errors):
 
 
 def classify(h: list[float], errors: list[Errors]) -> str:
-    """Return the class of a code from its errors, mesh by mesh (docs/reference/judge.md)."""
+    """Return the class of a code from its errors, mesh by mesh (docs/reference/tasks.md)."""
     return judged(h, errors)[0]
 
 

@@ -1,4 +1,4 @@
-"""DOLFINx for the stiffness matrix, PETSc's SNESVI (reduced space active sets) for the contact.
+"""DOLFINx 0.11 for the stiffness matrix, PETSc's SNESVI (reduced space active sets) for the contact.
 
 Bounds are those of single unknowns, so the vertices of Γ3 are given axes along ν; a vertex with two constraints is
 served where the normals are at right angles.
@@ -6,7 +6,7 @@ served where the normals are at right angles.
 
 from __future__ import annotations
 
-import basix.ufl_wrapper  # noqa: F401
+import basix.ufl
 import dolfinx
 import numpy as np
 import scipy.sparse as sps
@@ -14,6 +14,7 @@ import ufl
 from common import CannotExpressError, fixed, forces
 from contact_judge import Task
 from dolfinx import fem
+from dolfinx.fem.petsc import assemble_matrix
 from mpi4py import MPI
 from petsc4py import PETSc
 
@@ -24,11 +25,9 @@ VERSION = f"{dolfinx.__version__} + {'.'.join(map(str, PETSc.Sys.getVersion()))}
 def matrix(task: Task) -> sps.csr_matrix:
     """The stiffness matrix by DOLFINx, in the order of the task's vertices."""
     d = task.dim
-    cell = "triangle" if d == 2 else "tetrahedron"
-    mesh = dolfinx.mesh.create_mesh(
-        MPI.COMM_SELF, task.cells, task.vertices, ufl.Mesh(ufl.VectorElement("Lagrange", cell, 1))
-    )
-    V, P0 = fem.VectorFunctionSpace(mesh, ("Lagrange", 1)), fem.FunctionSpace(mesh, ("DG", 0))
+    coordinates = basix.ufl.element("Lagrange", "triangle" if d == 2 else "tetrahedron", 1, shape=(d,))
+    mesh = dolfinx.mesh.create_mesh(MPI.COMM_SELF, task.cells, coordinates, task.vertices)
+    V, P0 = fem.functionspace(mesh, ("Lagrange", 1, (d,))), fem.functionspace(mesh, ("DG", 0))
     mine = mesh.topology.original_cell_index
     pairs = [(0, 0), (1, 1), (0, 1)] if d == 2 else [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
 
@@ -44,14 +43,12 @@ def matrix(task: Task) -> sps.csr_matrix:
             c = fem.Function(P0)
             c.x.array[:] = values[mine]
             terms.append(c * a * b * ufl.dx)
-    A = fem.petsc.assemble_matrix(fem.form(sum(terms[1:], terms[0])))
+    A = assemble_matrix(fem.form(sum(terms[1:], terms[0])))
     A.assemble()
     indptr, indices, data = A.getValuesCSR()
     K = sps.csr_matrix((data, indices, indptr))
     dofs = np.empty(len(task.vertices), int)
-    layout, geometry = V.dofmap.list.array.reshape(-1, d + 1), mesh.geometry
-    nodes = geometry.dofmap.array.reshape(-1, d + 1)
-    dofs[np.array(geometry.input_global_indices)[nodes]] = layout
+    dofs[mesh.geometry.input_global_indices[mesh.geometry.dofmap]] = V.dofmap.list
     order = (d * dofs[:, None] + np.arange(d)).ravel()
     return K[order][:, order]
 

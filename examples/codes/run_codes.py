@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import csv
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -70,8 +71,12 @@ class Adapter:
     def missing(self) -> bool:
         if not self.python.exists() or (self.program and not shutil.which(self.program)):
             return True
-        command = [str(self.python), "-c", "import " + ", ".join(self.imports)]
-        return subprocess.run(command, capture_output=True, check=False).returncode != 0
+        return self.run("-c", "import " + ", ".join(self.imports), capture_output=True).returncode != 0
+
+    def run(self, *arguments: object, **options) -> subprocess.CompletedProcess:
+        # The wheel of MPICH has its library in the folder lib of the environment.
+        libraries = {"LD_LIBRARY_PATH": str(WHEELS.parents[1] / "lib")} if self.python == WHEELS else {}
+        return subprocess.run([str(self.python), *map(str, arguments)], env=os.environ | libraries, **options)
 
 
 KRATOS = "KratosMultiphysics", "KratosMultiphysics.ContactStructuralMechanicsApplication"
@@ -82,7 +87,7 @@ ADAPTERS = (
     Adapter("kratos_mortar", WHEELS, KRATOS, "make codes-venv"),
     Adapter("ngsolve_penalty", WHEELS, ("ngsolve",), "make codes-venv"),
     Adapter("sfepy_contact", WHEELS, ("sfepy",), SFEPY),
-    Adapter("dolfinx_snesvi", DEBIAN, ("dolfinx", "petsc4py"), "the Debian packages python3-dolfinx python3-petsc4py"),
+    Adapter("dolfinx_snesvi", WHEELS, ("dolfinx", "petsc4py"), "make codes-venv PYTHON=python3.12, or newer, on Linux"),
     Adapter("getfem_contact", DEBIAN, ("getfem",), "the Debian package python3-getfem"),
     Adapter("freefem", Path(sys.executable), ("numpy",), "the Debian package freefem++", "FreeFem++"),
     Adapter("calculix", Path(sys.executable), ("numpy",), "the Debian package calculix-ccx", "ccx"),
@@ -229,8 +234,7 @@ def answered(adapters: list[Adapter], tasks: Path) -> list[dict]:
         if adapter.missing():
             print(f"{adapter.name} is not installed: {adapter.get}")
             continue
-        command = [str(adapter.python), str(HERE / "drive.py"), adapter.name, str(tasks), str(raw)]
-        subprocess.run(command, check=True)
+        adapter.run(HERE / "drive.py", adapter.name, tasks, raw, check=True)
         rows += json.loads((raw / f"{adapter.name}.json").read_text(encoding="utf-8"))
     return rows
 

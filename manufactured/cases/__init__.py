@@ -7,6 +7,6 @@ along Γ3, x_+^a is 0 for x ≤ 0, and a and g are the moduli A_nnnn and G_nnnn 
 the predicted order and the reason for it. There α and m are the exponents of w and p at the contact fronts
 (``manufactured.regularity``).
 
-Several cases share the material laws of ``laws``, the fronts of ``advancing_front``, the strain
-under the law (3.3) of ``yielding``, and ``constants``.
+Several cases share the material laws of ``laws``, the front of ``advancing_front``, and the strain under the law (3.3)
+of ``yielding``.
 """

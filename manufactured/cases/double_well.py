@@ -24,42 +24,31 @@ error. In that version the check that (‖u − u^h‖² + ‖Π^h u − u^h‖�
 meshes, with a quotient of up to 1.24.
 """
 
-from sympy import Expr, Float, Rational, exp
+from sympy import Float, Rational, exp
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
-from manufactured.cases.constants import ONE
 from manufactured.cases.laws import softening_then_hardening
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.face_strain import Prescribed
-from manufactured.law import Combined, KelvinVoigt
+from manufactured.law import Combined
 from manufactured.law.linear_operator import face_moduli
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
-LAW = softening_then_hardening()
 
-
-def case(
-    law: KelvinVoigt = LAW,
-    gap: Expr = ONE,
-    pressure: Expr = ONE,
-    slip: Expr = ONE,
-) -> Case:
-    """Return the case, optionally with another law, whose G does not couple normal strains while it softens.
-
-    The other arguments are factors that multiply constants of the formulas.
-    """
+def case() -> Case:
+    law = softening_then_hardening()
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     c = Rational(5, 24) + t / 2
-    w = 5 * gap * (1 + 24 * t * (1 - t)) * pos(s - c, 4)
-    z = 3 * slip * t * (1 + s / 2 - s**2 / 4)
+    w = 5 * (1 + 24 * t * (1 - t)) * pos(s - c, 4)
+    z = 3 * t * (1 + s / 2 - s**2 / 4)
     assert isinstance(law.G, Combined)
     (a, a_ss), (g, _) = (face_moduli(tensor, part.frame)[0, [0, 2]] for tensor in (law.A, law.G.linear))
     by_slip = z.diff(s, t) * Float(a_ss / g) * (exp(-Float(g / a) * t) - 1)
-    strain = Prescribed(((body.T, by_slip - 20 * pressure * pos(c - s, 3)),))
+    strain = Prescribed(((body.T, by_slip - 20 * pos(c - s, 3)),))
     face = ContactFace(part, w, strain, c - s, slip=(z,))
     return Case(
         name="double-well",

@@ -16,36 +16,26 @@ Source: M. L. Williams, J. Appl. Mech. 19 (1952) 526–528.
 """
 
 import numpy as np
-from sympy import Expr, Integer, Rational
+from sympy import Integer, Rational
 
 from manufactured.body import Kind, polygon
 from manufactured.case import Case
-from manufactured.cases.constants import ONE
 from manufactured.cases.laws import kolosov_constant, proportional, shearing
 from manufactured.exact import ExactSolution
-from manufactured.law import KelvinVoigt
 from manufactured.regularity import Regularity
 from manufactured.singular import SingularFace, SingularField, kolosov
 from manufactured.symbols import pos, s, t
 
-LAW = proportional(2.0)
 
-
-def case(law: KelvinVoigt = LAW, mode: Expr = ONE) -> Case:
-    """Return the case, optionally with other data.
-
-    Args:
-        law: another law with proportional A and G.
-        mode: a factor that multiplies the displacement.
-    """
+def case() -> Case:
+    law = proportional(2.0)
     kinds = [Kind.CLAMPED, Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED]
     body = polygon([(-1, 0), (0, 0), (1, 0), (1, 1), (-1, 1)], kinds, refine=((0.0, 0.0),))
     kappa = kolosov_constant(law.A)
     (part,) = body.of(Kind.CONTACT)
     x, y = kolosov(kappa, 1.0, -(kappa + 0.5), 0.5)
-    theta = mode * t
-    field = SingularField((0.0, 0.0), np.eye(2), x, y, theta)
-    pressure = Rational(kappa - 1) / 2 * shearing(law, theta) * pos(s, -Rational(1, 2))
+    field = SingularField((0.0, 0.0), np.eye(2), x, y, t)
+    pressure = Rational(kappa - 1) / 2 * shearing(law, t) * pos(s, -Rational(1, 2))
     face = SingularFace(part, Integer(0), pressure, Integer(1), field, rough=(0.0,))
     return Case(
         name="junction",

@@ -21,21 +21,16 @@ from manufactured.symbols import t
 from manufactured.tensors import Array, rotation
 
 
-def proportional(ratio: float = 1.0, factor: Factor = UNIFORM) -> KelvinVoigt:
+def proportional(ratio: float = 1.0) -> KelvinVoigt:
     """Return an isotropic law whose elasticity is proportional to its viscosity.
 
-    A τ = α (2τ + (tr τ)/2 I) and G = ``ratio`` · A.
+    A τ = 2τ + (tr τ)/2 I and G = ``ratio`` · A.
 
     Args:
         ratio: the ratio G/A.
-        factor: α, a scalar function of the point that multiplies A and G.
     """
     name = "linear, A = G" if ratio == 1 else f"linear, G = {ratio:g} A"
-    return KelvinVoigt(
-        isotropic(1, 0.5, factor=factor),
-        isotropic(ratio, ratio / 2, factor=factor),
-        name if factor is UNIFORM else f"{name}, heterogeneous",
-    )
+    return KelvinVoigt(isotropic(1, 0.5), isotropic(ratio, ratio / 2), name)
 
 
 def not_proportional(dim: int = 2, viscous: Factor = UNIFORM, elastic: Factor = UNIFORM) -> KelvinVoigt:

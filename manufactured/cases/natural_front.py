@@ -16,31 +16,24 @@ only, which just violates (5.36), so Prop. 5.4 gives no order.
 Source: M. L. Williams, J. Appl. Mech. 19 (1952) 526–528.
 """
 
-from sympy import Expr, Rational
+from sympy import Rational
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
-from manufactured.cases.constants import ONE
 from manufactured.cases.laws import kolosov_constant, proportional, shearing
 from manufactured.exact import ExactSolution
-from manufactured.law import KelvinVoigt
 from manufactured.profile import cutoff
 from manufactured.regularity import Regularity
 from manufactured.singular import SingularFace, SingularField, kolosov
 from manufactured.symbols import pos, s, t
 
-LAW = proportional(2.0)
 
-
-def case(law: KelvinVoigt = LAW, mode: Expr = ONE) -> Case:
-    """Return the case, optionally with another law with proportional A and G.
-
-    ``mode`` is a factor that multiplies the displacement.
-    """
+def case() -> Case:
+    law = proportional(2.0)
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     front = Rational(2, 5)
-    theta = mode * (Rational(1, 4) + 2 * t)
+    theta = Rational(1, 4) + 2 * t
     kappa = kolosov_constant(law.A)
     x, y = kolosov(kappa, 1j, -0.5j, 1.5)
     field = SingularField((float(front), 0.0), part.frame, x, y, theta, depth=cutoff().b)

@@ -20,22 +20,19 @@ Source: M. L. Williams, J. Appl. Mech. 19 (1952) 526–528.
 """
 
 import numpy as np
-from sympy import Expr, Rational, Symbol, nsolve, pi, sin
+from sympy import Rational, Symbol, nsolve, pi, sin
 
 from manufactured.body import Kind, polygon
 from manufactured.case import Case
-from manufactured.cases.constants import ONE
 from manufactured.cases.laws import kolosov_constant, proportional
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
-from manufactured.law import KelvinVoigt
 from manufactured.profile import QUARTIC, Piecewise, cutoff
 from manufactured.regularity import Regularity
 from manufactured.singular import SingularField, kolosov
 from manufactured.symbols import pos, s, t
 
 RADIUS = 0.9
-LAW = proportional(2.0)
 
 
 def exponent() -> float:
@@ -44,28 +41,20 @@ def exponent() -> float:
     return float(nsolve(sin(3 * pi / 2 * root) - root, root, 0.54))
 
 
-def case(
-    law: KelvinVoigt = LAW,
-    gap: Expr = ONE,
-    pressure: Expr = ONE,
-    mode: Expr = ONE,
-) -> Case:
-    """Return the case, optionally with another law with proportional A and G.
-
-    The other arguments are factors that multiply constants of the formulas.
-    """
+def case() -> Case:
+    law = proportional(2.0)
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     body = polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], kinds, refine=((1.0, 1.0),))
     (part,) = body.of(Kind.CONTACT)
     c = Rational(3, 5) + t / 2
-    w, p = gap * pos(s - c, 4), 5 * pressure * pos(c - s, 2)
+    w, p = pos(s - c, 4), 5 * pos(c - s, 2)
     face = ContactFace.linear(part, law, body.T, w, p, c - s, profile=cutoff(0.9, QUARTIC))
     lam, omega = exponent(), 1.5 * np.pi
     x, y = kolosov(kolosov_constant(law.A), 1.0, -(np.cos(lam * omega) + lam * np.cos(omega)), lam)
     # The first axis of the singular field is its axis of symmetry, which must point into the body.
     frame = np.array([[-1.0, 1.0], [-1.0, -1.0]]) / np.sqrt(2)
     fade = Piecewise((RADIUS,), ((1.0, 0.0, -3 / RADIUS**2, 0.0, 3 / RADIUS**4, 0.0, -1 / RADIUS**6),))
-    corner = SingularField((1.0, 1.0), frame, x, y, 4 * mode * t, radial=fade)
+    corner = SingularField((1.0, 1.0), frame, x, y, 4 * t, radial=fade)
     return Case(
         name="re-entrant",
         summary="re-entrant corner of an L-shaped body, advancing front on its bottom",

@@ -13,28 +13,24 @@ c is not a vertex of the structured meshes. The factors (1 − x)² and x² make
 small compared with the error at the front.
 """
 
-from sympy import Expr, Rational
+from sympy import Rational
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
-from manufactured.cases.constants import ONE
 from manufactured.cases.laws import not_proportional
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
-from manufactured.law import KelvinVoigt
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
-LAW = not_proportional()
 
-
-def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE) -> Case:
-    """Return the case, optionally with another linear law and with factors for gap and pressure."""
+def case() -> Case:
+    law = not_proportional()
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     c = Rational(1, 3)
-    w = 60 * gap * t * pos(s - c, Rational(7, 4)) * (1 - s) ** 2
-    p = 200 * pressure * t * pos(c - s, Rational(3, 4)) * s**2
+    w = 60 * t * pos(s - c, Rational(7, 4)) * (1 - s) ** 2
+    p = 200 * t * pos(c - s, Rational(3, 4)) * s**2
     face = ContactFace.linear(part, law, body.T, w, p, c - s, rough=(float(c),))
     return Case(
         name="rough-1.75",

@@ -17,36 +17,25 @@ Predicted order 1: u(t) ∈ H^{1+s} for s < α = 5/4, so interpolation has order
 """
 
 import numpy as np
-from sympy import Expr, Float, Rational
+from sympy import Float, Rational
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
-from manufactured.cases.constants import ONE
 from manufactured.cases.laws import not_proportional
 from manufactured.exact import ExactSolution
-from manufactured.law import KelvinVoigt
 from manufactured.profile import cutoff
 from manufactured.regularity import Regularity
 from manufactured.singular import Monomial, SingularFace, SingularField
 from manufactured.symbols import pos, s, t
 
-LAW = not_proportional()
 
-
-def case(
-    law: KelvinVoigt = LAW,
-    gap: Expr = ONE,
-    pressure: Expr = ONE,
-) -> Case:
-    """Return the case, optionally with another isotropic law.
-
-    The other arguments are factors that multiply constants of the formulas.
-    """
+def case() -> Case:
+    law = not_proportional()
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     front = Rational(2, 5)
     theta = Rational(1, 4) + 2 * t
-    alpha, W, Q = 1.25, 4.0 * float(gap), 3.0 * float(pressure)
+    alpha, W, Q = 1.25, 4.0, 3.0
     a = W * (1 + 1j / np.tan(np.pi * alpha))
     b = 1j * Q / np.sin(np.pi * (alpha - 1)) - 1j * alpha * a
     x = (Monomial(1, -alpha * a, alpha - 1),)

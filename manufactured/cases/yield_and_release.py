@@ -14,11 +14,10 @@ Predicted order 1: there is no front. w and q = âˆ’Q are smooth in space, and uÌ
 so that Prop. 5.4 applies, for which it is enough that G is Lipschitz.
 """
 
-from sympy import Expr, Float, Rational
+from sympy import Float, Rational
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
-from manufactured.cases.constants import ONE
 from manufactured.cases.yielding import RELEASE, edge, pressed_and_released
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
@@ -26,19 +25,14 @@ from manufactured.law import FrobeniusBall, KelvinVoigt, Yield, isotropic
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
-LAW = KelvinVoigt(isotropic(1, 0.5), Yield(6.0, FrobeniusBall(0.5)), "(3.3), Frobenius ball")
 
-
-def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE) -> Case:
-    """Return the case, optionally with another law (3.3).
-
-    ``gap`` and ``pressure`` are factors that multiply constants of the formulas.
-    """
+def case() -> Case:
+    law = KelvinVoigt(isotropic(1, 0.5), Yield(6.0, FrobeniusBall(0.5)), "(3.3), Frobenius ball")
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
-    rise = Float(edge(law, part)) * pressure * (Rational(3, 2) + 2 * s * (1 - s))
+    rise = Float(edge(law, part)) * (Rational(3, 2) + 2 * s * (1 - s))
     strain = pressed_and_released(law, part, Float(0), rise, RELEASE)
-    w = 8 * gap * pos(t - RELEASE, 2) * (1 + 4 * s * (1 - s))
+    w = 8 * pos(t - RELEASE, 2) * (1 + 4 * s * (1 - s))
     slip = 3 * t / 2 + pos(RELEASE - t, 2) * (s + s**2) / 2
     return Case(
         name="yield-and-release",

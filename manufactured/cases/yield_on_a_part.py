@@ -14,11 +14,10 @@ Predicted order 1: the front is fixed. The exponents of gap and pressure at the 
 u(t) ∈ H² and (5.36), so that Prop. 5.4 applies.
 """
 
-from sympy import Expr, Float, Rational
+from sympy import Float, Rational
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
-from manufactured.cases.constants import ONE
 from manufactured.cases.yielding import RELEASE, edge, pressed_and_released
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
@@ -27,22 +26,17 @@ from manufactured.law import DeviatoricBall, KelvinVoigt, Yield, isotropic
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
-LAW = KelvinVoigt(isotropic(1, 0.5), Yield(8.0, DeviatoricBall(0.1)), "(3.3), deviatoric ball")
 
-
-def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE) -> Case:
-    """Return the case, optionally with another law (3.3).
-
-    The other arguments are factors that multiply constants of the formulas.
-    """
+def case() -> Case:
+    law = KelvinVoigt(isotropic(1, 0.5), Yield(8.0, DeviatoricBall(0.1)), "(3.3), deviatoric ball")
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     c = Rational(3, 5)
-    rise = 3 * pressure * pos(c - s, 2)
+    rise = 3 * pos(c - s, 2)
     slip = 3 * t / 2 + s**2 / 4
     loaded = pressed_and_released(law, part, Float(edge(law, part)), rise, RELEASE)
     strain = Prescribed(tuple((end, slip.diff(s) + q) for end, q in loaded.phases))
-    w = 15 * gap * t**2 * pos(s - c, 3) + 4 * gap * pos(t - RELEASE, 2)
+    w = 15 * t**2 * pos(s - c, 3) + 4 * pos(t - RELEASE, 2)
     released = pos(t - RELEASE, 0)
     level = (c - s) * (1 - released) - released
     return Case(

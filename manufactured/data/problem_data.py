@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from operator import is_
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -26,6 +25,9 @@ Formulas = Annotated[
 ]
 Tractions = Annotated[
     Mapping[int, Formulas], "a dict from the number of a LOADED side to the traction on it, such as {2: (0, -4)}"
+]
+Displacements = Annotated[
+    Mapping[int, Formulas], "a dict from the number of a CLAMPED or ROLLER side to its displacement, as {0: (0, 0.1)}"
 ]
 
 
@@ -54,13 +56,12 @@ class Data:
         lines: lines (direction, offset) across which f_0 or ε(u_0) is not smooth at any time, for quadrature.
         points: vertices of the body at which f_0 or ε(u_0) is singular.
         formulas_of: the source of the functions, by which equal data are recognised: an exact solution,
-            ``Expressions``, or None for functions of Python. It becomes None if ``dataclasses.replace`` changes the
-            body or a function, because the source no longer belongs to the functions.
+            ``Expressions``, or None for functions of Python. Only ``of`` and ``formulas`` state it. It is None after
+            ``dataclasses.replace``, because it may not belong to the new functions.
         fronts: a function from a time to lines across which f_0 jumps or has kinks at this time only.
         force_modes: a function from points to f_0 as a sum of products of functions of x and of t; None if no such sum
             is known.
         in_time: whether the loads may depend on time.
-        made_with: the source with the body and the functions that belong to it; set when data are made.
     """
 
     in_time: ClassVar[bool] = True
@@ -72,19 +73,10 @@ class Data:
     start: Callable[[Points], Vectors]
     initial: Callable[[Points], Tensors]
     lines: tuple[Hyperplane, ...] = ()
-    points: tuple[tuple[float, ...], ...] = ()
-    formulas_of: object = None
+    points: tuple[tuple[float, float], ...] = ()
+    formulas_of: object = field(default=None, init=False)
     fronts: Callable[[float], tuple[Hyperplane, ...]] = no_fronts
     force_modes: Callable[[Points], ForceModes] | None = None
-    made_with: tuple[object, ...] = field(default=(), repr=False)
-
-    def __post_init__(self) -> None:
-        """Forget the source of functions that do not belong to it."""
-        current = (self.formulas_of, self.body, *self.functions)
-        if not self.made_with:
-            object.__setattr__(self, "made_with", current)
-        elif not all(map(is_, self.made_with, current)):
-            object.__setattr__(self, "formulas_of", None)
 
     @property
     def functions(self) -> tuple[object, ...]:
@@ -111,7 +103,7 @@ class Data:
             fields = solution.at(x)
             return lambda time: fields.surface_load(part, time)
 
-        return cls(
+        data = cls(
             solution.body,
             solution.law,
             lambda x: solution.at(x).body_force,
@@ -120,10 +112,11 @@ class Data:
             lambda x: solution.at(x).strain(0.0),
             solution.rough,
             solution.singular,
-            solution,
             solution.fronts,
             (lambda x: solution.at(x).force_modes()) if isinstance(solution.law.G, Linear) else None,
         )
+        object.__setattr__(data, "formulas_of", solution)
+        return data
 
     @classmethod
     @checked(FormulaError)
@@ -166,7 +159,7 @@ class Data:
         start = compiled(displacement, dim, "u0", place)
         slopes = compiled(gradient(displacement, place), dim * dim, "∇u0", place)
         loads = tuple((number, tuple(map(own_formula, load))) for number, load in sorted((f2 or {}).items()))
-        return cls(
+        data = cls(
             body,
             law,
             lambda x: lambda time: force(x, time),
@@ -174,8 +167,9 @@ class Data:
             start,
             lambda x: mandel(slopes(x).reshape(dim, dim, *x.shape[1:])),
             (*lines, *law.steps),
-            formulas_of=Expressions(tuple(map(own_formula, f0)), loads, displacement),
         )
+        object.__setattr__(data, "formulas_of", Expressions(tuple(map(own_formula, f0)), loads, displacement))
+        return data
 
     def check(self) -> None:
         """Refuse data for which no solution can exist, by a check at random points and times.

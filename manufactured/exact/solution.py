@@ -50,7 +50,7 @@ class ExactSolution:
     law: KelvinVoigt
     faces: tuple[Face, ...]
     others: tuple[Contribution, ...] = ()
-    singular: tuple[tuple[float, ...], ...] = ()
+    singular: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         self.law.require_dimension(self.body.dim)

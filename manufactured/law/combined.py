@@ -99,12 +99,6 @@ class Combined:
     def gradient(self, strain: Callable[[], Tensors], change: Array) -> Array:
         return self.linear(change) + self.yielding.gradient(strain, change)
 
-    def energy(self, strain: Tensors) -> Array:
-        """Return the stored energy W(ε) = S·ε + ½ Cε·ε + β/2 dist²(ε, K), whose derivative is G: (D, ...) → (...)."""
-        resisting = self.yielding(strain)
-        linear = np.tensordot(self.prestress, strain, axes=1) + 0.5 * np.sum(strain * self.linear(strain), axis=0)
-        return np.asarray(linear + np.sum(resisting**2, axis=0) / (2 * self.yielding.beta))
-
     def normal_response(self, normal: Array) -> tuple[float, float, float, float]:
         """Return the response to a normal strain −Q n⊗n, as numbers (s, g, b, ρ).
 

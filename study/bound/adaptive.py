@@ -15,18 +15,18 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from skfem import Mesh, MeshTri
+from skfem import Mesh
 
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import Enclosure, enclose, known_error
+from study.bound.enclosing import Enclosure, enclose, known_error, relative
 from study.bound.problem import BoundError
 from study.bound.static import compute_static, enclose_static
 from study.bound.terms import Shares
-from study.bound.trajectory import DiscreteSolution, SmoothedInTime, compute
+from study.bound.trajectory import Computed, SmoothedInTime, compute
 from study.fem.mesh import boundary_parts
 from study.ledger.text import up
 from study.solve.evolution import Scheme
@@ -44,7 +44,7 @@ If the cells contribute less than this fraction, the mesh is not refined.
 class Adapted:
     """The solution u_h on one mesh, the bound of its error, and the contributions of cells and time to the bound."""
 
-    computed: DiscreteSolution
+    computed: Computed
     enclosure: Enclosure
     shares: Shares
 
@@ -54,22 +54,16 @@ class Stage:
     """The discretisation of one refinement step.
 
     Attributes:
-        p: the vertices of the mesh, (2, n).
-        t: the vertex numbers of the triangles, (3, cells).
+        mesh: the mesh.
         steps: the number of time steps.
     """
 
-    p: Array
-    t: Array
+    mesh: Mesh
     steps: int
 
     @property
-    def mesh(self) -> Mesh:
-        return MeshTri(np.ascontiguousarray(self.p), np.ascontiguousarray(self.t))
-
-    @property
     def cells(self) -> int:
-        return int(self.t.shape[1])
+        return int(self.mesh.t.shape[1])
 
 
 @dataclass(frozen=True)
@@ -79,17 +73,10 @@ class Tolerance:
     Attributes:
         number: the number or the percentage.
         percent: whether ``number`` is a percentage.
-
-    Raises:
-        BoundError: the number is not positive.
     """
 
     number: float
     percent: bool = False
-
-    def __post_init__(self) -> None:
-        if not 0 < self.number < math.inf:
-            raise BoundError(f"--adapt needs a tolerance that is a positive number, got {self.number:g}")
 
     def reached(self, row: pd.Series) -> bool:
         """Return whether the error bound of a mesh, from its row of ``adaptive.csv``, is at most this tolerance."""
@@ -108,8 +95,10 @@ def tolerance_from(text: str) -> Tolerance:
     percent = text.strip().endswith("%")
     try:
         number = float(text.strip().removesuffix("%"))
-    except ValueError as error:
-        raise BoundError(f"--adapt needs a tolerance such as 0.2 or 5%, got {text!r}") from error
+    except ValueError:
+        number = math.nan
+    if not 0 < number < math.inf:
+        raise BoundError(f"--adapt needs a tolerance that is a positive number, such as 0.2 or 5%, got {text!r}")
     return Tolerance(number, percent)
 
 
@@ -119,9 +108,8 @@ def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adap
     Raises:
         MeshError: the mesh does not fit the parts of the body.
     """
-    mesh = stage.mesh
-    boundary_parts(mesh, data.body)
-    discretisation = Discretisation(data, mesh)
+    boundary_parts(stage.mesh, data.body)
+    discretisation = Discretisation(data, stage.mesh)
     if isinstance(data, Static):
         static = compute_static(discretisation)
         return Adapted(static, *enclose_static(discretisation, static, None))
@@ -141,9 +129,8 @@ def next_stage(stage: Stage, cells: Array, in_time: float) -> Stage:
     part = in_time / (float(cells.sum()) + in_time)
     steps = stage.steps * (2 if part > IN_TIME else 1)
     if part > 1 - IN_TIME:
-        return Stage(stage.p, stage.t, steps)
-    mesh = stage.mesh.refined(marked(cells, PART))
-    return Stage(mesh.p, mesh.t, steps)
+        return Stage(stage.mesh, steps)
+    return Stage(stage.mesh.refined(marked(cells, PART)), steps)
 
 
 def marked(shares: Array, part: float) -> Array:
@@ -177,12 +164,12 @@ def record(number: int, found: Adapted) -> dict[str, Any]:
     enclosure = found.enclosure
     row = {
         "mesh": number,
-        "cells": int(found.computed.space.mesh.t.shape[1]),
-        "dofs": found.computed.space.dofs,
+        "cells": int(found.computed.mesh.t.shape[1]),
+        "dofs": len(found.computed.free),
         "steps": found.computed.steps,
         "error": float(enclosure.error.max()),
         "bound": enclosure.highest,
-        "percent": 100 * enclosure.relative[1],
+        "percent": 100 * relative((enclosure.lowest, enclosure.highest), enclosure.norm)[1],
         "in_time": found.shares.time / found.shares.total,
         "kind": enclosure.evidence.kind,
     }

@@ -20,7 +20,7 @@ from study.bound.discretisation import Discretisation, refuse_unserved
 from study.bound.enclosing import Enclosure, enclose, known_error, order_interval, relative
 from study.bound.problem import BoundError, require_ordered
 from study.bound.static import compute_static, enclose_static
-from study.bound.trajectory import Computed, DiscreteSolution, Refined, SmoothedInTime, compute
+from study.bound.trajectory import Computed, Refined, SmoothedInTime, compute
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.ledger.files import write_text, write_whole
 from study.solve.evolution import Scheme
@@ -28,8 +28,6 @@ from study.solve.steps import rate_steps, require_steps
 
 DIGITS = 9
 """Number of decimals in the files that the command writes."""
-NO_PLAIN = "the bound from u_h alone is left out: {why} (the interval does not need this bound)"
-"""The sentence that is printed if no error bound can be computed from u_h alone."""
 INSIDE = 1e-12
 """Penetration of the foundation up to this fraction of the largest displacement counts as round-off."""
 EQUAL = 1e-9
@@ -96,7 +94,7 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
         MeshError: a mesh does not fit the parts of the body.
     """
     if not levels or min(levels) < 2 or any(b <= a for a, b in pairwise(levels)):
-        raise BoundError(f"levels must be 2 or more and increase, got {' '.join(map(str, levels)) or 'none'}")
+        raise BoundError(f"levels must be 2 or more and increase, got {' '.join(map(str, levels))}")
     check_problem(data, steps, refined)
     if not family.serves(data.body):
         served = ", ".join(known.name for known in FAMILIES if known.serves(data.body))
@@ -166,7 +164,7 @@ def both_bounds(
             it is called with T/4 after the bound from u_h alone, and with T at the end.
     """
     why, T = why_no_plain(coarse, computed), coarse.data.body.T
-    remarks = (NO_PLAIN.format(why=why),) if why else ()
+    remarks = (f"the bound from u_h alone is left out: {why} (the interval does not need this bound)",) if why else ()
     try:
         if isinstance(coarse.data, Static):
             plain = None if why else enclose_static(coarse, computed, None)[0]
@@ -226,7 +224,7 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
     row = {
         "level": level,
         "h": enclosure.h,
-        "dofs": found.computed.nodes.shape[1],
+        "dofs": len(found.computed.free),
         "steps": len(found.computed.times) - 1,
         "error": float(enclosure.error.max()),
         "lowest": found.error[0],
@@ -296,10 +294,8 @@ def write_displacement(path: Path, computed: Computed, **more: Array) -> Path:
     The file contains the mesh, p (2, vertices) and t (3, cells), the times (steps + 1,), the nodal values u
     (steps + 1, 2, vertices), and the arrays ``more``.
     """
-    assert isinstance(computed, DiscreteSolution)
-    space = computed.space
-    values = np.array([space.nodal(u) for u in computed.nodes])
-    arrays = {"p": space.mesh.p, "t": space.mesh.t, "times": computed.times, "u": values, **more}
+    mesh = computed.mesh
+    arrays = {"p": mesh.p, "t": mesh.t, "times": computed.times, "u": computed.at_vertices, **more}
 
     def save(path: Path) -> None:
         with path.open("wb") as file:

@@ -20,6 +20,7 @@ from manufactured.data import Data, Expressions, LoadError
 from manufactured.exact import ExactSolution
 from manufactured.factor import x1, x2
 from manufactured.tensors import Array, Points
+from study.bound.problem import place
 from study.bound.ranges import ARC, Boxes, RangeError, along_side, require_known
 from study.fem.mesh import distance
 
@@ -64,12 +65,11 @@ def require_continuous_start(data: Data) -> None:
         return np.where(_meets(body, low, high, margin), spread(low, high), 0.0)
 
     with np.errstate(all="ignore"):
-        x = np.random.default_rng(0).uniform(low, high, (body.dim, MOST))
-        tolerance = JUMP * abs(data.start(x[:, body.contains(x)])).max(initial=0.0)
+        tolerance = JUMP * abs(data.start(body.sample(np.random.default_rng(0), MOST))).max(initial=0.0)
         _require_small(*_largest(low, high, inside), tolerance, "jumps by about")
         for part in (*body.of(Kind.CLAMPED), *body.of(Kind.CONTACT)) if any(formulas) else ():
-            size, place = _violation(part, np.array(formulas))
-            _require_small(size, part.point(place), tolerance, f"violates the condition of a {part.kind.name} part by")
+            size, at = _violation(part, np.array(formulas))
+            _require_small(size, part.point(at), tolerance, f"violates the condition of a {part.kind.name} part by")
 
 
 def _violation(part: Part, start: Array) -> tuple[float, Points]:
@@ -83,11 +83,10 @@ def _violation(part: Part, start: Array) -> tuple[float, Points]:
     return _largest(np.zeros((1, 1)), np.full((1, 1), part.measure), largest)
 
 
-def _require_small(size: float, place: Points, tolerance: float, what: str) -> None:
+def _require_small(size: float, at: Points, tolerance: float, what: str) -> None:
     if size > tolerance:
-        x = ", ".join(f"{c:.4g}" for c in np.ravel(place))
         raise LoadError(
-            f"u_0 {what} {size:.3g} at x = ({x}): give a continuous u_0 that is 0 on CLAMPED parts and does not "
+            f"u_0 {what} {size:.3g} at x = {place(at)}: give a continuous u_0 that is 0 on CLAMPED parts and does not "
             "penetrate the foundation; kinks such as Max(x1 - 1/2, 0) are permitted"
         )
 

@@ -22,9 +22,10 @@ from study.bound.discretisation import Discretisation
 from study.bound.problem import SMALLEST, Moduli, require_finite, require_ordered, require_visible
 from study.bound.remainders import Evidence
 from study.bound.terms import Interval, Majorant, Shares
-from study.bound.trajectory import Computed, DiscreteSolution, Parabola, Trajectory, spline
+from study.bound.trajectory import Computed, Parabola, Trajectory, spline
 from study.fem.error_norm import ErrorNorm
 from study.fem.quadrature import Line, cell_rules
+from study.fem.space import Space
 
 POOR = 0.5
 """If sampling of the data causes more than this fraction of an error bound, a message says at which place."""
@@ -120,7 +121,7 @@ class Enclosure:
         The factor of a Galerkin solution is 1 on every mesh, because its error is orthogonal to it.
         """
         (better, mixed), (_, given) = self.products.tolist()
-        if not mixed:
+        if not mixed or not better * given:
             return math.nan, 1.0
         return given / mixed, math.sqrt(max(0.0, 1 - mixed**2 / (better * given)))
 
@@ -138,14 +139,6 @@ class Enclosure:
     def lowest(self) -> float:
         """A lower bound of the largest error max_t ‖u(t) − u_h(t)‖_V."""
         return float(self.lower.max())
-
-    @property
-    def relative(self) -> tuple[float, float]:
-        """Interval that contains the relative error max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V.
-
-        If u may be 0, the upper end is ∞.
-        """
-        return relative((self.lowest, self.highest), self.norm)
 
     @property
     def contains(self) -> bool:
@@ -181,42 +174,20 @@ def enclose(
         BoundError: the nodes of ũ are not equally spaced in time; the mesh of ũ is not a refinement of the mesh of u_h;
             or the data are so large or so small that their squares overflow or underflow.
     """
-    return enclose_several(coarse, [computed], trajectory, error, progress)[0]
-
-
-def enclose_several(
-    coarse: Discretisation,
-    computed: Sequence[Computed],
-    trajectory: Trajectory,
-    error: Callable[[float, Array], float] | None = None,
-    progress: Callable[[float], object] = lambda time: None,
-) -> list[Enclosure]:
-    """Return bounds of the errors of several displacements on one mesh.
-
-    The more accurate displacement ũ and the bound of its error are the same for all of them and computed once.
-
-    Args:
-        coarse, trajectory, error, progress: as in ``enclose``.
-        computed: the displacements. The first one decides the time steps of ũ.
-
-    Raises:
-        BoundError: as in ``enclose``.
-    """
     fine = trajectory.discretisation(coarse)
-    fields, pieces = [u_h.on(fine) for u_h in computed], spline(trajectory.nodes(fine, computed[0]))
+    u_h, pieces = computed.on(fine), spline(trajectory.nodes(fine, computed))
     first = next(pieces)
     initial = squared_distances(fine, fine.data.initial, first.start, fine.data.lines)
     start = math.sqrt(float(initial.sum())) + fine.sampling.missed_at_start()
     intervals: list[Interval] = []
-    rows: list[list[tuple[float, ...]]] = [[] for _ in computed]
-    products = np.zeros((len(computed), 2, 2))
+    rows: list[tuple[float, ...]] = []
+    products = np.zeros((2, 2))
     low, high = max(0.0, float(fine.norm(first.start)) - start), 0.0
     for piece, interval in Majorant(fine)(chain([first], pieces), start):
-        for u_h, given, found, sums in zip(fields, computed, rows, products, strict=True):
-            true, at_b = error(piece.b, given.at(piece.b)) if error else math.nan, u_h(piece.b)
-            between = interval.inside + largest_distance(fine, piece, given.times, u_h)
-            found.append((float(fine.norm(piece.end - at_b)), true, between))
-            sums += fine.products(piece.end, at_b)
+        true, at_b = error(piece.b, computed.at(piece.b)) if error else math.nan, u_h(piece.b)
+        inside = interval.inside + largest_distance(fine, piece, computed.times, u_h)
+        rows.append((float(fine.norm(piece.end - at_b)), true, inside))
+        products += fine.products(piece.end, at_b)
         low = max(low, float(fine.norm(piece.end)) - interval.at_b)
         high = max(high, interval.inside + float(fine.norm(np.array([piece.start, piece.control, piece.end])).max()))
         intervals.append(interval)
@@ -228,24 +199,33 @@ def enclose_several(
     poor = sum(one.missed for one in intervals) > POOR * intervals[-1].at_b
     evidence = Evidence(fine.sampling.reasons, fine.sampling.worst(worst.a, worst.b) if poor else "")
     loaded = bool(initial.any() or any(fine.load(time).any() for time in times))
-    result = []
-    for u_h, given, found, sums in zip(fields, computed, rows, products, strict=True):
-        distances, errors, between = np.array(found).T.copy()
-        at_0 = start + fine.norm(first.start - u_h(0.0))
-        over_time = times, distances, bounds, errors
-        one = Enclosure(given.h, *over_time, tuple(intervals), at_0, initial, between, evidence, (low, high), sums)
-        require_visible(fine.data, one.highest, loaded or bool(given.nodes.any()))
-        # Squares of small data may have underflowed to 0 at single times, so the bound is at least SMALLEST.
-        result.append(replace(one, bound=np.maximum(bounds, SMALLEST)) if one.highest > 0 else one)
-    return result
+    distances, errors, between = np.array(rows).T.copy()
+    found = Enclosure(
+        h=computed.h,
+        times=times,
+        distance=distances,
+        bound=bounds,
+        error=errors,
+        intervals=tuple(intervals),
+        start=start + fine.norm(first.start - u_h(0.0)),
+        initial=initial,
+        between=between,
+        evidence=evidence,
+        norm=(low, high),
+        products=products,
+    )
+    require_visible(found.highest, loaded or bool(computed.nodes.any()))
+    # Squares of small data may have underflowed to 0 at single times, so the bound is at least SMALLEST.
+    return replace(found, bound=np.maximum(bounds, SMALLEST)) if found.highest > 0 else found
 
 
-def known_error(case: Case | None, computed: DiscreteSolution) -> Callable[[float, Array], float] | None:
+def known_error(case: Case | None, computed: Computed) -> Callable[[float, Array], float] | None:
     """Return the function (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V, or None if the exact solution is unknown."""
     if case is None:
         return None
-    v_norm = ErrorNorm(case.solution, computed.space, raised=RAISED)
-    return lambda time, u: v_norm.distance(v_norm.sample(time), u)
+    space = Space(computed.mesh, computed.body)
+    v_norm = ErrorNorm(case.solution, space, raised=RAISED)
+    return lambda time, u: v_norm.distance(v_norm.sample(time), u[space.free])
 
 
 def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: Callable[[float], Array]) -> float:

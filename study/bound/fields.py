@@ -2,6 +2,7 @@
 
 import re
 import xml.etree.ElementTree as ET
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -131,20 +132,34 @@ def _refuse_larger(path: Path, whole: int) -> None:
         )
 
 
+def _refuse_packed_hdf(path: Path) -> None:
+    """Raise BoundError, before anything is unpacked, if the HDF5 files of an .xdmf file unpack to very much."""
+    whole = Counter[Path]()
+    for text in {str(item.text).strip() for item in ET.parse(path).iterfind(".//DataItem[@Format='HDF']")}:
+        import h5py  # type: ignore[import-untyped]  # Only files of this kind need it.
+
+        name, _, dataset = text.partition(":")
+        packed = path.parent / name
+        with h5py.File(packed) as file:
+            whole[packed] += file[dataset].nbytes
+        _refuse_larger(packed, whole[packed])
+
+
 def _read_mesh(path: Path) -> Any:
     """Read a mesh file by meshio; raise BoundError if the format is unknown or the file is broken."""
     import meshio  # type: ignore[import-untyped]  # Only files of this kind need it.
 
     if not path.is_file():
         raise BoundError(f"there is no file {path}")
-    if path.suffix.lower() not in meshio.extension_to_filetypes:
-        advice = "; the tutorial on CalculiX converts .frd files" if path.suffix.lower() == ".frd" else ""
+    kind = path.suffix.lower()
+    if kind not in meshio.extension_to_filetypes:
+        advice = "; docs/tutorials/bound.md converts .frd files" if kind == ".frd" else ""
         raise BoundError(
             f"{path} has a format that cannot be read: expected .npz, .pvd, .xdmf or a mesh format of meshio, such as "
             f".vtu, .vtk or .msh{advice}"
         )
     try:
-        if path.suffix.lower() == ".vtu":
+        if kind == ".vtu":
             # Every point and every cell takes 8 bytes at least.
             _refuse_larger(path, 8 * sum(map(int, COUNTS.findall(path.read_bytes()))))
         return meshio.read(path)
@@ -164,24 +179,17 @@ def _single(path: Path) -> Iterator[tuple[float | None, Any]]:
 
 def _pvd(path: Path) -> Iterator[tuple[float | None, Any]]:
     """Yield the times and meshes of a .pvd file."""
-    before = None
     for entry in ET.parse(path).getroot().iter("DataSet"):
         if not {"timestep", "file"} <= set(entry.attrib):
             raise BoundError(f"{path} has a DataSet without timestep or file: give both, one DataSet for each time")
-        time = float(entry.attrib["timestep"])
-        if before is not None and time <= before:
-            raise BoundError(
-                f"{path} has the time {time:g} after {before:g}: give one file for each time, in increasing order; "
-                "the parts of a parallel run have to be merged into one file"
-            )
-        before = time
-        yield time, _read_mesh(path.parent / entry.attrib["file"])
+        yield float(entry.attrib["timestep"]), _read_mesh(path.parent / entry.attrib["file"])
 
 
 def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
     """Yield the times and meshes of an .xdmf file. Without a time series, yield its one mesh and the time None."""
     import meshio
 
+    _refuse_packed_hdf(path)
     try:
         series = meshio.xdmf.TimeSeriesReader(path)
     except (meshio.ReadError, AttributeError, IndexError):
@@ -205,13 +213,13 @@ def _together(path: Path, meshes: Iterable[tuple[float | None, Any]], name: str 
     for time, mesh in meshes:
         triangles = _triangles(path, mesh)
         if first is None:
-            first, first_triangles, expected = mesh, triangles, _sorted(triangles)
+            first, first_triangles = mesh, triangles
             name = _displacement_name(path, mesh, name)
         same = np.array_equal(mesh.points, first.points, equal_nan=True)
-        if not (same and np.array_equal(_sorted(triangles), expected)):
+        if not (same and np.array_equal(triangles, first_triangles)):
             raise BoundError(
-                f"{path} has another mesh at t = {time} than before, with other points or other triangles: give one "
-                "mesh for all times"
+                f"{path} has another mesh at t = {time} than before, with other points or other triangles, or in "
+                "another order: give one mesh for all times"
             )
         if name not in mesh.point_data:
             raise BoundError(f"{path} has no field {name!r} at t = {time}: give the same field at all times")
@@ -221,12 +229,6 @@ def _together(path: Path, meshes: Iterable[tuple[float | None, Any]], name: str 
         raise BoundError(f"{path} lists no mesh")
     all_times = None if None in times else np.array(times, dtype=float)
     return Field(first.points, first_triangles, all_times, np.array(values))
-
-
-def _sorted(triangles: Array) -> Array:
-    """Return the triangles in increasing order, each with increasing numbers of its corners and of its midpoints."""
-    corners, midpoints = np.sort(triangles[:, :3], axis=1), np.sort(triangles[:, 3:], axis=1)
-    return np.unique(np.hstack([corners, midpoints]), axis=0)
 
 
 def _triangles(path: Path, mesh: Any) -> Array:
@@ -262,8 +264,7 @@ def _displacement_name(path: Path, mesh: Any, name: str | None) -> str:
             f"{path} has no vectors at points, only the fields {fields}: write the displacement as one field of "
             "vectors at the points"
         )
-    wanted = f"the field {name!r}" if name is not None else "one displacement"
     raise BoundError(
-        f"{path} does not have {wanted}: its vector fields at points are {', '.join(vectors)}; choose one with --field "
-        "NAME"
+        f"{path} does not have {name or 'one displacement'}: its vector fields at points are {', '.join(vectors)}; "
+        "choose one with --field NAME"
     )

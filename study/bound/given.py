@@ -11,14 +11,15 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sps
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 from skfem import Mesh, MeshTri
 
+from manufactured.arguments import Count, checked
 from manufactured.body import Body, Kind
 from manufactured.case import Case
 from manufactured.data import Data
@@ -27,8 +28,8 @@ from manufactured.tensors import Array, Points
 from study.bound.bounded import BoundedSolution, both_bounds, check_problem
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import squared_distances
-from study.bound.problem import BoundError
-from study.bound.trajectory import GivenDisplacement, Refined, on_refinement
+from study.bound.problem import BoundError, place
+from study.bound.trajectory import Computed, Refined, on_refinement
 from study.fem.mesh import MeshError, boundary_parts, cell_volumes
 from study.fem.quadratic import Quadratic
 from study.ledger.text import interval
@@ -48,24 +49,28 @@ SCALED, IN_TIME, ALIKE, NEAR = 0.03, 0.1, 0.7, 0.02
 """A displacement counts as a multiple of the solution if its factor differs from 1 by more than ``SCALED``, in time by
 more than ``IN_TIME``, because long time steps and penalties change the factor by some per cent; and if the relative
 distance that remains after division by this factor is below ``ALIKE``. A usual mistake explains the factor
-if the factors that it can have differ from it by less than ``NEAR``, relatively."""
+if the factors that it can have differ from it by less than ``NEAR``, relatively, or by less than the square of this
+distance."""
 AS_PRESCRIBED = 1e-15
 """A prescribed displacement counts as exact up to this fraction of the largest displacement."""
+ROUNDED = 1e-9
+"""A change of u_h by at most this fraction of its norm is rounding, and is not reported."""
 LOW_END = 0.1
 """The lower end of an interval counts as small up to this fraction of the upper end."""
 FLAT = 1e-12
 """A triangle counts as degenerate if its area divided by its squared diameter is below this number."""
 
 
+@checked(BoundError)
 def bound_displacement(
     data: Data,
-    points: Array,
-    triangles: Array,
-    times: Array | None,
-    u: Array,
+    points: Any,
+    triangles: Any,
+    times: Any,
+    u: Any,
     refine: int = 1,
     shorter: int = 4,
-    steps: int | None = None,
+    steps: Count | None = None,
     nearest: bool = False,
     case: Case | None = None,
     progress: Callable[[float], object] = lambda time: None,
@@ -91,7 +96,7 @@ def bound_displacement(
 
 def bounded_displacement(
     data: Data,
-    computed: GivenDisplacement,
+    computed: Computed,
     refined: Refined,
     case: Case | None = None,
     progress: Callable[[float], object] = lambda time: None,
@@ -104,11 +109,11 @@ def bounded_displacement(
     low, high = found.error
     ends = max(0.0, low - computed.offset), high + computed.offset
     remarks = [*suspicion(found, data), *computed.remarks, *found.remarks]
-    if computed.offset:
+    if computed.offset > ROUNDED * high:
         remarks.append(f"the error of the displacement in the file lies in {interval(*ends, 4)}")
     if low <= LOW_END * high and computed.degree == 2:
-        much, more = "0" if low == 0 else "small", refined.refinements + 1
-        remarks.append(f"the lower end is {much}, because ũ is hardly better than u_h of degree 2: try --refine {more}")
+        more = refined.refinements + 1
+        remarks.append(f"the lower end is small, because ũ is hardly better than u_h of degree 2: try --refine {more}")
     return replace(found, remarks=tuple(remarks))
 
 
@@ -118,9 +123,9 @@ def suspicion(found: BoundedSolution, data: Data) -> list[str]:
     The sentence asks for the mistake that usually gives this factor.
     """
     factor, rest = found.enclosure.factor
-    if data.body.is_moved:
-        return []  # the factor of a Galerkin solution is then not 1, and wrong prescribed values are refused
-    if not (abs(factor - 1) > (SCALED if isinstance(data, Static) else IN_TIME) and rest < ALIKE):
+    is_scaled = abs(factor - 1) > (SCALED if isinstance(data, Static) else IN_TIME)
+    # If displacements are prescribed, the factor of a Galerkin solution is not 1, and wrong values are refused.
+    if data.body.is_moved or not is_scaled or rest >= ALIKE:
         return []
     stiff, side = abs(data.law.A.matrix[0, :2])
     # Poisson's ratio if the law here means plane strain, and if it means plane stress.
@@ -132,19 +137,19 @@ def suspicion(found: BoundedSolution, data: Data) -> list[str]:
         "plane stress there, and plane strain here?": [(1.0, 1 / (1 - strain**2))],
         "plane strain there, and plane stress here?": [(1 - stress**2, 1.0)],
     }
-    matches = (
-        name for name, ranges in usual.items() for ends in ranges if abs(np.clip(factor, *ends) / factor - 1) < NEAR
+    off, question = min(
+        (abs(np.clip(factor, *ends) / factor - 1), name) for name, ranges in usual.items() for ends in ranges
     )
-    question = next(matches, "compare loads, stiffness and units.")
+    # The part of u_h that is no multiple of the solution changes the factor by about its square.
+    if off > max(NEAR, rest**2):
+        question = "compare loads, stiffness and units."
     return [
         f"the displacement is {float(f'{factor:.3g}'):g} times the one of this problem: {question} Divided by this "
-        f"factor it differs by {100 * rest:.2g} %"
+        f"factor it differs by {_percent(rest)}"
     ]
 
 
-def true_error(
-    case: Case | None, coarse: Discretisation, computed: GivenDisplacement
-) -> Callable[[float, Array], float] | None:
+def true_error(case: Case | None, coarse: Discretisation, computed: Computed) -> Callable[[float, Array], float] | None:
     """Return the function (t, nodal values) ↦ ‖u(t) − u_h(t)‖_V, or None if the exact solution is unknown."""
     if case is None:
         return None
@@ -160,15 +165,16 @@ def true_error(
 # The remaining functions check the arrays of a displacement that another program has computed.
 
 
+@checked(BoundError)
 def given(
     data: Data,
-    points: Array,
-    triangles: Array,
-    times: Array | None,
-    u: Array,
-    steps: int | None = None,
+    points: Any,
+    triangles: Any,
+    times: Any,
+    u: Any,
+    steps: Count | None = None,
     nearest: bool = False,
-) -> GivenDisplacement:
+) -> Computed:
     """Check the displacement of another program and return it together with its mesh.
 
     Points that belong to no triangle are removed. Points at the same position with the same displacement are merged.
@@ -183,8 +189,8 @@ def given(
         u: the displacements of the points at the times, (k, n, 2), or (k, n, 3) with third component 0.
         steps: the number of time steps of the more accurate displacement ũ is a multiple of this number. The default is
             the number of time intervals of u, but at least ``LEAST_STEPS``.
-        nearest: what to do if u does not vanish on Γ1: if true, use the nearest field that does, otherwise raise an
-            error.
+        nearest: what to do if u has other values on CLAMPED and ROLLER sides than prescribed: if true, replace the
+            values at the nodes there, otherwise raise an error.
 
     Raises:
         BoundError: an array is invalid. The message names the array and the position of the fault, and says how to
@@ -196,8 +202,8 @@ def given(
             raise BoundError(f"the problem is static, and u_h has {len(times)} times: choose one by --step")
         times, u = np.array([0.0, data.body.T]), np.concatenate([u, u])
     times = _checked_times(times, data.body.T)
-    points, triangles, u, remarks = _joined(points, triangles, u)
     _check_box(points[np.unique(triangles[:, :3])], data.body)
+    points, triangles, u, remarks = _joined(points, triangles, u)
     mesh, nodes, degree = _mesh(data.body, points, triangles)
     moved = float(np.linalg.norm(mesh.p - points[nodes[: mesh.p.shape[1]]].T, axis=0).max())
     if moved > ROUNDING * float(np.ptp(points, axis=0).max()):
@@ -206,7 +212,7 @@ def given(
     values = u[:, nodes].reshape(len(times), -1)
     _check_fit(mesh, data.body)
     steps = steps or max(len(times) - 1, LEAST_STEPS)
-    found = GivenDisplacement(mesh, data.body, degree, times, values, steps)
+    found = Computed(mesh, data.body, degree, times, values, steps)
     found = replace(found, remarks=(*remarks, *_penetration(found, moving=not isinstance(data, Static))))
     return _clamped(data, found, nearest)
 
@@ -214,16 +220,15 @@ def given(
 def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Array, Array, Array, Array]:
     """Convert the arrays to shapes (n, 2), (cells, 3 or 6), (k,), (k, n, 2); raise BoundError if one is invalid."""
     points, times, u = _real("points", points), np.atleast_1d(_real("times", times)), _real("u", u)
-    triangles = np.asarray(triangles)
+    triangles = _unmasked("triangles", triangles)
     if triangles.ndim != 2 or triangles.shape[1] not in (3, 6) or not np.issubdtype(triangles.dtype, np.integer):
         raise BoundError(
             f"triangles have the shape {triangles.shape} and the type {triangles.dtype}, expected integers (cells, 3) "
             "for linear or (cells, 6) for quadratic displacements; other cells are not served"
         )
+    triangles = triangles.astype(np.int64)
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise BoundError(f"points have the shape {points.shape}, expected (n, 2)")
-    if points.shape[1] == 3 and np.ptp(points[:, 2]) > SINGLE * np.ptp(points, axis=0).max():
-        raise BoundError("the points do not lie in a plane x3 = constant; the bound serves plane bodies")
     if u.ndim == 2 and len(times) == 1:
         u = u[None]
     if u.shape not in {(len(times), len(points), components) for components in (2, 3)}:
@@ -231,38 +236,52 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
             f"u has the shape {u.shape}, expected {(len(times), len(points), 2)}: one displacement for each of "
             f"{len(times)} times and {len(points)} points"
         )
-    if u.shape[2] == 3 and abs(u[..., 2]).max() > SINGLE * abs(u).max():
-        raise BoundError(f"the third component of u reaches {abs(u[..., 2]).max():.3g}, expected 0 for a plane body")
     for name, array in (("points", points), ("times", times), ("u", u)):
         if not np.isfinite(array).all():
             first = np.argwhere(~np.isfinite(array))[0]
             where = f" in row {first[0]} (rows are numbered from 0)"
             if name == "u":
-                where = f" at t = {times[first[0]]:.6g}, x = {_shown(points[first[1], :2])}"
+                where = f" at t = {times[first[0]]:.6g}, x = {place(points[first[1], :2])}"
             raise BoundError(f"{name} has {(~np.isfinite(array)).sum()} numbers that are not finite, the first{where}")
+    for name, array in (("points", points), ("u", u)):
+        if array.shape[-1] == 3 and np.ptp(array[..., 2]) > SINGLE * np.ptp(array):
+            raise BoundError(f"the third component of {name} is not constant, and the bound serves plane bodies")
     least, most = triangles.min(initial=len(points)), triangles.max(initial=-1)
     if least < 0 or not least <= most < len(points):
         raise BoundError(
             f"triangles have point numbers from {least} to {most}, expected 0 to {len(points) - 1}; numbers start at 0"
         )
-    return points[:, :2], triangles.astype(np.int64), times, u[..., :2]
+    return points[:, :2], triangles, times, u[..., :2]
 
 
-def _real(name: str, array: Array) -> Array:
+def _real(name: str, array: Any) -> Array:
     """Convert an array to floating-point numbers; raise BoundError if it is empty or not real."""
-    kind = np.asarray(array).dtype
-    if np.size(array) == 0 or kind.kind not in "iufc":
-        raise BoundError(f"{name} has the shape {np.shape(array)} and the type {kind}, expected numbers, at least one")
-    if np.imag(array).any():
-        raise BoundError(f"{name} has complex numbers, expected real ones")
-    return np.asarray(np.real(array), dtype=float)
+    numbers = _unmasked(name, array)
+    if numbers.size == 0 or numbers.dtype.kind not in "iufc" or np.imag(numbers).any():
+        raise BoundError(
+            f"{name} has the shape {numbers.shape} and the type {numbers.dtype}, expected real numbers, at least one"
+        )
+    return np.asarray(np.real(numbers), dtype=float)
+
+
+def _unmasked(name: str, array: Any) -> Array:
+    """Return an array without a mask; raise BoundError if entries are masked or rows have different lengths."""
+    try:
+        if not np.ma.is_masked(array):
+            return np.asarray(array)
+    except ValueError:
+        pass
+    raise BoundError(f"{name} has masked entries or rows of different lengths, expected an array of numbers")
 
 
 def _checked_times(times: Array, T: float) -> Array:
     """Check that the times increase from 0 to T, and return them; steps equal up to rounding are made equal."""
     if times.ndim != 1 or (np.diff(times) <= 0).any():
         fall = ", ".join(f"{times[k + 1]:g} after {times[k]:g}" for k in np.flatnonzero(np.diff(times) <= 0)[:1])
-        raise BoundError(f"times have to increase strictly, got {fall or f'an array of the shape {times.shape}'}")
+        raise BoundError(
+            f"times have to increase strictly, got {fall or f'an array of the shape {times.shape}'}; the parts of a "
+            "parallel run have to be merged into one file for each time"
+        )
     if abs(times[0]) > SINGLE * T:
         raise BoundError(
             f"the initial time is missing: the first time is {times[0]:.6g}. Errors depend on all that happens from "
@@ -318,13 +337,13 @@ def _check_box(vertices: Array, body: Body) -> None:
     if np.ptp(ratios) > SAME_SIZE * ratios.max() or not ratios.all():
         remedy = "It is the mesh of another body"
     elif abs(ratios - 1).max() <= SAME_SIZE:
-        remedy = f"The mesh is shifted by {_shown(low - start)}: give both in the same coordinates"
+        remedy = f"The mesh is shifted by {place(low - start)}: give both in the same coordinates"
     else:
         factor, than = (ratios.mean(), "larger") if ratios.mean() > 1 else (1 / ratios.mean(), "smaller")
         remedy = f"The mesh is {than} than the body by the factor {factor:.4g}: give both in the same unit of length"
     raise BoundError(
-        f"the mesh does not fit the body: the mesh reaches from x = {_shown(low)} to {_shown(high)}, the body from "
-        f"x = {_shown(start)} to {_shown(end)}. {remedy}"
+        f"the mesh does not fit the body: the mesh reaches from x = {place(low)} to {place(high)}, the body from "
+        f"x = {place(start)} to {place(end)}. {remedy}"
     )
 
 
@@ -332,7 +351,7 @@ def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, in
     """Make the mesh from points and triangles.
 
     Returns:
-        The mesh; for each of its nodes the number of the point there, in the order that ``GivenDisplacement``
+        The mesh; for each of its nodes the number of the point there, in the order that ``Computed``
         describes; and the polynomial degree of the displacement, 1 or 2.
     """
     corners, local = np.unique(triangles[:, :3], return_inverse=True)
@@ -342,15 +361,18 @@ def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, in
     if triangles.shape[1] == 3:
         return mesh, corners, 1
     midpoints = np.zeros(mesh.facets.shape[1], dtype=np.int64)
-    midpoints[mesh.t2f.T] = triangles[:, 3:]
-    if (midpoints[mesh.t2f.T] != triangles[:, 3:]).any():
+    # The mesh lists the corners of a triangle in increasing order. So sides are compared by the corner opposite.
+    sides = mesh.t2f[[1, 2, 0]].T
+    numbers = np.take_along_axis(triangles[:, [4, 5, 3]], np.argsort(triangles[:, :3], axis=1), axis=1)
+    midpoints[sides] = numbers
+    if (midpoints[sides] != numbers).any():
         raise BoundError("two triangles have different midpoints of a common side; number the midpoint once")
     off = np.linalg.norm(points[midpoints].T - p[:, mesh.facets].mean(axis=1), axis=0)
     lengths = np.linalg.norm(np.diff(p[:, mesh.facets], axis=1)[:, 0], axis=0)
     if (off > 10 * SINGLE * lengths).any():
         worst = int((off / lengths).argmax())
         raise BoundError(
-            f"the node of the side near x = {_shown(points[midpoints[worst]])} lies {off[worst]:.3g} off its midpoint: "
+            f"the node of the side near x = {place(points[midpoints[worst]])} lies {off[worst]:.3g} off its midpoint: "
             "curved triangles, and midpoints in another order than 01, 12, 20, are not served"
         )
     return mesh, np.concatenate([corners, midpoints]), 2
@@ -377,13 +399,13 @@ def _check_cells(mesh: Mesh) -> None:
     diameters = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
     flat = np.flatnonzero(cell_volumes(mesh) <= FLAT * diameters**2)
     if flat.size:
-        place = _shown(corners[:, :, flat[0]].mean(axis=1))
-        raise BoundError(f"{flat.size} triangles have no area, the first near x = {place}; remove them")
+        where = place(corners[:, :, flat[0]].mean(axis=1))
+        raise BoundError(f"{flat.size} triangles have no area, the first near x = {where}; remove them")
     sides = np.bincount(mesh.t2f.ravel())
     if sides.max() > 2:
-        place = _shown(mesh.p[:, mesh.facets[:, sides.argmax()]].mean(axis=1))
+        where = place(mesh.p[:, mesh.facets[:, sides.argmax()]].mean(axis=1))
         raise BoundError(
-            f"{sides.max()} triangles share a side near x = {place}: triangles overlap or are listed twice"
+            f"{sides.max()} triangles share a side near x = {where}: triangles overlap or are listed twice"
         )
 
 
@@ -397,7 +419,7 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
         stray = middle[:, ~on_part]
         raise BoundError(
             f"the mesh does not cover the body: {stray.shape[1]} sides of triangles have a triangle on one side only "
-            f"and lie on no part of the boundary, the first near x = {_shown(stray[:, 0])}. The mesh has a hole "
+            f"and lie on no part of the boundary, the first near x = {place(stray[:, 0])}. The mesh has a hole "
             "that the body lacks, or hanging nodes there, or it is the mesh of another body"
         )
     try:
@@ -406,7 +428,7 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
         raise BoundError(f"the mesh does not fit the body: {error}") from error
 
 
-def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
+def _penetration(found: Computed, moving: bool) -> list[str]:
     """Return a list with a sentence that says how far u_h penetrates the foundation; empty if it does not."""
     space = Quadratic(found.mesh, found.body)
     values = found.nodes.reshape(len(found.times), -1, 2)
@@ -419,10 +441,10 @@ def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
     depth = normal[time, node]
     if depth <= CLAMPED * abs(found.nodes).max():
         return []
-    share, when = 100 * depth / abs(found.nodes).max(), f"t = {found.times[time]:.4g}, " if moving else ""
+    share, when = _percent(depth / abs(found.nodes).max()), f"t = {found.times[time]:.4g}, " if moving else ""
     return [
-        f"u_h penetrates the foundation at its nodes by up to {depth:.3g}, {share:.2g} % of its largest component, at "
-        f"{when}x = {_shown(space.nodes[:, node])}"
+        f"u_h penetrates the foundation at its nodes by up to {depth:.3g}, {share} of its largest component, at "
+        f"{when}x = {place(space.nodes[:, node])}"
     ]
 
 
@@ -434,45 +456,45 @@ class _Unclamped(Quadratic):
         return np.arange(self.dim * self.count)
 
 
-def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDisplacement:
+def _clamped(data: Data, found: Computed, nearest: bool) -> Computed:
     """Return a displacement with the prescribed values on CLAMPED and ROLLER sides, which are 0 by default.
 
     If the displacement ``found`` has these values up to round-off, it is returned. Otherwise, if ``nearest`` is true,
-    the result is the field nearest to ``found`` in ‖·‖_V among all fields with these values. If ``nearest`` is false,
-    BoundError is raised.
+    the values at the nodes of these sides are replaced. If ``nearest`` is false, BoundError is raised.
     """
-    mesh, size = found.mesh, float(abs(found.nodes).max())
-    V = Quadratic(mesh, found.body)
-    fixed = np.setdiff1d(np.arange(2 * V.count), V.free)
-    coefficients = on_refinement(mesh, found.degree, mesh) @ found.nodes.T
-    beyond = coefficients - V.prescribed[:, None]
-    largest = float(abs(beyond[fixed]).max(initial=0.0))
+    mesh, body, size = found.mesh, found.body, float(abs(found.nodes).max())
+    V = Quadratic(mesh, body)
+    fixed = np.setdiff1d(np.arange(found.nodes.shape[1]), V.free)
+    # Prescribed displacements are linear on a side, so their Bernstein coefficients are their values at the nodes.
+    beyond = found.nodes[:, fixed] - V.prescribed[fixed]
+    largest = float(abs(beyond).max(initial=0.0))
     # Prescribed values may have rounding errors, and a common motion of all points would hide errors of the strain.
-    if largest <= (AS_PRESCRIBED if found.body.is_moved else CLAMPED) * size:
+    if largest <= (AS_PRESCRIBED if body.is_moved else CLAMPED) * size:
         return found
-    nearest |= found.body.is_moved and largest <= SINGLE * size
-    unclamped = _Unclamped(mesh, found.body)
-    M = unclamped.form(data.law.A.matrix, data.law.A.factor(V.points))
-    difference = beyond.copy()
-    difference[V.free] -= splu(sps.csc_array(M[V.free][:, V.free])).solve((M @ beyond)[V.free])
-    projected = coefficients - difference
-    squares = (np.einsum("it,it->t", v, M @ v).max() for v in (difference, coefficients))
+    values = found.nodes.copy()
+    values[:, fixed] = V.prescribed[fixed]
+    J = on_refinement(mesh, found.degree, mesh)
+    M = J.T @ _Unclamped(mesh, body).form(data.law.A.matrix, data.law.A.factor(V.points)) @ J
+    squares = (np.einsum("ti,it->t", v, M @ v.T).max() for v in (found.nodes - values, found.nodes))
     offset, whole = (math.sqrt(max(square, 0.0)) for square in squares)
-    share = f"{offset:.3g} = {100 * offset / whole if whole else math.inf:.2g} % of the largest ‖u_h‖_V"
-    kinds = "CLAMPED or ROLLER" if found.body.of(Kind.ROLLER) else "CLAMPED"
-    differs, wanted = ("differs by", "as prescribed") if found.body.is_moved else ("reaches", "0")
-    what = f"u_h {differs} {largest:.3g} on a {kinds} side"
-    if not nearest:
+    share = f"{offset:.3g} = {_percent(offset / whole if whole else math.inf)} of the largest ‖u_h‖_V"
+    time, worst = np.unravel_index(abs(beyond).argmax(), beyond.shape)
+    node, direction = divmod(int(fixed[worst]), 2)
+    held = (part for part in body.parts if part.kind in (Kind.CLAMPED, Kind.ROLLER))
+    side = next(part for part in held if part.contains(V.nodes[:, node], SINGLE * body.extent))
+    wanted = V.prescribed[fixed[worst]]
+    where = f"side {body.parts.index(side)} ({side.kind.name})"
+    if not (nearest or (body.is_moved and largest <= SINGLE * size)):
         raise BoundError(
-            f"{what}, {100 * largest / size:.2g} % of its largest component, and "
-            f"has to be {wanted} there. The nearest field that is so differs from it by {share}: with --nearest "
-            "(nearest=True) the error of that field is enclosed, and the difference is added"
+            f"u_h is {found.nodes[time, fixed[worst]]:.4g} in the direction x{direction + 1} at x = "
+            f"{place(V.nodes[:, node])} on {where}, and has to be {wanted:.4g} there. With --nearest (nearest=True) "
+            f"the values at the nodes of such sides are replaced, which changes u_h by {share}"
         )
-    remark = f"{what}, so the bounds are about the nearest field that is {wanted} there; it differs from u_h by {share}"
-    # A ``GivenDisplacement`` stores nodal values, and not Bernstein coefficients.
-    values = splu(sps.csc_array(on_refinement(mesh, 2, mesh))).solve(projected).T
-    return replace(found, degree=2, nodes=values, remarks=(*found.remarks, remark), offset=offset)
+    changed = f"u_h is changed by up to {largest:.3g} on {where}, to the prescribed values, and in ‖·‖_V by {share}"
+    remarks = (*found.remarks, changed) if offset > ROUNDED * whole else found.remarks
+    return replace(found, nodes=values, remarks=remarks, offset=offset)
 
 
-def _shown(x: Array) -> str:
-    return f"({', '.join(f'{c:.4g}' for c in x)})"
+def _percent(share: float) -> str:
+    """Return a share in per cent with two significant digits, without an exponent for 100 % and more."""
+    return f"{float(f'{100 * share:.2g}'):g} %"

@@ -31,7 +31,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from manufactured.body import Body, Kind
-from manufactured.data import Data, Expressions
+from manufactured.data import Data
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array
 from study.fem.mesh import FAMILIES, MeshError
@@ -55,6 +55,11 @@ DEGREE = 2
 
 class BoundError(ValueError):
     """Raised if no error bound can be computed for a problem."""
+
+
+def place(x: Array) -> str:
+    """Return the coordinates of a point as text for messages."""
+    return f"({', '.join(f'{c:.4g}' for c in np.ravel(x))})"
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,27 +244,22 @@ def require_ordered(low: Array | float, high: Array | float) -> None:
         raise BoundError(f"the interval from {low} to {high} has crossed ends: this is a defect of the program")
 
 
-def require_visible(data: Data, highest: float, sampled: bool) -> None:
+def require_visible(highest: float, nonzero: bool) -> None:
     """Refuse an error bound so small that squares of nonzero data may have underflowed to 0.
 
     Args:
-        data: the problem.
         highest: the error bound.
-        sampled: whether any sample of the data is nonzero. It is used only if the data are not given as formulas.
+        nonzero: whether any sample of the loads, of u_0 or of u_h is nonzero.
 
     Raises:
         BoundError: the bound is too small; the message states it.
     """
-    formulas = data.formulas_of
-    if isinstance(formulas, Expressions):
-        loads = (component for _, load in formulas.loads for component in load)
-        sampled = any(component != 0 for component in (*formulas.force, *loads, *formulas.start))
-    if sampled and not math.isfinite(highest):
+    if nonzero and not math.isfinite(highest):
         raise BoundError(
             f"the bound is {highest}: squares of displacements or data overflow in double precision; check them, and "
             "state the problem in units in which they have moderate size"
         )
-    if sampled and not highest >= SMALLEST:
+    if nonzero and not highest >= SMALLEST:
         raise BoundError(
             f"the data are not zero, and the bound is {highest:.3g}, below {SMALLEST:g}: squares of numbers this small "
             "vanish in double precision; state the problem in units in which the data have moderate size"

@@ -28,7 +28,6 @@ from functools import cached_property, lru_cache, reduce
 
 import numpy as np
 import sympy as sp
-from numpy.polynomial import Polynomial
 from sympy.core.relational import Relational
 
 from manufactured.body import Part
@@ -42,8 +41,6 @@ Pair = tuple[Array, Array]
 Flags = np.ndarray[tuple[int], np.dtype[np.bool_]]
 """A statement about each box, (boxes,)."""
 TINY, LARGEST = np.finfo(float).tiny, np.finfo(float).max
-REAL = 1e-9
-"""A root of a polynomial counts as real if its imaginary part is smaller than this number."""
 
 
 ARC, ACROSS = sp.symbols("arc across", real=True)
@@ -185,36 +182,17 @@ def _of_cosine(u: Pair, j: int, turns: int = 0) -> Pair:
     return _scaled(1 / math.factorial(j), (np.where(bottoms, -1.0, ends[0]), np.where(tops, 1.0, ends[1])))
 
 
-def _of_polynomial(value: Pair, j: int, derivative: Polynomial) -> Pair:
-    """Return the range of the Taylor coefficient of a function f whose derivative is a polynomial of f, such as tanh.
-
-    All coefficients are then polynomials of f. Their extrema are at the ends of the range of f or at zeros of their
-    derivatives.
-
-    Args:
-        value: the range of f.
-        j: the order of the coefficient.
-        derivative: the polynomial p with f' = p(f).
-    """
-    polynomial = reduce(lambda f, i: f.deriv() * derivative / i, range(1, j + 1), Polynomial([0.0, 1.0]))
-    roots = polynomial.deriv().roots() if polynomial.degree() > 1 else np.empty(0)
-    places = [*value, *(np.clip(root.real, *value) for root in roots if abs(root.imag) < REAL)]
-    with np.errstate(over="ignore"):
-        values = [polynomial(place) for place in places]
-    return enclosed(reduce(np.minimum, values), reduce(np.maximum, values))
-
-
 KNOWN: dict[type, Callable[[Pair, int], Pair]] = {
     sp.exp: _of_exp,
     sp.log: _of_log,
     sp.cos: _of_cosine,
     sp.sin: lambda u, j: _of_cosine(u, j, 3),
-    sp.tanh: lambda u, j: _of_polynomial(_monotone(u, np.tanh), j, Polynomial([1.0, 0.0, -1.0])),
 }
 """For each function of one variable, how to compute the range of its Taylor coefficient of a given order."""
 BY_OTHERS: dict[type, Callable[..., sp.Expr]] = PIECES | {
     sp.sinh: lambda x: (sp.exp(x) - sp.exp(-x)) / 2,
     sp.cosh: lambda x: (sp.exp(x) + sp.exp(-x)) / 2,
+    sp.tanh: lambda x: 1 - 2 / (sp.exp(2 * x) + 1),
     sp.tan: lambda x: sp.sin(x) / sp.cos(x),
     sp.cot: lambda x: sp.cos(x) / sp.sin(x),
 }

@@ -44,7 +44,7 @@ from study.bound.enclosing import POOR, Enclosure
 from study.bound.problem import SMALLEST, BoundError, require_visible
 from study.bound.remainders import Evidence, proportional
 from study.bound.terms import Shares
-from study.bound.trajectory import Computed, DiscreteSolution, on_refinement, prolongation
+from study.bound.trajectory import Computed, on_refinement, prolongation
 from study.fem.space import Space, form
 from study.solve.signorini import Signorini
 from study.solve.solver_choice import contact_solver
@@ -81,7 +81,7 @@ class StaticDiscretisation(Discretisation):
         return np.asarray(np.einsum("Icq,Icq,cq->c", stress, strain, self.stresses.weights))
 
 
-def compute_static(coarse: Discretisation) -> DiscreteSolution:
+def compute_static(coarse: Discretisation) -> Computed:
     """Return the P1 solution u_h of the static problem, stored as a displacement that is constant in time."""
     fine = StaticDiscretisation(coarse.data, coarse.mesh)
     data, space = fine.data, Space(fine.mesh, fine.data.body)
@@ -90,7 +90,8 @@ def compute_static(coarse: Discretisation) -> DiscreteSolution:
     lifting = on_refinement(space.mesh, 1, fine.mesh) @ space.prescribed
     load = prolongation(space, fine).T @ fine.residual(lifting[fine.displacements.free])
     u, _ = contact_solver(space)(form(space, data.law.A), space.N)(load)
-    return DiscreteSolution(space, np.array([u, u]), np.array([0.0, data.body.T]), 1)
+    nodes = space.coefficients(u).ravel()
+    return Computed(space.mesh, data.body, 1, np.array([0.0, data.body.T]), np.array([nodes, nodes]), 1)
 
 
 def enclose_static(coarse: Discretisation, computed: Computed, refinements: int | None) -> tuple[Enclosure, Shares]:
@@ -126,17 +127,29 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     # Both ends for ‖u − u_h‖.
     d, products = float(fine.norm(v - u_h)), fine.products(v, u_h)
     size = math.sqrt(products[0, 0])
-    require_visible(fine.data, d + y, bool(fine.load(0.0).any()))
-    y, above = max(y, SMALLEST) if y > 0 else y, np.array([d + y])
-    cells, zero, unknown = np.zeros(fine.mesh.t.shape[1]), np.zeros(1), np.full(1, math.nan)
+    require_visible(d + y, bool(fine.load(0.0).any() or computed.nodes.any()))
+    y = max(y, SMALLEST) if y > 0 else y
     norm = max(0.0, size - y), size + y
     if not (fine.data.body.of(Kind.CONTACT) or fine.data.body.is_moved):
         rest = (2 * missed.everywhere + ENERGY_ROUNDING * size) * size
         energy = 2 * float(fine.load(0.0) @ v) - size**2
         norm = math.sqrt(max(0.0, energy - rest)), math.sqrt(energy + y**2 + rest)
-    bounds = zero, np.array([d]), np.array([y]), unknown
     distances = fine.squares(fine.elastic(v) - fine.elastic(u_h))
     # A refinement lists the parts of all cells in the order of the cells, again and again.
     on_cells = distances.reshape(-1, coarse.mesh.t.shape[1]).sum(axis=0)
-    found = Enclosure(computed.h, *bounds, (), d + y, cells, above, evidence, norm, products, on_cells)
+    found = Enclosure(
+        h=computed.h,
+        times=np.zeros(1),
+        distance=np.array([d]),
+        bound=np.array([y]),
+        error=np.array([math.nan]),
+        intervals=(),
+        start=d + y,
+        initial=np.zeros(fine.stresses.cells),
+        between=np.array([d + y]),
+        evidence=evidence,
+        norm=norm,
+        products=products,
+        on_cells=on_cells,
+    )
     return found, shares

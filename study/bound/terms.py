@@ -197,7 +197,7 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class Knots:
-    """Stresses and loads at consecutive knots of the spline ũ, stored because two time intervals share each knot.
+    """Stresses and loads at consecutive knots of the spline ũ.
 
     Attributes:
         snapshots: the projected loads at each knot.
@@ -212,17 +212,6 @@ class Knots:
     elastic: Tensors
     residual: Array
     normal: Array
-
-    @property
-    def by_knot(self) -> tuple[Tensors, Tensors, Array]:
-        """The arrays whose axis 1 counts the knots: viscous and elastic stresses, and the residual."""
-        return self.viscous, self.elastic, self.residual
-
-    def __add__(self, later: Knots) -> Knots:
-        pairs = zip(self.by_knot, later.by_knot, strict=True)
-        viscous, elastic, residual = (np.concatenate(pair, axis=1) for pair in pairs)
-        normal = np.concatenate([self.normal, later.normal])
-        return Knots(self.snapshots + later.snapshots, viscous, elastic, residual, normal)
 
 
 class Majorant:
@@ -260,23 +249,20 @@ class Majorant:
         Raises:
             BoundError: the velocity ũ̇ jumps at a knot.
         """
-        remaining, last = iter(pieces), None
+        remaining, before = iter(pieces), None
         while block := list(islice(remaining, self._together)):
-            if last is None:
-                first, before = block[0], block[0].rate(end=False)
-                last = self.knots([first.a], first.start[None], before[None])
+            first = block[0]
             for piece in block:
                 rate = piece.rate(end=False)
-                if abs(rate - before).max() > ROUNDING * abs(rate).max():
+                if before is not None and abs(rate - before).max() > ROUNDING * abs(rate).max():
                     raise BoundError(
                         f"ũ̇ jumps at t = {piece.a:.6g}: the nodes of a trajectory have to be equally spaced in time"
                     )
                 before = piece.rate(end=True)
-            ends, rates = (np.array(each) for each in zip(*((p.end, p.rate(end=True)) for p in block), strict=True))
-            knots = last + self.knots([piece.b for piece in block], ends, rates)
-            yield from self._block(block, knots)
-            viscous, elastic, residual = (each[:, -1:] for each in knots.by_knot)
-            last = Knots(knots.snapshots[-1:], viscous, elastic, residual, knots.normal[-1:])
+            times = [first.a, *(piece.b for piece in block)]
+            u = np.array([first.start, *(piece.end for piece in block)])
+            rates = np.array([first.rate(end=False), *(piece.rate(end=True) for piece in block)])
+            yield from self._block(block, self.knots(times, u, rates))
 
     def knots(self, times: Sequence[float], u: Array, rates: Array) -> Knots:
         """Compute the stresses and loads at given knots of the spline ũ.

@@ -11,23 +11,25 @@ points, so ũ(t) is admissible for every t, however inaccurate the control point
 value and the difference quotient of the midpoint scheme.
 """
 
-from abc import ABC, abstractmethod
+import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import Annotated
 
 import numpy as np
 import scipy.sparse as sps
+from scipy.interpolate import make_interp_spline
 from skfem import Mesh
 
-from manufactured.arguments import checked
+from manufactured.arguments import Count, checked
 from manufactured.body import Body
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.fem.mesh import barycentric
 from study.fem.mesh import size as mesh_size
-from study.fem.quadratic import EDGES
+from study.fem.quadratic import EDGES, Quadratic
 from study.fem.space import Space
 from study.solve.evolution import Scheme, SemiDiscrete, remainder
 from study.solve.signorini import Signorini
@@ -37,101 +39,23 @@ ON_NODE = 1e-5
 """A node counts as a node of a uniform refinement up to this distance in barycentric coordinates."""
 
 
-class Computed(ABC):
+@dataclass(frozen=True, eq=False)
+class Computed:
     """A displacement u_h that is linear in time between stored values, computed here or by another program.
 
-    Attributes:
-        nodes: the stored values, (number of times, number of values).
-        times: the times from 0 to T to which they belong, (number of times,).
-        steps: the number of time steps of the more accurate displacement ũ is a multiple of this number.
-        degree: the polynomial degree in space, 1 or 2.
-    """
-
-    nodes: Array
-    times: Array
-    steps: int
-    degree: int
-
-    @property
-    @abstractmethod
-    def own_mesh(self) -> Mesh:
-        """The mesh of u_h."""
-
-    @property
-    @abstractmethod
-    def h(self) -> float:
-        """The mesh size."""
-
-    @abstractmethod
-    def nodal(self, time: float) -> Array:
-        """Return the values of u_h at all nodes, two components for each node in turn."""
-
-    @property
-    def T(self) -> float:
-        """The final time."""
-        return float(self.times[-1])
-
-    def at(self, time: float) -> Array:
-        """Return the values of u_h at any time, linearly interpolated, (number of values,)."""
-        low = int(np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.times) - 2))
-        share = (time - self.times[low]) / (self.times[low + 1] - self.times[low])
-        return np.asarray((1 - share) * self.nodes[low] + share * self.nodes[low + 1])
-
-    def on(self, fine: Discretisation) -> Callable[[float], Array]:
-        """Return the function t ↦ u_h(t) on a finer mesh.
-
-        Its values are coefficients of degree 2 on the mesh of ``fine``, (dofs,). This mesh is the mesh of u_h or a
-        uniform refinement of it.
-        """
-        J = sps.csr_array(on_refinement(self.own_mesh, self.degree, fine.mesh)[fine.displacements.free])
-        return lambda time: J @ self.nodal(time)
-
-
-@dataclass(frozen=True, eq=False)
-class DiscreteSolution(Computed):
-    """The solution u_h, piecewise linear in space and time.
-
-    Attributes:
-        space: the space V^h.
-        nodes: the values of u_h at equally spaced times from 0 to T, (steps + 1, n_dofs).
-        times: these times, (steps + 1,).
-        steps: the number of time steps.
-        degree: the degree in space.
-    """
-
-    space: Space
-    nodes: Array
-    times: Array
-    steps: int
-    degree: int = 1
-
-    @property
-    def own_mesh(self) -> Mesh:
-        return self.space.mesh
-
-    @property
-    def h(self) -> float:
-        return self.space.h
-
-    def nodal(self, time: float) -> Array:
-        return self.space.coefficients(self.at(time)).ravel()
-
-
-@dataclass(frozen=True, eq=False)
-class GivenDisplacement(Computed):
-    """A displacement u_h of another program, piecewise linear in time; ``study.bound.given.given`` makes it.
+    ``compute`` makes it here, and ``study.bound.given.given`` from the arrays of another program.
 
     Attributes:
         mesh: the mesh.
         body: the body.
-        degree: the degree in space, 1 or 2.
+        degree: the polynomial degree in space, 1 or 2.
         times: the times from 0 to T, (k,).
         nodes: the displacements at the nodes, two components for each node in turn, (k, 2 · number of nodes). Nodes are
             the vertices and, for degree 2, then the midpoints of the edges.
         steps: the number of time steps of the more accurate displacement ũ is a multiple of this number.
         remarks: sentences on changes of the input and on penetration of the foundation.
-        offset: 0 if u_h is the displacement of the file. If u_h is the nearest field that vanishes on Γ1, a bound of
-            the distance ‖u_file − u_h‖_V at all times.
+        offset: 0 if u_h is the displacement of the file. If its values on Γ1 were replaced, a bound of the distance
+            ‖u_file − u_h‖_V at all times.
     """
 
     mesh: Mesh
@@ -145,17 +69,47 @@ class GivenDisplacement(Computed):
 
     @cached_property
     def h(self) -> float:
+        """The mesh size."""
         return mesh_size(self.mesh)
 
     @property
-    def own_mesh(self) -> Mesh:
-        return self.mesh
+    def level(self) -> int:
+        """The number of cells of size h along a side of a square with the area of the body, at least 1."""
+        return max(1, round(math.sqrt(self.body.measure) / self.h))
 
-    def nodal(self, time: float) -> Array:
-        return self.at(time)
+    @property
+    def T(self) -> float:
+        """The final time."""
+        return float(self.times[-1])
+
+    @cached_property
+    def free(self) -> Array:
+        """The numbers of the values that no support prescribes, which are the unknowns of the problem."""
+        space = Space if self.degree == 1 else Quadratic
+        return space(self.mesh, self.body).free
+
+    @property
+    def at_vertices(self) -> Array:
+        """The displacements of the vertices at the times, (k, 2, vertices)."""
+        values = self.nodes.reshape(len(self.times), -1, 2)[:, : self.mesh.p.shape[1]]
+        return values.swapaxes(1, 2)
+
+    @cached_property
+    def at(self) -> Callable[[float], Array]:
+        """Function from any time to the values of u_h, linearly interpolated, (number of values,)."""
+        return make_interp_spline(self.times, self.nodes, k=1)
+
+    def on(self, fine: Discretisation) -> Callable[[float], Array]:
+        """Return the function t ↦ u_h(t) on a finer mesh.
+
+        Its values are coefficients of degree 2 on the mesh of ``fine``, (dofs,). This mesh is the mesh of u_h or a
+        uniform refinement of it.
+        """
+        J = sps.csr_array(on_refinement(self.mesh, self.degree, fine.mesh)[fine.displacements.free])
+        return lambda time: J @ self.at(time)
 
 
-def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> DiscreteSolution:
+def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Computed:
     """Solve the semi-discrete problem (Problem 5.1) by a time scheme, from the data alone.
 
     The load is the projected load P f, and the initial value is the interpolant of u_0.
@@ -163,8 +117,8 @@ def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Discr
     data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
     J, start = prolongation(space, discretisation), space.interpolate(data.start(space.mesh.p))
     problem = SemiDiscrete.of(space, data.law, lambda time: J.T @ discretisation.load(time), start)
-    nodes = np.array([state.u for state in scheme.march(problem, steps)])
-    return DiscreteSolution(space, nodes, np.linspace(0.0, data.body.T, steps + 1), steps)
+    nodes = np.array([space.coefficients(state.u).ravel() for state in scheme.march(problem, steps)])
+    return Computed(space.mesh, space.body, 1, np.linspace(0.0, data.body.T, steps + 1), nodes, steps)
 
 
 def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
@@ -244,18 +198,12 @@ class Refined:
         name: the entry in the column ``trajectory`` of ``bounds.csv``.
 
     Raises:
-        BoundError: ``refinements`` is negative, or ``shorter`` is less than 1.
+        BoundError: ``refinements`` is not between 0 and 20, or ``shorter`` is less than 1.
     """
 
-    refinements: int = 1
-    shorter: int = 4
+    refinements: Annotated[int, 0, 20] = 1
+    shorter: Count = 4
     name: str = "enclosure"
-
-    def __post_init__(self) -> None:
-        if self.refinements < 0 or self.shorter < 1:
-            raise BoundError(
-                f"refinements has to be 0 or more, and shorter 1 or more, got {self.refinements} and {self.shorter}"
-            )
 
     def discretisation(self, coarse: Discretisation) -> Discretisation:
         return Discretisation(coarse.data, coarse.mesh.refined(self.refinements)) if self.refinements else coarse

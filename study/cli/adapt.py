@@ -25,12 +25,11 @@ from study.present.bounds import NORM, SHOWN, adaptive_text
 from study.present.charts import AdaptiveRefinement
 from study.present.drawing import draw_one
 from study.present.figures import figure
-from study.run.executor import available, require
+from study.run.executor import require_bound
 from study.run.fingerprint import of_data, of_problem
 from study.run.store import Store
 from study.solve.steps import MOST
 from study.solve.tableau import SCHEMES
-from study.statements.shared import estimates
 
 
 def do_adapt(options: argparse.Namespace) -> int:
@@ -46,8 +45,7 @@ def do_adapt(options: argparse.Namespace) -> int:
     check_force(case)
     tolerance = adaptive.tolerance_from(options.adapt)
     bounded.check_bound(data, family, [level], options.steps, Refined(0, 1))
-    mesh = family(data.body, level)
-    stage = Stage(mesh.p, mesh.t, bounded.steps_on(data, level, options.steps))
+    stage = Stage(family(data.body, level), bounded.steps_on(data, level, options.steps))
     store = Store(options.out / name, written=(".",))
     results: list[dict[str, Any]] = []
     with store.locked():
@@ -56,7 +54,7 @@ def do_adapt(options: argparse.Namespace) -> int:
             number = len(results)
             # The tolerance only decides when to stop. It is not part of the cache key, so stored meshes can be used
             # with another tolerance.
-            cache_key = of_problem(data, case, (family, level, options.steps, scheme, number))
+            cache_key = of_problem(data, case, (stage.mesh.p, stage.mesh.t, stage.steps, scheme))
             path = adaptive.stage_file(store.directory, number)
 
             def compute(stage: Stage = stage, number: int = number, path: Path = path) -> dict[str, Any]:
@@ -106,8 +104,7 @@ def _limit(stage: Stage, cells: int) -> str:
     if stage.steps > MOST:
         return f"the next mesh needs {stage.steps} time steps, and at most {MOST} are permitted: raise the tolerance"
     try:
-        require(f"the next mesh of {stage.cells} cells", estimates.bound(stage.cells, 0), available())
-        estimates.require_factorisation(stage.cells, 0)
+        require_bound(f"the next mesh of {stage.cells} cells", stage.cells, 0)
     except UsageError as error:
         return str(error)
     return ""

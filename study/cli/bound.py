@@ -4,6 +4,7 @@ Finished meshes are stored, so that the command continues after Ctrl-C.
 """
 
 import argparse
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,12 +18,14 @@ from manufactured.self_proof import prove
 from manufactured.tensors import Array
 from study.bound import bounded
 from study.bound.discretisation import check_force
+from study.bound.problem import place
 from study.bound.trajectory import Refined
 from study.cli.adapt import do_adapt
 from study.cli.common import tell_written, with_progress
 from study.cli.displacement import Displacement, displacements_in_files
 from study.cli.options import FAILED, OK
 from study.cli.problem import OUTPUT, draw_problem
+from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError
 from study.ledger.text import folded
@@ -30,7 +33,7 @@ from study.present.bounds import text, worst_tenth
 from study.present.drawing import draw_one
 from study.present.figures import figure
 from study.present.problem import error_map
-from study.run.executor import available, require
+from study.run.executor import require_bound
 from study.run.fingerprint import of_data, of_problem
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
@@ -66,7 +69,9 @@ def do_bound(options: argparse.Namespace) -> int:
         written += [file for one in displacements for file in one.files]
         one_of_each_size = table["level"].is_unique
         if data.in_time and one_of_each_size:
-            written += draw_one(store.directory, figure("enclosure", over_time, name))
+            # Its data are in enclosure.csv already, rounded outwards.
+            drawing = replace(figure("enclosure", over_time, name), table=lambda: None)
+            written += draw_one(store.directory, drawing)
         mesh, displacement_over_time = displacements[-1].shown()
         written += draw_problem(store.directory, name, data, mesh, displacement_over_time)
         squares = rows[-1]["on_cells"]
@@ -81,7 +86,8 @@ def do_bound(options: argparse.Namespace) -> int:
             print(folded(one.remark))
     sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
     if any(squares):
-        sentences.append(worst_tenth(squares))
+        worst = mesh[0][:, mesh[1][:, int(np.argmax(squares))]].mean(axis=1)
+        sentences.append(f"{worst_tenth(squares)}; the worst one is near x = {place(worst)}")
     last = pd.DataFrame(rows[-1]["series"])
     print(f"\n{text(name, table, last, sentences, data.in_time, names or None)}\n")
     return OK if case is None or all(row["inside"] for row in rows) else FAILED
@@ -98,12 +104,7 @@ def computed_displacements(
         refined: how the mesh and the time steps are refined for the bound.
     """
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
-    # The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
-    finest = max(options.levels)
-    cells = estimates.triangles(finest, family.name)
-    require(f"level {finest}", estimates.bound(cells, refined.refinements), available())
-    estimates.require_factorisation(cells, refined.refinements)
-    bounded.check_bound(data, family, options.levels, options.steps, refined)
+    check_levels(options, data, family, refined)
     directory = options.out / name
 
     def displacement(level: int) -> Displacement:
@@ -124,3 +125,13 @@ def computed_displacements(
         return Displacement(f"level-{level}", cache_key, compute, (file,), shown)
 
     return directory, [displacement(level) for level in options.levels]
+
+
+def check_levels(options: argparse.Namespace, data: Data, family: MeshFamily, refined: Refined) -> None:
+    """Refuse levels whose meshes are too large or do not fit the body, and problems that cannot be bounded.
+
+    The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
+    """
+    finest = max(options.levels)
+    require_bound(f"level {finest}", estimates.triangles(finest, family.name), refined.refinements)
+    bounded.check_bound(data, family, options.levels, options.steps, refined)

@@ -21,7 +21,7 @@ def do_cases(options: argparse.Namespace) -> int:
     """Print the exact solutions of the catalogue; return 0."""
     if options.json:
         # Imported here, because SymPy takes a second.
-        from study.run.case_line import describe
+        from study.fem.naming import describe
 
         print(json.dumps([describe(case) for case in catalogue()], indent=2))
         return OK

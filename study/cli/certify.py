@@ -6,20 +6,18 @@ from functools import partial
 
 from manufactured.body import Kind
 from manufactured.static import Static
-from study.bound import bounded
 from study.bound.trajectory import Refined
 from study.certify import checker
 from study.certify.certified import check_certifiable, make_certificate, write
+from study.cli.bound import check_levels
 from study.cli.common import tell_written, with_progress
 from study.cli.options import OK
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError
-from study.run.executor import available, require
 from study.run.fingerprint import of_data
 from study.run.store import Store
 from study.solve.steps import rate_steps
 from study.solve.tableau import SCHEMES
-from study.statements.shared import estimates
 
 
 def do_certify(options: argparse.Namespace) -> int:
@@ -34,12 +32,7 @@ def do_certify(options: argparse.Namespace) -> int:
     check_certifiable(data)
     if options.refine > checker.REFINEMENTS:
         raise UsageError(f"--refine {options.refine}: a certificate allows at most {checker.REFINEMENTS} refinements")
-    # The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
-    finest = max(options.levels)
-    cells = estimates.triangles(finest, family.name)
-    require(f"level {finest}", estimates.bound(cells, refined.refinements), available())
-    estimates.require_factorisation(cells, refined.refinements)
-    bounded.check_bound(data, family, options.levels, options.steps, refined)
+    check_levels(options, data, family, refined)
     paths, store = [], Store(options.out / name, written=(".",))
     with store.locked():
         store.begin(of_data(data))

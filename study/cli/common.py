@@ -16,7 +16,7 @@ from study.run.plan import Job
 
 Result = TypeVar("Result")
 BAR = "{l_bar}{bar}| {elapsed}<{left}"
-SURE = 0.1
+SURE_SHARE = 0.1
 """The remaining time is estimated after this fraction of the work is done."""
 
 
@@ -66,7 +66,8 @@ def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
 class ProgressBar(tqdm):  # type: ignore[misc]
     """A progress bar that estimates the remaining time from the mean speed since the start.
 
-    An estimate is shown once ``SURE`` of the work is done. The estimates of tqdm follow from the speed of the last few
+    An estimate is shown once ``SURE_SHARE`` of the work is done. The estimates of tqdm follow from the speed of the
+    last few
     measurements. This speed varies by a factor of ten, so that the estimates of tqdm jump.
     """
 
@@ -81,7 +82,7 @@ class ProgressBar(tqdm):  # type: ignore[misc]
         """The values for the text of the bar, with the estimated remaining time as ``left``."""
         values: dict[str, Any] = super().format_dict
         done, total = values["n"], values["total"] or 0
-        known = total > 0 and done >= SURE * total
+        known = total > 0 and done >= SURE_SHARE * total
         values["left"] = tqdm.format_interval(values["elapsed"] * (total - done) / done) if known else "?"
         return values
 

@@ -2,7 +2,6 @@
 
 import argparse
 import hashlib
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -14,12 +13,10 @@ from manufactured.data import Data
 from manufactured.tensors import Array
 from study.bound import bounded, fields
 from study.bound.given import bounded_displacement, given
-from study.bound.trajectory import GivenDisplacement, Refined
+from study.bound.trajectory import Computed, Refined
 from study.cli.common import with_progress
-from study.ledger.files import UsageError
-from study.run.executor import GIB, available
+from study.run.executor import require_bound
 from study.run.fingerprint import of_problem
-from study.statements.shared import estimates
 
 
 @dataclass(frozen=True)
@@ -59,11 +56,10 @@ def displacements_in_files(
     # The meshes are sorted, because observed orders are computed between consecutive meshes.
     read.sort(key=lambda pair: -pair[1].h)
 
-    def displacement(number: int, path: Path, u_h: GivenDisplacement) -> Displacement:
+    def displacement(number: int, path: Path, u_h: Computed) -> Displacement:
         def compute() -> dict[str, Any]:
             found = with_progress(str(path), u_h.T, partial(bounded_displacement, data, u_h, refined, case))
-            # The level is the number of cells of this size along a side of a square with the area of the body.
-            return bounded.record(max(1, round(math.sqrt(u_h.body.measure) / u_h.h)), found)
+            return bounded.record(u_h.level, found)
 
         arrays = (u_h.mesh.p, u_h.mesh.t, u_h.times, u_h.nodes)
         content = hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
@@ -71,8 +67,7 @@ def displacements_in_files(
         remark = f"{path}: degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"
 
         def shown() -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-            mesh, at_nodes = u_h.mesh, u_h.nodes.reshape(len(u_h.times), -1, 2)
-            return (mesh.p, mesh.t), (u_h.times, at_nodes[:, : mesh.p.shape[1]].swapaxes(1, 2))
+            return (u_h.mesh.p, u_h.mesh.t), (u_h.times, u_h.at_vertices)
 
         return Displacement(f"displacement-{number}", cache_key, compute, (), shown, path.name, remark)
 
@@ -80,7 +75,7 @@ def displacements_in_files(
     return directory, [displacement(number, *pair) for number, pair in enumerate(read)]
 
 
-def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined) -> GivenDisplacement:
+def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined) -> Computed:
     """Read a displacement file, check the displacement, and return it.
 
     Raises:
@@ -88,14 +83,6 @@ def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined)
     """
     field = fields.read(path, options.field, options.step)
     cells = len(field.triangles)
-    fixed, need = (estimates.bound(count, refined.refinements) for count in (0, cells))
-    room = available()
-    if need > room:
-        served = max(0, int(cells * (room - fixed) / (need - fixed)))
-        raise UsageError(
-            f"{path} has {cells} triangles, which with --refine {refined.refinements} need about {need / GIB:.1f} GiB "
-            f"of memory; {room / GIB:.1f} GiB are available, enough for {served} triangles: take "
-            "a coarser mesh, --refine 0, or a machine with more memory"
-        )
-    estimates.require_factorisation(cells, refined.refinements)
+    what = f"{path} with {cells} triangles and --refine {refined.refinements}"
+    require_bound(what, cells, refined.refinements)
     return given(data, **vars(field), steps=options.steps, nearest=options.nearest)

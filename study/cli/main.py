@@ -1,5 +1,6 @@
 """The ``study`` command: parses options, calls the function of a command, and turns errors into messages."""
 
+import argparse
 import importlib
 import io
 import os
@@ -86,8 +87,16 @@ def _run(words: list[str]) -> int:
         return int(code)
 
 
+def do_rates(options: argparse.Namespace) -> int:
+    """Run the command ``convergence-orders`` with the words behind ``study rates``, and return its exit code."""
+    # Imported here, because NumPy takes a tenth of a second.
+    from convergence_orders.command import main as command
+
+    return command(options.words, "study rates")
+
+
 LACKING = "this command needs {}, which is not installed: python -m pip install {} in a clone of the repository"
-WITHOUT_PYAMG = "cases", "compare", "rates"
+WITHOUT_PYAMG = "cases", "compare", "main"
 """Modules of the commands that import pyamg neither directly nor indirectly."""
 STRIPPED = (
     "python -OO removes docstrings, and pyamg, which this command needs, cannot be imported without them: "

@@ -15,19 +15,19 @@ from typing import Any, NamedTuple
 
 OK, FAILED, USAGE, UNCLEAR, INTERRUPTED, CLOSED = 0, 1, 2, 3, 130, 141
 """Exit codes: success; a check or a job fails; bad usage or input; undecided; Ctrl-C; broken pipe."""
-SCHEMES = ("backward-euler", "midpoint", "bdf2")
-FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded", "alternating")
-MODES = ("frozen", "march")
-TOLERANCE = 1e-12
+SCHEME_NAMES = ("backward-euler", "midpoint", "bdf2")
+FAMILY_NAMES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded", "alternating")
+TASK_MODES = ("frozen", "march")
+COMPARE_TOLERANCE = 1e-12
 """Default relative difference that ``study compare`` permits."""
 AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
 """Default relative and absolute differences that ``study check --again`` permits. They are larger than 1e-12, because
 on another processor numbers near round-off differ, and so do quotients of small numbers."""
 SEED_BITS = 62
 """Number of bits of a random seed: so many that seeds do not repeat, and few enough for 64-bit integers."""
-DIGITS = 20
+MOST_DIGITS = 20
 """Largest number of digits of a whole number."""
-CELLS = 20_000
+MOST_CELLS = 20_000
 """Default largest number of cells of ``study bound --adapt``."""
 RESUMES = ("run", "faults", "seeds", "bound")
 RESUMED = "finished results are kept; run the same command again to compute the rest"
@@ -42,7 +42,7 @@ class Range(NamedTuple):
     most: float = sys.float_info.max
 
 
-POSITIVE, FROM_0, FROM_2 = Range(1, "1 or more"), Range(0, "0 or more"), Range(2, "2 or more")
+FROM_1, FROM_0, FROM_2 = Range(1, "1 or more"), Range(0, "0 or more"), Range(2, "2 or more")
 FINITE = Range(0, "a number, 0 or more")
 ANY = Range(-sys.float_info.max, "a finite number")
 Option = tuple[tuple[str, ...], dict[str, Any]]
@@ -63,8 +63,8 @@ def _read(kind: type, within: Range | None, text: str) -> Any:
     """
     if not text.strip():
         raise argparse.ArgumentTypeError("got an empty text, expected a name; leave the option out if there is none")
-    if kind is int and len(text) > DIGITS:
-        raise argparse.ArgumentTypeError(f"expected a number of at most {DIGITS} digits")
+    if kind is int and len(text) > MOST_DIGITS:
+        raise argparse.ArgumentTypeError(f"expected a number of at most {MOST_DIGITS} digits")
     try:
         value = kind(text)
     except ValueError as error:
@@ -94,11 +94,11 @@ def enclosed(levels: tuple[int, ...], shorter: int) -> list[Option]:
     steps = f"time steps of ũ in each time step of the displacement (default {shorter})"
     return [
         option("--levels", nargs="+", type=int, default=list(levels), metavar="N", help=increasing),
-        option("--family", default="unstructured", help=f"meshes: {', '.join(FAMILIES)} (default unstructured)"),
-        option("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEMES)} (default midpoint)"),
-        option("--steps", type=int, within=POSITIVE, metavar="N", help="time steps of the displacement on every level"),
+        option("--family", default="unstructured", help=f"meshes: {', '.join(FAMILY_NAMES)} (default unstructured)"),
+        option("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEME_NAMES)} (default midpoint)"),
+        option("--steps", type=int, within=FROM_1, metavar="N", help="time steps of the displacement on every level"),
         option("--refine", type=int, within=Range(0, "0 to 20", 20), default=1, metavar="R", help=refine),
-        option("--shorter", type=int, within=POSITIVE, default=shorter, metavar="Q", help=steps),
+        option("--shorter", type=int, within=FROM_1, default=shorter, metavar="Q", help=steps),
     ]
 
 
@@ -114,7 +114,7 @@ SCOPE = (
     "polygon of the mesh; turn the coordinates; compute again on triangles."
 )
 """What ``study bound`` serves, what it does not serve, and what to do instead."""
-UNDECIDED = option(
+UNDECIDED_OPTION = option(
     "--undecided",
     type=Path,
     metavar="FILE",
@@ -125,7 +125,7 @@ CLUSTER = (
     "measure on the workers of the Dask scheduler at tcp://HOST:PORT; anybody who reaches its port can run any "
     "code on the scheduler, the workers and this machine: use it only in a network that you trust, or with TLS"
 )
-FORMATS = "formats (default: pdf png for articles, png for slides, svg for the web)"
+FORMATS_HELP = "formats (default: pdf png for articles, png for slides, svg for the web)"
 DRAWN = "result directory whose data are drawn (default: that of --out, which also receives the figures)"
 STYLE = "Matplotlib style file, replaces entries of the style of the study; figure.figsize sets the column width"
 USE = "article: 3.5 in wide, into DIR/figures (default); slides: 16:9, 1920 px; web: SVG; both into DIR/figures/USE"
@@ -134,25 +134,25 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     "run": ("run", "run the study: measure and judge; continues if it was stopped", [
         [
             option("--quick", dest="plan", action="store_const", const="quick", default="quick",
-                   help="few levels, about three minutes, results in results/quick (default)"),
+                   help="few levels, about a minute on two cores, results in results/quick (default)"),
             option("--full", dest="plan", action="store_const", const="full",
                    help="all levels, an hour, results in results"),
         ],
         option("--case", action="extend", nargs="+", metavar=CASE,
                help="measure only these cases, by name or from your own file"),
         option("--levels", nargs="+", type=int, metavar="N", help="meshes: numbers of cells along a side, increasing"),
-        option("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEMES)} (default midpoint)"),
+        option("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEME_NAMES)} (default midpoint)"),
         option("--step", type=float, metavar="K", help="time step on all levels (default: chosen for each case)"),
         JOBS,
         option("--cluster", metavar="ADDRESS", help=CLUSTER),
         option("--figures", action="store_true", help="also write tables and figures"),
-        UNDECIDED,
+        UNDECIDED_OPTION,
         option("--out", type=Path, metavar="DIR",
                help="result directory (default results/quick, or results with --full)"),
     ]),
     "check": ("check", "compare data, verdicts and tables on disk with their expected contents", [
         option("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML"),
-        UNDECIDED,
+        UNDECIDED_OPTION,
         option("--again", type=int, within=Range(1, "1 or more rows"), metavar="N",
                help="also measure N random rows again, cheap rows more often, and compare; exit code 1 if a number "
                "differs"),
@@ -169,30 +169,30 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     "compare": ("compare", "show in which numbers and verdicts two result directories differ", [
         option("old", type=Path, metavar="OLD", help="result directory of a run"),
         option("new", type=Path, metavar="NEW", help="result directory of another run"),
-        option("--tolerance", type=float, within=FINITE, default=TOLERANCE, metavar="X",
-               help=f"numbers a, b are equal if |a - b| <= Y + X max(|a|, |b|) (default {TOLERANCE:g})"),
+        option("--tolerance", type=float, within=FINITE, default=COMPARE_TOLERANCE, metavar="X",
+               help=f"numbers a, b are equal if |a - b| <= Y + X max(|a|, |b|) (default {COMPARE_TOLERANCE:g})"),
         option("--absolute", type=float, within=FINITE, default=0.0, metavar="Y",
                help="(default 0) for numbers near round-off"),
         JSON,
     ]),
-    "faults": ("faults", "measure which checks notice deliberate faults; exit code 0 if all are noticed", [
-        option("--case", nargs="+", metavar="CASE", help="cases of the catalogue (default: all of the quick study)"),
+    "faults": ("controls", "measure which checks notice deliberate faults; exit code 0 if all are noticed", [
+        option("--case", nargs="+", metavar=CASE, help="cases, also your own (default: all of the quick study)"),
         option("--fault", nargs="+", metavar="NAME", help="names of faults (default: all)"),
         JOBS,
         out(),
     ]),
-    "seeds": ("seeds", "estimate how often chance makes a check fail, on new random meshes", [
+    "seeds": ("controls", "estimate how often chance makes a check fail, on new random meshes", [
         option("--minutes", type=float, default=60.0, metavar="M",
                within=Range(0, "0 or more (0 prints the record)"),
                help="time for new seeds (default 60; 0: only print the record)"),
-        option("--seeds", type=int, within=POSITIVE, metavar="N", help="largest number of new seeds"),
+        option("--seeds", type=int, within=FROM_1, metavar="N", help="largest number of new seeds"),
         option("--seed", type=int, within=FROM_0, metavar="N",
                help="measure this seed again and compare with the record"),
         JOBS,
         out(),
     ]),
     # Its options are those of the command convergence-orders.
-    "rates": ("rates", "compute the observed orders of any table of errors", []),
+    "rates": ("main", "compute the observed orders of any table of errors", []),
     "bound": ("bound", "enclose the error of a computed displacement, without the exact solution", [
         option("problem", metavar=CASE, help="a case, a problem of this project, or your own problem"),
         *enclosed((8, 16), shorter=4),
@@ -203,12 +203,12 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--step", type=int, metavar="N",
                help="the load step in the file that a static problem describes, counted from 0; -1 is the last"),
         option("--nearest", action="store_true",
-               help="if the displacement is not zero on the clamped part, bound the error of the nearest one that "
-               "is"),
+               help="replace the values of the displacement at the nodes of clamped and rolling sides, where they "
+               "are not the prescribed ones"),
         option("--adapt", metavar="TOL|P%",
                help="refine the first mesh until the error bound is at most TOL, or P per cent of the norm of u"),
-        option("--cells", type=int, within=POSITIVE, default=CELLS, metavar="N",
-               help=f"largest number of cells of --adapt (default {CELLS})"),
+        option("--cells", type=int, within=FROM_1, default=MOST_CELLS, metavar="N",
+               help=f"largest number of cells of --adapt (default {MOST_CELLS})"),
         out("bounds"),
     ]),
     "certify": ("certify", "write proofs of error bounds as files, which a stand-alone program checks", [
@@ -221,16 +221,17 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--levels", nargs="+", type=int, within=FROM_2, default=[8, 16, 32], metavar="N",
                help="cells along a side (default 8 16 32)"),
         option("--family", nargs="+", metavar="NAME",
-               help=f"meshes: {', '.join(FAMILIES)} (default: those on which `study run --quick` measures the case)"),
-        option("--mode", choices=MODES, default="frozen",
+               help=f"meshes: {', '.join(FAMILY_NAMES)} (default: those on which `study run --quick` measures the "
+               "case)"),
+        option("--mode", choices=TASK_MODES, default="frozen",
                help="frozen: static problems (default); march: a problem with time steps"),
         option("--instants", nargs="+", type=float, within=ANY, metavar="T",
                help="times of the static problems (default: three times)"),
-        option("--steps", type=int, within=POSITIVE, metavar="N",
+        option("--steps", type=int, within=FROM_1, metavar="N",
                help="number of time steps of --mode march (default: the level)"),
         option("--scale", type=float, within=Range(1e-100, "1e-100 to 1e100", 1e100), default=1.0, metavar="S",
                help="factor of all loads (default 1)"),
-        option("--foundation", type=int, within=POSITIVE, metavar="SEGMENTS",
+        option("--foundation", type=int, within=FROM_1, metavar="SEGMENTS",
                help="also write a mesh of the foundation, with this number of segments"),
         out("tasks", "--to"),
     ]),
@@ -247,7 +248,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     "tables": ("present", "judge the data in a directory again and write the tables", [out()]),
     "figures": ("present", "draw figures for articles, slides or pages from the data in a directory", [
         option("--for", dest="use", choices=("article", "slides", "web"), default="article", help=USE),
-        option("--format", nargs="+", choices=("png", "pdf", "svg", "pgf"), help=FORMATS),
+        option("--format", nargs="+", choices=("png", "pdf", "svg", "pgf"), help=FORMATS_HELP),
         [
             option("--case", nargs="+", metavar="NAME", help="only the figures of these cases"),
             option("--overview", action="store_true", help="only the figures that show all cases together"),
@@ -273,7 +274,8 @@ def parser() -> argparse.ArgumentParser:
     top = argparse.ArgumentParser(
         prog="study",
         description="Verify the claims of Barboteu, Han and Sofonea (2002), and bound the errors of your own problems.",
-        epilog=f"Time schemes: {', '.join(SCHEMES)}. Mesh families: {', '.join(FAMILIES)}. `study COMMAND --help` "
+        epilog=f"Time schemes: {', '.join(SCHEME_NAMES)}. Mesh families: {', '.join(FAMILY_NAMES)}. "
+        "`study COMMAND --help` "
         "lists the options of a command; the documentation is in docs/.",
     )
     top.add_argument("--version", action="version", version=f"study {version('signorini-study')}")

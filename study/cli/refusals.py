@@ -14,7 +14,7 @@ from study.fem.error_norm import NormError
 from study.fem.mesh import MeshError
 from study.ledger.datafiles import DataError
 from study.ledger.files import JobsError, StoreError, UsageError, disk_full
-from study.ledger.orders import RatesError
+from study.ledger.quantities import RatesError
 from study.orders import OrderError
 
 OF_CASES = (BodyError, CaseError, FormulaError, LawError, LoadError, SelfProofError)

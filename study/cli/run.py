@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from study.cli.common import ProgressBar, code_of, known_undecided, progress_bar, tell_written
-from study.controls.contact_test import DEFECTS, contact_tests, defective, write_contact_test
 from study.fem.naming import absolute, choose, name_of
 from study.ledger.datafiles import read_claims
 from study.ledger.text import folded
-from study.present.outcome import contact_test_text, ledger_text, orders_text, rates_text
+from study.present.outcome import ledger_text, orders_text, rates_text
 from study.run.executor import Pool, connected, execute, local_pool, prove, refuse_too_large, save_proofs, unfinished
 from study.run.judgement import collect, judge, judge_stored
 from study.run.plan import Job, Plan, full, quick
@@ -24,7 +23,7 @@ from study.solve.tableau import SCHEMES
 from study.statements.own_cases import TRY, enough, finer, least_levels
 from study.statements.shared.scope import Levels, Scope
 
-PLACES = {"quick": Path("results/quick"), "full": Path("results")}
+RESULT_PLACES = {"quick": Path("results/quick"), "full": Path("results")}
 """Default result directories of the quick and the full study."""
 
 
@@ -42,7 +41,7 @@ def do_run(options: argparse.Namespace) -> int:
     scope = scope_from_options(options)
     scope.check()
     warn_of_few_levels(scope)
-    store = Store(options.out or PLACES[options.plan])
+    store = Store(options.out or RESULT_PLACES[options.plan])
     if options.levels:
         scope = with_levels_of(store.directory, scope)
     plan = Plan.of(scope)
@@ -55,7 +54,7 @@ def do_run(options: argparse.Namespace) -> int:
         proofs = prove(plan.stages()[0], scope.cases, store, pool)
         with store.locked():
             save_proofs(proofs, store)
-            tested = measure(plan, store, pool)
+            measure(plan, store, pool)
             verdicts = judge(store.directory)
     written = []
     if options.figures:
@@ -69,36 +68,22 @@ def do_run(options: argparse.Namespace) -> int:
     if options.figures:
         tell_written(written)
     print(f"\n{rates_text(store.directory)}")
-    if tested:
-        print(contact_test_text(store.directory))
     if any(TRY in verdict.expected for verdict in verdicts):
         print(f"command for finer meshes: {on_finer_meshes(options, scope, store.directory)}\n")
     print(ledger_text(read_claims(store.directory), orders_text(store.directory)))
     return code_of(verdicts, options.undecided)
 
 
-def measure(plan: Plan, store: Store, pool: Pool) -> list[Path]:
-    """Make the measurements (jobs) of a plan whose results are not stored, and write the data files.
-
-    Cases that users define are also measured with deliberate defects of the program (``study.controls.contact_test``).
-
-    Returns:
-        The additional data files that only users' cases have.
-    """
+def measure(plan: Plan, store: Store, pool: Pool) -> None:
+    """Make the measurements (jobs) of a plan whose results are not stored, and write the data files."""
     refuse_to_replace(plan, store.directory)
     store.check()
-    tests = contact_tests(plan)
-    repeated = [job for jobs in tests for defect in DEFECTS for job in defective(jobs, defect)]
-    jobs = *plan.jobs, *repeated
-    left = unfinished(jobs, store)
+    left = unfinished(plan.jobs, store)
     with progress_bar(round(sum(job.cost for job in left)), f"{len(left)} jobs") as bar:
         for stage in plan.stages():
             save_proofs(prove(stage, plan.scope.cases, store, pool), store)
             execute(stage, store, pool, verdict_printer(stage, store, bar))
-        execute(repeated, store, pool, bar.add)
-        written = write_contact_test(tests, store)
-        collect(plan, store, written)
-    return written
+        collect(plan, store)
 
 
 def verdict_printer(jobs: Sequence[Job], store: Store, bar: ProgressBar) -> Callable[[Job], None]:

@@ -1,17 +1,104 @@
 """``study show``: solves a case on one mesh, draws it, and writes files for ParaView."""
 
 import argparse
+from collections.abc import Callable, Iterator
+from typing import Any
 
+import numpy as np
+
+from manufactured.case import Case
 from manufactured.self_proof import prove
+from manufactured.tensors import Array, full
 from study.cli.common import progress_bar, tell_written
 from study.cli.options import OK
 from study.cli.problem import draw_problem
+from study.fem.mesh import MeshFamily
 from study.fem.naming import resolve_data
 from study.ledger.files import UsageError
+from study.ledger.pictures import MeshFields, MeshSeries
 from study.ledger.text import folded
 from study.present.show import NO_FFMPEG, draw_show, find_ffmpeg
-from study.run.showcase import LEVELS, STEPS, affordable_family, solve_showcase
+from study.run import executor
 from study.run.store import Store
+from study.solve.motion import Motion, von_mises
+from study.statements import pictures
+from study.statements.shared import estimates
+from study.statements.shared.scope import regular
+
+SHOWN_EVERY = 2
+"""Every second time step is shown."""
+SHOWN_STEPS = pictures.PICTURE_STEPS
+SHOWN_LEVELS = {2: pictures.LEVEL, 3: 9}
+"""Dimension ↦ default level (cells along a side). In 3D it is a multiple of the number of parts into which a
+face of the cube is divided."""
+
+
+def solve_showcase(
+    case: Case, family: MeshFamily, level: int, notify: Callable[[], object]
+) -> tuple[dict[str, Any], MeshSeries]:
+    """Solve a case on one mesh for display.
+
+    Parameters:
+        case: the case.
+        family, level: the mesh family, and the number of cells of the mesh along a side.
+        notify: called after each of the SHOWN_STEPS + 1 times.
+
+    Returns:
+        The data of a picture, in the format of ``pictures/CASE.json.gz``; and fields on the whole mesh over time.
+
+    Raises:
+        MeshError: the mesh of this level does not fit the body.
+    """
+    motion = Motion.of(case.solution, family, level, SHOWN_STEPS, notify)
+    return pictures.record(case.name, motion, SHOWN_EVERY), mesh_series(motion, SHOWN_EVERY)
+
+
+def affordable_family(case: Case, level: int) -> MeshFamily:
+    """Return the mesh family with which a case is shown, after checking that there is enough memory.
+
+    Raises:
+        UsageError: no mesh family can mesh the body, or there is not enough memory for this level.
+    """
+    dim = case.solution.body.dim
+    family = pictures.FAMILY if dim == 2 else regular(case)
+    executor.require(f"level {level}", estimates.displacement(dim, level, family.name), executor.available())
+    return family
+
+
+def mesh_series(motion: Motion, every: int) -> MeshSeries:
+    """Return fields on the mesh of a solved case, at every ``every``-th time.
+
+    Fields at the vertices are ``displacement``, ``velocity``, and on the contact boundary ``gap`` and ``pressure``
+    (``gap_1``, ``gap_2``, … if this boundary has several faces). Fields on the cells, constant on each, are ``stress``
+    and ``von_mises``.
+    """
+    weights, mesh = pictures.contact_weights(motion.space), motion.space.mesh
+    nodal, fields = motion.space.nodal, []
+    for frame in motion.frames[::every]:
+        contact = dict(_on_contact(motion, {"gap": -frame.normal, "pressure": frame.multipliers / weights}))
+        at_vertices = {"displacement": nodal(frame.u), "velocity": nodal(frame.velocity), **contact}
+        on_cells = {"stress": full(frame.stress), "von_mises": von_mises(frame.stress)}
+        fields.append(MeshFields(frame.time, at_vertices, on_cells))
+    return MeshSeries(mesh.p, mesh.t, fields)
+
+
+def _on_contact(motion: Motion, values: dict[str, Array]) -> Iterator[tuple[str, Array]]:
+    """Yield names and fields over all vertices from values on the contact boundary; other vertices have NaN.
+
+    Each quantity gives one field for each contact face.
+
+    Parameters:
+        motion: the solved case.
+        values: name of a quantity ↦ its values at the m vertices of the contact boundary, (m,).
+    """
+    faces, start = motion.space.contact, 0
+    for number, (_, vertices) in enumerate(faces, start=1):
+        rows = slice(start, start + len(vertices))
+        start += len(vertices)
+        for name, mine in values.items():
+            field = np.full(motion.space.mesh.p.shape[1], np.nan)
+            field[vertices] = mine[rows]
+            yield name if len(faces) == 1 else f"{name}_{number}", field
 
 
 def do_show(options: argparse.Namespace) -> int:
@@ -21,14 +108,14 @@ def do_show(options: argparse.Namespace) -> int:
         with Store(options.out / name, written=(".",)).locked():
             tell_written(draw_problem(options.out / name, name, data))
         return OK
-    level = LEVELS[case.solution.body.dim] if options.level is None else options.level
+    level = SHOWN_LEVELS[case.solution.body.dim] if options.level is None else options.level
     if options.mp4 and not find_ffmpeg():
         raise UsageError(f"--mp4: {NO_FFMPEG}")
     prove(case.solution, f"case {case.name}")
     family = affordable_family(case, level)
     directory = options.out / case.name
     with Store(directory, written=(".",)).locked():
-        with progress_bar(STEPS + 1, case.name) as bar:
+        with progress_bar(SHOWN_STEPS + 1, case.name) as bar:
             record, series = solve_showcase(case, family, level, bar.update)
         # There are a storyboard and a frame for each time.
         with progress_bar(1 + len(record["times"]), "images") as bar:

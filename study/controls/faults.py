@@ -28,7 +28,7 @@ from study.fem.space import Space, means
 from study.solve.evolution import SemiDiscrete, remainder
 from study.solve.signorini import ContactSolver, Signorini
 from study.statements.pictures import contact_weights
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment
 
 Faulty = Experiment | None
 """An experiment with a fault; None where the fault cannot occur."""
@@ -249,7 +249,7 @@ class Loosened(Space):
         return np.flatnonzero(np.repeat(~fixed, self.dim))
 
 
-INSIDE = 1e-9
+INSIDE_SHARE = 1e-9
 """Share of the way from Γ1 to the middle of the body."""
 
 
@@ -261,7 +261,7 @@ def partly_clamped(setup: Experiment, size: float) -> Experiment:
 
     # On Γ1 itself the stress is 0 where a profile of the exact solution ends, so it is taken slightly inside.
     centre = space.body.vertices.mean(axis=1)
-    inside = SimpleNamespace(at=lambda x: solution.at(x + INSIDE * (centre.reshape(-1, *[1] * (x.ndim - 1)) - x)))
+    inside = SimpleNamespace(at=lambda x: solution.at(x + INSIDE_SHARE * (centre.reshape(-1, *[1] * (x.ndim - 1)) - x)))
 
     def load(time: float) -> Array:
         return v_norm.load(time) - work_on(Kind.CLAMPED, inside, space, time)  # type: ignore[arg-type]
@@ -372,7 +372,8 @@ def bounded(W: Array, free: Array, bound: Array, start: Array) -> Array:
     sides = np.full(len(forces), np.nan)
     for _ in range(50):
         trial = forces + (free - W @ forces) / W.diagonal()
-        following = np.where(bound == 0, 1.0, np.where(trial > bound, 1.0, np.where(trial < -bound, -1.0, 0.0)))
+        above = (bound == 0) | (trial > bound)
+        following = np.where(above, 1.0, np.where(trial < -bound, -1.0, 0.0))
         if (following == sides).all():
             break
         sides = following

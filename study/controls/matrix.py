@@ -24,13 +24,20 @@ from threadpoolctl import threadpool_limits
 
 from study.controls.faults import FAULTS, Fault
 from study.fem.naming import resolve
+from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, CheckKind, Verdict
 from study.run.plan import quick
 from study.statements.contact_force import ContactForce, touches
-from study.statements.prop_5_3 import Convergence, InitialGap, SizeOfInterpolation
-from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting, measure
-from study.statements.shared.base import Setting, Statement
-from study.statements.shared.experiment import Experiment
+from study.statements.prop_5_4 import (
+    Convergence,
+    FirstOrder,
+    InitialGap,
+    Rates,
+    RateSetting,
+    SizeOfInterpolation,
+    measure,
+)
+from study.statements.shared.base import Experiment, Setting, Statement
 from study.statements.shared.scope import regular
 from study.statements.thm_4_2 import SameMesh
 
@@ -112,14 +119,17 @@ def rows_of(name: str, faults: Sequence[Fault] = FAULTS) -> Iterator[dict[str, A
     """Yield the rows of the matrix for one case; in space, for the largest size of each fault.
 
     Raises:
-        ValueError: a check fails without a fault, so that nothing can be concluded from its failing with one.
+        UsageError: a check fails without a fault, so that nothing can be concluded from its failing with one.
     """
     case = resolve(name)
     with threadpool_limits(1), np.errstate(all="ignore"):
         rates, *others = measured = measured_on(name)
         wrong = [verdict for one in measured for verdict in one.failing()]
         if wrong:
-            raise ValueError(f"{name}: without a fault these checks fail: {', '.join(v.key for v in wrong)}")
+            keys = ", ".join(verdict.key for verdict in wrong)
+            raise UsageError(
+                f"{name}: without a fault these checks fail: {keys}; mend the case, see `study run --case`"
+            )
         for fault in faults:
             for size in fault.sizes if case.solution.body.dim == 2 else fault.sizes[:1]:
                 row = row_of(rates, others, fault, size)

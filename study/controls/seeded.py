@@ -3,11 +3,14 @@
 The meshes are shaken meshes, whose vertices are moved at random.
 """
 
+import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from manufactured.case import Case
 from study.fem.mesh import MeshFamily, Shaken
 from study.fem.naming import family_named
+from study.ledger.verdict import Verdict
 from study.run.plan import Job, Plan, full, quick
 from study.statements import STATEMENTS
 from study.statements.enclosure import Bounds
@@ -17,9 +20,9 @@ from study.statements.pictures import Pictures
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.meshes import is_random
 from study.statements.shared.scope import Scope
-from study.statements.thm_4_2_own_space import OwnSpace
+from study.statements.thm_4_2 import OwnSpace
 
-LEFT_OUT = Pictures | Bounds | OtherCodes | InterpolationOnContact
+NOT_SEEDED = Pictures | Bounds | OtherCodes | InterpolationOnContact
 """Statements that are not measured on random meshes. Pictures claim nothing, error bounds are proved for every mesh,
 and other codes were run on the meshes of one seed. (5.24) is not claimed there, because orders of a trace depend on few
 edges of random length."""
@@ -50,14 +53,14 @@ def seeded(seed: int) -> Plan:
     """Return the plan of measurements for one seed: all cases on random meshes with this seed, else as the quick study.
 
     Cases whose solutions are not smooth are measured on the levels of the full study. The plan leaves out the
-    statements ``LEFT_OUT``.
+    statements ``NOT_SEEDED``.
     """
     base = replace(quick(), cases=full().cases, rough=full().rough, command="study seeds")
     scope = SeededScope(**vars(base), seed=seed)
     jobs = [
         Job(statement, setting)
         for statement in STATEMENTS
-        if not isinstance(statement, LEFT_OUT)
+        if not isinstance(statement, NOT_SEEDED)
         for setting in (statement.planned(scope) if statement.of_every_case else on_shaken(statement, scope))
     ]
     return Plan(scope, tuple(jobs))
@@ -77,3 +80,13 @@ def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
         shaken = [setting for setting in quickly if is_random(setting.family)]
         everywhere = shaken or [setting for setting in everywhere if setting.level <= finest]
     return [replace(setting, family=scope.family) for setting in everywhere]
+
+
+def rules(plan: Plan, verdicts: Sequence[Verdict]) -> str:
+    """Return a hash of the quantities, tolerance windows and levels of checks, which is the same for every seed."""
+    checks = []
+    for verdict in verdicts:
+        quantity = verdict.quantity.removesuffix(f", {verdict.family} meshes")
+        checks.append((verdict.label, verdict.key, verdict.case, quantity, verdict.window_low, verdict.window_high))
+    settings = [f"{job.statement.label} {replace(job.setting, family='')}" for job in plan.jobs]
+    return "r" + hashlib.sha256(repr([sorted(checks), sorted(settings)]).encode()).hexdigest()[:9]

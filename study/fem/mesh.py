@@ -52,7 +52,6 @@ class MeshFamily(ABC):
         random: whether vertices are moved at random, such that single orders depend on chance.
         superclose: whether ‖Π^h u − u^h‖ has a higher order than ‖u − u^h‖, because neighbouring triangles form
             parallelograms.
-        turns_with_body: whether the mesh of a rotated body is the rotated mesh of the body.
     """
 
     meshes: ClassVar[str]
@@ -62,7 +61,6 @@ class MeshFamily(ABC):
     irregular: ClassVar[bool] = False
     random: ClassVar[bool] = False
     superclose: ClassVar[bool] = False
-    turns_with_body: ClassVar[bool] = True
 
     @property
     @abstractmethod
@@ -414,7 +412,6 @@ class Unstructured(MeshFamily):
     meshes = "Delaunay triangulations of evenly distributed points"
     least_angle = 20
     irregular = True
-    turns_with_body = False
 
     def serves(self, body: Body) -> bool:
         return body.dim == 2
@@ -466,7 +463,6 @@ class Graded(MeshFamily):
     least_angle = 8
     uniform = False
     irregular = True
-    turns_with_body = False
 
     def serves(self, body: Body) -> bool:
         return body.dim == 2 and len(body.refine) > 0

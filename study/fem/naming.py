@@ -2,6 +2,7 @@
 
 import importlib.util
 import re
+import reprlib
 import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -19,13 +20,12 @@ from manufactured.multiscale import COARSEST_ROLLER, ROLLERS, multiscale, roller
 from manufactured.natural_motion import natural_motion
 from manufactured.no_potential import no_potential
 from manufactured.problems import OpenProblem, problems
+from manufactured.proved import proved_order
 from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
 from study.ledger.files import UsageError
 
 SEED_DIGITS = 20
 """Largest number of digits of a seed, which is enough for 64 bits. File names contain the seed, so it must be short."""
-LONGEST_SHOWN = 120
-"""Names up to this number of characters are shown in full in error messages."""
 
 
 def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
@@ -114,8 +114,9 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
         raise UsageError(f"{reference} is a {type(found).__name__}, expected manufactured.Data or a manufactured.Case")
     name = found.name if isinstance(found, OpenProblem) else reference.rpartition(":")[2]
     if fault := file_name_fault(name):
-        shown = name if len(name) <= LONGEST_SHOWN else name[:LONGEST_SHOWN] + "…"
-        raise UsageError(f"the problem {shown!r} cannot be part of a file name, as {fault}: give it another name")
+        raise UsageError(
+            f"the problem {reprlib.repr(name)} cannot be part of a file name, as {fault}: give it another name"
+        )
     return name, data, None
 
 
@@ -204,3 +205,21 @@ def _none_named(file: str, name: str, module: ModuleType) -> str:
     made += [key for key, value in own.items() if isfunction(value) and value.__module__ == module.__name__]
     lacks = f"{file} defines no {name!r}" if name else f"{file} is a file without the name of a case in it"
     return f"{lacks}; give {' or '.join(f'{file}:{key}' for key in made) or 'a file that defines a Case or Data'}"
+
+
+def describe(case: Case) -> dict[str, Any]:
+    """Return the row of ``cases.csv`` for a case, as a dictionary: name of the column ↦ value."""
+    motion = "moving" if case.regularity.moving else "no front" if case.regularity.gap == float("inf") else "fixed"
+    return {
+        "case": case.name,
+        "summary": case.summary,
+        "dimension": case.solution.body.dim,
+        "law": case.solution.law.name,
+        "zone": motion,
+        "regularity": str(case.regularity),
+        "expected_order": case.order,
+        "proved_order": proved_order(case),
+        "twin": case.twin,
+        "statements": case.proposition if case.solution.has_initial_gap else f"{case.proposition}, Thm 4.2",
+        "reason": case.reason,
+    }

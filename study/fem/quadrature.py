@@ -132,7 +132,7 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
         points: the number of Gauss points per direction, in 2D on each piece of a facet.
 
     Raises:
-        MeshError: ``rough`` is given in 3D.
+        MeshError: ``rough`` is given in 3D, or a line has not two components.
     """
     if mesh.dim() == 3:
         if rough:
@@ -207,10 +207,10 @@ def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> l
         MeshError: two lines or points meet the same cell, a point is not a vertex of the mesh, or lines or points are
             given in 3D.
     """
-    names = [*map(str, lines), *(f"the point {tuple(point)}" for point in points)]
-    if mesh.dim() != 2 and names:
+    names = [*map(str, lines), *(f"the point {point}" for point in points)]
+    if names and {mesh.dim(), *(len(line.direction) for line in lines)} != {2}:
         raise MeshError(
-            f"this 3D solution is not smooth at {', '.join(names)}, but cells are cut and graded in 2D only; use a "
+            f"the solution is not smooth at {', '.join(names)}, but cells are cut and graded in 2D only; use a "
             "contact face without `rough`, a material without `steps` and a solution without `singular`"
         )
     found = [_touching(mesh, line) for line in lines]
@@ -219,7 +219,7 @@ def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> l
         vertex = int(apart.argmin())
         if apart[vertex] > TOUCHING * np.sqrt(cell_volumes(mesh).sum()):
             raise MeshError(
-                f"the solution is singular at {tuple(point)}, which is not a vertex of the mesh (the nearest is "
+                f"the solution is singular at {point}, which is not a vertex of the mesh (the nearest is "
                 f"{apart[vertex]:.3g} away); make it a vertex of the body"
             )
         found.append(np.flatnonzero((mesh.t == vertex).any(axis=0)))

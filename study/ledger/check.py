@@ -11,8 +11,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from study.ledger.orders import Array, RatesError
-from study.ledger.quantities import Value
+from study.ledger.quantities import Array, RatesError, Value
 from study.ledger.verdict import (
     FAILS,
     HOLDS,

@@ -16,8 +16,8 @@ import pandas as pd
 from study.ledger.datafiles import CsvFile, DataError, line, read_checked, refuse_repeated
 
 KEY = ["code", "version", "variant"]
-SERIES = ["code", "variant", "case", "family"]
-MESH = ["case", "family", "level"]
+CODE_SERIES = ["code", "variant", "case", "family"]
+MESH_KEY = ["case", "family", "level"]
 NOT_EXPRESSED = "not expressed"
 GRADES = ("exact for P1", "consistent", "stagnates", "wrong", "undecided")
 MADE = "make codes"
@@ -51,13 +51,13 @@ class Codes:
         if not place.is_dir():
             return None
         errors, classes = (read_checked(place / name, f"codes/{name}", MADE) for name in ("errors.csv", "classes.csv"))
-        refuse_repeated(place / "classes.csv", classes, SERIES, f"make it again with `{MADE}`")
+        refuse_repeated(place / "classes.csv", classes, CODE_SERIES, f"make it again with `{MADE}`")
         if (unknown := ~errors["series"].isin(classes["series"]).to_numpy()).any():
             row = int(unknown.argmax())
             where = f"{place / 'errors.csv'}, line {line(row)}, column series"
             found = f"found {errors['series'].iloc[row]}, expected a series of classes.csv"
             raise DataError(f"{where}: {found}; make it again with `{MADE}`")
-        return cls(errors.merge(classes[["series", *SERIES]], on="series"), classes)
+        return cls(errors.merge(classes[["series", *CODE_SERIES]], on="series"), classes)
 
     def series(self) -> pd.DataFrame:
         """Return one row for each series that the code can express: its class, and two quotients on its finest mesh.
@@ -68,9 +68,9 @@ class Codes:
           constraints, divided by the error of this solution.
         * ``excess``: the error of the code's contact pressure, divided by the error of the pressure of this solution.
         """
-        finest = self.errors.sort_values("level", kind="stable").groupby(SERIES, sort=False).tail(1)
+        finest = self.errors.sort_values("level", kind="stable").groupby(CODE_SERIES, sort=False).tail(1)
         judged = self.classes[self.classes["class"] != NOT_EXPRESSED]
-        finest_rows = judged.merge(finest, on=["series", *SERIES], validate="one_to_one")
+        finest_rows = judged.merge(finest, on=["series", *CODE_SERIES], validate="one_to_one")
         share = finest_rows["distance"] / finest_rows["best"]
         excess = finest_rows["pressure"] / finest_rows["best_pressure"]
         return finest_rows.assign(share=share, excess=excess).replace([np.inf, -np.inf], np.nan)
@@ -102,8 +102,8 @@ class OtherErrors(CsvFile):
     """
 
     label: str = ""
-    key = ("label", *MESH)
-    columns = ["label", *MESH, "mode", "code", "version", "variant", "class", "error", "distance"]
+    key = ("label", *MESH_KEY)
+    columns = ["label", *MESH_KEY, "mode", "code", "version", "variant", "class", "error", "distance"]
 
     def read(self, directory: Path) -> pd.DataFrame:
         """Return the errors of all codes in one table with the columns ``mode`` and ``label``; empty without data.
@@ -114,9 +114,9 @@ class OtherErrors(CsvFile):
         found = []
         for mode, folder in ((FROZEN, FOLDER), (MARCH, MARCHES)):
             if codes := Codes.read(directory, folder):
-                told = codes.classes[[*SERIES, "version", "class"]]
-                meshes = codes.errors[MESH].drop_duplicates()
-                left_out = told[told["class"] == NOT_EXPRESSED].merge(meshes, on=MESH[:2])
-                both = pd.concat([codes.errors.merge(told, on=SERIES, how="left"), left_out], ignore_index=True)
+                told = codes.classes[[*CODE_SERIES, "version", "class"]]
+                meshes = codes.errors[MESH_KEY].drop_duplicates()
+                left_out = told[told["class"] == NOT_EXPRESSED].merge(meshes, on=MESH_KEY[:2])
+                both = pd.concat([codes.errors.merge(told, on=CODE_SERIES, how="left"), left_out], ignore_index=True)
                 found.append(both.assign(mode=mode, label=self.label))
         return pd.concat(found, ignore_index=True)[self.columns] if found else pd.DataFrame(columns=self.columns)

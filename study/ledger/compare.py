@@ -19,8 +19,9 @@ from study.ledger.datafiles import DataError, made_by, read_table, read_uncompre
 from study.ledger.pictures import Packed
 from study.ledger.schema import TABLES, TEXTS, Table
 
-IDENTICAL, WITHIN, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left out"
-"""States of a file in two directories. IDENTICAL: the bytes are equal. WITHIN: numbers differ within the tolerance.
+IDENTICAL, WITHIN_TOLERANCE, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left out"
+"""States of a file in two directories. IDENTICAL: the bytes are equal. WITHIN_TOLERANCE: numbers differ within the
+tolerance.
 DIFFERS: there are larger differences. LEFT_OUT: only one directory has the file, and ``study run`` does not write
 it."""
 PROSE = ["statement", "quantity", "expected", "summary", "reason", "what", "regularity", "law", "equation"]
@@ -53,7 +54,7 @@ class Comparison:
 
     Attributes:
         tolerance: the tolerance for numbers.
-        states: name of each file in the folders ``data`` ↦ IDENTICAL, WITHIN, DIFFERS or LEFT_OUT.
+        states: name of each file in the folders ``data`` ↦ IDENTICAL, WITHIN_TOLERANCE, DIFFERS or LEFT_OUT.
         cells: the cells that differ by more than the tolerance, with the columns ``file``, ``row``, ``column``,
             ``old``, ``new`` and ``relative``, the relative difference |a − b| / max(|a|, |b|). A cell that only one
             directory has is empty in the other one.
@@ -67,7 +68,7 @@ class Comparison:
     def counts(self) -> dict[str, int]:
         """The number of files in each state."""
         count = Counter(self.states.values())
-        return {state: count[state] for state in (IDENTICAL, WITHIN, DIFFERS, LEFT_OUT)}
+        return {state: count[state] for state in (IDENTICAL, WITHIN_TOLERANCE, DIFFERS, LEFT_OUT)}
 
     @property
     def differs(self) -> bool:
@@ -110,7 +111,7 @@ def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
             states[name] = IDENTICAL
             continue
         cells = _changed(_cells(old, name, contents[0]), _cells(new, name, contents[1]), name, tolerance)
-        states[name] = DIFFERS if len(cells) else WITHIN
+        states[name] = DIFFERS if len(cells) else WITHIN_TOLERANCE
         tables.append(cells)
     return Comparison(tolerance, states, pd.concat(tables))
 

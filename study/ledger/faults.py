@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-INVISIBLE = 1e-6
+INVISIBLE_SHARE = 1e-6
 """A fault is invisible in a case if it changes the discrete solution by less than this fraction of the error."""
 ALONE = r"(?:^|; )(?!Thm 4\.2)."
 """Pattern of lists of failing checks with another check than the comparison with Problem 3.2 (Theorem 4.2).
@@ -20,7 +20,7 @@ def summary(matrix: pd.DataFrame) -> pd.DataFrame:
     rows = matrix.assign(
         errors=by_error,
         any_check=by_error | (matrix["by_others"] != ""),
-        invisible=matrix["distance"] < INVISIBLE * matrix["error"],
+        invisible=matrix["distance"] < INVISIBLE_SHARE * matrix["error"],
     )
     grouped = rows.groupby(["equation", "fault", "size"], sort=False)
     counts = grouped[["errors", "any_check", "invisible"]].sum()

@@ -15,7 +15,7 @@ from typing import TextIO
 FULL = (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC))
 """Error numbers of a full disk and of an exhausted quota. Windows has no error number for quotas."""
 
-BLOCK = 4096
+DISK_BLOCK = 4096
 """A disk with fewer free bytes is regarded as full, because file systems allocate blocks of this size."""
 
 
@@ -116,7 +116,7 @@ def _no_room(path: Path) -> OSError | None:
     Some programs, such as ffmpeg, fail without giving this reason.
     """
     with suppress(OSError):
-        if shutil.disk_usage(path.parent).free < BLOCK:
+        if shutil.disk_usage(path.parent).free < DISK_BLOCK:
             return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     return None
 

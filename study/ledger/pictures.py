@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
-STEPS = 999
+UNITS = 999
 """Values for pictures are rounded to multiples of their largest value / 999: three digits, enough for a tenth of a
 pixel."""
-FINE = 32_000
+FINE_UNITS = 32_000
 """Values that are read as numbers are rounded to multiples of their largest value / 32 000, as fine as 16 bits
 permit."""
 
@@ -34,12 +34,12 @@ class Packed:
     multiples: NDArray[np.int16]
 
     @classmethod
-    def of(cls, values: NDArray[np.float64], steps: int = STEPS) -> Packed:
+    def of(cls, values: NDArray[np.float64], steps: int = UNITS) -> Packed:
         """Return values over time in rounded form.
 
         Parameters:
             values: the values; the first axis is the time.
-            steps: number of units in the largest absolute value, for example STEPS or FINE; at most 32 767.
+            steps: number of units in the largest absolute value, for example UNITS or FINE_UNITS; at most 32 767.
         """
         unit = float(f"{np.max(np.abs(values), initial=0.0) / steps:.6g}") or 1.0
         return cls(unit, np.round(values / unit).astype(np.int16))

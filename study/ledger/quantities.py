@@ -1,14 +1,93 @@
-"""Quantities that many checks use: values on levels, quotients, and observed orders.
+"""Observed orders of errors, and the quantities that many checks use: values on levels, quotients, and orders.
 
-Each function returns a function of the table of one mesh family, coarse to fine, with the columns level, h and the
-measured numbers.
+In the functions ``orders`` to ``limit``, ``h`` are the mesh sizes and ``error`` the errors, both (levels,), coarse to
+fine. Each other function returns a function of the table of one mesh family, coarse to fine, with the columns level, h
+and the measured numbers.
 """
 
 from collections.abc import Callable
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
-from study.ledger.orders import Array, extrapolated_order, fit, orders, weighted_order
+import study.orders
+from study.orders import consecutive_orders, fitted_order
+
+Array = NDArray[np.float64]
+
+
+class RatesError(ValueError):
+    """Raised if errors have no order of convergence, for example because one of them is zero."""
+
+
+def orders(h: Array, error: Array) -> Array:
+    """Return the observed orders of errors e on consecutive levels, log(e_i/e_{i+1}) / log(h_i/h_{i+1}), (levels − 1,).
+
+    Raises:
+        RatesError: mesh sizes do not decrease, or errors are not positive and finite.
+    """
+    h, error = np.asarray(h, dtype=float), np.asarray(error, dtype=float)
+    if not (np.diff(h) < 0).all():
+        raise RatesError(f"mesh sizes must decrease from level to level, got {h.tolist()}")
+    if not (np.isfinite(error).all() and (error > 0).all()):
+        raise RatesError(f"errors must be positive and finite to have an order, got {error.tolist()}")
+    return consecutive_orders(h, error)
+
+
+def fit(h: Array, error: Array) -> float:
+    """Return the observed order over all levels: the least-squares slope of log(error) over log(h).
+
+    Raises:
+        RatesError: mesh sizes do not decrease, or errors are not positive and finite.
+    """
+    orders(h, error)
+    return fitted_order(h, error)
+
+
+def extrapolated_order(h: Array, error: Array) -> float:
+    """Return the observed order for h → 0, extrapolated from the three finest levels.
+
+    For errors e = C h^p (1 + c h + …), the order between two consecutive levels i and i + 1 is p + c' (h_i h_{i+1})^½ +
+    … with a constant c'. The term with c' is eliminated from the orders p_1 and p_2 between the three levels. If each
+    mesh size is half of the one before, the result is 2 p_2 − p_1.
+
+    Raises:
+        RatesError: mesh sizes do not decrease, or errors are not positive and finite.
+    """
+    orders(h, error)
+    return study.orders.extrapolated_order(h, error)
+
+
+def weighted_order(h: Array, error: Array, power: float) -> float:
+    """Return the observed order by least squares of log(error) over log(h), with the weights h^−power.
+
+    The weights are optimal if the variance of the logarithm of an error is proportional to h^power.
+
+    Raises:
+        RatesError: mesh sizes do not decrease, or errors are not positive and finite.
+    """
+    orders(h, error)
+    x, y, weights = np.log(h), np.log(error), np.asarray(h, dtype=float) ** -power
+    x = x - np.average(x, weights=weights)
+    return float((weights * x) @ y / ((weights * x) @ x))
+
+
+def limit(h: Array, error: Array, order: float) -> float:
+    """Return the limit of the errors for h → 0, relative to the geometric mean of the errors on the two finest levels.
+
+    The limit is the number a in e = a + C h^p for errors e with a given p. The edge of the contact zone lies at
+    alternating places in a cell from level to level, so errors alternate, too. Therefore averages are extrapolated: the
+    geometric means of h and e over the two finest levels, and over the two levels before.
+
+    Parameters:
+        h, error: mesh sizes and errors on at least four levels.
+        order: the exponent p.
+    """
+    x, e = (np.exp(np.log(np.asarray(v, dtype=float)[-4:]).reshape(2, 2).mean(axis=1)) for v in (h, error))
+    x = x**order
+    return float((e[1] * x[0] - e[0] * x[1]) / (x[0] - x[1]) / e[1])
+
 
 Value = Callable[[pd.DataFrame], float | Array]
 """Function that computes a quantity, or several values of it, from the levels of one mesh family."""

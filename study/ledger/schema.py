@@ -1,7 +1,7 @@
 # ruff: noqa: E501 – every column has one line.
 """The tables of a result directory: the meaning, the unit and the empty cells of every column.
 
-Reading, checks and the tables in ``docs/reference/files.md`` follow from ``TABLES``. To add a column, add a line here,
+Reading, checks and the tables in ``docs/reference/columns.md`` follow from ``TABLES``. To add a column, add a line here,
 and write the column where the rows are measured.
 """
 
@@ -299,24 +299,11 @@ by_others | text | the other checks that fail
 """),
         command="study faults",
     ),
-    "contact-test.csv": Table(
-        ("case", "family", "defect"),
-        columns("""
-case | text | the exact solution of the user
-family | text | the mesh family: the first that exists for the body
-levels | text | the finest levels of the run
-defect | text | name of the deliberate defect
-what | text | what the defect changes
-holding | count | number of checks that hold without the defect and compare with the exact solution
-noticed | count | number of these checks that do not hold with the defect
-noticed_by | text | their labels and keys
-"""),
-    ),
     "seeds.csv": Table(
         ("seed",),
         columns("""
 seed | count | the number from which the random meshes are computed
-rules | text | hash of tolerance windows, levels and statistics; only seeds with the last hash are counted
+rules | text | hash of quantities, tolerance windows and levels; only seeds with the last hash are counted
 judged | count | the number of checks that were judged; −1 while the seed is measured
 alarms | count | the number of these checks that did not hold; −1 while the seed is measured
 """),

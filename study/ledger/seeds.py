@@ -2,14 +2,12 @@
 
 ``data/seeds.csv`` is a record with one row for each seed, in the order in which the seeds were drawn. A seed is
 recorded before anything is measured, so that a seed with a bad result cannot be left out. A seed counts only if its
-checks had the same rules (tolerance window, levels, statistic) as the checks of the last judged seed.
+checks had the same rules (quantities, tolerance windows, levels) as the checks of the last judged seed.
 """
 
 from __future__ import annotations
 
-import hashlib
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,8 +23,6 @@ SEED_COLUMNS = [*TABLES[SEEDS_FILE].columns]
 CONFIDENCE = 0.95
 LARGEST_RATE = 0.01
 """The largest permitted false-alarm rate: on which share of seeds at least one check may fail by chance."""
-RowKey = tuple[str, str, str]
-"""The key of a check: (label, key, case)."""
 
 
 def interval(alarms: int, seeds: int) -> tuple[float, float]:
@@ -108,11 +104,12 @@ class SeedRecord:
         """Return the record with a new seed, which is measured next."""
         return SeedRecord((*self.rows, Seed(seed)))
 
-    def judged(self, rules: Mapping[RowKey, str], alarms: int) -> SeedRecord:
+    def judged(self, rules: str, checks: int, alarms: int) -> SeedRecord:
         """Return the record with the result of the seed that was drawn last.
 
         Parameters:
-            rules: key of each judged check ↦ fingerprint of its rule.
+            rules: hash of the rules of the checks.
+            checks: number of checks.
             alarms: number of checks that did not hold.
 
         Raises:
@@ -120,8 +117,7 @@ class SeedRecord:
         """
         if (begun := self.pending()) is None:
             raise DataError("the last seed was already judged, and nothing in the record is replaced: draw a seed")
-        together = fingerprint(sorted((*row, rule) for row, rule in rules.items()))
-        return SeedRecord((*self.rows[:-1], Seed(begun.seed, together, len(rules), alarms)))
+        return SeedRecord((*self.rows[:-1], Seed(begun.seed, rules, checks, alarms)))
 
 
 class FalseAlarms:
@@ -151,8 +147,3 @@ class FalseAlarms:
             f"at most {LARGEST_RATE:.0%} is permitted: {self.verdict}\n"
             f"({seeds_needed()} seeds without a false alarm are enough)"
         )
-
-
-def fingerprint(content: object) -> str:
-    """Return the letter r and nine hexadecimal digits of the SHA-256 of the text of an object."""
-    return "r" + hashlib.sha256(repr(content).encode()).hexdigest()[:9]

@@ -8,15 +8,15 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
 import pandas as pd
 
-WIDTH = 110
+WIDE = 110
 """Characters in a line of output on a wide terminal, and without a terminal."""
 NARROW = 80
 """Characters in a line of output on a narrow terminal."""
 
 
 def width() -> int:
-    """Return the number of characters in a line of output: ``WIDTH`` if the terminal is that wide, else ``NARROW``."""
-    return WIDTH if shutil.get_terminal_size((WIDTH, 24)).columns >= WIDTH else NARROW
+    """Return the number of characters in a line of output: ``WIDE`` if the terminal is that wide, else ``NARROW``."""
+    return WIDE if shutil.get_terminal_size((WIDE, 24)).columns >= WIDE else NARROW
 
 
 def is_narrow() -> bool:

@@ -1,5 +1,8 @@
 """Checks, which are the rows of the ledger: their verdicts, their kinds, and how much of their window they use.
 
+The label of a check names the numbered formulas and statements of the paper that it tests, for example "(3.9)–(3.11),
+(4.14), (4.15)" or "Thm 4.1, 5.2". No other place has this information.
+
 A check compares a measured quantity with a tolerance window. The verdicts are:
 
 holds      the whole range of the quantity over meshes lies in the window
@@ -10,6 +13,7 @@ reported   nothing is claimed about the value
 """
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -17,8 +21,32 @@ from typing import Protocol
 
 import pandas as pd
 
-from study.ledger.numbered import named
 from study.ledger.window import Window, is_two_sided, position
+
+NO_ROW, NOT_TESTED = "no row", "not tested"
+"""Labels of rows that give the reason why a formula or statement of the paper has no check that can fail."""
+
+_FORMULA = re.compile(r"\((\d)\.(\d+)\)(?:–\((\d)\.(\d+)\))?")
+_STATEMENT = re.compile(r"(Thm|Prop\.|Problem) (\d\.\d(?:, \d\.\d)*)")
+
+
+def named(text: str) -> set[str]:
+    """Return the formulas and statements that the label of a check names, as a set of texts.
+
+    Raises:
+        ValueError: a range of formulas begins and ends in different sections.
+
+    >>> sorted(named("Thm 4.1, 5.2, (5.2)–(5.4)"))
+    ['(5.2)', '(5.3)', '(5.4)', 'Thm 4.1', 'Thm 5.2']
+    """
+    found = {f"{kind} {number}" for kind, numbers in _STATEMENT.findall(text) for number in numbers.split(", ")}
+    for section, first, last_section, last in _FORMULA.findall(text):
+        end = int(last) if last else int(first)
+        if last_section not in ("", section):
+            raise ValueError(f"{text!r} has a range over two sections, expected one section: write a range for each")
+        found |= {f"({section}.{n})" for n in range(int(first), end + 1)}
+    return found
+
 
 HOLDS, FAILS, UNDECIDED, REPORTED, MISSED = "holds", "fails", "undecided", "reported", "missed"
 VERDICTS = (HOLDS, REPORTED, MISSED, UNDECIDED, FAILS)
@@ -136,11 +164,6 @@ def exit_code(verdicts: Sequence[Verdict]) -> int:
     """
     found = {verdict.verdict for verdict in verdicts}
     return 1 if FAILS in found else 3 if UNDECIDED in found or not found else 0
-
-
-def is_of_the_paper(label: str) -> bool:
-    """Return whether the label of a check names a numbered formula or statement of the paper."""
-    return bool(named(label))
 
 
 def window_share(row: pd.Series) -> float:

@@ -10,7 +10,7 @@ MIN_POSITIVE = 1e-20
 """The smallest diagnostic that counts as positive. If a quantity is computed in two ways, the results differ at
 least by rounding, about 1e-16 of the quantity. So a difference of exactly 0 means that a quantity was compared with
 itself."""
-SMALL = 1e-3
+SMALL_END = 1e-3
 """If the lower end of a window is less than this fraction of the upper end, only the upper end is regarded."""
 STEEPER = 0.15
 """Half the width of the tolerance window for the observed order of a solution that is not smooth enough for the
@@ -63,7 +63,7 @@ class Window:
         """
         if math.isinf(self.high) and math.isfinite(self.low):
             distances = [-value for value in values]
-        elif self.low > SMALL * self.high or -math.inf < self.low < 0 or self.predicted:
+        elif self.low > SMALL_END * self.high or -math.inf < self.low < 0 or self.predicted:
             distances = [abs(value - (self.low + self.high) / 2) for value in values]
         else:
             distances = list(values)
@@ -75,7 +75,7 @@ def is_two_sided(low: float, high: float) -> bool:
 
     They cannot if an end is infinite, or if the lower end is 0 or negligible next to the upper end.
     """
-    return math.isfinite(low) and math.isfinite(high) and not 0 <= low <= SMALL * high
+    return math.isfinite(low) and math.isfinite(high) and not 0 <= low <= SMALL_END * high
 
 
 def position(value: float, low: float, high: float) -> float:

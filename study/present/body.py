@@ -29,9 +29,9 @@ from study.present.drawing import (
 )
 from study.present.picture import Array, Picture, Segment
 
-DISPLACEMENT = 0.12
+DRAWN_DISPLACEMENT = 0.12
 """The length of the largest displacement in figures, as a fraction of the longest side of the body."""
-ARROW = 0.2
+ARROW_LENGTH = 0.2
 """The length of the arrow of the largest pressure, and the drawn depth of the largest gap, as a fraction of the longest
 side of the body."""
 THICKNESS = 0.05
@@ -44,11 +44,11 @@ OBLIQUE = np.array([0.35, 0.55, 0.25])
 visible."""
 ROUND_OFF = 1e-9
 """Gaps and pressures below this value count as zero; values that are not due to rounding are of order one."""
-SHADES = 16
+COLOUR_SHADES = 16
 """The number of colours of the stress, and of the pressure."""
 MOST_ARROWS = 16
 """The approximate largest number of pressure arrows on a contact face."""
-GAP: dict[str, Any] = {"facecolor": (BLUE, 0.3), "edgecolor": BLUE, "linewidth": 0.5}
+GAP_STYLE: dict[str, Any] = {"facecolor": (BLUE, 0.3), "edgecolor": BLUE, "linewidth": 0.5}
 
 
 def ramp(name: str, shades: int = 256) -> Colormap:
@@ -66,7 +66,7 @@ def magnification(vertices: Array, displacements: Array) -> float:
     largest = float(np.linalg.norm(displacements, axis=1).max())
     if largest == 0:
         return 1.0
-    exact = DISPLACEMENT * float(np.ptp(vertices, axis=1).max()) / largest
+    exact = DRAWN_DISPLACEMENT * float(np.ptp(vertices, axis=1).max()) / largest
     unit = 10.0 ** (math.floor(math.log10(exact)) - 1)
     return float(f"{math.floor(exact / unit) * unit:.2g}")
 
@@ -136,7 +136,7 @@ class BodyScale:
         self.size = picture.size
         self.magnification = magnification(picture.vertices, picture.displacement[at])
         points = [picture.vertices, *(picture.vertices + self.magnification * picture.displacement[at])]
-        points += [face.x + ARROW * self.size * face.normal[:, None] for face in picture.segments]
+        points += [face.x + ARROW_LENGTH * self.size * face.normal[:, None] for face in picture.segments]
         drawn = self.view[:2] @ np.hstack(points)
         margin = 0.02 * self.size * np.array([-1, 1])
         self.limits = np.column_stack([drawn.min(axis=1), drawn.max(axis=1)]) + margin
@@ -144,8 +144,8 @@ class BodyScale:
         self.gap = max((float(face.gap[at].max()) for face in faces), default=0.0)
         self.stress = float(np.quantile(stresses, BRIGHTEST)) or float(np.max(stresses)) or 1.0
         self.aspect = float(np.ptp(self.limits[1]) / np.ptp(self.limits[0]))
-        self.stress_colours = ScalarMappable(PowerNorm(0.5, 0, self.stress), ramp("stress", SHADES))
-        self.pressure_colours = ScalarMappable(Normalize(0, self.pressure or 1.0), ramp("pressure", SHADES))
+        self.stress_colours = ScalarMappable(PowerNorm(0.5, 0, self.stress), ramp("stress", COLOUR_SHADES))
+        self.pressure_colours = ScalarMappable(Normalize(0, self.pressure or 1.0), ramp("pressure", COLOUR_SHADES))
 
 
 def draw_deformed_mesh(
@@ -205,15 +205,15 @@ def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) 
     axes.add_patch(patches.Polygon(ground, facecolor=FOUNDATION, edgecolor="none", zorder=0.5))
     axes.plot(*ends, color=FOUNDATION_EDGE, lw=0.6, solid_capstyle="butt", zorder=2.5)
     if scale.gap > ROUND_OFF:
-        depth = ARROW * scale.size * face.gap[instant].clip(0) / scale.gap * face.normal[:, None]
-        axes.add_patch(patches.Polygon(np.hstack([face.x, (face.x + depth)[:, ::-1]]).T, **GAP, zorder=0.6))
+        depth = ARROW_LENGTH * scale.size * face.gap[instant].clip(0) / scale.gap * face.normal[:, None]
+        axes.add_patch(patches.Polygon(np.hstack([face.x, (face.x + depth)[:, ::-1]]).T, **GAP_STYLE, zorder=0.6))
     for interval in face.computed_zone(instant):
         points = [np.interp(interval, face.s, component) for component in face.x]
         axes.plot(*points, color=BLACK, lw=1.8, solid_capstyle="butt", zorder=2.6)
     every = max(1, round(len(face.s) / MOST_ARROWS))
     shown = np.flatnonzero(face.touching[instant])
     shown = shown[shown % every == 0]
-    arrows = -face.normal[:, None] * ARROW * scale.size * face.pressure[instant, shown] / (scale.pressure or 1.0)
+    arrows = -face.normal[:, None] * ARROW_LENGTH * scale.size * face.pressure[instant, shown] / (scale.pressure or 1.0)
     style: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1, "pivot": "tip", "units": "xy"}
     axes.quiver(*face.x[:, shown], *arrows, color=VERMILLION, width=0.012 * scale.size, minlength=0, zorder=3, **style)
 
@@ -274,7 +274,7 @@ def draw_keys(
             entry("computed contact zone", color=BLACK, lw=1.8),
         ]
         if scale.gap > ROUND_OFF:
-            handles.append(patches.Patch(**GAP, label=f"gap, at most {scale.gap:.3g}"))
+            handles.append(patches.Patch(**GAP_STYLE, label=f"gap, at most {scale.gap:.3g}"))
     legend(figure, [*handles, *more], columns=columns, wide=True)
 
 

@@ -147,7 +147,7 @@ def _intervals(table: pd.DataFrame, known: bool, in_time: bool = True, names: Se
     }
     columns |= {"    error": [f"{row.error:.4g}" for row in rows]} if known else {}
     lines = aligned(columns | {"from u_h alone": [_plain(row.plain) for row in rows]})
-    if len(table) == 1:
+    if not table["order_low"].notna().any():
         return lines
     orders = {f"order since {labels[0]}": "order"} | ({"since the mesh before": "pair"} if len(table) > 2 else {})
     columns = {kind: labels[1:]}

@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import cycle, product
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, ORANGE, SKY, VERMILLION
 from study.ledger.check import by_family
 from study.ledger.codes import GRADES, Codes
-from study.ledger.faults import INVISIBLE
-from study.ledger.orders import Array, RatesError, fit, orders
+from study.ledger.faults import INVISIBLE_SHARE
+from study.ledger.quantities import Array, RatesError, fit, orders
 from study.ledger.text import above, below, interval
 from study.present.drawing import (
     COLOURS,
@@ -38,7 +38,6 @@ from study.present.drawing import (
     dots,
     entry,
     family_styles,
-    is_slide,
     legend,
     page_width,
 )
@@ -52,7 +51,7 @@ HOLLOW: Style = {"mfc": "white"}
 RANGE: Style = {"alpha": 0.35, "lw": 0}
 RULE: Style = {"color": GREY, "lw": 0.6}
 TRIANGLE_STYLE: Style = {"facecolor": TRIANGLE, "edgecolor": OUTLINE, "lw": 0.6, "zorder": 1.5}
-TINY: Style = {"ms": 2.4}
+TINY_MARKERS: Style = {"ms": 2.4}
 """The markers of small axes."""
 MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
 """The ticks of a logarithmic axis in a decade: the first choice with enough ticks is taken."""
@@ -91,7 +90,7 @@ def draw_cases(
     shown = dict(zip(cases, panels, strict=False))
     for i, (case, axes) in enumerate(shown.items()):
         for column, (_, style) in quantities.items():
-            plot_families(axes, rows[rows["case"] == case], column, styles, style | TINY)
+            plot_families(axes, rows[rows["case"] == case], column, styles, style | TINY_MARKERS)
         axes.set_title(textwrap.fill(case, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
         axes.tick_params(labelbottom=i + columns >= len(cases))
         axes.grid(True)
@@ -134,12 +133,6 @@ def add_legend(figure: Figure, *columns: Sequence[Artist]) -> None:
     legend(figure, handles, columns=len(columns))
 
 
-def add_headline(figure: Figure, text: str) -> None:
-    """Write the main result above a figure if it is a slide, which has no caption."""
-    if is_slide() and text:
-        figure.suptitle(textwrap.fill(text, 64))
-
-
 def families(styles: Mapping[str, Style], **more: Any) -> list[Line2D]:
     """Return the legend entries of mesh families below a heading; ``more`` are further properties of the lines."""
     return [entry("mesh family", ls=""), *(entry(family, **style, **more) for family, style in styles.items())]
@@ -178,13 +171,13 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
         axes.annotate(f"{slope:.3g}", beside, (-2, 0), ha="right", va="center", **text)
     axes.annotate(f"{slope:.3g}" if small else "1", above_it, (0, 1.5), ha="center", va="bottom", **text)
     # The text needs room above the triangle.
-    axes.update_datalim([(10**end, 10 ** (top + (0.13 if small else 0.05) * decades))])
+    axes.update_datalim([(10**end, 10 ** (top + 0.13 * decades))])
     axes.autoscale_view()
 
 
 # Observed orders.
 
-ORDER_ROOM = 0.15
+ROOM_BELOW = 0.15
 """Observed orders may be smaller than the proved order by this number, as in the checks of Proposition 5.4."""
 
 
@@ -245,7 +238,7 @@ def _all_cases(rates: pd.DataFrame) -> str:
 
 # Errors against the mesh size.
 
-NEGLIGIBLE = 1e-3
+NEGLIGIBLE_VALUE = 1e-3
 """In a chart of errors, values below this fraction of the smallest error are not shown, because the vertical axis would
 become too long."""
 ERROR_LINES: dict[str, tuple[str, Style]] = {
@@ -268,7 +261,7 @@ def draw_convergence(rates: pd.DataFrame, order: float) -> Figure:
         order: the expected order, which is the slope of the triangle.
     """
     figure, (axes,) = stacked_axes(1)
-    styles, lowest = family_styles(rates["family"]), NEGLIGIBLE * rates["error"].min()
+    styles, lowest = family_styles(rates["family"]), NEGLIGIBLE_VALUE * rates["error"].min()
     rates = rates.assign(in_time=rates["time_share"] * rates["error"])
     for column, (_, style) in reversed(ERROR_LINES.items()):
         shown = rates.assign(**{column: rates[column].where(rates[column] >= lowest)})
@@ -286,7 +279,7 @@ def caption_convergence(rates: pd.DataFrame, order: float) -> str:
     last, graded = last_orders(rates)
     finest = rates.groupby("family").tail(1).query("discrete_error > 0")
     closer = finest["error"] / finest["discrete_error"]
-    values = {"last": last, "graded": graded, "closer": closer, "negligible": NEGLIGIBLE}
+    values = {"last": last, "graded": graded, "closer": closer, "negligible": NEGLIGIBLE_VALUE}
     return caption("convergence", rates=rates, order=order, **values)
 
 
@@ -327,10 +320,9 @@ def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
         # Families are drawn next to each other, because their markers would hide each other.
         shift = 0.012 * (number - (len(styles) - 1) / 2)
         axes.plot(rows["predicted"] + shift, rows["observed"], ls="", **style)
-    axes.set(xlim=(0, top), ylim=(0, top), xlabel="predicted order", ylabel="observed order, last two refinements")
+    axes.set(xlabel="predicted order, families side by side", ylabel="observed order, last two refinements")
+    axes.set(xlim=(0, top), ylim=(0, top))
     add_legend(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
-    most = above(table["difference"].abs().max(), 2)
-    add_headline(figure, f"Over the last two refinements, observed and predicted orders differ by at most {most}")
     return figure
 
 
@@ -364,11 +356,11 @@ def draw_collapsed(rates: pd.DataFrame) -> Figure:
     for (_, family), rows in over_constants(rates).groupby(["case", "family"], sort=False):
         errors.plot(rows["h"], rows["scaled"], **styles[str(family)])
         ratios.plot(rows["h"], rows["relative"], **styles[str(family)])
+    draw_slope(errors, 1)
     label_ticks([errors, ratios])
     errors.set_ylabel("error / C")
     ratios.set(xlabel=MESH_SIZE, ylabel="error / (C h)")
     add_legend(figure, families(styles), [entry("C h, not fitted", color=GREY)])
-    add_headline(figure, order_in_words(rates))
     return figure
 
 
@@ -376,7 +368,8 @@ def caption_collapsed(rates: pd.DataFrame) -> str:
     """Return the caption of ``draw_collapsed``."""
     table = over_constants(rates)
     finest = table.groupby(["case", "family"], sort=False)["relative"].last().groupby("family", sort=False)
-    return caption("collapsed", cases=_all_cases(rates), relative=table["relative"], finest=finest)
+    orders = order_in_words(rates)
+    return caption("collapsed", cases=_all_cases(rates), relative=table["relative"], finest=finest, orders=orders)
 
 
 def order_in_words(rates: pd.DataFrame) -> str:
@@ -385,7 +378,7 @@ def order_in_words(rates: pd.DataFrame) -> str:
     if observed.empty:
         return ""
     low, high = observed.min(), observed.max()
-    result = "The error is O(h)" if low >= 1 - ORDER_ROOM else "On these meshes the error is not O(h)"
+    result = "the error is O(h)" if low >= 1 - ROOM_BELOW else "on these meshes the error is not O(h)"
     return (
         f"{result}: observed orders {below(low, 2)} to {above(high, 2)} in {_all_cases(rates)}, over the last two "
         "refinements"
@@ -455,68 +448,6 @@ def caption_enclosure(series: pd.DataFrame, title: str) -> str:
     return caption("enclosure", title=title, interval=interval, **values)
 
 
-SCHEMES: dict[str, Style] = {
-    "backward-euler": {"color": VERMILLION, "marker": "s"},
-    "bdf2": {"color": GREEN, "marker": "^"},
-    "midpoint": {"color": BLUE, "marker": "o"},
-}
-
-
-def draw_effectivity(known: pd.DataFrame) -> Figure:
-    """Draw the bounds of the error divided by the error, a line for each case.
-
-    The left axes show the upper bound from u_h alone, the right axes both ends of the enclosure. A line has a marker
-    for each time scheme, mesh family and level; markers of finer levels are larger.
-
-    Parameters:
-        known: the rows of ``bounds.csv`` whose error is known. ``upper`` and ``lower`` are the worst ratios of the
-            bounds to the error in the second half of time.
-    """
-    # A slide has room for a line per scheme. Elsewhere the markers of the schemes are shifted, or they would hide each
-    # other.
-    line, shift = ("scheme", 0.0) if is_slide() else ("case", 0.22)
-    names = known[line].unique()[::-1].tolist()
-    used = {scheme: style for scheme, style in SCHEMES.items() if (known["scheme"] == scheme).any()}
-    shifts = {scheme: shift * (number - 1) for number, scheme in enumerate(used)}
-    known = known.assign(
-        y=known[line].map(names.index) + known["scheme"].map(shifts), size=_marker_area(known["level"])
-    )
-    figure = Figure(figsize=(page_width(), 1.2 + 0.15 * len(names)))
-    left, right = figure.subplots(1, 2, sharey=True)
-    for axes, trajectory, ends in ((left, "bound", ("upper",)), (right, "enclosure", ("lower", "upper"))):
-        for scheme, end in product(used, ends):
-            rows = known[(known["trajectory"] == trajectory) & (known["scheme"] == scheme)]
-            style = used[scheme]
-            look = {"marker": style["marker"], "edgecolor": style["color"], "linewidth": 0.6, "zorder": 3}
-            face = style["color"] if end == "upper" else "white"
-            axes.scatter(rows[end], rows["y"], _marker_area(rows["level"]), facecolor=face, **look)
-        axes.axvline(1, color=BLACK, lw=0.7)
-        axes.grid(True)
-    left.set_xscale("log")
-    label_ticks([left], least=4)
-    left.set_yticks(range(len(names)), names)
-    left.set(ylim=(-0.7, len(names) - 0.3), xlabel="bound / error" if is_slide() else "bound from $u_h$ alone / error")
-    right.set(xlim=(0, None), xlabel="enclosure / error" if is_slide() else "ends of the enclosure / error")
-    handles = [dots(scheme, **style) for scheme, style in used.items()]
-    handles += [dots("upper end of the bound", color=DARK), dots("lower end of the bound", color=DARK, **HOLLOW)]
-    for level in sorted({known["level"].min(), known["level"].max()}):
-        handles.append(dots(f"$n={level}$", color=DARK, ms=float(np.sqrt(_marker_area(level))), mew=0))
-    legend(figure, [*handles, entry("the error itself", color=BLACK, lw=0.7)], columns=4)
-    return figure
-
-
-def _marker_area(level: Any) -> Any:
-    """Return the area of the marker of a level in square points."""
-    return 5.0 * np.log2(level) - 8
-
-
-def caption_effectivity(known: pd.DataFrame) -> str:
-    """Return the caption of ``draw_effectivity``."""
-    plain, enclosed = (known[known["trajectory"] == name] for name in ("bound", "enclosure"))
-    wrong = int((known["upper"] < 1).sum() + (enclosed["lower"] > 1).sum())
-    return caption("effectivity", known=known, plain=plain, enclosed=enclosed, wrong=wrong)
-
-
 @dataclass(frozen=True, eq=False)
 class AdaptiveRefinement:
     """The result of an adaptive refinement.
@@ -546,9 +477,9 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
     mesh, bounds = figure.subplots(1, 2)
     mesh.triplot(result.mesh, color=DARK, lw=0.25)
     handles = []
-    for which, colour, text in ((result.closed, VERMILLION, "in contact"), (~result.closed, BLUE, "open")):
+    for which, colour, text in ((result.closed, VERMILLION, "touches"), (~result.closed, BLUE, "is open")):
         mesh.add_collection(LineCollection(list(result.edges[:, :, which].T), colors=colour, linewidths=2.5, zorder=3))
-        handles += [entry(rf"$\Gamma_3$ {text}", color=colour, lw=2.5)] * bool(result.closed.size)
+        handles += [entry(f"CONTACT side {text}", color=colour, lw=2.5)] * bool(result.closed.size)
     mesh.set(aspect="equal", title=f"mesh {rows['mesh'].iloc[-1]}, {rows['cells'].iloc[-1]} cells")
     mesh.axis("off")
     handles += bounds.loglog(rows["dofs"], rows["bound"], color=BLUE, marker="o", label="adaptive")
@@ -703,7 +634,7 @@ def caption_codes(codes: Codes) -> str:
     return caption("codes", rows=rows, bad=bad, tolerance=tolerance)
 
 
-SHADES = (
+FAULT_SHADES = (
     ("#EEEEEE", "cannot occur"),
     ("#FFFFFF", "by no check"),
     ("#D6E6F2", "by other checks only"),
@@ -723,7 +654,7 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     is_smallest = sizes == sizes.groupby([matrix["fault"], matrix["case"]]).transform("min")
     errors, others = matrix["by_error"] != "", matrix["by_others"] != ""
     # Without a distance nothing is known about the discrete solution.
-    visible = ~(matrix["distance"] < INVISIBLE * matrix["error"])
+    visible = ~(matrix["distance"] < INVISIBLE_SHARE * matrix["error"])
     shade = np.select([errors & is_smallest, errors, others], [4, 3, 2], 1)
     cells = matrix.assign(shade=shade, visible=visible * 1.0).groupby(["fault", "case"])[["shade", "visible"]].max()
     equations, cases = matrix.groupby("fault", sort=False)["equation"].first(), matrix["case"].unique()
@@ -731,7 +662,7 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     figure = Figure(figsize=(page_width(), 1.9 + 0.155 * len(equations)))
     axes = figure.subplots()
     style: dict[str, Any] = {"vmin": -0.5, "vmax": 4.5, "edgecolors": "white", "linewidth": 0.5}
-    colours = ListedColormap([colour for colour, _ in SHADES])
+    colours = ListedColormap([colour for colour, _ in FAULT_SHADES])
     axes.pcolormesh(table["shade"][cases].fillna(0).to_numpy(), cmap=colours, **style)
     rows, columns = np.nonzero(table["visible"][cases] == 0)
     axes.plot(columns + 0.5, rows + 0.5, ".", color=GREY, markersize=3)
@@ -739,7 +670,9 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     axes.set_xticks(np.arange(len(cases)) + 0.5, cases, rotation=90)
     axes.set_yticks(np.arange(len(equations)) + 0.5, equations.index + "   " + equations)
     axes.tick_params(length=0, labelsize="x-small")
-    handles = [Patch(facecolor=colour, label=text, edgecolor=DARK, linewidth=0.3) for colour, text in SHADES[::-1]]
+    handles = [
+        Patch(facecolor=colour, label=text, edgecolor=DARK, linewidth=0.3) for colour, text in FAULT_SHADES[::-1]
+    ]
     legend(figure, [*handles, dots("invisible", marker=".", color=GREY)], 3, "upper", wide=True)
     return figure
 

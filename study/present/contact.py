@@ -1,4 +1,4 @@
-"""Figures of one run: contact zone, gap and pressure on the faces of Γ3, and the balance of energy.
+"""Figures of one run: contact zone, gap and pressure on the faces of Γ3.
 
 Faces are lines in 2D, and maps seen from inside the body in 3D.
 """
@@ -18,19 +18,19 @@ from matplotlib.tri import Triangulation
 
 from manufactured.colours import BLACK, BLUE, GREEN, GREY, PURPLE, SKY, VERMILLION
 from study.present.body import ROUND_OFF, ramp
-from study.present.drawing import RIM, SURFACE, Style, caption, column_width, dots, entry, is_slide, legend
+from study.present.drawing import RIM, Style, caption, column_width, dots, entry, is_slide, legend
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment, misplaced_length
 
 ZONE_POINTS, ZONE_CUT = 401, 0.01
 """The number of positions along a face at which the exact zone is drawn, and the largest depth inside of it."""
 MAP_LEVELS = 10
 """The number of colours of a map."""
-LINES = ((BLACK, "o"), (GREEN, "s"), (PURPLE, "^"))
+FACE_LINES = ((BLACK, "o"), (GREEN, "s"), (PURPLE, "^"))
 """Colour and marker of the first, second and third contact face."""
-INSIDE: Style = {"color": BLUE, "mew": 0}
+INSIDE_STYLE: Style = {"color": BLUE, "mew": 0}
 STRAY: Style = {"color": BLUE, "mfc": "white", "mew": 0.5}
 """The styles of nodes in contact inside the exact contact zone, and of nodes in contact outside of it."""
-FRONT: Style = {"color": VERMILLION, "lw": 1.0}
+FRONT_STYLE: Style = {"color": VERMILLION, "lw": 1.0}
 NODES: Style = {"mfc": "white", "ms": 2.6}
 """The style of computed values at nodes."""
 QUANTITY_LABELS = {"gap": "gap $w$", "pressure": "pressure $p$"}
@@ -48,7 +48,7 @@ def draw_zone(picture: Picture) -> Figure:
     figure = Figure(figsize=(column_width() + 0.8 * (count - 1), 3.2))
     *panels, last = figure.subplots(1, count + 1, sharey=True, width_ratios=(*[1] * count, 0.4))
     handles = _zone_handles(picture)
-    for axes, face, (colour, marker) in zip(panels, picture.segments, cycle(LINES), strict=False):
+    for axes, face, (colour, marker) in zip(panels, picture.segments, cycle(FACE_LINES), strict=False):
         name = f"${picture.symbol(face)}$"
         _draw_zone_of_face(axes, face, count)
         axes.set_xlabel(f"position $s$ along {name}" if count < 3 else f"$s$ on {name}")
@@ -71,8 +71,8 @@ def _draw_zone_of_face(axes: Axes, face: Segment, faces: int) -> None:
     # Far from the front the depth is cut off, so that the front of a zone that appears at once is drawn halfway.
     depth = face.depth(face.zone, s).clip(-ZONE_CUT, ZONE_CUT)
     axes.contourf(s, face.zone_times, depth, [0, 1], colors=[SKY], alpha=0.45)
-    axes.contour(s, face.zone_times, depth, [0], colors=VERMILLION, linewidths=FRONT["lw"])
-    for nodes, style in ((face.touching & ~face.outside, INSIDE), (face.outside, STRAY)):
+    axes.contour(s, face.zone_times, depth, [0], colors=VERMILLION, linewidths=FRONT_STYLE["lw"])
+    for nodes, style in ((face.touching & ~face.outside, INSIDE_STYLE), (face.outside, STRAY)):
         when, where = np.nonzero(nodes)
         # An empty line would disturb the layout of Matplotlib.
         if len(when):
@@ -86,7 +86,7 @@ def _draw_zone_of_face(axes: Axes, face: Segment, faces: int) -> None:
 def _zone_handles(picture: Picture) -> list[Artist]:
     """Return the legend entries of the exact zone, of nodes in contact, and of nodes in contact outside of the zone."""
     exact = Patch(facecolor=(SKY, 0.45), edgecolor=VERMILLION, label=r"exact zone, $w=0$")
-    handles = [exact, dots(r"nodes in contact, $p^h>0$", ms=2.5, **INSIDE)]
+    handles = [exact, dots(r"nodes in contact, $p^h>0$", ms=2.5, **INSIDE_STYLE)]
     if any(face.outside.any() for face in picture.faces):
         handles.append(dots("nodes in contact outside of it", ms=2.5, **STRAY))
     return handles
@@ -164,6 +164,7 @@ def draw_profile(axes: Axes, face: Segment, exact: Array, computed: Array, colou
     axes.plot(face.line, exact, color=BLACK, lw=0.9)
     axes.plot(face.s, computed, "o", color=colour, clip_on=False, zorder=3, **NODES)
     axes.set_xlim(face.line.min(), face.line.max())
+    axes.locator_params(axis="x", nbins=3)
     axes.grid(True)
 
 
@@ -203,7 +204,7 @@ def draw_fronts(picture: Picture) -> Figure:
     grid = figure.add_gridspec(2, height_ratios=(rows, 0.9))
     panels = grid[0].subgridspec(rows, len(picture.shown)).subplots(sharex="row", sharey="row", squeeze=False)
     counts = figure.add_subplot(grid[1])
-    for face, row, (colour, marker) in zip(picture.polygons, panels, cycle(LINES), strict=False):
+    for face, row, (colour, marker) in zip(picture.polygons, panels, cycle(FACE_LINES), strict=False):
         for axes, instant in zip(row, picture.shown, strict=True):
             _draw_zone_map(axes, face, instant)
         times, label = picture.times[1:], f"${picture.symbol(face)}$"
@@ -229,38 +230,6 @@ def caption_fronts(picture: Picture) -> str:
     return caption("fronts", picture=picture, mean=np.mean(wrong), worst=int(worst), where=where, **counts)
 
 
-def draw_maps(picture: Picture) -> Figure:
-    """Draw maps of gap and pressure in 3D at the times of ``picture.shown``.
-
-    There is a row for each face and quantity, and a column for each time.
-
-    Surfaces show exact values, dots show computed values at the nodes, in the same colours.
-    """
-    shown, faces = picture.shown, [(face, name) for face in picture.polygons for name in QUANTITY_LABELS]
-    figure = Figure(figsize=(column_width(), 0.7 + 1.05 * len(faces)))
-    panels = figure.subplots(len(faces), len(shown), sharex="row", sharey="row", squeeze=False)
-    for row, (face, name) in zip(panels, faces, strict=True):
-        exact, computed = getattr(face, f"{name}_exact"), getattr(face, name)
-        top = float(max(exact[shown].max(), computed[shown].max())) or 1.0
-        for axes, instant in zip(row, shown, strict=True):
-            draw_map(axes, face, instant, name, top)
-        bar = figure.colorbar(row[-1].collections[0], ax=list(row), fraction=0.05, ticks=[0, top], format="%.3g")
-        bar.set_label(QUANTITY_LABELS[name])
-    _label_maps(panels, picture, [face for face, _ in faces])
-    figure.suptitle(picture.heading)
-    marks = dots("computed", mfc="white", mec=RIM, mew=0.4, ms=2.6)
-    legend(figure, [entry("exact", color=SURFACE, lw=4), marks, entry("exact front", **FRONT)], columns=3)
-    return figure
-
-
-def caption_maps(picture: Picture) -> str:
-    """Return the caption of ``draw_maps``."""
-    displacement = float(np.linalg.norm(picture.displacement[picture.shown], axis=1).max())
-    largest_gap = max(float(face.gap_exact[picture.shown].max()) for face in picture.polygons)
-    share = 100 * largest_gap / (displacement or 1.0)
-    return caption("maps", picture=picture, share=share, **_largest_differences(picture))
-
-
 def draw_map(axes: Axes, face: Polygon, instant: int, name: str, top: float) -> None:
     """Draw the map of a quantity on a contact face in 3D: exact values as a surface, computed values as dots.
 
@@ -284,7 +253,7 @@ def _draw_zone_map(axes: Axes, face: Polygon, instant: int) -> None:
     level, stray = face.level[instant], face.outside[instant]
     if level.max() >= 0:
         axes.tricontourf(_refined(face), level, [0, level.max() + 1], colors=[SKY], alpha=0.45)
-    for nodes, style in ((face.touching[instant] & ~stray, INSIDE), (stray, STRAY)):
+    for nodes, style in ((face.touching[instant] & ~stray, INSIDE_STYLE), (stray, STRAY)):
         if nodes.any():
             axes.plot(*face.s[:, nodes], "o", ms=1.6, clip_on=False, zorder=3, **style)
     _draw_front(axes, face, level)
@@ -310,41 +279,3 @@ def _label_maps(panels: Array, picture: Picture, faces: Sequence[Polygon]) -> No
 def _refined(face: Polygon) -> Triangulation:
     """Return the triangulation of the nodes and edge midpoints of a face, at which the level function is known."""
     return Triangulation(*face.facets.refined(face.s), face.facets.quarters.T)
-
-
-def draw_energy(picture: Picture) -> Figure:
-    """Draw the terms of the energy balance over time and, below, its defect.
-
-    The terms are the work of the load, the dissipated energy, the stored energy and the work of contact since t = 0.
-    The defect, which would be zero without discretisation in time, is relative to the largest of these terms.
-    """
-    energy = picture.energy
-    figure = Figure(figsize=(column_width(), 3.4))
-    terms, defect = figure.subplots(2, sharex=True, height_ratios=(3, 1))
-    terms.plot(energy.times, energy.work, color=BLACK, label=r"work of the load")
-    terms.plot(energy.times, energy.dissipated, color=VERMILLION, label=r"dissipated by $\mathcal{A}$")
-    terms.plot(energy.times, energy.stored - energy.stored[0], color=BLUE, label=r"stored in $\mathcal{G}$")
-    terms.plot(energy.times, energy.contact, color=GREEN, ls="--", label="work of contact")
-    defect.plot(energy.times, 100 * energy.defect / energy.largest, color=GREY)
-    defect.axhline(0, color=BLACK, lw=0.4)
-    for axes in (terms, defect):
-        axes.grid(True)
-    terms.set_ylabel("energy since $t=0$")
-    defect.set(xlabel="time $t$", ylabel="defect in %", xlim=(energy.times[0], energy.times[-1]))
-    figure.align_ylabels()
-    figure.suptitle(picture.heading)
-    legend(figure, terms.get_lines(), columns=2)
-    return figure
-
-
-def caption_energy(picture: Picture) -> str:
-    """Return the caption of ``draw_energy``."""
-    energy, scale = picture.energy, picture.energy.largest
-    worst = int(np.argmax(abs(energy.defect)))
-    ends = {name: getattr(energy, name)[-1] for name in ("work", "dissipated", "stored", "contact")}
-    ends["stored"] -= energy.stored[0]
-    for name in ("stored", "contact"):
-        if abs(ends[name]) <= 1e-12 * scale:
-            ends[name] = 0.0  # It is round-off.
-    defect = 100 * abs(energy.defect[worst]) / scale
-    return caption("energy", picture=picture, defect=defect, worst=energy.times[worst], end=energy.times[-1], **ends)

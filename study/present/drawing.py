@@ -1,5 +1,6 @@
 """The style of all figures, their legends and labels, and functions that draw figures and save them with captions."""
 
+import re
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -9,6 +10,7 @@ from itertools import cycle
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 from cycler import cycler
 from matplotlib import rc_context, rc_params_from_file, rcParams
 from matplotlib.artist import Artist
@@ -52,7 +54,7 @@ STYLES = Path(__file__).parent
 ``style.mplstyle`` is for all figures; a file ``USE.mplstyle`` has entries that replace some of them for one use."""
 CAPTIONS: dict[str, str] = read_page("captions")
 """Name of a caption ↦ its template."""
-SEEN = "What to see: "
+WHAT_TO_SEE = "What to see: "
 """The words in a caption that are followed by the main point of the figure."""
 SHEET = 6
 """The largest number of subplots that can be read on a slide."""
@@ -65,10 +67,11 @@ class Drawing:
     Attributes:
         name: the name of the files of the figure, without a suffix.
         draw: function that draws the figure.
-        caption: the caption, which says what is drawn and, after the text ``SEEN``, the main point with numbers.
+        caption: the caption, which says what is drawn and, after the text ``WHAT_TO_SEE``, the main point with numbers.
         summary: the kind of the figure in a few words, for readers who cannot see it.
         case: the case that the figure shows; empty for figures over several cases.
         sheet: whether the figure has more subplots than can be read on a slide.
+        table: function that returns the data of the figure; None for a sketch, which has none.
     """
 
     name: str
@@ -77,12 +80,19 @@ class Drawing:
     summary: str
     case: str = ""
     sheet: bool = False
+    table: Callable[[], pd.DataFrame | None] = lambda: None
 
     @property
     def alternative(self) -> str:
         """The text for readers who cannot see the figure: the kind of the figure, and its main point."""
-        point = self.caption.partition(SEEN)[2] or self.caption
+        point = self.caption.partition(WHAT_TO_SEE)[2] or self.caption
         return f"{self.summary[:1].upper()}{self.summary[1:]}. {point[:1].upper()}{point[1:]}"
+
+    @property
+    def headline(self) -> str:
+        """The headline of a slide: the main point of the caption up to the first semicolon or full stop."""
+        point = self.caption.partition(WHAT_TO_SEE)[2]
+        return re.split(r"; |\.$|\. ", point[:1].upper() + point[1:])[0]
 
 
 @dataclass(frozen=True)
@@ -204,7 +214,7 @@ def draw_figures(
     progress: Callable[[int, int, str], None] = lambda done, total, name: None,
     output: Output = ARTICLE,
 ) -> list[Path]:
-    """Draw figures into ``output.folder(directory)``, with captions and alternative texts in txt files.
+    """Draw figures into ``output.folder(directory)``, with their texts in txt files and their data in csv files.
 
     Parameters:
         directory: directory of a run.
@@ -229,8 +239,18 @@ def draw_figures(
     return written
 
 
+def drawn_for_use(drawing: Drawing) -> Figure:
+    """Return a figure in the current style. A slide has no caption, but a headline above the title of the figure."""
+    figure = drawing.draw()
+    if is_slide():
+        figure.set_size_inches(rcParams["figure.figsize"])
+        lines = [textwrap.fill(drawing.headline, 68), figure.get_suptitle()]
+        figure.suptitle("\n".join(filter(None, lines)))
+    return figure
+
+
 def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> list[Path]:
-    """Draw one figure, save it in each format, and save its caption and alternative text in a txt file.
+    """Draw one figure, save it in each format, its caption in a txt file, and its data in a csv file.
 
     Returns:
         The paths of the files.
@@ -244,9 +264,7 @@ def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> lis
             "were edited or damaged"
         )
     with in_style(output):
-        figure = drawing.draw()
-        if is_slide():
-            figure.set_size_inches(rcParams["figure.figsize"])
+        figure = drawn_for_use(drawing)
         FigureCanvasAgg(figure)
         # The figure is laid out once. With a layout engine, Figure.savefig would lay it out again for each format.
         layout = figure.get_layout_engine()
@@ -257,7 +275,10 @@ def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> lis
         # A name may contain dots (rough-1.75), so the suffix is appended, not replaced.
         files = {suffix: directory / f"{drawing.name}.{suffix}" for suffix in output.suffixes}
         written = [write_whole(path, partial(_save, figure, drawing, suffix)) for suffix, path in files.items()]
-    return [*written, write_text(directory / f"{drawing.name}.txt", caption_text(drawing))]
+    written.append(write_text(directory / f"{drawing.name}.txt", caption_text(drawing)))
+    if (table := drawing.table()) is not None:
+        written.append(write_text(directory / f"{drawing.name}.csv", table.to_csv(index=False)))
+    return written
 
 
 def _save(figure: Figure, drawing: Drawing, suffix: str, path: Path) -> None:

@@ -14,7 +14,7 @@ from study.ledger.datafiles import expected_orders, read_csv, read_rates
 from study.ledger.files import UsageError
 from study.present import body, charts, contact, problem
 from study.present.drawing import SHEET, Drawing
-from study.present.picture import read_pictures
+from study.present.picture import Picture, read_pictures
 
 FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., str], str]] = {
     "problem": (problem.draw_sketch, problem.caption_sketch, "Sketch of a body on a rigid foundation"),
@@ -44,11 +44,6 @@ FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., str], str]] = {
         charts.caption_enclosure,
         "error over time between its bounds, logarithmic",
     ),
-    "effectivity": (
-        charts.draw_effectivity,
-        charts.caption_effectivity,
-        "Bounds of the error divided by the error, for each case",
-    ),
     "adaptive": (
         charts.draw_adapted,
         charts.caption_adapted,
@@ -74,8 +69,6 @@ FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., str], str]] = {
     "zone": (contact.draw_zone, contact.caption_zone, "The contact zone in space and time, exact and computed"),
     "fronts": (contact.draw_fronts, contact.caption_fronts, "Maps of the contact zone, exact and computed"),
     "profiles": (contact.draw_profiles, contact.caption_profiles, "Gap and pressure along the contact boundary"),
-    "maps": (contact.draw_maps, contact.caption_maps, "Maps of gap and pressure on the contact boundary"),
-    "energy": (contact.draw_energy, contact.caption_energy, "The balance of energy over time, and its defect"),
 }
 """Kind of figure ↦ the function that draws it, the function that returns its caption, and what it shows in a few words.
 
@@ -96,15 +89,27 @@ def figure(kind: str, *data: Any, name: str = "", case: str = "", about: str = "
     """
     draw, describe, summary = FIGURES[kind]
     title = ": ".join(filter(None, (summary, about or case)))
-    return Drawing(name or kind, partial(draw, *data), describe(*data), title, case, sheet)
+    return Drawing(name or kind, partial(draw, *data), describe(*data), title, case, sheet, partial(_table, data))
+
+
+def _table(data: Sequence[Any]) -> pd.DataFrame | None:
+    """Return the data of a figure as a table; None for a sketch."""
+    for shown in data:
+        if isinstance(shown, pd.DataFrame):
+            return shown
+        if isinstance(shown, Codes):
+            return shown.errors
+        if isinstance(shown, Picture):
+            return shown.on_faces
+    return None
 
 
 def drawings(directory: Path) -> list[Drawing]:
     """Return all figures of a result directory without drawing them: figures over all cases, and of each case.
 
     The figures over all cases are those of ``overview``. A case has the figure ``convergence-CASE`` if it is in
-    ``rates.csv``, ``enclosure-CASE`` if its error has two-sided bounds, and ``body-CASE``, ``zone-CASE``,
-    ``profiles-CASE`` and ``energy-CASE`` if it has a file in ``pictures``.
+    ``rates.csv``, ``enclosure-CASE`` if its error has two-sided bounds, and ``body-CASE``, and ``zone-CASE``
+    with ``profiles-CASE`` in 2D or ``fronts-CASE`` in 3D, if it has a file in ``pictures``.
 
     Raises:
         DataError: a data file is missing or damaged.
@@ -118,10 +123,9 @@ def drawings(directory: Path) -> list[Drawing]:
     for case, rows, title in charts.enclosed_series(read_csv(directory, "enclosures.csv", columns)):
         figures.append(figure("enclosure", rows, title, name=f"enclosure-{case}", case=case))
     for picture in read_pictures(directory):
-        # Contact faces are lines in 2D and maps in 3D.
-        zone, profiles = ("zone", "profiles") if picture.segments else ("fronts", "maps")
-        for name, kind in {"body": "body", "zone": zone, "profiles": profiles, "energy": "energy"}.items():
-            figures.append(figure(kind, picture, name=f"{name}-{picture.case}", case=picture.case))
+        # Contact faces are lines in 2D and surfaces in 3D.
+        for kind in ("body", "zone", "profiles") if picture.segments else ("body", "fronts"):
+            figures.append(figure(kind, picture, name=f"{kind}-{picture.case}", case=picture.case))
     return figures
 
 
@@ -154,7 +158,7 @@ def overview(directory: Path) -> list[Drawing]:
 
     The figures are ``problem``, a sketch; ``collapsed``, ``orders`` and ``convergence`` for the cases of Prop. 5.4 and
     ``convergence-prop-5-3`` for the cases of Prop. 5.3; ``contact-work`` and ``rollers`` if they were measured;
-    ``effectivity`` from ``bounds.csv``; ``codes`` from ``codes/``, if it exists.
+    ``codes`` from ``codes/``, if it exists.
 
     Raises:
         DataError: a data file is missing or damaged.
@@ -180,11 +184,9 @@ def overview(directory: Path) -> list[Drawing]:
         columns = ("label", "case", "family", "level", "h", "quantity", "value")
         statements = read_csv(directory, "statements.csv", columns)
         tables |= {"contact-work": charts.work_rows(statements), "rollers": charts.roller_rows(statements)}
-    bounds = read_csv(directory, "bounds.csv", ("case", "scheme", "trajectory", "level", "upper", "lower"))
-    tables["effectivity"] = bounds[bounds["upper"].notna()]
     if (data / "faults.csv").is_file():
         tables["faults"] = read_csv(directory, "faults.csv")
-    figures += [figure(kind, table) for kind, table in tables.items() if len(table)]
+    figures += [figure(kind, table, sheet=kind == "faults") for kind, table in tables.items() if len(table)]
     if codes := Codes.read(directory):
         figures.append(figure("codes", codes))
     return [*figures, figure("problem")]

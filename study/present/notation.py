@@ -199,14 +199,14 @@ def _joined(atoms: list[str]) -> str:
     return re.sub(r" +", " ", text).strip()
 
 
-_HTML_SCRIPT = re.compile(r"(?<=\S)([\^_])(\{(?:[^{}]|\{[^{}]*\})*\}|\([^()]*\)|\d+(?:\.\d+)?|[\w+−∞])")
+_HTML_SCRIPT = re.compile(r"(?<=\S)([\^_])(\{(?:[^{}]|\{[^{}]*\})*\}|\([^()]*\)|\d+(?:\.\d+)?|(?<=_)[a-z]{3,}|[\w+−∞])")
 _TAGS = {"^": "sup", "_": "sub"}
 
 
 def typeset(text: str) -> Markup:
     """Return a line of plain Unicode text as HTML with superscripts and subscripts.
 
-    Scripts are written as in x^y, x_y, x^∞, x^{yz}, x^1.5 and x^(1+s).
+    Scripts are written as in x^y, x_y, x_word, x^∞, x^{yz}, x^1.5 and x^(1+s).
     """
     out, end = Markup(), 0
     for match in _HTML_SCRIPT.finditer(text):

@@ -10,7 +10,7 @@ import pandas as pd
 from tabulate import tabulate
 
 from convergence_orders.printing import printable
-from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, expected_orders, read_csv, read_rates
+from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, expected_orders, read_rates
 from study.ledger.files import write_text
 from study.ledger.text import above, below, cell, is_narrow, significant, width
 from study.ledger.verdict import (
@@ -121,16 +121,6 @@ def printed(name: str, **values: object) -> str:
 
 def _wrapped(text: str, indent: str = "") -> list[str]:
     return textwrap.wrap(text, width(), subsequent_indent=indent, break_on_hyphens=False)
-
-
-def contact_test_text(directory: Path) -> str:
-    """Return which checks notice deliberate defects of contact, for the cases of a user, from ``contact-test.csv``."""
-    table, texts = read_csv(directory, "contact-test.csv"), []
-    for _, rows in table.groupby("case", sort=False):
-        first, missed = rows.iloc[0], rows.loc[rows["noticed"] == 0, "what"].tolist()
-        texts.append(printed("weak_contact" if missed else "contact", first=first, missed=missed))
-        texts += [] if missed else [f"  {row.what}: by {row.noticed_by}" for row in rows.itertuples()]
-    return "\n".join(line for text in texts for line in textwrap.wrap(text, width(), subsequent_indent="    ")) + "\n"
 
 
 def write_junit(path: Path, verdicts: list[Verdict]) -> None:

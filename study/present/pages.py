@@ -6,8 +6,7 @@ Usage: python -m study.present.pages results README.md docs/explanation/results.
 import re
 import sys
 import tomllib
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import groupby
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -18,7 +17,6 @@ from study.ledger.codes import MADE, Codes
 from study.ledger.datafiles import DataError, by_claim, count_verdicts
 from study.ledger.faults import missed as missed_faults
 from study.ledger.files import write_text
-from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.schema import TABLES as SCHEMA
 from study.ledger.schema import markdown as described
 from study.ledger.text import cell
@@ -26,11 +24,11 @@ from study.ledger.verdict import (
     FAILS,
     HOLDS,
     MISSED,
+    NO_ROW,
+    NOT_TESTED,
     REPORTED,
-    UNCLAIMED,
     UNDECIDED,
     CheckKind,
-    is_of_the_paper,
 )
 from study.present.article import contact_codes, slips, texts
 from study.present.drawing import caption_text, in_style
@@ -49,6 +47,12 @@ TEXTS = read_page("results")
 CLAIMED = (FAILS, UNDECIDED, HOLDS)
 """Verdicts on claims, from worst to best."""
 END = "<!-- end -->"
+REPOSITORY = Path(__file__).parents[2]
+MOVED = {
+    "study/statements/prop_5_3.py": "study/statements/prop_5_4.py",
+    "study/statements/thm_4_2_own_space.py": "study/statements/thm_4_2.py",
+}
+"""Files that were moved since the committed results were measured ↦ their new places."""
 
 
 def main() -> None:
@@ -150,12 +154,8 @@ def sentences(data: FullRun) -> Callable[[str], str]:
     of_rough, own = data.checks("Prop. 5.3", "order"), data.checks("Thm 4.2, own space", "order-stress")
     predicted = of_rough["case"].map(data.cases["expected_order"])
     is_smooth = own["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
-    unclaimed = data.claims[data.claims["verdict"].isin(UNCLAIMED)]
-    failing = count_verdicts(data.claims[data.claims["label"].map(is_of_the_paper)])[FAILS]
     values = context(data) | {
         "verdicts_in_words": verdicts_in_words,
-        "failing": failing,
-        "predictions": unclaimed[unclaimed["expected"].str.startswith("predicted ")],
         "misprints": slips(data),
         "predicted": predicted,
         "difference": (of_rough["observed"] - predicted).abs().max(),
@@ -166,23 +166,13 @@ def sentences(data: FullRun) -> Callable[[str], str]:
     return lambda template: ENVIRONMENT.from_string(template).render(values)
 
 
-def answer(data: FullRun) -> str:
-    """Return the claims of the paper, the tests and their result in a few sentences, in Markdown.
-
-    The page that shows the sentences defines the targets of the links [problem], [faults], [ledger], [results],
-    [misprints] and [bounds].
-    """
-    return _list(data, "answer")
-
-
 def short(data: FullRun) -> str:
-    """Return the result in a few lines, in Markdown, with the same links."""
-    return _list(data, "short")
+    """Return the result in a few lines, in Markdown.
 
-
-def _list(data: FullRun, name: str) -> str:
+    The page that shows them defines the targets of the links [problem], [faults], [results], [misprints] and [bounds].
+    """
     fill = sentences(data)
-    return "".join(f"- **{lead}.** {_literal(fill(text))}\n" for lead, text in TEXTS[name].items())
+    return "".join(f"- **{lead}.** {_literal(fill(text))}\n" for lead, text in TEXTS["short"].items())
 
 
 def results(data: FullRun) -> str:
@@ -265,48 +255,32 @@ def missed(data: FullRun) -> str:
 
 
 def statements(data: FullRun) -> str:
-    """Return all statements with their verdicts, the code files that judge them and their data files, in Markdown."""
-    lines = []
-    for label, claim, rows in by_claim(data.claims):
+    """Return all claims in Markdown: verdicts, cases, the command that measures them, tables, figures and data."""
+    lines, shown = [], TEXTS["shown"]
+    for label, claim, rows in by_claim(data.claims[~data.claims["label"].isin((MISPRINTS, NOT_TESTED, NO_ROW))]):
         where = data.provenance["statements"].get(label, {"code": [], "data": ["provenance.json"]})
-        code = ", ".join(f"[`{path}`](../../{path})" for path in where["code"])
+        here = [path for path in (MOVED.get(path, path) for path in where["code"]) if (REPOSITORY / path).is_file()]
+        code = next(iter(here), "study/run/provenance.py")
+        cases = rows["case"].unique()
+        more = f" and {len(cases) - 1} more" if len(cases) > 1 else ""
+        command = TEXTS["commands"].get(label, "make study").format(cases[0])
+        places = [shown[name] for name in (label, *where["data"]) if name in shown] or [shown["ledger"]]
         files = ", ".join(f"`{name}`" for name in where["data"])
-        lines.append([_literal(label), _literal(claim), _verdicts(rows), f"{code}: {files}"])
-    return markdown(["statement", "says", "verdicts", "code: data"], lines)
+        lines.append(
+            [
+                f"[{_literal(label)}](../../{code}): {_literal(claim)}",
+                _verdicts(rows),
+                f"{cases[0]}{more}",
+                f"`{command}`",
+                f"{'; '.join(places)}; {files}",
+            ]
+        )
+    return markdown(["claim, with its code", "checks", "cases", "command", "tables and figures; data"], lines)
 
 
 def _verdicts(rows: pd.DataFrame) -> str:
     """Return the number of checks with each verdict, as in "3 holds, 1 undecided"."""
     return ", ".join(f"{count} {name}" for name, count in count_verdicts(rows).items() if count)
-
-
-def formulas(data: FullRun) -> str:
-    """Return all numbered formulas and statements of the paper, each with its checks or the reason why it has none."""
-    return _table(["number", "says", "rows, or why there are none"], numbered_lines(data.claims))
-
-
-def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
-    """Yield each number of the paper with its content, and with its checks or the reason why it has none.
-
-    The order is the order of the paper. Consecutive numbers with equal content and equal checks are joined.
-
-    Raises:
-        DataError: a number has no checks and no reason.
-    """
-    without = claims["label"].isin((NO_ROW, NOT_TESTED))
-    contents = [
-        (named(label), claim, f"{label}: {_verdicts(rows)}")
-        for label, claim, rows in by_claim(claims[~without & (claims["label"] != MISPRINTS)])
-    ]
-    for row in claims[without].to_dict("records"):
-        contents.append((named(str(row["case"])), str(row["quantity"]), str(row["expected"])))
-    found = {number: [texts for numbers, *texts in contents if number in numbers] for number in NUMBERED}
-    if lacking := [number for number in NUMBERED if not found[number]]:
-        raise DataError(f"claims.csv has neither rows nor a reason for {', '.join(lacking)}: judge again, or say why")
-    for entries, group in groupby(NUMBERED, found.__getitem__):
-        numbers = list(group)
-        says, rows = ("; ".join(dict.fromkeys(parts)) for parts in zip(*entries, strict=True))
-        yield numbers[0] if len(numbers) == 1 else f"{numbers[0]}–{numbers[-1]}", says, rows
 
 
 def mesh_families(data: FullRun) -> str:
@@ -376,7 +350,7 @@ def columns(data: FullRun) -> str:
 
 
 # The names of these functions are the names of places on pages.
-NAMED = short, answer, results, misprints, missed, statements, formulas, mesh_families, columns
+NAMED = short, results, misprints, missed, statements, mesh_families, columns
 TABLES: dict[str, Callable[[FullRun], str]] = {table.__name__: table for table in NAMED} | {
     "codes": lambda data: codes_table(data.codes),
     "marches": lambda data: codes_table(data.marches),

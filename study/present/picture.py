@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from study.ledger.datafiles import DataError, made_by, read_csv, read_uncompressed
@@ -19,7 +20,7 @@ Array = NDArray[np.float64]
 ZONE_SAMPLES = 10_001
 """The number of positions along a face at which exact and computed contact zones are compared."""
 Interval = tuple[float, float]
-CONTACT = 1e-8
+CONTACT_SHARE = 1e-8
 """A node is in contact if its pressure exceeds this fraction of the largest pressure on the face."""
 
 
@@ -50,7 +51,7 @@ class FaceHistory:
     @property
     def touching(self) -> NDArray[np.bool_]:
         """Whether each node is in contact at each time, (times, nodes)."""
-        return np.asarray(self.pressure > CONTACT * self.pressure.max(initial=0.0))
+        return np.asarray(self.pressure > CONTACT_SHARE * self.pressure.max(initial=0.0))
 
     @property
     def inside(self) -> NDArray[np.bool_]:
@@ -152,33 +153,8 @@ class Polygon(FaceHistory):
         return np.asarray(self.level[:, : len(self.nodes)] >= 0)
 
 
-@dataclass(frozen=True, eq=False)
-class Energy:
-    """The terms of the energy balance over time, (times,) each.
-
-    Attributes:
-        times: the times.
-        stored: the stored energy.
-        dissipated, contact, work: the dissipated energy, the work of contact and the work of the load since t = 0.
-        defect: stored − stored(0) + dissipated + contact − work, which is zero without discretisation in time.
-    """
-
-    times: Array
-    stored: Array
-    dissipated: Array
-    contact: Array
-    work: Array
-    defect: Array
-
-    @property
-    def largest(self) -> float:
-        """The largest absolute value of the terms of the balance since t = 0; 1 if all are zero."""
-        terms = self.stored - self.stored[0], self.dissipated, self.contact, self.work
-        return float(max(abs(values).max() for values in terms)) or 1.0
-
-
 class Picture:
-    """The data of one run: mesh, displacement, stress, contact faces and energy over time.
+    """The data of one run: mesh, displacement, stress, contact and contact faces over time.
 
     Parameters:
         record: the content of the JSON file of the run.
@@ -193,7 +169,6 @@ class Picture:
         von_mises: von Mises stresses of the cells, (times, cells).
         shown: the indices of the times at which figures show the body.
         faces: the contact faces.
-        energy: the energy balance.
         size: the longest side of the box around the undeformed body.
         heading, place: the case, the mesh family and the level, as a title with TeX formulas, and as text for captions.
 
@@ -215,7 +190,6 @@ class Picture:
         plane = len(self.vertices) == 2
         self.shown: Sequence[int] = [int(np.argmin(abs(self.times - time))) for time in record["shapes"]]
         self.faces = [_face(face, self.times, self.cells, plane) for face in record["faces"]]
-        self.energy = Energy(**{field.name: read_values(record["energy"][field.name]) for field in fields(Energy)})
         self.size = float(np.ptp(self.vertices, axis=1).max())
         self.heading = f"{self.case} ({self.family}, $n={self.level}$)"
         self.place = f"{self.case}, {self.family} mesh with n = {self.level}"
@@ -229,6 +203,18 @@ class Picture:
     def polygons(self) -> list[Polygon]:
         """The contact faces of a body in 3D; empty in 2D."""
         return [face for face in self.faces if isinstance(face, Polygon)]
+
+    @property
+    def on_faces(self) -> pd.DataFrame:
+        """Gap and pressure, computed and exact, with one row for each time and node of a contact face."""
+        tables = []
+        for face in self.faces:
+            columns = {"time": np.repeat(face.times, face.x.shape[1]), "face": face.number}
+            columns |= {f"x{i}": np.tile(x, len(face.times)) for i, x in enumerate(face.x, start=1)}
+            for name in ("gap", "gap_exact", "pressure", "pressure_exact"):
+                columns[name] = getattr(face, name).ravel()
+            tables.append(pd.DataFrame(columns))
+        return pd.concat(tables)
 
     def showing(self, instants: Sequence[int]) -> Picture:
         """Return the data for figures that show the body at the times with these indices."""

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.tri import Triangulation
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, VERMILLION
-from study.present.body import GAP, magnification
+from study.present.body import GAP_STYLE, magnification
 from study.present.drawing import FOUNDATION, FOUNDATION_EDGE, RAMPS, Drawing, caption, column_width, entry, legend
 from study.present.picture import Array
 
@@ -23,6 +23,8 @@ ARROW = 0.2
 """Length of the arrow of the largest traction, as a fraction of the longest side of the body."""
 NUMBER = 0.5
 """Distance of the number of a side from the side, inside the body, in thicknesses of supports."""
+FINE = 12
+"""Width of the lines of a mesh times the root of the number of its cells, in points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +118,13 @@ def _draw_map(vertices: Array, cells: Array, squares: Array) -> Figure:
     corners = vertices[:, cells[1:]] - vertices[:, cells[:1]]
     areas = abs(np.linalg.det(np.moveaxis(corners, 2, 0))) / 2
     density = np.sqrt(squares / areas)
-    drawn = axes.tripcolor(Triangulation(*vertices, cells.T), density, cmap="viridis", edgecolors="0.6", linewidth=0.2)
+    drawn = axes.tripcolor(
+        Triangulation(*vertices, cells.T),
+        density,
+        cmap="viridis",
+        edgecolors="0.6",
+        linewidth=min(0.2, FINE / np.sqrt(len(squares)) / 2),
+    )
     label = r"distance of $u_h$ from $\tilde u$, $(\Vert\tilde u - u_h\Vert_T^2/|T|)^{1/2}$"
     figure.colorbar(drawn, ax=axes, location="bottom", aspect=40, label=label)
     return figure
@@ -138,10 +146,11 @@ def draw_problem(picture: ProblemPicture) -> Figure:
     figure, axes = _axes(picture.corners)
     handles: list[Artist] = []
     if len(picture.cells):
-        x, y = picture.vertices
-        axes.triplot(Triangulation(x, y, picture.cells), color="0.8", lw=0.3, zorder=1)
-        x, y = picture.vertices + picture.factor * picture.displacement
-        axes.triplot(Triangulation(x, y, picture.cells), color=BLUE, lw=0.4, zorder=2)
+        # On fine meshes lines are thin, so that their cells can be seen.
+        thin = min(0.4, FINE / np.sqrt(len(picture.cells)))
+        axes.triplot(Triangulation(*picture.vertices, picture.cells), color="0.8", lw=thin, zorder=1)
+        moved = picture.vertices + picture.factor * picture.displacement
+        axes.triplot(Triangulation(*moved, picture.cells), color=BLUE, lw=thin, zorder=2)
         handles.append(entry(f"displacement × {picture.factor:g}", color=BLUE, lw=0.8))
     for number, side in enumerate(picture.sides):
         _draw_side(axes, side, number, picture.size)
@@ -151,7 +160,9 @@ def draw_problem(picture: ProblemPicture) -> Figure:
     axes.set_title(f"{picture.name}{picture.when}")
     present = {side.kind for side in picture.sides}
     handles += [Patch(label=kind, **style) for kind, style in BANDS.items() if kind in present]
-    legend(figure, [*handles, entry("load", color=VERMILLION, marker=">")], 4)
+    if picture.force.any() or any(side.traction.any() for side in picture.sides):
+        handles.append(entry("load", color=VERMILLION, marker=">"))
+    legend(figure, handles, 4)
     return figure
 
 
@@ -229,7 +240,7 @@ def draw_sketch() -> Figure:
     ground: dict[str, Any] = {"facecolor": FOUNDATION, "edgecolor": "none", "zorder": 0.5}
     axes.add_patch(Rectangle((-0.12, -0.09), wide + 0.24, 0.09, **ground))
     axes.plot([-0.12, wide + 0.12], [0, 0], color=FOUNDATION_EDGE, lw=0.6, zorder=0.6)
-    axes.fill_between(s, 0 * s, gap, **GAP)
+    axes.fill_between(s, 0 * s, gap, **GAP_STYLE)
     for at in np.arange(0.06, front, 0.12):
         _arrow(axes, (at, -0.26 * (1 - at / front) - 0.015), (at, 0), VERMILLION)
     _arrow(axes, (front + 0.32, 0.028), (front + 0.32, -0.17), BLACK)

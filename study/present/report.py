@@ -43,7 +43,7 @@ FRAME_STEP, FRAME_DPI, ZONE_DPI, QUALITY = 4, 110, 160, 25
 """Animations show every fourth time; dots per inch of their images and of contact zones; WebP quality, 0 to 100."""
 WEB = Output("web")
 
-TEXTS = read_page("texts")
+PAGE_TEXTS = read_page("texts")
 """Texts of the page: ``meanings``, verdict ↦ its meaning, and ``letters``, table or place ↦ symbol ↦ its meaning."""
 
 
@@ -83,7 +83,7 @@ def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[
         "provenance": provenance,
         "files": _files(directory),
     }
-    return write_text(directory / "report.html", render("page.html", TEXTS | values) + "\n")
+    return write_text(directory / "report.html", render("page.html", PAGE_TEXTS | values) + "\n")
 
 
 def all_rows(directory: Path) -> pd.DataFrame:

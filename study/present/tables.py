@@ -19,7 +19,7 @@ from study.ledger.text import cell
 from study.present.notation import encode, folding, prose, read_page
 from study.present.templates import render
 
-COLUMNS: dict[str, list[dict[str, Any]]] = read_page("tables")
+TABLE_COLUMNS: dict[str, list[dict[str, Any]]] = read_page("tables")
 """Name of a table ↦ groups of columns: the kind of the columns ↦ names and headings, and perhaps their width."""
 
 
@@ -104,9 +104,9 @@ class Table:
 
 
 def columns_of(name: str) -> list[Column]:
-    """Return the columns of a table, given its name in ``COLUMNS``."""
+    """Return the columns of a table, given its name in ``TABLE_COLUMNS``."""
     columns = []
-    for group in COLUMNS[name]:
+    for group in TABLE_COLUMNS[name]:
         width = group.get("width")
         for kind, headings in group.items():
             if kind != "width":

@@ -28,10 +28,9 @@ from study.ledger.datafiles import (
     read_rates,
 )
 from study.ledger.faults import in_words, missed
-from study.ledger.numbered import NO_ROW, NOT_TESTED
 from study.ledger.seeds import LARGEST_RATE, FalseAlarms, SeedRecord, seeds_needed
 from study.ledger.text import above, below
-from study.ledger.verdict import UNCLAIMED, agreement
+from study.ledger.verdict import NO_ROW, NOT_TESTED, UNCLAIMED, agreement
 from study.ledger.window import STEEPER
 from study.present.notation import counted, encode, read_page, typeset
 

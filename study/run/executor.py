@@ -9,8 +9,10 @@ nevertheless, for example by the system because memory runs out. Then the result
 from __future__ import annotations
 
 import gc
+import logging
 import multiprocessing
 import os
+import re
 import signal
 import socket
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -36,7 +38,7 @@ from study.statements.enclosure import resolve_problem
 from study.statements.shared import estimates
 
 P = ParamSpec("P")
-T = TypeVar("T")
+Returned = TypeVar("Returned")
 AnyJob = TypeVar("AnyJob", bound="Job | Proof")
 Notify = Callable[[Job], object]
 """Function that shows progress; it is called with each finished job."""
@@ -65,7 +67,7 @@ class Processes(Executor):
         pool.submit(os.getpid)
         return pool
 
-    def submit(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+    def submit(self, function: Callable[P, Returned], /, *args: P.args, **kwargs: P.kwargs) -> Future[Returned]:
         """Submit a call to the workers; if a worker was killed, start new ones first."""
         try:
             return self._pool.submit(function, *args, **kwargs)
@@ -260,9 +262,21 @@ def require(what: str, need: float, room: float) -> None:
     if need > room:
         raise UsageError(
             f"{what} needs about {need / GIB:.1f} GiB of memory, {room / GIB:.1f} GiB are available; take coarser "
-            "levels with --levels (--level of `study show`), fewer refinements with --refine (`study bound` and `study "
-            "certify`), free memory, or take a machine with more"
+            "levels with --levels (--level of `study show`) or a coarser mesh, fewer refinements with --refine (`study "
+            "bound` and `study certify`), free memory, or take a machine with more"
         )
+
+
+def require_bound(what: str, cells: int, refinements: int) -> None:
+    """Raise UsageError if an error bound on a mesh needs more memory than is available, or has too many cells.
+
+    Parameters:
+        what: the mesh in words, for the message.
+        cells: the number of its cells.
+        refinements: how often it is refined for the bound.
+    """
+    require(what, estimates.bound(cells, refinements), available())
+    estimates.require_factorisation(cells, refinements)
 
 
 def available(root: Path = Path("/")) -> float:
@@ -276,22 +290,15 @@ def available(root: Path = Path("/")) -> float:
 
 def _free_in_control_groups(root: Path) -> Iterator[float]:
     """Yield the free bytes of each control group with a memory limit that contains this process."""
-    mounted = root / "sys/fs/cgroup"
-    for line in _read(root / "proc/self/cgroup").splitlines():
-        _, controllers, path = line.split(":", 2)
-        if controllers == "":
-            top, names = mounted, ("memory.max", "memory.current", "inactive_file")
-        elif "memory" in controllers.split(","):
-            top, names = mounted / "memory", ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file")
-        else:
-            continue
-        group = top / path.lstrip("/")
-        for directory in (group, *(parent for parent in group.parents if parent.is_relative_to(top))):
-            limit, used = (_read(directory / name).strip() for name in names[:2])
-            statistics = _read(directory / "memory.stat").split()
-            droppable = dict(zip(statistics[::2], statistics[1::2], strict=True)).get(names[2], "0")
-            if limit.isdigit() and used.isdigit():
-                yield float(int(limit) - int(used) + int(droppable))
+    top = root / "sys/fs/cgroup"
+    # The line of the second version of control groups begins with 0 and names no controllers.
+    own = re.search(r"^0::/(.*)$", _read(root / "proc/self/cgroup"), re.MULTILINE)
+    group = top / own[1] if own else top
+    for directory in (group, *(parent for parent in group.parents if parent.is_relative_to(top))):
+        limit, used = (_read(directory / name).strip() for name in ("memory.max", "memory.current"))
+        droppable = re.search(r"^inactive_file (\d+)$", _read(directory / "memory.stat"), re.MULTILINE)
+        if limit.isdigit() and used.isdigit():
+            yield float(int(limit) - int(used) + int(droppable[1] if droppable else 0))
 
 
 def _read(path: Path) -> str:
@@ -359,7 +366,7 @@ def save_proofs(proofs: Iterable[Proof], store: Store) -> None:
 
 # Functions that run jobs on several machines: on the workers of a Dask cluster.
 
-PATIENCE = 10
+CLUSTER_PATIENCE = 10
 """Seconds within which the scheduler of a cluster must answer and have a worker."""
 LOST = "no longer answers; finished results are stored, and the same command with a running cluster continues"
 
@@ -391,13 +398,15 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
     try:
         # A socket is opened first. If nothing listens at the address, this fails at once, but a client of Dask would
         # wait for a long time.
-        socket.create_connection(get_address_host_port(address), PATIENCE).close()
-        client = Client(address, timeout=PATIENCE, set_as_default=False)
+        socket.create_connection(get_address_host_port(address), CLUSTER_PATIENCE).close()
+        client = Client(address, timeout=CLUSTER_PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         raise UsageError(
             f"no Dask scheduler answers at {address} ({error}); give what `dask scheduler` prints, such as "
             "tcp://192.168.0.1:8786"
         ) from error
+    # Dask prints tracebacks when connections are lost. This program says it in a sentence.
+    logging.disable(logging.CRITICAL)
     try:
         yield _pool(client, address, references)
     except Exception as error:
@@ -407,12 +416,13 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
         raise JobsError(f"the Dask scheduler at {address} {LOST}") from error
     finally:
         client.close(timeout=1)
+        logging.disable(logging.NOTSET)
 
 
 def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
     start = f"dask worker {address} --nworkers 2 --nthreads 1"
     try:
-        client.wait_for_workers(1, timeout=PATIENCE)
+        client.wait_for_workers(1, timeout=CLUSTER_PATIENCE)
     except TimeoutError as error:
         raise UsageError(f"the cluster at {address} has no workers; start some on every machine: {start}") from error
     workers = client.scheduler_info()["workers"]
@@ -442,7 +452,7 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
 
     def failure() -> str:
         try:
-            present = client.sync(client.scheduler.identity, callback_timeout=PATIENCE)["workers"]
+            present = client.sync(client.scheduler.identity, callback_timeout=CLUSTER_PATIENCE)["workers"]
         except (OSError, RuntimeError, TimeoutError):
             return f"the Dask scheduler at {address} {LOST}"
         return "" if workers.keys() & present.keys() else f"the last worker of the cluster at {address} {LOST}"

@@ -7,7 +7,8 @@ not part of the key, although last digits may differ between processors.
 
 A problem is known by its value: numbers, texts, arrays, formulas, and dataclasses of this project. Functions and
 classes of a user have no value, because what they compute may depend on anything, such as other files. A result that
-depends on them is stored with a key that is only known to the process that computed it.
+depends on them is stored with a key that no later command knows. Loads and stresses at some points are a part of the
+value, because the file of a user may replace functions of this program or of a library.
 """
 
 import ast
@@ -25,6 +26,7 @@ from pathlib import Path
 import numpy as np
 import sympy as sp
 
+from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.catalogue import NAMES, module_of
 from manufactured.data import Data
@@ -42,11 +44,16 @@ COMPUTING = (
 """The modules on which results depend. The last two round the numbers of pictures and of measurements."""
 ALL_CODE = ("manufactured/**/*.py", "study/**/*.py")
 """All modules of the two packages: of the continuous problem, and of the study."""
-SINGLE = ("manufactured/cases/*.py", "study/statements/*.py")
+SINGLE_MODULES = ("manufactured/cases/*.py", "study/statements/*.py")
 """The modules of single cases and statements. A result depends only on its own case, its own statement and imports."""
-LISTS = ("manufactured/catalogue.py", "manufactured/colours.py", "manufactured/html.py", "manufactured/body/html.py")
+LISTING_MODULES = (
+    "manufactured/catalogue.py",
+    "manufactured/colours.py",
+    "manufactured/html.py",
+    "manufactured/body/html.py",
+)
 """Modules that list the cases, name colours or draw pictures in notebooks. No result depends on them."""
-VALUES = (bool, int, float, complex, str, type(None), tuple, list, np.ndarray)
+HASHED_TYPES = (bool, int, float, complex, str, type(None), tuple, list, np.ndarray)
 """Types outside this project that are hashed by value, besides numbers of NumPy and formulas of SymPy."""
 PROJECT = ("manufactured", "study")
 """The packages of this project. Their code is part of every cache key."""
@@ -106,7 +113,10 @@ def problem(reference: str) -> str:
     Parameters:
         reference: the name, or FILE.py:NAME.
     """
-    return _hash([by_value(resolve(reference))]) if is_own(reference) else reference
+    if not is_own(reference):
+        return reference
+    case = resolve(reference)
+    return of_problem(Data.of(case.solution), case, ())
 
 
 @cache
@@ -132,12 +142,12 @@ def measuring_code(own: tuple[str, ...]) -> str:
 @cache
 def _common() -> frozenset[str]:
     """Return the modules on which every measurement depends."""
-    return _with_imports(frozenset(), _modules(COMPUTING) - _modules(SINGLE))
+    return _with_imports(frozenset(), _modules(COMPUTING) - _modules(SINGLE_MODULES))
 
 
 def _with_imports(modules: frozenset[str], new: Set[str]) -> frozenset[str]:
     """Return modules with new modules and everything that these import, if results depend on it."""
-    computing = _modules(COMPUTING) - _modules(LISTS)
+    computing = _modules(COMPUTING) - _modules(LISTING_MODULES)
     while new := (new & computing) - modules:
         modules |= new
         new = {file for module in new for file in _parsed(module)[1]}
@@ -203,10 +213,10 @@ def by_value(item: object) -> object:
     """Return a value as nested lists of texts and numbers, for a hash.
 
     A dataclass becomes a list of its fields, and a formula becomes a text. An object without a value becomes a text
-    that no other process knows.
+    that does not occur again.
     """
     if not _has_value(item):
-        return _WITHOUT_VALUE.setdefault(id(item), (item, uuid.uuid4().hex))[1]
+        return uuid.uuid4()
     if is_dataclass(item):
         return [type(item).__name__, *(by_value(getattr(item, field.name)) for field in fields(item) if field.init)]
     if isinstance(item, np.ndarray):
@@ -214,11 +224,6 @@ def by_value(item: object) -> object:
     if isinstance(item, tuple | list):
         return [by_value(entry) for entry in item]
     return sp.srepr(item) if isinstance(item, sp.Basic) else repr(item)
-
-
-_WITHOUT_VALUE: dict[int, tuple[object, str]] = {}
-"""Identity of an object without a value ↦ the object, which is kept so that no other object gets its identity, and its
-text in cache keys."""
 
 
 def _has_value(item: object) -> bool:
@@ -229,7 +234,7 @@ def _has_value(item: object) -> bool:
         return {_package(type(node)) for node in sp.preorder_traversal(item)} <= {"sympy", *PROJECT}
     if _package(kind) in PROJECT:
         return isinstance(item, Enum) or is_dataclass(kind)
-    return kind in VALUES or (isinstance(item, np.generic) and _package(kind) == "numpy")
+    return kind in HASHED_TYPES or (isinstance(item, np.generic) and _package(kind) == "numpy")
 
 
 def _package(item: object) -> str:
@@ -239,10 +244,19 @@ def _package(item: object) -> str:
 
 def _value_of(data: Data) -> object:
     """Return the value of the data of a problem; functions and classes of a user have none."""
-    formulas = data.formulas_of
-    if any(_package(one) not in PROJECT for one in (type(data), *data.functions) if one):
-        formulas = None
-    return by_value([type(data).__name__, data.body, data.law, data.lines, data.points, formulas or data.functions])
+    known = data.formulas_of and _package(type(data)) in PROJECT
+    functions = (data.formulas_of, _sampled(data)) if known else data.functions
+    return by_value([type(data).__name__, data.body, data.law, data.lines, data.points, functions])
+
+
+def _sampled(data: Data) -> list[str]:
+    """Return loads and stresses at some points to nine digits, because the last digits are rounding."""
+    x = data.body.sample(np.random.default_rng(0), 16)
+    time = 0.4 * data.body.T
+    strain = data.initial(x)
+    tractions = [data.surface_load(part, x)(time) for part in data.body.of(Kind.LOADED)]
+    values = [data.body_force(x)(time), data.law.at(x).stress(strain + 1, strain + 2), *tractions]
+    return [f"{value:.9g}" for value in np.concatenate(values, axis=None)]
 
 
 def _hash(values: list[object], code: str | None = None) -> str:

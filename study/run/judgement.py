@@ -11,7 +11,7 @@ from pathlib import Path
 import pandas as pd
 
 from manufactured.catalogue import NAMES
-from study.fem.naming import is_own, resolve
+from study.fem.naming import describe, is_own, resolve
 from study.ledger.compare import difference
 from study.ledger.datafiles import (
     CsvFile,
@@ -27,7 +27,6 @@ from study.ledger.datafiles import (
 from study.ledger.files import write_text
 from study.ledger.schema import TABLES
 from study.ledger.verdict import Verdict
-from study.run.case_line import describe
 from study.run.plan import Job, Plan
 from study.run.provenance import SUMS, Complete, provenance, read_provenance, text_sum
 from study.run.store import Store
@@ -35,7 +34,7 @@ from study.statements import STATEMENTS
 from study.statements.enclosure import BOUNDS, ENCLOSURES
 from study.statements.own_cases import judge_own
 from study.statements.prop_5_4 import RATES
-from study.statements.shared.base import LISTED, REPORTED, Statement
+from study.statements.shared.base import JOINED_SUFFIX, LISTED, Statement
 from study.statements.unmeasured import Listed
 
 EVERY_CASE = {statement.file.name for statement in STATEMENTS if statement.of_every_case}
@@ -79,15 +78,14 @@ def judge_stored(jobs: Sequence[Job], store: Store) -> list[Verdict]:
     return statement.judge(tables[statement.file]) if statement.file in tables else []
 
 
-def collect(plan: Plan, store: Store, others: Sequence[Path] = ()) -> None:
+def collect(plan: Plan, store: Store) -> None:
     """Write all data files of a run from the stored results of its jobs, with ``cases.csv`` and ``provenance.json``.
 
     Parameters:
         plan: the plan; the results of all its jobs must be stored.
         store: the result directory.
-        others: further data files. Their checksums are recorded in ``provenance.json``, too.
     """
-    rows, written = stored_rows(plan.jobs, store), list(others)
+    rows, written = stored_rows(plan.jobs, store), list[Path]()
     for file in data_files():
         written += file.write(store.data, rows.get(file, []))
     write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.scope.resolved()]))
@@ -178,7 +176,7 @@ def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.D
     """Return the rows by which a statement is judged.
 
     Some statements compare their measurements with the measurements in another file. Then the columns of the other file
-    are added, with the suffix ``REPORTED`` in their names.
+    are added, with the suffix ``JOINED_SUFFIX`` in their names.
 
     Parameters:
         statement: the statement.
@@ -188,7 +186,7 @@ def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.D
     own_rows, key = tables[statement.file], list(statement.file.key)
     if statement.joined_file is None:
         return own_rows
-    joined_rows = tables[statement.joined_file].set_index(key).add_suffix(REPORTED).reset_index()
+    joined_rows = tables[statement.joined_file].set_index(key).add_suffix(JOINED_SUFFIX).reset_index()
     return own_rows.merge(joined_rows, on=key, how="left")
 
 

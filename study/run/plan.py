@@ -171,7 +171,7 @@ def shape(body: Body) -> Hashable:
     return tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces))
 
 
-NARROW = ("merging-patches", "layered")
+NARROW_CASES = ("merging-patches", "layered")
 """Cases whose contact zones or layers are only three or four cells wide on the coarsest level, n = 8. There the
 observed order depends on the mesh, so these cases begin with a finer level. Cases in 3D begin with n = 9 for the same
 reason. With n = 6, a contact zone in the form of a disc is three cells wide, and on one random mesh in twenty the
@@ -191,7 +191,7 @@ law that softens, and initial gaps."""
 def quick() -> Scope:
     """Return the scope of the quick study: all statements, one mesh family for each case.
 
-    The quick study takes about three minutes.
+    The quick study takes about a minute on two cores.
     """
     return Scope(
         name="quick",
@@ -202,7 +202,7 @@ def quick() -> Scope:
         equivalence=(4, 8),
         solid_equivalence=(3,),
         every_family=False,
-        own=tuple((name, Levels((16, 24, 36))) for name in NARROW),
+        own=tuple((name, Levels((16, 24, 36))) for name in NARROW_CASES),
     )
 
 
@@ -218,7 +218,7 @@ def full() -> Scope:
         name="full",
         cases=NAMES,
         own=(
-            *((name, Levels((16, 32, 64), (128,))) for name in NARROW),
+            *((name, Levels((16, 32, 64), (128,))) for name in NARROW_CASES),
             ("advance-recede", Levels((8, 16, 32, 64), (128, 256))),
         ),
     )

@@ -20,15 +20,14 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from study.fem.naming import resolve
+from study.fem.naming import describe, resolve
 from study.ledger.datafiles import DataError, made_by, nested_keys, planned_keys, read_uncompressed
 from study.ledger.files import StoreError, UsageError
 from study.ledger.verdict import HOLDS, UNDECIDED, CheckKind, Verdict, row
 from study.ledger.window import at_most
-from study.run.case_line import describe
 from study.run.fingerprint import ROOT, packages
 from study.run.plan import Plan
-from study.run.store import FORMAT, Store, require_format
+from study.run.store import STORE_FORMAT, Store, require_format
 from study.statements import STATEMENTS
 from study.statements.shared.scope import Levels, Scope
 from study.statements.unmeasured import Listed
@@ -52,7 +51,7 @@ def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
         names.append(f"{Path(os.path.relpath(file, directory)).as_posix()}:{name}" if colon else reference)
     own = {name: describe(case) for name, case in zip(names, scope.resolved(), strict=True) if ":" in name}
     return {
-        "format": FORMAT,
+        "format": STORE_FORMAT,
         "study": version("signorini-study"),
         **commit(),
         "plan": scope.name,

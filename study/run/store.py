@@ -21,7 +21,7 @@ from filelock import FileLock, Timeout
 
 from study.ledger.files import StoreError, unwritable, write_text
 
-FORMAT = 2
+STORE_FORMAT = 2
 """Version of the format of data files. It changes if this program can no longer read older files."""
 LARGEST_PROCESS = 2**31 - 1
 """Operating systems number processes with 32-bit integers."""
@@ -157,7 +157,7 @@ class Store:
             result: numbers, texts, lists and dictionaries.
         """
         content = {
-            "format": FORMAT,
+            "format": STORE_FORMAT,
             "key": key,
             "fingerprint": fingerprint,
             "sha256": _checksum(result),
@@ -230,8 +230,8 @@ def _checksum(result: object) -> str:
 def require_format(path: Path, content: dict[str, Any] | None) -> None:
     """Raise StoreError if a data file has another version of the format than this program reads."""
     stored = None if content is None else content.get("format")
-    if stored != FORMAT:
+    if stored != STORE_FORMAT:
         raise StoreError(
-            f"{path} holds data of format {stored}, this version reads format {FORMAT}; "
+            f"{path} holds data of format {stored}, this version reads format {STORE_FORMAT}; "
             "use another directory with --out, or remove this one and run again"
         )

@@ -21,16 +21,17 @@ from study.ledger.files import StoreError, write_text, write_whole
 from study.run.store import Store
 from study.statements.shared.tasks import Task
 
-FORMAT, VERSION = "contact-task", 2
+TASK_FORMAT, TASK_VERSION = "contact-task", 2
 Data = dict[str, Any]
-MARGIN, DEPTH = 0.25, 0.25
+FOUNDATION_MARGIN, FOUNDATION_DEPTH = 0.25, 0.25
 """The length by which the mesh of a foundation extends beyond its contact face on each side, and its thickness. Both
 are relative to the length of the face."""
-SUMS = "SHA256SUMS"
-DIGITS = 13
+TASK_SUMS = "SHA256SUMS"
+ARRAY_DIGITS = 13
 """Significant digits of the largest number of an array. Smaller numbers have as many decimal places."""
-FINER = {"reference": 14}
-"""Name of an array ↦ number of digits, if it needs more than ``DIGITS``. Distances from the reference displacement may
+FINER_ARRAYS = {"reference": 14}
+"""Name of an array ↦ number of digits, if it needs more than ``ARRAY_DIGITS``. Distances from the reference
+displacement may
 be zero, and their rounding errors grow like 1/h."""
 
 
@@ -113,8 +114,8 @@ def _head(task: Task, mode: str, scale: float) -> Data:
         one = np.ptp(factor) == 0 and factor[0] == 1
         numbers[name] = {"matrix": tensor.matrix, "factor": 1.0 if one else factor}
     return {
-        "format": FORMAT,
-        "version": VERSION,
+        "format": TASK_FORMAT,
+        "version": TASK_VERSION,
         "case": task.case.name,
         "family": task.family.name,
         "level": task.level,
@@ -178,11 +179,11 @@ def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
     along = np.array([-normal[1], normal[0]])
     s = face @ along
     length = float(np.ptp(s))
-    origin = face[s.argmin()] - MARGIN * length * along
-    steps = np.linspace(0, (1 + 2 * MARGIN) * length, segments + 1)
+    origin = face[s.argmin()] - FOUNDATION_MARGIN * length * along
+    steps = np.linspace(0, (1 + 2 * FOUNDATION_MARGIN) * length, segments + 1)
     near = origin + np.multiply.outer(steps, along)
     first = np.arange(segments)
-    far, count = near + DEPTH * length * normal, segments + 1
+    far, count = near + FOUNDATION_DEPTH * length * normal, segments + 1
     lower = np.stack([first, first + 1, first + count + 1], axis=1)
     upper = np.stack([first, first + count + 1, first + count], axis=1)
     vertices = np.concatenate([near, far])
@@ -205,7 +206,7 @@ class TaskStore(Store):
 
     @property
     def marks(self) -> tuple[Path, ...]:
-        return self.lock, self.directory / SUMS
+        return self.lock, self.directory / TASK_SUMS
 
     @contextmanager
     def locked(self) -> Iterator[None]:
@@ -230,7 +231,7 @@ def write_task(directory: Path, data: dict[str, Any]) -> Path:
     scale = "" if data["scale"] == 1 else f"-times-{data['scale']:g}"
     path = directory / f"{data['case']}-{data['family']}-{data['mode']}-{data['level']}{scale}.json.xz"
     packed = lzma.compress(json.dumps(plain(data), separators=(",", ":")).encode())
-    sums, listed = {}, directory / SUMS
+    sums, listed = {}, directory / TASK_SUMS
     for number, line in enumerate(listed.read_text(encoding="utf-8").splitlines() if listed.exists() else [], 1):
         if len(parts := line.split()) != 2:
             raise StoreError(
@@ -243,14 +244,14 @@ def write_task(directory: Path, data: dict[str, Any]) -> Path:
     return path
 
 
-def plain(value: Any, digits: int = DIGITS) -> Any:
+def plain(value: Any, digits: int = ARRAY_DIGITS) -> Any:
     """Return nested data for JSON: arrays become lists of rounded numbers.
 
     The largest number of an array is rounded to ``digits`` significant digits. All other numbers of the array have the
     same number of decimal places.
     """
     if isinstance(value, dict):
-        return {key: plain(one, FINER.get(key, DIGITS)) for key, one in value.items()}
+        return {key: plain(one, FINER_ARRAYS.get(key, ARRAY_DIGITS)) for key, one in value.items()}
     if isinstance(value, list):
         return [plain(one, digits) for one in value]
     if not isinstance(value, np.ndarray):

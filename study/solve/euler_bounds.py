@@ -42,7 +42,8 @@ def backward_euler(problem: SemiDiscrete, times: Sequence[float]) -> Array:
     """
     end = times[0]
     held = replace(problem, load=lambda _: problem.load(end))
-    states, steps = [problem.initial()], dict[float, ContactStep]()
+    states = [problem.initial()]
+    steps = dict[float, ContactStep]()
     for begin, end in pairwise(times):
         # Step sizes are rounded, so that steps of equal size share one factorisation.
         k = round(end - begin, 12)
@@ -72,8 +73,10 @@ class EulerBounds:
         Args:
             nodes: the indices of t_0, …, t_N in the grid, (N + 1,).
         """
-        steps, half = np.diff(nodes * self.flow.interval), self.kappa * self.flow.problem.T / 2
-        longest, product = float(steps.max()), float(np.prod(1 / (1 - self.growth * steps)))
+        steps = np.diff(nodes * self.flow.interval)
+        half = self.kappa * self.flow.problem.T / 2
+        longest = float(steps.max())
+        product = float(np.prod(1 / (1 - self.growth * steps)))
         terms = (1 / math.sqrt(2) + half) * self.flow.first + (2 + half) * self.flow.variation
         return longest * product / (1 - self.growth * longest) * terms
 
@@ -84,7 +87,8 @@ class EulerBounds:
             nodes: the indices of t_0, …, t_N in the fine grid, (N + 1,).
             states: the displacements U_0, …, U_N, (N + 1, n).
         """
-        problem, steps = self.flow.problem, np.diff(nodes * self.flow.interval)
+        problem = self.flow.problem
+        steps = np.diff(nodes * self.flow.interval)
         rates = np.diff(states, axis=0) / steps[:, None]
         viscous = (problem.M @ rates.T).T
         elastic = np.array([problem.elastic(u) for u in states[1:]])

@@ -1,11 +1,10 @@
-"""The numerical solution of one problem by BDF2: displacement, velocity, stress, contact and energy at every time node.
+"""The numerical solution of one problem by BDF2: displacement, velocity, stress and contact at every time node.
 
 The scheme replaces u̇(t_n) by a difference quotient δu_n. The stress in equilibrium at t_n is therefore
 
     σ_n = A ε(δu_n) + G ε(u_n),   (σ_n, ε(v))_Q + λ_n·Nv = F(t_n)·v  for all v ∈ V^h,
 
-and it is constant on every cell. With v = δu_n, this equation divides the power of the load into the rate of stored
-energy, dissipation and the power of contact.
+and it is constant on every cell.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ from manufactured.tensors import Array, Tensors, identity
 from study.fem.error_norm import ErrorNorm, gaps_at_vertices
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space, on_cells
-from study.solve.energy_balance import Power, balance, density
 from study.solve.evolution import SemiDiscrete, velocities
 from study.solve.tableau import BDF2
 
@@ -35,7 +33,6 @@ class Frame:
         stress: the stress σ_n on the cells, (D, cells).
         normal: the normal displacement minus the initial gap at the contact vertices, N u_n − g ≤ 0, (m,).
         multipliers: the nodal contact forces λ_n, (m,).
-        power: the stored energy and the powers at t_n.
     """
 
     time: float
@@ -44,7 +41,6 @@ class Frame:
     stress: Tensors
     normal: Array
     multipliers: Array
-    power: Power
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,28 +83,19 @@ class Motion:
         """
         space = Space(family(solution.body, level), solution.body)
         v_norm = ErrorNorm(solution, space)
-        start, gap = v_norm.sample(0.0).interpolant, gaps_at_vertices(solution, space)
+        start = v_norm.sample(0.0).interpolant
+        gap = gaps_at_vertices(solution, space)
         problem = SemiDiscrete.of(space, solution.law, v_norm.load, start, gap)
         cells = on_cells(space, solution.law)
         found = []
         for state, velocity in velocities(problem, BDF2, steps):
-            strain, rate = space.strain(state.u), space.strain(velocity)
-            viscous, elastic = cells.A(rate), cells.G(strain)
-            power = Power(
-                stored=float(space.volumes @ density(solution.law.G, strain, elastic)),
-                elastic=float(space.volumes @ np.sum(elastic * rate, axis=0)),
-                viscous=float(space.volumes @ np.sum(viscous * rate, axis=0)),
-                contact=float(state.multipliers @ (problem.N @ velocity)),
-                load=float(problem.load(state.time) @ velocity),
-            )
+            strain = space.strain(state.u)
+            rate = space.strain(velocity)
+            stress = cells.A(rate) + cells.G(strain)
             normal = problem.N @ state.u - problem.gap
-            found.append(Frame(state.time, state.u, velocity, viscous + elastic, normal, state.multipliers, power))
+            found.append(Frame(state.time, state.u, velocity, stress, normal, state.multipliers))
             notify()
         return cls(solution, family.name, level, space, found)
-
-    def balance(self) -> dict[str, Array]:
-        """Return the energy balance at the times of the frames; see ``study.solve.energy_balance.balance``."""
-        return balance(np.array([frame.time for frame in self.frames]), [frame.power for frame in self.frames])
 
 
 def von_mises(stress: Tensors) -> Array:

@@ -38,7 +38,9 @@ def last(states: Array, steps: int) -> tuple[Array, Array]:
         The left and the right limits at the nodes of the finer grid, (steps + 1, n) each.
     """
     ahead = np.repeat(states[1:], steps // (len(states) - 1), axis=0)
-    return np.vstack([states[:1], ahead]), np.vstack([ahead, states[-1:]])
+    left = np.vstack([states[:1], ahead])
+    right = np.vstack([ahead, states[-1:]])
+    return left, right
 
 
 def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
@@ -52,7 +54,8 @@ def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
     inner = (len(states) - 1) // steps
     rates = np.diff(states, axis=0) * ((len(states) - 1) / problem.T)
     groups = rates.reshape(steps, inner, -1)
-    products = np.einsum("nid,njd->nij", groups, (problem.M @ rates.T).T.reshape(groups.shape))
+    weighted = (problem.M @ rates.T).T.reshape(groups.shape)
+    products = np.einsum("nid,njd->nij", groups, weighted)
     squares = np.einsum("nii->ni", products)
     apart = squares[:, :, None] + squares[:, None] - 2 * products
     return math.sqrt(max(float(apart.max()), 0.0))
@@ -61,4 +64,6 @@ def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
 def furthest(problem: SemiDiscrete, one: Array, other: Array) -> float:
     """Return the largest distance max_n ‖v_n − w_n‖_V of two solutions at the same times, (steps + 1, n) each."""
     away = one - other
-    return math.sqrt(np.sum(away * (problem.M @ away.T).T, axis=1).max())
+    weighted = (problem.M @ away.T).T
+    squares = np.sum(away * weighted, axis=1)
+    return math.sqrt(squares.max())

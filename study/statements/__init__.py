@@ -16,11 +16,9 @@ from study.statements.load_and_traction import LoadInTime, NaturalConditions, Tr
 from study.statements.moving_fronts import AdvancingFront, HalfDerivative, NodalErrors
 from study.statements.other_solvers import OtherCodes, Recomputed
 from study.statements.pictures import Pictures
-from study.statements.prop_5_3 import Convergence, InitialGap, RegularityNeeded, SizeOfInterpolation
-from study.statements.prop_5_4 import FirstOrder
+from study.statements.prop_5_4 import Convergence, FirstOrder, InitialGap, RegularityNeeded, SizeOfInterpolation
 from study.statements.shared.base import Statement
-from study.statements.thm_4_2 import SameMesh
-from study.statements.thm_4_2_own_space import OwnSpace
+from study.statements.thm_4_2 import OwnSpace, SameMesh
 from study.statements.time_steps import BackwardEuler, FullyDiscrete, JumpingLoad, Landings, NoPotential
 from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.unmeasured import Misprints, Untested, WithoutRow

@@ -63,15 +63,14 @@ from study.ledger.quantities import finest, fitted, values
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import EVOLVING, Judged, Numbers, Setting, Statement, steps_like_h
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import EVOLVING, Experiment, Judged, Numbers, Setting, Statement, steps_like_h
 from study.statements.shared.meshes import split_irregular, split_superclose
 from study.statements.shared.scope import Scope
 
-ERRORS = "pressure", "dual", "resultant"
-SHARES = tuple(f"{name}_time_share" for name in ERRORS)
+FORCE_ERRORS = "pressure", "dual", "resultant"
+TIME_SHARES = tuple(f"{name}_time_share" for name in FORCE_ERRORS)
 CONTACT = CsvFile("contact.csv")
-POINTS, SOLID_POINTS = 20, 6
+FACET_GAUSS_POINTS, SOLID_FACET_GAUSS_POINTS = 20, 6
 """Number of Gauss points on a facet in 2D, and in each direction of a facet in 3D.
 
 Many are needed, because the pressure has kinks inside facets."""
@@ -90,7 +89,7 @@ class PressedFace:
     """
 
     def __init__(self, solution: ExactSolution, space: Space, face: Face, vertices: Array) -> None:
-        count = POINTS if space.dim == 2 else SOLID_POINTS
+        count = FACET_GAUSS_POINTS if space.dim == 2 else SOLID_FACET_GAUSS_POINTS
         rule = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, count)
         corners = np.broadcast_to(space.mesh.facets[:, rule.facets][..., None], rule.shapes.shape)
         places = np.broadcast_to(np.arange(rule.weights.size).reshape(rule.weights.shape), rule.shapes.shape)
@@ -132,7 +131,8 @@ class Forces:
     def squares(self, times: Array, multipliers: Array) -> tuple[Array, Array]:
         """Return sums over time of the squared errors of the contact force and of the squared exact norms, (3,) each.
 
-        The three entries belong to the errors that ``ERRORS`` names: of the pressure in L²(Γ3), in the dual norm, and
+        The three entries belong to the errors that ``FORCE_ERRORS`` names: of the pressure in L²(Γ3), in the dual
+        norm, and
         of the total force on each face.
 
         Args:
@@ -165,7 +165,8 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
     """Solve by the midpoint rule, and return the errors of the contact force and violations of both sign conditions.
 
     Returns:
-        The three relative errors over (0, T) that ``ERRORS`` names, (3,): of the pressure in L²(Γ3), in the dual norm,
+        The three relative errors over (0, T) that ``FORCE_ERRORS`` names, (3,): of the pressure in L²(Γ3), in the
+        dual norm,
         and of the total force on each face; then the largest relative penetration, and the largest relative tensile
         force.
     """
@@ -191,7 +192,7 @@ def measure_contact(setup: Experiment) -> Numbers:
     errors, penetration, pulling = errors_in_time(setup, forces, setup.steps)
     coarse, *_ = errors_in_time(setup, forces, setup.steps // 2)
     shares = abs(errors - coarse) / errors
-    measured = dict(zip((*ERRORS, *SHARES), map(float, (*errors, *shares)), strict=True))
+    measured = dict(zip((*FORCE_ERRORS, *TIME_SHARES), map(float, (*errors, *shares)), strict=True))
     admissible = {"penetration": penetration, "pulling": pulling}
     return {"h": setup.space.h, "steps": setup.steps, **measured, **admissible, "clamped": forces.clamped}
 
@@ -203,29 +204,31 @@ NO_BOUND = "a face meets Γ1, so that the dual norm does not bound the error of 
 """Why no order of the resultant is claimed if a contact face meets the clamped boundary Γ1.
 
 The order would follow from the dual norm with v_ν = 1. But v = 0 on Γ1, so no v ∈ V has v_ν = 1 on the whole face."""
-PRESSURE = consequence(
+PRESSURE_ORDER = consequence(
     "order-pressure",
     "order of ‖p − p^h‖_{L²(Γ3)}",
     fitted("pressure"),
     between(1, 1.5, 0.15, 0.7, "from the cells along Γ3; piecewise linear functions reach at most 2"),
     levels=ENOUGH,
 )
-OF_CHANCE = replace(PRESSURE, key="order-pressure-irregular", quantity=f"{PRESSURE.quantity}, irregular meshes")
+OF_CHANCE = replace(
+    PRESSURE_ORDER, key="order-pressure-irregular", quantity=f"{PRESSURE_ORDER.quantity}, irregular meshes"
+)
 FEW_EDGES = "on irregular meshes the pressure error depends on a few long edges where p has a kink, and on the corners"
 CORNER_CELLS = "a face meets Γ1, and the error depends on whether one cell or two meet there"
-SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "the order of ‖Π^h u − u^h‖_V on one-diagonal meshes")
-OTHERS = between(1, 2, 0.15, 0.2, "the order of ‖Π^h u − u^h‖_V on other meshes")
+DUAL_SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "the order of ‖Π^h u − u^h‖_V on one-diagonal meshes")
+DUAL_ON_OTHERS = between(1, 2, 0.15, 0.2, "the order of ‖Π^h u − u^h‖_V on other meshes")
 DUAL = "order of sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over V^h"
 DUAL_ORDERS = {
-    True: consequence("order-dual-superclose", f"{DUAL}, superclose", fitted("dual"), SUPERCLOSE, levels=ENOUGH),
-    False: consequence("order-dual-other", f"{DUAL}, other families", fitted("dual"), OTHERS, levels=ENOUGH),
+    True: consequence("order-dual-superclose", f"{DUAL}, superclose", fitted("dual"), DUAL_SUPERCLOSE, levels=ENOUGH),
+    False: consequence("order-dual-other", f"{DUAL}, other families", fitted("dual"), DUAL_ON_OTHERS, levels=ENOUGH),
 }
 """The criteria for the order of the dual norm, on one-diagonal meshes (True) and on all others (False)."""
 RESULTANT = at_least(1, "the order of the dual norm; 2 if the contact zone is known")
 """Window of the order of the contact resultant.
 
 It has no upper end: parts of the error of the resultant may cancel, so its order may exceed 2."""
-NORMS = (
+FORCE_NORMS = (
     consequence(
         "order-resultant",
         "order of the error of the contact resultant on each face",
@@ -244,14 +247,14 @@ NORMS = (
     accuracy(
         "time-share",
         "error in time / error, for both norms of p − p^h",
-        values(*SHARES[:2]),
+        values(*TIME_SHARES[:2]),
         at_most(0.5, "of each error; half as many steps show the error in time"),
     ),
 )
-ROUND_OFF = at_most(1e-10, "only rounding, because faces are straight and elements linear")
+FORCE_ROUND_OFF = at_most(1e-10, "only rounding, because faces are straight and elements linear")
 EXACT = (
-    identity("penetration", "max (u^h_ν)_+ between vertices / max |u^h|", values("penetration"), ROUND_OFF),
-    identity("pulling", "max λ_− / max |λ|", values("pulling"), ROUND_OFF),
+    identity("penetration", "max (u^h_ν)_+ between vertices / max |u^h|", values("penetration"), FORCE_ROUND_OFF),
+    identity("pulling", "max λ_− / max |λ|", values("pulling"), FORCE_ROUND_OFF),
 )
 
 
@@ -296,14 +299,14 @@ class ContactForce(Statement):
     def checks_of(self, case: str, groups: Groups) -> Judged:
         norms = []
         clamped = any(table["clamped"].any() for table in groups.values())
-        for rule in NORMS:
+        for rule in FORCE_NORMS:
             if clamped and rule.key == "order-resultant":
                 yield replace(rule, if_missed=NO_BOUND), groups
             else:
                 norms.append((rule, groups))
         irregular, others = split_irregular(groups)
         if others:
-            norms.append((PRESSURE, others))
+            norms.append((PRESSURE_ORDER, others))
         if irregular and case == LANDS:
             norms.append((OF_CHANCE, irregular))
         elif irregular:

@@ -30,8 +30,7 @@ from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve
 from study.ledger.check import Groups, consequence, identity
 from study.ledger.datafiles import CsvFile, Row
-from study.ledger.orders import orders
-from study.ledger.quantities import values
+from study.ledger.quantities import orders, values
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, CheckKind, Span, Verdict, row
 from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.evolution import Scheme
@@ -43,11 +42,11 @@ from study.statements.shared.meshes import families
 from study.statements.shared.scope import Scope
 
 BOUNDED = "error", "lowest", "highest", "above", "below", "upper", "lower"
-PARTS = "residual", "contact", "oscillation", "bending"
+BOUND_PARTS = "residual", "contact", "oscillation", "bending"
 BOUNDS = CsvFile("bounds.csv")
 ENCLOSURES = CsvFile("enclosures.csv")
-KEY = BOUNDS.key
-TIMES = 96
+BOUND_KEY = BOUNDS.key
+SAVED_TIMES = 96
 """Number of times for which ``enclosures.csv`` has the bounds of one computed displacement."""
 
 
@@ -68,7 +67,7 @@ class BoundSetting(Setting):
 
     @property
     def trajectory(self) -> str:
-        """The name of the method that computes the displacement ũ: "bound" or "enclosure", as the label of the statement."""
+        """The name of the method that computes ũ: "bound" or "enclosure", as the label of the statement."""
         return self.by.name
 
 
@@ -78,7 +77,7 @@ QUICK = (
     ("hexagon", "unstructured", "midpoint"),
 )
 """Triples (case, mesh family, scheme) for the quick study. Linear laws and the nonlinear law (3.3) occur."""
-ROTATION = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
+FAMILIES_IN_TURN = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
 """Mesh families that are assigned in turn to the time schemes of a case in the full study."""
 ROTATION_STARTS = {
     "rotated": "shaken",
@@ -112,7 +111,8 @@ def bounds(cases: Sequence[Case], full: bool) -> Iterator[BoundSetting]:
     The quick study has upper bounds for the cases in QUICK. It has enclosures on two levels, for one case with a known
     solution and for one problem whose solution is unknown.
 
-    In the full study every case is measured with every time scheme, on the next mesh family of ``ROTATION`` for each
+    In the full study every case is measured with every time scheme, on the next mesh family of ``FAMILIES_IN_TURN``
+    for each
     scheme. Enclosures are computed on two levels, but on three for the case ``CHECKED`` and for problems whose solution
     is unknown.
     """
@@ -126,7 +126,7 @@ def bounds(cases: Sequence[Case], full: bool) -> Iterator[BoundSetting]:
             yield from by_midpoint("bracket", "graded", (4, 8), Refined(0, 2))
         return
     for case in filter(eligible, cases):
-        serving = [family for family in ROTATION if family in families(case)]
+        serving = [family for family in FAMILIES_IN_TURN if family in families(case)]
         first = serving.index(ROTATION_STARTS.get(case.name, (case.families or serving)[0]))
         for turn, scheme in enumerate(SCHEMES, start=first):
             yield BoundSetting(case.name, serving[turn % len(serving)], 8, scheme.name, SmoothedInTime())
@@ -191,7 +191,7 @@ def measure(
     computed = compute(discretisation, scheme, steps)
     enclosure = enclose(discretisation, computed, trajectory, known_error(problem.case, computed))
     late = enclosure.times >= computed.T / 2
-    parts = {part: np.sum([getattr(interval, part) for interval in enclosure.intervals]) for part in PARTS}
+    parts = {part: np.sum([getattr(interval, part) for interval in enclosure.intervals]) for part in BOUND_PARTS}
     row = {
         "case": problem.name,
         "family": family.name,
@@ -232,7 +232,7 @@ class Bounds(Statement):
         family = family_named(setting.family)
         scheme = choose("scheme", setting.scheme, SCHEMES)
         row, enclosure = measure(problem, family, setting.level, scheme, self.steps(setting), setting.by)
-        chosen = np.unique(np.linspace(0, len(enclosure.times) - 1, TIMES).round().astype(int))
+        chosen = np.unique(np.linspace(0, len(enclosure.times) - 1, SAVED_TIMES).round().astype(int))
         times: dict[str, list[float]] = {"time": np.round(enclosure.times[chosen], 9).tolist()}
         for name in ("error", "distance", "bound"):
             times[name] = [float(f"{value:.6g}") for value in getattr(enclosure, name)[chosen]]
@@ -241,7 +241,7 @@ class Bounds(Statement):
     def records(self, setting: BoundSetting, found: Row) -> Records:
         """Yield one row of ``bounds.csv``, and one row of ``enclosures.csv`` for every time."""
         yield BOUNDS, found["row"]
-        common = {name: found["row"][name] for name in KEY}
+        common = {name: found["row"][name] for name in BOUND_KEY}
         for line in zip(*found["times"].values(), strict=True):
             yield ENCLOSURES, {**common, **dict(zip(found["times"], line, strict=True))}
 
@@ -264,10 +264,10 @@ class Bounds(Statement):
 
 # The quotient error / upper bound must be positive. The quotient lower bound / error may be 0, because the lower bound
 # may be 0 on coarse meshes.
-ABOVE = identity(
+ABOVE_ERROR = identity(
     "above", "largest error / upper bound", values("above"), positive_at_most(1.0, "at every sampled time")
 )
-BELOW = identity("below", "largest lower bound / error", values("below"), at_most(1.0, "at every sampled time"))
+BELOW_ERROR = identity("below", "largest lower bound / error", values("below"), at_most(1.0, "at every sampled time"))
 ONLY_SHOWN = "this shows how sharp the bound is; the claim is only that the error never exceeds it"
 REACH = consequence(
     "upper", "largest upper bound / error over [T/2, T]", values("upper"), Window(), if_missed=ONLY_SHOWN
@@ -277,10 +277,10 @@ TIGHT = (
     consequence("tight-above", f"upper bound / error {HERE}", values("upper"), Window(1.0, 1.15, "over [T/2, T]")),
     consequence("tight-below", f"lower bound / error {HERE}", values("lower"), Window(0.85, 1.0, "over [T/2, T]")),
 )
-ROOM = 0.15
+INTERVAL_TOLERANCE = 0.15
 """Tolerance around a predicted order. Other statements use the same tolerance for orders between levels."""
-LAST = "no claim: two meshes give a wider interval for the order than all meshes"
-KNOWN = "no claim: this interval contains the observed order whenever the errors lie between their bounds"
+LAST_PAIR = "no claim: two meshes give a wider interval for the order than all meshes"
+KNOWN_SOLUTION = "no claim: this interval contains the observed order whenever the errors lie between their bounds"
 UNPREDICTED = "no claim: neither the solution nor its order is known"
 
 
@@ -289,7 +289,7 @@ class BoundedError(Bounds):
 
     label = "bound"
     claim = "‖u(t) − u_h(t)‖_V ≤ y(t), where y is computed from u_h and an admissible stress alone"
-    checks = ABOVE, REACH
+    checks = ABOVE_ERROR, REACH
 
     def by_case(self, rows: pd.DataFrame) -> list[tuple[str, Groups]]:
         of_kind = rows[(rows["trajectory"] == self.label) & rows["known"]]
@@ -307,7 +307,7 @@ class EnclosedError(Bounds):
         for name, of_case in rows[rows["trajectory"] == self.label].groupby("case", sort=False):
             case = str(name)
             known = bool(of_case["known"].iloc[0])
-            judged += [rule.verdict(self, case, {"": of_case}) for rule in (ABOVE, BELOW, REACH) if known]
+            judged += [rule.verdict(self, case, {"": of_case}) for rule in (ABOVE_ERROR, BELOW_ERROR, REACH) if known]
             checked = of_case[of_case["level"] == CHECKED_LEVEL]
             if case == CHECKED and len(checked):
                 judged += [rule.verdict(self, case, {"": checked}) for rule in TIGHT]
@@ -317,7 +317,7 @@ class EnclosedError(Bounds):
                     judged.append(self.judge_order(case, str(family), levels, known))
                 if len(levels) > 2:
                     of_pair = self.judge_order(case, str(family), levels.tail(2), known)
-                    judged.append(replace(of_pair, key="order-last", verdict=REPORTED, expected=LAST))
+                    judged.append(replace(of_pair, key="order-last", verdict=REPORTED, expected=LAST_PAIR))
         return judged
 
     def judge_order(self, case: str, family: str, levels: pd.DataFrame, known: bool) -> Verdict:
@@ -343,9 +343,9 @@ class EnclosedError(Bounds):
         if math.isnan(order):
             window = Window(math.nan, math.nan)
             verdict = REPORTED
-            expected = KNOWN if known else UNPREDICTED
+            expected = KNOWN_SOLUTION if known else UNPREDICTED
         else:
-            window = around(order, ROOM, "the whole interval of possible orders")
+            window = around(order, INTERVAL_TOLERANCE, "the whole interval of possible orders")
             verdict = judge_interval(span, window)
             expected = ""
         return row(

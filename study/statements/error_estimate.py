@@ -23,8 +23,7 @@ from study.fem.quadrature import facet_rule
 from study.fem.space import Space, on_cells
 from study.ledger.check import ENOUGH, ROUNDING, Groups, consequence, identity, paper_claim
 from study.ledger.datafiles import Row
-from study.ledger.orders import fit
-from study.ledger.quantities import Value, finest, fitted, level_by_level, of_errors, over_refinements, values
+from study.ledger.quantities import Value, finest, fit, fitted, level_by_level, of_errors, over_refinements, values
 from study.ledger.window import Window, around, at_least, at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
@@ -35,6 +34,7 @@ from study.statements.shared.base import (
     EVOLVING,
     SEED,
     SOFTENING,
+    Experiment,
     Judged,
     ListedNumbers,
     Numbers,
@@ -43,11 +43,9 @@ from study.statements.shared.base import (
     grid,
     with_h,
 )
-from study.statements.shared.eigen import unloaded
-from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import (
-    CELLS,
-    EVERY,
+    CELL_POWER,
+    EVERY_FAMILY,
     body_of,
     first_with_each,
     law_of,
@@ -57,11 +55,11 @@ from study.statements.shared.meshes import (
     space_of,
     split_random,
 )
-from study.statements.shared.norms import Energies, Velocity, dual_norm, maximum, midpoints
+from study.statements.shared.norms import Energies, Velocity, dual_norm, maximum, midpoints, unloaded
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 
-FIRST = 3
+FIRST_SPIKES = 3
 """The smallest level j of the spikes: the radius 4^{−j} is small compared with the distance 2^{−j} for j ≥ 3."""
 DIRECTION = np.array([0.0, 1.0])
 """The direction e_2 of the initial displacement."""
@@ -151,7 +149,7 @@ def spikes(x: Points, last: int) -> Array:
         last: the level of the grid, which has 2^last cells along a side.
     """
     total = np.zeros(x.shape[1:])
-    for j in range(FIRST, last + 1):
+    for j in range(FIRST_SPIKES, last + 1):
         spacing = 2.0**-j
         # The ball around a spike lies in a square with sides 2^{1−j}, so only the nearest spike is non-zero at x.
         centres = spacing * (2 * np.floor(x / (2 * spacing)) + 1)
@@ -175,14 +173,14 @@ def norm_of_start(A: Linear) -> float:
 
     It is the geometric series Σ_j a_j (4^{j−1} · 2π/4^j · ``mean_energy``)^{1/2} over the levels of the spikes.
     """
-    return math.sqrt(math.pi / 2 * mean_energy(A)) * 2 ** (-FIRST / 2) / (1 - math.sqrt(0.5))
+    return math.sqrt(math.pi / 2 * mean_energy(A)) * 2 ** (-FIRST_SPIKES / 2) / (1 - math.sqrt(0.5))
 
 
-TIMES = (0.23, 0.61)
+INTERPOLATION_TIMES = (0.23, 0.61)
 """Times at which exact solutions are interpolated, as fractions of the final time T.
 
 In no case does contact begin or end at these times."""
-RAISED = 2
+RAISED_FOR_KINKS = 2
 """How much the degree of quadrature rules on cells and the number of points on facets are raised.
 
 More accurate rules are needed, because kinks of the solution cross cells and facets."""
@@ -190,19 +188,19 @@ NO_ERROR = 1e-10
 """Relative errors below this number count as round-off.
 
 They occur if a trace is zero or linear, so that it has no interpolation error."""
-ROOM = 0.15
+ORDER_TOLERANCE = 0.15
 """Tolerance for observed orders.
 
 They scatter, because fronts cut cells at different places on each level and the meshes are not nested."""
 
-SMOOTH = "a smooth field"
-FUNCTIONS = {f"u({fraction:g} T)": fraction for fraction in TIMES}
+SMOOTH_FIELD = "a smooth field"
+FUNCTIONS = {f"u({fraction:g} T)": fraction for fraction in INTERPOLATION_TIMES}
 """The times t of the interpolated functions u(t), as fractions of T, by the names of these functions in columns."""
-FIELDS = {"smooth": SMOOTH, **{f"u-{fraction}": v for v, fraction in FUNCTIONS.items()}}
+INTERPOLATED = {"smooth": SMOOTH_FIELD, **{f"u-{fraction}": v for v, fraction in FUNCTIONS.items()}}
 """Names of the interpolated functions in columns, by the keys of the checks."""
 REGULARITY = "τ"
 """Name of the column with the regularity τ of the trace: v_ν ∈ H^s(Γ3,i) for all s < τ."""
-SIZE, TRACE_ERROR = "size of Γ3,{}", "{} on Γ3,{}"
+FACE_SIZE, TRACE_ERROR = "size of Γ3,{}", "{} on Γ3,{}"
 """Names of the columns for one contact face: its mesh size, and the interpolation error of a trace on it."""
 
 
@@ -214,7 +212,7 @@ def smooth(body: Body) -> Field:
 # (5.23): interpolation in V.
 
 
-SHARP = around(1.0, ROOM)
+SHARP = around(1.0, ORDER_TOLERANCE)
 """Tolerance window of the order in V, which is 1 for piecewise linear functions."""
 
 
@@ -245,19 +243,19 @@ class InterpolationInV(ListedNumbers):
         cases = first_with_each(lambda case: (body_of(case), law_of(case), case.regularity.smoothness > 1))
         cases = [case for case in cases if case.regularity.smoothness > 1]
         # Graded meshes are left out: their cells at singular points are much smaller than h, which changes the order.
-        return [s for s in place(cases, EVERY, (8, 16, 32), (8, 12, 16)) if s.family != Graded().name]
+        return [s for s in place(cases, EVERY_FAMILY, (8, 16, 32), (8, 12, 16)) if s.family != Graded().name]
 
     def measure(self, setting: Setting) -> Numbers:
         space, solution = posed(setting)
-        v_norm = ErrorNorm(solution, space, RAISED)
+        v_norm = ErrorNorm(solution, space, RAISED_FOR_KINKS)
         samples = {v: v_norm.sample(fraction * solution.body.T) for v, fraction in FUNCTIONS.items()}
         errors = {v: v_norm.distance(sample, sample.interpolant) for v, sample in samples.items()}
-        return with_h(space.h, {**errors, SMOOTH: distance_in_V(solution, space, smooth(space.body))})
+        return with_h(space.h, {**errors, SMOOTH_FIELD: distance_in_V(solution, space, smooth(space.body))})
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
-        by_cells = around(1.0, ROOM, "least squares, weighted by the number of cells")
+        by_cells = around(1.0, ORDER_TOLERANCE, "least squares, weighted by the number of cells")
         random, others = split_random(groups)
-        for key, v in FIELDS.items():
+        for key, v in INTERPOLATED.items():
             quantity = f"order of ‖v − Π^h v‖_V, v = {v}"
             by_level = level_by_level(v)
             if others:
@@ -265,7 +263,7 @@ class InterpolationInV(ListedNumbers):
                 yield check, others
             if random:
                 quantity = f"{quantity}, random meshes, fitted"
-                order = fitted(v, power=CELLS)
+                order = fitted(v, power=CELL_POWER)
                 yield paper_claim(f"{key}-random", quantity, order, by_cells, levels=ENOUGH), random
 
 
@@ -279,7 +277,7 @@ def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
     """
     interpolant = space.strain(space.interpolate(field(space.mesh.p)))
     total = 0.0
-    for rule in rules(solution, space.mesh, DEGREE + RAISED):
+    for rule in rules(solution, space.mesh, DEGREE + RAISED_FOR_KINKS):
         difference = strain(field, rule.points) - interpolant[:, rule.cells, None]
         viscous = solution.law.A.at(rule.points)(difference)
         total += np.einsum("Inq,Inq,nq->", viscous, difference, rule.weights)
@@ -305,14 +303,14 @@ class InterpolationOnContact(ListedNumbers):
         # random lengths of edges the order varies by 0.3 from seed to seed.
         cases = first_with_each(lambda case: (body_of(case), case.regularity.trace))
         without = Graded().name, Shaken().name
-        return [s for s in place(cases, EVERY, (16, 32, 64), (16, 24, 32)) if s.family not in without]
+        return [s for s in place(cases, EVERY_FAMILY, (16, 32, 64), (16, 24, 32)) if s.family not in without]
 
     def measure(self, setting: Setting) -> Numbers:
         space = space_of(setting)
         case = resolve(setting.case)
         numbers = {REGULARITY: case.regularity.trace}
         for i, face in enumerate(case.solution.faces, start=1):
-            numbers[SIZE.format(i)] = induced_size(space, face.part)
+            numbers[FACE_SIZE.format(i)] = induced_size(space, face.part)
             numbers |= {TRACE_ERROR.format(v, i): error for v, error in on_face(case.solution, space, face).items()}
         return with_h(space.h, numbers)
 
@@ -323,14 +321,14 @@ class InterpolationOnContact(ListedNumbers):
         """
         columns = {str(column) for table in groups.values() for column in table}
         of_solution = min(float(table[REGULARITY].min()) for table in groups.values())
-        claimed = around(2.0, ROOM)
-        for (name, v), face in product(FIELDS.items(), range(1, len(columns))):
+        claimed = around(2.0, ORDER_TOLERANCE)
+        for (name, v), face in product(INTERPOLATED.items(), range(1, len(columns))):
             key = f"{name}-face-{face}"
             column = TRACE_ERROR.format(v, face)
-            size = SIZE.format(face)
+            size = FACE_SIZE.format(face)
             if not {size, column} <= columns:
                 continue
-            tau = math.inf if v == SMOOTH else of_solution
+            tau = math.inf if v == SMOOTH_FIELD else of_solution
             quantity = f"order of ‖v_ν − Π^h v_ν‖, v = {column}"
             if tau >= 2.5:
                 text = "level by level"
@@ -369,7 +367,7 @@ def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
     """
     mesh = space.mesh
     facets = space.facets(face.part)
-    rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS + RAISED)
+    rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS + RAISED_FOR_KINKS)
     x = face.part.point(rule.s)
     vertices = mesh.p[:, mesh.facets[:, facets]]
     exact = solution.at(x)
@@ -378,7 +376,7 @@ def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
     times = {v: fraction * solution.body.T for v, fraction in FUNCTIONS.items()}
     pairs = {v: (exact.displacement(time), nodes.displacement(time)) for v, time in times.items()}
     errors = {}
-    for name, (inside, nodal) in {**pairs, SMOOTH: (field(x), field(vertices))}.items():
+    for name, (inside, nodal) in {**pairs, SMOOTH_FIELD: (field(x), field(vertices))}.items():
         trace, corners = (np.tensordot(face.part.normal, v, axes=1) for v in (inside, nodal))
         difference = trace - np.einsum("an,anq->nq", corners, rule.shapes)
         error, size = (math.sqrt(np.sum(values**2 * rule.weights)) for values in (difference, trace))
@@ -482,12 +480,12 @@ def prestress(space: Space, problem: SemiDiscrete, law: KelvinVoigt) -> Tensors:
     return on_cells(space, law).A(space.strain(-Cholesky(problem.M)(problem.N.T @ multipliers)))
 
 
-INSTANTS = 64
+NORM_INSTANTS = 64
 """Number of nodes of the midpoint rule that approximates norms in time."""
-ROUND_OFF = 1e-11
+STRESS_ROUND_OFF = 1e-11
 """Relative tolerance for round-off: smaller contact pressures, compared with the size of the stresses, count as 0."""
-BOUNDS = "(5.21)", "(5.42)"
-EXPONENTS = {bound: f"γ of {bound}" for bound in BOUNDS}
+BOTH_BOUNDS = "(5.21)", "(5.42)"
+GROWTH_EXPONENTS = {bound: f"γ of {bound}" for bound in BOTH_BOUNDS}
 """Names of the columns with the exponents γ: (right side of the bound) / error is predicted to grow like h^{−γ}."""
 RATE, TRACE = "‖η̇‖_{L²(0,T;V)}", "(‖σ_ν‖ ‖η_ν‖)^{1/2}"
 """The terms of the bounds that may be of lower order than the error, as names of columns."""
@@ -570,9 +568,9 @@ class ErrorBounds(ListedNumbers):
     def checks_of(self, case: str, groups: Groups) -> Judged:
         """Yield two criteria for each of the bounds, which depend on the predicted exponent γ of the case."""
         (table, *_) = groups.values()
-        names = *EXPONENTS.values(), LOGARITHM
+        names = *GROWTH_EXPONENTS.values(), LOGARITHM
         known = {name: table[name].iloc[0] if name in table else math.nan for name in names}
-        for bound, column in EXPONENTS.items():
+        for bound, column in GROWTH_EXPONENTS.items():
             number = bound.strip("()")
             gamma = known[column]
             quantity = f"right-hand side of {bound} / error: change under refinement"
@@ -585,7 +583,7 @@ class ErrorBounds(ListedNumbers):
                 levels=ENOUGH,
             )
             if gamma > 0:
-                term = RATE if gamma == known[EXPONENTS["(5.21)"]] else TRACE
+                term = RATE if gamma == known[GROWTH_EXPONENTS["(5.21)"]] else TRACE
                 lower = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
                 window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
                 power = of_errors(term, lambda h, ratio: -fit(h, ratio))
@@ -624,7 +622,7 @@ def predicted(case: Case) -> Numbers:
     """
     regularity = case.regularity
     proved = {"(5.21)": regularity.rate_smoothness, "(5.42)": regularity.proved_order}
-    growth = {column: max(case.order - proved[bound], 0.0) for bound, column in EXPONENTS.items()}
+    growth = {column: max(case.order - proved[bound], 0.0) for bound, column in GROWTH_EXPONENTS.items()}
     return {**growth, LOGARITHM: float(regularity.trace == 2)}
 
 
@@ -645,10 +643,10 @@ def sides(setup: Experiment) -> Numbers:
     error = maximum(v_norm.distance(v_norm.sample(state.time), state.u) for state in states)
     start = v_norm.sample(0.0)
     velocity = Velocity(setup.solution, setup.space)
-    times = midpoints(T, INSTANTS)
-    k = T / INSTANTS
+    times = midpoints(T, NORM_INSTANTS)
+    k = T / NORM_INSTANTS
     # The work of contact ∫ σ_ν (Π^hu_ν − u_ν) and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² over Γ3.
-    works, squares, pressures = np.zeros((3, INSTANTS))
+    works, squares, pressures = np.zeros((3, NORM_INSTANTS))
     mesh = setup.space.mesh
     for face in setup.solution.faces:
         facets = setup.space.facets(face.part)
@@ -658,7 +656,7 @@ def sides(setup: Experiment) -> Numbers:
         nodal = np.tensordot(face.part.normal, nodes.displacement(times), axes=1)
         eta = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes)
         pressure = exact.pressure(times)
-        pressure = np.where(abs(pressure) > ROUND_OFF * exact.stress_scale(), pressure, 0.0)
+        pressure = np.where(abs(pressure) > STRESS_ROUND_OFF * exact.stress_scale(), pressure, 0.0)
         works += np.tensordot(rule.weights, pressure * eta, axes=2)
         squares += np.tensordot(rule.weights, eta**2, axes=2)
         pressures += np.tensordot(rule.weights, pressure**2, axes=2)

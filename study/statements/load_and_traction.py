@@ -24,6 +24,7 @@ from study.statements.shared.base import (
     EVOLVING,
     SEED,
     SOFTENING,
+    Experiment,
     Judged,
     ListedNumbers,
     Numbers,
@@ -31,18 +32,16 @@ from study.statements.shared.base import (
     grid,
     with_h,
 )
-from study.statements.shared.eigen import unloaded
-from study.statements.shared.experiment import Experiment
-from study.statements.shared.meshes import CELLS, named, place, posed
-from study.statements.shared.norms import dual_norm, maximum
+from study.statements.shared.meshes import CELL_POWER, named, place, posed
+from study.statements.shared.norms import dual_norm, maximum, unloaded
 from study.statements.shared.scope import REGULAR
 
 # The load, f ∈ W^{1,1}(0,T;V).
 
-INTERVALS = 512
+LOAD_INTERVALS = 512
 COARSER = 16
 """Quotient of the lengths of long and short time intervals, over which increments of the load are compared."""
-VARIATION = f"variation of f^h on {INTERVALS} intervals / on {INTERVALS // 2} intervals"
+VARIATION = f"variation of f^h on {LOAD_INTERVALS} intervals / on {LOAD_INTERVALS // 2} intervals"
 INCREMENTS = f"largest increment of f^h / largest increment over {COARSER} times as long intervals"
 WITHOUT = "ε(ü) ~ (s − c)^{α−4} with α = 13/4 is not square integrable and f has no bounded variation in V"
 
@@ -117,7 +116,7 @@ class LoadInTime(ListedNumbers):
         space, solution = posed(setting)
         v_norm = ErrorNorm(solution, space)
         riesz = Cholesky(unloaded(space, solution.law).M)
-        times = np.linspace(0, solution.body.T, INTERVALS + 1)
+        times = np.linspace(0, solution.body.T, LOAD_INTERVALS + 1)
         loads = np.array([v_norm.load(float(t)) for t in times])
         # A finite norm shows in increments ‖f^h(t_i) − f^h(t_{i−1})‖_V that do not grow from grid to grid.
         fine, half, coarse = (
@@ -188,15 +187,15 @@ class TractionInTime(ListedNumbers):
         ]
 
 
-INSTANTS = 8
+STRESS_INSTANTS = 8
 """Number of nodes of the midpoint rule that approximates norms in time."""
 Field = Callable[[Points], Vectors]
 """A smooth displacement field, analytic in x."""
-FIELDS = 3
+TEST_FIELDS = 3
 """Number of smooth test fields for each of the two traction conditions."""
-FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
+TRACTION_FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
 STRONG = around(1, 0.25, "if the stress error is spread evenly; ‖σ − σ^h‖_Q = O(h) alone gives 1/2")
-SUPERCLOSE = between(1, 2, 0.25, 0, "order 2 where the triangles along Γ3 are symmetric")
+TANGENTIAL_SUPERCLOSE = between(1, 2, 0.25, 0, "order 2 where the triangles along Γ3 are symmetric")
 WEAK = around(2, 0.3, "product of two errors O(h), σ − σ^h and v − Π^h v")
 
 
@@ -207,7 +206,7 @@ WEAKLY = "loaded, weakly", "tangential, weakly"
 class NaturalConditions(ListedNumbers):
     """Measures how far the discrete stress violates the traction conditions on Γ2 and Γ3.
 
-    Stresses are evaluated at INSTANTS evenly spaced times, each of which is the midpoint of a time step.
+    Stresses are evaluated at STRESS_INSTANTS evenly spaced times, each of which is the midpoint of a time step.
 
     (4.13): the tractions σν = f_2 on Γ2 and σ_τ = 0 on Γ3, which discrete stresses satisfy only in the limit h → 0.
 
@@ -241,7 +240,7 @@ class NaturalConditions(ListedNumbers):
             "tangential",
             "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))",
             fitted("tangential"),
-            SUPERCLOSE,
+            TANGENTIAL_SUPERCLOSE,
             levels=ENOUGH,
             if_missed=(
                 "the check of σ^hν − σ_ν ν bounds ‖σ^h_τ‖, whose first-order part depends on the triangles along Γ3"
@@ -250,25 +249,25 @@ class NaturalConditions(ListedNumbers):
         consequence(
             "loaded-weakly",
             "order of σν − f_2 on Γ2, tested with smooth v",
-            fitted("loaded, weakly", power=CELLS),
+            fitted("loaded, weakly", power=CELL_POWER),
             WEAK,
             levels=ENOUGH,
         ),
         consequence(
             "tangential-weakly",
             "order of σ_τ on Γ3, tested with smooth v",
-            fitted("tangential, weakly", power=CELLS),
+            fitted("tangential, weakly", power=CELL_POWER),
             WEAK,
             levels=ENOUGH,
         ),
     )
     quick = grid(("advance-recede",), ("shaken",), (12, 24, 48))
-    full = grid(("advance-recede", "travelling-patch", "yield-and-release"), FAMILIES, (12, 24, 48))
+    full = grid(("advance-recede", "travelling-patch", "yield-and-release"), TRACTION_FAMILIES, (12, 24, 48))
 
     def setup(self, setting: Setting) -> Experiment:
-        # [0, T] is split into INSTANTS equal parts. Each part has an odd number of time steps, so that its midpoint is
-        # the midpoint of a time step.
-        steps = INSTANTS * (2 * (setting.level // 8) + 3)
+        # [0, T] is split into STRESS_INSTANTS equal parts. Each part has an odd number of time steps, so that its
+        # midpoint is the midpoint of a time step.
+        steps = STRESS_INSTANTS * (2 * (setting.level // 8) + 3)
         return Experiment.at(setting, MIDPOINT, steps)
 
     def measure(self, setup: Experiment) -> Numbers:
@@ -309,15 +308,16 @@ def tractions(setup: Experiment) -> Numbers:
 
 
 def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
-    """Yield pairs of a time t and the discrete stress σ^h(t), for INSTANTS times t.
+    """Yield pairs of a time t and the discrete stress σ^h(t), for STRESS_INSTANTS times t.
 
-    The times are the midpoints of INSTANTS equal parts of [0, T], each with an odd number of time steps. So t is the
+    The times are the midpoints of STRESS_INSTANTS equal parts of [0, T], each with an odd number of time steps. So t
+    is the
     midpoint of a step from t_{n−1} to t_n, and σ^h(t) = A ε((u_n − u_{n−1})/k) + G ε((u_n + u_{n−1})/2).
     """
     space = setup.space
     cells = on_cells(setup.space, setup.solution.law)
     k = setup.problem.T / setup.steps
-    each = setup.steps // INSTANTS
+    each = setup.steps // STRESS_INSTANTS
     for n, (before, after) in enumerate(pairwise(setup.march(setup.steps))):
         if n % each == each // 2:
             old = space.strain(before.u)
@@ -357,7 +357,7 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
     clamped = planes(body, Kind.CLAMPED)
     contact = planes(body, Kind.CONTACT)
     rng = np.random.default_rng(SEED)
-    on_loaded = [vanishing(waves(body, rng), clamped + contact) for _ in range(FIELDS)]
+    on_loaded = [vanishing(waves(body, rng), clamped + contact) for _ in range(TEST_FIELDS)]
 
     def tangential(part: Part, along: Field, inside: Field) -> Field:
         others = [other for other in contact if other is not part]
@@ -370,7 +370,7 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
         return vanishing(field, clamped + others)
 
     rng = np.random.default_rng(SEED)
-    on_contact = [tangential(part, waves(body, rng), waves(body, rng)) for part in contact for _ in range(FIELDS)]
+    on_contact = [tangential(part, waves(body, rng), waves(body, rng)) for part in contact for _ in range(TEST_FIELDS)]
     return on_loaded, on_contact
 
 

@@ -27,18 +27,26 @@ from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, path
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
-from study.statements.shared.base import Judged, ListedNumbers, Numbers, Setting, grid, with_h
-from study.statements.shared.experiment import Experiment, with_cached_loads
+from study.statements.shared.base import (
+    Experiment,
+    Judged,
+    ListedNumbers,
+    Numbers,
+    Setting,
+    grid,
+    with_cached_loads,
+    with_h,
+)
 from study.statements.shared.meshes import posed, split_random
 from study.statements.shared.norms import ContactWork, Velocity, dual_norm, maximum, midpoints
-from study.statements.time_steps import PROVED
+from study.statements.time_steps import PROVED_BELOW_1
 from study.statements.work_of_contact import SEEDS
 
 STEPS_PER_CELL = 4
 """Number of time steps for each cell along a side of the body."""
-RADIUS = 0.2
+CUT_RADIUS = 0.2
 """Radius R of the cut-off about the front."""
-MIDDLE, SPEED, FRONTS = 0.625, 0.4, 8
+MIDDLE_TIME, SPEED, FRONTS = 0.625, 0.4, 8
 """The time at which the front is in the middle of Γ3, its speed, and the number of its places in an edge."""
 BEHIND = 3.0
 """Largest distance behind the front, in edges, at which signed nodal errors are measured."""
@@ -50,7 +58,7 @@ HALF_DERIVATIVE = (
         "half",
         "mean of ‖u̇^h(t + τ) − u̇^h(t)‖² over τ < δ, integrated over t / (C_2 δ), largest over δ",
         values("half"),
-        PROVED,
+        PROVED_BELOW_1,
     ),
     consequence(
         "half-growth",
@@ -153,7 +161,7 @@ class HalfDerivative(ListedNumbers):
     effort = 10
     checks = (
         *HALF_DERIVATIVE,
-        identity("euler", "backward Euler: Σ ‖δ_n − δ_{n−1}‖² / its bound", values("euler"), PROVED),
+        identity("euler", "backward Euler: Σ ‖δ_n − δ_{n−1}‖² / its bound", values("euler"), PROVED_BELOW_1),
     )
     quick = grid(("advance-recede",), ("one-diagonal",), (4, 8, 16))
     full = grid(("advance-recede", "travelling-patch", "yield-and-release"), ("one-diagonal",), (8, 16, 32))
@@ -206,7 +214,7 @@ class NodalErrors(ListedNumbers):
         (s,) = part.coordinates(corners)[0]
         constants = []
         signed = []
-        for time in MIDDLE + np.arange(FRONTS) / FRONTS * h / SPEED:
+        for time in MIDDLE_TIME + np.arange(FRONTS) / FRONTS * h / SPEED:
             behind = front_at(solution, time) - s
             near_front = partial(cut_solution, solution, time)
             projected = condensed.gap(space.functional(A.matrix @ means_from_edges(near_front, space)))
@@ -243,7 +251,7 @@ def front_at(solution: ExactSolution, time: float) -> float:
 def cut_solution(solution: ExactSolution, time: float, x: Points) -> Vectors:
     """Return u_s(x) = (1 − r²/R²)_+^4 u(x), where r is the distance from the front, (2, points)."""
     place = solution.faces[0].part.point(np.array([[front_at(solution, time)]]))
-    cut = np.maximum(1 - np.sum((x - place) ** 2, axis=0) / RADIUS**2, 0.0) ** 4
+    cut = np.maximum(1 - np.sum((x - place) ** 2, axis=0) / CUT_RADIUS**2, 0.0) ** 4
     return cut * solution.at(x).displacement(time)
 
 
@@ -271,13 +279,13 @@ def means_from_edges(
     return mandel(-2 * np.einsum("din,nij->djn", means, gradients))
 
 
-DEGREE, RAISED = 2, 6
+FORCE_DEGREE, RAISED_FORCE_DEGREE = 2, 6
 """Degree of the quadrature rule for f_0 on cells, and of a finer rule by which the quadrature error is estimated."""
-PER_CELL = 2
+FRONT_STEPS_PER_CELL = 2
 """Number of time steps for each cell along a side of the body.
 
 The solution with twice as many steps is used as the semi-discrete solution u^h."""
-INSTANTS, FEW = 32, 4
+ERROR_INSTANTS, FEW_INSTANTS = 32, 4
 """Number of times at which errors and velocities are measured, and number at which two quadratures are compared.
 
 Errors are measured at about as many evenly spaced time nodes, or at all nodes if there are fewer."""
@@ -285,7 +293,7 @@ INCREMENT = 1e-30
 """Imaginary increment with which a derivative is computed."""
 FROM = 16
 """The level from which the growth of the pairing is judged."""
-NEGLIGIBLE = positive_at_most(0.02, "negligible against the error")
+NEGLIGIBLE_SHARE = positive_at_most(0.02, "negligible against the error")
 
 
 class AdvancingFront(ListedNumbers):
@@ -363,7 +371,7 @@ class AdvancingFront(ListedNumbers):
             between(1, 1.5, STEEPER, STEEPER, "3/2 if the front leaves the same error in every cell, 1 if not"),
             levels=ENOUGH,
         ),
-        accuracy("time", "change of u^h with half the time step / error", values("time share"), NEGLIGIBLE),
+        accuracy("time", "change of u^h with half the time step / error", values("time share"), NEGLIGIBLE_SHARE),
         consequence(
             "local",
             "work of the contact forces on violations of the constraint by P_hu / (h |log h|)²",
@@ -381,7 +389,7 @@ class AdvancingFront(ListedNumbers):
             "quadrature",
             "bound of the change of u^h under finer quadrature of f_0 / error",
             values("quadrature"),
-            NEGLIGIBLE,
+            NEGLIGIBLE_SHARE,
         ),
     )
     # No shaken meshes, because observed orders depend on the random size of the cells that the singular front passes.
@@ -398,9 +406,9 @@ class AdvancingFront(ListedNumbers):
 
     def measure(self, setting: Setting) -> Numbers:
         space, solution = posed(setting)
-        steps = PER_CELL * setting.level
+        steps = FRONT_STEPS_PER_CELL * setting.level
         v_norm = ErrorNorm(solution, space)
-        load = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, DEGREE))
+        load = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, FORCE_DEGREE))
         problem = SemiDiscrete.of(space, solution.law, load, v_norm.sample(0.0).interpolant)
         # Without rows of N there is no contact condition, so the exact σ_ν acts as a given traction in the load.
         linear = replace(problem, N=problem.N[:0], load=lambda time: load(time) + pressure_load(solution, space, time))
@@ -408,15 +416,17 @@ class AdvancingFront(ListedNumbers):
         states = list(MIDPOINT.march(problem, 2 * steps))
         fine = np.array([state.u for state in states])
         forces = np.array([state.multipliers for state in states[1:]])
-        nodes = range(0, 2 * steps + 1, max(1, 2 * steps // INSTANTS))
+        nodes = range(0, 2 * steps + 1, max(1, 2 * steps // ERROR_INSTANTS))
         error = maximum(v_norm.distance(v_norm.sample(n * problem.T / (2 * steps)), fine[n]) for n in nodes)
         # A change δf of the load changes u^h by at most T max ‖δf‖_V, because the elasticity G is monotone.
         riesz = Cholesky(problem.M)
         changes = []
-        for time in midpoints(problem.T, FEW):
-            finer, coarser = (load_from_forces(solution, space, time, degree) for degree in (RAISED, DEGREE))
+        for time in midpoints(problem.T, FEW_INSTANTS):
+            finer, coarser = (
+                load_from_forces(solution, space, time, degree) for degree in (RAISED_FORCE_DEGREE, FORCE_DEGREE)
+            )
             changes.append(dual_norm(finer - coarser, riesz))
-        rates = Velocity(solution, space).interpolation_error(midpoints(problem.T, INSTANTS))
+        rates = Velocity(solution, space).interpolation_error(midpoints(problem.T, ERROR_INSTANTS))
         numbers = {
             "error": error,
             "rate": math.sqrt(problem.T * np.mean(rates**2)),
@@ -470,9 +480,9 @@ def pairing(solution: ExactSolution, space: Space, momenta: Array) -> float:
 
 
 def travelling_weight(x: Array, y: Array, h: float) -> Array:
-    """Return ∂_x(ζ_0 W^h) for W^h = x (x² + y² + h²)^{−1/4} and the cut-off ζ_0 = (1 − (x² + y²)/``RADIUS``²)_+^4."""
+    """Return ∂_x(ζ_0 W^h), W^h = x (x² + y² + h²)^{−1/4}, for the cut-off ζ_0 = (1 − (x² + y²)/``CUT_RADIUS``²)_+^4."""
     z = x + INCREMENT * 1j
-    inside = 1 - (z**2 + y**2) / RADIUS**2
+    inside = 1 - (z**2 + y**2) / CUT_RADIUS**2
     values = z * (z**2 + y**2 + h**2) ** -0.25 * inside**4
     # The imaginary part of f(x + iε) is ε f'(x) up to rounding.
     return np.where(inside.real > 0, values.imag / INCREMENT, 0.0)

@@ -30,18 +30,17 @@ from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import RATES, RateSetting
 from study.statements.shared import estimates
-from study.statements.shared.base import REPORTED as OF_FILE
-from study.statements.shared.base import ListedNumbers, Numbers, Setting, Statement, grid, with_h
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import JOINED_SUFFIX as OF_FILE
+from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, Statement, grid, with_h
 from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 from study.statements.shared.tasks import FROZEN_TIMES, Task
 
-DEGREE, SOLID_DEGREE = 10, 6
+FINE_DEGREE, FINE_SOLID_DEGREE = 10, 6
 """Degrees of the quadrature rule on cells in 2D and in 3D. The first solver uses the degrees 4 and 2."""
-POINTS, SOLID_POINTS = 20, 6
+FINE_POINTS, FINE_SOLID_POINTS = 20, 6
 """Number of Gauss points on a contact facet in 2D, and in each direction of a facet in 3D."""
-SETTLED, ITERATIONS = 1e-12, 100
+SETTLED, MOST_ITERATIONS = 1e-12, 100
 """Relative change at which the fixed-point iteration of a time step stops, and its largest number of iterations."""
 ON = 1e-9
 """Relative tolerance for vertices on a boundary part.
@@ -110,7 +109,7 @@ class PlainProblem:
         Args:
             on: for each contact face, the indices of the vertices on it.
         """
-        on_cells = rules(self.solution, self.mesh, DEGREE if self.dim == 2 else SOLID_DEGREE)
+        on_cells = rules(self.solution, self.mesh, FINE_DEGREE if self.dim == 2 else FINE_SOLID_DEGREE)
         self.cell = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in on_cells])
         self.weights = np.concatenate([rule.weights.ravel() for rule in on_cells])
         within = self.cell, np.arange(self.cell.size)
@@ -123,7 +122,7 @@ class PlainProblem:
         boundary = self.mesh.boundary_facets()
         for face, vertices in zip(self.solution.faces, on, strict=True):
             facets = boundary[np.isin(self.mesh.facets[:, boundary], vertices).all(axis=0)]
-            count = POINTS if self.dim == 2 else SOLID_POINTS
+            count = FINE_POINTS if self.dim == 2 else FINE_SOLID_POINTS
             rule = facet_rule(self.mesh, facets, face.part, face.rough, count)
             shares = rule.shapes * rule.weights
             columns = np.arange(rule.weights.size).reshape(rule.weights.shape)
@@ -241,7 +240,7 @@ class PlainProblem:
         for n in range(steps):
             before = u
             b = load((n + 0.5) * k) + self.M @ u / k
-            for _ in range(ITERATIONS):
+            for _ in range(MOST_ITERATIONS):
                 u, multipliers = self.contact(b - self.elastic((guess + before) / 2), k, multipliers)
                 if self.norm(u - guess) <= SETTLED * self.norm(u):
                     break
@@ -261,7 +260,7 @@ class PlainProblem:
         return [math.sqrt(np.sum(self.law.A(each) * each, axis=0) @ self.weights) for each in missing]
 
 
-ERRORS = "error", "interpolation_error", "discrete_error"
+SECOND_ERRORS = "error", "interpolation_error", "discrete_error"
 """Columns with the largest errors over the time nodes, by the second solver.
 
 They are the norms in V of the error u − u^h, the interpolation error u − Π^h u and the discrete error Π^h u − u^h."""
@@ -271,7 +270,7 @@ GAPS = "displacement", "multipliers"
 They compare displacements at all times, in the norm of V, and nodal contact forces."""
 SAME_LOAD = "displacement_same_load", "multipliers_same_load"
 """Columns with the differences of displacements and contact forces if both solvers use the load of the study."""
-TINY = 1e-12
+TINY_START = 1e-12
 """An initial displacement counts as zero if its norm is at most this number times the largest norm over time."""
 
 
@@ -288,7 +287,7 @@ def recompute(setup: Experiment) -> Numbers:
         time = n * setup.problem.T / steps
         interpolant = plain.interpolant(time)
         errors.append([*plain.distance(time, u, interpolant), plain.norm(interpolant - u)])
-    return dict(zip(ERRORS, np.max(errors, axis=0), strict=True)) | gaps(setup, plain, own_load, same_load)
+    return dict(zip(SECOND_ERRORS, np.max(errors, axis=0), strict=True)) | gaps(setup, plain, own_load, same_load)
 
 
 def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load: Trajectory) -> Numbers:
@@ -309,7 +308,7 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
     sizes = [plain.norm(v) for v in own_load[0]]
     size_of_forces = np.linalg.norm(own_load[1])
     # Both loads start from the same initial value.
-    start = max(sizes[0], TINY * max(sizes))
+    start = max(sizes[0], TINY_START * max(sizes))
     numbers: Numbers = {"start": quotient(plain.norm(u[0] - own_load[0][0]), start)}
     for (of_displacement, of_forces), (displacements, forces) in ((GAPS, own_load), (SAME_LOAD, same_load)):
         numbers[of_displacement] = maximum(map(plain.norm, u - displacements)) / maximum(sizes)
@@ -340,7 +339,7 @@ def ratio(column: str, norm: str, window: Window) -> Check:
 SAME = around(1, 0.005, "quadrature")
 FORCES = "|λ − λ̃| / |λ̃| over all steps"
 DISPLACEMENTS = "max_n ‖u^h_n − ũ^h_n‖_V / max_n ‖ũ^h_n‖_V"
-ALIKE = "both with the same load"
+BOTH_SAME_LOAD = "both with the same load"
 TRAJECTORIES = (
     accuracy(
         "start", "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V", values("start"), at_most(1e-10, "of ‖Π^h u_0‖_V; only rounding")
@@ -354,18 +353,18 @@ TRAJECTORIES = (
     accuracy("multipliers", FORCES, values("multipliers"), at_most(0.01, "of λ; the load is integrated by two rules")),
     accuracy(
         "displacement-same-load",
-        f"{DISPLACEMENTS}, {ALIKE}",
+        f"{DISPLACEMENTS}, {BOTH_SAME_LOAD}",
         values("displacement_same_load"),
         positive_at_most(1e-9, "of ‖u^h‖_V; tolerances of both solvers"),
     ),
     accuracy(
         "multipliers-same-load",
-        f"{FORCES}, {ALIKE}",
+        f"{FORCES}, {BOTH_SAME_LOAD}",
         values("multipliers_same_load"),
         at_most(1e-9, "of λ; tolerances of both solvers"),
     ),
 )
-NARROW = ("travelling-patch",)
+NARROW_PATCHES = ("travelling-patch",)
 """Cases whose contact patch is only two or three cells wide on the coarsest meshes."""
 
 
@@ -416,7 +415,7 @@ class Recomputed(Statement):
             RateSetting(reference, family.name, level, scope.scheme, scope.steps(case, level))
             for reference, case, family in scope.on_families()
             if scope.scheme == MIDPOINT.name
-            if not (family.random and (case.proposition == "Prop. 5.3" or case.name in NARROW))
+            if not (family.random and (case.proposition == "Prop. 5.3" or case.name in NARROW_PATCHES))
             for level in scope.levels_of(case).all[:1]
         ]
 
@@ -427,12 +426,12 @@ class Recomputed(Statement):
         return {"h": setup.space.h, **recompute(setup)}
 
     def memory(self, setting: RateSetting) -> float:
-        return estimates.SMALL if setting.dim == 2 else estimates.SOLID
+        return estimates.SMALL_MEMORY if setting.dim == 2 else estimates.SOLID_MEMORY
 
 
 LABEL = "other codes"
-ALL = "all cases"
-ROUNDED = at_most(1e-10, "of the error; ten times the rounding of numbers in a task file")
+ALL_PROBLEMS = "all cases"
+ROUNDED_IN_FILES = at_most(1e-10, "of the error; ten times the rounding of numbers in a task file")
 DEFORMED = at_most(1e-8, "of the error; this code evaluates contact in the deformed position, 1e-5 away")
 OWN = at_most(0.1, "equal to nine digits; 1 if one code copies the solutions of another")
 
@@ -453,10 +452,10 @@ class Peer:
     key: str
     code: str
     variant: str
-    window: Window = ROUNDED
+    window: Window = ROUNDED_IN_FILES
 
 
-OURS = "this study", "condensed active set"
+THIS_STUDY = "this study", "condensed active set"
 PEERS = (
     Peer("snesvi", "DOLFINx + PETSc SNESVI", "vinewtonrsls, rtol 1e-12"),
     Peer("getfem", "GetFEM", "nodal augmented Lagrangian, r = g"),
@@ -466,8 +465,10 @@ PEERS = (
 PLANE = "advance-recede", "rotated", "corner", "layered", "anisotropic", "lift-and-land"
 MARCHED = frozenset(grid(("advance-recede", "anisotropic"), ("one-diagonal",), (8, 16, 32)))
 """The settings in which solutions in time are compared as well."""
-MODE, CODE, VERSION, VARIANT, CLASS, ERROR, DISTANCE = (name + OF_FILE for name in OtherErrors.columns[4:])
-PROBLEM = ["case", "family", "level", "quantity"]
+MODE, CODE, VERSION_COLUMN, VARIANT, CLASS, ERROR_COLUMN, DISTANCE_COLUMN = (
+    name + OF_FILE for name in OtherErrors.columns[4:]
+)
+PROBLEM_KEY = ["case", "family", "level", "quantity"]
 """The columns that identify a problem. The column "quantity" is the mode, static ("frozen") or in time ("march")."""
 
 
@@ -521,7 +522,7 @@ class OtherCodes(ListedNumbers):
         if CODE not in rows or rows[CODE].isna().all():
             nothing = float("nan"), NOWHERE, REPORTED
             made = f"no claim: these data lack the file with errors of other codes, which `{MADE}` makes"
-            return [row(self, "none", "errors of other codes", Window(), nothing, ALL, expected=made)]
+            return [row(self, "none", "errors of other codes", Window(), nothing, ALL_PROBLEMS, expected=made)]
         return [*(self.agreement(rows, peer) for peer in PEERS), self.own_digits(rows)]
 
     def agreement(self, rows: pd.DataFrame, peer: Peer) -> Verdict:
@@ -531,10 +532,10 @@ class OtherCodes(ListedNumbers):
         """
         problems = rows_of(rows, peer.code, peer.variant)
         run = problems[problems[CLASS] != NOT_EXPRESSED]
-        missing = len(rows[PROBLEM].drop_duplicates()) - len(problems)
-        name = f"{peer.code} {' '.join(sorted(run[VERSION].unique()))}, {peer.variant}"
+        missing = len(rows[PROBLEM_KEY].drop_duplicates()) - len(problems)
+        name = f"{peer.code} {' '.join(sorted(run[VERSION_COLUMN].unique()))}, {peer.variant}"
         quantity = f"{name}: |‖u − u^h‖_V / error of this study − 1|, {len(run)} problems"
-        judged = accuracy(peer.key, quantity, differences, peer.window, levels=0).verdict(self, ALL, {"": run})
+        judged = accuracy(peer.key, quantity, differences, peer.window, levels=0).verdict(self, ALL_PROBLEMS, {"": run})
         if not missing:
             return judged
         verdict = UNDECIDED if judged.verdict == HOLDS else judged.verdict
@@ -546,12 +547,12 @@ class OtherCodes(ListedNumbers):
         For every pair of codes, problems are counted in which both have the same distance from the discrete solution.
         The largest fraction of such problems is judged.
         """
-        names = [OURS, *((peer.code, peer.variant) for peer in PEERS)]
-        columns = [rows_of(rows, *name).set_index(PROBLEM)[DISTANCE].dropna() for name in names]
+        names = [THIS_STUDY, *((peer.code, peer.variant) for peer in PEERS)]
+        columns = [rows_of(rows, *name).set_index(PROBLEM_KEY)[DISTANCE_COLUMN].dropna() for name in names]
         both = [pd.concat(pair, axis=1, join="inner").to_numpy() for pair in combinations(columns, 2)]
         shares = np.array([np.mean(pair[:, 0] == pair[:, 1]) for pair in both if len(pair)])
         quantity = "share of problems in which two codes have the same distance from the solution in K^h"
-        return accuracy("own-digits", quantity, lambda _: shares, OWN, levels=0).verdict(self, ALL, {"": rows})
+        return accuracy("own-digits", quantity, lambda _: shares, OWN, levels=0).verdict(self, ALL_PROBLEMS, {"": rows})
 
     def cost(self, setting: Setting) -> float:
         """Return the expected run time in µs.
@@ -563,7 +564,7 @@ class OtherCodes(ListedNumbers):
 
 def differences(rows: pd.DataFrame) -> Array:
     """Return the relative differences of the errors of another code and of this study."""
-    return (rows[ERROR] / rows["value"] - 1).abs().to_numpy()
+    return (rows[ERROR_COLUMN] / rows["value"] - 1).abs().to_numpy()
 
 
 def rows_of(rows: pd.DataFrame, code: str, variant: str) -> pd.DataFrame:

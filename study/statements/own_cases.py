@@ -27,10 +27,10 @@ import pandas as pd
 from manufactured.case import INITIAL_GAP
 from study.ledger.check import ENOUGH, Groups, by_family
 from study.ledger.datafiles import since_before
-from study.ledger.orders import Array
+from study.ledger.quantities import Array
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.statements.contact_force import DUAL_ORDERS, EXACT, ContactForce
-from study.statements.prop_5_3 import LEVELS as ROUGH_LEVELS
+from study.statements.prop_5_4 import ROUGH_LEVELS
 
 LABELS = "Prop. 5.3", "Prop. 5.4", "(5.23)", "Thm 4.2", INITIAL_GAP
 NEARER = 0.8
@@ -41,11 +41,11 @@ NOT_YET = "not asymptotic yet"
 TRY = "try --levels"
 OF_ERRORS = {"order", "order-extrapolated", "order-finest", "falling", "limit", "size"}
 """Keys of the checks that are undecided if time steps or quadrature disturb the errors."""
-NO_RATE = "Prop. 5.3 claims no rate, and the order predicted from the regularity is not observed: {remedy}"
-SHARE = "contact disturbs the error on these meshes more than a good test allows: {remedy}"
-PACE = "the time steps are too long: raise `pace` of the case, or give a shorter --step"
+NO_RATE_CLAIMED = "Prop. 5.3 claims no rate, and the order predicted from the regularity is not observed: {remedy}"
+CONTACT_DISTURBS = "contact disturbs the error on these meshes more than a good test allows: {remedy}"
+LONG_STEPS = "the time steps are too long: raise `pace` of the case, or give a shorter --step"
 REASONS = {
-    "order-graded": NO_RATE,
+    "order-graded": NO_RATE_CLAIMED,
     "leading-order": f"the interpolation error is {NOT_YET} on these meshes: {{remedy}}",
     "allowed": (
         "the duality gap does not bound the difference of both formulations sharply, as happens if the moduli of "
@@ -56,10 +56,10 @@ REASONS = {
         "Π^h u − u^h is not of higher order than the error: the meshes are too coarse for contact, {remedy}; or load, "
         "material or contact is wrong by a little, which the error itself would not show"
     ),
-    "discrete-share": SHARE,
-    "size": SHARE,
-    "time-share": PACE,
-    "discrete-time-share": PACE,
+    "discrete-share": CONTACT_DISTURBS,
+    "size": CONTACT_DISTURBS,
+    "time-share": LONG_STEPS,
+    "discrete-time-share": LONG_STEPS,
     "quadrature": "the formulas vary too much within a cell: flatten them, or {remedy}",
 }
 """Reasons why a check is undecided, by the key of the check. These checks cannot contradict the statement."""
@@ -123,7 +123,7 @@ def reason(verdict: Verdict, groups: Groups, expected: float, remedy: str) -> st
     key = verdict.key
     if key in ("order", "order-extrapolated", "order-finest"):
         why = why_missed(orders_of(groups, "error"), expected, expected - verdict.window_low, remedy)
-        return why or (NO_RATE.format(remedy=remedy) if verdict.label == "Prop. 5.3" else "")
+        return why or (NO_RATE_CLAIMED.format(remedy=remedy) if verdict.label == "Prop. 5.3" else "")
     if key == "interpolation-order-finest":
         orders = orders_of(groups, "interpolation_error")
         return why_missed(orders, expected, expected - verdict.window_low, remedy)
@@ -156,7 +156,7 @@ def reason_of_force(verdict: Verdict, verdicts: Sequence[Verdict], remedy: str) 
     if exact or verdict.verdict == REPORTED or math.isnan(verdict.observed):
         return ""
     if verdict.key == "time-share":
-        return "" if verdict.verdict == HOLDS else PACE
+        return "" if verdict.verdict == HOLDS else LONG_STEPS
     for other in verdicts:
         if (other.label, other.key) == (ContactForce.label, "resultant") and other.verdict != HOLDS:
             return UNRESOLVED.format(wrong=other.observed, remedy=remedy)

@@ -13,7 +13,7 @@ from study.fem.mesh import MeshFamily, OneDiagonal, Skin, Unstructured, facet_me
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.ledger.datafiles import JsonFiles
-from study.ledger.pictures import FINE, Facets, Packed, short
+from study.ledger.pictures import FINE_UNITS, Facets, Packed, short
 from study.solve.motion import Motion, von_mises
 from study.statements.shared import estimates
 from study.statements.shared.base import Numbers, Setting, Statement
@@ -22,17 +22,17 @@ from study.statements.shared.scope import Scope
 
 FAMILY = Unstructured()
 LEVEL = 20
-STEPS = 64
+PICTURE_STEPS = 64
 SOLID_FAMILY = OneDiagonal()
 SOLID_LEVEL = 9
 SOLID_STEPS = 32
-INTERVALS = 16
+PICTURE_INTERVALS = 16
 """Number of time intervals in the pictures of a case. The data are written at the ends of the intervals."""
 SHAPES = (0.25, 0.5, 1.0)
 """Times at which the deformed mesh is shown, as fractions of the final time T."""
-POINTS, LINE = 400, 80
+FACE_INTERVALS, LINE = 400, 80
 """Number of intervals along a contact face in 2D, for the exact contact zone and for curves of gap and pressure."""
-HALVINGS = 10
+ZONE_HALVINGS = 10
 """Number of bisections that locate the time at which connected parts of the exact contact zone appear or merge."""
 
 
@@ -89,7 +89,6 @@ def record(name: str, motion: Motion, every: int) -> Numbers:
         "shapes": short(times[instants]),
         "displacement": Packed.of(displacement).record(),
         "von_mises": Packed.of(np.array([von_mises(frame.stress)[skin.cells] for frame in shown])).record(),
-        "energy": {name: short(values) for name, values in motion.balance().items()},
         "faces": list(faces(solution, space, skin, times, normal, pressure)),
     }
 
@@ -147,14 +146,14 @@ def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: A
     The zone is given at evenly spaced times and at times near which its connected parts appear, merge or vanish. The
     curves end at the first and the last contact vertex, because the pressure may be unbounded where Γ3 meets Γ1.
     """
-    fine = np.linspace(0, face.part.measure, POINTS + 1)
+    fine = np.linspace(0, face.part.measure, FACE_INTERVALS + 1)
     line = np.linspace(s.min(), s.max(), LINE + 1)
     level = solution.on(face, fine[None]).level
     exact = solution.on(face, line[None])
     instants = np.linspace(0, solution.body.T, 101).tolist()
     zone = {t: intervals(fine, level(t)) for t in instants}
     for before, after in pairwise(instants):
-        for _ in range(HALVINGS if len(zone[before]) != len(zone[after]) else 0):
+        for _ in range(ZONE_HALVINGS if len(zone[before]) != len(zone[after]) else 0):
             middle = (before + after) / 2
             zone[middle] = intervals(fine, level(middle))
             before, after = (middle, after) if len(zone[middle]) == len(zone[before]) else (before, middle)
@@ -167,7 +166,7 @@ def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: A
 
 def packed(values: Array) -> Numbers:
     """Return values at points over time in the compressed format of the pictures, with many digits."""
-    return Packed.of(values, FINE).record()
+    return Packed.of(values, FINE_UNITS).record()
 
 
 def intervals(s: Array, level: Array) -> list[list[float]]:
@@ -203,13 +202,13 @@ class Pictures(Statement):
 
     def measure(self, setting: Setting) -> Numbers:
         case = resolve(setting.case)
-        steps = STEPS if setting.dim == 2 else SOLID_STEPS
+        steps = PICTURE_STEPS if setting.dim == 2 else SOLID_STEPS
         motion = Motion.of(case.solution, family_named(setting.family), setting.level, steps)
-        return record(case.name, motion, steps // INTERVALS)
+        return record(case.name, motion, steps // PICTURE_INTERVALS)
 
     def cost(self, setting: Setting) -> float:
         """Return the expected run time in µs, which is half a second for every case."""
         return 500_000.0
 
     def memory(self, setting: Setting) -> float:
-        return estimates.SMALL
+        return estimates.SMALL_MEMORY

@@ -1,4 +1,7 @@
-"""Proposition 5.4: the error of the semi-discrete solution is of first order, ‖u − u^h‖_{L∞(0,T;V)} = O(h).
+"""Propositions 5.3 and 5.4: the semi-discrete error ‖u − u^h‖_{L∞(0,T;V)} tends to 0, and is O(h) if u is smooth.
+
+The other statements that are judged from ``rates.csv`` stand here as well: (5.23), the size of the interpolation error;
+(5.36), the regularity that Proposition 5.4 assumes; and, beyond the paper, bodies with an initial gap.
 
 **Measured.** Problem 5.1 is solved for every exact solution that satisfies (5.36), on one or two mesh families, on
 finer and finer meshes; two cases are measured on every mesh family that can mesh their bodies. A row of ``rates.csv``
@@ -38,6 +41,7 @@ import numpy as np
 import pandas as pd
 
 from manufactured.body import Kind
+from manufactured.case import INITIAL_GAP
 from manufactured.tensors import Array
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm
@@ -49,21 +53,25 @@ from study.ledger.quantities import (
     finest_quotient,
     fitted,
     level_by_level,
+    limit,
+    of_errors,
     over_refinements,
     quotients,
+    ratios,
     values,
 )
-from study.ledger.window import Window, around, at_most, between, positive_at_most
+from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
 from study.solve import solver_choice
 from study.solve.evolution import State
 from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT, SCHEMES
-from study.statements.shared.base import Judged, Numbers, Records, Setting, Statement
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment, Judged, Numbers, Records, Setting, Statement
 from study.statements.shared.meshes import (
     LEADING,
     in_leading_term,
+    split,
     split_irregular,
+    split_random,
     split_superclose,
     value_of_case,
 )
@@ -133,7 +141,7 @@ The second number is the factor by which the number of steps is increased.
 
 The quadrature error changes from step to step and averages out over many steps, so a small number of steps
 overestimates its effect."""
-NEGLIGIBLE = 0.01
+NEGLIGIBLE_QUADRATURE = 0.01
 """Relative effect of quadrature below which it is not computed again with more steps."""
 
 
@@ -249,7 +257,8 @@ class Measurement:
         The degree of every rule on cells is raised by two, and points are not moved along lines of low regularity. Two
         changes are added. The first is the change of the error norm. The second is the change of u^h, which is
         estimated by the linear problem without contact whose load is the change of the load. This problem is solved
-        with RESPONSE steps. As long as the change is above NEGLIGIBLE, the number of steps is increased, up to the
+        with RESPONSE steps. As long as the change is above NEGLIGIBLE_QUADRATURE, the number of steps is increased,
+        up to the
         steps of u^h.
         """
         experiment = self.experiment
@@ -271,7 +280,7 @@ class Measurement:
         while True:
             drift = maximum([math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps)])
             effect = (abs(raised - error) + drift) / error
-            if not effect > NEGLIGIBLE or steps >= 2 * experiment.steps:
+            if not effect > NEGLIGIBLE_QUADRATURE or steps >= 2 * experiment.steps:
                 return effect
             steps = min(MORE * steps, 2 * experiment.steps)
 
@@ -291,10 +300,12 @@ def size(levels: pd.DataFrame) -> float:
     return float(np.hypot(finest["error"], finest["discrete_error"]) / finest["interpolation_error"])
 
 
-SMALL = positive_at_most(0.02, "of the error")
-TOLERANCE = f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
-SIZE = around(1, 0.1, "u − u^h and Π^h u − u^h are nearly orthogonal (Pythagoras)")
-SIZES = consequence("size", "size of the error: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖", size, SIZE)
+SMALL_SHARE = positive_at_most(0.02, "of the error")
+RESIDUAL_TOLERANCE = f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
+SIZE_WINDOW = around(1, 0.1, "u − u^h and Π^h u − u^h are nearly orthogonal (Pythagoras)")
+SIZE_CHECK = consequence(
+    "size", "size of the error: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖", size, SIZE_WINDOW
+)
 EVIDENCE = (
     identity(
         "parallelogram",
@@ -302,30 +313,32 @@ EVIDENCE = (
         values("parallelogram"),
         positive_at_most(1e-3, "an identity, up to rounding and the quadrature of the factor of A"),
     ),
-    accuracy("time-share", "time share: error in time / error", values("time_share"), SMALL),
+    accuracy("time-share", "time share: error in time / error", values("time_share"), SMALL_SHARE),
     accuracy(
         "residual",
         "residual of the contact solves / largest accepted residual",
         residual_shares,
-        positive_at_most(1.0, TOLERANCE),
+        positive_at_most(1.0, RESIDUAL_TOLERANCE),
     ),
     accuracy("clamped", "u^h = 0 on Γ1", values("clamped"), at_most(1e-10, "rounding")),
-    accuracy("quadrature", "change of the error under finer quadrature", values("quadrature_change"), SMALL),
+    accuracy("quadrature", "change of the error under finer quadrature", values("quadrature_change"), SMALL_SHARE),
 )
 
 # Further criteria, which hold only with the regularity that Proposition 5.4 assumes.
-IRREGULAR = "; on irregular meshes the leading term replaces h"
+ON_IRREGULAR = "; on irregular meshes the leading term replaces h"
 """Text that is added to the descriptions of orders.
 
 On irregular meshes orders are orders in the leading term of the interpolation error, which replaces the mesh size h."""
-SOLID = around(1, 0.1, IRREGULAR.removeprefix("; "))
+SOLID_WINDOW = around(1, 0.1, ON_IRREGULAR.removeprefix("; "))
 SOLIDS = (
-    paper_claim("order-finest", "order of the error, finest pair", over_refinements("error", 1), SOLID, levels=ENOUGH),
+    paper_claim(
+        "order-finest", "order of the error, finest pair", over_refinements("error", 1), SOLID_WINDOW, levels=ENOUGH
+    ),
     consequence(
         "interpolation-order-finest",
         "order of ‖u − Π^h u‖_V, finest pair",
         over_refinements("interpolation_error", 1),
-        SOLID,
+        SOLID_WINDOW,
         levels=ENOUGH,
     ),
 )
@@ -340,21 +353,21 @@ LEADING_ORDER = accuracy(
 """A criterion for irregular meshes: the leading term of the interpolation error must be of order h.
 
 This is necessary, because the leading term replaces h on these meshes."""
-OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
-DISCRETE = "order of ‖Π^h u − u^h‖_V"
+ORDER_ON_OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
+DISCRETE_ORDER = "order of ‖Π^h u − u^h‖_V"
 DISCRETE_ORDERS = {
     True: consequence(
         "discrete-order-superclose",
-        f"{DISCRETE}, superclose",
+        f"{DISCRETE_ORDER}, superclose",
         fitted("discrete_error", last=ENOUGH),
         between(1.5, 2, 0.2, 0.2, "u^h is superclose to Π^h u on one-diagonal meshes"),
         levels=ENOUGH,
     ),
     False: consequence(
         "discrete-order-others",
-        f"{DISCRETE}, other families",
+        f"{DISCRETE_ORDER}, other families",
         fitted("discrete_error", last=ENOUGH),
-        OTHERS,
+        ORDER_ON_OTHERS,
         levels=ENOUGH,
     ),
 }
@@ -362,13 +375,13 @@ DISCRETE_ORDERS = {
 
 On one-diagonal meshes neighbouring triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (because
 of the traction boundary) to 2. On other meshes its order is at least the order of the error and at most 2."""
-SHARE = positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same error up to 20 %")
+DISCRETE_SHARE = positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same error up to 20 %")
 DISCRETE_SIZES = (
     consequence(
         "discrete-share",
         "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V",
         finest_quotient("discrete_error", "interpolation_error"),
-        SHARE,
+        DISCRETE_SHARE,
     ),
     accuracy(
         "discrete-time-share",
@@ -416,8 +429,8 @@ class FirstOrder(Rates):
         expected = value_of_case(groups, "expected_order")
         in_h = in_leading_term(groups)
         (irregular, _) = split_irregular(groups)
-        by_level = around(expected, 0.15, f"every consecutive order{IRREGULAR}")
-        limit = around(expected, 0.1, f"extrapolated from the three finest levels{IRREGULAR}")
+        by_level = around(expected, 0.15, f"every consecutive order{ON_IRREGULAR}")
+        limit = around(expected, 0.1, f"extrapolated from the three finest levels{ON_IRREGULAR}")
         yield (
             paper_claim(
                 "order",
@@ -435,7 +448,7 @@ class FirstOrder(Rates):
             ),
             in_h,
         )
-        yield SIZES, in_h
+        yield SIZE_CHECK, in_h
         for superclose, criterion in DISCRETE_ORDERS.items():
             if tables := split_superclose(groups)[superclose]:
                 yield criterion, tables
@@ -445,3 +458,169 @@ class FirstOrder(Rates):
             yield criterion, in_h
         if irregular:
             yield LEADING_ORDER, irregular
+
+
+ROUGH_LEVELS = ENOUGH + 1
+"""Smallest number of levels that gives two observed orders over two refinements each."""
+ERROR_LIMIT = at_most(0.1, "of the two finest errors, if s is the predicted order", low=-math.inf)
+"""Window of the limit e∞, relative to the two finest errors.
+
+Over two refinements an order s − δ instead of s has the same effect as a limit e∞/e = (1 − 4^{−δ})/(1 − 4^{−s}). For
+s = 1/4 this window corresponds to δ = 0.02. Observed orders are not more accurate than this, because the position of a
+front within its cell differs from level to level."""
+
+
+OVER_TWO_REFINEMENTS = "over two refinements (no rate is claimed)"
+
+
+class Convergence(Rates):
+    """Judges Proposition 5.3 on exact solutions that violate the regularity assumption (5.36) of Proposition 5.4.
+
+    Proposition 5.3: ‖u − u^h‖_{L∞(0,T;V)} → 0 for every solution, without an assumption on its regularity.
+
+    **The measurement** is the same as for Proposition 5.4 (``prop_5_4.measure``). The exact solutions violate the
+    regularity assumption (5.36) of that proposition: they have singular corners or fronts, interfaces that do not lie
+    on the mesh, or loads that are hardly continuous in time.
+
+    **The judgement.** The paper claims no order. Errors must fall from level to level, and in a fit e = e∞ + C h^s the
+    limit e∞ must be small. The observed order is compared with the order that the regularity predicts. It is computed
+    over two refinements, because the position of a resting front within its cell alternates between levels. On random
+    meshes the limit e∞ varies from seed to seed by up to a quarter of its window, so it is not judged there. On meshes
+    graded towards a corner the order must be 1.
+    """
+
+    label = proposition = "Prop. 5.3"
+    claim = "‖u − u^h‖_{L∞(0,T;V)} → 0"
+
+    def checks_of(self, case: str, groups: Groups) -> Judged:
+        expected = value_of_case(groups, "expected_order")
+        (uniform, graded) = split(groups, lambda mesh: mesh.uniform)
+        falling = at_most(0.999, "on every level")
+        ratio = "ratio of consecutive errors"
+        yield paper_claim("falling", ratio, ratios("error"), falling, levels=ROUGH_LEVELS), groups
+        by_chance, others = split_random(uniform)
+        steeper = f"s is {STEEPER:g} above the predicted order, the largest s that the check of the order allows"
+        if others:
+            yield _limit("limit", ERROR_LIMIT, expected), others
+            yield replace(_limit("limit-steeper", Window(), expected + STEEPER), if_missed=steeper), others
+        if by_chance:
+            unjudged = _limit("limit-random", Window(), expected)
+            yield replace(unjudged, if_missed="the limit varies with the seed"), by_chance
+        order = consequence(
+            "order",
+            "observed order",
+            over_refinements("error", 2),
+            around(expected, STEEPER, OVER_TWO_REFINEMENTS),
+            levels=ROUGH_LEVELS,
+        )
+        yield order, uniform
+        if graded:
+            of_graded = replace(order, key="order-graded", quantity="observed order on graded meshes")
+            yield replace(of_graded, window=around(1.0, STEEPER, OVER_TWO_REFINEMENTS)), graded
+        yield from ((criterion, groups) for criterion in (SIZE_CHECK, *EVIDENCE))
+
+
+def _limit(key: str, window: Window, expected: float) -> Check:
+    """Return the check of the limit e∞ of the error for h → 0, which must be small.
+
+    The limit is computed from the last four levels with the predicted order s. These levels cannot determine both the
+    limit and the order, so another check judges the order.
+    """
+    quantity = "limit e∞ of the error e for h → 0, from e = e∞ + C h^s"
+    value = of_errors("error", lambda h, error: limit(h, error, expected))
+    return paper_claim(key, quantity, value, window, levels=ROUGH_LEVELS)
+
+
+PROVED_ORDER_TOLERANCE = 0.1
+"""Observed orders approach the proved order from below, up to this number on these levels."""
+
+
+class SizeOfInterpolation(FromRates):
+    """Judges the interpolation error ‖u − Π^h u‖_V divided by its leading term, for the cases of Proposition 5.4.
+
+    Two statements that need no measurement: they are judged from the errors in ``rates.csv``.
+
+    The classes ``Convergence`` and ``FirstOrder`` measure these errors. The statements are:
+
+    * (5.23), the interpolation error, for the cases of Proposition 5.4: it must agree with its leading term, which
+      other code computes from second derivatives of u.
+    * (5.36), the regularity that Proposition 5.4 assumes: for cases without it, the observed order on uniform meshes is
+      compared with the order that proofs give for their regularity (``manufactured.proved``). Predicted is that it is
+      at least the proved order less 0.1: for junction 1/2, from the theorem on half a derivative in paper/velocity.tex;
+      the proof of Proposition 5.4 gives 1/4 there.
+    """
+
+    label = "(5.23)"
+    claim = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
+    proposition = "Prop. 5.4"
+    checks = (
+        consequence(
+            "leading-term",
+            "‖u − Π^h u‖_V / leading term",
+            finest_quotient("interpolation_error", LEADING),
+            around(1, 0.05, "on the finest level"),
+        ),
+    )
+
+
+SEEN_ORDER = consequence(
+    "order",
+    "observed order on uniform meshes",
+    over_refinements("error", 2),
+    Window(),
+    levels=ENOUGH,
+    if_missed="the paper claims an order only under (5.36)",
+)
+
+
+class RegularityNeeded(FromRates):
+    """Compares observed orders with proved orders, for solutions without the regularity (5.36).
+
+    Whether the order is reached on these levels is reported and not judged, because the paper claims no order for these
+    solutions. An order that misses a proved order by more than 0.1 fails.
+    """
+
+    label = "(5.36)"
+    claim = "does Prop. 5.4 need the regularity (5.36) that it assumes?"
+    proposition = "Prop. 5.3"
+
+    def checks_of(self, case: str, groups: Groups) -> Judged:
+        proved = at_least(value_of_case(groups, "proved_order"), "the order that the proof gives")
+        uniform, _ = split(groups, lambda family: family.uniform)
+        reported = replace(SEEN_ORDER, window=proved)
+        enough = at_least(proved.low - PROVED_ORDER_TOLERANCE, "the proved order, with room for coarse meshes")
+        judged = replace(SEEN_ORDER, key="order-proved", window=enough, if_missed="")
+        return [(check, uniform) for check in ((reported, judged) if uniform else (reported,))]
+
+
+class InitialGap(Rates):
+    """Measures and judges the errors ‖u − u^h‖_V for the cases with an initial gap.
+
+    Beyond the paper: an initial gap g(s) ≥ 0 between the undeformed body and the foundation.
+
+    **The claim.** In the paper the undeformed body touches the foundation: K = {v : v_ν ≤ 0 on Γ3}. Here K = {v : v_ν ≤
+    g on Γ3} with a smooth g that does not depend on time, and Problem 5.1 is solved in K^h = {v ∈ V^h : v_ν ≤ g at the
+    vertices of Γ3}. The paper claims nothing about this problem. This study claims ‖u − u^h‖_{L∞(0,T;V)} = O(h) for
+    solutions with the regularity (5.36), and convergence for others.
+
+    **The reason.** Let d ∈ V be smooth with d_ν = g on Γ3. Then w = u − d satisfies w_ν ≤ 0 on Γ3, the condition of the
+    paper, and w^h = u^h − Π^h d satisfies it at the vertices. The function w solves the variational inequality of u
+    with an additional load, which belongs to −d. Moreover Π^h d − d = O(h) by (5.23). So the proof of Proposition 5.4
+    holds for w. The window of the order was set before anything was measured.
+
+    **The measurement** is the same as for Proposition 5.4 (``prop_5_4.measure``), on all cases with an initial gap and
+    all mesh families that can mesh their bodies. The contact solver gets the values of g at the vertices.
+
+    **The judgement** uses the criteria of Proposition 5.4 and (5.23) if the solution satisfies (5.36), otherwise the
+    criteria of Proposition 5.3. If g is forgotten or has the wrong sign, the error does not fall with h
+    (``study.controls``).
+    """
+
+    label = proposition = INITIAL_GAP
+    claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h) for K = {v : v_ν ≤ g on Γ3}; the paper has g = 0"
+    initial_gap = True
+
+    def checks_of(self, case: str, groups: Groups) -> Judged:
+        smooth = value_of_case(groups, "expected_order") >= 1
+        for statement in (FirstOrder(), SizeOfInterpolation()) if smooth else (Convergence(),):
+            yield from statement.checks_of(case, groups)

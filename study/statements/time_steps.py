@@ -18,36 +18,37 @@ from manufactured.no_potential import NAME
 from manufactured.tensors import Array
 from study.fem.space import Space
 from study.ledger.check import ENOUGH, ROUNDING, Check, accuracy, consequence, identity
-from study.ledger.orders import fit
-from study.ledger.quantities import Value, change, fitted, values
+from study.ledger.quantities import Value, change, fit, fitted, values
 from study.ledger.window import Window, around, between, positive_at_most
 from study.solve.euler_bounds import EulerBounds, backward_euler
 from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES
-from study.statements.shared.base import ListedNumbers, Numbers, Setting, grid, with_h
-from study.statements.shared.experiment import Experiment, with_cached_loads
+from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, grid, with_cached_loads, with_h
 from study.statements.shared.norms import maximum, minimum
 
-COUNTS = (4, 8, 16, 32, 64, 128, 256)
+HALVING_COUNTS = (4, 8, 16, 32, 64, 128, 256)
 """Numbers of time steps: six halvings of k, from k ≫ h to k ≪ h."""
-LAST = COUNTS[-1]
-FINEST = 1024
+MOST_STEPS = HALVING_COUNTS[-1]
+REFERENCE_COUNT = 1024
 """Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
-QUANTITIES = "error", "by data", "by solution", "constant", "between", "midpoint"
-COLUMNS = {quantity: [f"{count} {quantity}" for count in COUNTS] for quantity in QUANTITIES}
+MEASURED_QUANTITIES = "error", "by data", "by solution", "constant", "between", "midpoint"
+COLUMNS_OF = {quantity: [f"{count} {quantity}" for count in HALVING_COUNTS] for quantity in MEASURED_QUANTITIES}
 """Names of the columns with each quantity, one column for each number of time steps."""
-PROVED = positive_at_most(1.0, "proved in the article for every h and k")
+PROVED_BELOW_1 = positive_at_most(1.0, "proved in the article for every h and k")
 BETWEEN = Window(
     0.2,
     1 + ROUNDING,
     "at most 1 is proved; predicted 1/2 to 2/3 if u̇^h changes steadily, 1 if it jumps in the middle of a step",
 )
 IN_K = around(1, 0.1, "least squares over six halvings of k, on every mesh")
-ERROR = "error in time of backward Euler, ‖u^h − û^{hk}‖_V"
+ERROR_IN_TIME = "error in time of backward Euler, ‖u^h − û^{hk}‖_V"
 ERROR_OF_CONSTANT = "error in time of the piecewise constant function with the value U_n on (t_{n−1}, t_n]"
-CHANGE = f"change of the reference solution u^h from {FINEST // 2} to {FINEST} steps / smallest error in time"
+CHANGE = (
+    f"change of the reference solution u^h from {REFERENCE_COUNT // 2} to {REFERENCE_COUNT} steps "
+    "/ smallest error in time"
+)
 
 
 def orders_in_k(counts: Sequence[int], columns: Sequence[str]) -> Value:
@@ -95,28 +96,37 @@ class BackwardEuler(ListedNumbers):
     effort = 60
     claim = "max_t ‖u^h − û^{hk}‖_V ≤ k (‖u̇^h(0+)‖_V/√2 + 2 Var f) for backward Euler, for every h"
     checks = (
-        identity("data", f"{ERROR} / its bound from the data", values(*COLUMNS["by data"]), PROVED),
+        identity("data", f"{ERROR_IN_TIME} / its bound from the data", values(*COLUMNS_OF["by data"]), PROVED_BELOW_1),
         identity(
-            "solution", f"{ERROR} / its bound from the computed values U_n", values(*COLUMNS["by solution"]), PROVED
+            "solution",
+            f"{ERROR_IN_TIME} / its bound from the computed values U_n",
+            values(*COLUMNS_OF["by solution"]),
+            PROVED_BELOW_1,
         ),
-        identity("constant", f"{ERROR_OF_CONSTANT} / its bound", values(*COLUMNS["constant"]), PROVED),
+        identity("constant", f"{ERROR_OF_CONSTANT} / its bound", values(*COLUMNS_OF["constant"]), PROVED_BELOW_1),
         consequence(
             "between",
             "error of u^h interpolated linearly between time nodes / (k/4 · largest change of u̇^h within a step)",
-            values(*COLUMNS["between"]),
+            values(*COLUMNS_OF["between"]),
             BETWEEN,
         ),
         identity(
             "midpoint",
             "midpoint rule: error in time at all t / (largest error at the nodes + k/2 (‖u̇^h(0+)‖_V + Var f))",
-            values(*COLUMNS["midpoint"]),
-            PROVED,
+            values(*COLUMNS_OF["midpoint"]),
+            PROVED_BELOW_1,
         ),
-        consequence("order", f"order in k of the {ERROR}", orders_in_k(COUNTS, COLUMNS["error"]), IN_K, finest=True),
+        consequence(
+            "order",
+            f"order in k of the {ERROR_IN_TIME}",
+            orders_in_k(HALVING_COUNTS, COLUMNS_OF["error"]),
+            IN_K,
+            finest=True,
+        ),
         consequence(
             "uniform",
-            f"{ERROR} / its bound from the data, {LAST} steps: finest / coarsest mesh",
-            change(f"{LAST} by data"),
+            f"{ERROR_IN_TIME} / its bound from the data, {MOST_STEPS} steps: finest / coarsest mesh",
+            change(f"{MOST_STEPS} by data"),
             around(1, 0.1, "the constant does not depend on the mesh"),
             levels=ENOUGH,
         ),
@@ -131,22 +141,24 @@ class BackwardEuler(ListedNumbers):
     full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))
 
     def setup(self, setting: Setting) -> Experiment:
-        return Experiment.at(setting, MIDPOINT, FINEST)
+        return Experiment.at(setting, MIDPOINT, REFERENCE_COUNT)
 
     def measure(self, setup: Experiment) -> Numbers:
         problem = with_cached_loads(setup.problem)
-        flow = GradientFlow(problem, np.array([problem.load(t) for t in problem.T * np.arange(FINEST + 1) / FINEST]))
-        exact = path(problem, MIDPOINT, FINEST)
-        half = path(problem, MIDPOINT, FINEST // 2)
+        flow = GradientFlow(
+            problem, np.array([problem.load(t) for t in problem.T * np.arange(REFERENCE_COUNT + 1) / REFERENCE_COUNT])
+        )
+        exact = path(problem, MIDPOINT, REFERENCE_COUNT)
+        half = path(problem, MIDPOINT, REFERENCE_COUNT // 2)
         numbers: Numbers = {}
-        for count in COUNTS:
+        for count in HALVING_COUNTS:
             k = problem.T / count
-            nodes = exact[:: FINEST // count]
+            nodes = exact[:: REFERENCE_COUNT // count]
             states = path(problem, BACKWARD_EULER, count)
             middle = path(problem, MIDPOINT, count)
-            lines = [interpolated(values, FINEST) for values in (states, nodes, middle)]
+            lines = [interpolated(values, REFERENCE_COUNT) for values in (states, nodes, middle)]
             error, of_interpolation, of_midpoint = (furthest(problem, exact, line) for line in lines)
-            of_constant = maximum(furthest(problem, exact, side) for side in last(states, FINEST))
+            of_constant = maximum(furthest(problem, exact, side) for side in last(states, REFERENCE_COUNT))
             bound_of_midpoint = furthest(problem, nodes, middle) + k / 2 * flow.fastest
             numbers[f"{count} error"] = error
             numbers[f"{count} by data"] = error / flow.a_priori(count)
@@ -154,7 +166,9 @@ class BackwardEuler(ListedNumbers):
             numbers[f"{count} constant"] = of_constant / flow.piecewise_constant(count)
             numbers[f"{count} between"] = of_interpolation / (k / 4 * oscillation(problem, exact, count))
             numbers[f"{count} midpoint"] = of_midpoint / bound_of_midpoint
-        numbers["reference"] = furthest(problem, exact[::2], half) / minimum(numbers[name] for name in COLUMNS["error"])
+        numbers["reference"] = furthest(problem, exact[::2], half) / minimum(
+            numbers[name] for name in COLUMNS_OF["error"]
+        )
         return with_h(setup.space.h, numbers)
 
 
@@ -176,20 +190,20 @@ STEP_COUNTS = (4, 8, 16, 32, 64)
 """Numbers of time steps: four halvings of k, from k ≫ h to k ≪ h."""
 REFERENCE_STEPS = 256
 """Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
-PER_CELL = 4
+STEPS_PER_SIDE_CELL = 4
 """Number of time steps for each cell along a side, k = T/(4n), in the comparison with the exact solution."""
 UNEQUAL = 3
 """Quotient of the lengths of a long and a short step in time grids with alternating steps."""
-ROTATION, TURNS = 10.0, 1000
+ANGULAR_VELOCITY, TURNS = 10.0, 1000
 """The test problem of a rotation in the plane: its angular velocity κ, and its number of time steps."""
 PROVED_FOR_ALL = positive_at_most(1.0, "proved for every h and k")
 FIRST_IN_K = around(1, 0.1, "least squares over four halvings, every mesh")
 INTERPOLANT_ERROR = "‖u^h − û^{hk}‖"
 SHORTEST = f"equal {STEP_COUNTS[-1]} error"
-OF_BOUND = f"{INTERPOLANT_ERROR} / its bound from the"
-ORDER = f"order of {INTERPOLANT_ERROR} in k"
-HALF_STEPS = f"change of u^h from {REFERENCE_STEPS // 2} to {REFERENCE_STEPS} steps / smallest error"
-KINDS = "equal", "unequal"
+INTERPOLANT_OVER_BOUND = f"{INTERPOLANT_ERROR} / its bound from the"
+ORDER_OF_INTERPOLANT = f"order of {INTERPOLANT_ERROR} in k"
+CHANGE_BY_HALVING = f"change of u^h from {REFERENCE_STEPS // 2} to {REFERENCE_STEPS} steps / smallest error"
+GRID_KINDS = "equal", "unequal"
 
 
 def partition(kind: str, count: int) -> Array:
@@ -270,19 +284,31 @@ class NoPotential(ListedNumbers):
     claim = "max_t ‖u^h − û^{hk}‖_V ≤ c(κ, T, ‖u̇^h(0+)‖, Var f) k for backward Euler under (3.2) alone, for every h"
     outside_catalogue = True
     checks = (
-        identity("data-equal", f"{OF_BOUND} data, equal steps", at_all_steps("equal by data"), PROVED_FOR_ALL),
-        identity("data-unequal", f"{OF_BOUND} data, unequal steps", at_all_steps("unequal by data"), PROVED_FOR_ALL),
         identity(
-            "solution-equal", f"{OF_BOUND} solution, equal steps", at_all_steps("equal by solution"), PROVED_FOR_ALL
+            "data-equal", f"{INTERPOLANT_OVER_BOUND} data, equal steps", at_all_steps("equal by data"), PROVED_FOR_ALL
+        ),
+        identity(
+            "data-unequal",
+            f"{INTERPOLANT_OVER_BOUND} data, unequal steps",
+            at_all_steps("unequal by data"),
+            PROVED_FOR_ALL,
+        ),
+        identity(
+            "solution-equal",
+            f"{INTERPOLANT_OVER_BOUND} solution, equal steps",
+            at_all_steps("equal by solution"),
+            PROVED_FOR_ALL,
         ),
         identity(
             "solution-unequal",
-            f"{OF_BOUND} solution, unequal steps",
+            f"{INTERPOLANT_OVER_BOUND} solution, unequal steps",
             at_all_steps("unequal by solution"),
             PROVED_FOR_ALL,
         ),
-        consequence("order-equal", f"{ORDER}, equal steps", in_k("equal"), FIRST_IN_K, finest=True),
-        consequence("order-unequal", f"{ORDER}, unequal steps", in_k("unequal"), FIRST_IN_K, finest=True),
+        consequence("order-equal", f"{ORDER_OF_INTERPOLANT}, equal steps", in_k("equal"), FIRST_IN_K, finest=True),
+        consequence(
+            "order-unequal", f"{ORDER_OF_INTERPOLANT}, unequal steps", in_k("unequal"), FIRST_IN_K, finest=True
+        ),
         consequence(
             "uniform",
             f"{INTERPOLANT_ERROR} with {STEP_COUNTS[-1]} steps, finest mesh / coarsest mesh",
@@ -292,7 +318,7 @@ class NoPotential(ListedNumbers):
         ),
         consequence(
             "order-both",
-            f"order of max_n ‖u − U_n‖ in h for k = T/({PER_CELL}n)",
+            f"order of max_n ‖u − U_n‖ in h for k = T/({STEPS_PER_SIDE_CELL}n)",
             fitted("fully discrete"),
             around(1, 0.15, "least squares over all levels, k = T/(4n)"),
             levels=ENOUGH,
@@ -305,7 +331,7 @@ class NoPotential(ListedNumbers):
         ),
         accuracy(
             "reference",
-            HALF_STEPS,
+            CHANGE_BY_HALVING,
             values("reference"),
             positive_at_most(0.1, "so the reference solution hardly changes the error"),
         ),
@@ -323,7 +349,7 @@ class NoPotential(ListedNumbers):
         exact = path(problem, MIDPOINT, REFERENCE_STEPS)
         half = path(problem, MIDPOINT, REFERENCE_STEPS // 2)
         numbers: Numbers = {}
-        for kind, count in product(KINDS, STEP_COUNTS):
+        for kind, count in product(GRID_KINDS, STEP_COUNTS):
             nodes = partition(kind, count)
             states = backward_euler(problem, times[nodes].tolist())
             # Between its nodes, the solution is interpolated linearly in time.
@@ -331,10 +357,10 @@ class NoPotential(ListedNumbers):
             numbers[f"{kind} {count} error"] = error
             numbers[f"{kind} {count} by data"] = error / bounds.by_data(nodes)
             numbers[f"{kind} {count} by solution"] = error / bounds.by_solution(nodes, states)
-        smallest = minimum(numbers[f"{kind} {STEP_COUNTS[-1]} error"] for kind in KINDS)
+        smallest = minimum(numbers[f"{kind} {STEP_COUNTS[-1]} error"] for kind in GRID_KINDS)
         numbers["reference"] = furthest(problem, exact[::2], half) / smallest
         # Errors in time cannot show a wrong solver, so the error against the exact solution is measured for k ~ h.
-        steps = PER_CELL * setting.level
+        steps = STEPS_PER_SIDE_CELL * setting.level
         instants = (problem.T * np.arange(steps + 1) / steps).tolist()
         pairs = zip(instants, backward_euler(problem, instants), strict=True)
         numbers["fully discrete"] = maximum(setup.v_norm.distance(setup.v_norm.sample(t), u) for t, u in pairs)
@@ -346,23 +372,23 @@ def rotating() -> float:
 
     The problem is u̇ + Bu = 0, where B is κ times the rotation by a right angle.
     """
-    turn = ROTATION * np.array([[0.0, 1.0], [-1.0, 0.0]])
+    turn = ANGULAR_VELOCITY * np.array([[0.0, 1.0], [-1.0, 0.0]])
     none = sps.csc_array((2, 2))
     start = np.array([1.0, 0.0])
     M = sps.csc_array(np.eye(2))
     problem = SemiDiscrete(M, none, turn.__matmul__, sps.csr_array((0, 2)), lambda t: np.zeros(2), start, 1.0)
     states = path(problem, BACKWARD_EULER, TURNS)
-    angle = ROTATION * np.arange(TURNS + 1) / TURNS
+    angle = ANGULAR_VELOCITY * np.arange(TURNS + 1) / TURNS
     error = np.linalg.norm(states - np.stack([np.cos(angle), np.sin(angle)], axis=1), axis=1).max()
     flow = GradientFlow(problem, np.zeros((TURNS + 1, 2)))
-    return float(error) / EulerBounds(flow, ROTATION, 0.0).by_data(np.arange(TURNS + 1))
+    return float(error) / EulerBounds(flow, ANGULAR_VELOCITY, 0.0).by_data(np.arange(TURNS + 1))
 
 
 FEW_STEPS = (4, 8, 16, 32, 64, 128)
 """Numbers of time steps. They are small, so that the error in space does not hide the error in time."""
 MANY_STEPS = 1024
 """Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
-ASYMPTOTIC = FEW_STEPS[2:]
+ASYMPTOTIC_COUNTS = FEW_STEPS[2:]
 """Numbers of time steps from which the order in k of the error in time, d, is computed."""
 SECOND_OR_LESS = between(1.5, 2, 0.1, 0.1, "3/2 where vertices come into contact or leave it")
 ORDERS = {"backward-euler": around(1, 0.1), "bdf2": SECOND_OR_LESS, "midpoint": SECOND_OR_LESS}
@@ -394,10 +420,10 @@ def checks_of_scheme(scheme: Scheme) -> Iterator[Check]:
 
 def power_law(levels: pd.DataFrame, scheme: Scheme) -> Array:
     """Return the exponents (q, s) of the error in time, d = C k^q h^s, by least squares for the smaller steps."""
-    columns = [f"{scheme.name} {count} d" for count in ASYMPTOTIC]
+    columns = [f"{scheme.name} {count} d" for count in ASYMPTOTIC_COUNTS]
     d = levels[columns].to_numpy()
     h = levels["h"].to_numpy()
-    log_k, log_h = np.meshgrid(-np.log(ASYMPTOTIC), np.log(h))
+    log_k, log_h = np.meshgrid(-np.log(ASYMPTOTIC_COUNTS), np.log(h))
     unknowns = np.column_stack([log_k.ravel(), log_h.ravel(), np.ones(d.size)])
     solution, *_ = np.linalg.lstsq(unknowns, np.log(d).ravel(), rcond=None)
     return solution[:2]

@@ -22,10 +22,19 @@ from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.interior_point import Accuracy, settings
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Numbers, Setting, grid, with_h
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import (
+    EVOLVING,
+    SEED,
+    SOFTENING,
+    Experiment,
+    ListedNumbers,
+    Numbers,
+    Setting,
+    grid,
+    with_h,
+)
 from study.statements.shared.norms import maximum, norm
-from study.statements.thm_4_2_own_space import StressExperiment, norm_in_q
+from study.statements.thm_4_2 import StressExperiment, norm_in_q
 
 STEPS = 12
 _BY_WHAT = f"solvers are exact, or a fixed-point iteration stops at {FIXED_POINT:g} in every step"

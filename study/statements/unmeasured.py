@@ -10,12 +10,11 @@ from pathlib import Path
 import pandas as pd
 
 from study.ledger.datafiles import DataFile
-from study.ledger.numbered import NO_ROW, NOT_TESTED
-from study.ledger.verdict import REPORTED, Verdict, row
+from study.ledger.verdict import NO_ROW, NOT_TESTED, REPORTED, Verdict, row
 from study.ledger.window import Window
 from study.statements.shared.base import LISTED, Statement
 
-TEXTS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+ROW_TEXTS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 """The texts of the rows, by the name of their list."""
 
 
@@ -36,7 +35,7 @@ class Listed(Statement):
         nothing = (math.nan, (math.nan, math.nan), REPORTED)
         return [
             row(self, key, quantity, none, nothing, place, expected=comment)
-            for key, (place, quantity, comment) in TEXTS[self.texts].items()
+            for key, (place, quantity, comment) in ROW_TEXTS[self.texts].items()
         ]
 
 

@@ -34,15 +34,24 @@ from study.solve.factorisation import Cholesky
 from study.solve.paths import path
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
-from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Numbers, Setting, grid, with_h
-from study.statements.shared.eigen import h1_product, smallest, strain_product
-from study.statements.shared.experiment import Experiment, with_cached_loads
+from study.statements.shared.base import (
+    EVOLVING,
+    SEED,
+    SOFTENING,
+    Experiment,
+    ListedNumbers,
+    Numbers,
+    Setting,
+    grid,
+    with_cached_loads,
+    with_h,
+)
 from study.statements.shared.meshes import body_of, first_with_each, place, space_of
-from study.statements.shared.norms import Velocity, dual_norm, maximum, norm
+from study.statements.shared.norms import Velocity, dual_norm, h1_product, maximum, norm, smallest, strain_product
 from study.statements.shared.scope import REGULAR
 
 VALUE = "smallest eigenvalue"
-LIMIT = Window(0.7, 1.0, "of the value on the finest level")
+EIGENVALUE_LIMIT = Window(0.7, 1.0, "of the value on the finest level")
 """Window of (limit of the eigenvalue for h → 0) / (value on the finest level).
 
 Eigenvalues that tend to zero leave the window. Values like h^p extrapolate to 0. The slowest decay is 1/(c + |log h|),
@@ -89,7 +98,7 @@ class Korn(ListedNumbers):
             at_most(1 + ROUNDING, "on every level"),
             levels=2,
         ),
-        paper_claim("limit", f"limit of the {VALUE} for h → 0", extrapolated, LIMIT, levels=ENOUGH),
+        paper_claim("limit", f"limit of the {VALUE} for h → 0", extrapolated, EIGENVALUE_LIMIT, levels=ENOUGH),
     )
 
     def places(self, full: bool) -> list[Setting]:
@@ -101,12 +110,12 @@ class Korn(ListedNumbers):
         return with_h(space.h, {VALUE: smallest(strain_product(space), h1_product(space))})
 
 
-FEW = ("advance-recede", "yield-on-a-part")
+FEW_CASES = ("advance-recede", "yield-on-a-part")
 """The cases of the quick study: one has a linear law, one the nonlinear law (3.3)."""
 
 # (4.1): the velocity is bounded, u ∈ W^{1,∞}(0,T;V).
 
-STEPS = {"k": 24, "k/2": 48, "k/4": 96}
+STEPS_BY_K = {"k": 24, "k/2": 48, "k/4": 96}
 SUPREMUM_AT = 192
 """Number of time intervals at whose ends the exact velocity is evaluated for its supremum over time.
 
@@ -126,16 +135,19 @@ class BoundedVelocity(ListedNumbers):
     claim = "u^h ∈ W^{1,∞}(0,T;V) uniformly in h and k, for solutions with a bounded u̇"
     checks = (
         paper_claim(
-            "bounded", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k", values(*STEPS), Window(0.5, 1.5, "for all h and k")
+            "bounded",
+            "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k",
+            values(*STEPS_BY_K),
+            Window(0.5, 1.5, "for all h and k"),
         ),
         consequence(
             "limit",
             "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, finest h and k",
-            finest(list(STEPS)[-1]),
+            finest(list(STEPS_BY_K)[-1]),
             around(1, 0.1, "u̇^h → u̇, and u̇ is continuous except at isolated times"),
         ),
     )
-    quick = grid(FEW, ("shaken",), (8, 16))
+    quick = grid(FEW_CASES, ("shaken",), (8, 16))
     full = grid((*EVOLVING, "lift-and-land", *SOFTENING), ("unstructured",), (8, 16, 32))
 
     def setup(self, setting: Setting) -> Experiment:
@@ -144,7 +156,7 @@ class BoundedVelocity(ListedNumbers):
     def measure(self, setup: Experiment) -> Numbers:
         velocity = Velocity(setup.solution, setup.space)
         exact = velocity.norm(np.linspace(0, setup.problem.T, SUPREMUM_AT + 1)).max()
-        return with_h(setup.space.h, {k: fastest(setup.problem, steps) / exact for k, steps in STEPS.items()})
+        return with_h(setup.space.h, {k: fastest(setup.problem, steps) / exact for k, steps in STEPS_BY_K.items()})
 
 
 def fastest(problem: SemiDiscrete, steps: int) -> float:
@@ -156,7 +168,7 @@ def fastest(problem: SemiDiscrete, steps: int) -> float:
 
 # Theorem 2.2: continuous dependence on f and u_0.
 
-SIZES = (0.1, 1.0, 10.0)
+PERTURBATION_SIZES = (0.1, 1.0, 10.0)
 """Sizes of the perturbations of load and initial displacement, relative to the data."""
 NEVER = positive_at_most(1 + 1e-7, f"tolerance for fixed-point iterations that stop at {FIXED_POINT:g}")
 
@@ -205,7 +217,7 @@ class Dependence(ListedNumbers):
             Window(0.5, 1 + 1e-7, "without contact it is at least e^{−ωk}/(1 + ωk), ωk ≤ 1/4"),
         ),
     )
-    quick = grid(FEW, ("unstructured",), (6,))
+    quick = grid(FEW_CASES, ("unstructured",), (6,))
     full = (
         *grid((*EVOLVING, "heterogeneous", "corner"), ("unstructured",), (6, 12)),
         *grid(("cube-disc",), ("shaken",), (3,)),
@@ -255,7 +267,7 @@ def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]
     onto = Signorini(problem.M, problem.N)
     load = maximum(norm(problem, riesz(problem.load(float(t)))) for t in np.linspace(0, problem.T, 9))
     pressing = riesz(problem.N.T @ np.ones(problem.N.shape[0]))
-    for relative in SIZES:
+    for relative in PERTURBATION_SIZES:
         fields = along_the_contact(problem, smooth(space, rng)), smooth(space, rng), pressing, -pressing
         for field, frequency in zip(fields, (0.0, 7.0, 7.0, 0.0), strict=True):
             yield Perturbation(problem.M @ field * (relative * load / norm(problem, field)), frequency, problem.u0)
@@ -283,14 +295,14 @@ SWEEP = tuple((omega, T) for omega in (0.1, 1.0, 10.0) for T in (0.1, 1.0, 10.0)
 """The pairs (ω, T) of rates and final times. ωT is between 1/100 and 10, so e^{ωT} is at most 2e4."""
 SHORT = 16
 """Smallest number of time steps in an interval of length 1/ω and in [0, T]."""
-KINDS = 5
+PERTURBATION_KINDS = 5
 """Number of perturbations of the data, one of each kind."""
-SMALL = 0.01
+SMALL_STRAIN = 0.01
 """Largest strain at the final time of the solution along an eigenvector. It is so small that the law is linear."""
-SEEN = around(1, 1e-3, "the midpoint rule changes the rate by at most 3.3e-4")
-GROWTH = "measured growth rate of ‖u − v‖_V / predicted rate"
-DISTANCE = "largest ‖u − v‖_V / its bound, u and v with different loads or initial displacements"
-ALL = "for every ω and T"
+RATE_SEEN = around(1, 1e-3, "the midpoint rule changes the rate by at most 3.3e-4")
+GROWTH_OVER_RATE = "measured growth rate of ‖u − v‖_V / predicted rate"
+DISTANCE_OVER_BOUND = "largest ‖u − v‖_V / its bound, u and v with different loads or initial displacements"
+EVERY_RATE = "for every ω and T"
 
 
 def derivative(operator: AtPoints, strain: Tensors) -> Array:
@@ -310,9 +322,9 @@ def column(law: str, what: str, omega: float, T: float) -> str:
     return f"{law} {what}, ω = {omega:g}, T = {T:g}"
 
 
-def columns(law: str, what: str, pairs: tuple[tuple[float, float], ...] = SWEEP) -> list[str]:
+def columns(law: str, what: str) -> list[str]:
     """Return the names of the columns with a measured number of a law, one for each pair (ω, T)."""
-    return [column(law, what, omega, T) for omega, T in pairs]
+    return [column(law, what, omega, T) for omega, T in SWEEP]
 
 
 class SolutionDivergence(ListedNumbers):
@@ -353,17 +365,24 @@ class SolutionDivergence(ListedNumbers):
         "faster than e^{ωt} with ω = L_G/m_A"
     )
     checks = (
-        consequence("rate", f"{GROWTH} c, scaled law of the case, {ALL}", values(*columns("own", "rate")), SEEN),
-        consequence("rate-even", f"{GROWTH} ω, law G = −ωA, {ALL}", values(*columns("even", "rate")), SEEN),
+        consequence(
+            "rate",
+            f"{GROWTH_OVER_RATE} c, scaled law of the case, {EVERY_RATE}",
+            values(*columns("own", "rate")),
+            RATE_SEEN,
+        ),
+        consequence(
+            "rate-even", f"{GROWTH_OVER_RATE} ω, law G = −ωA, {EVERY_RATE}", values(*columns("even", "rate")), RATE_SEEN
+        ),
         paper_claim(
             "bound",
-            f"{DISTANCE}, scaled law of the case, {ALL}",
+            f"{DISTANCE_OVER_BOUND}, scaled law of the case, {EVERY_RATE}",
             values(*columns("own", "bound")),
             positive_at_most(1 + 1e-7, "proved; tolerance for fixed-point iterations"),
         ),
         identity(
             "bound-even",
-            f"{DISTANCE}, law G = −ωA, {ALL}",
+            f"{DISTANCE_OVER_BOUND}, law G = −ωA, {EVERY_RATE}",
             values(*columns("even", "bound")),
             Window(1 - 1e-7, 1 + 1e-7, "equality up to rounding, because B = −ωI"),
         ),
@@ -440,8 +459,8 @@ def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
     """
     c, v, force = softest_mode(space, law)
     strain = abs(space.strain(v)).max()
-    start = SMALL * math.exp(-c * T) / strain * v
-    pressing = space.N.T @ np.full(len(force), 2 * SMALL * abs(force).max() / strain)
+    start = SMALL_STRAIN * math.exp(-c * T) / strain * v
+    pressing = space.N.T @ np.full(len(force), 2 * SMALL_STRAIN * abs(force).max() / strain)
     problem = SemiDiscrete.of(space, law, lambda t: np.zeros(space.dofs), start)
     rest = problem.elastic(np.zeros(space.dofs))
     problem = replace(problem, T=T, load=lambda t: rest + math.exp(c * (t - T)) * pressing)
@@ -464,5 +483,5 @@ def over_bound(setup: Experiment, law: KelvinVoigt, T: float) -> float:
     field = along_the_contact(problem, smooth(space, np.random.default_rng(SEED)))
     sideways = Perturbation(np.zeros(space.dofs), 0.0, problem.u0 + field)
     damping = (1 - law.growth * T / steps) ** np.arange(1, steps + 1)
-    others = *islice(perturbations(problem, space), KINDS), sideways
+    others = *islice(perturbations(problem, space), PERTURBATION_KINDS), sideways
     return maximum((damping * quotients(problem, trajectory, other)).max() for other in others)

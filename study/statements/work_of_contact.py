@@ -45,17 +45,17 @@ from study.statements.shared.scope import Scope
 EQUAL_BRANCHES = 2 / (2 + math.pi**2)
 """The fraction |N|/h of an edge with a gap at which both expressions for the constant β of the bound are equal."""
 C_0 = math.sqrt((2 + math.pi**2) / (8 * math.pi**2))
-TIMES = 0.23, 0.5, 0.81
+EDGE_TIMES = 0.23, 0.5, 0.81
 """Times at which edges are examined, as fractions of the final time T."""
 CHANGES = 16
 """Largest number of changes between contact and gap on an edge; 64 panels do not resolve more."""
-EXPONENTS = 0.05, 0.25, 0.5
+SOBOLEV_EXPONENTS = 0.05, 0.25, 0.5
 """The exponents ϱ = s − 1/2 for which suprema are computed, that is, s = 0.55, 0.75, 1."""
 WORK = "R_E / bound"
 OF_ALL = "supremum / bound"
 OVERALL = "R_E / (h² |σ_ν| |u_ν'|)"
 BRANCHES = "edges by |N|", "edges by |C|"
-PROVED = at_most(1.0, "proved")
+PROVED_ON_EDGES = at_most(1.0, "proved")
 
 
 class EdgeWork(ListedNumbers):
@@ -97,12 +97,12 @@ class EdgeWork(ListedNumbers):
         *grid(("merging-patches", "natural-front", "rough-1.75"), ("one-diagonal", "unstructured"), (8, 16, 32, 64)),
     )
     checks = (
-        identity("solution", "|R_E| / (β h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", values(WORK), PROVED),
+        identity("solution", "|R_E| / (β h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", values(WORK), PROVED_ON_EDGES),
         identity(
             "all",
             "supremum of |R_E| / bound over all σ_ν, u_ν' with the same contact zone, s = 0.55, 0.75, 1",
             values(OF_ALL),
-            PROVED,
+            PROVED_ON_EDGES,
         ),
         identity(
             "constant", "|R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", values(OVERALL), at_most(C_0, "proved")
@@ -127,7 +127,7 @@ class EdgeWork(ListedNumbers):
         for touching, open_part, of_bound in mixed_edges(solution, space):
             ratios[WORK] += [*(of_bound / beta(open_part))]
             ratios[OVERALL] += [*of_bound]
-            ratios[OF_ALL] += [supremum(of_edge, rho) for of_edge in touching for rho in EXPONENTS]
+            ratios[OF_ALL] += [supremum(of_edge, rho) for of_edge in touching for rho in SOBOLEV_EXPONENTS]
             open_parts += [*open_part]
         by_open_part = np.array(open_parts) >= EQUAL_BRANCHES
         counts = np.sum(by_open_part), np.sum(~by_open_part)
@@ -156,7 +156,7 @@ def mixed_edges(solution: ExactSolution, space: Space) -> Iterator[tuple[Array, 
         * the fraction |N|/h of the edge with a gap, (n,);
         * the work over its bound without the factor β, |R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), (n,).
     """
-    for face, part in product(solution.faces, TIMES):
+    for face, part in product(solution.faces, EDGE_TIMES):
         time = part * solution.body.T
         corners = space.mesh.p[:, space.mesh.facets[:, space.facets(face.part)]]
         ends = np.sort(face.part.coordinates(corners)[0][0], axis=0)
@@ -235,7 +235,7 @@ def dual_products(A: Array, panels: Array, functionals: Array) -> Array:
     return np.asarray(chosen @ np.linalg.solve(A[np.ix_(free, free)], chosen.T))
 
 
-PARTS = 3
+CELLS_ACROSS_DEPTH = 3
 """Number of cells of the refined mesh across the depth over which contact data are continued into the body."""
 
 
@@ -250,7 +250,7 @@ class Resolved:
     """
 
     def __init__(self, solution: ExactSolution, space: Space) -> None:
-        mesh, nodal = refined(space.mesh, lambda corners: least_depth(solution, corners) / PARTS)
+        mesh, nodal = refined(space.mesh, lambda corners: least_depth(solution, corners) / CELLS_ACROSS_DEPTH)
         fine = Space(mesh, space.body)
         self.solution = solution
         self.space = space
@@ -369,13 +369,13 @@ def from_32(key: str, quantity: str, column: str, window: Window) -> Check:
     return replace(check, value=lambda levels: check.value(levels[levels["level"] >= COARSEST_LEVEL]))
 
 
-ROOT = "order of ‖R(·; Π^h u − u)‖^{1/2}"
+ROOT_ORDER = "order of ‖R(·; Π^h u − u)‖^{1/2}"
 FIRST_ORDER = around(1, 0.15, "there are wave trains of all widths from h/2 to 4h")
 HALF_IN_H = around(0.5, 0.15, "the edges contribute to R like independent random numbers")
 NOT_RESOLVED = "a mesh resolves a wave train of width ℓ only for h < ℓ/10"
 ON_GRIDS = (
-    from_32("order", f"{ROOT}, on grids", "work", FIRST_ORDER),
-    from_32("order-mean", f"{ROOT}, R averaged over {DRAWS} random meshes", "mean work", FIRST_ORDER),
+    from_32("order", f"{ROOT_ORDER}, on grids", "work", FIRST_ORDER),
+    from_32("order-mean", f"{ROOT_ORDER}, R averaged over {DRAWS} random meshes", "mean work", FIRST_ORDER),
     from_32("spread", "order of the relative standard deviation of R over random vertices", "spread", HALF_IN_H),
     consequence(
         "share",
@@ -384,8 +384,8 @@ ON_GRIDS = (
         at_least(0.02, "cases with a few smooth fronts have only 1e-6 to 1e-3"),
     ),
 )
-SINGLE = from_32("order-irregular", f"{ROOT}, on single irregular meshes", "work", FIRST_ORDER)
-ON_IRREGULAR_MESHES = replace(SINGLE, if_missed="on irregular meshes single orders depend on chance")
+SINGLE_MESH_ORDER = from_32("order-irregular", f"{ROOT_ORDER}, on single irregular meshes", "work", FIRST_ORDER)
+ON_IRREGULAR_MESHES = replace(SINGLE_MESH_ORDER, if_missed="on irregular meshes single orders depend on chance")
 ON_ALL_MESHES = (
     replace(from_32("error", "order of ‖u − u^h‖_V", "error", Window()), if_missed=NOT_RESOLVED),
     replace(
@@ -486,14 +486,14 @@ class WorkOfContact(ListedNumbers):
 
 # Cases and meshes, chosen to separate meshes with equal neighbourhoods of contact vertices from all others.
 ROLLER, PUSHING, STEEP, STANDING = ROLLERS
-PLAIN = "one-diagonal", "criss-cross"
+PLAIN_FAMILIES = "one-diagonal", "criss-cross"
 """Mesh families on which the cells around all vertices of Γ3 are arranged alike."""
 ALTERNATING = "alternating"
 UNSTRUCTURED = "unstructured"
 SEEDS = ("shaken", *(f"shaken-{seed}" for seed in range(1, 8)))
 """Random mesh families over which the measured excess is averaged. The finest level uses the first half of them."""
-LEVELS = 16, 32, 64, 128
-COARSE = LEVELS[:3]
+ROLLER_LEVELS = 16, 32, 64, 128
+COARSE_LEVELS = ROLLER_LEVELS[:3]
 """Levels without the finest one, to save time.
 
 They are used for rollers other than ROLLER, for meshes with two diagonals, and for half of the random meshes."""
@@ -676,10 +676,10 @@ def interpolation_error(solution: ExactSolution, space: Space, time: float) -> f
 
 # Criteria. Windows below and above 1 differ, because a logarithm can only lower an order.
 EXCESS = "order of the excess ‖u^h − u^h_lin‖_V"
-EQUAL = Window(0.75, 1.1, "1 up to a logarithm, as all vertices of Γ3 have equal neighbourhoods")
+EQUAL_VERTICES = Window(0.75, 1.1, "1 up to a logarithm, as all vertices of Γ3 have equal neighbourhoods")
 HALF = around(0.5, 0.15, "the roller leaves different displacements at neighbouring vertices; equal ones give 1")
-ONE = around(1, 0.25, "displacements remain at few vertices only")
-STEPS = at_most(0.02, "of the excess, so the excess does not come from time steps")
+STANDING_ORDER = around(1, 0.25, "displacements remain at few vertices only")
+NEGLIGIBLE_STEPS = at_most(0.02, "of the excess, so the excess does not come from time steps")
 AT_THE_START = (
     "this quantity was chosen after the maximum over time had shown orders above 1: with one diagonal that maximum "
     "occurs at the start, on all meshes except the finest"
@@ -688,7 +688,7 @@ AT_AN_END = "this quantity was chosen after M_h had shown orders above 1: with o
 SMOOTHED = "the generator makes neighbourhoods nearly equal, and the order on a single mesh depends on chance"
 NEAR_PATCH = "order of the nodal errors of P_hu next to the patch, one or two diagonals"
 FEW_VERTICES = "the order depends on the cells around few vertices"
-HALF_STEPS = "excess, k/2"
+HALF_STEP_EXCESS = "excess, k/2"
 """Name of the column with the excess for half the time step."""
 FEW_MESHES = "eight meshes determine a standard deviation only up to a quarter"
 
@@ -700,7 +700,7 @@ def change_by_half_steps(levels: pd.DataFrame) -> Array:
     result is empty if no level was measured with half the time step.
     """
     both = levels.dropna()
-    return abs(both[HALF_STEPS] / both["excess"] - 1).to_numpy()
+    return abs(both[HALF_STEP_EXCESS] / both["excess"] - 1).to_numpy()
 
 
 def over_seeds(groups: Groups) -> pd.DataFrame:
@@ -812,11 +812,11 @@ class Rollers(ListedNumbers):
     full = tuple(
         Setting(f"{kind}-{n}", family, n)
         for kind, families, levels in (
-            (ROLLER, (PLAIN[0], ALTERNATING, UNSTRUCTURED, *SEEDS[:4]), LEVELS),
-            (ROLLER, (PLAIN[1], *SEEDS[4:]), COARSE),
-            (PUSHING, (ALTERNATING,), COARSE),
-            (STEEP, (ALTERNATING,), COARSE),
-            (STANDING, (PLAIN[0], ALTERNATING, SEEDS[0]), COARSE),
+            (ROLLER, (PLAIN_FAMILIES[0], ALTERNATING, UNSTRUCTURED, *SEEDS[:4]), ROLLER_LEVELS),
+            (ROLLER, (PLAIN_FAMILIES[1], *SEEDS[4:]), COARSE_LEVELS),
+            (PUSHING, (ALTERNATING,), COARSE_LEVELS),
+            (STEEP, (ALTERNATING,), COARSE_LEVELS),
+            (STANDING, (PLAIN_FAMILIES[0], ALTERNATING, SEEDS[0]), COARSE_LEVELS),
         )
         for family in families
         for n in levels
@@ -837,7 +837,7 @@ class Rollers(ListedNumbers):
         solutions = Trajectories.of(on, steps)
         excess = solutions.excess()
         numbers = {"excess": excess.max(), "excess at T": excess[-1], **sides(solutions)}
-        if setting.family == PLAIN[0]:
+        if setting.family == PLAIN_FAMILIES[0]:
             # The squared seminorm |q|²_{1/2} at the time T/2, for the linear interpolant of q on equal panels of Γ3.
             (face,) = solution.faces
             panels = 4 * setting.level
@@ -845,10 +845,10 @@ class Rollers(ListedNumbers):
             nodes = np.linspace(0, face.part.measure, panels + 1)
             q = Jet(sp.sympify(face.strain))(nodes[None], space.body.T / 2)[(0,)]
             numbers["|q|²"] = q @ gram(panels, 0.5) @ q
-        if setting.case == f"{ROLLER}-{setting.level}" and setting.family in PLAIN:
+        if setting.case == f"{ROLLER}-{setting.level}" and setting.family in PLAIN_FAMILIES:
             numbers["M_h beside"] = nodal_error_near_patch(solutions, 2 / setting.level)
         if setting.level == HALVED and setting.family not in SEEDS[1:]:
-            numbers[HALF_STEPS] = Trajectories.of(on, 2 * steps).excess().max()
+            numbers[HALF_STEP_EXCESS] = Trajectories.of(on, 2 * steps).excess().max()
         return with_h(space.h, numbers)
 
     def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
@@ -865,22 +865,22 @@ class Rollers(ListedNumbers):
             # A missing family gets an empty table, so that the check is undecided.
             return {name: groups.get(name, pd.DataFrame()) for name in families}
 
-        yield BOUND, groups
+        yield ROLLER_BOUND, groups
         if kind == STANDING:
             # The excess on a single shaken mesh depends on the cells around few vertices.
             still = f"{EXCESS}, patches that do not move"
-            yield order("order-standing", still, ONE), {k: v for k, v in groups.items() if k not in SEEDS}
+            yield order("order-standing", still, STANDING_ORDER), {k: v for k, v in groups.items() if k not in SEEDS}
             single = f"{still}, single shaken meshes"
-            yield order("order-standing-shaken", single, ONE, "excess", FEW_VERTICES), on(SEEDS[0])
+            yield order("order-standing-shaken", single, STANDING_ORDER, "excess", FEW_VERTICES), on(SEEDS[0])
             return
         yield order("order-alternating", f"{EXCESS}, alternating diagonals", HALF), on(ALTERNATING)
         if kind != ROLLER:
             return
-        plain = on(*PLAIN)
+        plain = on(*PLAIN_FAMILIES)
         shaken = {SEEDS[0]: over_seeds(groups)}
-        yield order("order-equal", f"{EXCESS}, one or two diagonals", EQUAL), plain
+        yield order("order-equal", f"{EXCESS}, one or two diagonals", EQUAL_VERTICES), plain
         at_end = f"{EXCESS} at T, one or two diagonals"
-        yield order("order-end", at_end, EQUAL, "excess at T", AT_THE_START), plain
+        yield order("order-end", at_end, EQUAL_VERTICES, "excess at T", AT_THE_START), plain
         yield (
             order(
                 "nodal-beside",
@@ -923,22 +923,24 @@ class Rollers(ListedNumbers):
             ),
             groups,
         )
-        yield SHARE, groups
-        yield TIME, {name: table for name, table in groups.items() if HALF_STEPS in table}
-        yield GROWTH, on(PLAIN[0])
+        yield EXCESS_SHARE, groups
+        yield HALF_STEP_CHANGE, {name: table for name, table in groups.items() if HALF_STEP_EXCESS in table}
+        yield STEP_GROWTH, on(PLAIN_FAMILIES[0])
 
 
-BOUND = identity("bound", "error / right side of the bound", quotients("error", "right side"), at_most(1.0, "proved"))
-SHARE = consequence(
+ROLLER_BOUND = identity(
+    "bound", "error / right side of the bound", quotients("error", "right side"), at_most(1.0, "proved")
+)
+EXCESS_SHARE = consequence(
     "share",
     "largest excess / error",
     quotients("excess", "error"),
     Window(),
     if_missed="the study has no bound of this excess in V",
 )
-TIME = accuracy("time", "change of the excess with half the step", change_by_half_steps, STEPS)
+HALF_STEP_CHANGE = accuracy("time", "change of the excess with half the step", change_by_half_steps, NEGLIGIBLE_STEPS)
 # The growth from every level to the next must lie in the window; the last one is displayed.
-GROWTH = accuracy(
+STEP_GROWTH = accuracy(
     "step",
     "growth of |q|²_{1/2,Γ3} with every halving of ℓ",
     lambda table: np.diff(table["|q|²"].to_numpy()),

@@ -43,7 +43,7 @@ def wedge(**load) -> Data:
 
 def first_stage(data: Data, level: int = 2, steps: int = 4) -> Stage:
     mesh = Unstructured()(data.body, level)
-    return Stage(mesh.p, mesh.t, steps)
+    return Stage(mesh, steps)
 
 
 def stages(data: Data, count: int, first: Stage, case: Case | None = None) -> Iterator[tuple[Stage, Adapted]]:
@@ -161,7 +161,7 @@ def test_the_shares_of_cells_and_of_time_are_linear_in_the_part_that_changes(mon
 
 
 def smallest_angle(stage: Stage) -> float:
-    sides = stage.p[:, np.roll(stage.t, -1, axis=0)] - stage.p[:, stage.t]
+    sides = stage.mesh.p[:, np.roll(stage.mesh.t, -1, axis=0)] - stage.mesh.p[:, stage.mesh.t]
     unit = sides / np.linalg.norm(sides, axis=0)
     return float(np.arccos((-unit * np.roll(unit, 1, axis=1)).sum(axis=0)).min())
 
@@ -172,7 +172,7 @@ def test_parts_of_the_boundary_stay_and_angles_do_not_degenerate() -> None:
     stage = first_stage(data)
     least = smallest_angle(stage)
     for _ in range(14):
-        middles = stage.p[:, stage.t].mean(axis=1)
+        middles = stage.mesh.p[:, stage.mesh.t].mean(axis=1)
         shares = rng.random(stage.cells) / np.linalg.norm(middles - [[2.0], [-0.5]], axis=0) ** 4
         coarser, stage = stage, next_stage(stage, shares, 0.0)
         assert stage.steps == coarser.steps
@@ -225,11 +225,11 @@ def test_the_bracket_has_the_best_order_in_unknowns_on_adapted_meshes_and_not_on
         stage, points = first_stage(data, 2, 8), []
         while stage.cells < 2500:
             found = adapted(data, None, stage, MIDPOINT)
-            points.append((found.computed.space.dofs, found.enclosure.highest))
+            points.append((len(found.computed.free), found.enclosure.highest))
             cells = np.ones(stage.cells) if everywhere else found.shares.cells
             following = next_stage(stage, cells, 0.0)
             mesh = stage.mesh.refined()
-            stage = Stage(mesh.p, mesh.t, stage.steps) if everywhere else following
+            stage = Stage(mesh, stage.steps) if everywhere else following
         unknowns, bounds = np.log(np.array(points)[-4:]).T
         orders.append(-np.polyfit(unknowns, bounds, 1)[0])
     assert orders[0] == pytest.approx(0.5, abs=0.05)
@@ -285,7 +285,7 @@ def test_a_limit_stops_with_the_reason_and_keeps_what_there_is(tmp_path, capsys)
 
 @pytest.mark.slow
 def test_memory_that_is_not_there_stops_with_the_reason(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.setattr("study.cli.adapt.available", lambda: 0.5 * 2.0**30)
+    monkeypatch.setattr("study.run.executor.available", lambda: 0.5 * 2.0**30)
     assert adapt(tmp_path / "out", "--adapt", "1e-6") == 1
     assert "GiB of memory" in capsys.readouterr().out
 

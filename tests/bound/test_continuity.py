@@ -74,7 +74,7 @@ def test_an_initial_displacement_with_kinks_is_permitted(start: sp.Expr) -> None
 
 
 def test_a_jump_of_a_function_of_python_is_found_by_samples() -> None:
-    data = replace(problem(sp.Integer(0)), formulas_of=None)
+    data = replace(problem(sp.Integer(0)))
     check_problem(data, None, Refined(0, 1))
     jump = replace(data, start=lambda x: np.array([(1 - x[1]) * (x[0] > x[1]), 0 * x[0]]))
     with pytest.raises(LoadError, match=r"u_0 jumps by about (0\.98|1)"):

@@ -64,7 +64,7 @@ def test_bounds_without_remainders_put_such_errors_outside() -> None:
     feature = Feature((0.37, 0.41), 0.005, 0.0, 0.1, 1)
     trial = Trial(Known(LAW, (sp.Integer(0), t * feature.formula), (feature,)), 4, 2, OneDiagonal())
     assert_inside(trial)
-    blind = trial.bounded(replace(trial.known.data, formulas_of=None))
+    blind = trial.bounded(replace(trial.known.data))  # a copy has no formulas
     assert blind.enclosure.evidence.kind == ESTIMATED
     assert trial.known.error(blind.computed, 1.0) > 1000 * blind.enclosure.highest
 

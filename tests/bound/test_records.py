@@ -52,11 +52,9 @@ def test_the_bound_with_default_settings_is_at_most_a_quarter_above_the_error() 
     ("page", "name", "table", "remedy"),
     [
         (judge_codes.PAGE, "bounds-of-codes", judge_codes.summary(BOUNDS), "make codes-bounds"),
-        (certify_codes.PAGE, "certificates-of-codes", certify_codes.summary(PROVED), "make codes-bounds"),
         (record.PAGE, "effectivity", stiff.summary(EFFECTIVITY), "make trials"),
         (record.PAGE, "random-trials", random_problems.summary(RANDOM), "make trials"),
     ],
-    ids=lambda value: value if isinstance(value, str) and " " not in value else "",
 )
 def test_the_page_shows_the_record(page: Path, name: str, table: str, remedy: str) -> None:
     text = page.read_text(encoding="utf-8")

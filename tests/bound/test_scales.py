@@ -115,7 +115,7 @@ def test_no_enclosure_is_made_of_what_is_no_number(name: str, value: float) -> N
 
 def test_no_interval_has_crossed_ends() -> None:
     found = unscaled()
-    for crossed in ({"bound": -1 - found.bound}, {"norm": found.norm[::-1]}):
+    for crossed in ({"bound": found.bound * [1, -1, 1]}, {"norm": found.norm[::-1]}):
         with pytest.raises(BoundError, match="crossed ends"):
             replace(found, **crossed)
     contradiction = BoundedSolution(None, found, replace(found, distance=found.distance + 2 * found.highest))

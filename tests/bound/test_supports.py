@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from benchmarks.trials.supports import row
-from manufactured import BodyError, Data, KelvinVoigt, Kind, plane_stress, polygon, static
-from manufactured.factor import x1, x2
+from manufactured import BodyError, Data, KelvinVoigt, Kind, isotropic, plane_stress, polygon, static, t
+from manufactured.factor import Factor, x1, x2
 from manufactured.symbols import FormulaError
 from study.bound.bounded import bounded_solution
 from study.bound.discretisation import refuse_unserved
@@ -19,7 +19,7 @@ from study.bound.given import bound_displacement
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.certify.statement import statement
-from study.fem.mesh import Unstructured
+from study.fem.mesh import Shaken, Unstructured, cell_volumes
 from study.solve.tableau import MIDPOINT
 
 CLAMPED, CONTACT, FREE, ROLLER = Kind.CLAMPED, Kind.CONTACT, Kind.LOADED, Kind.ROLLER
@@ -28,20 +28,39 @@ HOLE = [(0.7, 0.3), (0.8, 0.7), (1.2, 0.6), (1.1, 0.3)]
 G = plane_stress(E=2.0, nu=0.25)
 
 
-@pytest.mark.parametrize("pulled", [True, False], ids=["prescribed", "loaded"])
-def test_a_uniform_stress_around_a_hole_is_exact_up_to_rounding(pulled: bool) -> None:
-    """σ_11 = 0.02 and no other stress: u = (0.01 x1, −0.0025 x2); the hole is loaded by σν."""
-    right = ROLLER if pulled else FREE
+@pytest.mark.parametrize("how", ["prescribed", "loaded", "in time"])
+def test_a_uniform_stress_around_a_hole_is_exact_up_to_rounding(how: str) -> None:
+    """σ_11 = 0.02 and no other stress: u = (0.01 x1, −0.0025 x2); the hole is loaded by σν.
+
+    In time u is t times this displacement, and the viscosity is G, so that σ_11 = 0.02 (1 + t).
+    """
+    right = ROLLER if how == "prescribed" else FREE
     body = polygon(OUTLINE, [ROLLER, right, FREE, ROLLER], holes=[(HOLE, [FREE] * 4)])
-    tractions = {
-        i: (0.02 * part.normal[0], 0) for i, part in enumerate(body.parts) if i > 3 or (i, pulled) == (1, False)
-    }
-    data = static(body, G, f2=tractions, u={1: (0.02, 7)} if pulled else None)
-    found = bounded_solution(data, None, Unstructured(), 5, MIDPOINT, 1, Refined(1, 1))
+    tension = 0.02 * (1 + t) if how == "in time" else 0.02
+    tractions = {i: (tension * part.normal[0], 0) for i, part in enumerate(body.parts) if part.kind is FREE}
+    if how == "in time":
+        data = Data.formulas(body, KelvinVoigt(G, G, "G"), (0, 0), tractions)
+    else:
+        data = static(body, G, f2=tractions, u={1: (0.02, 7)} if how == "prescribed" else None)
+    found = bounded_solution(data, None, Unstructured(), 5, MIDPOINT, 2, Refined(1, 1))
     energy = math.sqrt(0.02 * 0.01 * body.measure)
     assert found.enclosure.evidence.kind == "guaranteed"
-    assert found.error[1] <= 1e-10 * energy
+    assert found.error[1] <= 1e-9 * energy
     assert found.norm == pytest.approx((energy, energy), rel=1e-9)
+
+
+def test_a_bar_of_varying_stiffness_has_hand_values_on_every_cell_of_an_irregular_mesh() -> None:
+    """E = 1/(1 + x1) and σ_11 = 1: u = (x1 + x1²/2, 0), and ‖u‖² is |T| (1 + x1) at the middle of a triangle T."""
+    bar = isotropic(0.5, 0, factor=Factor(1 / (1 + x1), 1 / 3, 1.0))
+    pulled, loaded = (polygon(OUTLINE, [ROLLER, right, FREE, ROLLER]) for right in (ROLLER, FREE))
+    mesh = Shaken()(loaded, 4)
+    middles = mesh.p[0, mesh.t].mean(axis=0)
+    data = static(loaded, bar, f2={1: (1, 0)})
+    found = bound_displacement(data, mesh.p.T, mesh.t.T, None, 0 * mesh.p.T)
+    assert found.enclosure.on_cells == pytest.approx(cell_volumes(mesh) * (1 + middles), rel=1e-9)
+    assert found.error == pytest.approx((2, 2), rel=1e-9)
+    found = bounded_solution(static(pulled, bar, u={1: (4, 0)}), None, Shaken(), 4, MIDPOINT, 1, Refined(1, 1))
+    assert found.norm == pytest.approx((2, 2), rel=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -90,20 +109,15 @@ def test_one_of_several_load_steps_is_read(tmp_path: Path) -> None:
         read(tmp_path / "u.npz", step=2)
 
 
-@pytest.mark.parametrize(("noise", "refused"), [(0, False), (1e-8, False), (1e-3, True)])
-def test_prescribed_displacements_in_files_are_rounded_or_refused(noise: float, refused: bool) -> None:
+@pytest.mark.parametrize("noise", [0, 1e-8])
+def test_prescribed_displacements_in_files_may_be_rounded(noise: float) -> None:
     """A body that moves far and is stretched little: the rounding of u_h must not be taken for its error."""
     body = polygon(OUTLINE, [FREE, CLAMPED, FREE, CLAMPED])
     data = static(body, G, u={1: (100.01, 0), 3: (100, 0)})
     mesh = Unstructured()(body, 4)
     u = np.array([100 + 0.005 * mesh.p[0], 0 * mesh.p[0]]).T
     u[mesh.p[0] == 0] += 100 * noise
-    arguments = data, mesh.p.T, mesh.t.T, None, u
-    if refused:
-        with pytest.raises(BoundError, match=r"differs by 0\.1 on a CLAMPED side"):
-            bound_displacement(*arguments)
-        return
-    found = bound_displacement(*arguments, refine=0)
+    found = bound_displacement(data, mesh.p.T, mesh.t.T, None, u, refine=0)
     assert found.computed.offset == pytest.approx(0, abs=1e-4)
     assert (found.computed.offset > 1e-6) == (noise > 0)
 

@@ -20,7 +20,7 @@ from study.ledger.files import UsageError, write_text
 from study.ledger.verdict import FAILS, HOLDS, MISSED, UNDECIDED, Verdict
 from study.present.outcome import ledger_text
 from study.run.judgement import claims, verdicts
-from study.run.store import FORMAT
+from study.run.store import STORE_FORMAT
 
 HEAD = """
 from dataclasses import replace
@@ -55,9 +55,11 @@ def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(told,
 
 def test_data_of_another_version_are_refused_by_name_and_no_data_with_the_command(told, tmp_path):
     assert "study run" in told("check", "--out", str(tmp_path))
-    write_text(tmp_path / "data" / "provenance.json", json.dumps({"format": FORMAT + 1}))
+    write_text(tmp_path / "data" / "provenance.json", json.dumps({"format": STORE_FORMAT + 1}))
     for command in (["run", "--case", "full-contact"], ["check"]):
-        assert re.search(rf"provenance.json.*format {FORMAT + 1}", told(*command, "--out", str(tmp_path)), re.DOTALL)
+        assert re.search(
+            rf"provenance.json.*format {STORE_FORMAT + 1}", told(*command, "--out", str(tmp_path)), re.DOTALL
+        )
 
 
 def test_the_catalogue_is_listed_as_text_without_making_a_case_and_as_json(capsys, monkeypatch):

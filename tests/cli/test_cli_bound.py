@@ -81,7 +81,6 @@ def test_the_tables_on_disk_enclose_the_error_and_the_order(finished) -> None:
     assert np.isnan(coarse["order_low"])
     observed = np.log(coarse["error"] / fine["error"]) / np.log(coarse["h"] / fine["h"])
     assert fine["order_low"] <= observed <= fine["order_high"]
-    assert set(series["level"]) == {3, 4}
     assert series["error"].between(series["lower"] - 1e-9, series["upper"] + 1e-9).all()
     both = np.minimum(series["distance"] + series["bound"], series["plain"])
     assert np.allclose(series["upper"], both, atol=1e-8)
@@ -160,8 +159,7 @@ def test_a_static_body_without_contact_is_adapted_and_bounded_from_a_vtu_file(st
     file = tmp_path / "mine.vtu"
     meshio.Mesh(p, [("triangle", cells)], point_data={"displacement": np.pad(u, ((0, 0), (0, 1)))}).write(file)
     assert main(["bound", f"{static}:hanging", "--displacement", str(file), "--out", str(out)]) == 0
-    printed = capsys.readouterr().out
-    assert "weighted by the elasticity G" in printed
+    assert "weighted by the elasticity G" in capsys.readouterr().out
     plain = pd.read_csv(out / "hanging-mine" / "levels.csv")["plain"].iloc[0]
     assert plain == pytest.approx(rows["bound"].iloc[0], rel=1e-6)
 
@@ -172,9 +170,7 @@ def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_pat
     files = [str(directory / f"trajectory-{level}.npz") for level in (4, 3)]
     options = ["--refine", "0", "--shorter", "2", "--out", str(tmp_path)]
     assert main(["bound", "advance-recede", "--displacement", *files, *options]) == 0
-    printed = " ".join(capsys.readouterr().out.split())
-    assert "exact solution known" in printed
-    assert "trajectory-4.npz: degree 1," in printed
+    assert "trajectory-4.npz: degree 1," in " ".join(capsys.readouterr().out.split())
     found = pd.read_csv(tmp_path / "advance-recede-trajectory-3-trajectory-4" / "levels.csv")
     before = pd.read_csv(directory / "levels.csv")
     names = ["h", "steps", "lowest", "highest", "plain", "order_low", "order_high"]
@@ -191,19 +187,18 @@ def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_pat
         (["--displacement", "none.npz"], "there is no file none.npz"),
         (["--displacement", "."], ". is a directory: give the file in it"),
         (["--displacement", "none.npz", "--adapt", "1"], "not both"),
-        (["--adapt", "5 percent"], "a tolerance such as 0.2 or 5%, got '5 percent'"),
-        *((["--adapt", number], "a tolerance that is a positive number") for number in ("0", "nan", "inf")),
+        *((["--adapt", text], "a tolerance that is a positive number") for text in ("0", "nan", "inf", "5 percent")),
     ],
 )
 def test_options_that_make_no_sense_are_refused(told, tmp_path, options: list[str], message: str) -> None:
     assert message in told("bound", "full-contact", *options, "--out", str(tmp_path / "out"))
 
 
-def test_a_mesh_too_large_for_the_memory_is_refused_with_what_is_served(finished, tmp_path, told, monkeypatch) -> None:
-    monkeypatch.setattr("study.cli.displacement.available", lambda: 0.45 * 2.0**30)
+def test_a_mesh_too_large_for_the_memory_is_refused(finished, tmp_path, told, monkeypatch) -> None:
+    monkeypatch.setattr("study.run.executor.available", lambda: 0.45 * 2.0**30)
     file = str(finished[0] / "trajectory-4.npz")
     said = told("bound", "advance-recede", "--displacement", file, "--refine", "4", "--out", str(tmp_path / "out"))
-    assert re.search(r"has \d+ triangles, .* need about [\d.]+ GiB .* enough for \d+ triangles", said)
+    assert re.search(r"with \d+ triangles and --refine 4 needs about [\d.]+ GiB .* coarser mesh", said)
 
 
 def test_more_triangles_than_can_be_factorised_are_refused_with_a_refinement_that_is_served(monkeypatch) -> None:
@@ -215,7 +210,5 @@ def test_more_triangles_than_can_be_factorised_are_refused_with_a_refinement_tha
     monkeypatch.setattr("study.solve.factorisation.MOST_ENTRIES", 2)
     with pytest.raises(MemoryError, match=r"at most 2 entries, and this one has 3: .* --refine 0") as error:
         Cholesky(sps.csc_array(np.eye(3)))
-    code, message = exit_code_and_message(error.value)
-    assert code == 1
-    assert message == str(error.value)
+    assert exit_code_and_message(error.value) == (1, str(error.value))
     assert "--jobs" not in exit_code_and_message(MemoryError())[1]

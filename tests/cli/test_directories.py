@@ -172,7 +172,6 @@ def test_ctrl_c_and_a_kill_end_all_processes_at_once_however_often_it_is_pressed
     """Ctrl-C reaches the whole process group, ``kill`` one process; a killed process leaves no worker behind."""
     command = [sys.executable, "-c", ASLEEP]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as process:
-        assert process.stdout is not None
         assert process.stdout.readline() == b"started\n"
         for _ in range(times):
             with suppress(ProcessLookupError):
@@ -199,22 +198,19 @@ def test_an_empty_name_is_refused(command, tmp_path, monkeypatch, capsys):
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no /dev/full")
 def test_a_full_disk_behind_the_output_is_said_in_words():
     with open("/dev/full", "w") as full:
-        done = subprocess.run([*STUDY, *RATES], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run(CASES, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     said = "study: cannot write the output: the disk is full (No space left on device); free space there"
     assert (done.returncode, done.stderr.startswith(said), len(done.stderr.splitlines())) == (2, True, 1)
 
 
 def test_a_reader_who_has_seen_enough_ends_the_command_without_a_word():
-    with subprocess.Popen([*STUDY, *RATES], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as command:
-        assert command.stdout and command.stderr  # noqa: PT018
+    with subprocess.Popen(CASES, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as command:
         command.stdout.close()
         assert command.stderr.read() == ""
     assert command.returncode == CLOSED
 
 
-STUDY = [sys.executable, "-m", "study"]
-RATES = ["rates", str(Path(__file__).parents[2] / "examples" / "errors.csv")]
-"""A command that prints, and needs no case."""
+CASES = [sys.executable, "-m", "study", "cases"]
 
 
 def planned(tmp_path, *arguments):

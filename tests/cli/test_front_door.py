@@ -12,9 +12,7 @@ import pytest
 
 import manufactured
 from study.cli.main import main
-from study.cli.options import FAMILIES as FAMILY_NAMES
-from study.cli.options import SCHEMES as SCHEME_NAMES
-from study.cli.options import TOLERANCE, parser
+from study.cli.options import COMPARE_TOLERANCE, FAMILY_NAMES, SCHEME_NAMES, parser
 from study.cli.run import on_finer_meshes, scope_from_options
 from study.fem.mesh import FAMILIES, Alternating
 from study.ledger.compare import Tolerance
@@ -139,7 +137,7 @@ def test_help_names_what_there_is_in_80_columns_and_needs_nothing_that_takes_tim
     assert max(map(len, done.stdout.splitlines())) <= 80
     assert set(SCHEME_NAMES) == {scheme.name for scheme in SCHEMES}
     assert [*FAMILY_NAMES] == [*(family.name for family in FAMILIES), Alternating().name]
-    assert Tolerance.relative == TOLERANCE
+    assert Tolerance.relative == COMPARE_TOLERANCE
 
 
 def test_names_of_the_package_are_found_when_they_are_asked_for():

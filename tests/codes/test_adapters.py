@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 import run_codes
 import this_study
-from json_schema import faults_of
+from jsonschema import Draft202012Validator
 from judged_codes import exported, judged, read, task
 
 from study.cli.main import main
@@ -289,9 +289,8 @@ def test_junit_has_a_case_for_each_series_and_no_control_characters(output, plac
     assert "times the right ones" in str(failure.text)
 
 
-def fits(value, name):
-    schema = json.loads((RESULTS.parent / "docs" / "reference" / name).read_text(encoding="utf-8"))
-    return faults_of(value, schema, schema)
+def schema(name):
+    return Draft202012Validator(json.loads((RESULTS.parent / "docs" / "reference" / name).read_text(encoding="utf-8")))
 
 
 def test_the_json_is_valid_and_fits_its_schema_even_without_numbers(place, capsys):
@@ -303,8 +302,8 @@ def test_the_json_is_valid_and_fits_its_schema_even_without_numbers(place, capsy
             raise AssertionError(text)
 
         rows = json.loads(capsys.readouterr().out, parse_constant=refuse)
-        assert fits(rows, "contact-verdict.schema.json") == []
-    assert fits([rows[0] | {"verdict": "good"}], "contact-verdict.schema.json")
+        schema("contact-verdict.schema.json").validate(rows)
+    assert not schema("contact-verdict.schema.json").is_valid([rows[0] | {"verdict": "good"}])
 
 
 @pytest.mark.parametrize("kind", ["frozen", "march", "foundation"])
@@ -312,9 +311,9 @@ def test_tasks_fit_their_schema(kind):
     data = march(task("corner", 4), 2) if kind == "march" else frozen(task("corner", 4), (0.55,))
     data = read(with_foundation(data, 3) if kind == "foundation" else data).data
     assert data["version"] == 2
-    assert fits(data, "contact-task.schema.json") == []
+    schema("contact-task.schema.json").validate(data)
     del data["contact"][0]["facets"]
-    assert fits(data, "contact-task.schema.json")
+    assert not schema("contact-task.schema.json").is_valid(data)
 
 
 def test_version_1_is_read_and_is_the_same_task():

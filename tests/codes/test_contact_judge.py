@@ -22,7 +22,7 @@ from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.run.tasks import frozen, with_foundation, write_task
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment
 from study.statements.shared.tasks import FROZEN_TIMES
 
 CODES = Path(__file__).parents[2] / "examples" / "codes"

@@ -7,24 +7,22 @@ import subprocess
 import sys
 from dataclasses import replace
 from importlib.util import find_spec
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from manufactured.law import isotropic_matrix
 from study.cli.main import main
-from study.controls.contact_test import CHOSEN, DEFECTS, OF_THE_PROGRAM, contact_tests, defective
-from study.controls.faults import FAULTS, Fault, Frictional, friction, tangents
+from study.controls.faults import FAULTS, Fault, Frictional, axes_exchanged, exchanged, friction, shear_scaled, tangents
 from study.controls.matrix import distance_of_solutions, measured_on, rows_of
 from study.fem.naming import resolve
 from study.ledger import faults
-from study.run.plan import Plan, quick
+from study.ledger.files import UsageError
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import Setting
-from study.statements.shared.experiment import Experiment
-from study.statements.shared.scope import Levels, regular
+from study.statements.shared.base import Experiment, Setting
+from study.statements.shared.scope import regular
 
 BY_NAME = {fault.name: fault for fault in FAULTS}
 SEVERAL_KINDS = (
@@ -97,6 +95,41 @@ def test_without_friction_the_frictional_solver_is_the_right_one() -> None:
     assert pressure == pytest.approx(right, abs=1e-9 * right.max())
 
 
+A = np.arange(9.0).reshape(3, 3)
+B = np.diag([1.0, 2, 3, 4, 5, 6])
+
+
+@pytest.mark.parametrize(
+    ("change", "matrix", "size", "expected"),
+    [
+        (axes_exchanged, A, 1.0, [[4, 3, 5], [1, 0, 2], [7, 6, 8]]),
+        (axes_exchanged, B, 1.0, np.diag([2.0, 1, 3, 5, 4, 6])),
+        (shear_scaled, A, 1.0, [[0, 1, 4], [3, 4, 10], [12, 14, 32]]),
+        (exchanged, isotropic_matrix(1, 3, 2), 1.0, isotropic_matrix(3, 1, 2)),
+        (exchanged, isotropic_matrix(1, 3, 3), 0.5, isotropic_matrix(2, 2, 3)),
+    ],
+)
+def test_faults_of_a_tensor_change_it_as_they_say(change, matrix: np.ndarray, size: float, expected) -> None:
+    assert change(matrix, size) == pytest.approx(np.array(expected))
+
+
+FORCE = ["Prop. 5.4", "contact force", "Thm 4.2"]
+
+
+@pytest.mark.parametrize(
+    ("case", "labels", "coarsest"),
+    [
+        *(("full-contact", FORCE, 4), ("cube-disc", FORCE, 3), ("parabolic-gap", ["beyond: initial gap"], 8)),
+        ("junction", ["Prop. 5.3", "Thm 4.2"], 4),
+    ],
+)
+def test_a_case_meets_the_statements_about_it_on_levels_of_the_quick_study(case, labels, coarsest: int) -> None:
+    every = measured_on(case)
+    assert [one.statement.label for one in every] == labels
+    assert every[-1].settings[0].level == coarsest
+    assert len(every[0].settings) > 2
+
+
 def test_vertices_that_are_never_released_stay_on_the_foundation_while_they_are_pulled() -> None:
     faulty = BY_NAME["no lift-off after contact"].change(experiment("advance-recede", 8), 1.0)
     states = [*faulty.march(8)]
@@ -125,7 +158,7 @@ def test_nothing_is_concluded_where_a_check_fails_without_a_fault(monkeypatch: p
     for one in measured_on("full-contact"):
         assert one.failing() == []
     monkeypatch.setattr("study.controls.matrix.FAILS", "holds")
-    with pytest.raises(ValueError, match="full-contact: without a fault these checks fail: order"):
+    with pytest.raises(UsageError, match="full-contact: without a fault these checks fail: order"):
         next(rows_of("full-contact"))
 
 
@@ -156,11 +189,21 @@ def test_a_fault_must_be_noticed_in_two_plane_cases_and_in_one_in_space(rows, la
     assert faults.in_words(faults.missed(matrix(*rows))) == lacking
 
 
-def test_the_command_writes_the_matrix_and_continues(monkeypatch, tmp_path, capsys) -> None:
-    command = ["faults", "--case", "full-contact", "--fault", "no contact", "--jobs", "1", "--out", str(tmp_path)]
+OWN = """
+from dataclasses import replace
+from manufactured import named
+own = replace(named("full-contact"), name="own")
+"""
+
+
+@pytest.mark.parametrize("own", [False, True])
+def test_the_command_writes_the_matrix_and_continues(monkeypatch, tmp_path, capsys, own: bool) -> None:
+    (tmp_path / "own.py").write_text(OWN, encoding="utf-8")
+    case = f"{tmp_path}/own.py:own" if own else "full-contact"
+    command = ["faults", "--case", case, "--fault", "no contact", "--jobs", "1", "--out", str(tmp_path / "out")]
     assert main(command) == 0
-    table = pd.read_csv(tmp_path / "data" / "faults.csv")
-    assert table["fault"].tolist() == ["no contact"]
+    table = pd.read_csv(tmp_path / "out" / "data" / "faults.csv")
+    assert table[["fault", "case"]].to_numpy().tolist() == [["no contact", "own" if own else "full-contact"]]
     assert "noticed by errors" in capsys.readouterr().out
     monkeypatch.setattr("study.controls.matrix.rows_of", None)  # nothing is measured again
     assert main(command) == 0
@@ -190,61 +233,3 @@ def test_the_stress_problem_loads_no_solver_of_displacements_while_it_marches() 
     solvers = {f"study.solve.{name}" for name in names.split()}
     assert all(map(find_spec, solvers))
     assert not loaded & solvers
-
-
-CASES = """
-from dataclasses import replace
-from sympy import Rational
-from manufactured import Case, ContactFace, ExactSolution, KelvinVoigt, Kind, Regularity
-from manufactured import isotropic, named, polygon, pos, s, t
-
-good = replace(named("advance-recede"), name="good")
-arch = replace(named("parabolic-gap"), name="arch", families=("one-diagonal",))
-apart = replace(named("no-contact"), name="apart")
-solid = replace(named("cube-disc"), name="solid")
-
-kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
-body = polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], kinds)
-law = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
-(floor,) = body.of(Kind.CONTACT)
-zone = Rational(1, 64) - (s - Rational(1, 2) - t / 5) ** 2
-face = ContactFace.linear(floor, law, body.T, pos(-zone, 4), 40 * pos(zone, 2), level=zone)
-weak = Case(
-    name="weak",
-    summary="a small pressure on a narrow patch, and a large gap beyond",
-    solution=ExactSolution(body, law, (face,)),
-    regularity=Regularity(gap=4, pressure=2, moving=True),
-    order=1,
-    reason="α = 4 > 7/2 and m = 2 > 3/2 give (5.36)",
-)
-"""
-
-
-@pytest.fixture(scope="module")
-def cases(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path: Path = tmp_path_factory.mktemp("cases") / "cases.py"
-    path.write_text(CASES, encoding="utf-8")
-    return path
-
-
-def plan_of(reference: str) -> Plan:
-    scope = replace(quick(), cases=(reference,), plane=Levels((4, 8, 16)), every_family=False, statements=False)
-    return Plan.of(scope)
-
-
-def test_only_cases_of_users_that_touch_are_tested(cases: Path) -> None:
-    assert contact_tests(plan_of("advance-recede")) == contact_tests(plan_of(f"{cases}:apart")) == []
-    assert resolve(contact_tests(plan_of(f"{cases}:solid"))[0][0].setting.case).solution.body.dim == 3
-
-
-@pytest.mark.parametrize(
-    ("name", "defect"), [("good", "every second vertex of Γ3 free"), *(("arch", defect) for defect in DEFECTS)]
-)
-def test_rows_about_the_program_do_not_count_and_results_with_a_fault_have_their_own_file(
-    cases: Path, name: str, defect: str
-) -> None:
-    assert {"penetration", "pulling", "residual"} <= OF_THE_PROGRAM
-    assert CHOSEN.keys() == DEFECTS.keys()
-    job = defective(contact_tests(plan_of(f"{cases}:{name}"))[0], defect)[0]
-    assert job.run() != super(type(job), job).run()
-    assert len({job.key, super(type(job), job).key}) == 2

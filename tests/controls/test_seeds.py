@@ -13,33 +13,32 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from study.cli import seeds
+from study.cli import controls
 from study.cli.main import main
-from study.controls.rules import rules
-from study.controls.seeded import seeded
+from study.controls.seeded import SeededScope, on_shaken, rules, seeded
 from study.fem.mesh import Shaken
 from study.fem.naming import family_named, resolve
 from study.ledger.datafiles import DataError
 from study.ledger.files import UsageError
-from study.ledger.seeds import FalseAlarms, RowKey, Seed, SeedRecord, interval, seeds_needed
-from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
+from study.ledger.seeds import FalseAlarms, Seed, SeedRecord, interval, seeds_needed
+from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict
 from study.ledger.window import at_most
-from study.run.executor import execute, local_pool
-from study.run.judgement import collect
 from study.run.plan import Plan
-from study.run.store import Store
-from study.statements.uniqueness import OneTrajectory
+from study.statements.moving_fronts import NodalErrors
+from study.statements.shared.base import ListedNumbers, Statement, grid
+from study.statements.thm_4_2 import OwnSpace
+from study.statements.wellposed import BoundedVelocity
 
 RESULTS = Path(__file__).parents[2] / "results"
-RULES: dict[RowKey, str] = {("Prop. 5.4", "order", "advance-recede"): "a", ("K^h", "cone", "corner"): "b"}
+RULES = "r1"
 
 
-def after(alarms: Iterable[int], rules: dict[RowKey, str] = RULES, record: SeedRecord | None = None) -> SeedRecord:
+def after(alarms: Iterable[int], rules: str = RULES, record: SeedRecord | None = None) -> SeedRecord:
     """A record with one more seed for each number of alarms."""
     record = record or SeedRecord()
     for number in alarms:
         seed = 100 + len(record.rows)
-        record = record.drawn(seed).judged(rules, number)
+        record = record.drawn(seed).judged(rules, 2, number)
     return record
 
 
@@ -60,11 +59,10 @@ def test_the_count_of_seeds_alone_decides(red: int, quiet: int, verdict: str) ->
     assert (alarms.seeds, alarms.red, alarms.verdict) == (red + quiet, red, verdict)
 
 
-@pytest.mark.parametrize("rules", [{**RULES, ("K^h", "cone", "corner"): "c"}, dict([*RULES.items()][:1])])
-def test_seeds_judged_by_other_rules_or_by_more_checks_count_for_nothing(rules: dict[RowKey, str]) -> None:
+def test_seeds_judged_by_other_rules_count_for_nothing() -> None:
     """Else a window could be widened, or a check removed, until the seeds that were drawn before are quiet."""
-    alarms = FalseAlarms(after([0, 0, 1], rules, after([2, 0])))
-    assert (alarms.seeds, alarms.red, alarms.checks) == (3, 1, len(rules))
+    alarms = FalseAlarms(after([0, 0, 1], "r2", after([2, 0])))
+    assert (alarms.seeds, alarms.red, alarms.checks) == (3, 1, 2)
 
 
 def test_a_seed_that_is_begun_is_in_the_record_and_counts_for_nothing(tmp_path: Path) -> None:
@@ -79,7 +77,7 @@ def test_a_seed_that_is_begun_is_in_the_record_and_counts_for_nothing(tmp_path: 
 def test_nothing_in_the_record_is_replaced() -> None:
     record = after([0, 1])
     with pytest.raises(DataError, match="the last seed was already judged"):
-        record.judged(RULES, 0)
+        record.judged(RULES, 2, 0)
     assert after([0], record=record).rows[:2] == record.rows
 
 
@@ -119,19 +117,38 @@ def test_a_seed_in_its_name_gives_other_shaken_meshes() -> None:
 
 
 def few(seed: int) -> Plan:
-    """Two quick settings of each of two statements in place of all."""
+    """Two quick settings of a statement in place of all."""
     every = plan_of_three()
-    labelled = ([job for job in every.jobs if job.statement.label == label] for label in ("Thm 4.1, 5.2", "K^h"))
-    jobs = [job for jobs in labelled for job in jobs[:2]]
+    jobs = [job for job in every.jobs if isinstance(job.statement, BoundedVelocity)][:2]
     family = f"shaken-{seed}"
     return Plan(every.scope, tuple(replace(job, setting=replace(job.setting, family=family)) for job in jobs))
+
+
+class Toy(ListedNumbers):
+    """Without random meshes in the quick study."""
+
+    quick = grid(("full-contact",), ("one-diagonal",), (8,))
+    full = grid(("full-contact",), ("one-diagonal", "shaken"), (4, 8, 16))
+
+
+@pytest.mark.parametrize(
+    ("statement", "levels"),
+    [(BoundedVelocity(), {8, 16}), (Toy(), {4, 8}), (NodalErrors(), set()), (OwnSpace(), {8, 16, 32})],
+)
+def test_statements_have_their_settings_on_random_meshes(statement: Statement, levels: set[int]) -> None:
+    """Of the quick study; if it has none, of the full study, but on no finer level."""
+    scope = plan_of_three().scope
+    assert isinstance(scope, SeededScope)
+    settings = on_shaken(statement, scope)
+    assert {setting.level for setting in settings} == levels
+    assert {setting.family for setting in settings} <= {"shaken-3"}
 
 
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Seeds of few measurements, and a clock that goes on by a second whenever somebody looks at it."""
-    monkeypatch.setattr(seeds, "seeded", few)
-    monkeypatch.setattr(seeds, "time", SimpleNamespace(monotonic=count().__next__))
+    monkeypatch.setattr(controls, "seeded", few)
+    monkeypatch.setattr(controls, "time", SimpleNamespace(monotonic=count().__next__))
 
 
 @pytest.mark.usefixtures("quick")
@@ -173,12 +190,12 @@ def test_an_interrupted_run_loses_nothing(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("quick")
 def test_an_alarm_is_counted_printed_and_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
-    first, *others = OneTrajectory.checks
-    monkeypatch.setattr(OneTrajectory, "checks", (replace(first, window=at_most(-1, low=-2)), *others))
+    first, *others = BoundedVelocity.checks
+    monkeypatch.setattr(BoundedVelocity, "checks", (replace(first, window=at_most(-1, low=-2)), *others))
     seeds_of(tmp_path, "--seeds", "1")
     (row,) = SeedRecord.read(tmp_path).rows
     assert row.alarms > 0
-    assert f"{OneTrajectory.label}, {first.key}" in capsys.readouterr().out
+    assert f"{BoundedVelocity.label}, {first.key}" in capsys.readouterr().out
     assert seeds_of(tmp_path, "--seed", str(row.seed)) == 1
 
 
@@ -186,32 +203,14 @@ def seeds_of(directory: Path, *options: str) -> int:
     return main(["seeds", *options, "--jobs", "1", "--out", str(directory)])
 
 
-@pytest.fixture(scope="module")
-def measured(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Plan]:
-    """Data of one seed."""
-    return measurements(tmp_path_factory.mktemp("seed"), few(11))
-
-
-def measurements(directory: Path, plan: Plan) -> tuple[Path, Plan]:
-    with local_pool(1) as pool:
-        execute(plan.jobs, Store(directory), pool, lambda _: None)
-    collect(plan, Store(directory))
-    return directory, plan
-
-
-def test_another_window_statistic_or_level_is_another_rule_of_these_rows_alone(
-    measured: tuple[Path, Plan], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    directory, plan = measured
-    before, (first, *others) = rules(directory, plan), OneTrajectory.checks
-    for change in (
-        {"window": at_most(2 * first.window.high)},
-        {"value": lambda table: 2 * first.value(table)},
-    ):
-        monkeypatch.setattr(OneTrajectory, "checks", (replace(first, **change), *others))
-        after = rules(directory, plan)
-        assert {row[:2] for row in before if after[row] != before[row]} == {(OneTrajectory.label, first.key)}
-    monkeypatch.undo()
-    finer = [replace(job, setting=replace(job.setting, level=9)) if job is plan.jobs[0] else job for job in plan.jobs]
-    after = rules(directory, Plan(plan.scope, tuple(finer)))
-    assert {row[2] for row in before if after[row] != before[row]} == {plan.jobs[0].setting.case}
+def test_a_window_quantity_or_level_changes_the_hash_of_rules_and_another_seed_does_not() -> None:
+    row = Verdict(
+        "Thm 4.1, 5.2", "u ∈ V", "corner", "q, shaken-3 meshes", "", 0, 0, 0, HOLDS, "k", "shaken-3", "", 0, 1
+    )
+    again = replace(row, quantity="q, shaken-4 meshes", family="shaken-4", observed=0.5)
+    assert (first := rules(few(3), [row])) == rules(few(4), [again])
+    for other in (replace(row, window_high=2.0), replace(row, quantity="r, shaken-3 meshes")):
+        assert rules(few(3), [other]) != first
+    job, *others = few(3).jobs
+    finer = replace(job, setting=replace(job.setting, level=9))
+    assert rules(replace(few(3), jobs=(finer, *others)), [row]) != first

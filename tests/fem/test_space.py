@@ -161,6 +161,7 @@ CUT = split_bottom(face(CONTACT, O, Y, X), face(LOADED, X, Y, XY))
         (lambda: cell_rules(MESH, 4, (), [(0.3, 0.3)]), "not a vertex of the mesh"),
         (lambda: cell_rules(MESH, 4, (Line((1.0, 0.0), 0.1),), [(0.0, 0.0)]), "two lines or points"),
         (lambda: cell_rules(SOLID_MESH, 4, (Line((1.0, 0.0, 0.0), 0.3),)), "2D only"),
+        (lambda: cell_rules(MESH, 4, (Line((1.0,), 0.3),)), "2D only"),
         (lambda: facet_rule(SOLID_MESH, boundary_parts(SOLID_MESH, box())[4], box().parts[4], (0.3,), 4), "2D only"),
     ],
 )

@@ -20,7 +20,6 @@ from study.ledger.verdict import (
     CheckKind,
     agreement,
     exit_code,
-    is_of_the_paper,
 )
 from study.ledger.window import Window, around, at_least, at_most, between, position
 from study.present.outcome import write_junit
@@ -184,11 +183,6 @@ def test_a_failure_goes_before_an_undecided_row_a_missed_prediction_is_none_and_
     write_junit(tmp_path / "a.xml", rows)
     suite = ElementTree.parse(tmp_path / "a.xml").getroot()
     assert (int(suite.get("failures", "")) > 0) == bool([*suite.iter("failure")]) == (code == 1)
-
-
-@pytest.mark.parametrize(("label", "paper"), [("Prop. 5.4", True), ("(4.4), (4.5), (5.6)", True), ("bound", False)])
-def test_a_row_is_about_the_paper_if_its_label_has_a_number_of_the_paper(label, paper):
-    assert is_of_the_paper(label) is paper
 
 
 def test_zero_is_infinitely_far_outside_a_window_with_a_positive_lower_end_only():

@@ -16,9 +16,9 @@ from study.ledger import schema
 from study.ledger.compare import difference
 from study.ledger.datafiles import DataError, read_checked, read_table
 from study.ledger.files import StoreError, write_packed, write_text, write_whole
-from study.ledger.numbered import named
-from study.ledger.orders import RatesError, limit, orders
+from study.ledger.quantities import RatesError, limit, orders
 from study.ledger.text import cell, down, interval, power_of_ten, up
+from study.ledger.verdict import named
 
 
 def fails(path):

@@ -3,14 +3,33 @@
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
+import sympy as sp
 from changed import turned
+from on_floor import on_floor
 
-from manufactured import Body, BodyError, Kind, examine, named, polygon, unit_square
+from manufactured import (
+    Body,
+    BodyError,
+    FormulaError,
+    KelvinVoigt,
+    Kind,
+    examine,
+    isotropic,
+    named,
+    polygon,
+    pos,
+    s,
+    t,
+    unit_square,
+)
+from manufactured.body import Part
+from manufactured.face_strain.fronts import front
 from study.fem.mesh import OneDiagonal
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import measure
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment
 
 SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
@@ -57,3 +76,59 @@ def square(**options: Any) -> Body:
 def test_a_body_that_is_none_or_that_no_mesh_could_serve_is_refused(make, message: str) -> None:
     with pytest.raises(BodyError, match=message):
         make()
+
+
+TRIANGLE = np.array([[0.0, 1, 0], [0, 0, 1], [0, 0, 0]])
+
+
+@pytest.mark.parametrize(
+    ("corners", "served"),
+    [(np.eye(2), True), (TRIANGLE, True), (np.eye(2)[:, :1], False), (TRIANGLE[:2], False), (TRIANGLE[:, :2], False)]
+    + [(np.arange(20.0).reshape(4, 5) ** 2, False)],
+)
+def test_a_part_has_two_corners_in_the_plane_and_three_or_more_in_space(corners: np.ndarray, served: bool) -> None:
+    if served:
+        assert Part(Kind.LOADED, corners).dim == len(corners)
+    else:
+        with pytest.raises(BodyError, match="cannot have corners of the shape"):
+            Part(Kind.LOADED, corners)
+
+
+@pytest.mark.parametrize(("moved", "count"), [(1e-14, 4), (1e-6, 8)])
+def test_corners_are_one_vertex_if_they_differ_by_rounding_only(moved: float, count: int) -> None:
+    parts = [replace(part, corners=part.corners + [[0, moved], [0, moved]]) for part in unit_square().parts]
+    lone = object.__new__(Body)
+    vars(lone).update(parts=tuple(parts))
+    assert lone.vertices.shape == (2, count)
+
+
+def test_the_sides_of_a_body_meet_up_to_rounding_of_its_size() -> None:
+    scale = 1e-3
+    first, *others = polygon(scale * np.array([(0, 0), (1, 0), (1, 1), (0, 1)]), SIDES).parts
+    for moved, refused in ((1e-13, False), (1e-7, True)):
+        corners = first.corners + scale * moved * np.array([[0, 0], [0, 1]])
+        parts = (replace(first, corners=corners), *others)
+        if refused:
+            with pytest.raises(BodyError, match="but the next starts at"):
+                Body(parts)
+        else:
+            assert Body(parts).measure == pytest.approx(scale**2)
+
+
+def test_a_front_passes_each_point_at_its_own_times_and_missing_times_are_the_final_one() -> None:
+    """ψ = sin(2πt) − s: twice at s = 1/2, once more at s = 0, never at s = 2."""
+    passes = front(sp.sin(2 * sp.pi * t) - s, (s,)).passes(np.array([[0.5, 2.0, -0.5]]), 1.0)
+    expected = [[1 / 12, 5 / 12], [1.0, 1.0], [7 / 12, 11 / 12]]
+    assert pytest.approx(np.array(expected), abs=1e-12) == passes.T
+
+
+@pytest.mark.parametrize(("depth", "refused"), [(0.0, False), (1e-14, False), (1e-9, True)])
+def test_an_initial_gap_is_negative_nowhere_on_its_face_but_for_rounding(depth: float, refused: bool) -> None:
+    """It is least in the middle of the face, where neither end shows it."""
+    law = KelvinVoigt(isotropic(1, 0.5), isotropic(1, 0.5), "linear")
+    gap = (s - 0.5) ** 2 - depth
+    if refused:
+        with pytest.raises(FormulaError, match=r"initial gap .* is -1e-09 at s = 0\.5"):
+            on_floor(law, t * pos(s - 0.5, 4), 0, initial_gap=gap)
+    else:
+        assert on_floor(law, t * pos(s - 0.5, 4), 0, initial_gap=gap).has_initial_gap

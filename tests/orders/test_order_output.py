@@ -1,6 +1,7 @@
 """Exit codes, outputs and plots of ``study rates``; tables that are written and read back; the library."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -11,19 +12,20 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from json_schema import faults_of
-from scipy.stats import linregress, t
+from jsonschema import Draft202012Validator
 from table_forms import FORMS, joined, markdown
 
 from convergence_orders import OrderError, assert_order, check_orders, observed_orders
 from convergence_orders.columns import Options, read_series
-from convergence_orders.orders import fitted_order, grid_convergence
+from convergence_orders.orders import grid_convergence
 from study.cli.main import main
 
 H = np.array([0.5, 0.25, 0.125, 0.0625])
 SQUARES = H**2
 GOOD, LOW, BENT, ZERO = [1, 0.25, 0.0625, 0.015625], [1, 0.5, 0.25, 0.125], [1, 0.5, 0.3, 0.08], [0, 0, 0, 0]
-SCHEMA = json.loads((Path(__file__).parents[2] / "docs/reference/rates.schema.json").read_text(encoding="utf-8"))
+SCHEMA = Draft202012Validator(
+    json.loads((Path(__file__).parents[2] / "docs/reference/rates.schema.json").read_text(encoding="utf-8"))
+)
 
 
 def table(**columns):
@@ -67,7 +69,7 @@ def test_names_with_commas_and_equal_signs_can_be_expected(expected, code, rates
     )
 
 
-@pytest.mark.parametrize("expected", ["e, max", "2,1", "two", "e, max=1,2", "2,e=1", ""])
+@pytest.mark.parametrize("expected", ["e, max", "2,1", "two", "e, max=1,2", ""])
 def test_an_expectation_that_is_not_understood_is_answered_with_an_example(expected, capsys):
     with pytest.raises(SystemExit, match="2"):
         main(["rates", "t.csv", "--expected", expected])
@@ -83,8 +85,8 @@ def test_json_has_the_documented_schema(capsys):
             read += 1
             entries = json.loads(output, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
             assert entries, file
-            assert faults_of(entries, SCHEMA, SCHEMA) == [], file
-            assert faults_of([entries[0] | {"verdict": "?", "more": 1}], SCHEMA, SCHEMA), file
+            SCHEMA.validate(entries)
+            assert not SCHEMA.is_valid([entries[0] | {"verdict": "?", "more": 1}]), file
     assert read > 20
 
 
@@ -106,7 +108,9 @@ def test_junit_and_markdown_say_what_the_terminal_says(tmp_path, rates):
 def test_a_plot_is_drawn_whatever_the_errors_do(ending, start, tmp_path, rates):
     columns = {"L2": GOOD, "$\\rho^{": LOW, "inf": ZERO, "some": [1, 0.1, 0, 0], "nan": [1, "nan", 0.1, 0.2]}
     rates(table(**columns), "--expected", "2", "--plot", str(tmp_path / f"p.{ending}"), code=1)
-    assert (tmp_path / f"p.{ending}").read_bytes().startswith(start)
+    content = (tmp_path / f"p.{ending}").read_bytes()
+    assert content.startswith(start)
+    assert ending != "svg" or len(re.findall(rb"<!-- [\d.e+-]+ -->", content)) == 8, "four labelled ticks on both axes"
 
 
 NUMBER = st.floats(1e-12, 1e3).map(lambda value: float(f"{value:.6g}"))
@@ -174,7 +178,7 @@ def test_errors_with_a_floor_fail_unless_it_is_permitted():
     for errors in (FINE**2 + 1e-4, FINE[2:] ** 2 + 1e-4):
         for wish in ({"expected": 2}, {"at_least": 0.4}):
             found = observed_orders(FINE[-len(errors) :], errors, **wish)
-            assert (found.verdict, found.limit) == ("fails", pytest.approx(1e-4))
+            assert found.verdict == "fails"
             assert "tends to 0.0001, not to 0" in found.sentence
     for errors, floors in ((FINE**2 + 1e-4, (0.9e-4, 1.1e-4)), (STAGNATING, (1e-5, 1e-3))):
         h = 0.5 ** np.arange(len(errors))
@@ -191,12 +195,13 @@ def test_names_with_terminal_escapes_are_printed_without_them(tmp_path, rates):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no /dev/full")
-def test_a_full_disk_behind_the_output_is_said_in_words():
+@pytest.mark.parametrize("options", [[], ["--expected", "1", "--junit", "/dev/full"]])
+def test_a_full_disk_behind_the_output_is_said_in_words(options):
     command = [sys.executable, "-m", "convergence_orders", str(Path(__file__).parents[2] / "examples/errors.csv")]
     with open("/dev/full", "w") as full:
-        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run([*command, *options], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
-    assert done.stderr.startswith("convergence-orders: cannot write the output: ")
+    assert done.stderr.startswith(("convergence-orders: cannot write the output: ", "convergence-orders: /dev/full: N"))
 
 
 def test_a_broken_solver_fails_the_assertion():
@@ -257,16 +262,15 @@ def test_what_is_no_number_is_refused_in_words(h, errors, wish, said):
         observed_orders(h, errors, wish, name="u")
 
 
-CELLS = "; h seems to be the number n of cells: give h = 1/n"
+CELLS = "; or is h the number n of cells? Then give h = 1/n"
 
 
 @pytest.mark.parametrize(
     ("h", "order", "said"),
     [
         ([4, 8, 16, 32], 2, True),
-        ([32, 16, 8, 4], 0.1, True),
+        ([4, 8], 2, True),
         ([4, 8, 16, 32], -2, False),
-        ([4.5, 8.5, 16.5, 32.5], 2, False),
         ([1, 2, 4, 8], 2, False),
     ],
 )
@@ -286,12 +290,3 @@ def test_numbers_of_cells_given_as_mesh_sizes_are_told(h, order, said):
 )
 def test_a_column_h_that_may_have_numbers_of_cells_asks_what_it_has(options, code, said, rates):
     assert said in rates("h,e\n4,1\n8,.25\n16,.0625\n32,.015625\n", "--expected", "2", *options.split(), code=code)
-
-
-@pytest.mark.parametrize("levels", [3, 4, 7])
-def test_the_interval_of_a_fitted_order_is_that_of_the_regression(levels):
-    h = 2.0 ** -np.arange(levels)
-    errors = h**1.5 * np.random.default_rng(levels).uniform(0.8, 1.2, levels)
-    found = linregress(np.log(h), np.log(errors))
-    half = t.ppf(0.975, levels - 2) * found.stderr
-    assert fitted_order(h, errors) == pytest.approx((found.slope, found.slope - half, found.slope + half))

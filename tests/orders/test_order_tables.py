@@ -178,7 +178,6 @@ READ = {
     "decimal commas in lines": "N = 8; Fehler = 1,78\nN = 16; Fehler = 0,697\nN = 32; Fehler = 0,317\n",
     "powers of ten in lines": "h = 0.25 err = 17.8 × 10⁻¹\nh = 0.125 err = 697 x 10^-3\nh = 0.0625 err = 31.7 %\n",
     "NumPy's numbers": "h = [0.25, 0.125, 0.0625]\nerr = [np.float64(1.78), np.float64(0.697), np.float64(0.317)]\n",
-    "a log": "12:00:01 INFO h = .25, err: 1.78\n12:00:05 INFO h = .125, err: .697\n12:01:11 INFO h = .0625 err: .317\n",
     "a numbered caption": "Table 1\nh error\n0.25 1.78\n0.125 0.697\n0.0625 0.317\n",
     "a tibble": "      h error\n  <dbl> <dbl>\n1 0.25   1.78\n2 0.125  0.697\n3 0.0625 0.317\n",
     "French powers": "| h | err |\n|-|-|\n| 1/4 | $178\\,10^{-2}$ |\n| 1/8 | $69.7\\,10^{-2}$ |\n| 1/16 | .317 |\n",
@@ -199,7 +198,6 @@ def test_small_tables_in_many_forms_have_the_same_orders(form, rates):
         ("h,u,p\n0.4,1.6,0.16\n0.2,0.4,0.08\n0.1,0.1,0.04\n", {"u": 2, "p": 1}),
         ("h,u,p\n0.4,1.6,-\n0.2,0.4,2.00\n0.1,0.1,2.00\n", {"u": 2}),
         ("h,CG,DG\n0.4,1.6,0.16\n0.2,0.4,0.08\n0.1,0.1,0.04\n", {"CG": 2, "DG": 1}),
-        ("h,err,CG\n0.4,1.6,12\n0.2,0.4,11\n0.1,0.1,10\n", {"err": 2}),
         ("dt,Euler,Heun (2nd order)\n0.4,0.16,1.6\n0.2,0.08,0.4\n0.1,0.04,0.1\n", {"Euler": 1, "Heun (2nd order)": 2}),
         (
             "cells  val L2  grad L2\n16  1.6 -  0.16 -\n64  0.4 2.0  0.08 1.0\n256  0.1 2.0  0.04 1.0\n",
@@ -264,9 +262,10 @@ def test_names_in_two_rows_belong_together(names):
     ("table", "options", "said"),
     [
         ("level error\n1 .64\n2 .16\n4 .01\n5 .0025\n", ["--ratio", "2"], "levels in column level are not consecutive"),
-        ("h,u,p\n4,1.6,-\n2,.4,2\n1,.1,2\n", ["--expected", "p=1"], "columns of errors are u; p was left out (order)"),
+        ("h,u,p\n4,1.6,-\n2,.4,2\n1,.1,2\n", ["--expected", "p=1"], "are u; left out, unless you give --columns"),
         ("h,err\n.4,.12\n.2,.03\n.1,0\n.05,.002\n", [], "exactly zero for h = 0.1, but not on all finer meshes"),
         ("h,err\n.4,.1\n.2,.025\n.1,.025\n.05,.00625\n.025,.0015625\n", ["--expected", "2"], "undecided"),
+        ("h,err\n.8,1\n.4,.25\n.2,.0625\n.1,.015625\n.05,0\n.025,.5\n", ["--expected", "2"], "undecided"),
         ("h,err\n.4,.1\n.2,nan\n.1,.1\n", [], "0.2 nan nan"),
         ("h,drag\n.4,3.14\n.2,3.142\n.1,3.1425\n", [], "or are these orders or values of a quantity (--values), not"),
         ("h,drag\n.4,3.14\n.2,3.142\n.1,3.1425\n", ["--values"], "size: h from column h; values: drag"),
@@ -418,7 +417,7 @@ def test_damaged_and_hostile_files_are_refused_in_words(data, words, rates):
     assert time.process_time() - start < 2
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252"])
 @pytest.mark.parametrize("ends", ["\n", "\r\n", "\r"])
 def test_one_table_in_every_encoding_gives_the_same_orders(encoding, ends, rates):
     rows = [("h", "error"), ("1/4", "1.6D-1"), ("0.125", "4×10^-2"), ("6.25e-2", "1%")]

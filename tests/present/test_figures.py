@@ -17,9 +17,17 @@ from study.cli.main import main
 from study.ledger.datafiles import read_rates
 from study.ledger.files import UsageError
 from study.ledger.text import above, below
-from study.present.body import DISPLACEMENT, magnification
+from study.present.body import DRAWN_DISPLACEMENT, magnification
 from study.present.charts import order_differences, order_in_words
-from study.present.drawing import Output, column_width, draw_one, family_styles, in_style, page_width
+from study.present.drawing import (
+    Output,
+    column_width,
+    draw_one,
+    drawn_for_use,
+    family_styles,
+    in_style,
+    page_width,
+)
 from study.present.figures import drawings, drawings_of, figure, overview
 from study.present.picture import misplaced_length, read_pictures
 
@@ -72,7 +80,7 @@ def cut_off_or_tiny(figure):
 def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(figures, every):
     with in_style():
         narrowest, widest = column_width(), page_width()
-    for name in figures if every else ("effectivity", "collapsed", f"energy-{CORNER}"):
+    for name in figures if every else ("collapsed", f"zone-{CORNER}"):
         figure = drawn(figures[name])
         assert narrowest <= figure.get_figwidth() <= widest, name
         assert cut_off_or_tiny(figure) == [], name
@@ -93,20 +101,10 @@ def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured, l
     values = {name: np.broadcast_to(value, getattr(solid.faces[0], name).shape) for name, value in given.items()}
     faces = [replace(face, **values) for face in solid.faces]
     shown = overridden(copy(solid.showing(solid.shown[:1])), faces=faces)
-    for kind in ("fronts", "maps", "body"):
+    for kind in ("fronts", "body"):
         drawing = figure(kind, shown)
         drawn(drawing)
         assert "nan" not in drawing.caption
-
-
-def test_upper_bounds_below_the_error_are_counted_and_unknown_errors_make_no_effectivity(alone):
-    assert "no bounds on the wrong side of the error" in named(alone, "effectivity").caption
-    path = alone / "data" / "bounds.csv"
-    bounds = pd.read_csv(path)
-    bounds.assign(upper=[0.9, *bounds["upper"][1:]]).to_csv(path, index=False)
-    assert "1 bound on the wrong side of the error" in named(alone, "effectivity").caption
-    bounds.assign(upper=np.nan, lower=np.nan).to_csv(path, index=False)
-    assert "effectivity" not in [drawing.name for drawing in drawings(alone)]
 
 
 # Uses: articles, slides, pages.
@@ -119,37 +117,43 @@ def size_of(png):
 
 def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_not_cut_off(figures, tmp_path):
     slides = Output("slides", ("png",))
-    png, _ = draw_one(tmp_path, figures["orders"], slides)
+    png, *_ = draw_one(tmp_path, figures["orders"], slides)
     assert size_of(png) == (1920, 1080)
     for name in ("orders", f"profiles-{CORNER}"):
         with in_style(slides):
-            figure = figures[name].draw()
-            figure.set_size_inches(4.8, 2.7)
+            figure = drawn_for_use(figures[name])
             figure.draw_without_rendering()
             assert cut_off_or_tiny(figure) == [], name
 
 
-def test_the_sheet_of_all_cases_is_for_articles_and_one_figure_with_all_orders_for_slides():
+def test_every_slide_has_a_headline_of_at_most_three_lines_which_the_figure_of_an_article_has_not(figures):
+    for drawing in figures.values():
+        assert 10 < len(drawing.headline) < 3 * 68, drawing.name
+        assert drawing.headline.lower() in drawing.caption.lower()
+    with in_style(Output("slides")):
+        assert drawn_for_use(figures["problem"]).get_suptitle().startswith("Where there is a gap ")
+    with in_style():
+        assert drawn_for_use(figures["problem"]).get_suptitle() == ""
+
+
+def test_figures_with_more_rows_or_axes_than_can_be_read_on_a_slide_are_for_articles():
     sheets = {drawing.name: drawing.sheet for drawing in overview(RESULTS)}
-    assert {name for name, sheet in sheets.items() if sheet} == {"convergence", "convergence-prop-5-3"}
-    assert not sheets["orders"]
+    assert {name for name, sheet in sheets.items() if sheet} == {"convergence", "convergence-prop-5-3", "faults"}
 
 
 def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_line(measured, figures):
     smooth = read_rates(measured).query("claim == 'Prop. 5.4'")
     observed = order_differences(smooth, dict.fromkeys(smooth["case"], 1.0))["observed"]
     with in_style(Output("slides")):
-        figure = figures["collapsed"].draw()
+        figure = drawn_for_use(figures["collapsed"])
     low, high = below(observed.min(), 2), above(observed.max(), 2)
     headline = figure.get_suptitle().replace("\n", " ")
     assert headline.startswith(f"The error is O(h): observed orders {low} to {high} ")
     assert headline.endswith(" over the last two refinements")
     entries = [text.get_text() for text in figure.legends[0].get_texts()]
     assert entries == ["mesh family", *family_styles(smooth["family"]), "C h, not fitted"]
-    with in_style():
-        assert figures["collapsed"].draw().get_suptitle() == ""
     slow = order_in_words(smooth.assign(error=smooth["error"] * smooth["h"] ** -0.3))
-    assert slow.startswith("On these meshes the error is not O(h): observed orders 0.")
+    assert slow.startswith("on these meshes the error is not O(h): observed orders 0.")
 
 
 def test_figures_are_drawn_by_name_from_one_directory_into_another(alone, tmp_path, capsys):
@@ -157,27 +161,35 @@ def test_figures_are_drawn_by_name_from_one_directory_into_another(alone, tmp_pa
     command = ["figures", "--data", str(alone), "--out", str(tmp_path / "talk"), "--jobs", "1", "--only"]
     assert main([*command, "problem", "orders", "--format", "png"]) == 0
     written = {path.name for path in (tmp_path / "talk" / "figures").iterdir()}
-    assert written == {"orders.png", "orders.txt", "problem.png", "problem.txt"}
+    assert written == {"orders.csv", "orders.png", "orders.txt", "problem.png", "problem.txt"}
     assert not (alone / "figures").exists()
     assert main([*command, "order"]) == 2
     assert re.search(rf"--only order: {alone} has no such figure, only .*orders", capsys.readouterr().err)
 
 
 def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(figures, tmp_path):
-    drawing = figures[f"energy-{CORNER}"]
-    assert drawing.alternative.startswith(f"The balance of energy over time, and its defect: {CORNER}. ")
-    png, svg, pdf, txt = draw_one(tmp_path, drawing, Output(formats=("png", "svg", "pdf")))
+    drawing = figures[f"zone-{CORNER}"]
+    assert drawing.alternative.startswith(f"The contact zone in space and time, exact and computed: {CORNER}. ")
+    png, svg, pdf, txt, csv = draw_one(tmp_path, drawing, Output(formats=("png", "svg", "pdf")))
     with Image.open(png) as image:
         assert image.info["Description"] == drawing.alternative
+    assert {"gap_exact", "pressure_exact"} < {*pd.read_csv(csv)}
     assert drawing.alternative[:60] in svg.read_text(encoding="utf-8")
     assert b"/Subject" in pdf.read_bytes()
-    assert "Alternative text: The balance of energy" in txt.read_text(encoding="utf-8")
+    assert "Alternative text: The contact zone" in txt.read_text(encoding="utf-8")
+
+
+def test_every_figure_has_its_data_beside_it_except_a_sketch(figures):
+    assert [name for name, drawing in figures.items() if drawing.table() is None] == ["problem"]
+    nodes = figures[f"profiles-{CORNER}"].table()
+    assert nodes[["time", "face", "x1", "x2"]].drop_duplicates().shape[0] == len(nodes) > 100
+    assert np.minimum(nodes["gap_exact"], nodes["pressure_exact"]).abs().max() < 1e-8
 
 
 def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_column_width(alone, tmp_path):
     style = tmp_path / "journal.mplstyle"
     style.write_text("figure.figsize: 5.0, 4.0\nfont.size: 10\n")
-    png, _ = draw_one(tmp_path, named(alone, "orders"), Output(formats=("png",), dpi=100, style=style))
+    png, *_ = draw_one(tmp_path, named(alone, "orders"), Output(formats=("png",), dpi=100, style=style))
     assert size_of(png)[0] == 500
     style.write_text("figure.fgsize: 5.0, 4.0\n")
     complaint = r"--style .*journal.mplstyle is not a Matplotlib style file"
@@ -218,7 +230,7 @@ def test_displacements_are_magnified_to_the_stated_share_of_the_body(pictures):
     for shown in pictures:
         largest = np.linalg.norm(shown.displacement, axis=1).max()
         drawn = magnification(shown.vertices, shown.displacement) * largest
-        assert 0.9 * DISPLACEMENT * shown.size < drawn <= DISPLACEMENT * shown.size
+        assert 0.9 * DRAWN_DISPLACEMENT * shown.size < drawn <= DRAWN_DISPLACEMENT * shown.size
     assert magnification(shown.vertices, np.zeros_like(shown.displacement)) == 1
 
 

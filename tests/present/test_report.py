@@ -18,7 +18,7 @@ from study.ledger.files import write_packed
 from study.ledger.pictures import Packed
 from study.present.notation import typeset
 from study.present.picture import Picture, picture_path, read_record
-from study.present.report import TEXTS, all_rows, draw_case, write_report
+from study.present.report import PAGE_TEXTS, all_rows, draw_case, write_report
 from study.present.tables import bounds, columns_of, equivalence, rates, stresses
 from study.run.fingerprint import ROOT
 from study.run.plan import full
@@ -128,7 +128,7 @@ SYMBOL = re.compile(r"[^\W\d_]\^h|‖_\w|\b[^\W\d_]\b(?!\^)")
 @pytest.mark.parametrize("name", ["rates", "stresses", "equivalence", "bounds"])
 def test_symbols_in_the_heading_of_a_table_are_explained_beside_it(name):
     # The page of a case explains the norms above the charts of the errors.
-    letters = TEXTS["letters"][name] | (TEXTS["letters"]["norms"] if name == "rates" else {})
+    letters = PAGE_TEXTS["letters"][name] | (PAGE_TEXTS["letters"]["norms"] if name == "rates" else {})
     said = " ".join(f"{letter} {meaning}" for letter, meaning in letters.items())
     symbols = SYMBOL.findall(" ".join(column.heading for column in columns_of(name)))
     assert symbols
@@ -201,11 +201,10 @@ def test_a_picture_that_cannot_be_drawn_is_refused(data, displacement, complaint
         draw_case(data, "corner", [])
 
 
-def test_every_statement_of_the_committed_ledger_names_the_files_that_judge_it():
-    found = sources()
-    for label in pd.read_csv(RESULTS / "data" / "claims.csv")["label"].unique():
-        assert found[label]["code"], label
-        assert all((ROOT / file).exists() for file in found[label]["code"])
+def test_every_statement_names_the_files_that_judge_it():
+    for label, found in sources().items():
+        assert found["code"], label
+        assert all((ROOT / file).exists() for file in found["code"])
 
 
 @pytest.mark.parametrize(

@@ -13,13 +13,13 @@ from PIL import Image
 from manufactured.colours import VERMILLION
 from manufactured.tensors import full, mandel
 from study.cli.main import main
+from study.cli.show import SHOWN_EVERY, affordable_family, mesh_series, solve_showcase
 from study.fem.mesh import FAMILIES
 from study.fem.naming import resolve
-from study.ledger.pictures import STEPS
+from study.ledger.pictures import UNITS
 from study.present import problem
 from study.present.picture import Picture
 from study.present.show import NO_FFMPEG, draw_show, mesh_of, write_mp4
-from study.run.showcase import EVERY, affordable_family, mesh_series, solve_showcase
 from study.solve.motion import Motion, von_mises
 from study.statements import pictures
 
@@ -34,7 +34,7 @@ def motion() -> Motion:
 
 
 def picture_of(motion: Motion) -> Picture:
-    return Picture(pictures.record("any", motion, EVERY)).at_all_times()
+    return Picture(pictures.record("any", motion, SHOWN_EVERY)).at_all_times()
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Shown:
     directory, case, notified = tmp_path_factory.mktemp("shows"), resolve(CASE), []
     (directory / "animation.mp4").touch()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("study.run.showcase.STEPS", 8)
+        patch.setattr("study.cli.show.SHOWN_STEPS", 8)
         patch.setattr("study.present.show.find_ffmpeg", lambda: None)
         record, series = solve_showcase(case, affordable_family(case, 6), 6, lambda: notified.append("frame"))
         files = draw_show(record, series, directory, lambda: notified.append("image"))
@@ -97,7 +97,7 @@ def test_a_solid_has_tetrahedra_and_all_nine_stresses() -> None:
 
 def test_the_animation_has_a_frame_for_every_time_and_moves(shown: Shown) -> None:
     with Image.open(shown[0] / "animation.gif") as film_on_disk:
-        assert film_on_disk.n_frames == 8 // EVERY + 1
+        assert film_on_disk.n_frames == 8 // SHOWN_EVERY + 1
         images = []
         for number in range(film_on_disk.n_frames):
             film_on_disk.seek(number)
@@ -111,13 +111,13 @@ def test_the_animation_has_a_frame_for_every_time_and_moves(shown: Shown) -> Non
 
 
 def test_the_shapes_of_an_animation_are_those_of_the_motion(motion: Motion) -> None:
-    shown, frames = picture_of(motion), motion.frames[::EVERY]
+    shown, frames = picture_of(motion), motion.frames[::SHOWN_EVERY]
     assert shown.times.tolist() == [frame.time for frame in frames]
     for found, expected in (
         (shown.displacement, [motion.space.nodal(frame.u) for frame in frames]),
         (shown.von_mises, [von_mises(frame.stress) for frame in frames]),
     ):
-        np.testing.assert_allclose(found, expected, atol=0.51 * np.max(np.abs(expected)) / STEPS)
+        np.testing.assert_allclose(found, expected, atol=0.51 * np.max(np.abs(expected)) / UNITS)
 
 
 @pytest.mark.slow

@@ -74,7 +74,12 @@ class Page:
 
     @classmethod
     def _lines(cls, text: str) -> list[str]:
-        return [line for block in cls._blocks(text, "sh") for line in block.splitlines() if line.strip()]
+        return [
+            line
+            for block in cls._blocks(text, "sh")
+            for line in block.replace("\\\n", " ").splitlines()
+            if line.strip()
+        ]
 
     @staticmethod
     def _blocks(text: str, language: str) -> list[str]:

@@ -9,13 +9,17 @@ import pytest
 from changed import overridden
 from pages import README, ROOT, SITE, Page
 
+from manufactured.catalogue import NAMES
 from manufactured.colours import VERMILLION
+from study.controls.faults import FAULTS
 from study.ledger.datafiles import DataError
 from study.present.pages import badges, main, refresh, verdicts_in_words
 from study.present.templates import FullRun
-from study.statements.prop_5_3 import LIMIT
+from study.run.plan import Plan
+from study.run.plan import full as full_scope
+from study.statements.prop_5_4 import ERROR_LIMIT
 
-(VERDICTS,) = [page.text for page in SITE if page.name == "docs/explanation/verdicts.md"]
+CHANGES = Page(ROOT / "CHANGELOG.md")
 
 
 @pytest.fixture(scope="module")
@@ -56,9 +60,18 @@ def test_badges_are_red_where_a_row_fails_and_a_defect_goes_unseen(full: FullRun
         assert f'fill="{VERMILLION}"' in svg[name]
 
 
-def test_windows_it_names_in_its_text_are_those_of_the_program() -> None:
-    assert "at most 10 % of the errors on the two finest levels" in " ".join(VERDICTS.split())
-    assert LIMIT.high == 0.1
+@pytest.mark.parametrize(
+    ("pattern", "number"),
+    [
+        (r"(\d+) measurements", len(Plan.of(full_scope()).jobs)),
+        (r"(\d+) (?:deliberate )?faults", len(FAULTS)),
+        (r"(\d+) (?:exact solutions|cases of viscoelastic)", len(NAMES)),
+        (r"at most (\d+) % of the errors", round(100 * ERROR_LIMIT.high)),
+    ],
+)
+def test_a_number_is_the_same_on_all_pages_and_in_the_program(pattern: str, number: int) -> None:
+    said = [found for page in (README, CHANGES, *SITE) for found in re.findall(pattern, " ".join(page.text.split()))]
+    assert {int(found) for found in said} == {number}
 
 
 def test_a_page_without_marks_and_data_of_no_full_run_are_refused(full: FullRun, tmp_path, monkeypatch) -> None:

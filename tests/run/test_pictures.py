@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from manufactured.catalogue import NAMES
 from study.fem.mesh import Skin
 from study.fem.naming import resolve
-from study.ledger.pictures import FINE, STEPS
+from study.ledger.pictures import FINE_UNITS, UNITS
 from study.present.picture import Picture
 from study.solve.motion import Motion
 from study.statements import pictures
@@ -64,7 +64,7 @@ def test_displacement_gap_and_pressure_are_those_of_the_motion_at_the_vertices(c
     gaps = -np.array([frame.normal for frame in frames])
     for name, expected in (("gap", gaps), ("pressure", pressures)):
         shown = np.hstack([getattr(face, name) for face in picture.polygons])
-        np.testing.assert_allclose(shown, expected[:, order], atol=0.51 * abs(shown).max() / FINE)
+        np.testing.assert_allclose(shown, expected[:, order], atol=0.51 * abs(shown).max() / FINE_UNITS)
     touching = np.hstack([face.touching for face in picture.polygons])
     np.testing.assert_array_equal(touching, pressures[:, order] > 0)
     for face, (part, _) in zip(picture.polygons, space.contact, strict=True):
@@ -75,4 +75,4 @@ def test_displacement_gap_and_pressure_are_those_of_the_motion_at_the_vertices(c
         (frame,) = (frame for frame in motion.frames if frame.time == picture.times[instant])
         moved = space.nodal(frame.u)[:, Skin.of(space.mesh).vertices]
         # Three digits of the largest displacement at any time: a tenth of a pixel.
-        np.testing.assert_allclose(picture.displacement[instant], moved, atol=0.51 * largest / STEPS)
+        np.testing.assert_allclose(picture.displacement[instant], moved, atol=0.51 * largest / UNITS)

@@ -19,14 +19,14 @@ from manufactured.tensors import Array
 from study.fem.error_norm import gaps_at_vertices
 from study.fem.mesh import CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space, form
-from study.solve import signorini
+from study.solve import factorisation, signorini
 from study.solve.factorisation import Cholesky
 from study.solve.multigrid import COARSEST, Multigrid, MultigridError
 from study.solve.paths import furthest, path
 from study.solve.signorini import Signorini
 from study.solve.solver_choice import FACTORED, SHARE, contact_solver, residual
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment
 
 
 def step_matrix(name: str, space: Space) -> sps.csc_array:
@@ -312,3 +312,14 @@ def test_the_solver_is_chosen_by_size(monkeypatch: pytest.MonkeyPatch) -> None:
     assert isinstance(contact_solver(space)(S, space.N), Signorini)
     monkeypatch.setitem(FACTORED, 3, space.dofs - 1)
     assert isinstance(contact_solver(space)(S, space.N), Multigrid)
+
+
+def test_a_matrix_with_more_entries_than_superlu_counts_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """30 times the entries must be less than 2^31."""
+    assert 30 * factorisation.MOST_ENTRIES < 2**31 <= 30 * (factorisation.MOST_ENTRIES + 1)
+    S = sps.csc_array(np.diag([1.0, 2.0, 3.0]))
+    monkeypatch.setattr(factorisation, "MOST_ENTRIES", 3)
+    assert factorisation.Cholesky(S)(np.ones(3)) == pytest.approx([1, 1 / 2, 1 / 3])
+    monkeypatch.setattr(factorisation, "MOST_ENTRIES", 2)
+    with pytest.raises(MemoryError, match="at most 2 entries, and this one has 3"):
+        factorisation.Cholesky(S)

@@ -28,9 +28,8 @@ from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, path
 from study.solve.steps import StepsError, rate_steps, stress_steps
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES, Tableau
-from study.statements.shared.base import Setting
-from study.statements.shared.experiment import Experiment
-from study.statements.thm_4_2_own_space import StressExperiment
+from study.statements.shared.base import Experiment, Setting
+from study.statements.thm_4_2 import StressExperiment
 
 K = 0.1
 
@@ -192,6 +191,27 @@ def test_the_residual_of_a_step_knows_the_gap() -> None:
     step = setup.problem.stepper(MIDPOINT, 0.25)
     step.problem = wrong  # the residual of a correct step, with respect to the cone of the paper
     assert step(1, [setup.problem.initial()]).residual() > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("u", "forces", "load", "expected"),
+    [
+        ((0.0, 0.0), (0.0, 0.0), (3.0, 4.0), 1.0),
+        ((2.0, 0.0), (0.0, 0.0), (0.0, 0.0), 0.875),
+        ((0.25, 0.25), (-0.5, 1.0), (0.0, 0.0), 0.5),
+        ((-1.75, 0.25), (0.5, 1.0), (0.0, 0.0), 1 / 1.75),
+    ],
+    ids=["equilibrium", "penetration", "tension", "complementarity"],
+)
+def test_each_part_of_the_residual_of_a_step_has_its_value(u, forces, load, expected: float) -> None:
+    """On two vertices with the gap 1/4; all other parts are 0."""
+    unit, none = sps.csc_array(np.eye(2)), sps.csc_array((2, 2))
+    N = sps.csr_array(np.eye(2))
+    problem = SemiDiscrete(unit, none, None, N, lambda time: np.zeros(2), np.zeros(2), 1.0, gap=np.full(2, 0.25))
+    step = problem.stepper(MIDPOINT, 0.5)
+    v, multipliers = np.array(u), np.array(forces)
+    b = step.S @ v + step.forces @ multipliers + np.array(load)
+    assert step._residual(v, multipliers, b) == pytest.approx(expected)
 
 
 FINE = 256

@@ -8,8 +8,7 @@ from measured_rows import verdicts
 from study.ledger.verdict import FAILS, HOLDS, MISSED, UNCLAIMED, UNDECIDED
 from study.solve.tableau import MIDPOINT
 from study.statements.contact_force import ContactForce, Forces
-from study.statements.shared.base import Setting
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment, Setting
 
 LEVELS = np.array([8.0, 16.0, 32.0])
 STATEMENT = ContactForce()

@@ -26,6 +26,7 @@ from study.statements.work_of_contact import (
     TotalWork,
     WorkOfContact,
     beta,
+    least_depth,
     pressing_on,
     supremum,
     vertices_on,
@@ -33,6 +34,18 @@ from study.statements.work_of_contact import (
 
 GRID = "one-diagonal"
 RHO = 0.05, 0.25, 0.5
+
+
+def test_a_cell_is_as_deep_as_the_thinnest_contact_data_in_it_and_other_cells_have_none() -> None:
+    """Of the trains, the j-th lies on the j-th seventh of the bottom, with data up to ℓ/4 = 2^{−(j + 5)} inside."""
+    solution = resolve("trains").solution
+    first, second = (float(face.part.start[0] + face.part.measure / 2) for face in solution.faces[:2])
+    ends = first, first, second, (first + second) / 2
+    low = 0.0, 2.0**-5, 2.0**-6 - 1e-9, 0.0
+    corners = np.array([[[x, x + 0.01, x] for x in ends], [[y, y, y + 1e-3] for y in low]]).transpose(0, 2, 1)
+    depths = least_depth(solution, corners)
+    assert depths[[0, 2]] == pytest.approx([2.0**-5, 2.0**-6])
+    assert depths[1] == np.inf
 
 
 @pytest.mark.parametrize("rho", RHO)

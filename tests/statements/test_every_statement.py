@@ -13,7 +13,7 @@ from study.run.plan import quick
 from study.statements.error_estimate import ErrorBounds, InterpolationInV, InterpolationOnContact
 from study.statements.load_and_traction import NaturalConditions
 from study.statements.shared.base import ListedNumbers
-from study.statements.shared.meshes import EVERY, body_of, first_with_each, place, space_of
+from study.statements.shared.meshes import EVERY_FAMILY, body_of, first_with_each, place, space_of
 from study.statements.shared.scope import Levels, Scope
 from study.statements.uniqueness import OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence, Korn
@@ -66,7 +66,7 @@ def test_every_judged_row_can_fail_and_without_a_quantity_its_row_is_undecided(s
 
 
 def test_levels_are_moved_to_where_the_ends_of_parts_are_vertices() -> None:
-    assert all(space_of(setting).dofs for setting in place(first_with_each(body_of), EVERY, (5,), (2,)))
+    assert all(space_of(setting).dofs for setting in place(first_with_each(body_of), EVERY_FAMILY, (5,), (2,)))
 
 
 # Studies that cannot be measured are refused before anything is solved.

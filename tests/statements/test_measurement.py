@@ -17,8 +17,7 @@ from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.other_solvers import Recomputed, recompute
 from study.statements.prop_5_4 import RATES, Measurement, measure
-from study.statements.shared.base import Setting
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment, Setting
 
 
 def measured(solution: ExactSolution, n: int = 8) -> Measurement:

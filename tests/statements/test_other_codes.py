@@ -13,10 +13,10 @@ from manufactured.body import Kind
 from manufactured.tensors import full
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve
-from study.ledger.codes import FROZEN, MARCH, MESH, NOT_EXPRESSED
+from study.ledger.codes import FROZEN, MARCH, MESH_KEY, NOT_EXPRESSED
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.run.judgement import joined
-from study.statements.other_solvers import OURS, PEERS, OtherCodes, Peer
+from study.statements.other_solvers import PEERS, THIS_STUDY, OtherCodes, Peer
 from study.statements.shared.base import LISTED, grid
 from study.statements.shared.tasks import Task
 
@@ -112,8 +112,8 @@ def test_a_column_that_was_copied_is_noticed(peer: Peer) -> None:
     """From this study to the code, on all meshes that both have."""
 
     def change(table: pd.DataFrame) -> pd.DataFrame:
-        found, place = table.copy(), [*MESH, "mode"]
-        source = table[of(table, *OURS)].set_index(place)["distance"]
+        found, place = table.copy(), [*MESH_KEY, "mode"]
+        source = table[of(table, *THIS_STUDY)].set_index(place)["distance"]
         chosen = of(table, peer.code, peer.variant) & (table["class"] != NOT_EXPRESSED)
         found.loc[chosen, "distance"] = [source[names] for names in table.loc[chosen, place].itertuples(index=False)]
         return found

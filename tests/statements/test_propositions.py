@@ -11,17 +11,15 @@ from manufactured.case import INITIAL_GAP
 from study.ledger import quantities
 from study.ledger.check import Check
 from study.ledger.datafiles import read_rates
-from study.ledger.orders import weighted_order
+from study.ledger.quantities import weighted_order
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, CheckKind, Verdict
 from study.ledger.window import STEEPER, Window
 from study.run.judgement import with_reasons
 from study.run.provenance import Complete
-from study.statements.own_cases import enough, finer, judge_own, least_levels
-from study.statements.prop_5_3 import Convergence, InitialGap, RegularityNeeded, SizeOfInterpolation
-from study.statements.prop_5_4 import FirstOrder
-from study.statements.shared.meshes import CELLS, LEADING, in_leading_term, is_random
-from study.statements.thm_4_2 import SameMesh
-from study.statements.thm_4_2_own_space import growth
+from study.statements.own_cases import enough, finer, judge_own, least_levels, why_missed
+from study.statements.prop_5_4 import Convergence, FirstOrder, InitialGap, RegularityNeeded, SizeOfInterpolation
+from study.statements.shared.meshes import CELL_POWER, LEADING, in_leading_term, is_random
+from study.statements.thm_4_2 import SameMesh, growth
 
 
 def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="criss-cross", **changes) -> pd.DataFrame:
@@ -260,6 +258,23 @@ def test_what_an_own_case_leaves_undecided_is_told_with_its_reason_and_what_to_d
 
 
 @pytest.mark.parametrize(
+    ("ends", "reason"),
+    [
+        ((0.5, 0.6), "not asymptotic yet"),
+        ((0.5, 0.59), ""),
+        ((1.5, 1.41), ""),
+        ((0.5, 1.5), "values scatter"),
+        ((0.85, 0.9), "not asymptotic yet"),
+        ((0.84, 0.86), "not asymptotic yet"),
+        ((0.95, 0.8), "values scatter"),
+    ],
+)
+def test_a_missed_order_is_explained_unless_two_values_stay_on_one_side_and_hardly_approach(ends, reason: str) -> None:
+    """The order 1 with the tolerance 0.15; an approach takes off a fifth of the distance or more."""
+    assert why_missed([np.array(ends)], 1.0, 0.15, "").removesuffix(": ") == reason
+
+
+@pytest.mark.parametrize(
     ("changes", "key"),
     [
         *(({column: 0.5}, column) for column in ("residual", "clamped", "parallelogram")),
@@ -344,15 +359,15 @@ H = 1 / np.array([8.0, 16.0, 32.0])
 
 
 def test_a_weighted_order_is_exact_for_powers_and_sees_what_is_wrong_on_the_finest_level() -> None:
-    assert weighted_order(H, 3 * H**1.5, CELLS) == pytest.approx(1.5)
+    assert weighted_order(H, 3 * H**1.5, CELL_POWER) == pytest.approx(1.5)
     stagnating = np.array([1.0, 0.5, 0.4])
-    assert weighted_order(H, stagnating, CELLS) < weighted_order(H, stagnating, 0)
+    assert weighted_order(H, stagnating, CELL_POWER) < weighted_order(H, stagnating, 0)
 
 
 def test_growth_is_that_of_a_power_over_all_levels_and_errors_without_an_order_fail() -> None:
     assert growth(H, 1.7 * H**-0.25) == pytest.approx(4**0.25)
     levels = pd.DataFrame({"h": H, "e": [1.0, 0.0, 0.5]})
-    check = Check("key", "quantity", quantities.fitted("e", power=CELLS), Window(0, 2), CheckKind.CLAIM)
+    check = Check("key", "quantity", quantities.fitted("e", power=CELL_POWER), Window(0, 2), CheckKind.CLAIM)
     assert check.verdict(FirstOrder(), "a", {"shaken": levels}).verdict == FAILS
 
 

@@ -68,7 +68,7 @@ def test_both_sides_of_the_bound_are_ordered_and_contact_costs_nothing_as_a_trac
 
 def predicted(kind: str, family: str, n: int) -> float:
     """The excess as it was predicted, with a scatter over shaken meshes that falls like n^{−1/2}."""
-    if kind == own.STANDING or family in own.PLAIN:
+    if kind == own.STANDING or family in own.PLAIN_FAMILIES:
         return 0.1 / n
     by_chance = 1 + (own.SEEDS.index(family) - 3.5) * 0.2 / n**0.5 if family in own.SEEDS else 1.0
     return by_chance * 0.1 / n**0.5
@@ -82,7 +82,7 @@ def data(excess=predicted, right: float = 2.0, changed: float = 1.001, step: flo
         numbers["excess"] = excess(setting.case.removesuffix(f"-{n}"), family, n)
         if n == own.HALVED and family not in own.SEEDS[1:]:
             numbers["excess, k/2"] = changed * numbers["excess"]
-        if family == own.PLAIN[0]:
+        if family == own.PLAIN_FAMILIES[0]:
             numbers["|q|²"] = step * np.log(n)
         found += [{**vars(setting), "h": 1 / n, "quantity": name, "value": value} for name, value in numbers.items()]
     return pd.DataFrame(found)

@@ -12,8 +12,7 @@ from study.fem.mesh import Shaken
 from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
 from study.statements import wellposed as divergence
-from study.statements.shared.base import Setting
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.base import Experiment, Setting
 
 BODY = unit_square()
 SPACE = Space(Shaken()(BODY, 4), BODY)

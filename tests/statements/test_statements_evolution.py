@@ -11,9 +11,8 @@ from measured_rows import invented, verdicts
 from manufactured import named
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED
 from study.solve.tableau import BACKWARD_EULER, SCHEMES
-from study.statements.error_estimate import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted
-from study.statements.shared.base import Setting
-from study.statements.shared.experiment import Experiment
+from study.statements.error_estimate import BOTH_BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted
+from study.statements.shared.base import Experiment, Setting
 from study.statements.time_steps import FEW_STEPS, FullyDiscrete
 from study.statements.wellposed import fastest, perturbations, quotients
 
@@ -47,7 +46,7 @@ def test_growth_beyond_omega_exceeds_the_bound() -> None:
 
 def bounds_of(case: str, **terms: object) -> pd.DataFrame:
     """Steady bounds, twice as large as the error with the constant of the proof."""
-    steady = dict.fromkeys([*BOUNDS, *(f"{bound}, c" for bound in BOUNDS)], 0.5)
+    steady = dict.fromkeys([*BOTH_BOUNDS, *(f"{bound}, c" for bound in BOTH_BOUNDS)], 0.5)
     return invented({**steady, **predicted(named(case)), **terms})
 
 

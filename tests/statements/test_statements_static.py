@@ -33,7 +33,7 @@ def test_eigenvalues_that_rise_or_tend_to_zero_fail() -> None:
 )
 def test_the_order_in_v_is_judged_from_both_sides(order: float, verdict: str, family: str, scatter: float) -> None:
     """On random meshes the scatter of the coarsest one hardly counts."""
-    errors = dict.fromkeys(error_estimate.FIELDS.values(), H**order * [scatter, 1, 1])
+    errors = dict.fromkeys(error_estimate.INTERPOLATED.values(), H**order * [scatter, 1, 1])
     assert set(verdicts(InterpolationInV(), invented(errors, family=family)).values()) == {verdict}
 
 

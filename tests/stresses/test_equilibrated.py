@@ -18,8 +18,8 @@ from study.fem.mesh import FAMILIES, MeshError, OneDiagonal, Shaken, Unstructure
 from study.fem.naming import resolve
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
-from study.statements.thm_4_2_own_space import (
-    QUANTITIES,
+from study.statements.thm_4_2 import (
+    ERROR_TEXTS,
     OwnSpace,
     checks_of,
     inadmissible,
@@ -230,7 +230,7 @@ def judged(orders, regularity, levels=3, family="one-diagonal", **changed):
 
 def test_predicted_orders_hold_and_every_other_one_fails():
     assert set(judged(SMOOTH, Regularity()).values()) == {HOLDS}
-    for name in QUANTITIES:
+    for name in ERROR_TEXTS:
         for order in (0.5 * SMOOTH[name], SMOOTH[name] + 1.3):
             assert judged(SMOOTH | {name: order}, Regularity())[f"order-{name}"] == FAILS, (name, order)
     for orders, changed, key in [

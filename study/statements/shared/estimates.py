@@ -24,11 +24,11 @@ MIB, KIB = 2.0**20, 2.0**10
 BASE = 384 * MIB
 PER_UNKNOWN = {2: 16 * KIB, 3: 64 * KIB}
 """Memory in bytes for each unknown, by the dimension of the body."""
-TEXT = {2: 1 * KIB, 3: 3 * KIB}
+TEXT_PER_UNKNOWN = {2: 1 * KIB, 3: 3 * KIB}
 """Bytes needed to write the values of one unknown at one time as text, by the dimension of the body."""
-SMALL, SOLID = 736 * MIB, 2304 * MIB
+SMALL_MEMORY, SOLID_MEMORY = 736 * MIB, 2304 * MIB
 """Memory in bytes for statements whose meshes have a fixed size, in the plane and in space."""
-BOUND, PER_CELL = 96 * MIB, 240 * KIB
+BOUND_MEMORY, PER_BOUND_CELL = 96 * MIB, 240 * KIB
 """Memory in bytes for an error bound: on any mesh, and for each cell of the refined mesh."""
 FACTORISED = 33_000
 """Number of cells on which stresses can be computed.
@@ -59,7 +59,7 @@ def displacement(dim: int, n: int, family: str) -> float:
 
 def statement(dim: int, n: int) -> float:
     """Return the memory in bytes for measuring a statement on a mesh of level n that the statement itself chooses."""
-    return max(SMALL, displacement(dim, n, "shaken")) if dim == 2 else SOLID
+    return max(SMALL_MEMORY, displacement(dim, n, "shaken")) if dim == 2 else SOLID_MEMORY
 
 
 def stress(n: int) -> float:
@@ -74,7 +74,7 @@ def triangles(n: int, family: str) -> int:
 
 def bound(cells: int, refinements: int) -> float:
     """Return the memory in bytes for an error bound of a displacement on a mesh with the given number of cells."""
-    return BASE + BOUND + PER_CELL * cells * 4**refinements
+    return BASE + BOUND_MEMORY + PER_BOUND_CELL * cells * 4**refinements
 
 
 def require_factorisation(cells: int, refinements: int) -> None:
@@ -91,4 +91,4 @@ def require_factorisation(cells: int, refinements: int) -> None:
 
 def task(dim: int, n: int, family: str, steps: int) -> float:
     """Return the memory in bytes for writing a task: a contact problem with time steps, for other codes."""
-    return displacement(dim, n, family) + TEXT[dim] * unknowns(dim, n, family) * steps
+    return displacement(dim, n, family) + TEXT_PER_UNKNOWN[dim] * unknowns(dim, n, family) * steps

@@ -30,13 +30,13 @@ from study.ledger.check import Groups
 from study.statements.shared.base import Setting
 from study.statements.shared.scope import serving
 
-IRREGULAR = "graded", "unstructured", "shaken"
+IRREGULAR_FAMILIES = "graded", "unstructured", "shaken"
 """Mesh families without symmetry. The function ``place`` uses the first one that can mesh the body.
 
 The families are named explicitly, because a new family must not change the meshes on which a statement is measured."""
-EVERY = ()
+EVERY_FAMILY = ()
 """An empty preference, with which the function ``place`` uses all mesh families that can mesh the body."""
-COARSEST = 16
+COARSEST_GRID = 16
 """Upper bound of the levels that are searched for a grid with the ends of all boundary parts among its vertices."""
 
 
@@ -111,7 +111,7 @@ def spacing(case: str, family: str) -> int:
     A mesh resolves the boundary parts if their ends are vertices.
     """
     kind, body = family_named(family), resolve(case).solution.body
-    fitting = (level for level in range(2, COARSEST) if fits(kind, body, level))
+    fitting = (level for level in range(2, COARSEST_GRID) if fits(kind, body, level))
     return 1 if fits(kind, body, 2) and fits(kind, body, 3) else next(fitting)
 
 
@@ -124,7 +124,7 @@ def fits(family: MeshFamily, body: Body, level: int) -> bool:
     return True
 
 
-CELLS, ALONG = 2, 1
+CELL_POWER, ALONG = 2, 1
 """Exponents of 1/h in numbers of cells: a plane mesh has about h⁻² cells, and about h⁻¹ cells along a line."""
 LEADING = "predicted_interpolation"
 """The column with the leading term of the interpolation error ‖u − Π^h u‖_V."""

@@ -1,4 +1,4 @@
-"""Norms of displacements and velocities, work of stresses, and work of the contact force.
+"""Norms, work of stresses and of the contact force, matrices of forms on V^h, and their extreme eigenvalues.
 
 In 2D the quadrature rules are the same as in ``ErrorNorm``; ``Velocity`` uses standard points.
 """
@@ -8,14 +8,20 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sps
+from scipy.sparse.linalg import eigsh
+from skfem import Basis
+from skfem.models.poisson import mass as scalar_mass
 
 from manufactured.exact import ExactSolution
 from manufactured.exact.solution import FaceFields
-from manufactured.tensors import Array, Tensors
+from manufactured.law import KelvinVoigt
+from manufactured.tensors import Array, Tensors, size
 from study.fem.error_norm import DEGREE, FACET_POINTS, rules, shared_lines
 from study.fem.quadrature import Line, facet_rule
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
+from study.statements.shared.base import SEED
 
 
 def midpoints(T: float, count: int) -> Array:
@@ -160,3 +166,64 @@ class ContactWork:
     def __call__(self, v: Array, time: float) -> float:
         """Return the work R(t; v) of the contact force at a time on the P1 displacement v, (dofs,)."""
         return float(self.load(time) @ v)
+
+
+SMALLEST_TOLERANCE, LARGEST_TOLERANCE = 1e-9, 1e-4
+"""Relative tolerances for the smallest and for the largest eigenvalue.
+
+The largest eigenvalues lie in clusters, so their eigenvectors converge slowly. A loose tolerance suffices for them,
+because the error of a Rayleigh quotient is about the square of the error of the eigenvector."""
+LANCZOS = 40
+"""Number of Lanczos vectors with which the largest eigenvalue is computed."""
+
+
+def unloaded(space: Space, law: KelvinVoigt) -> SemiDiscrete:
+    """Return the semi-discrete problem (Problem 5.1) with zero load and zero initial displacement.
+
+    Only the matrices of this problem are used.
+    """
+    return SemiDiscrete.of(space, law, lambda time: np.zeros(space.dofs), np.zeros(space.dofs))
+
+
+def strain_product(space: Space) -> sps.csc_array:
+    """Return the matrix of the L² product of strains (ε(u), ε(v))_Q on the P1 space V^h, (dofs, dofs)."""
+    return space.form(np.eye(size(space.dim)))
+
+
+def mass(space: Space) -> sps.csc_array:
+    """Return the mass matrix, that is, the matrix of the L² product (u, v)_H on V^h, (dofs, dofs)."""
+    scalar = scalar_mass.assemble(Basis(space.mesh, space.mesh.elem()))
+    vector = sps.csr_array(sps.kron(scalar, np.eye(space.dim)))
+    return sps.csc_array(vector[space.free][:, space.free])
+
+
+def h1_product(space: Space) -> sps.csc_array:
+    """Return the matrix of the inner product (2.11), (u, v)_{H_1} = (u, v)_H + (ε(u), ε(v))_Q, on V^h, (dofs, dofs)."""
+    return sps.csc_array(mass(space) + strain_product(space))
+
+
+def smallest(form: sps.csc_array, product: sps.csc_array) -> float:
+    """Return the smallest Rayleigh quotient a(v, v)/b(v, v) of two forms over v ∈ V^h.
+
+    Args:
+        form: the matrix of a, positive definite.
+        product: the matrix of b, positive definite.
+    """
+    start = np.random.default_rng(SEED).standard_normal(form.shape[0])
+    return float(eigsh(form, 1, product, sigma=0.0, v0=start, tol=SMALLEST_TOLERANCE, return_eigenvectors=False)[0])
+
+
+def largest(form: sps.csc_array, product: sps.csc_array) -> float:
+    """Return the largest Rayleigh quotient a(v, v)/b(v, v) of two forms over v ∈ V^h.
+
+    Lanczos' method is used without a shift, because a shift at a supposed bound would hide eigenvalues far beyond it.
+
+    Args:
+        form: the matrix of a.
+        product: the matrix of b, positive definite.
+    """
+    start = np.random.default_rng(SEED).standard_normal(form.shape[0])
+    vectors = min(LANCZOS, len(start))
+    return float(
+        eigsh(form, 1, product, which="LA", v0=start, tol=LARGEST_TOLERANCE, ncv=vectors, return_eigenvectors=False)[0]
+    )

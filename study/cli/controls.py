@@ -1,4 +1,4 @@
-"""``study seeds``: measures how often a check fails by chance on meshes with random vertices.
+"""``study faults`` measures which checks notice deliberate faults; ``study seeds`` measures how often chance fails one.
 
 A *seed* is a number from which a random mesh of every size and body is made. On the meshes of new seeds, all checks are
 judged that the study claims to hold there. The results are added to the record of seeds (``study.ledger.seeds``).
@@ -11,17 +11,62 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import pandas as pd
+from tabulate import tabulate
+
+from manufactured.self_proof import prove
 from study.cli.common import ProgressBar, progress_bar
 from study.cli.options import FAILED, OK, SEED_BITS, UNCLEAR
-from study.controls.rules import row_of, rules
-from study.controls.seeded import seeded
-from study.fem.naming import family_named
-from study.ledger.seeds import FalseAlarms, RowKey, SeedRecord
+from study.controls.faults import FAULTS
+from study.controls.matrix import measure_case
+from study.controls.seeded import rules, seeded
+from study.fem.naming import absolute, choose, family_named, is_own, name_of, resolve
+from study.ledger.datafiles import write_csv
+from study.ledger.faults import in_words, missed, summary
+from study.ledger.schema import TABLES
+from study.ledger.seeds import FalseAlarms, SeedRecord
+from study.ledger.text import folded
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
-from study.run.executor import Pool, execute, local_pool, unfinished
+from study.run.executor import Pool, Processes, execute, local_pool, unfinished
+from study.run.fingerprint import of_everything, problem
 from study.run.judgement import collect, judge
-from study.run.plan import Job
+from study.run.plan import COVER, Job
 from study.run.store import Store
+
+
+def do_faults(options: argparse.Namespace) -> int:
+    """Measure the matrix fault × case × check, write it and print which fault each case notices.
+
+    Returns:
+        0 if every fault is noticed as the rules demand, else 1.
+    """
+    store = Store(options.out)
+    store.check()
+    cases = [absolute(name) for name in options.case or COVER]
+    for name in filter(is_own, cases):
+        prove(resolve(name).solution, f"case {name}")
+    names = [choose("fault", name, FAULTS).name for name in options.fault or [fault.name for fault in FAULTS]]
+    code = f"{of_everything()} {' '.join(names)}"
+    keys = {case: (f"faults__{name_of(case)}", f"{code} {problem(case)}") for case in cases}
+    rows: list[dict[str, object]] = []
+    with Processes(options.jobs) as executor, store.locked(), progress_bar(len(cases), f"{len(cases)} cases") as bar:
+        stored = {case: store.load(*keys[case]) for case in cases}
+        waiting = {case: executor.submit(measure_case, case, names) for case in cases if stored[case] is None}
+        for case in cases:
+            found = stored[case]
+            if found is None:
+                found = {"rows": waiting[case].result()}
+                store.save(*keys[case], found)
+            rows += found["rows"]
+            bar.update()
+    table = pd.DataFrame(rows, columns=list(TABLES["faults.csv"].columns))
+    written = write_csv(options.out / "data" / "faults.csv", table)
+    heads = {"errors": "noticed by errors", "any_check": "by any check"}
+    print(f"\n{tabulate(summary(table).rename(columns=heads), 'keys', showindex=False)}\ndata: {written}")
+    lacking = missed(table)
+    print(folded(f"{len(names)} faults, {len(cases)} cases; not noticed as the rules demand: {in_words(lacking)}"))
+    # A selection of cases need not notice every fault.
+    return FAILED if lacking and not options.case else OK
 
 
 class TimeIsUpError(Exception):
@@ -95,13 +140,13 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
             record.write(directory)
         seed = record.rows[-1].seed
         try:
-            verdicts, fingerprints = judged(seed, directory, pool, f"seed {len(record.rows)}", end)
+            verdicts, hash_of_rules = judged(seed, directory, pool, f"seed {len(record.rows)}", end)
         except TimeIsUpError:
             return
-        record.judged(fingerprints, _print_alarms(verdicts)).write(directory)
+        record.judged(hash_of_rules, len(verdicts), _print_alarms(verdicts)).write(directory)
 
 
-def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tuple[list[Verdict], dict[RowKey, str]]:
+def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tuple[list[Verdict], str]:
     """Measure on the random meshes with one seed, and delete the measurements afterwards.
 
     Measurements of an interrupted call are used.
@@ -112,7 +157,7 @@ def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tup
         end: when the run must stop, on the clock ``time.monotonic()``.
 
     Returns:
-        The checks that something is claimed about, and the fingerprints of their rules.
+        The checks that something is claimed about, and the hash of their rules.
 
     Raises:
         TimeIsUpError: the time is over before all measurements are finished.
@@ -121,11 +166,10 @@ def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tup
     with progress_bar(round(sum(job.cost for job in unfinished(plan.jobs, store))), name) as bar:
         execute(plan.jobs, store, pool, watch(bar, end))
         collect(plan, store)
-    fingerprints = rules(store.directory, plan)
-    claimed = [verdict for verdict in judge(store.directory) if verdict.verdict not in UNCLAIMED]
+    measured = {job.statement.label for job in plan.jobs}
+    claimed = [v for v in judge(store.directory) if v.verdict not in UNCLAIMED and v.label in measured]
     shutil.rmtree(store.directory)
-    verdicts = [verdict for verdict in claimed if row_of(verdict) in fingerprints]
-    return verdicts, {row_of(verdict): fingerprints[row_of(verdict)] for verdict in verdicts}
+    return claimed, rules(plan, claimed)
 
 
 def _print_alarms(verdicts: list[Verdict]) -> int:
