@@ -51,7 +51,12 @@ def seminorm(first: Array, second: Array, rho: float) -> Array:
 
 @lru_cache
 def gram(panels: int, rho: float) -> Array:
-    """Return the Gram matrix of |·|_ϱ for the hat functions on equal panels of (0, 1), (panels + 1, panels + 1)."""
+    """Return the matrix G with |v|_ϱ² = cᵀ G c for piecewise linear functions v on equal panels of (0, 1).
+
+    Args:
+        panels: the number n of panels; c contains the values of v at their n + 1 ends, so G is (n + 1, n + 1).
+        rho: the order ϱ of the Sobolev–Slobodeckij seminorm.
+    """
     nodes = np.linspace(0, 1, panels + 1)
     rules = composite_gauss(panels, POINTS), composite_gauss(panels, POINTS + 1)
     hats = [np.maximum(0, 1 - panels * abs(nodes[:, None] - x)) for x, _ in rules]

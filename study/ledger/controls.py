@@ -97,7 +97,10 @@ def interval(alarms: int, seeds: int) -> tuple[float, float]:
 
 
 def seeds_needed() -> int:
-    """Return the number of seeds without any alarm that shows that the rate is at most ``LARGEST_RATE``."""
+    """Return how many random seeds must all be without a false alarm.
+
+    Their number shows, with the probability ``CONFIDENCE``, that the false-alarm rate is at most ``LARGEST_RATE``.
+    """
     return math.ceil(math.log((1 - CONFIDENCE) / 2) / math.log(1 - LARGEST_RATE))
 
 

@@ -67,7 +67,7 @@ class BoundSetting(Setting):
 
     @property
     def trajectory(self) -> str:
-        """The kind of bound, "bound" or "enclosure", which is also the label of the statement."""
+        """The name of the method that computes ũ: "bound" or "enclosure", as the label of the statement."""
         return self.by.name
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import copy
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -17,16 +16,16 @@ from study.certify import checker
 
 
 @pytest.fixture(scope="session")
-def made() -> Any:
+def made():
     return checker.load(Path(__file__).parent / "square-2.json.gz")
 
 
 @pytest.fixture
-def certificate(made: Any) -> Any:
+def certificate(made):
     """The square on eight cells in two steps, to be changed at will."""
     return copy.deepcopy(made)
 
 
 @pytest.fixture(scope="session")
-def plain(made: Any) -> checker.Enclosure:
+def plain(made):
     return checker.verified(made)

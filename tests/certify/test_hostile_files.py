@@ -11,10 +11,8 @@ import subprocess
 import sys
 import time
 import tracemalloc
-from collections.abc import Callable, Iterator
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -26,7 +24,7 @@ BAD = "\x1b[2J\r\n\u202e\u2066\x9b\x7fא"
 """Clears the screen, starts a line, turns the direction of text around."""
 
 
-def safe(sentence: str) -> str:
+def safe(sentence):
     """A sentence that is short and cannot harm a terminal; our own letters, as in ũ and σ̃, may be other than ASCII."""
     assert sentence.isprintable()
     assert re.search(r"[^\x20-\x7eũ_νσ̃ΦΩΓν₀≤−°·]", sentence) is None
@@ -34,13 +32,13 @@ def safe(sentence: str) -> str:
     return sentence
 
 
-def refusal(data: Any) -> str:
+def refusal(data):
     with pytest.raises(checker.RefusedError) as caught:
         checker.verified(data)
     return safe(str(caught.value))
 
 
-def checked(path: Path, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
+def checked(path, capsys):
     """Exit code and output of the program; it took less than a second."""
     began = time.process_time()
     code = checker.main([str(path)])
@@ -48,7 +46,7 @@ def checked(path: Path, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, s
     return code, *capsys.readouterr()
 
 
-def refused(content: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> str:
+def refused(content, tmp_path, capsys):
     path = tmp_path / "hostile.json.gz"
     path.write_bytes(content)
     code, out, error = checked(path, capsys)
@@ -57,20 +55,20 @@ def refused(content: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     return safe(sentence)
 
 
-def packed(text: str) -> bytes:
+def packed(text):
     return gzip.compress(text.encode(), 1)
 
 
 # Values of another type, in every place
 
 
-def at(data: Any, path: tuple[Any, ...]) -> Any:
+def at(data, path):
     for key in path:
         data = data[key]
     return data
 
 
-def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+def places(data, path=()):
     """The places of all values in objects, and of the last value of every list."""
     yield path
     entries = data.items() if isinstance(data, dict) else list(enumerate(data))[-1:] if isinstance(data, list) else ()
@@ -79,7 +77,7 @@ def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
 
 
 @pytest.mark.parametrize("part", list(json.loads(TEXT)))
-def test_values_of_another_type_are_refused_wherever_they_stand(part: str, certificate: Any) -> None:
+def test_values_of_another_type_are_refused_wherever_they_stand(part, certificate):
     for *path, key in places(certificate[part], (part,)):
         around = at(certificate, tuple(path))
         right = around[key]
@@ -90,7 +88,7 @@ def test_values_of_another_type_are_refused_wherever_they_stand(part: str, certi
         around[key] = right
 
 
-def test_a_mesh_may_have_three_sides_and_not_fewer() -> None:
+def test_a_mesh_may_have_three_sides_and_not_fewer():
     sides = [[0, 1], [1, 2], [2, 0]]
     checker.conform(sides, checker.MESH["sides"], "sides")
     with pytest.raises(checker.RefusedError, match="sides"):
@@ -101,7 +99,7 @@ FREE = {"force", "loads", "start"}
 
 
 @pytest.mark.parametrize("part", [part for part in json.loads(TEXT) if part not in ("format", "level", "m")])
-def test_lists_with_a_value_more_or_less_are_refused_with_a_reason(part: str, certificate: Any) -> None:
+def test_lists_with_a_value_more_or_less_are_refused_with_a_reason(part, certificate):
     """Formulas of loads may have any number of terms, and u_h any number of times."""
     for *path, key in places(certificate[part], (part,)):
         around = at(certificate, tuple(path))
@@ -112,7 +110,7 @@ def test_lists_with_a_value_more_or_less_are_refused_with_a_reason(part: str, ce
         around[key] = right
 
 
-def test_every_key_has_to_be_there_and_no_other(certificate: Any) -> None:
+def test_every_key_has_to_be_there_and_no_other(certificate):
     objects = [path for path in places(certificate) if isinstance(at(certificate, path), dict)]
     assert len(objects) == 9
     for path in objects:
@@ -137,7 +135,7 @@ NO_NUMBERS = [
 # fmt: on
 
 
-def test_only_fractions_of_at_most_100_digits_are_numbers() -> None:
+def test_only_fractions_of_at_most_100_digits_are_numbers():
     for number in ("0", "-0", "12", "-3/4", "9" * 100, "-1/" + "9" * 100, "10/20"):
         checker.conform(number, checker.FRACTION, "it")
     for number in NO_NUMBERS:
@@ -148,37 +146,37 @@ def test_only_fractions_of_at_most_100_digits_are_numbers() -> None:
 # Certificates of which one entry is wrong
 
 
-def edit(*keys: Any, to: Any = None, by: Callable[[Any], Any] | None = None) -> Callable[[Any], None]:
-    def change(data: Any) -> None:
+def edit(*keys, to=None, by=None):
+    def change(data):
         place = at(data, keys[:-1])
         place[keys[-1]] = by(place[keys[-1]]) if by else to
 
     return change
 
 
-def last(rows: Any) -> Any:
+def last(rows):
     return rows[:-1]
 
 
-def twice(number: str) -> str:
+def twice(number):
     return str(2 * Fraction(number))
 
 
-def plus(changes: dict[int, int]) -> Callable[[list[int]], list[int]]:
+def plus(changes):
     return lambda column: [x + changes.get(n, 0) for n, x in enumerate(column)]
 
 
-def stated(data: Any) -> checker.Mesh:
+def stated(data):
     return checker.Mesh.of(data["mesh"], checker.Problem(data["problem"]))
 
 
-def squeezed(column: list[int]) -> list[int]:
+def squeezed(column):
     """A stress of the element that is 0 on its sides, and not in balance: X Y (1 − X − Y) in the third component."""
     bubble = {(1, 1, 0): 1, (2, 1, 0): -1, (1, 2, 0): -1}
     return [0] * 60 + [bubble.get(key, 0) for key in checker.CUBIC] * 3
 
 
-TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
+TAMPERED = {
     "a cell is missing": (edit("mesh", "cells", by=last), "a boundary inside or outside|does not fit side"),
     "a cell is there twice": (edit("mesh", "cells", by=lambda x: [*x, x[0]]), "two cells lie on the same side"),
     "a cell is clockwise": (edit("mesh", "cells", 0, by=lambda x: x[::-1]), "not counter-clockwise"),
@@ -222,13 +220,13 @@ TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
 
 
 @pytest.mark.parametrize("name", TAMPERED, ids=ascii)
-def test_what_is_tampered_with_is_refused(name: str, certificate: Any) -> None:
+def test_what_is_tampered_with_is_refused(name, certificate):
     change, message = TAMPERED[name]
     change(certificate)
     assert re.search(message, refusal(certificate))
 
 
-def move_a_vertex(data: Any) -> None:
+def move_a_vertex(data):
     mesh = stated(data)
     inner = next(v for v in range(len(mesh.points)) if not any(v in edge for edge in mesh.boundary))
     data["displacement"]["nodes"][1][2 * inner] += 2**36
@@ -245,7 +243,7 @@ CLAIMS = {
 
 
 @pytest.mark.parametrize("claim", CLAIMS, ids=str)
-def test_witnesses_of_something_else_prove_less(claim: str, certificate: Any, plain: checker.Enclosure) -> None:
+def test_witnesses_of_something_else_prove_less(claim, certificate, plain):
     """They stay true: an interval is wider, by what they do not fit."""
     CLAIMS[claim](certificate)
     assert checker.verified(certificate).last > plain.last
@@ -253,7 +251,7 @@ def test_witnesses_of_something_else_prove_less(claim: str, certificate: Any, pl
 
 # Files that are no certificates
 
-TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
+TEXTS = {
     "no gzip": (lambda: TEXT.encode(), "not a gzip file"),
     "a gzip file that ends early": (lambda: packed(TEXT)[:-9], "ends too early"),
     "a gzip file with a wrong sum": (lambda: packed(TEXT)[:-8] + b"\0" * 8, "not a gzip file"),
@@ -273,12 +271,12 @@ TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
 
 
 @pytest.mark.parametrize("name", TEXTS, ids=ascii)
-def test_other_files_are_refused(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_other_files_are_refused(name, tmp_path, capsys):
     content, message = TEXTS[name]
     assert re.search(message, refused(content(), tmp_path, capsys))
 
 
-def test_a_bomb_takes_little_memory(tmp_path: Path) -> None:
+def test_a_bomb_takes_little_memory(tmp_path):
     path = tmp_path / "bomb.json.gz"
     path.write_bytes(gzip.compress(b"0" * 80_000_000, 1))
     tracemalloc.start()
@@ -288,7 +286,7 @@ def test_a_bomb_takes_little_memory(tmp_path: Path) -> None:
     tracemalloc.stop()
 
 
-def test_texts_are_limited_by_their_files_and_at_all(monkeypatch: pytest.MonkeyPatch, made: Any) -> None:
+def test_texts_are_limited_by_their_files_and_at_all(monkeypatch, made):
     monkeypatch.setattr(checker, "SMALL", 10)
     assert checker.load(EXAMPLE) == made
     for name, value in (("PACKING", 2), ("UNPACKED", len(TEXT) - 1), ("LISTS", TEXT.count("[") - 1)):
@@ -298,7 +296,7 @@ def test_texts_are_limited_by_their_files_and_at_all(monkeypatch: pytest.MonkeyP
                 checker.load(EXAMPLE)
 
 
-def test_a_big_file_is_not_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_big_file_is_not_read(tmp_path, capsys):
     path = tmp_path / "big.json.gz"
     with path.open("wb") as file:
         file.truncate(checker.PACKED + 1)
@@ -307,7 +305,7 @@ def test_a_big_file_is_not_read(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert f"the file has more than {checker.PACKED} bytes" in out
 
 
-def test_what_is_no_file_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_no_file_is_named(tmp_path, capsys):
     fifo = tmp_path / "pipe"
     os.mkfifo(fifo)
     for path in (tmp_path, tmp_path / "absent", fifo, Path("/dev/zero"), tmp_path / ("x" * 300), Path(f"{BAD}.gz")):
@@ -320,8 +318,8 @@ def test_what_is_no_file_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert capsys.readouterr().err.startswith("no file was given\nusage: python checker.py")
 
 
-def test_a_file_that_cannot_be_read_is_named(tmp_path, capsys, monkeypatch) -> None:
-    def load(path: Path) -> Any:
+def test_a_file_that_cannot_be_read_is_named(tmp_path, capsys, monkeypatch):
+    def load(path):
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr(checker, "load", load)
@@ -329,7 +327,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path, capsys, monkeypatch) -> N
     assert capsys.readouterr().err == f"{EXAMPLE} cannot be read: Permission denied\n"
 
 
-def test_a_reader_who_ends_early_does_not_make_a_certificate_refused() -> None:
+def test_a_reader_who_ends_early_does_not_make_a_certificate_refused():
     command = [sys.executable, checker.__file__, str(EXAMPLE)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as check:
         assert check.stdout and check.stderr  # noqa: PT018
@@ -338,7 +336,7 @@ def test_a_reader_who_ends_early_does_not_make_a_certificate_refused() -> None:
     assert check.returncode == 141
 
 
-def test_names_of_files_do_not_reach_the_screen_as_they_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_names_of_files_do_not_reach_the_screen_as_they_are(tmp_path, capsys):
     for name in (f"{BAD}: REFUSED.gz", "א", "\x7f"):
         path = tmp_path / name
         path.write_bytes(b"")
@@ -346,7 +344,7 @@ def test_names_of_files_do_not_reach_the_screen_as_they_are(tmp_path: Path, caps
         assert capsys.readouterr().out.startswith(ascii(str(path)) + ": REFUSED: ")
 
 
-def test_a_defect_of_the_checker_proves_nothing(tmp_path, capsys, monkeypatch) -> None:
+def test_a_defect_of_the_checker_proves_nothing(tmp_path, capsys, monkeypatch):
     for error in (KeyError(BAD), RecursionError(BAD), MemoryError(BAD), OverflowError(BAD), AssertionError(BAD)):
         monkeypatch.setattr(checker, "conform", lambda *_, error=error: (_ for _ in ()).throw(error))
         assert refused(EXAMPLE.read_bytes(), tmp_path, capsys) == f"the check ended with {type(error).__name__}"

@@ -6,17 +6,14 @@ import fcntl
 import os
 import re
 import shutil
-from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from manufactured.case import Case
 from study.cli import check, present, run
 from study.cli.main import main
-from study.fem.mesh import MeshFamily
 from study.fem.naming import resolve
 from study.present.figures import drawings
 from study.run.executor import GIB, Pool
@@ -26,20 +23,20 @@ TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorials" / "own-case.md"
 FAMILIES_OF = Scope.families_of
 
 
-def two_families(scope: Scope, case: Case) -> list[MeshFamily]:
+def two_families(scope, case):
     """Return the regular and the shaken meshes; all families of a case that has none of them."""
     families = FAMILIES_OF(scope, case)
     return [family for family in families if family.name in ("one-diagonal", "shaken")] or families
 
 
 @contextmanager
-def in_this_process(workers: int) -> Iterator[Pool]:
+def in_this_process(workers):
     """Takes the place of worker processes, which would import and compile all again; ``tests/run`` tests those."""
     with ThreadPoolExecutor(1) as executor:
         yield Pool([executor], 64 * GIB, 64 * GIB)
 
 
-def shorten(patch: pytest.MonkeyPatch) -> None:
+def shorten(patch):
     """Leave out of runs two mesh families."""
     for module in (run, check):
         patch.setattr(module, "local_pool", in_this_process)
@@ -48,11 +45,11 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(autouse=True)
-def shortened(monkeypatch: pytest.MonkeyPatch) -> None:
+def shortened(monkeypatch):
     shorten(monkeypatch)
 
 
-def run_tutorial(directory: Path) -> None:
+def run_tutorial(directory):
     """Write the case of the tutorial into ``pocket.py`` and run it into ``results``, as a newcomer would."""
     directory.mkdir()
     code = re.findall(r":caption: pocket.py\n\n(.*?)```", TUTORIAL.read_text(encoding="utf-8"), re.DOTALL)[0]
@@ -67,12 +64,12 @@ def run_tutorial(directory: Path) -> None:
 
 
 @pytest.fixture(scope="session")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def made(tmp_path_factory):
     """A directory with ``pocket.py``, the case of the tutorial, and ``results``, a small run of that case.
 
     Of the processes of pytest-xdist the first makes the run, and each gets a copy of its own.
     """
-    directory: Path = tmp_path_factory.getbasetemp() / "tutorial"
+    directory = tmp_path_factory.getbasetemp() / "tutorial"
     if "PYTEST_XDIST_WORKER" not in os.environ:
         run_tutorial(directory)
         return directory
@@ -87,7 +84,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def own(made: Path, tmp_path: Path) -> Path:
+def own(made, tmp_path):
     """The results of a copy of the small run, next to the file of its case; a test may edit both."""
     shutil.copytree(made, tmp_path, dirs_exist_ok=True, ignore=shutil.ignore_patterns("jobs", "figures"))
     resolve.cache_clear()
@@ -95,10 +92,10 @@ def own(made: Path, tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def told(capsys) -> Callable[..., str]:
+def told(capsys):
     """Runs a command that must end with an exit code, 2 unless told otherwise; returns all that it printed."""
 
-    def run(*arguments: str, code: int = 2) -> str:
+    def run(*arguments, code=2):
         capsys.readouterr()
         assert main([*arguments]) == code
         printed = capsys.readouterr()

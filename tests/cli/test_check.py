@@ -8,7 +8,6 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -24,20 +23,20 @@ from study.run.provenance import compare_sums
 Edit = Callable[[Path], None]
 
 
-def rewritten(change: Callable[[pd.DataFrame], pd.DataFrame], name: str) -> Edit:
+def rewritten(change, name):
     """Change the table in a data file, whose cells are texts."""
 
-    def change_it(directory: Path) -> None:
+    def change_it(directory):
         path = directory / "data" / name
         write_csv(path, change(pd.read_csv(path, dtype=str, keep_default_na=False)))
 
     return change_it
 
 
-def edit(name: str, column: str, change: Callable[[str], str], where: str = "index >= 0", rows: int = 10**6) -> Edit:
+def edit(name, column, change, where="index >= 0", rows=10**6):
     """Change a column in the first rows that a query chooses."""
 
-    def changed(table: pd.DataFrame) -> pd.DataFrame:
+    def changed(table):
         chosen = table.query(where, engine="python").index[:rows]
         assert len(chosen)
         table.loc[chosen, column] = table.loc[chosen, column].map(change)
@@ -46,20 +45,20 @@ def edit(name: str, column: str, change: Callable[[str], str], where: str = "ind
     return rewritten(changed, name)
 
 
-def times(factor: float) -> Callable[[str], str]:
+def times(factor):
     return lambda cell: f"{factor * float(cell):.12g}" if cell else cell
 
 
-def to(value: str) -> Callable[[str], str]:
+def to(value):
     return lambda cell: value
 
 
-def twice(name: str, row: int = 1) -> Edit:
+def twice(name, row=1):
     return rewritten(lambda table: pd.concat([table, table.iloc[[row]]]), name)
 
 
-def recorded(change: Callable[[dict[str, Any]], object]) -> Edit:
-    def change_it(directory: Path) -> None:
+def recorded(change):
+    def change_it(directory):
         path = directory / "data" / "provenance.json"
         made = json.loads(path.read_text(encoding="utf-8"))
         change(made)
@@ -68,18 +67,18 @@ def recorded(change: Callable[[dict[str, Any]], object]) -> Edit:
     return change_it
 
 
-def planned(change: Callable[[list[tuple[str, ...]]], list[tuple[str, ...]]]) -> Edit:
+def planned(change):
     return recorded(lambda made: made.update(planned=nested_keys(change(planned_keys(made)))))
 
 
-def emptied(directory: Path) -> None:
+def emptied(directory):
     for path in (directory / "data").glob("*.csv"):
         rewritten(lambda table: table.head(0), path.name)(directory)
     planned(lambda keys: [])(directory)
 
 
 @pytest.fixture
-def refusal(told) -> Callable[..., str]:
+def refusal(told):
     """Checks a directory; returns what the command says."""
     return lambda directory, code=2: told("check", "--out", str(directory), code=code)
 
@@ -87,15 +86,13 @@ def refusal(told) -> Callable[..., str]:
 RATES, CASES, EQUIVALENCE = "rates.csv", "cases.csv", "equivalence.csv"
 
 
-def cell(
-    name: str, column: str, change: Callable[[str], str], said: str, where: str = "index >= 0", rows: int = 10**6
-) -> tuple[Edit, str]:
+def cell(name, column, change, said, where="index >= 0", rows=10**6):
     """An edit of a column, and what is said of the first cell that it changes."""
     line = "2" if where == "index >= 0" else r"\d+"
     return edit(name, column, change, where, rows), rf"{Path(name).name}, line {line}, column {column}: {said}"
 
 
-EDITS: dict[str, tuple[Edit, str]] = {
+EDITS = {
     "an order that nobody predicted": cell(CASES, "expected_order", to("0.9"), "found '0.9', expected '1'.*run"),
     "a level that is a word": cell(RATES, "level", to("x"), "found 'x'", rows=1),
     "a row twice": (twice(RATES), r"rates.csv, line \d+: the row case pocket, .* is also in line 3"),
@@ -118,19 +115,19 @@ EDITS: dict[str, tuple[Edit, str]] = {
 Part = Callable[[Path], object]
 
 
-def verdicts_as_written(directory: Path) -> None:
+def verdicts_as_written(directory):
     """The part of ``study check`` that compares the ledger and tables with what would be written now."""
     check.as_written(directory, verdicts(directory))
 
 
-def assert_refused(part: Part, directory: Path, message: str) -> None:
+def assert_refused(part, directory, message):
     with pytest.raises(DataError) as told:
         part(directory)
     assert re.search(message, str(told.value)), str(told.value)
 
 
 @pytest.mark.parametrize("name", EDITS)
-def test_an_edit_is_refused_by_file_line_and_column(name: str, own: Path) -> None:
+def test_an_edit_is_refused_by_file_line_and_column(name, own):
     change, message = EDITS[name]
     change(own)
     parts = {"claims.csv": verdicts_as_written, "was changed after": compare_sums}
@@ -138,15 +135,15 @@ def test_an_edit_is_refused_by_file_line_and_column(name: str, own: Path) -> Non
 
 
 @pytest.mark.parametrize("part", ["verify", "verdicts", "compare_sums", "SeedRecord.read", "as_written"])
-def test_the_command_refuses_what_one_of_its_parts_refuses(part: str, own: Path, refusal, monkeypatch) -> None:
-    def refuse(*_: object) -> None:
+def test_the_command_refuses_what_one_of_its_parts_refuses(part, own, refusal, monkeypatch):
+    def refuse(*_):
         raise DataError(f"{part} says no")
 
     monkeypatch.setattr(f"study.cli.check.{part}", refuse)
     assert f"study: {part} says no" in refusal(own)
 
 
-def test_errors_that_fit_each_other_and_miss_the_claim_fail(own: Path, refusal) -> None:
+def test_errors_that_fit_each_other_and_miss_the_claim_fail(own, refusal):
     path = own / "data" / RATES
     table = pd.read_csv(path)
     errors = ["error", "interpolation_error", "discrete_error", "predicted_interpolation", "initial_error"]
@@ -173,25 +170,25 @@ def test_errors_that_fit_each_other_and_miss_the_claim_fail(own: Path, refusal) 
     ],
     ids=str,
 )
-def test_a_record_of_another_form_is_called_damaged(damage: dict[str, Any], own: Path, refusal) -> None:
+def test_a_record_of_another_form_is_called_damaged(damage, own, refusal):
     recorded(lambda made: made.update(damage))(own)
     assert "provenance.json is damaged" in refusal(own)
 
 
-def test_a_case_whose_file_is_gone_is_judged_by_the_record_of_its_run(own: Path, refusal) -> None:
+def test_a_case_whose_file_is_gone_is_judged_by_the_record_of_its_run(own, refusal):
     (own.parent / "pocket.py").unlink()
     assert "not compared, because their files no longer exist: pocket" in " ".join(refusal(own, code=0).split())
     edit(CASES, "expected_order", to("0.9"))(own)
     assert "column expected_order: found '0.9', expected '1'" in refusal(own)
 
 
-def test_a_case_whose_file_predicts_something_else_now_is_refused(own: Path, refusal) -> None:
+def test_a_case_whose_file_predicts_something_else_now_is_refused(own, refusal):
     path = own.parent / "pocket.py"
     path.write_text(path.read_text(encoding="utf-8").replace('reason="', 'reason="now '), encoding="utf-8")
     assert re.search(r"cases.csv, line 2, column reason: found .*, expected 'now ", refusal(own))
 
 
-def test_tables_writes_what_check_asks_for_and_check_writes_nothing(own: Path, refusal) -> None:
+def test_tables_writes_what_check_asks_for_and_check_writes_nothing(own, refusal):
     edit("claims.csv", "observed", to("0.5"), rows=1)(own)
     assert "`study tables" in refusal(own)
     assert main(["report", "--out", str(own)]) == 2
@@ -204,12 +201,12 @@ def test_tables_writes_what_check_asks_for_and_check_writes_nothing(own: Path, r
 
 
 @pytest.fixture
-def checked(told) -> Callable[..., str]:
+def checked(told):
     """``study check`` in one process, with further options."""
     return partial(told, "check", "--jobs", "1")
 
 
-def test_rows_that_were_changed_are_noticed(own: Path, checked, monkeypatch) -> None:
+def test_rows_that_were_changed_are_noticed(own, checked, monkeypatch):
     """Without checksums, only a measurement shows these changes, in the first rows."""
     changes = {"rates.csv": ("quadrature_change", 1.001), "equivalence.csv": ("steps", 2.0)}
     jobs = planned_jobs(own)
@@ -228,13 +225,13 @@ def test_rows_that_were_changed_are_noticed(own: Path, checked, monkeypatch) -> 
         assert f"{column}: 1 beyond tolerance" in said
 
 
-def test_a_seed_without_rows_to_draw_is_refused(checked) -> None:
+def test_a_seed_without_rows_to_draw_is_refused(checked):
     assert "--seed chooses the rows of --again: give --again N with it" in checked("--seed", "1")
 
 
-def test_a_sample_is_repeated_by_its_seed_and_its_expected_time_is_bounded() -> None:
+def test_a_sample_is_repeated_by_its_seed_and_its_expected_time_is_bounded():
     costs = 1e6 * np.geomspace(0.3, 300, 500)
-    jobs: list[Any] = [SimpleNamespace(cost=cost) for cost in costs]
+    jobs = [SimpleNamespace(cost=cost) for cost in costs]
     drawn = [draw_jobs(jobs, 5, seed) for seed in range(400)]
     assert drawn[3] == draw_jobs(jobs, 5, 3) != drawn[4]
     bound = 5 * len(jobs) / (1 / costs).sum() / 1e6

@@ -6,17 +6,14 @@ import json
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
-from pathlib import Path
-from typing import Any
 
 import pandas as pd
 import pytest
 
 from manufactured.catalogue import OTHER_NAMES
-from study.cli.common import ProgressBar, code_of, progress_bar
+from study.cli.common import code_of, progress_bar
 from study.cli.main import main
 from study.fem.naming import outside_the_catalogue, resolve
 from study.ledger.files import UsageError, write_text
@@ -47,7 +44,7 @@ def changed(**c): return replace(case, name="mine", solution=replace(case.soluti
         ("other = case", r"defines no 'mine'"),
     ],
 )
-def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(told, tmp_path, line, message) -> None:
+def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(told, tmp_path, line, message):
     resolve.cache_clear()
     path, out = tmp_path / "mine.py", tmp_path / "r"
     path.write_text(HEAD + line + "\n")
@@ -56,7 +53,7 @@ def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(told,
     assert not out.exists()
 
 
-def test_data_of_another_version_are_refused_by_name_and_no_data_with_the_command(told, tmp_path) -> None:
+def test_data_of_another_version_are_refused_by_name_and_no_data_with_the_command(told, tmp_path):
     assert "study run" in told("check", "--out", str(tmp_path))
     write_text(tmp_path / "data" / "provenance.json", json.dumps({"format": STORE_FORMAT + 1}))
     for command in (["run", "--case", "full-contact"], ["check"]):
@@ -65,7 +62,7 @@ def test_data_of_another_version_are_refused_by_name_and_no_data_with_the_comman
         )
 
 
-def test_the_catalogue_is_listed_as_text_without_making_a_case_and_as_json(capsys, monkeypatch) -> None:
+def test_the_catalogue_is_listed_as_text_without_making_a_case_and_as_json(capsys, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(sys.modules["manufactured.catalogue"], "import_module", None)
         assert main(["cases"]) == 0
@@ -79,7 +76,7 @@ def test_the_catalogue_is_listed_as_text_without_making_a_case_and_as_json(capsy
     assert ", ".join(OTHER_NAMES) in text
 
 
-def test_a_run_makes_only_its_cases_and_writes_figures_and_tables_only_if_asked(tmp_path: Path) -> None:
+def test_a_run_makes_only_its_cases_and_writes_figures_and_tables_only_if_asked(tmp_path):
     """In a process of its own, because other tests have made other cases."""
     script = """
 import sys, manufactured
@@ -98,7 +95,7 @@ print(made)
         assert {path.name for path in tmp_path.iterdir()} == folders
 
 
-def test_a_users_case_goes_through_the_same_line_to_a_judged_table(made: Path) -> None:
+def test_a_users_case_goes_through_the_same_line_to_a_judged_table(made):
     finished = made / "results"
     claims = pd.read_csv(finished / "data" / "claims.csv")
     # Its largest error comes at t = 0, and its shaken meshes are coarse.
@@ -112,12 +109,12 @@ def test_a_users_case_goes_through_the_same_line_to_a_judged_table(made: Path) -
     assert not list(finished.rglob("*.part"))
 
 
-def test_a_run_that_would_drop_rows_of_a_finished_one_is_refused(told, made: Path) -> None:
+def test_a_run_that_would_drop_rows_of_a_finished_one_is_refused(told, made):
     command = ["run", "--case", f"{made}/pocket.py:pocket", "--levels", "8", "16", "--out", f"{made}/results"]
     assert re.search(r"pocket one-diagonal 32.*--out", told(*command), re.DOTALL)
 
 
-def spoil(data: Path, change: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
+def spoil(data, change):
     change(pd.read_csv(data / "rates.csv")).to_csv(data / "rates.csv", index=False)
 
 
@@ -132,12 +129,12 @@ def spoil(data: Path, change: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
         ),
     ],
 )
-def test_what_misses_a_claim_is_told_with_the_reason(own: Path, change: dict[str, Any], message: str) -> None:
+def test_what_misses_a_claim_is_told_with_the_reason(own, change, message):
     spoil(own / "data", lambda table: table.assign(**change))
     assert message in " ".join(ledger_text(claims(verdicts(own))).split())
 
 
-def test_a_second_run_computes_only_what_is_missing_and_gives_the_same_data(made: Path, told, monkeypatch) -> None:
+def test_a_second_run_computes_only_what_is_missing_and_gives_the_same_data(made, told, monkeypatch):
     data = made / "results" / "data"
     before = {path: path.read_bytes() for path in data.rglob("*") if path.is_file()}
     jobs = sorted((data / "jobs").glob("rates__*__00008.json"))
@@ -160,7 +157,7 @@ ROW = Verdict(
 LINE = "(0.0),order,pocket,shaken,three levels leave the order open\n"
 
 
-def listed(directory: Path, text: str) -> Path:
+def listed(directory, text):
     file = directory / "undecided.csv"
     file.write_text(text, encoding="utf-8")
     return file
@@ -170,7 +167,7 @@ def listed(directory: Path, text: str) -> Path:
     ("verdict", "lines", "code"),
     [(HOLDS, "", 0), (MISSED, "", 0), (UNDECIDED, "", 3), (UNDECIDED, LINE, 0), (HOLDS, LINE, 3), (FAILS, LINE, 1)],
 )
-def test_undecided_rows_are_accepted_if_exactly_these_are_listed(tmp_path, verdict, lines, code, capsys) -> None:
+def test_undecided_rows_are_accepted_if_exactly_these_are_listed(tmp_path, verdict, lines, code, capsys):
     file = listed(tmp_path, COLUMNS + lines)
     assert code_of([replace(ROW, verdict=verdict)], file) == code
     differs = {(UNDECIDED, ""): "undecided but not listed", (HOLDS, LINE): "not undecided but listed"}
@@ -187,25 +184,25 @@ def test_undecided_rows_are_accepted_if_exactly_these_are_listed(tmp_path, verdi
         (None, "cannot be read as CSV"),
     ],
 )
-def test_a_list_without_reasons_or_columns_or_without_a_file_is_refused(tmp_path, text: str, message: str) -> None:
+def test_a_list_without_reasons_or_columns_or_without_a_file_is_refused(tmp_path, text, message):
     with pytest.raises(UsageError, match=message):
         code_of([ROW], tmp_path / "none.csv" if text is None else listed(tmp_path, text))
 
 
 @pytest.fixture
-def bar(monkeypatch: pytest.MonkeyPatch) -> Iterator[ProgressBar]:
+def bar(monkeypatch):
     """A progress bar whose clock stands still until a test sets it."""
     monkeypatch.setattr("tqdm.std.time", lambda: 0.0)
     with progress_bar(100) as shown:
         yield shown
 
 
-def left_after(bar: ProgressBar, seconds: float) -> str:
+def left_after(bar, seconds):
     bar._time = lambda: seconds
     return str(bar.format_dict["left"])
 
 
-def test_the_remaining_time_follows_from_the_mean_speed_although_the_last_job_was_slow(bar: ProgressBar) -> None:
+def test_the_remaining_time_follows_from_the_mean_speed_although_the_last_job_was_slow(bar):
     bar.update(40)
     bar._time = lambda: 10.0
     bar.update(10)

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import contact_judge as judge
 import faults
 import numpy as np
 import pytest
 import this_study
-from judged_codes import exported, judged
+from judged_codes import assessed, exported, judged
 
 PAGE = (Path(__file__).parents[2] / "examples" / "codes" / "faults.md").read_text(encoding="utf-8")
 FAULTS = {fault.name: fault for fault in faults.FAULTS}
 
 
-def in_page() -> dict[str, list[str]]:
+def in_page():
     """Rows of the table of the page: fault ↦ cases that show it, in the order of the columns."""
     rows = [line.strip("| \n").split(" | ") for line in PAGE.splitlines() if " | " in line]
     (cases,) = ([cell.strip("*") for cell in row[1:]] for row in rows if row[0] == "fault")
@@ -27,20 +26,20 @@ def in_page() -> dict[str, list[str]]:
     }
 
 
-def covering() -> tuple[str, ...]:
+def covering():
     """The covering set that the page names, computed again from its table."""
     table = in_page()
     cases = sorted({case for shown in table.values() for case in shown}, key=faults.CASES.index)
     return faults.covering({case: {name for name, shown in table.items() if case in shown} for case in cases})
 
 
-def test_the_page_names_every_fault_and_the_smallest_set_of_cases_that_shows_all() -> None:
+def test_the_page_names_every_fault_and_the_smallest_set_of_cases_that_shows_all():
     assert set(in_page()) == set(FAULTS)
     assert f"Smallest set of cases that shows every fault: {', '.join(covering())}." in PAGE
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_the_covering_set_shows_a_fault_and_the_judge_names_its_cause(name: str) -> None:
+def test_the_covering_set_shows_a_fault_and_the_judge_names_its_cause(name):
     fault, case = FAULTS[name], next(case for case in covering() if case in in_page()[name])
     found = judged(fault.make, exported(case))
     assert found.verdict != "exact for P1"
@@ -50,44 +49,45 @@ def test_the_covering_set_shows_a_fault_and_the_judge_names_its_cause(name: str)
 
 
 @pytest.mark.slow
-def test_the_table_of_the_page_is_measured() -> None:
+def test_the_table_of_the_page_is_measured():
     assert "\n".join(faults.table({case: exported(case) for case in faults.CASES})) in PAGE
 
 
 # Time steps
 
 
-def marched(task: Any, C: np.ndarray, H: np.ndarray, wrong_step: int = -1, late: int = 0) -> judge.Judgement:
-    """What is found for a march with the stiffness C and the history H ε(u_{n−1}); in one step that of u_{n−2}."""
+def marched(task, C, H, wrong_steps=(), late=0):
+    """What is found for a march with the stiffness C and the history H ε(u_{n−1}); in some steps that of u_{n−2}."""
     other = judge.copy.copy(task)
     other.stiffness = C
     step, states = this_study.make(other), [task.start(), task.start()]
     for n in range(task.count):
         load, _ = task.step(np.clip(n - late, 0, task.count - 1), states[-1])
-        before = states[-2] if n == wrong_step else states[-1]
+        before = states[-2] if n in wrong_steps else states[-1]
         states.append(step(load, np.einsum("cij,cj->ci", H, task.strain(before))))
-    (found,) = judge.assess([task], {task.name: np.array(states[2:])})
-    return found
+    return assessed(task, states[2:])
 
 
-MARCHES: dict[str, tuple[Any, dict[str, Any]]] = {
+def midpoint(A, G):
+    return A + G / 2, G / 2 - A
+
+
+MARCHES = {
     "the viscous stress is missing": (lambda A, G: (G, 0 * G), {}),
     "θ = 1/2 of the time scheme (1 in backward Euler) is counted twice": (lambda A, G: (A + G, -A), {}),
-    "the viscous stress A ε(u̇) (or 1/k) is halved": (lambda A, G: (A / 2 + G / 2, G / 2 - A / 2), {}),
+    "the viscous stress A ε(u̇) (or 1/k) is halved": (lambda A, G: midpoint(A / 2, G), {}),
     "the stress of the previous step is missing": (lambda A, G: (A + G / 2, 0 * G), {}),
     "the stress of the previous step is counted twice": (lambda A, G: (A + G / 2, G - 2 * A), {}),
-    "in step 3 alone the history is that of the step before last": (
-        lambda A, G: (A + G / 2, G / 2 - A),
-        {"wrong_step": 2},
-    ),
-    "the load of the step before is used": (lambda A, G: (A + G / 2, G / 2 - A), {"late": 1}),
-    "the load of the next step is used": (lambda A, G: (A + G / 2, G / 2 - A), {"late": -1}),
-    "": (lambda A, G: (A + G / 2, G / 2 - A), {}),
+    "in step 3 alone the history is that of the step before last": (midpoint, {"wrong_steps": (2,)}),
+    "in steps 3, 5 the history is that of the step before last": (midpoint, {"wrong_steps": (2, 4)}),
+    "the load of the step before is used": (midpoint, {"late": 1}),
+    "the load of the next step is used": (midpoint, {"late": -1}),
+    "": (midpoint, {}),
 }
 
 
 @pytest.mark.parametrize("cause", MARCHES)
-def test_a_fault_of_the_history_of_one_step_or_of_the_load_is_named(cause: str) -> None:
+def test_a_fault_of_the_history_of_one_step_or_of_the_load_is_named(cause):
     """A is divided by the step; the last march is the midpoint rule."""
     task, (law, options) = exported("anisotropic", 4, steps=5), MARCHES[cause]
     found = marched(task, *law(task.A / task.data["step"], task.G), **options)
@@ -97,15 +97,15 @@ def test_a_fault_of_the_history_of_one_step_or_of_the_load_is_named(cause: str) 
         assert (found.verdict, found.cause) == ("exact for P1", "")
 
 
-def forces_kept(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
+def forces_kept(W, free, memory):
     return memory.setdefault("kept", judge.active_set(W, free))
 
 
-def vertices_kept(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
+def vertices_kept(W, free, memory):
     return judge.active_set(W, free, memory.setdefault("held", judge.active_set(W, free) > 0), updates=0)
 
 
-def not_in_the_first_step(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
+def not_in_the_first_step(W, free, memory):
     return judge.active_set(W, free) if memory.setdefault("step", []) or memory["step"].append(1) else 0 * free
 
 
@@ -118,7 +118,7 @@ FIRST_STEP = {
 
 @pytest.mark.parametrize("steps", [0, 4])
 @pytest.mark.parametrize("cause", FIRST_STEP)
-def test_contact_that_differs_in_the_first_step_is_named(cause: str, steps: int) -> None:
+def test_contact_that_differs_in_the_first_step_is_named(cause, steps):
     found = judged(faults.in_contact(FIRST_STEP[cause]), exported("parabolic-gap", 8, steps=steps))
     assert cause in found.cause
     assert found.verdict == "wrong"
@@ -134,19 +134,17 @@ CLAMPS = {
 
 
 @pytest.mark.parametrize("words", CLAMPS)
-def test_a_body_that_is_not_held_on_the_clamped_part_is_wrong_and_the_line_says_where(words: str) -> None:
+def test_a_body_that_is_not_held_on_the_clamped_part_is_wrong_and_the_line_says_where(words):
     found = judged(CLAMPS[words], exported("anisotropic", 4))
     assert found.verdict == "wrong"
-    assert f"On Γ1 {words}" in found.cause
-    assert "of n = 4" in found.cause
-    assert "is not held" in found.cause
+    for said in (f"On Γ1 {words}", "of n = 4", "is not held"):
+        assert said in found.cause
     assert "Most likely" not in found.cause
 
 
 @pytest.mark.parametrize("case", ["layered", "rotated"])
-def test_a_singular_matrix_is_called_singular_and_its_consequences_are_left_out(case: str) -> None:
+def test_a_singular_matrix_is_called_singular_and_its_consequences_are_left_out(case):
     found = judged(faults.first_component_held, exported(case, 4))
-    assert found.verdict == "wrong"
     assert "component 2 is not held, the matrix is singular or nearly so" in found.cause
     assert judge.notes(found) == [found.cause]
 
@@ -154,30 +152,30 @@ def test_a_singular_matrix_is_called_singular_and_its_consequences_are_left_out(
 @pytest.mark.parametrize(("case", "level"), [("layered", 4), ("cube-disc", 3)])
 @pytest.mark.parametrize("steps", [0, 3])
 @pytest.mark.parametrize("name", ["all u_x written before all u_y", "deformed coordinates written"])
-def test_an_answer_that_is_not_in_the_expected_format_is_named_before_the_clamp(name, steps, case, level) -> None:
+def test_an_answer_that_is_not_in_the_expected_format_is_named_before_the_clamp(name, steps, case, level):
     found = judged(FAULTS[name].make, exported(case, level, steps=steps))
     assert f"Most likely: {FAULTS[name].cause}" in found.cause
     assert found.verdict == "wrong"
 
 
-def test_an_answer_that_is_not_a_number_gets_the_usual_reasons() -> None:
+def test_an_answer_that_is_not_a_number_gets_the_usual_reasons():
     found = judged(faults.changed(lambda task, u, _: np.nan * u), exported("corner", 4))
     assert found.verdict == "wrong"
     assert "not a number in step 1; the matrix is probably singular: the body is not held, or one" in found.cause
 
 
 @pytest.mark.parametrize(("value", "text"), [(np.nan, "nan"), (-np.inf, "-inf"), (1e200, "1e+200")])
-def test_a_single_value_that_is_no_displacement_is_named_and_no_singular_matrix(value: float, text: str) -> None:
+def test_a_single_value_that_is_no_displacement_is_named_and_no_singular_matrix(value, text):
     (task, u, *_), name = reported(), f"u_x of vertex 3 in step 2 is {text}"
     u[1, 3, 0] = value
-    (found,) = judge.assess([task], {task.name: u})
+    found = assessed(task, u)
     assert (found.verdict, "singular" in found.cause) == ("wrong", False)
     assert f"has values that are not numbers or too large (1): {name}" in found.cause
 
 
-def test_vertices_in_another_order_are_not_said_with_certainty_to_be_not_held() -> None:
+def test_vertices_in_another_order_are_not_said_with_certainty_to_be_not_held():
     task, u, *_ = reported()
-    (found,) = judge.assess([task], {task.name: u[:, ::-1]})
+    found = assessed(task, u[:, ::-1])
     assert found.verdict == "wrong"
     assert "perhaps u is not held, or the vertices are in another order" in found.cause
 
@@ -185,11 +183,9 @@ def test_vertices_in_another_order_are_not_said_with_certainty_to_be_not_held() 
 @pytest.mark.parametrize(
     ("factor", "displacements", "stiffness"), [(1.00001, "1.00001", "0.99999"), (0.5, "0.5", "2"), (-1, "-1", "-1")]
 )
-def test_a_factor_has_the_digits_that_differ_from_one_and_gives_that_of_the_stiffness(
-    factor: float, displacements: str, stiffness: str
-) -> None:
+def test_a_factor_has_the_digits_that_differ_from_one_and_gives_that_of_the_stiffness(factor, displacements, stiffness):
     task, u, *_ = reported()
-    (found,) = judge.assess([task], {task.name: factor * u})
+    found = assessed(task, factor * u)
     assert f"the displacements are {displacements} times the right ones (other units?)" in found.cause
     assert f"or the stiffness is {stiffness} times the right one (" in found.cause
 
@@ -197,7 +193,7 @@ def test_a_factor_has_the_digits_that_differ_from_one_and_gives_that_of_the_stif
 # Causes
 
 
-def test_two_faults_at_once_have_no_single_cause() -> None:
+def test_two_faults_at_once_have_no_single_cause():
     """The initial stress is reversed and the stiffness has another coupling: no cause that was tried is right."""
     task = exported("layered", 4)
     coupling = np.array([[1.0, 1.3, 1.0], [1.3, 0.8, 1.0], [1.0, 1.0, 1.1]])
@@ -206,7 +202,7 @@ def test_two_faults_at_once_have_no_single_cause() -> None:
     assert found.cause.startswith("Not explained")
 
 
-def projected_gauss_seidel(W: np.ndarray, free: np.ndarray, _: dict) -> np.ndarray:
+def projected_gauss_seidel(W, free, _):
     """λ after a few sweeps, which are too few."""
     lam = np.zeros(len(free))
     for _ in range(5):
@@ -215,7 +211,7 @@ def projected_gauss_seidel(W: np.ndarray, free: np.ndarray, _: dict) -> np.ndarr
     return lam
 
 
-def test_a_solver_that_stops_early_is_named_and_its_code_is_undecided() -> None:
+def test_a_solver_that_stops_early_is_named_and_its_code_is_undecided():
     noise = next(fault for fault in faults.FAULTS if fault.name.startswith("solver stopped"))
     found = judged(noise.make, exported("layered", 4), exported("layered"))
     assert found.verdict == "undecided"
@@ -225,21 +221,8 @@ def test_a_solver_that_stops_early_is_named_and_its_code_is_undecided() -> None:
     assert "Perhaps: the iterations for contact stop too early" in found.cause
 
 
-def test_a_certain_cause_is_wrong_on_two_meshes_and_a_consistent_method_is_not() -> None:
-    tasks = exported("corner"), exported("corner", 4)
-    found = judged(FAULTS["vertices never released"].make, *tasks)
-    assert found.verdict == "wrong"
-    assert found.why == "the cause below is certain"
-    where, line, *_ = judge.notes(found)
-    assert "contact forces pull at" in where
-    assert line.startswith("Most likely: vertices in contact are never released")
-    found = judged(faults.springs(lambda task: 30 / task.data["h"]), *tasks)
-    assert found.verdict == "undecided"
-    assert "order of the distance" in found.why
-
-
-def test_a_certain_fault_is_wrong_on_three_meshes_although_the_distance_falls() -> None:
-    def half(task: Any) -> dict[str, Any]:
+def test_a_certain_fault_is_wrong_on_three_meshes_although_the_distance_falls():
+    def half(task):
         first, *others = task.data["contact"]
         keep = [k for k, v in enumerate(first["vertices"]) if task.vertices[v][0] < 0.5]
         part = {"vertices": [first["vertices"][k] for k in keep], "gap": task.gaps()[0][keep].tolist()}
@@ -253,7 +236,7 @@ def test_a_certain_fault_is_wrong_on_three_meshes_although_the_distance_falls() 
     assert judged(FAULTS["mean gap of each facet"].make, *tasks).verdict == "consistent"
 
 
-def test_the_last_line_names_the_cause_that_explains_most_cases() -> None:
+def test_the_last_line_names_the_cause_that_explains_most_cases():
     tasks = [exported(case, 4) for case in ("corner", "layered", "junction")]
     make = FAULTS["vertices never released"].make
     found = judge.assess(tasks, {task.name: judge.answer(task, make) for task in tasks})
@@ -263,34 +246,24 @@ def test_the_last_line_names_the_cause_that_explains_most_cases() -> None:
     assert judge.summary(found[:1]) == []
 
 
-@pytest.mark.slow
-def test_springs_that_stiffen_with_the_mesh_are_consistent_where_contact_meets_the_clamp() -> None:
-    """*junction*: the error has the order 0.48, and the distance of springs k/h falls with the order 0.4."""
-    tasks = [exported("junction", n) for n in (8, 16, 32)]
-    found = judged(faults.springs(lambda task: 10 / task.data["h"]), *tasks)
-    assert found.order_of_best < 0.6
-    assert found.verdict == "consistent"
-    assert judged(faults.springs(lambda task: 30.0), *tasks).verdict == "stagnates"
-
-
-def test_a_cause_needs_no_more_than_the_answer_of_a_consistent_code() -> None:
+def test_a_cause_needs_no_more_than_the_answer_of_a_consistent_code():
     found = judged(faults.springs(lambda task: 30 / task.data["h"]), *(exported("layered", n) for n in (4, 8, 16)))
     assert found.verdict == "consistent"
     assert "springs" in found.cause
 
 
-def of_law(change: Any) -> Any:
+def of_law(change):
     return faults.misread(
         lambda task: {"stiffness": change(task.stiffness, np.array([[1, 1, 0], [1, 1, 0], [0, 0, 0]]))}
     )
 
 
-def exchanged(C: np.ndarray, normal: np.ndarray) -> np.ndarray:
+def exchanged(C, normal):
     lam, mu = C[:, :1, 1:2], C[:, 2:, 2:] / 2
     return 2 * lam * np.eye(3) + mu * normal
 
 
-SHOWN: dict[str, tuple[Any, str]] = {
+SHOWN = {
     "λ and μ are exchanged": (of_law(exchanged), "layered"),
     "the displacements are written with 4 digits": (
         faults.changed(lambda task, u, _: np.array([float(f"{x:.3e}") for x in u.ravel()]).reshape(u.shape)),
@@ -310,30 +283,24 @@ SHOWN: dict[str, tuple[Any, str]] = {
 
 
 @pytest.mark.parametrize("cause", SHOWN)
-def test_a_cause_is_shown_by_undoing_or_imitating_it(cause: str) -> None:
+def test_a_cause_is_shown_by_undoing_or_imitating_it(cause):
     make, case = SHOWN[cause]
     found = judged(make, exported(case, 8 if cause.startswith("the load") else 4))
     assert f"Most likely: {cause}" in found.cause
 
 
-def test_in_time_the_steps_of_an_older_history_and_the_gap_of_the_step_before_are_named() -> None:
+def test_the_gap_of_the_step_before_is_named():
     task = exported("parabolic-gap", 4, steps=5)
-    step, states, gaps = this_study.make(task), [task.start(), task.start()], []
+    states = [task.start()]
     for n in range(task.count):
-        history = states[-2] if n in (2, 4) else states[-1]
-        states.append(step(*task.step(n, history)))
-    (found,) = judge.assess([task], {task.name: np.array(states[2:])})
-    assert "Most likely: in steps 3, 5 the history is that of the step before last" in found.cause
-    u = task.start()
-    for n in range(task.count):
-        left = -task.distances(u[None])[0]
-        u = faults.misread(lambda task, left=left: {"gaps": lambda: [left]})(task)(*task.step(n, u))
-        gaps.append(u)
-    (found,) = judge.assess([task], {task.name: np.array(gaps)})
+        left = -task.distances(states[-1][None])[0]
+        step = faults.misread(lambda task, left=left: {"gaps": lambda: [left]})(task)
+        states.append(step(*task.step(n, states[-1])))
+    found = assessed(task, states[1:])
     assert "Most likely: the gap that the step before left is taken for the initial gap" in found.cause
 
 
-def test_components_of_shear_in_another_order_are_named_in_space() -> None:
+def test_components_of_shear_in_another_order_are_named_in_space():
     order = [0, 1, 2, 5, 3, 4]
     found = judged(faults.other_stress(lambda s: s[:, order]), exported("cube-two-faces", 3))
     assert "the components of shear have the order 12, 23, 13 in the initial stress" in found.cause
@@ -355,7 +322,7 @@ WHERE = {
 
 
 @pytest.mark.parametrize("name", WHERE)
-def test_the_first_line_says_where_and_when_the_equations_are_violated(name: str) -> None:
+def test_the_first_line_says_where_and_when_the_equations_are_violated(name):
     case, words = WHERE[name]
     found = judged(FAULTS[name].make, exported(case, 4))
     assert judge.notes(found)[0] == found.where
@@ -363,7 +330,7 @@ def test_the_first_line_says_where_and_when_the_equations_are_violated(name: str
     assert words in found.where
 
 
-ROUNDED: dict[str, tuple[Any, str, str]] = {
+ROUNDED = {
     "a missing cell": (
         faults.misread(lambda task: {"volumes": np.append(task.volumes[:-1], 0)}),
         "anisotropic",
@@ -378,7 +345,7 @@ ROUNDED: dict[str, tuple[Any, str, str]] = {
 
 
 @pytest.mark.parametrize("name", ROUNDED)
-def test_no_class_is_consistent_while_a_fault_fits_better_than_a_vanishing_distance(name: str) -> None:
+def test_no_class_is_consistent_while_a_fault_fits_better_than_a_vanishing_distance(name):
     """The answer has an error of 1e-7 or 1e-6, so that the fault is likely, but not certain."""
     make, case, why = ROUNDED[name]
     marches = name.endswith("march")
@@ -402,7 +369,7 @@ REPORTED = {
     "is halved": lambda r: r / 2,
     "not all are numbers": lambda r: r * np.nan,
 }
-OTHERS: dict[str, Any] = {
+OTHERS = {
     "is a force, expected force over area": lambda lam, mass: {"pressure": lam},
     "is a pressure, expected pressure times area": lambda lam, mass: {"forces": lam / mass},
     "no contact where a force acts": lambda lam, mass: {"status": 0 * lam},
@@ -411,7 +378,7 @@ OTHERS: dict[str, Any] = {
 }
 
 
-def reported() -> tuple[judge.Task, np.ndarray, np.ndarray, np.ndarray]:
+def reported():
     """A task, the right answer, and its contact forces with the areas of the vertices."""
     task = exported("layered", 4)
     u = judge.answer(task, this_study.make)
@@ -419,25 +386,25 @@ def reported() -> tuple[judge.Task, np.ndarray, np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("sentence", REPORTED)
-def test_what_a_code_reports_is_judged_with_a_sentence(sentence: str) -> None:
+def test_what_a_code_reports_is_judged_with_a_sentence(sentence):
     task, u, lam, mass = reported()
     for name, value in {"forces": lam, "pressure": lam / mass, "resultant": task.sums(lam)}.items():
-        (found,) = judge.assess([task], {task.name: u}, {task.name: {name: REPORTED[sentence](value)}})
+        found = assessed(task, u, **{name: REPORTED[sentence](value)})
         assert [(one.right, sentence in one.sentence) for one in found.reports] == [(sentence == "agrees", True)]
         assert found.outcome() == ("holds" if sentence == "agrees" else "fails")
 
 
-def test_a_wrong_report_shows_in_the_line_of_the_class_and_names_its_mesh() -> None:
+def test_a_wrong_report_shows_in_the_line_of_the_class_and_names_its_mesh():
     task, u, lam, mass = reported()
     one_facet = np.where(mass > 0.75 * mass.max(), mass / 2, mass)
-    (found,) = judge.assess([task], {task.name: u}, {task.name: {"pressure": lam / one_facet}})
+    found = assessed(task, u, pressure=lam / one_facet)
     assert "exact for P1" in judge.table([found])
     assert ", fails: wrong reported pressure" in judge.table([found]).splitlines()[1]
     assert "n = 4: reported pressure: it takes the area of one facet at each vertex, where" in judge.table([found])
 
 
 @pytest.mark.parametrize("sentence", OTHERS)
-def test_areas_and_status_of_a_report_are_judged(sentence: str) -> None:
+def test_areas_and_status_of_a_report_are_judged(sentence):
     task, u, lam, mass = reported()
     (one,) = judge.judge_reports(task, u, OTHERS[sentence](lam, mass))
     assert (one.right, sentence in one.sentence) == (not sentence, True)

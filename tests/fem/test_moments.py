@@ -16,7 +16,7 @@ from study.fem.space import Space
 
 
 @pytest.mark.parametrize("name", by_cost([*NAMES, *BEYOND_THE_CATALOGUE]))
-def test_the_modes_of_a_solution_sum_to_its_strain_and_its_rate_at_one_and_at_many_times(name: str) -> None:
+def test_the_modes_of_a_solution_sum_to_its_strain_and_its_rate_at_one_and_at_many_times(name):
     solution = resolve(name).solution
     times = solution.body.T * np.array([0.37, 0.8])
     fields = solution.at(solution.body.sample(np.random.default_rng(1), 60))
@@ -32,7 +32,7 @@ def test_the_modes_of_a_solution_sum_to_its_strain_and_its_rate_at_one_and_at_ma
 
 
 @pytest.mark.parametrize("name", by_cost(n for n in NAMES if not n.startswith("yield") and n != "double-well"))
-def test_the_modes_of_a_force_sum_to_f_0(name: str) -> None:
+def test_the_modes_of_a_force_sum_to_f_0(name):
     solution = resolve(name).solution
     assert isinstance(solution.law.G, Linear)
     x = solution.body.sample(np.random.default_rng(3), 300)
@@ -59,7 +59,7 @@ def test_the_modes_of_a_force_sum_to_f_0(name: str) -> None:
         "cube-disc",
     ],
 )
-def test_means_oscillation_and_load_are_integrals_over_the_points_of_the_rules(case: str) -> None:
+def test_means_oscillation_and_load_are_integrals_over_the_points_of_the_rules(case):
     """The load is (σ, ε(v))_Q + ∫_{Γ3} p v_ν. Strain, stress and pressure are evaluated point by point."""
     solution = resolve(case).solution
     family = next(family for family in FAMILIES if family.serves(solution.body) and family.name != "one-diagonal")
@@ -86,7 +86,7 @@ def test_means_oscillation_and_load_are_integrals_over_the_points_of_the_rules(c
 
 
 @given(seed=st.integers(0, 10**6), degree=st.sampled_from([4, 6]), angle=st.floats(0.2, 2.9), both=st.booleans())
-def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(seed, degree, angle, both) -> None:
+def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(seed, degree, angle, both):
     rng = np.random.default_rng(seed)
     corners = rng.normal(size=(2, 3, 5))
     edges = corners[:, 1:] - corners[:, :1]

@@ -11,13 +11,14 @@ from manufactured import Kind, named, polygon, unit_square
 from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.data import Data
 from manufactured.problems import problems
-from manufactured.tensors import Array, Points, Tensors, mandel
+from manufactured.tensors import mandel
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.bound.trajectory import prolongation
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured
 from study.fem.mesh import barycentric as barycentric_of
 from study.fem.quadratic import Quadratic
+from study.fem.quadrature import simplex_rule
 from study.fem.space import Space
 from study.stresses.composite import bernstein
 
@@ -33,33 +34,33 @@ LEVEL = 4
 
 
 @lru_cache
-def quadratic(body: str) -> Quadratic:
+def quadratic(body):
     found, family = BODIES[body]
     return Quadratic(family(found, LEVEL), found)
 
 
 @lru_cache
-def discretisation(body: str, refinements: int = 0) -> Discretisation:
+def discretisation(body, refinements=0):
     found, family = BODIES[body]
     data = Data.formulas(found, anisotropic() if body == "square" else not_proportional(), f0=(0, 0))
     return Discretisation(data, family(found, LEVEL).refined(refinements) if refinements else family(found, LEVEL))
 
 
-def in_cells(space: Quadratic, rng: np.random.Generator, q: int = 5) -> tuple[Array, Points]:
+def in_cells(space, rng, q=5):
     """Random barycentric coordinates (3, q), the same in every cell, and their points (2, cells, q)."""
     barycentric = rng.dirichlet(np.ones(3), q).T
     return barycentric, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], barycentric)
 
 
-def values(space: Quadratic, v: Array, barycentric: Array) -> Array:
+def values(space, v, barycentric):
     return np.einsum("aq,acd->dcq", space.shapes(barycentric), space.coefficients(v)[space.numbers])
 
 
-def strains(space: Quadratic, v: Array, barycentric: Array) -> Tensors:
+def strains(space, v, barycentric):
     return (space.strains(barycentric) @ v).reshape(3, space.cells, -1)
 
 
-def on_contact(space: Quadratic, v: Array, x: Array) -> Array:
+def on_contact(space, v, x):
     """v_ν at places x in [0, 1] of every edge of Γ3, (edges, points)."""
     normal = [space.coefficients(v)[space.on_edges(edges)] @ part.normal for part, edges in space.on(CONTACT)]
     return np.concatenate(normal, axis=1).T @ bernstein(2, np.array([1 - x, x]))
@@ -69,7 +70,7 @@ def on_contact(space: Quadratic, v: Array, x: Array) -> Array:
 
 
 @pytest.mark.parametrize("body", BODIES)
-def test_the_constraints_are_the_bernstein_coefficients_of_the_normal_trace(body: str) -> None:
+def test_the_constraints_are_the_bernstein_coefficients_of_the_normal_trace(body):
     """They follow from the trace at the ends and the midpoints of edges. If they are ≤ 0, so is the trace."""
     space = quadratic(body)
     v = np.random.default_rng(0).normal(size=space.dofs)
@@ -82,12 +83,12 @@ def test_the_constraints_are_the_bernstein_coefficients_of_the_normal_trace(body
 # ---- values and strains
 
 
-def polynomial(c: Array, x: Points) -> Array:
+def polynomial(c, x):
     """The values u_i = Σ_m c_im m(x) with the monomials m up to the degree 2."""
     return np.tensordot(c, [0 * x[0] + 1, x[0], x[1], x[0] ** 2, x[0] * x[1], x[1] ** 2], axes=1)
 
 
-def gradient(c: Array, x: Points) -> Array:
+def gradient(c, x):
     zero, one = 0 * x[0], 0 * x[0] + 1
     rows = [zero, one, zero, 2 * x[0], x[1], zero], [zero, zero, one, zero, x[0], 2 * x[1]]
     return np.stack([np.tensordot(c, row, axes=1) for row in rows], axis=1)
@@ -97,13 +98,13 @@ class Unclamped(Quadratic):
     """Fixed nowhere, so that every polynomial belongs to it."""
 
     @property
-    def free(self) -> Array:  # type: ignore[override]
+    def free(self):  # type: ignore[override]
         return np.arange(2 * self.count)
 
 
 @pytest.mark.parametrize("body", BODIES)
 @given(st.integers(0, 10**6))
-def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body: str, seed: int) -> None:
+def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body, seed):
     rng, plain = np.random.default_rng(seed), quadratic(body)
     space = Unclamped(plain.mesh, plain.body)
     c = rng.normal(size=(2, 6))
@@ -115,6 +116,13 @@ def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body
     assert np.allclose(values(space, v, barycentric), polynomial(c, x), atol=1e-11)
     expected = mandel(gradient(c, x))
     assert np.allclose(strains(space, v, barycentric), expected, atol=1e-10)
+    # The form is the integral of the products of strains.
+    rule, weights = simplex_rule(2, 2)
+    e = mandel(gradient(c, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], rule)))
+    A = anisotropic().A.matrix
+    energy = np.einsum("IJ,Jcq,Icq,q,c->", A, e, e, weights, space.volumes)
+    assert v @ space.form(A) @ v == pytest.approx(energy, rel=1e-10)
+    assert v @ space.functional(np.einsum("IJ,Jcq->Icq", A, space.strain(v))) == pytest.approx(energy, rel=1e-10)
     some = rng.permutation(space.cells)[:3]
     assert np.allclose(space.strain_at(v, some, x[:, some]), expected[:, some], atol=1e-10)
 
@@ -124,47 +132,23 @@ def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body
 
 @pytest.mark.parametrize("refinements", [0, 1, 2])
 @pytest.mark.parametrize("body", BODIES)
-def test_linear_functions_keep_their_values_and_strains_on_refined_meshes(body: str, refinements: int) -> None:
-    rng = np.random.default_rng(refinements)
+def test_linear_functions_keep_their_values_and_strains_on_refined_meshes(body, refinements):
+    """At the vertices of the refined mesh, and as the products of their strains."""
     coarse, fine = discretisation(body), discretisation(body, refinements)
     space, V = Space(coarse.mesh, coarse.data.body), fine.displacements
-    v = rng.normal(size=space.dofs)
-    w = prolongation(space, fine) @ v
-    barycentric, x = in_cells(V, rng, 3)
-    cells = coarse.mesh.element_finder()(*x.reshape(2, -1))
-    local = barycentric_of(coarse.mesh, cells, x.reshape(2, -1, 1))[..., 0]
-    expected = np.einsum("dvc,vc->dc", space.nodal(v)[:, coarse.mesh.t[:, cells]], local)
-    assert np.allclose(values(V, w, barycentric).reshape(2, -1), expected, atol=1e-9)
-    assert np.allclose(strains(V, w, barycentric).reshape(3, -1), space.strain(v)[:, cells], atol=1e-8)
+    v = np.random.default_rng(refinements).normal(size=space.dofs)
+    P = prolongation(space, fine)
+    x = V.mesh.p
+    cells = coarse.mesh.element_finder()(*x)
+    local = barycentric_of(coarse.mesh, cells, x[..., None])[..., 0]
+    expected = np.einsum("dvc,vc->cd", space.nodal(v)[:, coarse.mesh.t[:, cells]], local)
+    assert np.allclose(V.coefficients(P @ v)[: len(expected)], expected, atol=1e-9)
+    A = coarse.data.law.A.matrix
+    assert abs(P.T @ V.form(A) @ P - space.form(A)).max() < 1e-10
 
 
-def test_a_mesh_that_is_no_refinement_is_refused() -> None:
+def test_a_mesh_that_is_no_refinement_is_refused():
     coarse = discretisation("square")
     other = Discretisation(coarse.data, OneDiagonal()(coarse.data.body, LEVEL).refined())
     with pytest.raises(BoundError, match="no refinement"):
         prolongation(Space(coarse.mesh, coarse.data.body), other)
-
-
-# ---- forms, functionals and moments
-
-
-def folded_gauss(n: int) -> tuple[Array, Array]:
-    """Gauss points of the square folded onto the triangle, (3, n²), with weights: nothing of the rule of the space."""
-    x, w = np.polynomial.legendre.leggauss(n)
-    a, b = (g.ravel() for g in np.meshgrid((x + 1) / 2, (x + 1) / 2))
-    return np.array([a, (1 - a) * b, (1 - a) * (1 - b)]), np.multiply.outer(w, w).ravel() / 2 * (1 - a)
-
-
-@pytest.mark.parametrize("body", BODIES)
-def test_the_form_is_the_integral_of_the_products_of_strains(body: str) -> None:
-    found, rng = discretisation(body), np.random.default_rng(5)
-    V = found.displacements
-    u, v = rng.normal(size=(2, V.dofs))
-    barycentric, weights = folded_gauss(4)
-    A = found.data.law.A.matrix
-    integral = np.einsum(
-        "IJ,Jcq,Icq,q,c->", A, strains(V, u, barycentric), strains(V, v, barycentric), weights, V.volumes
-    )
-    assert v @ (found.M @ u) == pytest.approx(integral, rel=1e-11)
-    stress = np.einsum("IJ,Jcq->Icq", A, V.strain(u))
-    assert v @ V.functional(stress) == pytest.approx(integral, rel=1e-11)

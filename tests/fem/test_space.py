@@ -9,7 +9,6 @@ from skfem import Basis, BilinearForm, ElementTetP1, ElementTriP1, ElementVector
 from skfem.helpers import ddot, sym_grad, trace
 
 from manufactured import Body, BodyError, Kind, Part, box, isotropic, named, polygon, unit_square
-from manufactured.tensors import Array
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm, load_from_forces
 from study.fem.mesh import (
@@ -45,31 +44,34 @@ LAYERED = {
 }
 
 
-def face(kind: Kind, *corners: tuple[float, float, float]) -> Part:
-    return Part(kind, np.array(corners, dtype=float).T)
+# Corners of the unit cube: X is (1, 0, 0), XY is (1, 1, 0).
+O, X, Y, Z = np.zeros(3), *np.eye(3)
+XY = X + Y
 
 
-def skewed() -> Body:
+def face(kind, *corners):
+    return Part(kind, np.array(corners).T)
+
+
+def skewed():
     return Body(tuple(Part(part.kind, SKEW @ part.corners + [[3.0], [-1.0], [0.5]]) for part in box().parts))
 
 
-def split_bottom(*halves: Part) -> Body:
+def split_bottom(*halves):
     """Return the unit cube with other parts as its bottom, such that the boundary condition changes inside a face."""
     return Body((*(part for part in box().parts if part.kind is not CONTACT), *halves))
 
 
-HALF = split_bottom(
-    face(CONTACT, (0, 0, 0), (0, 1, 0), (0.5, 1, 0), (0.5, 0, 0)),
-    face(LOADED, (0.5, 0, 0), (0.5, 1, 0), (1, 1, 0), (1, 0, 0)),
-)
+HALF = split_bottom(face(CONTACT, O, Y, Y + X / 2, X / 2), face(LOADED, X / 2, X / 2 + Y, XY, X))
 
 
-def prism() -> Body:
+def prism():
     """Return an L-shaped polygon times (0, 1): not convex, its flat ends cut into squares."""
-    sides = [face(LOADED, (*a, 0), (*b, 0), (*b, 1), (*a, 1)) for a, b in zip(PLAN, PLAN[1:] + PLAN[:1], strict=True)]
-    squares = [[(x, y), (x, y + 1), (x + 1, y + 1), (x + 1, y)] for x, y in ((0, 0), (1, 0), (0, 1))]
-    bottom = [face(CONTACT, *((*c, 0) for c in square)) for square in squares]
-    top = [face(CLAMPED, *((*c, 1) for c in square[::-1])) for square in squares]
+    outline = [x * X + y * Y for x, y in PLAN]
+    sides = [face(LOADED, a, b, b + Z, a + Z) for a, b in zip(outline, outline[1:] + outline[:1], strict=True)]
+    squares = [[corner, corner + Y, corner + XY, corner + X] for corner in (O, X, Y)]
+    bottom = [face(CONTACT, *square) for square in squares]
+    top = [face(CLAMPED, *(corner + Z for corner in square[::-1])) for square in squares]
     return Body((*sides, *bottom, *top))
 
 
@@ -81,12 +83,12 @@ BODIES = {"cube": box(), "slab": box((2.0, 1.0, 0.5), left=CONTACT), "skewed": s
 @pytest.mark.parametrize(
     ("body", "volume"), [(BODIES["slab"], 1.0), (skewed(), np.linalg.det(SKEW)), (HALF, 1.0), (prism(), 3.0)]
 )
-def test_the_volume_follows_from_the_divergence_theorem(body: Body, volume: float) -> None:
+def test_the_volume_follows_from_the_divergence_theorem(body, volume):
     assert body.measure == pytest.approx(volume)
     assert np.allclose(sum(part.measure * part.normal for part in body.parts), 0)
 
 
-def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed() -> None:
+def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed():
     rng, body = np.random.default_rng(1), prism()
     x = rng.uniform(-0.5, 2.5, (3, 4000))
     inside = (x[:2].min(axis=0) > 0) & (x[:2].max(axis=0) < 2) & (x[:2].min(axis=0) < 1) & (abs(x[2] - 0.5) < 0.5)
@@ -99,12 +101,12 @@ def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed(
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: face(LOADED, (0, 0, 0), (1, 0, 0), (1, 1, 0.1), (0, 1, 0)), "not flat"),
-        (lambda: face(LOADED, (0, 0, 0), (2, 0, 0), (0.5, 0.5, 0), (0, 2, 0)), "not convex"),
-        (lambda: face(LOADED, (0, 0, 0), (1, 0, 0)), "cannot have corners of the shape"),
-        (lambda: face(LOADED, (0, 0, 0), (1, 0, 0), (2, 0, 0)), "area 0"),
-        (lambda: face(LOADED, (0, 0, 0), (0, 0, 0), (1, 0, 0)), "edge of length 0"),
-        (lambda: face(LOADED, (0, 0, 0), (1, 0, 0), (0, np.nan, 0)), "finite real numbers"),
+        (lambda: face(LOADED, O, X, XY + 0.1 * Z, Y), "not flat"),
+        (lambda: face(LOADED, O, 2 * X, XY / 2, 2 * Y), "not convex"),
+        (lambda: face(LOADED, O, X), "cannot have corners of the shape"),
+        (lambda: face(LOADED, O, X, 2 * X), "area 0"),
+        (lambda: face(LOADED, O, O, X), "edge of length 0"),
+        (lambda: face(LOADED, O, X, np.nan * Y), "finite real numbers"),
         (lambda: Body(box().parts[1:]), "do not enclose"),
         (lambda: Body(tuple(Part(p.kind, p.corners[:, ::-1]) for p in box().parts)), "counter-clockwise"),
         (lambda: Body((Part(LOADED, box().parts[0].corners + 0.1), *box().parts[1:])), "do not enclose"),
@@ -112,7 +114,7 @@ def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed(
         (lambda: Body(box().parts, interfaces=(Part(Kind.INTERFACE, box().parts[0].corners),)), "in a 2D body"),
     ],
 )
-def test_wrong_faces_and_bodies_are_refused(make, message: str) -> None:
+def test_wrong_faces_and_bodies_are_refused(make, message):
     with pytest.raises(BodyError, match=message):
         make()
 
@@ -120,7 +122,7 @@ def test_wrong_faces_and_bodies_are_refused(make, message: str) -> None:
 # ---- meshes
 
 
-def test_shaken_vertices_slide_along_edges_and_along_lines_where_the_condition_or_the_material_changes() -> None:
+def test_shaken_vertices_slide_along_edges_and_along_lines_where_the_condition_or_the_material_changes():
     plain, shaken = OneDiagonal()(HALF, 4).p, Shaken()(HALF, 4).p
     moved = abs(shaken - plain).max(axis=0) > 1e-3
     on = (plain[0] == 0.5) & (plain[2] == 0)
@@ -140,7 +142,7 @@ def test_shaken_vertices_slide_along_edges_and_along_lines_where_the_condition_o
 CHANGE_OFF_THE_GRID = polygon([(0, 0), (0.3, 0), (1, 0), (1, 1), (0, 1)], [CONTACT, LOADED, LOADED, CLAMPED, LOADED])
 MESH, SOLID_MESH = OneDiagonal()(unit_square(), 4), OneDiagonal()(box(), 2)
 # The diagonals of the cells do not end where this face is cut.
-CUT = split_bottom(face(CONTACT, (0, 0, 0), (0, 1, 0), (1, 0, 0)), face(LOADED, (1, 0, 0), (0, 1, 0), (1, 1, 0)))
+CUT = split_bottom(face(CONTACT, O, Y, X), face(LOADED, X, Y, XY))
 
 
 @pytest.mark.parametrize(
@@ -163,12 +165,12 @@ CUT = split_bottom(face(CONTACT, (0, 0, 0), (0, 1, 0), (1, 0, 0)), face(LOADED, 
         (lambda: facet_rule(SOLID_MESH, boundary_parts(SOLID_MESH, box())[4], box().parts[4], (0.3,), 4), "2D only"),
     ],
 )
-def test_meshes_that_do_not_fit_a_body_and_lines_and_points_without_a_rule_are_refused(make, message: str) -> None:
+def test_meshes_that_do_not_fit_a_body_and_lines_and_points_without_a_rule_are_refused(make, message):
     with pytest.raises(MeshError, match=message):
         make()
 
 
-def test_families_serve_the_bodies_that_they_can_mesh() -> None:
+def test_families_serve_the_bodies_that_they_can_mesh():
     for body, names in (
         (skewed(), ["one-diagonal", "shaken"]),
         (prism(), []),
@@ -187,7 +189,7 @@ def test_families_serve_the_bodies_that_they_can_mesh() -> None:
                 assert (sides.max(axis=0) * sides.min(axis=0) > -1e-9 * space.volumes).all(), family.name
 
 
-def test_graded_meshes_shrink_towards_their_points_and_change_nothing_elsewhere() -> None:
+def test_graded_meshes_shrink_towards_their_points_and_change_nothing_elsewhere():
     """The cells at c have diameters of the order n^{-5/2}, the others of the order 1/n."""
     nearest, largest = [], []
     for n in (16, 32, 64):
@@ -205,7 +207,7 @@ def test_graded_meshes_shrink_towards_their_points_and_change_nothing_elsewhere(
 
 
 @pytest.mark.parametrize(("dim", "degree"), [*product([2, 3], range(1, 9)), (2, 12), (2, 19)])
-def test_a_rule_on_a_simplex_is_exact_to_its_degree(dim: int, degree: int) -> None:
+def test_a_rule_on_a_simplex_is_exact_to_its_degree(dim, degree):
     """∫ Π λ_i^{a_i} = d! |T| Π a_i! / (d + Σ a_i)!, the integral of a product of barycentric coordinates."""
     points, weights = simplex_rule(dim, degree)
     for powers in product(range(degree + 1), repeat=dim):
@@ -215,7 +217,7 @@ def test_a_rule_on_a_simplex_is_exact_to_its_degree(dim: int, degree: int) -> No
             assert found == pytest.approx(exact, rel=1e-11)
 
 
-def test_rules_integrate_quartics_over_a_solid_and_sextics_over_its_faces() -> None:
+def test_rules_integrate_quartics_over_a_solid_and_sextics_over_its_faces():
     body = box((1.0, 2.0, 3.0))
     mesh = Shaken()(body, 3)
     total = sum(float(np.sum(np.prod(r.points[:2] ** 2, axis=0) * r.weights)) for r in cell_rules(mesh, 4, ()))
@@ -231,42 +233,40 @@ def test_rules_integrate_quartics_over_a_solid_and_sextics_over_its_faces() -> N
 
 @pytest.mark.parametrize("direction", [(1.0, 0.0), (0.6, 0.8)])
 @pytest.mark.parametrize("exponent", [-0.5, 0.0, 0.5, 2.0])
-def test_split_cells_integrate_powers_of_the_distance_to_a_line(direction, exponent: float) -> None:
+def test_split_cells_integrate_powers_of_the_distance_to_a_line(direction, exponent):
     """∫ (s − c)_+^e (1 + r) over the unit square, turned so that s is the coordinate across the line, r along it."""
     plain, line = Shaken()(unit_square(), 6), Line(direction, 1 / 3)
     turned = np.array([direction, line.tangent])
-    total, area = 0.0, 0.0
+    total = area = 0.0
     for rule in cell_rules(MeshTri(turned.T @ plain.p, plain.t), 6, (line,)):
         s, r = np.tensordot(turned, rule.points, axes=1)
-        depth = s - line.offset
-        # Evaluated as a NumPy mask, so that 0^(-1/2) never appears.
-        values = np.where(depth > 0, np.where(depth > 0, depth, 1.0) ** exponent, 0.0) * (1 + r)
-        total += float(np.sum(values * rule.weights))
-        area += float(rule.weights.sum())
+        right = s > line.offset
+        total += ((s[right] - line.offset) ** exponent * (1 + r[right])) @ rule.weights[right]
+        area += rule.weights.sum()
     assert area == pytest.approx(1.0, rel=1e-12)
     # Away from the crossed cells the ordinary rule limits the accuracy.
     assert total == pytest.approx(1.5 * (2 / 3) ** (exponent + 1) / (exponent + 1), rel=2e-4)
 
 
-@pytest.mark.parametrize("exponent", [-1.0, -0.9, 0.0, 1.0])
-def test_cells_at_a_singular_point_integrate_powers_of_the_distance_to_it(exponent: float) -> None:
-    """∫ r^e over the triangle (0,0), (1,0), (1,1) is ∫_0^{π/4} (cos θ)^{−e−2} dθ/(e+2); twice this for the square."""
-    nodes, weights = np.polynomial.legendre.leggauss(30)
-    exact = 2 * float(np.sum(weights * np.cos(np.pi / 8 * (nodes + 1)) ** (-exponent - 2))) * np.pi / 8 / (exponent + 2)
-    (rule,) = cell_rules(OneDiagonal()(unit_square(), 1), 4, (), [(0.0, 0.0)])
-    assert np.sum(np.hypot(*rule.points) ** exponent * rule.weights) == pytest.approx(exact, rel=1e-12)
-    assert np.sum(np.prod(rule.points**2, axis=0) * rule.weights) == pytest.approx(1 / 9, rel=1e-12)
-    # With ordinary cells around them, their degree limits the accuracy.
-    rules = cell_rules(Unstructured()(unit_square(), 8), 6, (), [(0.0, 0.0)])
-    total = sum(float(np.sum(np.hypot(*rule.points) ** exponent * rule.weights)) for rule in rules)
-    assert total == pytest.approx(exact, rel=1e-5)
+@pytest.mark.parametrize(
+    ("exponent", "exact"), [(-1, 2 * np.arcsinh(1)), (0, 1), (1, (np.sqrt(2) + np.arcsinh(1)) / 3), (2, 2 / 3)]
+)
+def test_cells_at_a_singular_point_integrate_powers_of_the_distance_to_it(exponent, exact):
+    """∫ r^e over the unit square, with two cells at its corner; other cells around them limit the accuracy."""
+    for mesh, degree, accuracy in (
+        (OneDiagonal()(unit_square(), 1), 4, 1e-12),
+        (Unstructured()(unit_square(), 8), 6, 1e-5),
+    ):
+        rules = cell_rules(mesh, degree, (), [(0.0, 0.0)])
+        total = sum(np.sum(np.hypot(*rule.points) ** exponent * rule.weights) for rule in rules)
+        assert total == pytest.approx(exact, rel=accuracy)
 
 
 # ---- V^h
 
 
 @pytest.mark.parametrize(("family", "body"), [*((f, TURNED) for f in FOR_SQUARES), (Shaken(), skewed())])
-def test_the_matrix_of_a_form_is_the_one_that_scikit_fem_assembles(family, body: Body) -> None:
+def test_the_matrix_of_a_form_is_the_one_that_scikit_fem_assembles(family, body):
     mu, lam = 1.3, 0.7
     space = Space(family(body, 5 if body.dim == 2 else 3), body)
     basis = Basis(space.mesh, ElementVector(ElementTriP1() if body.dim == 2 else ElementTetP1()))
@@ -285,7 +285,7 @@ def test_the_matrix_of_a_form_is_the_one_that_scikit_fem_assembles(family, body:
 @pytest.mark.parametrize(
     ("family", "body", "both"), [*((f, TURNED, 1) for f in FOR_SQUARES), (Shaken(), BODIES["slab"], 5)]
 )
-def test_constraints_are_v_dot_nu_on_every_face_and_twice_where_two_faces_meet(family, body: Body, both: int) -> None:
+def test_constraints_are_v_dot_nu_on_every_face_and_twice_where_two_faces_meet(family, body, both):
     space = Space(family(body, 4), body)
     v = np.random.default_rng(3).normal(size=space.dofs)
     nodal = space.nodal(v)
@@ -299,7 +299,7 @@ def test_constraints_are_v_dot_nu_on_every_face_and_twice_where_two_faces_meet(f
 
 @pytest.mark.parametrize("family", [OneDiagonal(), Shaken(), Unstructured()], ids=lambda f: f.name)
 @pytest.mark.parametrize("name", ["full-contact", "no-contact"])
-def test_the_load_from_stresses_is_the_load_from_forces_if_the_force_is_smooth(name: str, family) -> None:
+def test_the_load_from_stresses_is_the_load_from_forces_if_the_force_is_smooth(name, family):
     """By (2.14)."""
     solution = named(name).solution
     v_norm = ErrorNorm(solution, Space(family(solution.body, 8), solution.body), raised=4)
@@ -315,7 +315,7 @@ def test_the_load_from_stresses_is_the_load_from_forces_if_the_force_is_smooth(n
         pytest.param(Shaken(), "cube-disc", 12, 0.05, marks=pytest.mark.slow),
     ],
 )
-def test_the_leading_term_is_the_interpolation_error_on_fine_meshes(family, name: str, n: int, tolerance) -> None:
+def test_the_leading_term_is_the_interpolation_error_on_fine_meshes(family, name, n, tolerance):
     solution = named(name).solution
     v_norm = ErrorNorm(solution, Space(family(solution.body, n), solution.body))
     sample = v_norm.sample(0.7)
@@ -326,7 +326,7 @@ def test_the_leading_term_is_the_interpolation_error_on_fine_meshes(family, name
 # ---- random meshes
 
 
-def smallest_angle(corners: Array) -> float:
+def smallest_angle(corners):
     """Of triangles (2, 3, n), in degrees."""
     sides = np.roll(corners, -1, axis=1) - corners
     lengths = np.linalg.norm(sides, axis=0)
@@ -335,16 +335,16 @@ def smallest_angle(corners: Array) -> float:
 
 
 @pytest.mark.parametrize(("body", "n"), [(unit_square(), 24), (box(), 9)], ids=["square", "cube"])
-def test_vertices_are_moved_evenly_up_to_the_amplitude_and_stay_on_the_boundary(body: Body, n: int) -> None:
+def test_vertices_are_moved_evenly_up_to_the_amplitude_and_stay_on_the_boundary(body, n):
     """Uniform on ± a in each direction: the largest is close to a, the mean square a²/3, directions are independent."""
     dim = body.dim
     plain, shaken = OneDiagonal()(body, n).p, Shaken()(body, n).p
     inside = ((plain > 0) & (plain < 1)).all(axis=0)
     moved = (shaken - plain)[:, inside] * n / (Shaken().amplitude * 2 / dim)
-    assert (abs(moved).max(axis=1) <= 1 + 1e-12).all()
-    assert (abs(moved).max(axis=1) > 0.98).all()
-    assert np.mean(moved**2, axis=1) == pytest.approx(1 / 3, abs=6 / np.sqrt(moved.size))
-    assert abs(np.corrcoef(moved) - np.eye(dim)).max() < 6 / np.sqrt(moved.shape[1])
+    assert abs(moved).max(axis=1) == pytest.approx(1, abs=0.02)
+    assert abs(moved).max() <= 1 + 1e-12
+    # Mean squares and means of products.
+    assert moved @ moved.T / moved.shape[1] == pytest.approx(np.eye(dim) / 3, abs=3 / np.sqrt(moved.shape[1]))
     assert (shaken[plain == 0], shaken[plain == 1]) == (pytest.approx(0), pytest.approx(1))
 
 
@@ -353,7 +353,7 @@ SHAPES = (*(case.name for case in first_with_each(body_of)), "layered")
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_no_cell_is_close_to_degenerate(name: str) -> None:
+def test_no_cell_is_close_to_degenerate(name):
     """In 3D shaken simplices keep a fifth of their volume, in the plane angles stay away from 0."""
     body = named(name).solution.body
     for family in (family for family in FAMILIES if family.serves(body)):

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 from xml.etree import ElementTree
 
@@ -19,7 +18,6 @@ from study.ledger.verdict import (
     REPORTED,
     UNDECIDED,
     CheckKind,
-    Verdict,
     agreement,
     exit_code,
 )
@@ -29,15 +27,15 @@ from study.present.outcome import write_junit
 LEVELS = (8, 16, 32, 64)
 
 
-def levels(values: object, count: int = len(LEVELS)) -> pd.DataFrame:
+def levels(values, count=4):
     return pd.DataFrame({"h": 1 / np.array(LEVELS), "e": np.broadcast_to(values, len(LEVELS))}).head(count)
 
 
-def check(value: quantities.Value, window: Window, levels: int = 1, **options: object) -> Check:
+def check(value, window, levels=1, **options):
     return Check("key", "a quantity", value, window, CheckKind.CLAIM, levels, **options)
 
 
-def judged(check: Check, *families: pd.DataFrame) -> Verdict:
+def judged(check, *families):
     claim = SimpleNamespace(label="(0.0)", claim="a claim")
     return check.verdict(claim, "a", {str(i): family for i, family in enumerate(families)})
 
@@ -53,7 +51,7 @@ ORDERS = {
 
 
 @pytest.mark.parametrize("value", ORDERS.values(), ids=list(ORDERS))
-def test_orders_are_those_of_powers_and_need_three_levels_and_positive_errors(value: quantities.Value) -> None:
+def test_orders_are_those_of_powers_and_need_three_levels_and_positive_errors(value):
     order = check(value, ABOUT_1, ENOUGH)
     found = judged(order, levels(FIRST))
     assert (found.verdict, found.observed) == (HOLDS, pytest.approx(1))
@@ -70,7 +68,7 @@ def test_orders_are_those_of_powers_and_need_three_levels_and_positive_errors(va
         assert (found.verdict, math.isnan(found.observed)) == (FAILS, True)
 
 
-def test_if_only_the_finest_level_decides_others_outside_the_window_leave_it_undecided() -> None:
+def test_if_only_the_finest_level_decides_others_outside_the_window_leave_it_undecided():
     by_level, errors = ORDERS["level by level"], levels([2 / 8, 1 / 16, 1 / 32, 1 / 64])
     found = judged(check(by_level, ABOUT_1, ENOUGH, finest=True), errors)
     assert (found.observed, found.low, found.high, found.verdict) == (1, 1, pytest.approx(2), UNDECIDED)
@@ -78,7 +76,7 @@ def test_if_only_the_finest_level_decides_others_outside_the_window_leave_it_und
 
 
 @pytest.mark.parametrize("correction", [-0.5, 0.5, 2.0])
-def test_the_extrapolated_order_is_free_of_corrections_of_first_order(correction: float) -> None:
+def test_the_extrapolated_order_is_free_of_corrections_of_first_order(correction):
     """log e = log h + c h: consecutive orders differ from 1 by c h times a constant, which extrapolation removes."""
     errors = levels(FIRST * np.exp(correction * FIRST))
     for name, verdict in (("extrapolated", HOLDS), ("level by level", FAILS)):
@@ -101,7 +99,7 @@ def test_the_extrapolated_order_is_free_of_corrections_of_first_order(correction
         (quantities.values("e"), Window(), 4.0),
     ],
 )
-def test_what_is_taken_of_the_levels(value: quantities.Value, window: Window, observed: float) -> None:
+def test_what_is_taken_of_the_levels(value, window, observed):
     """In a window with two ends the value farthest from its middle decides, otherwise the worst one."""
     numbers = [4.0, 1.0, 3.0, 2.0]
     found = judged(check(value, window), levels(numbers))
@@ -109,7 +107,7 @@ def test_what_is_taken_of_the_levels(value: quantities.Value, window: Window, ob
     assert judged(check(value, window), levels([*numbers[:3], math.nan])).verdict == FAILS
 
 
-def test_one_family_that_cannot_tell_leaves_all_undecided_and_one_that_fails_is_shown() -> None:
+def test_one_family_that_cannot_tell_leaves_all_undecided_and_one_that_fails_is_shown():
     largest = check(quantities.values("e"), at_most(1))
     assert judged(largest, levels(0.5), levels(0.7)).observed == 0.7
     found = judged(largest, levels(0.5), levels(2.0))
@@ -124,7 +122,7 @@ def test_one_family_that_cannot_tell_leaves_all_undecided_and_one_that_fails_is_
 # Windows.
 
 
-def in_window(window: Window, value: float, low: float, high: float) -> Verdict:
+def in_window(window, value, low, high):
     return judged(check(lambda _: np.array([low, high, value]), window, finest=True), levels(1.0))
 
 
@@ -138,7 +136,7 @@ def in_window(window: Window, value: float, low: float, high: float) -> Verdict:
         (1.0, math.nan, 1.0, UNDECIDED),
     ],
 )
-def test_a_window_distinguishes_wrong_from_unclear(value: float, low: float, high: float, verdict: str) -> None:
+def test_a_window_distinguishes_wrong_from_unclear(value, low, high, verdict):
     assert in_window(around(1, 0.1), value, low, high).verdict == verdict
 
 
@@ -155,15 +153,15 @@ def test_a_window_distinguishes_wrong_from_unclear(value: float, low: float, hig
         (Window(-1.5, -0.5), "-1.5 … -0.5"),
     ],
 )
-def test_a_window_writes_its_own_text(window: Window, text: str) -> None:
+def test_a_window_writes_its_own_text(window, text):
     assert window.text == text
 
 
-def observed(window: Window, value: float) -> Verdict:
+def observed(window, value):
     return judged(check(lambda _: value, window, if_missed="nobody knows"), levels(1.0))
 
 
-def test_a_prediction_without_a_claim_is_reported_and_missed_if_it_was_wrong() -> None:
+def test_a_prediction_without_a_claim_is_reported_and_missed_if_it_was_wrong():
     for value, outcome, verdict in ((1.0, "met", REPORTED), (1.2, "wrong", MISSED), (math.nan, "undecided", REPORTED)):
         row = observed(around(1, 0.1), value)
         assert row.verdict == verdict
@@ -177,8 +175,8 @@ def test_a_prediction_without_a_claim_is_reported_and_missed_if_it_was_wrong() -
     [((HOLDS, REPORTED, MISSED), 0), ((HOLDS, UNDECIDED), 3), ((FAILS, UNDECIDED, HOLDS), 1), ((), 3)],
 )
 def test_a_failure_goes_before_an_undecided_row_a_missed_prediction_is_none_and_junit_says_the_same(
-    verdicts, code: int, tmp_path: Path
-) -> None:
+    verdicts, code, tmp_path
+):
     row = in_window(around(1, 0.1), 1.0, 0.95, 1.05)
     rows = [replace(row, verdict=verdict) for verdict in verdicts]
     assert exit_code(rows) == code
@@ -187,5 +185,5 @@ def test_a_failure_goes_before_an_undecided_row_a_missed_prediction_is_none_and_
     assert (int(suite.get("failures", "")) > 0) == bool([*suite.iter("failure")]) == (code == 1)
 
 
-def test_zero_is_infinitely_far_outside_a_window_with_a_positive_lower_end_only() -> None:
+def test_zero_is_infinitely_far_outside_a_window_with_a_positive_lower_end_only():
     assert position(0.0, 0.5, math.inf) == math.inf

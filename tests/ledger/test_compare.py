@@ -4,17 +4,15 @@ import gzip
 import json
 import shutil
 import time
-from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from study.cli.main import main
-from study.ledger.compare import Comparison, Tolerance, as_text, compare
+from study.ledger.compare import Tolerance, as_text, compare
 from study.ledger.datafiles import DataError, read_uncompressed
 from study.ledger.files import write_packed
 from study.ledger.pictures import Packed
@@ -25,7 +23,7 @@ SPACE, PLANE = "pictures/cube-disc.json", "pictures/full-contact.json"
 
 
 @pytest.fixture(scope="module")
-def committed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def committed(tmp_path_factory):
     """The committed data; of the largest tables only one case."""
     data = tmp_path_factory.mktemp("committed") / "data"
     (data / "pictures").mkdir(parents=True)
@@ -38,38 +36,38 @@ def committed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def old(committed: Path, tmp_path: Path) -> Path:
+def old(committed, tmp_path):
     return Path(shutil.copytree(committed, tmp_path / "old"))
 
 
 @pytest.fixture
-def new(old: Path) -> Path:
+def new(old):
     return Path(shutil.copytree(old, old.with_name("new")))
 
 
-def change(directory: Path, name: str, how: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
+def change(directory, name, how):
     path = directory / "data" / name
     how(pd.read_csv(path, dtype=str, keep_default_na=False)).to_csv(path, index=False, lineterminator="\n")
 
 
-def place(directory: Path, name: str, **cells: str) -> int:
+def place(directory, name, **cells):
     """The first row with some cells."""
     table = pd.read_csv(directory / "data" / name, dtype=str, keep_default_na=False)
     return int(table.index[(table[list(cells)] == pd.Series(cells)).all(axis=1)][0])
 
 
-def write(directory: Path, name: str, column: str, row: int, text: str) -> None:
+def write(directory, name, column, row, text):
     change(directory, name, lambda table: table.assign(**{column: table[column].where(table.index != row, text)}))
 
 
-def repaint(directory: Path, name: str, how: Callable[[dict[str, Any]], Any]) -> None:
+def repaint(directory, name, how):
     path = directory / "data" / f"{name}.gz"
     picture = json.loads(read_uncompressed(path))
     how(picture)
     write_packed(path, json.dumps(picture) + "\n")
 
 
-def compared(old: Path, new: Path, relative: float = 1e-12, absolute: float = 0.0) -> Comparison:
+def compared(old, new, relative=1e-12, absolute=0.0):
     """The comparison, after a look at both ways of presenting it."""
     comparison = compare(old, new, Tolerance(relative, absolute))
     assert max(map(len, as_text(comparison).splitlines())) <= 80
@@ -77,20 +75,20 @@ def compared(old: Path, new: Path, relative: float = 1e-12, absolute: float = 0.
     return comparison
 
 
-def told(comparison: Comparison, name: str) -> dict[str, int]:
+def told(comparison, name):
     """Column ↦ number of cells that differ."""
     cells = comparison.cells
     return dict(cells[cells["file"] == name]["column"].value_counts())
 
 
-def test_the_committed_results_are_identical_to_themselves_in_no_time() -> None:
+def test_the_committed_results_are_identical_to_themselves_in_no_time():
     start = time.process_time()
     comparison = compared(RESULTS, RESULTS)
     assert time.process_time() - start < 1
     assert comparison.counts["identical"] == len(comparison.states) > len(FILES)
 
 
-def test_rows_in_another_order_are_the_same_and_what_other_commands_write_may_be_missing(old: Path, new: Path) -> None:
+def test_rows_in_another_order_are_the_same_and_what_other_commands_write_may_be_missing(old, new):
     for name in set(FILES) - {"enclosures.csv"}:
         change(new, name, lambda table: table[::-1])
     repaint(new, SPACE, lambda picture: None)
@@ -102,7 +100,7 @@ def test_rows_in_another_order_are_the_same_and_what_other_commands_write_may_be
     assert "faults.csv: left out" in as_text(comparison)
 
 
-def test_a_number_beyond_the_tolerance_is_told_with_its_row_and_both_values(old: Path, new: Path) -> None:
+def test_a_number_beyond_the_tolerance_is_told_with_its_row_and_both_values(old, new):
     here = {"case": "full-contact", "family": "one-diagonal"}
     row = place(new, "rates.csv", **here, level="16")
     error = float(pd.read_csv(new / "data" / "rates.csv")["error"][row])
@@ -119,7 +117,7 @@ def test_a_number_beyond_the_tolerance_is_told_with_its_row_and_both_values(old:
     assert text.endswith("14 files: 12 identical, 0 within 1e-09 relative + 0, 2 differ, 0 left out")
 
 
-def test_small_numbers_have_an_absolute_tolerance_and_whole_numbers_none(old: Path, new: Path) -> None:
+def test_small_numbers_have_an_absolute_tolerance_and_whole_numbers_none(old, new):
     write(new, "equivalence.csv", "energy_gap", 0, "4e-15")
     assert compared(old, new).differs
     assert not compared(old, new, absolute=1e-12).differs
@@ -129,13 +127,13 @@ def test_small_numbers_have_an_absolute_tolerance_and_whole_numbers_none(old: Pa
 
 
 @pytest.mark.parametrize(("now", "differs"), [("1e-07", False), ("1e-06", True), ("-1e-09", True)])
-def test_numbers_decided_by_the_tolerance_of_a_solver_are_compared_by_magnitude(old, new, now, differs) -> None:
+def test_numbers_decided_by_the_tolerance_of_a_solver_are_compared_by_magnitude(old, new, now, differs):
     for directory, value in ((old, "1e-09"), (new, now)):
         write(directory, "equivalence.csv", "displacement_gap", 0, value)
     assert compared(old, new).differs == differs
 
 
-def test_changed_verdicts_come_first_in_words_and_in_json(old: Path, new: Path, capsys) -> None:
+def test_changed_verdicts_come_first_in_words_and_in_json(old, new, capsys):
     write(new, "rates.csv", "order", 3, "")
     write(new, "claims.csv", "verdict", place(new, "claims.csv", label="Prop. 5.4", case="full-contact"), "fails")
     head, line = as_text(compared(old, new, 1)).splitlines()[:2]
@@ -154,12 +152,12 @@ def test_changed_verdicts_come_first_in_words_and_in_json(old: Path, new: Path, 
     [("twin", "cases.csv", True), ("zone", "cases.csv", True), ("by_error", "faults.csv", True)]
     + [("summary", "cases.csv", False), ("equation", "faults.csv", False), ("statement", "claims.csv", False)],
 )
-def test_words_that_name_or_judge_differ_and_words_for_readers_do_not(old, new, name, column, differs) -> None:
+def test_words_that_name_or_judge_differ_and_words_for_readers_do_not(old, new, name, column, differs):
     write(new, name, column, 2, "other words")
     assert told(compared(old, new, 1e9), name) == ({column: 1} if differs else {})
 
 
-def test_rows_columns_and_files_in_one_directory_only_are_differences_on_whichever_side(old: Path, new: Path) -> None:
+def test_rows_columns_and_files_in_one_directory_only_are_differences_on_whichever_side(old, new):
     change(new, "statements.csv", lambda table: table.drop(index=7))
     change(new, "enclosures.csv", lambda table: table.drop(index=15))
     change(new, "bounds.csv", lambda table: table.drop(columns="upper"))
@@ -180,7 +178,7 @@ def test_rows_columns_and_files_in_one_directory_only_are_differences_on_whichev
     assert "row, no. 2: 1.5 → 1.6" in as_text(compared(old, new))
 
 
-def test_pictures_are_compared_number_by_number_also_where_these_are_packed(old: Path, new: Path) -> None:
+def test_pictures_are_compared_number_by_number_also_where_these_are_packed(old, new):
     repaint(new, SPACE, lambda picture: picture["displacement"].update(unit=2 * picture["displacement"]["unit"]))
     unpacked = Packed.read(json.loads(read_uncompressed(old / "data" / f"{SPACE}.gz"))["displacement"]).values
     assert told(compared(old, new), SPACE) == {"value": np.count_nonzero(unpacked)}
@@ -206,7 +204,7 @@ PACKED = b'{"a": {"unit": 1, "shape": [2], "changes": "x"}}'
         (f"{SPACE}.gz", b'{"a": [', r"json.gz is damaged \(not a complete gzip file"),
     ],
 )
-def test_a_damaged_file_is_refused_by_name_with_how_to_mend_it(old, new, name, content, message) -> None:
+def test_a_damaged_file_is_refused_by_name_with_how_to_mend_it(old, new, name, content, message):
     (new / "data" / name).write_bytes(content)
     for first, second in ((old, new), (new, old)):
         with pytest.raises(DataError, match=f"{message}.*`study run --out {new}`"):
@@ -215,11 +213,10 @@ def test_a_damaged_file_is_refused_by_name_with_how_to_mend_it(old, new, name, c
         compare(new, new, Tolerance())
 
 
-def test_exit_codes_tell_equal_from_different_and_nothing_is_written(old, new) -> None:
-    before = {*old.parent.rglob("*")}
-    both = ["compare", str(old), str(new)]
-    assert main(both) == 0
+def test_exit_codes_tell_equal_from_different_and_nothing_is_written(old, new):
     upper = float(pd.read_csv(new / "data" / "bounds.csv")["upper"][0])
     write(new, "bounds.csv", "upper", 0, str(upper * (1 + 3e-6)))
-    assert [main(both), main([*both, "--tolerance", "1e-5"]), main([*both, "--absolute", "1"])] == [1, 0, 0]
+    before = {*old.parent.rglob("*")}
+    for options, code in (([], 1), (["--tolerance", "1e-5"], 0), (["--absolute", "1"], 0)):
+        assert main(["compare", str(old), str(new), *options]) == code
     assert {*old.parent.rglob("*")} == before

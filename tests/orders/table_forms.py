@@ -1,38 +1,36 @@
 """Writes a table in the forms in which programs print tables."""
 
-from collections.abc import Callable
-
 Cells = list[list[str]]
 """The names of the columns, and a list of cells for each mesh."""
 
 
-def joined(sign: str) -> Callable[[Cells], str]:
+def joined(sign):
     return lambda cells: "\n".join(sign.join(row) for row in cells)
 
 
-def markdown(cells: Cells) -> str:
+def markdown(cells):
     header, *rows = cells
     return "\n".join(f"| {' | '.join(row)} |" for row in [header, ["---"] * len(header), *rows])
 
 
-def aligned(cells: Cells) -> str:
+def aligned(cells):
     return joined("  ")([[cell.rjust(12) for cell in row] for row in cells])
 
 
-def pairs(cells: Cells) -> str:
+def pairs(cells):
     header, *rows = cells
     return "\n".join(f"{name} = {cell}" for row in rows for name, cell in zip(header, row, strict=True))
 
 
-def lists(cells: Cells) -> str:
+def lists(cells):
     return "\n".join(f"{name} = [{', '.join(column)}]" for name, *column in zip(*cells, strict=True))
 
 
-def latex(cells: Cells) -> str:
+def latex(cells):
     return "\n".join(" & ".join(row) + r" \\" for row in cells)
 
 
-def across(cells: Cells) -> str:
+def across(cells):
     return "\n".join("  ".join(column) for column in zip(*cells, strict=True))
 
 

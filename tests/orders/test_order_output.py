@@ -1,6 +1,5 @@
 """Exit codes, outputs and plots of ``study rates``; tables that are written and read back; the library."""
 
-import itertools
 import json
 import re
 import subprocess
@@ -14,76 +13,70 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
-from table_forms import FORMS, Cells, joined, markdown
+from table_forms import FORMS, joined, markdown
 
 from convergence_orders import OrderError, assert_order, check_orders, observed_orders
 from convergence_orders.columns import Options, read_series
 from convergence_orders.orders import grid_convergence
 from study.cli.main import main
 
-GOOD, LOW, BENT = [1, 0.25, 0.0625, 0.015625], [1, 0.5, 0.25, 0.125], [1, 0.5, 0.3, 0.08]
 H = np.array([0.5, 0.25, 0.125, 0.0625])
 SQUARES = H**2
+GOOD, LOW, BENT, ZERO = [1, 0.25, 0.0625, 0.015625], [1, 0.5, 0.25, 0.125], [1, 0.5, 0.3, 0.08], [0, 0, 0, 0]
 SCHEMA = Draft202012Validator(
     json.loads((Path(__file__).parents[2] / "docs/reference/rates.schema.json").read_text(encoding="utf-8"))
 )
 
 
-def table(path: Path, **columns: list[float]) -> str:
-    rows = zip(H.tolist(), *columns.values(), strict=True)
-    path.write_text("\n".join([",".join(["h", *columns]), *(",".join(map(str, row)) for row in rows)]))
-    return str(path)
-
-
-@pytest.mark.parametrize(
-    ("columns", "options", "code"),
-    [
-        ({"a": GOOD}, [], 0),
-        ({"a": GOOD}, ["--expected", "1"], 1),
-        ({"a": BENT}, ["--expected", "2"], 3),
-        ({"a": LOW, "b": BENT}, ["--expected", "2"], 1),
-        ({"a": LOW, "b": BENT}, ["--expected", "a=1"], 0),
-        ({"a": GOOD, "b": [0, 0, 0, 0]}, ["--expected", "2"], 0),
-        ({"b": [0, 0, 0, 0]}, ["--expected", "2"], 3),
-        ({"a": LOW, "b": BENT}, ["--expected", "c=1"], 2),
-        ({"a": [1, -1, 1, 1]}, ["--expected", "2"], 2),
-        ({"a": [1, -1, 1, 1]}, ["--values"], 0),
-    ],
-)
-def test_exit_codes_are_ordered_2_1_3_0(columns, options, code, tmp_path, capsys) -> None:
-    assert main(["rates", table(tmp_path / "table.csv", **columns), *options]) == code
-    captured = capsys.readouterr()
-    assert bool(captured.err) == (code == 2)
+def table(**columns):
+    return pd.DataFrame({"h": H} | columns).to_csv(index=False)
 
 
 CONTRADICTING = "--expected 2 --at-least 1", "--values --expected 1", "--values --plot p.png"
 MEANINGLESS = "--expected -2", "--tolerance 0", "--dim 4", "--ratio 1", "--ratio 2", "--columns z", "--plot p.bmp"
 
 
-@pytest.mark.parametrize("options", [*CONTRADICTING, *MEANINGLESS])
-def test_options_that_contradict_each_other_or_have_no_meaning_have_the_exit_code_2(options, tmp_path, capsys) -> None:
-    assert main(["rates", table(tmp_path / "table.csv", a=LOW), *options.split()]) == 2
-    assert capsys.readouterr().err.startswith("study rates: ")
+@pytest.mark.parametrize(
+    ("columns", "options", "code"),
+    [
+        ({"a": GOOD}, "", 0),
+        ({"a": GOOD}, "--expected 1", 1),
+        ({"a": BENT}, "--expected 2", 3),
+        ({"a": LOW, "b": BENT}, "--expected 2", 1),
+        ({"a": LOW, "b": BENT}, "--expected a=1", 0),
+        ({"a": GOOD, "b": ZERO}, "--expected 2", 0),
+        ({"b": ZERO}, "--expected 2", 3),
+        ({"a": LOW, "b": BENT}, "--expected c=1", 2),
+        ({"a": [1, -1, 1, 1]}, "--expected 2", 2),
+        ({"a": [1, -1, 1, 1]}, "--values", 0),
+        *(({"a": LOW}, options, 2) for options in (*CONTRADICTING, *MEANINGLESS)),
+    ],
+)
+def test_exit_codes_are_ordered_2_1_3_0(columns, options, code, tmp_path, capsys):
+    """Options that contradict each other or have no meaning are errors of use, as those of ``study rates`` show."""
+    (tmp_path / "t.csv").write_text(table(**columns))
+    assert main(["rates", str(tmp_path / "t.csv"), *options.split()]) == code
+    assert capsys.readouterr().err.startswith("study rates: " if code == 2 else "")
 
 
 @pytest.mark.parametrize(
     ("expected", "code"),
     [("e, max=1,L2(0,T;H1)=2", 0), ("L2(0,T;H1)=2,e, max=1", 0), ("L2(0,T;H1) = 1", 1), ("p = 1=2", 0)],
 )
-def test_names_with_commas_and_equal_signs_can_be_expected(expected: str, code: int, tmp_path) -> None:
-    (tmp_path / "t.csv").write_text('h,"L2(0,T;H1)","e, max",p = 1\n.4,.4,.4,.4\n.2,.1,.2,.1\n.1,.025,.1,.025\n')
-    assert main(["rates", str(tmp_path / "t.csv"), "--expected", expected]) == code
+def test_names_with_commas_and_equal_signs_can_be_expected(expected, code, rates):
+    rates(
+        'h,"L2(0,T;H1)","e, max",p = 1\n.4,.4,.4,.4\n.2,.1,.2,.1\n.1,.025,.1,.025\n', "--expected", expected, code=code
+    )
 
 
 @pytest.mark.parametrize("expected", ["e, max", "2,1", "two", "e, max=1,2", ""])
-def test_an_expectation_that_is_not_understood_is_answered_with_an_example(expected: str, capsys) -> None:
-    with pytest.raises(SystemExit) as stop:
+def test_an_expectation_that_is_not_understood_is_answered_with_an_example(expected, capsys):
+    with pytest.raises(SystemExit, match="2"):
         main(["rates", "t.csv", "--expected", expected])
-    assert stop.value.code == 2
     assert f"got '{expected}', expected a number such as 2, or names such as L2=2,H1=1" in capsys.readouterr().err
 
 
-def test_json_has_the_documented_schema(capsys) -> None:
+def test_json_has_the_documented_schema(capsys):
     read = 0
     for file in sorted((Path(__file__).parent / "cases").glob("*.*")):
         code = main(["rates", str(file), "--json", "--dim", "2", "--expected", "2"])
@@ -97,10 +90,9 @@ def test_json_has_the_documented_schema(capsys) -> None:
     assert read > 20
 
 
-def test_junit_and_markdown_say_what_the_terminal_says(tmp_path, capsys) -> None:
-    file = table(tmp_path / "t.csv", **{"good": GOOD, "|low|": LOW, "bent": BENT, "zero": [0, 0, 0, 0]})
+def test_junit_and_markdown_say_what_the_terminal_says(tmp_path, rates):
     outputs = ["--junit", str(tmp_path / "j.xml"), "--markdown", str(tmp_path / "m.md")]
-    assert main(["rates", file, "--expected", "2", *outputs]) == 1
+    said = rates(table(**{"good": GOOD, "|low|": LOW, "bent": BENT, "zero": ZERO}), "--expected", "2", *outputs, code=1)
     suite = ElementTree.parse(tmp_path / "j.xml").getroot()
     assert {case.get("name"): [child.tag for child in case] for case in suite} == {
         "good": [], "|low|": ["failure"], "bent": ["failure"], "zero": ["skipped"],
@@ -109,14 +101,13 @@ def test_junit_and_markdown_say_what_the_terminal_says(tmp_path, capsys) -> None
     lines = (tmp_path / "m.md").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 6
     assert lines[3].startswith(r"| \|low\| | fails | converges with order 1.00")
-    assert "|low|: fails: converges with order 1.00" in capsys.readouterr().out
+    assert "|low|: fails: converges with order 1.00" in said
 
 
 @pytest.mark.parametrize(("ending", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
-def test_a_plot_is_drawn_whatever_the_errors_do(ending: str, start: bytes, tmp_path) -> None:
-    columns = {"L2": GOOD, "$\\rho^{": LOW, "inf": [0, 0, 0, 0], "some": [1, 0.1, 0, 0], "nan": [1, "nan", 0.1, 0.2]}
-    file = table(tmp_path / "t.csv", **columns)
-    assert main(["rates", file, "--expected", "2", "--plot", str(tmp_path / f"p.{ending}")]) == 1
+def test_a_plot_is_drawn_whatever_the_errors_do(ending, start, tmp_path, rates):
+    columns = {"L2": GOOD, "$\\rho^{": LOW, "inf": ZERO, "some": [1, 0.1, 0, 0], "nan": [1, "nan", 0.1, 0.2]}
+    rates(table(**columns), "--expected", "2", "--plot", str(tmp_path / f"p.{ending}"), code=1)
     content = (tmp_path / f"p.{ending}").read_bytes()
     assert content.startswith(start)
     assert ending != "svg" or len(re.findall(rb"<!-- [\d.e+-]+ -->", content)) == 8, "four labelled ticks on both axes"
@@ -133,11 +124,11 @@ TABLES = st.integers(3, 6).flatmap(
 )
 
 
-def decimal_commas(cells: Cells) -> str:
+def decimal_commas(cells):
     return joined(";")([[cell.replace(".", ",") for cell in row] for row in cells])
 
 
-def with_orders(cells: Cells) -> str:
+def with_orders(cells):
     orders = ["EOC", "-", *["1.0"] * (len(cells) - 2)]
     sizes, *errors = zip(*cells, strict=True)
     pairs = [sizes, *(column for error in errors for column in (error, orders))]
@@ -146,7 +137,7 @@ def with_orders(cells: Cells) -> str:
 
 @pytest.mark.parametrize("form", [*FORMS, decimal_commas, with_orders])
 @given(drawn=TABLES)
-def test_a_table_that_is_written_reads_back_the_same(form, drawn: tuple[list[float], list[list[float]]]) -> None:
+def test_a_table_that_is_written_reads_back_the_same(form, drawn):
     h, errors = drawn
     names = ["h", *(f"err{k}" for k in range(len(errors)))]
     # 1.234e3 as 1.234 and three digits would be read as thousands with decimal commas: an exponent tells.
@@ -169,7 +160,7 @@ def test_a_table_that_is_written_reads_back_the_same(form, drawn: tuple[list[flo
         ((18000, 4500, 980), (6.0042, 5.9624, 6.0909), "oscillating", 1.51, 6.0269, 0.005),
     ],
 )
-def test_the_grid_convergence_index_is_the_published_one(cells, values, kind, order, extrapolated, index) -> None:
+def test_the_grid_convergence_index_is_the_published_one(cells, values, kind, order, extrapolated, index):
     found = grid_convergence(np.array(cells) ** -0.5, values)
     assert found.kind == kind
     assert found.order == pytest.approx(order, abs=0.01)
@@ -182,68 +173,25 @@ def test_the_grid_convergence_index_is_the_published_one(cells, values, kind, or
     assert grid_convergence(fine, 1 + 1e-9 * fine**2).kind == "undecided"
 
 
-RATIOS = [pytest.param(h, id=f"h {h}") for h in itertools.combinations([0.4, 0.3, 0.2, 0.15, 0.1, 0.08, 0.05, 0.01], 3)]
-
-
-@pytest.mark.parametrize("h", RATIOS)
-def test_the_order_of_values_is_found_for_every_ratio_of_meshes(h: tuple[float, float, float]) -> None:
-    for p in (0.25, 0.5, 1, 1.5, 2, 3, 4, 6):
-        for limit, factor in ((1.0, 1.0), (3.0, -1.0)):
-            found = grid_convergence(h, limit + factor * np.array(h) ** p)
-            assert (found.kind, found.order) == ("monotone", pytest.approx(p, rel=1e-4))
-            assert found.extrapolated == pytest.approx(limit, rel=1e-6)
-
-
 FINE = 0.5 ** np.arange(1, 8)
+STAGNATING = [1, 0.25, 0.0625, 0.0156, 0.0039, 1e-4, 1e-4, 1e-4]
 
 
-@pytest.mark.parametrize("coarse", [0, 2])
-def test_errors_with_a_floor_fail_unless_it_is_permitted(coarse: int) -> None:
-    h, errors = FINE[coarse:], FINE[coarse:] ** 2 + 1e-4
-    for wish in ({"expected": 2}, {"at_least": 0.4}):
-        found = observed_orders(h, errors, **wish)
-        assert found.verdict == "fails"
-        assert "tends to 0.0001, not to 0" in found.sentence
-    permitted = [observed_orders(FINE, FINE**2 + 1e-4, 2, floor=floor).verdict for floor in (0.9e-4, 1.1e-4)]
-    assert permitted == ["fails", "holds"]
+def test_errors_with_a_floor_fail_unless_it_is_permitted():
+    for errors in (FINE**2 + 1e-4, FINE[2:] ** 2 + 1e-4):
+        for wish in ({"expected": 2}, {"at_least": 0.4}):
+            found = observed_orders(FINE[-len(errors) :], errors, **wish)
+            assert found.verdict == "fails"
+            assert "tends to 0.0001, not to 0" in found.sentence
+    for errors, floors in ((FINE**2 + 1e-4, (0.9e-4, 1.1e-4)), (STAGNATING, (1e-5, 1e-3))):
+        h = 0.5 ** np.arange(len(errors))
+        assert [observed_orders(h, errors, 2, floor=floor).verdict for floor in floors] == ["fails", "holds"]
 
 
-def test_errors_that_stagnate_after_good_orders_fail_unless_it_is_permitted() -> None:
-    errors = [1, 0.25, 0.0625, 0.0156, 0.0039, 1e-4, 1e-4, 1e-4]
-    h = 0.5 ** np.arange(8)
-    assert [observed_orders(h, errors, 2, floor=floor).verdict for floor in (0.0, 1e-5, 1e-3)] == [
-        "fails",
-        "fails",
-        "holds",
-    ]
-
-
-@pytest.mark.parametrize("term", [0.5, 1.0, 2.0])
-@pytest.mark.parametrize("order", [0.5, 1.0, 2.0, 4.0])
-def test_a_term_of_higher_order_is_no_floor(order: float, term: float) -> None:
-    for factor in (-0.5, 0.5, 3.0):
-        found = observed_orders(FINE, FINE**order * (1 + factor * FINE**term), order)
-        assert found.verdict != "fails"
-        assert "tends to" not in found.sentence
-    for n in (np.array([8, 16, 32, 64]), np.array([9, 17, 33, 65])):
-        assert "tends to" not in observed_orders(1 / n, 7.3 / (n - 1), 1).sentence
-
-
-@given(st.lists(st.floats(0.3, 4), min_size=2, max_size=9), st.floats(1.2, 4))
-def test_the_quoted_order_lies_within_the_quoted_orders(orders: list[float], ratio: float) -> None:
-    h = ratio ** -np.arange(len(orders) + 1.0)
-    found = observed_orders(h, np.cumprod([1.0, *ratio ** -np.array(orders)]))
-    if quoted := re.match(r"converges with order (\S+) \(orders (.*?)\)", found.sentence):
-        low, *_, high = sorted(map(float, quoted[2].split(", ")))
-        assert low - 0.01 <= float(quoted[1]) <= high + 0.01
-
-
-def test_names_with_terminal_escapes_are_printed_without_them(tmp_path, capsys) -> None:
-    (tmp_path / "t.csv").write_text("h,e\x1b]0;x\u202e\n4,0.4\n2,0.2\n1,0.1\n")
-    for options in ([], ["--markdown", str(tmp_path / "m"), "--junit", str(tmp_path / "j")], ["--columns", "\x1b[2J"]):
-        main(["rates", str(tmp_path / "t.csv"), "--at-least", "0.9", *options])
-        printed = "".join(capsys.readouterr())
-        assert printed
+def test_names_with_terminal_escapes_are_printed_without_them(tmp_path, rates):
+    outputs = ["--markdown", str(tmp_path / "m"), "--junit", str(tmp_path / "j")]
+    for options, code in (([], 0), (outputs, 0), (["--columns", "\x1b[2J"], 2)):
+        printed = rates("h,e\x1b]0;x\u202e\n4,0.4\n2,0.2\n1,0.1\n", "--at-least", "0.9", *options, code=code)
         assert not set(printed) & set("\x1b\u202e")
     ElementTree.parse(tmp_path / "j")
     assert "\x1b" not in (tmp_path / "m").read_text()
@@ -251,7 +199,7 @@ def test_names_with_terminal_escapes_are_printed_without_them(tmp_path, capsys) 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no /dev/full")
 @pytest.mark.parametrize("options", [[], ["--expected", "1", "--junit", "/dev/full"]])
-def test_a_full_disk_behind_the_output_is_said_in_words(options: list[str]) -> None:
+def test_a_full_disk_behind_the_output_is_said_in_words(options):
     command = [sys.executable, "-m", "convergence_orders", str(Path(__file__).parents[2] / "examples/errors.csv")]
     with open("/dev/full", "w") as full:
         done = subprocess.run([*command, *options], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
@@ -259,7 +207,7 @@ def test_a_full_disk_behind_the_output_is_said_in_words(options: list[str]) -> N
     assert done.stderr.startswith(("convergence-orders: cannot write the output: ", "convergence-orders: /dev/full: N"))
 
 
-def test_a_broken_solver_fails_the_assertion() -> None:
+def test_a_broken_solver_fails_the_assertion():
     assert assert_order(H, SQUARES, expected=2).order == pytest.approx(2)
     with pytest.raises(AssertionError, match="fails"):
         assert_order(H, H, expected=2)
@@ -269,36 +217,33 @@ def test_a_broken_solver_fails_the_assertion() -> None:
     ("orders", "wish", "verdict"),
     [
         ([0.19] * 3, {"expected": 0.25}, "holds"),
-        ([0.18] * 3, {"at_least": 0.15}, "holds"),
-        ([0.1] * 3, {"expected": 0.1}, "holds"),
         ([0.19] * 3, {"expected": 1}, "fails"),
-        ([0.01] * 3, {"expected": 0.25}, "fails"),
-        ([0.1, 0, 0, 0], {"expected": 0.1}, "fails"),
         ([0.1, -0.01, -0.01, -0.01], {"expected": 0.1}, "fails"),
         ([-2, 0.19, 0.19, 0.19], {"expected": 0.25}, "fails"),
         ([0.19] * 3, {}, None),
     ],
 )
-def test_errors_with_a_small_order_stagnate_unless_it_is_expected(orders, wish, verdict) -> None:
+def test_errors_with_a_small_order_stagnate_unless_it_is_expected(orders, wish, verdict):
     errors = 2.0 ** -np.cumsum([0, *orders])
     found = observed_orders(2.0 ** -np.arange(len(errors)), errors, **wish)
     assert found.verdict == verdict
     assert (found.kind in ("stagnates", "grows")) == (verdict != "holds")
 
 
-def test_orders_are_expected_of_columns_with_numbers_as_names() -> None:
+def test_columns_of_pandas_or_of_a_dictionary_are_judged_or_refused_by_name():
+    frame = pd.DataFrame({"h": H, "L2": SQUARES, "note": ["fine"] * 4})
+    assert check_orders("h", frame, 2)["L2"].verdict == check_orders(H, frame["L2"], {"L2": 2})["L2"].verdict == "holds"
     for errors in ({1: H, 2: SQUARES}, pd.DataFrame({1: H, 2: SQUARES})):
-        found = check_orders(H, errors, expected={1: 1, 2: 2})
-        assert {name: column.verdict for name, column in found.items()} == {"1": "holds", "2": "holds"}
+        assert [found.verdict for found in check_orders(H, errors, {1: 1, 2: 2}).values()] == ["holds", "holds"]
         assert check_orders(H, errors, at_least={2: 1.9})["1"].verdict is None
-        with pytest.raises(OrderError, match="an order is expected of 3, but the columns of errors are 1, 2"):
-            check_orders(H, errors, expected={3: 1})
-
-
-def test_errors_without_names_are_refused_in_words() -> None:
-    for errors in ([4.0, 1.0], np.ones((2, 2))):
-        with pytest.raises(OrderError, match="for one list use observed_orders"):
-            check_orders([2, 1], errors)
+    for arguments, said in (
+        (("hh", frame, 2), "hh: there is no such column; there are h, L2, note"),
+        ((H, {1: H, 2: SQUARES}, {3: 1}), "an order is expected of 3, but the columns of errors are 1, 2"),
+        (([2, 1], [4.0, 1.0]), "for one list use observed_orders"),
+        (([2, 1], np.ones((2, 2))), "for one list use observed_orders"),
+    ):
+        with pytest.raises(OrderError, match=said):
+            check_orders(*arguments)
 
 
 @pytest.mark.parametrize(
@@ -315,7 +260,7 @@ def test_errors_without_names_are_refused_in_words() -> None:
         (H, SQUARES, -2, "expected must be one positive number, got -2"),
     ],
 )
-def test_what_is_no_number_is_refused_in_words(h, errors, wish, said: str) -> None:
+def test_what_is_no_number_is_refused_in_words(h, errors, wish, said):
     with pytest.raises(OrderError, match=said):
         observed_orders(h, errors, wish, name="u")
 
@@ -330,31 +275,21 @@ CELLS = "; or is h the number n of cells? Then give h = 1/n"
         ([4, 8], 2, True),
         ([4, 8, 16, 32], -2, False),
         ([1, 2, 4, 8], 2, False),
-        ([4], 2, False),
     ],
 )
-def test_numbers_of_cells_given_as_mesh_sizes_are_told(h: list[float], order: float, said: bool) -> None:
+def test_numbers_of_cells_given_as_mesh_sizes_are_told(h, order, said):
     found = observed_orders(h, np.array(h, dtype=float) ** -order, expected=2)
     assert (CELLS in found.conclusion) == said
     assert (found.verdict == "holds") == (order < 0)
 
 
-@pytest.mark.parametrize(("option", "code"), [([], 2), (["--dim", "1"], 0), (["--in", "h"], 1)])
-def test_a_column_h_that_may_have_numbers_of_cells_asks_what_it_has(option, code, tmp_path, capsys) -> None:
-    (tmp_path / "t.csv").write_text("h,e\n4,1\n8,.25\n16,.0625\n32,.015625\n")
-    assert main(["rates", str(tmp_path / "t.csv"), "--expected", "2", *option]) == code
-    said = {0: "e: holds", 1: CELLS, 2: "give --dim 1 if h counts cells along a side, or --in h"}[code]
-    assert said in " ".join("".join(capsys.readouterr()).split())
-
-
-def test_masked_numbers_are_missing() -> None:
-    found = observed_orders(H, np.ma.masked_less(SQUARES, 0.01), expected=2)
-    assert found.conclusion.startswith("fails: the error is not finite for h = 0.0625")
-
-
-def test_columns_of_pandas_are_judged_or_refused_by_name() -> None:
-    table = pd.DataFrame({"h": H, "L2": SQUARES, "note": ["fine"] * 4})
-    assert check_orders(H, table["L2"], {"L2": 2})["L2"].verdict == "holds"
-    with pytest.raises(OrderError, match="hh: there is no such column; there are h, L2, note"):
-        check_orders("hh", table, 2)
-    assert list(check_orders("h", table, 2)) == ["L2"]
+@pytest.mark.parametrize(
+    ("options", "code", "said"),
+    [
+        ("", 2, "give --dim 1 if h counts cells along a side, or --in h"),
+        ("--dim 1", 0, "e: holds"),
+        ("--in h", 1, CELLS),
+    ],
+)
+def test_a_column_h_that_may_have_numbers_of_cells_asks_what_it_has(options, code, said, rates):
+    assert said in rates("h,e\n4,1\n8,.25\n16,.0625\n32,.015625\n", "--expected", "2", *options.split(), code=code)

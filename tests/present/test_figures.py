@@ -4,14 +4,12 @@ import re
 import shutil
 from copy import copy
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from changed import overridden
 from committed import CORNER, RESULTS, SMOOTH, SOLID, copy_results
-from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
@@ -22,7 +20,6 @@ from study.ledger.text import above, below
 from study.present.body import DRAWN_DISPLACEMENT, magnification
 from study.present.charts import order_differences, order_in_words
 from study.present.drawing import (
-    Drawing,
     Output,
     column_width,
     draw_one,
@@ -32,41 +29,41 @@ from study.present.drawing import (
     page_width,
 )
 from study.present.figures import drawings, drawings_of, figure, overview
-from study.present.picture import Picture, Segment, misplaced_length, read_pictures
+from study.present.picture import misplaced_length, read_pictures
 
 SMALLEST = 7.0
 """Points, of all text but scripts."""
 
 
 @pytest.fixture(scope="module")
-def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def measured(tmp_path_factory):
     return copy_results(tmp_path_factory.mktemp("results"))
 
 
 @pytest.fixture(scope="module")
-def figures(measured: Path) -> dict[str, Drawing]:
+def figures(measured):
     return {drawing.name: drawing for drawing in drawings(measured)}
 
 
 @pytest.fixture
-def alone(tmp_path: Path) -> Path:
+def alone(tmp_path):
     """Data of one case, to change."""
     return copy_results(tmp_path, (SMOOTH,), ())
 
 
-def named(directory: Path, name: str) -> Drawing:
+def named(directory, name):
     (drawing,) = (drawing for drawing in drawings(directory) if drawing.name == name)
     return drawing
 
 
-def drawn(drawing: Drawing) -> Figure:
+def drawn(drawing):
     with in_style():
         figure = drawing.draw()
         figure.draw_without_rendering()
     return figure
 
 
-def cut_off_or_tiny(figure: Figure) -> list[str]:
+def cut_off_or_tiny(figure):
     """The texts of a drawn figure that are too small, and the labels and titles that reach beyond its ends."""
     axes = [axes for axes in figure.axes if axes.get_visible()]
     labels = [text for one in axes for text in (one.xaxis.label, one.yaxis.label, one.title)]
@@ -80,7 +77,7 @@ def cut_off_or_tiny(figure: Figure) -> list[str]:
 
 
 @pytest.mark.parametrize("every", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["some", "all"])
-def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(figures, every: bool) -> None:
+def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(figures, every):
     with in_style():
         narrowest, widest = column_width(), page_width()
     for name in figures if every else ("collapsed", f"zone-{CORNER}"):
@@ -89,7 +86,7 @@ def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off
         assert cut_off_or_tiny(figure) == [], name
 
 
-def test_every_caption_says_what_to_see_with_numbers(figures: dict[str, Drawing]) -> None:
+def test_every_caption_says_what_to_see_with_numbers(figures):
     for drawing in figures.values():
         assert re.search(r"What to see: .*\d.*\.$", drawing.caption), drawing.name
         assert "nan" not in drawing.caption, drawing.name
@@ -98,7 +95,7 @@ def test_every_caption_says_what_to_see_with_numbers(figures: dict[str, Drawing]
 # Old versions of Matplotlib use names of pyparsing that are deprecated.
 @pytest.mark.filterwarnings("error::UserWarning", "ignore::DeprecationWarning")
 @pytest.mark.parametrize("level", [-1.0, pytest.param(1.0, marks=pytest.mark.slow)])
-def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured: Path, level: float) -> None:
+def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured, level):
     solid, pressure = read_pictures(measured)[-1], max(level, 0.0)
     given = {"level": level, "pressure": pressure, "pressure_exact": pressure, "gap": 0.0, "gap_exact": 0.0}
     values = {name: np.broadcast_to(value, getattr(solid.faces[0], name).shape) for name, value in given.items()}
@@ -113,12 +110,12 @@ def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured: P
 # Uses: articles, slides, pages.
 
 
-def size_of(png: Path) -> tuple[int, int]:
+def size_of(png):
     with Image.open(png) as image:
         return image.size
 
 
-def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_not_cut_off(figures, tmp_path: Path) -> None:
+def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_not_cut_off(figures, tmp_path):
     slides = Output("slides", ("png",))
     png, *_ = draw_one(tmp_path, figures["orders"], slides)
     assert size_of(png) == (1920, 1080)
@@ -129,7 +126,7 @@ def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_not_cut_o
             assert cut_off_or_tiny(figure) == [], name
 
 
-def test_every_slide_has_a_headline_of_at_most_three_lines_which_the_figure_of_an_article_has_not(figures) -> None:
+def test_every_slide_has_a_headline_of_at_most_three_lines_which_the_figure_of_an_article_has_not(figures):
     for drawing in figures.values():
         assert 10 < len(drawing.headline) < 3 * 76, drawing.name
         assert drawing.headline.lower() in drawing.caption.lower()
@@ -139,12 +136,12 @@ def test_every_slide_has_a_headline_of_at_most_three_lines_which_the_figure_of_a
         assert drawn_for_use(figures["problem"]).get_suptitle() == ""
 
 
-def test_figures_with_more_rows_or_axes_than_can_be_read_on_a_slide_are_for_articles() -> None:
+def test_figures_with_more_rows_or_axes_than_can_be_read_on_a_slide_are_for_articles():
     sheets = {drawing.name: drawing.sheet for drawing in overview(RESULTS)}
     assert {name for name, sheet in sheets.items() if sheet} == {"convergence", "convergence-prop-5-3", "faults"}
 
 
-def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_line(measured: Path, figures) -> None:
+def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_line(measured, figures):
     smooth = read_rates(measured).query("claim == 'Prop. 5.4'")
     observed = order_differences(smooth, dict.fromkeys(smooth["case"], 1.0))["observed"]
     with in_style(Output("slides")):
@@ -159,7 +156,7 @@ def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_l
     assert slow.startswith("on these meshes the error is not O(h): observed orders 0.")
 
 
-def test_figures_are_drawn_by_name_from_one_directory_into_another(alone: Path, tmp_path: Path, capsys) -> None:
+def test_figures_are_drawn_by_name_from_one_directory_into_another(alone, tmp_path, capsys):
     shutil.copy(RESULTS / "data" / "provenance.json", alone / "data")
     command = ["figures", "--data", str(alone), "--out", str(tmp_path / "talk"), "--jobs", "1", "--only"]
     assert main([*command, "problem", "orders", "--format", "png"]) == 0
@@ -170,7 +167,7 @@ def test_figures_are_drawn_by_name_from_one_directory_into_another(alone: Path, 
     assert re.search(rf"--only order: {alone} has no such figure, only .*orders", capsys.readouterr().err)
 
 
-def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(figures, tmp_path: Path) -> None:
+def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(figures, tmp_path):
     drawing = figures[f"zone-{CORNER}"]
     assert drawing.alternative.startswith(f"The contact zone in space and time, exact and computed: {CORNER}. ")
     png, svg, pdf, txt, csv = draw_one(tmp_path, drawing, Output(formats=("png", "svg", "pdf")))
@@ -182,14 +179,14 @@ def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(figures
     assert "Alternative text: The contact zone" in txt.read_text(encoding="utf-8")
 
 
-def test_every_figure_has_its_data_beside_it_except_a_sketch(figures: dict[str, Drawing]) -> None:
+def test_every_figure_has_its_data_beside_it_except_a_sketch(figures):
     assert [name for name, drawing in figures.items() if drawing.table() is None] == ["problem"]
     nodes = figures[f"profiles-{CORNER}"].table()
     assert nodes[["time", "face", "x1", "x2"]].drop_duplicates().shape[0] == len(nodes) > 100
     assert np.minimum(nodes["gap_exact"], nodes["pressure_exact"]).abs().max() < 1e-8
 
 
-def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_column_width(alone: Path, tmp_path: Path) -> None:
+def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_column_width(alone, tmp_path):
     style = tmp_path / "journal.mplstyle"
     style.write_text("figure.figsize: 5.0, 4.0\nfont.size: 10\n")
     png, *_ = draw_one(tmp_path, named(alone, "orders"), Output(formats=("png",), dpi=100, style=style))
@@ -200,7 +197,7 @@ def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_column_width
         pass
 
 
-def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refused(alone: Path) -> None:
+def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refused(alone):
     assert {drawing.case for drawing in drawings_of(alone, [SMOOTH])} == {SMOOTH}
     with pytest.raises(UsageError, match=rf"--case nobody: {alone} has no such case, only {SMOOTH}"):
         drawings_of(alone, ["nobody"])
@@ -210,18 +207,18 @@ def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refus
 
 
 @pytest.fixture(scope="module")
-def pictures(tmp_path_factory: pytest.TempPathFactory) -> list[Picture]:
+def pictures(tmp_path_factory):
     return read_pictures(copy_results(tmp_path_factory.mktemp("results"), (SMOOTH, SOLID), (SMOOTH, SOLID)))
 
 
 @pytest.fixture
-def face(pictures: list[Picture]) -> Segment:
+def face(pictures):
     """The contact face of a body in the plane, with vertices at equal distances, which the file rounds."""
     (face,) = pictures[0].segments
     return replace(face, s=np.linspace(0, 1, len(face.s)))
 
 
-def test_the_exact_zone_is_as_deep_as_the_distance_to_its_fronts_and_ends_of_the_face_are_no_fronts(face) -> None:
+def test_the_exact_zone_is_as_deep_as_the_distance_to_its_fronts_and_ends_of_the_face_are_no_fronts(face):
     zone, s = [[], [(0.2, 0.6)], [(0.0, 0.3), (0.7, 1.0)]], np.array([0.0, 0.1, 0.25, 0.5, 0.8, 1.0])
     empty, middle, ends = face.depth(zone, s)
     assert (empty == -np.inf).all()
@@ -229,7 +226,7 @@ def test_the_exact_zone_is_as_deep_as_the_distance_to_its_fronts_and_ends_of_the
     assert ends == pytest.approx([0.3, 0.2, 0.05, -0.2, 0.1, 0.3])
 
 
-def test_displacements_are_magnified_to_the_stated_share_of_the_body(pictures: list[Picture]) -> None:
+def test_displacements_are_magnified_to_the_stated_share_of_the_body(pictures):
     for shown in pictures:
         largest = np.linalg.norm(shown.displacement, axis=1).max()
         drawn = magnification(shown.vertices, shown.displacement) * largest
@@ -237,7 +234,7 @@ def test_displacements_are_magnified_to_the_stated_share_of_the_body(pictures: l
     assert magnification(shown.vertices, np.zeros_like(shown.displacement)) == 1
 
 
-def test_an_exact_zone_is_off_by_half_a_cell_and_fronts_three_cells_too_far_by_three(face: Segment) -> None:
+def test_an_exact_zone_is_off_by_half_a_cell_and_fronts_three_cells_too_far_by_three(face):
     exact = misplaced_length(replace(face, pressure=face.pressure_exact))
     assert exact.max() <= 0.5 + 0.01
     wide = replace(face, pressure=np.maximum(face.pressure_exact, np.roll(face.pressure_exact, 3, axis=1)))
@@ -246,7 +243,7 @@ def test_an_exact_zone_is_off_by_half_a_cell_and_fronts_three_cells_too_far_by_t
     assert np.median(off) > 1.9
 
 
-def test_a_zone_that_should_not_be_there_counts_with_its_length(face: Segment) -> None:
+def test_a_zone_that_should_not_be_there_counts_with_its_length(face):
     pressure = np.zeros_like(face.pressure)
     empty = replace(face, zone=[[] for _ in face.zone_times], pressure=pressure)
     assert not misplaced_length(empty).any()
@@ -257,7 +254,7 @@ def test_a_zone_that_should_not_be_there_counts_with_its_length(face: Segment) -
     np.testing.assert_array_equal(empty.outside.sum(axis=1), [0, *[3] * (len(face.times) - 1)])
 
 
-def test_between_known_times_ends_of_the_exact_zone_are_interpolated_unless_their_number_changes(face: Segment) -> None:
+def test_between_known_times_ends_of_the_exact_zone_are_interpolated_unless_their_number_changes(face):
     moving = replace(face, zone_times=np.array([0.0, 1.0, 2.0]), zone=[[(0.0, 0.4)], [(0.0, 0.6)], []])
     assert moving.exact_zone(0.25) == [(0.0, pytest.approx(0.45))]
     assert moving.exact_zone(1.4) == [(0.0, 0.6)]

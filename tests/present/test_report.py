@@ -6,7 +6,6 @@ import re
 import shutil
 from html import unescape
 from io import BytesIO
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -14,7 +13,6 @@ import pytest
 from committed import RESULTS, TABLES, copy_results
 from PIL import Image
 
-from study.cli.main import main
 from study.ledger.datafiles import DataError
 from study.ledger.files import write_packed
 from study.ledger.pictures import Packed
@@ -31,7 +29,7 @@ PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"
 HOSTILE = """</script><img src=x onerror="document.title='broken'"> & "quoted\""""
 
 
-def write_data(directory: Path) -> Path:
+def write_data(directory):
     """Copies the committed data of three cases and adds text that is hard on HTML."""
     copy_results(directory, (*PLANE, SOLID), (*PLANE, SOLID))
     data = directory / "data"
@@ -46,36 +44,36 @@ def write_data(directory: Path) -> Path:
     return directory
 
 
-def report(directory: Path) -> Path:
+def report(directory):
     return write_report(directory, read_provenance(directory))
 
 
 class Page:
     """The parts of a page: its text, and rows of tables as texts."""
 
-    def __init__(self, content: str) -> None:
+    def __init__(self, content):
         self.content = content
         self.markup = re.sub(r"<(script|style)\b.*?</\1>", "", content, flags=re.DOTALL)
         self.text = shown(self.markup)
         rows = re.findall(r"<tr\b[^>]*>(.*?)</tr>", self.markup, re.DOTALL)
         self.rows = [list(map(shown, re.findall(r"<t[dh]\b[^>]*>(.*?)</t[dh]>", row, re.DOTALL))) for row in rows]
 
-    def values(self, attribute: str, tag: str = r"\w+") -> list[str]:
+    def values(self, attribute, tag=r"\w+"):
         """The values of an attribute in all tags, or in tags of one kind."""
         return list(map(unescape, re.findall(rf'<{tag}\b[^>]*?\s{attribute}="([^"]*)"', self.markup)))
 
 
-def shown(markup: str) -> str:
+def shown(markup):
     return unescape(re.sub(r"<[^>]*>", "", markup))
 
 
-def plain(text: str) -> str:
+def plain(text):
     """Text without the marks of scripts, which the page raises and lowers instead."""
     return re.sub(r"[\^_{}]", "", text)
 
 
 @pytest.fixture(scope="module")
-def directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def directory(tmp_path_factory):
     """Data and page; tests only read them."""
     made = write_data(tmp_path_factory.mktemp("report"))
     report(made)
@@ -83,17 +81,17 @@ def directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def page(directory: Path) -> Page:
+def page(directory):
     return Page((directory / "report.html").read_text(encoding="utf-8"))
 
 
 @pytest.fixture
-def data(directory: Path, tmp_path: Path) -> Path:
+def data(directory, tmp_path):
     shutil.copytree(directory / "data", tmp_path / "data")
     return tmp_path
 
 
-def test_every_row_of_the_ledger_is_on_the_page_in_its_order_below_its_statement(directory: Path, page: Page) -> None:
+def test_every_row_of_the_ledger_is_on_the_page_in_its_order_below_its_statement(directory, page):
     columns = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
     expected = []
     for (label, claim), rows in all_rows(directory).groupby(["label", "statement"], sort=False):
@@ -103,7 +101,7 @@ def test_every_row_of_the_ledger_is_on_the_page_in_its_order_below_its_statement
     assert [list(map(plain, row)) for row in rows] == [list(map(plain, row)) for row in expected]
 
 
-def test_the_numbers_of_verdicts_are_those_of_the_ledger(directory: Path, page: Page) -> None:
+def test_the_numbers_of_verdicts_are_those_of_the_ledger(directory, page):
     claims = pd.read_csv(directory / "data" / "claims.csv")
     for verdict in ("holds", "reported", "missed", "undecided", "fails"):
         assert f"{(claims['verdict'] == verdict).sum()} {verdict}" in page.text
@@ -112,7 +110,7 @@ def test_the_numbers_of_verdicts_are_those_of_the_ledger(directory: Path, page: 
     assert [sum(int(count or 0) for count in counts) for counts in of_statements] == totals
 
 
-def test_every_row_of_the_other_tables_is_on_the_page(directory: Path, page: Page) -> None:
+def test_every_row_of_the_other_tables_is_on_the_page(directory, page):
     rows = [list(map(plain, row)) for row in page.rows]
     for table in (rates, equivalence, stresses, bounds):
         left_out = [] if table is bounds else ["case", "claim"]
@@ -128,7 +126,7 @@ SYMBOL = re.compile(r"[^\W\d_]\^h|‖_\w|\b[^\W\d_]\b(?!\^)")
 
 
 @pytest.mark.parametrize("name", ["rates", "stresses", "equivalence", "bounds"])
-def test_symbols_in_the_heading_of_a_table_are_explained_beside_it(name: str) -> None:
+def test_symbols_in_the_heading_of_a_table_are_explained_beside_it(name):
     # The page of a case explains the norms above the charts of the errors.
     letters = PAGE_TEXTS["letters"][name] | (PAGE_TEXTS["letters"]["norms"] if name == "rates" else {})
     said = " ".join(f"{letter} {meaning}" for letter, meaning in letters.items())
@@ -137,7 +135,7 @@ def test_symbols_in_the_heading_of_a_table_are_explained_beside_it(name: str) ->
     assert [symbol for symbol in symbols if symbol not in said] == []
 
 
-def test_text_of_the_data_cannot_become_markup(page: Page) -> None:
+def test_text_of_the_data_cannot_become_markup(page):
     assert "<img src=x" not in page.content
     # The summary in the list of cases and on the page of its case; a row of the ledger: its case, also in the filter,
     # and its quantity; a defect; the machine.
@@ -145,7 +143,7 @@ def test_text_of_the_data_cannot_become_markup(page: Page) -> None:
     assert HOSTILE in page.values("value") + page.values("data-case")
 
 
-def test_nothing_on_the_page_is_fetched_and_links_lead_to_its_sections(page: Page) -> None:
+def test_nothing_on_the_page_is_fetched_and_links_lead_to_its_sections(page):
     addresses = page.values("src") + page.values("href")
     assert addresses
     assert [address for address in addresses if not address.startswith(("#", "data:"))] == []
@@ -156,7 +154,7 @@ def test_nothing_on_the_page_is_fetched_and_links_lead_to_its_sections(page: Pag
     assert {link[1:].split("?")[0] for link in page.values("href", "a")} <= set(ids)
 
 
-def test_every_case_is_shown_in_motion(directory: Path, page: Page) -> None:
+def test_every_case_is_shown_in_motion(directory, page):
     films = page.values("data-case", "section")
     assert films == [*PLANE, SOLID]
     images = [address for address in page.values("src") if address.startswith("data:image/webp")]
@@ -173,7 +171,7 @@ def test_every_case_is_shown_in_motion(directory: Path, page: Page) -> None:
         assert first.tobytes() != last.tobytes()
 
 
-def test_a_second_run_gives_the_same_page_and_says_how_to_measure_missing_faults(data: Path, page: Page) -> None:
+def test_a_second_run_gives_the_same_page_and_says_how_to_measure_missing_faults(data, page):
     (data / "data" / "faults.csv").unlink()
     again = report(data).read_text(encoding="utf-8")
     assert "study faults" in again
@@ -181,7 +179,7 @@ def test_a_second_run_gives_the_same_page_and_says_how_to_measure_missing_faults
 
 
 @pytest.mark.parametrize("name", [*(f"{name}.csv" for name in TABLES), "pictures/corner.json.gz"])
-def test_missing_data_are_named_with_the_command_that_makes_them(data: Path, name: str) -> None:
+def test_missing_data_are_named_with_the_command_that_makes_them(data, name):
     (data / "data" / name).unlink()
     with pytest.raises(DataError, match=rf"{re.escape(name)} is missing: make it with `study run --full --out"):
         report(data)
@@ -196,19 +194,14 @@ def test_missing_data_are_named_with_the_command_that_makes_them(data: Path, nam
     ],
     ids=["older version", "other cells"],
 )
-def test_a_picture_that_cannot_be_drawn_is_refused(data: Path, displacement: object, complaint: str) -> None:
+def test_a_picture_that_cannot_be_drawn_is_refused(data, displacement, complaint):
     path = picture_path(data, "corner")
     write_packed(path, json.dumps(read_record(path) | {"displacement": displacement}))
     with pytest.raises(DataError, match=complaint):
         draw_case(data, "corner", [])
 
 
-def test_a_directory_without_a_run_is_refused(tmp_path: Path, capsys) -> None:
-    assert main(["report", "--out", str(tmp_path)]) == 2
-    assert "study run" in capsys.readouterr().err
-
-
-def test_every_statement_names_the_files_that_judge_it() -> None:
+def test_every_statement_names_the_files_that_judge_it():
     for label, found in sources().items():
         assert found["code"], label
         assert all((ROOT / file).exists() for file in found["code"])
@@ -225,12 +218,12 @@ def test_every_statement_names_the_files_that_judge_it() -> None:
         ("a < b & c ^ d", "a &lt; b &amp; c ^ d"),
     ],
 )
-def test_scripts_are_raised_and_lowered_and_the_rest_is_escaped(plain_text: str, html: str) -> None:
+def test_scripts_are_raised_and_lowered_and_the_rest_is_escaped(plain_text, html):
     assert typeset(plain_text) == html
 
 
 @pytest.mark.slow
-def test_the_page_of_the_committed_run_has_at_most_7_megabytes_and_its_pictures_70_kilobytes(tmp_path: Path) -> None:
+def test_the_page_of_the_committed_run_has_at_most_7_megabytes_and_its_pictures_70_kilobytes(tmp_path):
     shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs"))
     for setting in Pictures().settings(full()):
         (path,) = Pictures.file.write(tmp_path / "data", [Pictures().measure(setting)])

@@ -3,8 +3,6 @@
 import os
 import re
 import shutil
-from collections.abc import Iterator
-from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -12,7 +10,6 @@ from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
-from selenium.webdriver.remote.webelement import WebElement
 from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
 from test_report import PLANE, SOLID, report, write_data
@@ -27,19 +24,19 @@ ARGUMENTS += ["--disable-component-update", "--disable-sync"]
 class Browser(webdriver.Chrome):
     address = ""
 
-    def section(self, name: str) -> None:
+    def section(self, name):
         self.get(f"{self.address}#{name}")
 
-    def one(self, selector: str) -> WebElement:
+    def one(self, selector):
         return self.find_element(By.CSS_SELECTOR, selector)
 
-    def width(self, pixels: int) -> None:
+    def width(self, pixels):
         metrics = {"width": pixels, "height": 800, "deviceScaleFactor": 1, "mobile": False}
         self.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
 
 
 @pytest.fixture(scope="module")
-def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+def chromium(tmp_path_factory):
     """One browser for all tests, with a separate profile.
 
     Without Chromium and its driver tests are skipped, or fail where ``BROWSER_TESTS`` is "required".
@@ -61,7 +58,7 @@ def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 
 
 @pytest.fixture(scope="module")
-def directory(chromium: Browser, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def directory(chromium, tmp_path_factory):
     """Data and page; asks for the browser first, as nothing is computed without one."""
     made = write_data(tmp_path_factory.mktemp("report"))
     report(made)
@@ -69,7 +66,7 @@ def directory(chromium: Browser, tmp_path_factory: pytest.TempPathFactory) -> Pa
 
 
 @pytest.fixture
-def page(chromium: Browser, directory: Path) -> Iterator[Browser]:
+def page(chromium, directory):
     """The page as a visitor first sees it on a desk; afterwards the console must hold no error."""
     chromium.width(1280)
     chromium.get("about:blank")
@@ -80,11 +77,11 @@ def page(chromium: Browser, directory: Path) -> Iterator[Browser]:
 
 
 @pytest.fixture(scope="module")
-def claims(directory: Path) -> pd.DataFrame:
+def claims(directory):
     return pd.read_csv(directory / "data" / "claims.csv", dtype=str).fillna("")
 
 
-def shown_rows(browser: Browser) -> list[list[str]]:
+def shown_rows(browser):
     """Case and verdict of the rows of the ledger that are seen, and the statement they belong to."""
     return browser.execute_script(
         "return [...document.querySelectorAll('#rows tr[data-case]')].filter((row) => row.offsetParent !== null)"
@@ -92,14 +89,14 @@ def shown_rows(browser: Browser) -> list[list[str]]:
     )
 
 
-def rows_of(claims: pd.DataFrame) -> list[list[str]]:
+def rows_of(claims):
     return claims[["label", "case", "verdict"]].to_numpy().tolist()
 
 
 FILM = f"[data-case='{CASE}'].film"
 
 
-def test_every_section_is_shown_alone_under_its_address_and_nothing_is_fetched(page: Browser) -> None:
+def test_every_section_is_shown_alone_under_its_address_and_nothing_is_fetched(page):
     for section in PAGES:
         page.section(section)
         assert page.execute_script(
@@ -123,7 +120,7 @@ FILTERS = [
 
 
 @pytest.mark.parametrize(("wanted", "query"), FILTERS)
-def test_filters_leave_exactly_the_rows_that_match_and_say_how_many(page: Browser, claims, wanted, query: str) -> None:
+def test_filters_leave_exactly_the_rows_that_match_and_say_how_many(page, claims, wanted, query):
     page.section("ledger")
     for name, value in wanted.items():
         page.one(f"#filter-{name}").send_keys(value)
@@ -139,7 +136,7 @@ def test_filters_leave_exactly_the_rows_that_match_and_say_how_many(page: Browse
 
 
 @pytest.mark.slow
-def test_the_address_keeps_the_filters_and_a_case_leads_to_its_rows(page: Browser, claims: pd.DataFrame) -> None:
+def test_the_address_keeps_the_filters_and_a_case_leads_to_its_rows(page, claims):
     page.section(f"case/{CASE}")
     page.one(".page:not([hidden]) a[href^='#ledger?']").click()
     of_case = claims[claims["case"] == CASE]
@@ -151,7 +148,7 @@ def test_the_address_keeps_the_filters_and_a_case_leads_to_its_rows(page: Browse
     assert page.title.startswith(CASE)
 
 
-def test_keys_move_the_slider_and_one_image_is_shown(page: Browser) -> None:
+def test_keys_move_the_slider_and_one_image_is_shown(page):
     page.section(f"case/{CASE}")
     slider = page.one(f"{FILM} input[type=range]")
     for key, n in ((Keys.HOME, 0), (Keys.ARROW_RIGHT, 1), (Keys.ARROW_RIGHT, 2), (Keys.END, 4), (Keys.ARROW_LEFT, 3)):
@@ -180,7 +177,7 @@ const watch = setInterval(() => {
 
 
 @pytest.mark.slow
-def test_play_runs_through_the_times_and_pauses(page: Browser) -> None:
+def test_play_runs_through_the_times_and_pauses(page):
     page.section(f"case/{CASE}")
     before, pressed, paused, label, later = page.execute_async_script(PLAY_AND_PAUSE, page.one(FILM))
     assert pressed == "true"
@@ -190,7 +187,7 @@ def test_play_runs_through_the_times_and_pauses(page: Browser) -> None:
 
 
 @pytest.mark.parametrize("pixels", [360, pytest.param(1280, marks=pytest.mark.slow)])
-def test_no_section_is_wider_than_the_screen(page: Browser, pixels: int) -> None:
+def test_no_section_is_wider_than_the_screen(page, pixels):
     page.width(pixels)
     for section in PAGES:
         page.section(section)
@@ -199,7 +196,7 @@ def test_no_section_is_wider_than_the_screen(page: Browser, pixels: int) -> None
 
 
 @pytest.mark.slow
-def test_tabs_reach_every_filter_in_order_and_show_where_they_are(page: Browser) -> None:
+def test_tabs_reach_every_filter_in_order_and_show_where_they_are(page):
     page.section("ledger")
     names = ["filter-text", "filter-verdict", "filter-statement", "filter-case"]
     reached = []
@@ -213,7 +210,7 @@ def test_tabs_reach_every_filter_in_order_and_show_where_they_are(page: Browser)
 
 
 @pytest.mark.slow
-def test_the_first_tab_leads_past_the_links_to_the_content(page: Browser) -> None:
+def test_the_first_tab_leads_past_the_links_to_the_content(page):
     page.get("about:blank")
     page.get(page.address)
     page.switch_to.active_element.send_keys(Keys.TAB)

@@ -1,6 +1,5 @@
 """Composite equilibrium stresses: their conditions checked from values at points, and their use in Problem 3.2."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
 
@@ -8,19 +7,17 @@ import numpy as np
 import pandas as pd
 import pytest
 from skfem import Basis, ElementTriP4, ElementVector
-from sympy import Expr
 
 from manufactured import isotropic, t, unit_square, x2
 from manufactured.body import Kind
 from manufactured.data import Data, no_fronts
-from manufactured.exact import ExactSolution
 from manufactured.law import KelvinVoigt
 from manufactured.regularity import Regularity
-from manufactured.tensors import Array, full
-from study.fem.mesh import FAMILIES, MeshError, MeshFamily, OneDiagonal, Shaken, Unstructured, cell_volumes
+from manufactured.tensors import full
+from study.fem.mesh import FAMILIES, MeshError, OneDiagonal, Shaken, Unstructured, cell_volumes
 from study.fem.naming import resolve
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
-from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, Tableau
+from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
 from study.statements.thm_4_2 import (
     ERROR_TEXTS,
     OwnSpace,
@@ -52,7 +49,7 @@ MESHED = [
 LAW = KelvinVoigt(isotropic(2, 3), isotropic(1, 0.5), "linear")
 
 
-def stress_at(solution: ExactSolution, family: MeshFamily, degree: int, now: float = 0.4):
+def stress_at(solution, family, degree, now=0.4):
     space = StressSpace(family(solution.body, 4), solution.body, degree)
     loads = ProjectedLoads(Data.of(solution), space)(now)
     equilibrium = Equilibrium(space, np.linalg.inv(solution.law.A.matrix))
@@ -60,20 +57,20 @@ def stress_at(solution: ExactSolution, family: MeshFamily, degree: int, now: flo
     return space, loads, equilibrium, equilibrium(loads, -strain)
 
 
-def fitted(space: StressSpace, values: Array) -> Callable[[Array, Array], Array]:
+def fitted(space, values):
     """Fit polynomials on every subtriangle to (components, cells, Q) values; (2, n, q) points ↦ (components, n, q)."""
     every, x = np.arange(3 * space.cells), space.points.reshape(2, 3 * space.cells, -1)
     centres, h = x.mean(axis=2, keepdims=True), np.sqrt(space.volumes).repeat(3)[:, None]
     values = values.reshape(len(values), len(every), -1)
 
-    def monomials(y: Array, where: Array) -> Array:
+    def monomials(y, where):
         z = (y - centres[:, where]) / h[where]
         return np.array([z[0] ** a * z[1] ** b for a, b, _ in indices(space.degree)])
 
     inverse = np.linalg.pinv(np.moveaxis(monomials(x, every), 0, 1))
     coefficients = np.einsum("Itq,tqm->Itm", values, inverse)
 
-    def at(y: Array, where: Array) -> Array:
+    def at(y, where):
         return np.einsum("Itm,mtq->Itq", coefficients[:, where], monomials(y, where))
 
     assert abs(at(x, every) - values).max() <= 1e-10 * abs(values).max()
@@ -81,7 +78,7 @@ def fitted(space: StressSpace, values: Array) -> Callable[[Array, Array], Array]
 
 
 @pytest.mark.parametrize(("name", "family", "degree"), MESHED)
-def test_a_stress_is_admissible_on_every_mesh_and_body(name: str, family: MeshFamily, degree: int) -> None:
+def test_a_stress_is_admissible_on_every_mesh_and_body(name, family, degree):
     """All conditions of Σ^h(t) follow from values of the stress at points; nothing of the element is used."""
     space, loads, equilibrium, stress = stress_at(resolve(name).solution, family, degree)
     force = np.einsum("ctad,aq->dctq", loads.force, space.force_shapes).reshape(2, space.cells, -1)
@@ -118,7 +115,7 @@ def test_a_stress_is_admissible_on_every_mesh_and_body(name: str, family: MeshFa
     np.testing.assert_allclose(equilibrium.pressure(stress) @ shapes, pressure, rtol=0.0, atol=1e-8 * size)
 
 
-def moments_of(space: StressSpace, displacement: Callable[[Array], Array]) -> Array:
+def moments_of(space, displacement):
     """∫_e v B_i in the axes of the edges, (edges, n, 2)."""
     x, weights = np.polynomial.legendre.leggauss(6)
     along = np.array([1 - x, 1 + x]) / 2
@@ -131,10 +128,10 @@ def moments_of(space: StressSpace, displacement: Callable[[Array], Array]) -> Ar
 (MU_A, LAMBDA_A), (MU_G, LAMBDA_G) = (2, 3), (1, 0.5)
 
 
-def pressed_square() -> Data:
+def pressed_square():
     """f_0, f_2 and u_0 of u = t v: σ is linear in x and in t."""
     stiff = (2 * MU_A + LAMBDA_A) + (2 * MU_G + LAMBDA_G) * t
-    beside: Expr = -(LAMBDA_A + LAMBDA_G * t) * (1 - 2 * x2)
+    beside = -(LAMBDA_A + LAMBDA_G * t) * (1 - 2 * x2)
     body = unit_square()
     sides = {i: (float(part.normal[0]) * beside, 0) for i, part in enumerate(body.parts) if part.kind is Kind.LOADED}
     return Data.formulas(body, LAW, (0, -2 * stiff), sides)
@@ -143,7 +140,7 @@ def pressed_square() -> Data:
 @pytest.mark.parametrize("degree", DEGREES)
 @pytest.mark.parametrize("scheme", [BACKWARD_EULER, BDF2], ids=lambda s: s.name)
 @pytest.mark.parametrize("family", [f for f in FAMILIES if f.serves(unit_square())], ids=lambda f: f.name)
-def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme: Tableau, degree: int) -> None:
+def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme, degree):
     """Stress, strains, multipliers and pressure at every time, to round-off: nothing is approximated."""
     data = pressed_square()
     space = StressSpace(family(data.body, 3), data.body, degree)
@@ -173,7 +170,7 @@ def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme: T
     ],
     ids=lambda value: getattr(value, "name", str(value)),
 )
-def test_a_stress_of_least_energy_satisfies_the_variational_inequality(name: str, family, degree: int) -> None:
+def test_a_stress_of_least_energy_satisfies_the_variational_inequality(name, family, degree):
     """(C⁻¹σ + ε*, τ − σ)_Q ≥ 0 for random admissible stresses τ, which are stresses of least energy for other ε*.
 
     And σ is the admissible stress that is nearest to −C ε*.
@@ -198,7 +195,7 @@ def test_a_stress_of_least_energy_satisfies_the_variational_inequality(name: str
     assert (pressure < 1e-6 * pressure.max()).any()
 
 
-def test_what_cannot_be_posed_is_refused() -> None:
+def test_what_cannot_be_posed_is_refused():
     with pytest.raises(ValueError, match="needs a degree of 1 or more, got 0"):
         composite(0)
     data = pressed_square()
@@ -216,7 +213,7 @@ def test_what_cannot_be_posed_is_refused() -> None:
 SMOOTH = {"stress": 2, "strain": 2, "pressure": 2, "displacement": 2, "primal_stress": 1, "primal_displacement": 2}
 
 
-def table(orders: dict[str, float], levels: int = 3, **changed: float | str) -> pd.DataFrame:
+def table(orders, levels=3, **changed):
     n = 2 ** np.arange(3, 3 + levels)
     h = 1 / n
     row = {"case": "a", "family": "one-diagonal", "level": n, "h": h, "best": h**2, "stress_sup": h**2}
@@ -224,14 +221,14 @@ def table(orders: dict[str, float], levels: int = 3, **changed: float | str) -> 
     return pd.DataFrame(row | changed)
 
 
-def judged(orders, regularity: Regularity, levels=3, family="one-diagonal", **changed) -> dict[str, str]:
+def judged(orders, regularity, levels=3, family="one-diagonal", **changed):
     rows = table(orders, levels, family=family, **changed)
     groups = {family: rows.assign(ratio=rows["stress"] / rows["best"])}
     found = [rule.verdict(OwnSpace(), "a", groups, family) for rule in checks_of(regularity, family)]
     return {v.key: v.verdict for v in found if v.verdict != REPORTED}
 
 
-def test_predicted_orders_hold_and_every_other_one_fails() -> None:
+def test_predicted_orders_hold_and_every_other_one_fails():
     assert set(judged(SMOOTH, Regularity()).values()) == {HOLDS}
     for name in ERROR_TEXTS:
         for order in (0.5 * SMOOTH[name], SMOOTH[name] + 1.3):
@@ -263,7 +260,7 @@ FRONT, CORNER = {"gap": 4, "pressure": 2, "moving": True}, {"corner": 0.5445}
         (FRONT | CORNER, "graded", "pressure", 1.0),
     ],
 )
-def test_predicted_orders_follow_the_regularity(regularity, family: str, quantity: str, low: float) -> None:
+def test_predicted_orders_follow_the_regularity(regularity, family, quantity, low):
     """A corner off Γ3 costs the pressure no half order."""
     assert predicted(Regularity(**regularity), family)[quantity].low == pytest.approx(low)
 
@@ -279,7 +276,7 @@ def test_predicted_orders_follow_the_regularity(regularity, family: str, quantit
     ],
     ids=["pull", "friction", "pressure", "clamped", "load"],
 )
-def test_a_traction_that_no_admissible_stress_has_is_measured(kind: Kind, traction, violation: float) -> None:
+def test_a_traction_that_no_admissible_stress_has_is_measured(kind, traction, violation):
     """All other tractions are at most 1."""
     space, loads, _, stress = stress_at(resolve("full-contact").solution, OneDiagonal(), 1)
     scale = abs(stress.tractions).max()
@@ -293,7 +290,7 @@ def test_a_traction_that_no_admissible_stress_has_is_measured(kind: Kind, tracti
 # P f_0 where f_0 jumps along fronts that move.
 
 
-def fluxes(solution: ExactSolution, corners: Array, fronts: list[float], time: float) -> Array:
+def fluxes(solution, corners, fronts, time):
     """∮ σν along n triangles (2, 3, n), whose sides are cut at the fronts, the lines of constant x_1: (2, n)."""
     x, w = np.polynomial.legendre.leggauss(12)
     ends = np.roll(corners, -1, axis=1)
@@ -311,7 +308,7 @@ def fluxes(solution: ExactSolution, corners: Array, fronts: list[float], time: f
     ("family", "time", "count"),
     [(OneDiagonal(), 0.1, 4), (Shaken(seed=3), 0.28, 2), (Shaken(seed=3), 0.1, 4), (OneDiagonal(), 0.5, 2)],
 )
-def test_the_mean_of_f0_is_the_flux_of_the_stress_on_cells_that_moving_fronts_cross(family, time, count) -> None:
+def test_the_mean_of_f0_is_the_flux_of_the_stress_on_cells_that_moving_fronts_cross(family, time, count):
     solution = resolve("merging-patches").solution
     space, data = StressSpace(family(solution.body, 6), solution.body), Data.of(solution)
     thirds, corners = alfeld_split(space.mesh)
@@ -319,7 +316,7 @@ def test_the_mean_of_f0_is_the_flux_of_the_stress_on_cells_that_moving_fronts_cr
     assert len(fronts) == count
     expected = -fluxes(solution, corners, fronts, time).T
 
-    def error(data: Data) -> float:
+    def error(data):
         means = ProjectedLoads(data, space, raised=10)(time).force.reshape(-1, 2)
         return float(abs(means * cell_volumes(thirds)[:, None] - expected).max() / abs(expected).max())
 
