@@ -121,8 +121,8 @@ class ErrorNorm:
             # If the strain is constant on every cell, this difference is round-off, which may be negative.
             oscillations = np.maximum(self._energy(strains) - self._constant_energy(means), 0.0)
             interpolants = self.space.interpolate(self._nodes.displacement(block))
-            by_time = block.tolist(), np.moveaxis(means, -1, 0), oscillations.tolist(), interpolants.T
-            yield from map(ExactAtTime, *by_time)
+            means_by_time = np.moveaxis(means, -1, 0)
+            yield from map(ExactAtTime, block.tolist(), means_by_time, oscillations.tolist(), interpolants.T)
 
     def _constant_energy(self, strain: Tensors) -> Array:
         """Return the energy ∫ A ε·ε of a strain that is constant on every cell, (D, cells), or of n strains, (n,)."""
