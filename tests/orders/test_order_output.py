@@ -1,5 +1,6 @@
 """Exit codes, outputs and plots of ``study rates``; tables that are written and read back; the library."""
 
+import itertools
 import json
 import re
 import subprocess
@@ -293,3 +294,31 @@ def test_numbers_of_cells_given_as_mesh_sizes_are_told(h, order, said):
 )
 def test_a_column_h_that_may_have_numbers_of_cells_asks_what_it_has(options, code, said, rates):
     assert said in rates("h,e\n4,1\n8,.25\n16,.0625\n32,.015625\n", "--expected", "2", *options.split(), code=code)
+
+
+RATIOS = [pytest.param(h, id=f"h {h}") for h in itertools.combinations([0.4, 0.3, 0.2, 0.15, 0.1, 0.08, 0.05, 0.01], 3)]
+
+
+@pytest.mark.parametrize("h", RATIOS)
+def test_the_order_of_values_is_found_for_every_ratio_of_meshes(h):
+    for p in (0.25, 0.5, 1, 1.5, 2, 3, 4, 6):
+        for limit, factor in ((1.0, 1.0), (3.0, -1.0)):
+            found = grid_convergence(h, limit + factor * np.array(h) ** p)
+            assert (found.kind, found.order) == ("monotone", pytest.approx(p, rel=1e-4))
+            assert found.extrapolated == pytest.approx(limit, rel=1e-6)
+
+
+@pytest.mark.parametrize("term", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("order", [0.5, 1.0, 2.0, 4.0])
+def test_a_term_of_higher_order_is_no_floor(order, term):
+    for factor in (-0.5, 0.5, 3.0):
+        found = observed_orders(FINE, FINE**order * (1 + factor * FINE**term), order)
+        assert found.verdict != "fails"
+        assert "tends to" not in found.sentence
+    for n in (np.array([8, 16, 32, 64]), np.array([9, 17, 33, 65])):
+        assert "tends to" not in observed_orders(1 / n, 7.3 / (n - 1), 1).sentence
+
+
+def test_masked_numbers_are_missing():
+    found = observed_orders(H, np.ma.masked_less(SQUARES, 0.01), expected=2)
+    assert found.conclusion.startswith("fails: the error is not finite for h = 0.0625")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import pickle
+import random
 import re
 import signal
 import socket
@@ -25,6 +27,7 @@ from distributed import LocalCluster
 from manufactured.self_proof import SelfProofError
 from manufactured.self_proof.finding import Finding
 from study.bound.trajectory import Refined
+from study.cli import run as run_command
 from study.cli.main import main
 from study.ledger.files import StoreError, UsageError
 from study.run.executor import (
@@ -559,3 +562,79 @@ def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_
 def results(out):
     """The files of finished jobs and when they were written."""
     return {path: path.stat().st_mtime_ns for path in out.glob("data/jobs/*.json")}
+
+
+RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "3", "--jobs", "2", "--out"]
+
+
+def started(out):
+    """The command in a process group of its own, forked so that nothing is imported again."""
+    process = multiprocessing.get_context("fork").Process(target=command, args=(out,))
+    process.start()
+    return process
+
+
+def command(out):
+    """``study run`` without figures and without the proofs of the cases, which write no results and take long."""
+    os.setsid()
+    with open(os.devnull, "w") as nowhere:
+        for stream in (1, 2):
+            os.dup2(nowhere.fileno(), stream)
+    Plan.check = lambda *arguments: None  # type: ignore[method-assign]
+    run_command.prove = lambda *arguments: []
+    os._exit(main([*RUN, str(out)]))
+
+
+def written(out):
+    """The data of a command that came to verdicts: levels as coarse as these do not carry every one of them."""
+    assert (out / "data" / "claims.csv").exists()
+    return {str(path.relative_to(out)): path.read_bytes() for path in out.glob("data/**/*") if path.is_file()}
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    """The files that an undisturbed run writes."""
+    out: Path = tmp_path_factory.mktemp("undisturbed")
+    run = started(out)
+    run.join()
+    assert run.exitcode in (0, 1)
+    return written(out)
+
+
+def gone(process):
+    return not process.is_running() or process.status() == psutil.STATUS_ZOMBIE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3), ids="seed {}".format)
+def test_killed_workers_and_runs_change_no_byte_of_what_is_written_in_the_end(seed, undisturbed, tmp_path):
+    """Nothing of the run may live on when it is killed, and what was finished is not done again."""
+    total, moment = sum("jobs" in name for name in undisturbed), random.Random(seed)
+    kept: dict[Path, int] = {}
+    for victim in ("worker", "run", "run"):
+        run = started(tmp_path)
+        # At least one job more than there are: nothing works before that but imports.
+        jobs = len(kept) + 1 + moment.randrange(total // 5)
+        while len(results(tmp_path)) < jobs and run.exitcode is None:
+            time.sleep(0.005)
+        time.sleep(moment.uniform(0, 0.05))
+        leader = psutil.Process(run.pid)
+        workers = [worker for worker in leader.children(recursive=True) if not gone(worker)]
+        assert workers, "the run was over before its moment came"
+        if victim == "worker":
+            workers[0].send_signal(signal.SIGKILL)
+            while len(results(tmp_path)) <= jobs and run.exitcode is None:
+                time.sleep(0.005)
+        leader.send_signal(signal.SIGKILL)
+        run.join()
+        deadline = time.monotonic() + 20
+        while not all(map(gone, workers)):
+            assert time.monotonic() < deadline, [worker for worker in workers if not gone(worker)]
+            time.sleep(0.05)
+        assert kept.items() <= results(tmp_path).items()
+        kept = results(tmp_path)
+    last = started(tmp_path)
+    last.join()
+    assert last.exitcode in (0, 1)
+    assert written(tmp_path) == undisturbed
+    assert kept.items() <= results(tmp_path).items()

@@ -1,0 +1,85 @@
+"""No table of a scheme whose order is clearly wrong holds, however it is written, stacked and damaged."""
+
+import random
+
+import pytest
+from table_forms import FORMS
+
+from convergence_orders.command import main
+
+EXPECTED = 2.0
+WRONG = (0.0, 0.5, 1.0, 1.4, 2.6, 3.0)
+
+
+SIZES = {
+    "h": lambda n, level: f"{1 / n:.6g}",
+    "dt": lambda n, level: f"{1 / n:.6g}",
+    "n": lambda n, level: str(n),
+    "$n \\times n$": lambda n, level: f"${n} \\times {n}$",
+    "cells": lambda n, level: str(n**2),
+    "dofs": lambda n, level: str((n + 1) ** 2),
+    "level": lambda n, level: str(level),
+}
+"""Name of a column of sizes ↦ its cell for n cells along a side and a level."""
+
+
+def table(draw: random.Random, orders: list[float]) -> str:
+    """A table with a series of errors of each order, one below the other, in a random form."""
+    levels, first = draw.randint(3, 6), draw.choice([4, 5, 10])
+    size, printed = draw.choice([*SIZES, ""]), draw.choice(["eoc", "eoc", "", "", ""])
+    label = draw.choice(["", "scheme", "degree", "k"]) if len(orders) > 1 else ""
+    names = [name for name in (label, size, "L2", printed) if name]
+    rows = [names]
+    for series, order in enumerate(orders, start=1):
+        start = draw.choice([first, first + 1])
+        for level in range(levels):
+            n = start * 2**level
+            row = {label: f"scheme{series}" if label == "scheme" else str(series)}
+            row |= {name: cell(n, level) for name, cell in SIZES.items()}
+            row["L2"] = f"{3.7 * n**-order * draw.uniform(0.99, 1.01):.3e}"
+            row["eoc"] = f"{order + draw.uniform(-0.02, 0.02):.2f}" if level else "-"
+            rows.append([row[name] for name in names])
+    return draw.choice(FORMS)(rows)
+
+
+def damage(draw: random.Random, text: str) -> str:
+    """The text with one random change of a line or a sign."""
+    lines = text.split("\n")
+    i, j = draw.randrange(len(lines)), draw.randrange(len(lines))
+    kind = draw.randrange(9)
+    if kind == 0 and len(lines) > 3:
+        del lines[i]
+    elif kind == 1:
+        lines.insert(j, lines[i])
+    elif kind == 2:
+        lines[i], lines[j] = lines[j], lines[i]
+    elif kind == 3:
+        lines.insert(i, draw.choice(["", "---", "mean 2.0", "# solver 2", "Elapsed 12.3", "\\hline", "refined:"]))
+    elif kind == 4:
+        lines[i] = lines[i].replace(draw.choice(" |,;&\t="), draw.choice(" |,;&\t="))
+    elif kind == 5:
+        lines[i] += draw.choice([" ok", " | 7", ",", " (coarse)", " \\\\"])
+    elif kind == 6 and lines[i]:
+        k = draw.randrange(len(lines[i]))
+        lines[i] = lines[i][:k] + draw.choice(["", "x", "-", " ", "\0", "\u2212", "\x1b[31m"]) + lines[i][k + 1 :]
+    elif kind == 7:
+        lines[0] = draw.choice(["", "a b c", lines[0].upper(), lines[0].replace("L2", "error in time")])
+    else:
+        lines = lines[: i + 1] + [line for line in lines[i + 1 :] if draw.random() < 0.9]
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_500_damaged_tables_of_a_wrong_order_never_hold_and_never_end_with_a_traceback(seed, tmp_path, capsys) -> None:
+    draw = random.Random(seed)
+    for _ in range(500):
+        orders = [EXPECTED] * draw.choice([0, 0, 1, 2])
+        orders.insert(draw.randint(0, len(orders)), draw.choice(WRONG))
+        text = table(draw, orders)
+        for _ in range(draw.choice([0, 1, 1, 2, 3])):
+            text = damage(draw, text)
+        (tmp_path / "table").write_text(text, encoding="utf-8")
+        options = draw.choice([[], [], ["--ratio", "2"], ["--in", "n"], ["--dim", "1"]])
+        code = main([str(tmp_path / "table"), "--expected", str(EXPECTED), *options])
+        said = capsys.readouterr()
+        assert code in (1, 2, 3), f"{options}\n{text}\n{said.out}"
