@@ -121,14 +121,25 @@ def plot(judged: Judged, file: Path) -> None:
         (line,) = axes.plot(result.h, positive, "o-", label=label)
         order = result.expectation.expected or result.expectation.at_least
         if order:
-            # The line is shifted below the errors, so that both are visible if they are parallel.
-            below = [0.6 * positive[0] * (h / result.h[0]) ** order for h in result.h]
+            # The line is shifted below the last error, so that both are visible if they are parallel.
+            h_last, last = next(
+                filter(lambda pair: pair[1] > 0, zip(result.h[::-1], positive[::-1], strict=True)), (1, 1)
+            )
+            below = [0.6 * last * (h / h_last) ** order for h in result.h]
             axes.plot(result.h, below, "--", color=line.get_color())
     for axis in (axes.xaxis, axes.yaxis):
-        low, high = axis.get_view_interval()
-        # Matplotlib labels powers of ten, of which a short axis may have none.
-        texts = [f"{low * (high / low) ** part:.3g}" for part in (0.2, 0.4, 0.6, 0.8)]
+        ticks = _ticks(*axis.get_view_interval())
         axis.set_ticks([], minor=True)
-        axis.set_ticks(list(map(float, texts)), texts)
+        axis.set_ticks(ticks, [f"{tick:.3g}" for tick in ticks])
     axes.legend(title="dashed: expected order, shifted")
     figure.savefig(file, dpi=150)
+
+
+def _ticks(low: float, high: float) -> list[float]:
+    """Return at least three numbers between two positive ones, round if possible; Matplotlib labels powers of ten."""
+    powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    for digits in ((1,), (1, 3), (1, 2, 5), (1, 2, 3, 4, 5, 6, 7, 8, 9)):
+        ticks = [digit * 10.0**power for power in powers for digit in digits if low <= digit * 10.0**power <= high]
+        if len(ticks) > 2:
+            return ticks[:: math.ceil(len(ticks) / 8)]
+    return [low, math.sqrt(low) * math.sqrt(high), high]

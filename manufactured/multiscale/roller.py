@@ -20,7 +20,8 @@ p ≥ 0 causes decays in a time ∼ 1, much later than the patch has passed. The
 W ~ ρ³ at ρ = 0, because with ρ² the strain ∂_s u_s = −y ∂_s² w would jump on lines into the body, and u would not lie
 in H².
 
-Predicted order 1 for a fixed ℓ and h → 0, because u ∈ H². The statement ``statements.rollers`` studies ℓ = 2h.
+Predicted order 1 for a fixed ℓ and h → 0, because u ∈ H². The case ℓ = 2h is in
+``study.statements.work_of_contact``.
 """
 
 from functools import lru_cache

@@ -2,7 +2,6 @@
 
 import re
 import xml.etree.ElementTree as ET
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -31,8 +30,10 @@ IGNORED = ("vertex", "line", "line3", "VTK_LAGRANGE_CURVE")
 
 COUNTS = re.compile(rb"""NumberOf(?:Points|Cells)\s*=\s*["'](\d{1,20})["']""")
 """The numbers of points and cells that a .vtu file states."""
+XDMF = (".xdmf", ".xmf")
+"""Endings of files that name HDF5 files with their data."""
 PACKING, UNSUSPICIOUS = 100, 2**26
-"""An .npz or .vtu file may unpack to so many times its size. Files that unpack to at most 64 MiB may have any ratio.
+"""A file may unpack to so many times its size. Files that unpack to at most 64 MiB may have any ratio.
 
 The coordinates and displacements of a mesh compress by a factor of 20 at most.
 """
@@ -76,7 +77,7 @@ def read(path: Path | str, name: str | None = None, step: int | None = None) -> 
         if kind == ".npz":
             field = _npz(path)
         else:
-            meshes = {".pvd": _pvd, ".xdmf": _xdmf, ".xmf": _xdmf}.get(kind, _single)
+            meshes = {".pvd": _pvd, **dict.fromkeys(XDMF, _xdmf)}.get(kind, _single)
             field = _together(path, meshes(path), name)
         return field if step is None else _at_step(path, field, step)
     except (BoundError, MemoryError):
@@ -133,16 +134,18 @@ def _refuse_larger(path: Path, whole: int) -> None:
 
 
 def _refuse_packed_hdf(path: Path) -> None:
-    """Raise BoundError, before anything is unpacked, if the HDF5 files of an .xdmf file unpack to very much."""
-    whole = Counter[Path]()
-    for text in {str(item.text).strip() for item in ET.parse(path).iterfind(".//DataItem[@Format='HDF']")}:
-        import h5py  # type: ignore[import-untyped]  # Only files of this kind need it.
+    """Raise BoundError, before anything is unpacked, if an HDF5 file unpacks to very much, or one of an .xdmf file."""
+    import h5py  # type: ignore[import-untyped]  # Only files of this kind need it.
 
-        name, dataset = text.split(":")
-        packed = path.parent / name
+    files = {path}
+    if path.suffix.lower() in XDMF:
+        texts = [str(item.text).strip() for item in ET.parse(path).iterfind(".//DataItem[@Format='HDF']")]
+        files = {path.parent / text.split(":")[0] for text in texts}
+    for packed in files:
+        sizes: list[int] = []
         with h5py.File(packed) as file:
-            whole[packed] += file[dataset].nbytes
-        _refuse_larger(packed, whole[packed])
+            file.visititems(lambda _, item, sizes=sizes: sizes.append(getattr(item, "nbytes", 0)))
+        _refuse_larger(packed, sum(sizes))
 
 
 def _read_mesh(path: Path) -> Any:
@@ -162,6 +165,8 @@ def _read_mesh(path: Path) -> Any:
         if kind == ".vtu":
             # Every point and every cell takes 8 bytes at least.
             _refuse_larger(path, 8 * sum(map(int, COUNTS.findall(path.read_bytes()))))
+        if kind in (*XDMF, ".med", ".cgns", ".h5m", ".hmf"):
+            _refuse_packed_hdf(path)
         return meshio.read(path)
     except (BoundError, ImportError, MemoryError):
         raise

@@ -29,7 +29,7 @@ from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
 from study.run.executor import Pool, Processes, execute, local_pool, unfinished
 from study.run.fingerprint import of_everything, problem
 from study.run.judgement import collect, judge
-from study.run.plan import COVER, Job
+from study.run.plan import COVER, Job, check_own
 from study.run.store import Store
 
 
@@ -37,12 +37,13 @@ def do_faults(options: argparse.Namespace) -> int:
     """Measure the matrix fault × case × check, write it and print which fault each case notices.
 
     Returns:
-        0 if every fault is noticed as the rules demand, else 1.
+        1 if a fault is not noticed as the rules demand, else 0; always 0 for a selection of cases.
     """
     store = Store(options.out)
     store.check()
     cases = [absolute(name) for name in options.case or COVER]
     for name in filter(is_own, cases):
+        check_own(name)
         prove(resolve(name).solution, f"case {name}")
     names = [choose("fault", name, FAULTS).name for name in options.fault or [fault.name for fault in FAULTS]]
     code = f"{of_everything()} {' '.join(names)}"

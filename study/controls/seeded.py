@@ -83,7 +83,10 @@ def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
 
 
 def rules(plan: Plan, verdicts: Sequence[Verdict]) -> str:
-    """Return a hash of the quantities, tolerance windows and levels of checks, which is the same for every seed."""
+    """Return a hash of the quantities, tolerance windows and levels of checks, which is the same for every seed.
+
+    A check with another statistic needs another text of its quantity.
+    """
     checks = []
     for verdict in verdicts:
         quantity = verdict.quantity.removesuffix(f", {verdict.family} meshes")

@@ -148,7 +148,8 @@ class ErrorNorm:
 
     def largest(self, times: Array, displacements: Iterable[Array]) -> float:
         """Return the largest error max_n ‖u(t_n) − v_n‖_V of displacements v_n, (dofs,), at times t_n, (n,)."""
-        return float(np.max([*map(self.distance, self.samples(times), displacements)]))
+        pairs = zip(self.samples(times), displacements, strict=True)
+        return float(np.max([self.distance(sample, v) for sample, v in pairs]))
 
     def load(self, time: Array | float) -> Array:
         """Return the load vector of an exact solution, v ↦ (f(t), v)_V for the basis functions v.

@@ -212,8 +212,8 @@ def packages() -> dict[str, str]:
 def by_value(item: object) -> object:
     """Return a value as nested lists of texts and numbers, for a hash.
 
-    A dataclass becomes a list of its fields, and a formula becomes a text. An object without a value becomes a text
-    that does not occur again.
+    A dataclass becomes a list of its fields, and a formula becomes a text. An object without a value becomes an
+    identifier that does not occur again.
     """
     if not _has_value(item):
         return uuid.uuid4()
@@ -250,14 +250,15 @@ def _value_of(data: Data) -> object:
 
 
 def _sampled(data: Data) -> list[str]:
-    """Return loads and stresses at some points to nine digits, because the last digits are rounding."""
+    """Return loads and stresses at some points, in units of the largest and without last digits."""
     x = data.body.sample(np.random.default_rng(0), 16)
     time = 0.4 * data.body.T
     strain = data.initial(x)
     loads = data.body_force(x)(time), *(data.surface_load(part, x)(time) for part in data.body.of(Kind.LOADED))
-    return [
-        f"{value:.9g}" for value in np.concatenate([*loads, data.law.at(x).stress(strain + 1, strain + 2)], axis=None)
-    ]
+    values = np.concatenate([*loads, data.law.at(x).stress(strain + 1, strain + 2)], axis=None)
+    largest = float(abs(values).max())
+    # Adding 0 turns −0 into 0.
+    return [f"{largest:.9g}", *(f"{value:.9f}" for value in (values / (largest or 1.0)).round(9) + 0.0)]
 
 
 def _hash(values: list[object], code: str | None = None) -> str:

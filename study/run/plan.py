@@ -80,6 +80,24 @@ class Job:
         return self.statement.run(self.setting)
 
 
+def check_own(reference: str) -> None:
+    """Check that a user's case can be measured by the statements about every case, and stored under its name.
+
+    Raises:
+        UsageError: G is not symmetric, or the case has the name of a case of the catalogue.
+    """
+    if reference in NAMES:
+        return
+    case = resolve(reference)
+    if isinstance(case.solution.law.G, NonSymmetric):
+        raise UsageError(
+            f"{reference}: G is not symmetric, so Problem 3.2 and the stored energy are not defined; give a "
+            "symmetric G, or test the case in Python by manufactured.prove"
+        )
+    if case.name in NAMES:
+        raise UsageError(f"{reference} has the name {case.name} of a case of the catalogue; give it another name")
+
+
 @dataclass(frozen=True)
 class Plan:
     """The jobs of a run.
@@ -121,26 +139,14 @@ class Plan:
         """Check before a run that the plan can be measured and that every mesh fits its body.
 
         Raises:
-            UsageError: the scope cannot be run, or a user's case has the name of a case of the catalogue.
+            UsageError: the scope cannot be run, or a user's case cannot be measured.
             MeshError: a mesh does not fit the boundary parts of a body. Or there is no quadrature rule for a cell in
                 which the solution is not smooth.
         """
         self.scope.check()
         self._check_meshes()
-        # Results are stored under the names of cases, so the names must differ.
         for reference in self.scope.cases:
-            if reference in NAMES:
-                continue
-            case = resolve(reference)
-            if isinstance(case.solution.law.G, NonSymmetric):
-                raise UsageError(
-                    f"{reference}: G is not symmetric, so Problem 3.2 and the stored energy are not defined; give a "
-                    "symmetric G, or test the case in Python by manufactured.prove"
-                )
-            if case.name in NAMES:
-                raise UsageError(
-                    f"{reference} has the name {case.name} of a case of the catalogue; give it another name"
-                )
+            check_own(reference)
 
     def _check_meshes(self) -> None:
         """Check that every mesh fits its body and the lines along which a solution is not smooth.

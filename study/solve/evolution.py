@@ -210,8 +210,9 @@ class ContactStep:
         if scheme.theta < 1:
             self.known[0] = sps.csc_array(self.known[0] - (1 - scheme.theta) * problem.reference)
         times = scheme.balanced(np.arange(1, round(problem.T / k) + 1), k)
-        self._blocks = blocks(times, len(problem.u0))
-        self._loads = lru_cache(1)(lambda number: problem.load(self._blocks[number]))
+        self._blocks = parts = blocks(times, len(problem.u0))
+        # The function does not refer to self: a circle would keep the factors in memory.
+        self._loads = lru_cache(1)(lambda number: problem.load(parts[number]))
 
     def __call__(self, n: int, past: Sequence[State]) -> State:
         """Compute one time step and return the state at t_n.

@@ -122,7 +122,7 @@ MIDPOINT = Tableau("midpoint", 2.0, 1.0, (1.0,), theta=0.5)
 """The midpoint scheme: M (u_n − u_{n−1})/k + G((u_n + u_{n−1})/2) + N_{K^h}(u_n) ∋ F(t_{n−1/2}).
 
 The order is 2 as long as no vertex comes into contact. If a vertex comes into contact and thereby relieves a neighbour
-in contact, the order is 1 (``statements.landings``).
+in contact, the order is 1 (``study.statements.time_steps``).
 """
 
 BDF2 = Tableau("bdf2", 2.0, 1.5, (2.0, -0.5), starting=BACKWARD_EULER, kept=2)

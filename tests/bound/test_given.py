@@ -375,6 +375,8 @@ def test_files_of_other_programs_are_read(suffix: str, form: str, degree: int, t
         ("short.npz", None, "lacks triangles, u; expected the arrays points, triangles, times, u"),
         ("bomb.npz", None, "bomb.npz has .* bytes and unpacks to 100000776 bytes, .* write it without compression"),
         ("bomb.vtu", None, "bomb.vtu has .* bytes and unpacks to 80.* bytes, more than 100 times as many"),
+        *((name, None, "bomb.h5 has .* unpacks to 160000000 bytes") for name in ("bomb.pvd", "bomb.xmf")),
+        ("bomb.med", None, "bomb.med has .* unpacks to 160000000 bytes"),
         ("bomb.xdmf", None, "bomb.h5 has .* bytes and unpacks to 160000000 bytes, more than 100 times as many"),
         ("locked.npz", None, "locked.npz is encrypted: write it by numpy.savez"),
         ("broken.npz", None, "broken.npz cannot be read"),
@@ -393,9 +395,12 @@ def test_files_without_a_displacement_are_refused(tmp_path: Path, name: str, fie
     np.savez_compressed(tmp_path / "bomb.npz", **(field() | {"u": np.zeros(100_000_000, dtype=np.int8)}))
     zeros = meshio.Mesh(np.zeros((10_000_000, 3)), [("triangle", np.array([[0, 1, 2]]))])
     zeros.write(tmp_path / "bomb.vtu", compression="zlib") if name == "bomb.vtu" else None
-    with h5py.File(tmp_path / "bomb.h5", "w") as file:
-        file.create_dataset("u", (10_000_000, 2), float, chunks=True, compression="gzip")
-    (tmp_path / "bomb.xdmf").write_text('<Xdmf><DataItem Format="HDF">bomb.h5:/u</DataItem></Xdmf>')
+    for bomb in ("bomb.h5", "bomb.med"):
+        with h5py.File(tmp_path / bomb, "w") as file:
+            file.create_dataset("u", (10_000_000, 2), float, chunks=True, compression="gzip")
+    for bomb in ("bomb.xdmf", "bomb.xmf"):
+        (tmp_path / bomb).write_text('<Xdmf><DataItem Format="HDF">bomb.h5:/u</DataItem></Xdmf>')
+    (tmp_path / "bomb.pvd").write_text(step.format('timestep="0" file="bomb.xdmf"'))
     packed = (tmp_path / "short.npz").read_bytes()
     # The flag of encryption in the header of the entry and in the table of all entries.
     locked = packed[:6] + b"\x01" + packed[7:]

@@ -111,7 +111,7 @@ def test_a_plot_is_drawn_whatever_the_errors_do(ending, start, tmp_path, rates):
     rates(table(**columns), "--expected", "2", "--plot", str(tmp_path / f"p.{ending}"), code=1)
     content = (tmp_path / f"p.{ending}").read_bytes()
     assert content.startswith(start)
-    assert ending != "svg" or len(re.findall(rb"<!-- [\d.e+-]+ -->", content)) == 8, "four labelled ticks on both axes"
+    assert ending != "svg" or len(re.findall(rb"<!-- [\d.e+-]+ -->", content)) >= 6, "three labelled ticks on both axes"
 
 
 NUMBER = st.floats(1e-12, 1e3).map(lambda value: float(f"{value:.6g}"))

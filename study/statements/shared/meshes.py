@@ -12,8 +12,8 @@ On 8 × 8 cells with a contact front δ_n is about 1/20. Two remedies reduce thi
   tests whether the leading term is of order h.
 * *Weights.* A sum over N independent cells has the relative variance 1/N, up to a factor. By the theorem of Gauss and
   Markov the best estimate of the order in h is then the least-squares fit with the numbers of cells as weights
-  (``study.ledger.criterion.weighted``). In the pilot study the logarithms of stress errors scattered by 0.05, 0.015 and
-  0.006 for n = 8, 16 and 32, so nearly all scatter of an order came from the coarsest mesh.
+  (``study.ledger.quantities.weighted_order``). In the pilot study the logarithms of stress errors scattered by 0.05,
+  0.015 and 0.006 for n = 8, 16 and 32, so nearly all scatter of an order came from the coarsest mesh.
 """
 
 from collections.abc import Callable, Hashable, Iterable
@@ -30,10 +30,6 @@ from study.ledger.check import Groups
 from study.statements.shared.base import Setting
 from study.statements.shared.scope import serving
 
-IRREGULAR_FAMILIES = "graded", "unstructured", "shaken"
-"""Mesh families without symmetry. The function ``place`` uses the first one that can mesh the body.
-
-The families are named explicitly, because a new family must not change the meshes on which a statement is measured."""
 EVERY_FAMILY = ()
 """An empty preference, with which the function ``place`` uses all mesh families that can mesh the body."""
 COARSEST_GRID = 16
