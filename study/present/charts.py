@@ -328,7 +328,9 @@ def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
 
 def caption_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> str:
     """Return the caption of ``draw_orders``."""
-    return caption("orders", cases=_all_cases(rates), differences=order_differences(rates, expected)["difference"])
+    differences = order_differences(rates, expected)["difference"]
+    ends = below(differences.min(), 2), above(differences.max(), 2)
+    return caption("orders", cases=_all_cases(rates), sequences=len(differences), ends=ends)
 
 
 def over_constants(rates: pd.DataFrame) -> pd.DataFrame:
