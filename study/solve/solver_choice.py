@@ -21,7 +21,11 @@ SHARE = 0.01
 
 
 def contact_solver(space: Displacements) -> Callable[..., ContactSolver]:
-    """Return the class or function that makes the contact solver for a space, from S, N and optionally ``gap``."""
+    """Return a function that makes contact solvers for a space: direct ones, or multigrid for large problems in space.
+
+    It is called with the matrix S, the matrix N of the constraints and optionally ``gap=g``. The solver minimises
+    ½ vᵀSv − bᵀv over N v ≤ g.
+    """
     if space.dofs <= FACTORED[space.dim]:
         return partial(Signorini, x=space.free_points)
     return partial(Multigrid, x=space.free_points, tolerance=multigrid_tolerance(space.dim, space.dofs))

@@ -154,8 +154,9 @@ class StressState:
         multipliers: the nodal contact forces λ_n ≥ 0, (m,); NaN at t_0.
         gap: the duality gap at which the solver stopped; 0 at t_0. It bounds the error of this step: for the same
             ε_{n−1} and the exact σ* and ε*, it is at least ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in the norm
-            of C. The reason is that the computed point (x, u, λ) and the exact point (x*, u*, λ*) satisfy (P(x − x*),
-            x − x*) = −(λ − λ*)·N(u − u*) ≤ −λ·Nu.
+            of C. The reason: for the difference of the computed and the exact point, the quadratic part of Φ is
+            −(λ_n − λ*)·N(u_n − u*), which is at most −λ_n·N u_n.
+    D is the number of components of a symmetric tensor, N u ≤ 0 the constraint of contact.
     """
 
     time: float

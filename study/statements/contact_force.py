@@ -276,11 +276,11 @@ class ContactForce(Statement):
     per_step = 5.0, 120.0
 
     def settings(self, scope: Scope) -> list[Setting]:
-        """Return the settings for the cases of Proposition 5.4 with contact.
+        """Return the settings (case, mesh family, level) for the cases of Proposition 5.4 with contact.
 
-        Cases of the catalogue are measured on the three finest levels that the study has on all their mesh families.
-        The quick study selects some of these cases. Cases of users are measured on all levels, so that finer levels can
-        be added to a run.
+        A case of the catalogue is measured on each of its mesh families, on the three finest levels of the study; the
+        quick study measures some of these cases. A user's case is measured on all levels: otherwise finer levels that
+        are added to a run would change which of the coarser rows belong to it.
         """
         return [
             Setting(reference, family.name, level)

@@ -301,9 +301,8 @@ class AdvancingFront(ListedNumbers):
     The excess ‖u^h − u^h_lin‖_V is the part of the error that is due to contact: u^h_lin solves the linear problem in
     which the exact normal stress σ_ν is a given traction.
 
-    Beyond the paper: convergence where a contact zone grows and the solution is as singular as contact theory predicts.
-
-    A *natural front* is the moving end of a frictionless contact zone, with a singularity that is not made smoother on
+    It goes beyond the paper: the contact zone grows, and the solution is as singular as contact theory predicts. A
+    *natural front* is the moving end of a frictionless contact zone, with a singularity that is not made smoother on
     purpose. If the front advances, the solution violates the regularity assumption (5.36).
 
     Near a front between contact and separation, elastic displacements of finite energy without forces behave like
@@ -332,14 +331,16 @@ class AdvancingFront(ListedNumbers):
     h|:
 
     * *(local)* is ∫_0^T (Σ_a λ_a (P_hu)_ν(a))^+ dt, the work of the discrete contact forces λ_a on violations of the
-      constraint by the projection P_hu. At most C h² L² is proved (last remark of paper/fronts.tex). The prototype has
-      at most 0.001 h² L². At most 0.01 h² L² is demanded: with |(P_hu)_ν(a)| in place of (P_hu)_ν(a) it would be 0.05
-      to 0.16. Unstructured meshes, which the prototype did not have, were found to need up to 0.0044.
-    * *Pairing*, the largest |∫_0^t (u̇^h, D_h)_V ds| over t, where D_h is the interpolant of ∂_x(ζ_0 W^h) ν at the
-      front and W^h = x (r² + h²)^{−1/4}. At most C L is proved (Lemma 2), because D_h travels and u̇^h has half a
+      constraint by P_hu, the projection of u onto V^h in (·,·)_V. At most C h² L² is proved (last remark of
+      paper/fronts.tex). The prototype has at most 0.001 h² L². At most 0.01 h² L² is demanded: with |(P_hu)_ν(a)| in
+      place of (P_hu)_ν(a) it would be 0.05 to 0.16. Unstructured meshes, which the prototype did not have, were found
+      to need up to 0.0044.
+    * *Pairing*, the largest |∫_0^t (u̇^h, D_h)_V ds| over t, is the term of the proof in which a singular field travels
+      with the front: D_h is the interpolant of ∂_x(ζ_0 W^h) ν, with W^h = x (r² + h²)^{−1/4} and a cut-off ζ_0 that is
+      1 near the front. At most C L is proved (Lemma 2 of paper/fronts.tex), because D_h travels and u̇^h has half a
       derivative in time; from ‖D_h‖_V alone it could grow like h^{−1/2}. The prototype grows by 0.24 to 0.29 whenever n
       is doubled. From n = 16 the increments must lie between 0.1 and 0.5: a bounded pairing falls below 0.1.
-    * *Half a derivative* of u̇^h in time: see ``HalfDerivative``, with the same windows.
+    * *Half a derivative* of u̇^h in time, with the windows of ``HalfDerivative``.
 
     The load is computed as (f_0, v) + (f_2, v)_{Γ2}, because f_0 is bounded, while the stress that ``ErrorNorm.load``
     integrates is not.

@@ -537,18 +537,10 @@ PROVED_ORDER_TOLERANCE = 0.1
 
 
 class SizeOfInterpolation(FromRates):
-    """Judges the interpolation error ‖u − Π^h u‖_V divided by its leading term, for the cases of Proposition 5.4.
+    """Judges (5.23): ‖u − Π^h u‖_V divided by its leading term, for the cases of Proposition 5.4.
 
-    Two statements that need no measurement: they are judged from the errors in ``rates.csv``.
-
-    The classes ``Convergence`` and ``FirstOrder`` measure these errors. The statements are:
-
-    * (5.23), the interpolation error, for the cases of Proposition 5.4: it must agree with its leading term, which
-      other code computes from second derivatives of u.
-    * (5.36), the regularity that Proposition 5.4 assumes: for cases without it, the observed order on uniform meshes is
-      compared with the order that proofs give for their regularity (``manufactured.proved``). Predicted is that it is
-      at least the proved order less 0.1: for junction 1/2, from the theorem on half a derivative in paper/velocity.tex;
-      the proof of Proposition 5.4 gives 1/4 there.
+    Other code computes the leading term from second derivatives of u. Nothing is measured: the check uses the errors in
+    ``rates.csv``, which ``Convergence`` and ``FirstOrder`` measure.
     """
 
     label = "(5.23)"
