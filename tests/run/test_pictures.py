@@ -53,24 +53,22 @@ def test_the_surface_of_a_solid_is_closed_and_seen_from_outside(case):
 @pytest.mark.parametrize("case", SOLIDS)
 def test_displacement_gap_and_pressure_are_those_of_the_motion_at_the_vertices(case):
     motion, picture = solved(case)
-    space, frames = motion.space, motion.frames[::2]
-    pressures = np.array([frame.multipliers for frame in frames]) / pictures.contact_weights(space)
-    # Columns: the vertices of all contact faces, as the picture has them and as the space has them.
-    drawn = np.hstack([picture.vertices[:, face.nodes] for face in picture.polygons])
-    solved_at = np.hstack([space.mesh.p[:, vertices] for _, vertices in space.contact])
-    order = abs(drawn[:, :, None] - solved_at[:, None]).max(axis=0).argmin(axis=1)
-    assert sorted(order) == list(range(solved_at.shape[1]))
-    np.testing.assert_allclose(drawn, solved_at[:, order], atol=1e-3)
-    gaps = -np.array([frame.normal for frame in frames])
-    for name, expected in (("gap", gaps), ("pressure", pressures)):
-        shown = np.hstack([getattr(face, name) for face in picture.polygons])
-        np.testing.assert_allclose(shown, expected[:, order], atol=0.51 * abs(shown).max() / FINE_UNITS)
-    touching = np.hstack([face.touching for face in picture.polygons])
-    np.testing.assert_array_equal(touching, pressures[:, order] > 0)
-    for face, (part, _) in zip(picture.polygons, space.contact, strict=True):
+    space, start = motion.space, 0
+    weights = pictures.contact_weights(space)
+    for face, (part, vertices) in zip(picture.polygons, space.contact, strict=True):
+        rows = slice(start, start + len(vertices))
+        start += len(vertices)
+        by_place = {tuple(np.round(x, 3)): i for i, x in enumerate(space.mesh.p[:, vertices].T)}
+        order = [by_place[tuple(np.round(x, 3))] for x in picture.vertices[:, face.nodes].T]
+        assert sorted(order) == list(range(len(vertices)))
         np.testing.assert_allclose(face.normal, part.normal)
         np.testing.assert_allclose(part.point(face.s), picture.vertices[:, face.nodes], atol=1e-3)
-    largest = max(abs(space.nodal(frame.u)).max() for frame in frames)
+        for n, frame in enumerate(motion.frames[::2]):
+            gap, pressure = -frame.normal[rows][order], (frame.multipliers / weights)[rows][order]
+            np.testing.assert_allclose(face.gap[n], gap, atol=0.51 * abs(face.gap).max() / FINE_UNITS)
+            np.testing.assert_allclose(face.pressure[n], pressure, atol=0.51 * abs(face.pressure).max() / FINE_UNITS)
+            np.testing.assert_array_equal(face.touching[n], pressure > 0)
+    largest = max(abs(space.nodal(frame.u)).max() for frame in motion.frames[::2])
     for instant in picture.shown:
         (frame,) = (frame for frame in motion.frames if frame.time == picture.times[instant])
         moved = space.nodal(frame.u)[:, Skin.of(space.mesh).vertices]
