@@ -287,7 +287,7 @@ EVERY = [
     Job(FirstOrder(), RateSetting("cube-disc", "one-diagonal", 18, "midpoint", 2)),
     Job(SameMesh(), Setting("cube-disc", "one-diagonal", 6)),
     Job(OwnSpace(), Setting("full-contact", "shaken", 16)),
-    Job(EnclosedError(), BoundSetting("full-contact", "shaken", 8, "midpoint", Refined(1, 1))),
+    Job(EnclosedError(), BoundSetting("full-contact", "shaken", 20, "midpoint", Refined(1, 1))),
 ]
 
 

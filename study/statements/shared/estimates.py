@@ -7,10 +7,10 @@ estimate is one to six times the measured memory. Estimates for error bounds are
 The constants come from measured peaks of the resident memory with one thread. The peaks minus 384 MiB were, in MiB:
 
     displacement   plane n = 128: 139, criss-cross 275, shaken 417; n = 256: 827, shaken 1542; space n = 24: 1440,
-                   shaken n = 9: 225, 12: 480, 18: 1220; by multigrid n = 36: 2250, 48: 4100, shaken 6300 and 15000
+                   shaken n = 12: 390, 18: 1220; by multigrid n = 36: 2250, 48: 4100, shaken 6300 and 15000
     equivalence    plane n = 32: 11, 64: 55; space n = 6: 18, 9: 79
     stress         n = 16: 39, 32: 207, 64: 868
-    bound          of u_h alone n = 8: 69, 16: 239; with a mesh refined once n = 8: 195, 16: 465, 20: 780, 32: 1890, refined
+    bound          of u_h alone n = 8: 69, 16: 239; with a mesh refined once n = 8: 183, 16: 465, 32: 1890, refined
                    twice n = 8: 390, 16: 1520; on an adapted mesh of 6756 cells 1450; on given meshes of 438 cells 37,
                    1768: 122, 7102: 1104; refined once 438: 266, 1768: 1193, 3496: 2669, 7102: 5757
     statements     at most 335, in space 1550
@@ -28,7 +28,7 @@ TEXT_PER_UNKNOWN = {2: 1 * KIB, 3: 3 * KIB}
 """Bytes needed to write the values of one unknown at one time as text, by the dimension of the body."""
 SMALL_MEMORY, SOLID_MEMORY = 736 * MIB, 2304 * MIB
 """Memory in bytes for statements whose meshes have a fixed size, in the plane and in space."""
-BOUND_MEMORY, PER_BOUND_CELL = 96 * MIB, 400 * KIB
+BOUND_MEMORY, PER_BOUND_CELL = 96 * MIB, 260 * KIB
 """Memory in bytes for an error bound: on any mesh, and for each cell of the refined mesh."""
 FACTORISED = 33_000
 """Number of cells on which stresses can be computed.
