@@ -166,11 +166,11 @@ def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: floa
     except (ArithmeticError, np.linalg.LinAlgError, RuntimeError) as error:
         return {**row, "distance": math.inf, "by_error": "", "by_others": f"stopped by {type(error).__name__}"}
     by_error = [verdict.key for verdict in failing if verdict.kind in BY_ORDER_OR_SIZE]
-    evidence = [verdict for verdict in failing if verdict.kind not in BY_ORDER_OR_SIZE]
+    others_failing = [*(verdict for verdict in failing if verdict.kind not in BY_ORDER_OR_SIZE), *of_others]
     if is_own(rates.settings[0].case):
         # The other checks do not compare with the exact solution, and notice most faults in every case.
-        evidence, of_others = [], [verdict for verdict in of_others if verdict.kind in BY_ORDER_OR_SIZE]
-    by_others = [f"{verdict.label} {verdict.key}" for verdict in (*evidence, *of_others)]
+        others_failing = [verdict for verdict in others_failing if verdict.kind in BY_ORDER_OR_SIZE]
+    by_others = [f"{verdict.label} {verdict.key}" for verdict in others_failing]
     return {**row, "by_error": "; ".join(by_error), "by_others": "; ".join(by_others)}
 
 

@@ -250,15 +250,19 @@ def _value_of(data: Data) -> object:
 
 
 def _sampled(data: Data) -> list[str]:
-    """Return loads and stresses at some points, in units of the largest and without last digits."""
+    """Return loads and stresses at some points, each in units of its largest value and without last digits."""
     x = data.body.sample(np.random.default_rng(0), 16)
     time = 0.4 * data.body.T
     strain = data.initial(x)
     loads = data.body_force(x)(time), *(data.surface_load(part, x)(time) for part in data.body.of(Kind.LOADED))
-    values = np.concatenate([*loads, data.law.at(x).stress(strain + 1, strain + 2)], axis=None)
-    largest = float(abs(values).max())
-    # Adding 0 turns −0 into 0.
-    return [f"{largest:.9g}", *(f"{value:.9f}" for value in (values / (largest or 1.0)).round(9) + 0.0)]
+    texts = []
+    # Loads may be much smaller than stresses, so they have units of their own.
+    for values in (*loads, data.law.at(x).stress(strain + 1, strain + 2)):
+        largest = float(abs(values).max())
+        # Adding 0 turns −0 into 0.
+        scaled = np.round(values / (largest or 1.0), 9) + 0.0
+        texts += [f"{largest:.9g}", str(scaled.tolist())]
+    return texts
 
 
 def _hash(values: list[object], code: str | None = None) -> str:
