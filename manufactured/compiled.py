@@ -47,7 +47,9 @@ def function(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> 
         expressions: expressions that contain no other symbols.
     """
     modules = [{"pos": truncated_power}, "numpy"]
-    return sp.lambdify([*arguments], [*map(sp.sympify, expressions)], modules=modules, cse=True)  # type: ignore[no-any-return]
+    formulas = [*map(sp.sympify, expressions)]
+    # A docstring of the formulas would take as long as the compilation.
+    return sp.lambdify([*arguments], formulas, modules=modules, cse=True, docstring_limit=0)  # type: ignore[no-any-return]
 
 
 @lru_cache(maxsize=1024)

@@ -6,7 +6,6 @@ from typing import Protocol
 
 import numpy as np
 import sympy as sp
-from numpy.polynomial.polynomial import polyder, polyval
 
 from manufactured.compiled import coefficients_in_t
 from manufactured.jet import Jet
@@ -67,11 +66,15 @@ class Convolution:
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
         """Prepare the integrals by computing the derivatives ∂_s^i ∂_r^j P(s, a) for every |i| ≤ order and every j."""
         values = [jet(points, lower, order) for jet in self.powers]
+        factorials = np.array([[math.factorial(j)] for j in range(len(values))])
         coefficients = {}
         for index in values[0]:
-            powers = np.array([value[index] for value in values])
-            derivatives = [polyval(lower, polyder(powers, j), tensor=False) for j in range(len(powers))]
-            coefficients[index] = np.array(derivatives)
+            taylor = np.array([value[index] for value in values])
+            # Repeated synthetic division by r − a turns coefficients of powers of r into those of powers of r − a.
+            for first in range(len(taylor)):
+                for j in reversed(range(first, len(taylor) - 1)):
+                    taylor[j] += lower * taylor[j + 1]
+            coefficients[index] = factorials * taylor
         return _Taylor(self.decay, len(values) - 1, lower, coefficients)
 
 
