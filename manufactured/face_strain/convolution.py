@@ -69,7 +69,7 @@ class Convolution:
         factorials = np.array([[math.factorial(j)] for j in range(len(values))])
         coefficients = {}
         for index in values[0]:
-            taylor = np.array([value[index] for value in values])
+            taylor = 1.0 * np.array([value[index] for value in values])  # values of integers have an integer type
             # Repeated synthetic division by r − a turns coefficients of powers of r into those of powers of r − a.
             for first in range(len(taylor)):
                 for j in reversed(range(first, len(taylor) - 1)):
