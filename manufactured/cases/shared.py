@@ -1,5 +1,7 @@
 """Solutions and strains that several cases share.
 
+**One contact face under a linear law** (``with_one_face``), for the many cases with a single piece of Γ3.
+
 **An advancing contact front**, which the cases ``anisotropic``, ``heterogeneous`` and ``layered`` share.
 
 The gap w, the slip z and the contact zone {ψ ≥ 0} with the front c are
@@ -18,6 +20,8 @@ Q changes from Q_0(s) at t = 0 to Q_1(s) at t = t_1. With τ = t/t_1 its formula
 Then Q, Q̇ and p are continuous, p(t_1) = 0, and after t_1, where p = 0, Q relaxes towards ρ.
 """
 
+from typing import Any
+
 from sympy import Expr, Float, Rational, exp, sin
 
 from manufactured.body import Body, Kind, Part
@@ -32,6 +36,19 @@ FRONT: Expr = Rational(1, 4) + t / 2
 """The position c(t) of the contact front."""
 
 
+def with_one_face(body: Body, law: KelvinVoigt, gap: Expr, pressure: Expr, level: Expr, **others: Any) -> ExactSolution:
+    """Return the exact solution on a body with a single contact face, for a linear law.
+
+    Args:
+        body: the body.
+        law: the material law.
+        gap, pressure, level: the formulas of the gap w, the contact pressure p and the level function ψ.
+        others: further arguments of ``ContactFace.linear``, such as the slip.
+    """
+    (part,) = body.of(Kind.CONTACT)
+    return ExactSolution(body, law, (ContactFace.linear(part, law, body.T, gap, pressure, level, **others),))
+
+
 def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Expr) -> ExactSolution:
     """Return the exact solution with the advancing front of this module, for a given material law and pressure.
 
@@ -41,11 +58,9 @@ def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Ex
         profile: the functions that continue the displacement into the body.
         pressure: the formula of the contact pressure p(s, t), which must be 0 beyond the front.
     """
-    (part,) = body.of(Kind.CONTACT)
     gap = 8 * (Rational(1, 5) + t) * pos(s - FRONT, 4)
     slip = t * (1 + t) * sin(2 * s + 1)
-    face = ContactFace.linear(part, law, body.T, gap, pressure, FRONT - s, profile=profile, slip=(slip,))
-    return ExactSolution(body, law, (face,))
+    return with_one_face(body, law, gap, pressure, FRONT - s, profile=profile, slip=(slip,))
 
 
 RELEASE = Rational(3, 5)
