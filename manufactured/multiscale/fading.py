@@ -11,19 +11,19 @@ u_n = w, u_s = 0, ε_ss = ε_sn = 0 and ε_nn = q, as for a constant depth (``ma
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
 import sympy as sp
 
 from manufactured.arguments import Size, checked
-from manufactured.body import Part
 from manufactured.compiled import function
+from manufactured.contact import StatedFace
 from manufactured.contact.contact_face import distinct
 from manufactured.jet import Jet
-from manufactured.modes import Modes, at_each
-from manufactured.symbols import FormulaError, Index, Values, indices, refuse_kinks, s, t
+from manufactured.modes import Modes, at_each, pointwise
+from manufactured.symbols import FormulaError, Index, Values, indices, s, t
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
 
 y = sp.Symbol("y", real=True)
@@ -56,52 +56,25 @@ def _lifting(rate: bool, order: int) -> Callable[..., list[Array]]:
 
 @dataclass(frozen=True, eq=False)
 @checked(FormulaError)
-class FadingFace:
+class FadingFace(StatedFace):
     """A contact face whose displacement reaches to a variable depth; all data are formulas of s and t.
 
     Attributes:
-        part: the part Γ3,i of the contact boundary.
-        gap: the gap w(s, t), three times differentiable along the face almost everywhere.
-        strain: the normal strain q(s, t) on the face.
-        pressure: the contact pressure p(s, t). It must be the pressure that the law gives for q; the self-proof checks
-            this.
-        level: the function ψ(s, t); the contact zone is {ψ ≥ 0}.
+        part, gap, pressure, level: see ``StatedFace``. The gap is three times differentiable along the face almost
+            everywhere.
+        strain: the normal strain q(s, t) on the face, which causes the pressure.
         depth: the depth D(s, t) > 0.
         least_depth: the smallest value of D; quadrature meshes are refined in a strip of this depth.
-        rough: the coordinates s at which strains are singular at all times; there are none.
 
     Raises:
         FormulaError: a kink of a formula is not written with ``pos``.
     """
 
-    part: Part
-    gap: sp.Expr
     strain: sp.Expr
-    pressure: sp.Expr
-    level: sp.Expr
     depth: sp.Expr
     least_depth: Size
-    rough: tuple[float, ...] = field(default=(), init=False)
 
-    def __post_init__(self) -> None:
-        refuse_kinks(self.gap, self.strain, self.pressure, self.level, self.depth)
-
-    @property
-    def initial_gap(self) -> sp.Expr:
-        """The initial gap, which is 0 for such faces."""
-        return sp.Integer(0)
-
-    @cached_property
-    def gap_jet(self) -> Jet:
-        return Jet(self.gap)
-
-    @cached_property
-    def pressure_jet(self) -> Jet:
-        return Jet(self.pressure)
-
-    @cached_property
-    def level_jet(self) -> Jet:
-        return Jet(self.level)
+    rough = ()
 
     @cached_property
     def depth_jet(self) -> Jet:
@@ -142,15 +115,6 @@ class FadingFace:
         tangential, normal = values[: len(keys)], values[len(keys) :]
         return dict(zip(keys, tangential, strict=True)), dict(zip(keys, normal, strict=True))
 
-    @property
-    def variables(self) -> tuple[sp.Symbol, ...]:
-        return (s,)
-
-    @property
-    def exponents_in(self) -> sp.Expr:
-        """The contact pressure, from whose truncated powers the exponents of the strain at fronts are read off."""
-        return self.pressure
-
     def at(self, x: Points) -> Fading:
         """Return the displacement field at fixed points of the body, (2, ...)."""
         return Fading(self, x)
@@ -187,16 +151,8 @@ class Fading:
         return self._everywhere(gradient, time, rate, 2)
 
     def modes(self) -> Modes:
-        """Return the strain as a ``Modes`` object with one amplitude for every component and point.
-
-        There is no shorter sum of products, because the depth changes with time.
-        """
-        count = len(self.y)
-
-        def amplitudes(time: Array | float, rate: bool) -> Array:
-            return self.strain(time, rate).reshape(3, count, *np.shape(time))
-
-        return Modes(np.eye(3), np.arange(count), np.ones((3, count)), np.arange(count), count, amplitudes)
+        # There is no shorter sum of products, because the depth changes with time.
+        return pointwise(self.strain, 2, len(self.y))
 
     def _everywhere(
         self, of: Callable[[tuple[Values, Values]], Array], time: Array | complex, rate: bool, order: int

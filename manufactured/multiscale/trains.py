@@ -23,19 +23,23 @@ higher. For one fixed u the order finally rises above 1. No order is predicted f
 asymptotic on these meshes.
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 
+import numpy as np
 from sympy import Expr, Rational, pi, sin, sqrt
 
 from manufactured.body import Body, Kind, Part, polygon
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
+from manufactured.contact import ContactFace
+from manufactured.contact.contact_face import Lifting
 from manufactured.exact import ExactSolution
 from manufactured.law import KelvinVoigt
-from manufactured.multiscale.strip import StripFace
 from manufactured.profile import QUARTIC, cutoff
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
+from manufactured.tensors import Points
 
 TRAINS = 7
 """The number of trains of contact patches, one on each part of Γ3."""
@@ -73,6 +77,21 @@ def breathing() -> Case:
         [_piece(j, 1, S := _wave(j) - mu, -S, 1) for j in range(TRAINS)],
         Regularity(gap=4, pressure=2, moving=True),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class StripFace(ContactFace):
+    """A contact face in 2D whose displacement is zero beyond the ends s = 0 and s = |Γ3,i| of its part.
+
+    The displacement of each train reaches to a depth in proportion to its details, and must not reach into the strip
+    above the next part. At the ends the contact data must vanish so smoothly that no strain jumps.
+    """
+
+    def at(self, x: Points) -> Lifting:
+        along = np.real(self.part.coordinates(x)[0][0])
+        outside = (along < 0) | (along > self.part.measure)
+        # Points beyond the ends are moved away from the face, deeper than the displacement reaches.
+        return Lifting(self, x - np.multiply.outer(self.part.normal, 2 * self.profile.depth * outside))
 
 
 Piece = tuple[float, Expr, Expr, Expr]
