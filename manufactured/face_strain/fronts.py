@@ -176,15 +176,15 @@ def _positive(of: Callable[..., list[Array]], points: Array, time: Array) -> Arr
 def real_roots(coefficients: Array, T: float) -> Array:
     """Return the roots in (0, T) of N polynomials, (degree, N); missing roots are T.
 
-    Up to degree 2 there is a closed form. A polynomial of higher degree is monotone between the roots of its
-    derivative, and has a root between two of them if its sign changes.
+    A polynomial is monotone between the roots of its derivative, and has a root between two of them if its sign
+    changes.
 
     Args:
         coefficients: the coefficients, highest power first, (degree+1, N).
         T: the end of the interval.
     """
-    if len(coefficients) <= 3:
-        return _of_degree_two(coefficients, T)
+    if len(coefficients) == 1:
+        return np.empty((0, coefficients.shape[1]))
     begin, end = between(real_roots(_derivative(coefficients), T), T)
     signs = np.polyval(coefficients, begin) > 0
     interval, point = np.nonzero((np.polyval(coefficients, end) > 0) != signs)
@@ -225,28 +225,3 @@ def _bracketed(coefficients: Array, low: Array, high: Array, before: Array) -> A
 def _derivative(coefficients: Array) -> Array:
     """Return the coefficients of the derivatives of polynomials: (degree+1, N) → (degree, N)."""
     return coefficients[:-1] * np.arange(len(coefficients) - 1, 0, -1)[:, None]
-
-
-def _of_degree_two(coefficients: Array, T: float) -> Array:
-    """Return the roots in (0, T) of polynomials of degree at most 2, as ``real_roots`` does."""
-    degree, count = coefficients.shape[0] - 1, coefficients.shape[1]
-    if degree == 0:
-        return np.empty((0, count))
-    roots = np.full((degree, count), T)
-    vanishing = abs(coefficients[0]) <= 1e-14 * abs(coefficients).max(axis=0)
-    if vanishing.any():
-        roots[1:, vanishing] = _of_degree_two(coefficients[1:, vanishing], T)
-    rest = np.flatnonzero(~vanishing)
-    monic = coefficients[1:, rest] / coefficients[0, rest]
-    if degree == 1:
-        found = -monic.astype(complex)
-    else:
-        discriminant = np.sqrt((monic[0] ** 2 - 4 * monic[1]).astype(complex))
-        # The root of larger absolute value is computed first, and the other one from their product. This avoids
-        # cancellation.
-        larger = -(monic[0] + np.where(monic[0] >= 0, 1, -1) * discriminant) / 2
-        other = np.divide(monic[1], larger, out=np.zeros_like(larger), where=larger != 0)
-        found = np.array([larger, other])
-    real = abs(found.imag) <= 1e-7 * (1 + abs(found.real))
-    roots[:, rest] = np.where(real & (found.real > 0) & (found.real < T), found.real, T)
-    return roots
