@@ -77,20 +77,14 @@ class FadingFace(StatedFace):
     rough = ()
 
     @cached_property
-    def depth_jet(self) -> Jet:
-        """The depth D as a formula with its derivatives."""
-        return Jet(self.depth)
-
-    @cached_property
     def traces(self) -> tuple[Jet, Jet, Jet]:
         """Gap w, strain q and depth D, which determine the displacement, as formulas with their derivatives."""
-        return self.gap_jet, Jet(self.strain), self.depth_jet
+        return self.gap_jet, Jet(self.strain), Jet(self.depth)
 
     @cached_property
-    def trace_rates(self) -> tuple[Jet, Jet, Jet]:
+    def trace_rates(self) -> tuple[Jet, ...]:
         """The time derivatives of w, q and D as formulas with their derivatives."""
-        w, q, D = self.traces
-        return w.rate(), q.rate(), D.rate()
+        return tuple(jet.rate() for jet in self.traces)
 
     def traced(self, s: Array, time: complex, rate: bool, order: int) -> list[Array]:
         """Return the derivatives of w, q and D along the face that ``lifted`` needs, at points s, (1, n).
@@ -131,7 +125,8 @@ class Fading:
         self.turned = rotation(self.frame)
         places, into = face.part.coordinates(x)
         self.shape, self.y = into.shape, into.ravel()
-        self.s, self.where = distinct(places.reshape(1, -1))
+        self.s, where = distinct(places.reshape(1, -1))
+        self.where = np.arange(len(self.y)) if where is None else where
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
         """Return the displacement u, or the velocity u̇ if ``rate`` is true, (2, ...)."""
@@ -169,24 +164,15 @@ class Fading:
         return at_each(time, lambda moment: self._at_one(of, moment, rate, order))
 
     def _at_one(self, of: Callable[[tuple[Values, Values]], Array], time: complex, rate: bool, order: int) -> Array:
-        depth = np.real(self.face.depth_jet(self.s, time)[(0,)])
-        inside = np.flatnonzero(np.real(self.y) < (depth if self.where is None else depth[self.where]))
-        traced = self._traced(time, rate, order)
-        values = of(self.face.lifted(traced(inside), self.y[inside], rate, order))
+        depth = np.real(self.face.traces[-1](self.s, time)[(0,)])
+        inside = np.flatnonzero(np.real(self.y) < depth[self.where])
+        # Formulas of s and t are evaluated once for points with the same s.
+        used, place = np.unique(self.where[inside], return_inverse=True)
+        traced = [values[place] for values in self.face.traced(self.s[:, used], time, rate, order)]
+        values = of(self.face.lifted(traced, self.y[inside], rate, order))
         found = np.zeros((*values.shape[:-1], len(self.y)), dtype=values.dtype)
         found[..., inside] = values
         return found.reshape(*found.shape[:-1], *self.shape)
-
-    def _traced(self, time: complex, rate: bool, order: int) -> Callable[[Array], Sequence[Array]]:
-        """Return the function from numbers of points to the result of ``FadingFace.traced`` at these points.
-
-        Formulas are evaluated once for points with the same s.
-        """
-        where = self.where
-        if where is None:
-            return lambda chosen: self.face.traced(self.s[:, chosen], time, rate, order)
-        found = self.face.traced(self.s, time, rate, order)
-        return lambda chosen: [values[where[chosen]] for values in found]
 
 
 def _strain(values: tuple[Values, Values], more: Index) -> Tensors:
