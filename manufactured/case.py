@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import astuple, dataclass, fields
 from typing import Any
 
@@ -18,7 +19,7 @@ from manufactured.html import table
 from manufactured.profile import ZERO
 from manufactured.regularity import Regularity
 from manufactured.self_proof.finding import INITIAL_GAP_ADVICE
-from manufactured.singular import SingularFace, SingularField, TravellingField, least_exponent
+from manufactured.singular import SingularFace, SingularField, TravellingField
 from manufactured.symbols import t
 from manufactured.tensors import Array
 
@@ -137,8 +138,8 @@ class Case:
             gap=alpha,
             pressure=m,
             moving=moving or any(isinstance(field, TravellingField) for field in singular),
-            corner=least_exponent(field for field in solution.others if isinstance(field, SingularField)),
-            on_contact=least_exponent(singular),
+            corner=_least(field for field in solution.others if isinstance(field, SingularField)),
+            on_contact=_least(singular),
             kink=unmet,
         )
 
@@ -181,6 +182,11 @@ def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
 def _initial_gap(face: Face) -> FaceFormula:
     """Return the formula of the initial gap g; its kinks lower the regularity of u as fixed fronts of the gap do."""
     return FaceFormula(face.initial_gap, face.part, face.variables, 0.0, 0.0)
+
+
+def _least(fields: Iterable[SingularField | TravellingField]) -> float:
+    """Return the smallest exponent λ of singular fields r^λ; infinity without fields."""
+    return min((field.exponent for field in fields), default=math.inf)
 
 
 def _plane(normal: Array, point: Array) -> tuple[float, ...]:

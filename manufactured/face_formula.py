@@ -1,7 +1,7 @@
 """Reads the exponents at contact fronts off the formulas of gap, pressure and strain on a face."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,8 +11,7 @@ import sympy as sp
 from manufactured.body import Part
 from manufactured.compiled import function
 from manufactured.exponents import SMOOTH, is_natural, must_be_positive, order_at
-from manufactured.symbols import pos, s, s1, s2, t
-from manufactured.tensors import Array
+from manufactured.symbols import Function, Symbols, pos, s, s1, s2, t
 
 FACE = frozenset({s, s1, s2})
 """The symbols of the coordinates along contact faces."""
@@ -42,7 +41,7 @@ class FaceFormula:
 
     formula: sp.Expr
     part: Part
-    variables: tuple[sp.Symbol, ...]
+    variables: Symbols
     begin: float
     end: float
 
@@ -112,7 +111,7 @@ class FaceFormula:
         values = function([*self.variables, t], [formula])
         return self._least(values, 1.0), -self._least(values, -1.0)
 
-    def _least(self, values: Callable[..., list[Array]], sign: float) -> float:
+    def _least(self, values: Function, sign: float) -> float:
         """Return the least value of ``sign`` times a function on the face and in [begin, end].
 
         The least value is searched on ever smaller grids around the best point.

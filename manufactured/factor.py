@@ -1,6 +1,5 @@
 """Scalar factors α(x) > 0 of material tensors, by which a material becomes heterogeneous."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,7 +8,7 @@ import sympy as sp
 
 from manufactured.arguments import checked
 from manufactured.compiled import function
-from manufactured.symbols import FormulaError, pos
+from manufactured.symbols import FormulaError, Function, Symbols, pos
 from manufactured.tensors import Array, Hyperplane, Points, Vectors
 
 x1, x2, x3 = sp.symbols("x1 x2 x3", real=True)
@@ -46,7 +45,7 @@ class Factor:
             raise FormulaError(f"a factor needs bounds 0 < low ≤ high < ∞, got low = {self.low}, high = {self.high}")
 
     @cached_property
-    def _compiled(self) -> Callable[..., list[Array]]:
+    def _compiled(self) -> Function:
         return function([x1, x2, x3], [self.formula, *(sp.diff(self.formula, x) for x in (x1, x2, x3))])
 
     def _evaluate(self, x: Points) -> list[Array]:
@@ -61,7 +60,7 @@ class Factor:
         """Return the gradient ∂_j α at points where α does not jump: (d, ...) → (d, ...)."""
         return np.array(self._evaluate(x)[1 : 1 + len(x)])
 
-    def along(self, start: Array, tangents: Array, variables: tuple[sp.Symbol, ...]) -> sp.Expr:
+    def along(self, start: Array, tangents: Array, variables: Symbols) -> sp.Expr:
         """Return the factor α on the line or plane {start + Σ_i s_i t_i} as a formula of the coordinates s_i.
 
         Args:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from manufactured.tensors import Array, size
+from manufactured.tensors import Array, Time, size
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ def pointwise(strain: Callable[[Any, bool], Array], dim: int, count: int) -> Mod
     return Modes(np.eye(rows), places, np.ones((rows, count)), places, count, amplitudes)
 
 
-def at_each(time: Array | complex, of: Callable[[Any], Array]) -> Array:
+def at_each(time: Time, of: Callable[[Any], Array]) -> Array:
     """Evaluate a field at one time, or at several times one by one; the times become the last axis of the result."""
     if not (isinstance(time, np.ndarray) and time.ndim):
         return of(time)

@@ -17,7 +17,7 @@ m = 2 > 3/2, and u is smooth at the edge. This gives (5.36), so that Prop. 5.4 a
 import numpy as np
 from sympy import Expr, Rational
 
-from manufactured.body import Body, Kind, Part
+from manufactured.body import Body, Kind, Part, box
 from manufactured.case import Case
 from manufactured.cases.laws import without_contraction
 from manufactured.contact import ContactFace
@@ -48,21 +48,12 @@ def case() -> Case:
 
 
 def _cube_clamped_on_a_third() -> Body:
-    def part(kind: Kind, *corners: tuple[float, float, float]) -> Part:
-        return Part(kind, np.array(corners).T)
-
+    """Return the unit cube with its top divided at x = 2/3."""
+    left, right, front, back, bottom, top = box(left=Kind.CONTACT).parts
     h = 2 / 3
-    return Body(
-        (
-            part(Kind.CONTACT, (0, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 0)),
-            part(Kind.CONTACT, (0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0)),
-            part(Kind.LOADED, (1, 0, 0), (1, 1, 0), (1, 1, 1), (1, 0, 1)),
-            part(Kind.LOADED, (0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1)),
-            part(Kind.LOADED, (0, 1, 0), (0, 1, 1), (1, 1, 1), (1, 1, 0)),
-            part(Kind.LOADED, (0, 0, 1), (h, 0, 1), (h, 1, 1), (0, 1, 1)),
-            part(Kind.CLAMPED, (h, 0, 1), (1, 0, 1), (1, 1, 1), (h, 1, 1)),
-        )
-    )
+    loaded = np.diag([h, 1, 1]) @ top.corners
+    clamped = np.diag([1 - h, 1, 1]) @ top.corners + np.array([[h], [0], [0]])
+    return Body((bottom, left, right, front, back, Part(Kind.LOADED, loaded), Part(Kind.CLAMPED, clamped)))
 
 
 def _at_edge(part: Part, body: Body, law: KelvinVoigt, c: Expr, depth: float) -> ContactFace:

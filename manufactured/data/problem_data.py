@@ -15,7 +15,7 @@ from manufactured.data.compiled_formulas import Expressions, compiled, gradient,
 from manufactured.exact import ExactSolution, ForceModes
 from manufactured.factor import x1, x2, x3
 from manufactured.law import KelvinVoigt, Linear
-from manufactured.symbols import FormulaError, t
+from manufactured.symbols import FormulaError, Symbols, t
 from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, mandel
 
 ForceInTime = Callable[[float], Vectors]
@@ -183,9 +183,7 @@ class Data:
             check(self)
 
 
-def _surface_load(
-    body: Body, f2: Mapping[int, Formulas], symbols: tuple[sp.Symbol, ...]
-) -> Callable[[Part, Points], ForceInTime]:
+def _surface_load(body: Body, f2: Mapping[int, Formulas], symbols: Symbols) -> Callable[[Part, Points], ForceInTime]:
     """Return the function ``Data.surface_load`` for given formulas of f_2; on parts without a formula, f_2 is zero."""
     loads = {}
     for number, load in f2.items():
@@ -213,7 +211,7 @@ LARGEST = 1e100
 def check(data: Data) -> None:
     """Raise LoadError unless the data are admissible; ``Data.check`` lists the conditions."""
     rng = np.random.default_rng(0)
-    inside = _inside(data.body, rng)
+    inside = data.body.sample(rng, POINTS)
     _check_factors(data.law, inside)
     _check_forces(data, inside, rng)
     _check_start(data, inside, rng)
@@ -261,13 +259,6 @@ def _initial_gap(data: Data, part: Part, x: Points) -> Array | float:
         return 0.0
     (face,) = (face for face in solution.faces if face.part is part)
     return solution.on(face, part.coordinates(x)[0]).initial_gap()
-
-
-def _inside(body: Body, rng: np.random.Generator) -> Points:
-    """Return at most POINTS random points of the body, (d, n)."""
-    low, high = body.vertices.min(axis=1, keepdims=True), body.vertices.max(axis=1, keepdims=True)
-    x = low + (high - low) * rng.random((body.dim, 8 * POINTS))
-    return x[:, body.contains(x)][:, :POINTS]
 
 
 def _finite(name: str, values: Vectors, x: Points, components: int, when: str) -> Vectors:

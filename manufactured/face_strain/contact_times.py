@@ -8,11 +8,11 @@ import sympy as sp
 from manufactured.exponents import SMOOTH
 from manufactured.face_strain.fronts import Front, between, within
 from manufactured.face_strain.integrals import Convolution, Quadrature
-from manufactured.symbols import FormulaError, pos, t
+from manufactured.symbols import FormulaError, Symbols, pos, t
 from manufactured.tensors import Array
 
 
-def smooth_branch(term: sp.Expr, variables: tuple[sp.Symbol, ...]) -> tuple[tuple[sp.Expr, ...], sp.Expr]:
+def smooth_branch(term: sp.Expr, variables: Symbols) -> tuple[tuple[sp.Expr, ...], sp.Expr]:
     """Return the moving fronts of a term of the pressure, and the formula of the term where there is contact.
 
     A moving front is given by a formula ψ that is positive where there is contact.

@@ -1,6 +1,5 @@
 """The times at which contact fronts pass given points of a face, so that contact begins or ends there."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -8,7 +7,7 @@ import numpy as np
 import sympy as sp
 
 from manufactured.compiled import coefficients_in_t, function
-from manufactured.symbols import FormulaError, t
+from manufactured.symbols import FormulaError, Function, Symbols, t
 from manufactured.tensors import Array
 
 
@@ -46,7 +45,7 @@ def within(begin: Array, end: Array) -> Array:
     return begin + WITHIN * (end - begin)
 
 
-def front(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> Front:
+def front(formula: sp.Expr, variables: Symbols) -> Front:
     """Return the contact front for a formula ψ, a ``PolynomialFront`` if ψ is a polynomial of t."""
     if formula.is_polynomial(t):
         return PolynomialFront(function(variables, coefficients_in_t(formula)))
@@ -62,7 +61,7 @@ class PolynomialFront:
         coefficients: the function from s to the coefficients of the polynomial, highest power first.
     """
 
-    coefficients: Callable[..., list[Array]]
+    coefficients: Function
 
     def passes(self, points: Array, T: float) -> Array:
         return real_roots(self._at(points), T)
@@ -101,8 +100,8 @@ class SmoothFront:
     """
 
     formula: sp.Expr
-    level: Callable[..., list[Array]]
-    slope: Callable[..., list[Array]]
+    level: Function
+    slope: Function
 
     def passes(self, points: Array, T: float) -> Array:
         """Return the times at which the front passes given points; see ``Front.passes``.
@@ -138,7 +137,7 @@ class SmoothFront:
     def beyond(self, points: Array, time: Array) -> Array:
         return _positive(self.level, points, time)
 
-    def _changes(self, of: Callable[..., list[Array]], points: Array, times: Array, T: float) -> Array:
+    def _changes(self, of: Function, points: Array, times: Array, T: float) -> Array:
         """Return the times at which a function changes its sign between given times.
 
         Args:
@@ -168,7 +167,7 @@ def _grid(points: Array, T: float, count: int) -> Array:
     return np.repeat(np.linspace(0.0, T, count + 1)[:, None], points.shape[1], axis=1)
 
 
-def _positive(of: Callable[..., list[Array]], points: Array, time: Array) -> Array:
+def _positive(of: Function, points: Array, time: Array) -> Array:
     found: Array = np.broadcast_to(of(*points, time)[0], time.shape) > 0
     return found
 

@@ -14,8 +14,8 @@ from manufactured.face_strain.fronts import front
 from manufactured.face_strain.integrals import Started, integral
 from manufactured.face_strain.strain_on_face import Components, StrainAtPoints, relaxation_rate
 from manufactured.jet import Jet
-from manufactured.symbols import FormulaError, Values, s, t
-from manufactured.tensors import Array
+from manufactured.symbols import FormulaError, Symbols, Values, s, t
+from manufactured.tensors import Array, Time
 
 NO_STRESS = sp.Integer(0)
 RECENT = 3
@@ -53,7 +53,7 @@ class Memory:
     elasticity: sp.Expr | float
     T: Size
     initial: sp.Expr | None = None
-    variables: tuple[sp.Symbol, ...] = (s,)
+    variables: Symbols = (s,)
     slip_stress: sp.Expr = NO_STRESS
 
     def __post_init__(self) -> None:
@@ -121,7 +121,7 @@ class MemoryAtPoints:
         # the same times.
         self._found = lru_cache(RECENT)(self._strain)
 
-    def __call__(self, time: Array | complex, rate: bool, order: int) -> Components:
+    def __call__(self, time: Time, rate: bool, order: int) -> Components:
         strain = self._found(tuple(time) if isinstance(time, np.ndarray) else time, order)
         if not rate:
             return (strain,)
@@ -167,7 +167,7 @@ class _ContactIntervals:
         started = self.integral.started(self.points, self.entry, self.exit, order)
         return started, started.upto(self.exit, np.arange(self.exit.size))
 
-    def subtract(self, totals: Values, time: Array | complex, order: int) -> None:
+    def subtract(self, totals: Values, time: Time, order: int) -> None:
         """Subtract the integrals up to one or several times from the strains ``totals``, for every derivative."""
         started, whole = self._integrals(order)
         times, entry, exit_ = np.atleast_1d(time), self.entry[:, None], self.exit[:, None]
@@ -219,7 +219,7 @@ class Coupled:
         scale: sp.Expr,
         T: float,
         initial: sp.Expr | None,
-        variables: tuple[sp.Symbol, ...],
+        variables: Symbols,
     ) -> Coupled:
         """Return the strain on a face.
 
@@ -257,7 +257,7 @@ class Coupled:
     def at(self, points: Array) -> StrainAtPoints:
         modes = [mode.at(points) for mode in self.modes]
 
-        def strain(time: Array | complex, rate: bool, order: int) -> Components:
+        def strain(time: Time, rate: bool, order: int) -> Components:
             found = [mode(time, rate, order) for mode in modes]
             return tuple(
                 {index: sum(x * v[index] for x, (v,) in zip(row, found, strict=True)) for index in found[0][0]}

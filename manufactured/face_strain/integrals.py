@@ -14,7 +14,7 @@ from numpy.polynomial.polynomial import polyder, polyval
 
 from manufactured.compiled import coefficients_in_t
 from manufactured.jet import Jet
-from manufactured.symbols import FormulaError, Index, Values, t
+from manufactured.symbols import FormulaError, Index, Symbols, Values, t
 from manufactured.tensors import Array
 
 
@@ -46,7 +46,7 @@ class Convolution:
     Source of the functions φ_k: M. Hochbruck, A. Ostermann, Exponential integrators, Acta Numer. 19 (2010) 209–286.
     """
 
-    def __init__(self, smooth: sp.Expr, variables: tuple[sp.Symbol, ...], decay: float) -> None:
+    def __init__(self, smooth: sp.Expr, variables: Symbols, decay: float) -> None:
         self.decay = decay
         self.powers = [Jet(coefficient, variables) for coefficient in reversed(coefficients_in_t(smooth))]
 
@@ -142,7 +142,7 @@ TINY = float(np.finfo(float).tiny)
 class Quadrature:
     """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time by Gauss's rule, for a smooth part P of p/a."""
 
-    def __init__(self, branch: sp.Expr, variables: tuple[sp.Symbol, ...], decay: float) -> None:
+    def __init__(self, branch: sp.Expr, variables: Symbols, decay: float) -> None:
         self.branch, self.decay, self.jet = branch, decay, Jet(branch, variables)
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
@@ -203,7 +203,7 @@ class _Gauss:
         return {index: np.einsum("nq,nq->n", value, weights) for index, value in values.items()}
 
 
-def integral(branch: sp.Expr, variables: tuple[sp.Symbol, ...], decay: float) -> Convolution | Quadrature:
+def integral(branch: sp.Expr, variables: Symbols, decay: float) -> Convolution | Quadrature:
     """Return the object that computes the integrals for a smooth part P of p/a, pressure over viscosity.
 
     Args:

@@ -9,8 +9,8 @@ import sympy as sp
 
 from manufactured.arguments import Size, checked
 from manufactured.jet import Jet
-from manufactured.symbols import FormulaError, Values, s
-from manufactured.tensors import Array
+from manufactured.symbols import FormulaError, Symbols, Values, s
+from manufactured.tensors import Array, Time
 
 Components = tuple[Values, ...]
 """The strain on a contact face with its derivatives along the face.
@@ -26,7 +26,7 @@ class StrainAtPoints(Protocol):
     face. For n times, (n,), the values have n as an additional last axis.
     """
 
-    def __call__(self, time: Array | complex, rate: bool, order: int) -> Components: ...
+    def __call__(self, time: Time, rate: bool, order: int) -> Components: ...
 
 
 class FaceStrain(Protocol):
@@ -74,7 +74,7 @@ class Prescribed:
     """
 
     phases: tuple[tuple[Size, sp.Expr], ...]
-    variables: tuple[sp.Symbol, ...] = (s,)
+    variables: Symbols = (s,)
 
     def __post_init__(self) -> None:
         ends = [end for end, _ in self.phases]
@@ -94,7 +94,7 @@ class Prescribed:
     def at(self, points: Array) -> StrainAtPoints:
         ends = [end for end, _, _ in self._jets]
 
-        def strain(time: Array | complex, rate: bool, order: int) -> Components:
+        def strain(time: Time, rate: bool, order: int) -> Components:
             times = np.atleast_1d(time)
             phase = np.minimum(np.searchsorted(ends, times.real), len(ends) - 1)
             if (phase != phase[0]).any():

@@ -23,15 +23,15 @@ from manufactured.contact import StatedFace
 from manufactured.contact.contact_face import distinct
 from manufactured.jet import Jet
 from manufactured.modes import Modes, at_each, pointwise
-from manufactured.symbols import FormulaError, Index, Values, indices, s, t
-from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
+from manufactured.symbols import FormulaError, Function, Index, Values, indices, s, t
+from manufactured.tensors import Array, Points, Tensors, Time, Vectors, mandel, rotation
 
 y = sp.Symbol("y", real=True)
 """The symbol of the distance from the face into the body."""
 
 
 @lru_cache
-def _lifting(rate: bool, order: int) -> Callable[..., list[Array]]:
+def _lifting(rate: bool, order: int) -> Function:
     """Return a function that computes the derivatives of u_s and u_n up to an order, or of their rates.
 
     Its arguments are y and the derivatives along the face of w (up to order + 1), q and D (up to the order). For rates,
@@ -128,15 +128,15 @@ class Fading:
         self.s, where = distinct(places.reshape(1, -1))
         self.where = np.arange(len(self.y)) if where is None else where
 
-    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
+    def displacement(self, time: Time, rate: bool = False) -> Vectors:
         """Return the displacement u, or the velocity u̇ if ``rate`` is true, (2, ...)."""
         return self._everywhere(lambda values: self.frame @ np.array([of[0, 0] for of in values]), time, rate, 0)
 
-    def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
+    def strain(self, time: Time, rate: bool = False) -> Tensors:
         """Return the strain ε(u), or its rate if ``rate`` is true, in Mandel form, (3, ...)."""
         return self._everywhere(lambda values: self.turned @ _strain(values, (0, 0)), time, rate, 1)
 
-    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
+    def strain_gradient(self, time: Time, rate: bool = False) -> Array:
         """Return the derivatives ∂_j of the strain, or of its rate if ``rate`` is true, (3, 2, ...)."""
 
         def gradient(values: tuple[Values, Values]) -> Array:
@@ -149,9 +149,7 @@ class Fading:
         # There is no shorter sum of products, because the depth changes with time.
         return pointwise(self.strain, 2, len(self.y))
 
-    def _everywhere(
-        self, of: Callable[[tuple[Values, Values]], Array], time: Array | complex, rate: bool, order: int
-    ) -> Array:
+    def _everywhere(self, of: Callable[[tuple[Values, Values]], Array], time: Time, rate: bool, order: int) -> Array:
         """Return a quantity, such as the strain, at all points; it is 0 at points deeper than D.
 
         Args:

@@ -13,7 +13,7 @@ Elasticity, Noordhoff 1953, for the potentials.
 """
 
 from manufactured.singular.monomials import Monomial, kolosov
-from manufactured.singular.singular_field import SingularField, least_exponent
+from manufactured.singular.singular_field import SingularField
 from manufactured.singular.travelling_field import SingularFace, TravellingField
 
-__all__ = ["Monomial", "SingularFace", "SingularField", "TravellingField", "kolosov", "least_exponent"]
+__all__ = ["Monomial", "SingularFace", "SingularField", "TravellingField", "kolosov"]

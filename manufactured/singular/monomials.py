@@ -29,8 +29,12 @@ class Monomial:
         return found
 
 
+Component = tuple[Monomial, ...]
+"""The type of a component of a displacement, as the terms whose sum it is."""
+
+
 @checked(FormulaError)
-def kolosov(kappa: Size, a: complex, b: complex, exponent: float) -> tuple[tuple[Monomial, ...], tuple[Monomial, ...]]:
+def kolosov(kappa: Size, a: complex, b: complex, exponent: float) -> tuple[Component, Component]:
     """Return the displacement 2μ (u_x, u_y) of plane elasticity with the potentials Φ = a z^λ and Ψ = b z^λ.
 
     It is given by 2μ (u_x + i u_y) = κΦ − z conj(Φ') − conj(Ψ).

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 import sympy as sp
@@ -15,9 +13,9 @@ from manufactured.arguments import checked
 from manufactured.jet import Jet
 from manufactured.modes import Modes
 from manufactured.profile import Piecewise
-from manufactured.singular.monomials import Monomial, Powers
+from manufactured.singular.monomials import Component, Powers
 from manufactured.symbols import FormulaError, s
-from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, mapped, rotation
+from manufactured.tensors import Array, Points, Tensors, Time, Vectors, mandel, mapped, rotation
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +35,8 @@ class SingularField:
 
     centre: tuple[float, float]
     frame: Array
-    x: tuple[Monomial, ...]
-    y: tuple[Monomial, ...]
+    x: Component
+    y: Component
     theta: sp.Expr
     radial: Piecewise | None = None
     depth: Piecewise | None = None
@@ -47,13 +45,18 @@ class SingularField:
         if self.frame.shape != (2, 2) or not np.allclose(self.frame.T @ self.frame, np.eye(2)):
             raise FormulaError(f"frame has to have two orthogonal unit vectors as columns, got {self.frame.tolist()}")
 
+    @property
+    def exponent(self) -> float:
+        """The exponent λ of the field, which behaves like r^λ near the point; infinity for the field 0."""
+        return min((term.m + term.beta for term in (*self.x, *self.y) if term.c != 0), default=math.inf)
+
     @cached_property
     def amplitude(self) -> tuple[Jet, Jet]:
         """The function of time θ and its derivative, as formulas that can be evaluated."""
         jet = Jet(self.theta, (s,))
         return jet, jet.rate()
 
-    def at_time(self, time: Array | complex, rate: bool) -> Array:
+    def at_time(self, time: Time, rate: bool) -> Array:
         """Return the factor θ(t), or its time derivative if ``rate`` is true."""
         return self.amplitude[rate](np.zeros(1), time)[0,]
 
@@ -73,15 +76,15 @@ class SingularAtPoints:
         offset = x - np.array(field.centre).reshape((-1,) + (1,) * (x.ndim - 1))
         self.local = mapped(field.frame.T, offset)
 
-    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
+    def displacement(self, time: Time, rate: bool = False) -> Vectors:
         """Return the displacement u, or the velocity u̇ if ``rate`` is true, (2, ...)."""
         return np.multiply.outer(self._displacement, self.field.at_time(time, rate))
 
-    def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
+    def strain(self, time: Time, rate: bool = False) -> Tensors:
         """Return the strain ε(u), or its rate if ``rate`` is true, (3, ...)."""
         return np.multiply.outer(self._strain, self.field.at_time(time, rate))
 
-    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
+    def strain_gradient(self, time: Time, rate: bool = False) -> Array:
         """Return the derivatives ∂_j of the strain, or of its rate if ``rate`` is true, (3, 2, ...)."""
         return np.multiply.outer(self._strain_gradient, self.field.at_time(time, rate))
 
@@ -167,17 +170,3 @@ class SingularAtPoints:
 
 def _binomial(n: int, k: int) -> int:
     return 1 if k in (0, n) else n
-
-
-class _OfMonomials(Protocol):
-    """The interface of fields whose components are sums of terms y^m Re(c z^β)."""
-
-    @property
-    def x(self) -> tuple[Monomial, ...]: ...
-    @property
-    def y(self) -> tuple[Monomial, ...]: ...
-
-
-def least_exponent(fields: Iterable[_OfMonomials]) -> float:
-    """Return the smallest exponent λ of fields that behave like r^λ at a point; infinity without fields."""
-    return min((m.m + m.beta for field in fields for m in (*field.x, *field.y) if m.c != 0), default=math.inf)

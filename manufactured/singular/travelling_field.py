@@ -17,10 +17,10 @@ from manufactured.arguments import checked
 from manufactured.contact import StatedFace
 from manufactured.jet import Jet
 from manufactured.modes import Modes, at_each, pointwise
-from manufactured.singular.monomials import Monomial
+from manufactured.singular.monomials import Component, Monomial
 from manufactured.singular.singular_field import SingularAtPoints, SingularField
 from manufactured.symbols import FormulaError, s
-from manufactured.tensors import Array, Points, Tensors, Vectors
+from manufactured.tensors import Array, Points, Tensors, Time, Vectors
 
 Of = Callable[[SingularAtPoints, complex, bool], Array]
 """The type of a method of ``SingularAtPoints``, as a function of the field, the time and ``rate``."""
@@ -52,14 +52,9 @@ class TravellingField:
             )
 
     @property
-    def x(self) -> tuple[Monomial, ...]:
-        """The terms y^m Re(c z^β) of which the component U_x consists."""
-        return self.steady.x
-
-    @property
-    def y(self) -> tuple[Monomial, ...]:
-        """The terms y^m Re(c z^β) of which the component U_y consists."""
-        return self.steady.y
+    def exponent(self) -> float:
+        """The exponent λ of the field, which behaves like r^λ near the singular point."""
+        return self.steady.exponent
 
     @cached_property
     def slope(self) -> SingularField:
@@ -80,7 +75,7 @@ class TravellingField:
         return TravellingAtPoints(self, x)
 
 
-def _along(component: tuple[Monomial, ...]) -> tuple[Monomial, ...]:
+def _along(component: Component) -> Component:
     """Return the terms of the derivative ∂_x of a component."""
     return tuple(Monomial(*term) for monomial in component for term in monomial.terms(1, 0))
 
@@ -102,7 +97,7 @@ class TravellingAtPoints:
         x = self.x - along.reshape((-1,) + (1,) * (self.x.ndim - 1))
         return self.field.steady.at(x), self.field.slope.at(x)
 
-    def _value(self, time: Array | complex, rate: bool, of: Of) -> Array:
+    def _value(self, time: Time, rate: bool, of: Of) -> Array:
         def at_one(moment: complex) -> Array:
             own, slope = self._now(moment)
             if not rate:
@@ -111,15 +106,15 @@ class TravellingAtPoints:
 
         return at_each(time, at_one)
 
-    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
+    def displacement(self, time: Time, rate: bool = False) -> Vectors:
         """Return the displacement u, or the velocity u̇ if ``rate`` is true, (2, ...)."""
         return self._value(time, rate, SingularAtPoints.displacement)
 
-    def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
+    def strain(self, time: Time, rate: bool = False) -> Tensors:
         """Return the strain ε(u), or its rate if ``rate`` is true, (3, ...)."""
         return self._value(time, rate, SingularAtPoints.strain)
 
-    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
+    def strain_gradient(self, time: Time, rate: bool = False) -> Array:
         """Return the derivatives ∂_j of the strain, or of its rate if ``rate`` is true, (3, 2, ...)."""
         return self._value(time, rate, SingularAtPoints.strain_gradient)
 
