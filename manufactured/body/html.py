@@ -1,6 +1,7 @@
-"""HTML for notebooks: a picture of a body with its boundary parts."""
+"""HTML for notebooks: tables, and a picture of a body with its boundary parts."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from html import escape
 
 import numpy as np
 
@@ -42,3 +43,9 @@ def picture(parts: Sequence[Part]) -> str:
         f'<svg role="img" aria-label="body with its boundary parts" width="{width + 8:.0f}" height="{height + 8:.0f}" '
         f'viewBox="-4 -4 {width + 8:.1f} {height + 8:.1f}">{"".join(lines)}</svg><p>{legend}</p>'
     )
+
+
+def table(rows: Iterable[tuple[str, object]]) -> str:
+    """Return an HTML table of names and values."""
+    cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>" for name, value in rows)
+    return f"<table>{cells}</table>"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import sympy as sp
 
-from manufactured.exponents import SMOOTH
+from manufactured.face_formula import SMOOTH
 from manufactured.face_strain.fronts import Front, between, within
 from manufactured.face_strain.integrals import Convolution, Quadrature
 from manufactured.symbols import FormulaError, Symbols, pos, t

@@ -17,8 +17,7 @@ from manufactured.arguments import checked
 from manufactured.contact import StatedFace
 from manufactured.jet import Jet
 from manufactured.modes import Modes, at_each, pointwise
-from manufactured.singular.monomials import Component, Monomial
-from manufactured.singular.singular_field import SingularAtPoints, SingularField
+from manufactured.singular.singular_field import Component, Monomial, SingularAtPoints, SingularField
 from manufactured.symbols import FormulaError, s
 from manufactured.tensors import Array, Points, Tensors, Time, Vectors
 
