@@ -196,8 +196,7 @@ class Combined(Homogeneous):
         return self.prestress
 
     def __call__(self, strain: Tensors) -> Tensors:
-        rest = self.prestress.reshape(-1, *[1] * (strain.ndim - 1))
-        return rest + self.linear(strain) + self.yielding(strain)
+        return ((self.linear(strain) + self.yielding(strain)).T + self.prestress).T
 
     def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
         return self.linear(direction) + self.yielding.derivative(strain, direction)

@@ -29,13 +29,12 @@ from functools import lru_cache
 import numpy as np
 from sympy import Expr, Rational, pi, sin, sqrt
 
-from manufactured.body import Body, Kind, Part, polygon
+from manufactured.body import Body, Kind, polygon
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
 from manufactured.contact import ContactFace
 from manufactured.contact.contact_face import Lifting
 from manufactured.exact import ExactSolution
-from manufactured.law import KelvinVoigt
 from manufactured.profile import QUARTIC, cutoff
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
@@ -115,23 +114,19 @@ def _piece(j: int, gap: Expr, above: Expr, below: Expr, pressure: Expr) -> Piece
 
 def _case(name: str, summary: str, pieces: list[Piece], regularity: Regularity) -> Case:
     body, law = _body(), not_proportional()
-    faces = tuple(_face(part, body, law, piece) for part, piece in zip(body.of(Kind.CONTACT), pieces, strict=True))
+    faces = []
+    for part, (depth, gap, pressure, level) in zip(body.of(Kind.CONTACT), pieces, strict=True):
+        profile = cutoff(depth, QUARTIC)
+        faces.append(StripFace.linear(part, law, body.T, gap, pressure, level, profile=profile))
     return Case(
         name=name,
         summary=summary,
-        solution=ExactSolution(body, law, faces),
+        solution=ExactSolution(body, law, tuple(faces)),
         regularity=regularity,
         order=1,
         reason="α = 4 and m = 2 give (5.36), but the trace is large in H²(Γ3): order 1 where trains are resolved",
         pace=2,
     )
-
-
-def _face(part: Part, body: Body, law: KelvinVoigt, piece: Piece) -> StripFace:
-    depth, gap, pressure, level = piece
-    face = StripFace.linear(part, law, body.T, gap, pressure, level, profile=cutoff(depth, QUARTIC))
-    assert isinstance(face, StripFace)
-    return face
 
 
 def _body() -> Body:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 import sympy as sp
@@ -146,8 +147,7 @@ class SingularAtPoints:
 
     def __init__(self, field: SingularField, x: Points) -> None:
         self.field = field
-        offset = x - np.array(field.centre).reshape((-1,) + (1,) * (x.ndim - 1))
-        self.local = mapped(field.frame.T, offset)
+        self.local = mapped(field.frame.T, (x.T - field.centre).T)
 
     def displacement(self, time: Time, rate: bool = False) -> Vectors:
         """Return the displacement u, or the velocity u̇ if ``rate`` is true, (2, ...)."""
@@ -188,22 +188,18 @@ class SingularAtPoints:
 
     @cached_property
     def _strain_gradient(self) -> Array:
-        second = [[self._derivative(2, 0), self._derivative(1, 1)], [self._derivative(1, 1), self._derivative(0, 2)]]
-        local = np.stack([mandel(np.stack(row, axis=1)) for row in second])
-        turned = np.tensordot(
-            self.field.frame, np.tensordot(rotation(self.field.frame), local, axes=([1], [1])), ((1,), (1,))
-        )
-        return np.moveaxis(turned, 0, 1)
+        xx, xy, yy = (self._derivative(*orders) for orders in ((2, 0), (1, 1), (0, 2)))
+        local = np.array([mandel(np.stack(row, axis=1)) for row in ((xx, xy), (xy, yy))])
+        frame = self.field.frame
+        return np.einsum("ji,IJ,iJ...->Ij...", frame, rotation(frame), local)
 
     def _derivative(self, dx: int, dy: int) -> Array:
         """Return the derivative ∂_x^dx ∂_y^dy of the field χ U without its factor θ(t), in local axes, (2, ...)."""
         total = np.zeros(self.local.shape, dtype=self.local.dtype)
-        for i in range(dx + 1):
-            for j in range(dy + 1):
-                chi = self._cutoff(i, j)
-                if chi is not None:
-                    ways = _binomial(dx, i) * _binomial(dy, j)
-                    total = total + ways * chi * self._singular(dx - i, dy - j)
+        for i, j in product(range(dx + 1), range(dy + 1)):
+            chi = self._cutoff(i, j)
+            if chi is not None:
+                total = total + math.comb(dx, i) * math.comb(dy, j) * chi * self._singular(dx - i, dy - j)
         return total
 
     def _singular(self, dx: int, dy: int) -> Array:
@@ -230,16 +226,11 @@ class SingularAtPoints:
             return None if dx or dy else 1.0
         r = np.sqrt(x * x + y * y)
         safe = np.where(r.real > 0, r, 1.0)
-        chi = [self.field.radial(r, k) for k in range(dx + dy + 1)]
-        if dx + dy == 0:
-            return chi[0]
-        ux, uy = x / safe, y / safe
-        if dx + dy == 1:
-            return chi[1] * (ux if dx else uy)
-        first, second = (ux if dx else uy), (uy if dy else ux)
+        # The gradient of r is the unit vector (x, y)/r.
+        slopes = [x / safe] * dx + [y / safe] * dy
+        chi = [self.field.radial(r, k) for k in range(len(slopes) + 1)]
+        if len(slopes) < 2:
+            return chi[-1] * math.prod(slopes)
+        both = slopes[0] * slopes[1]
         same = 1.0 if dx != 1 else 0.0
-        return chi[2] * first * second + chi[1] / safe * (same - first * second)
-
-
-def _binomial(n: int, k: int) -> int:
-    return 1 if k in (0, n) else n
+        return chi[2] * both + chi[1] / safe * (same - both)

@@ -93,7 +93,7 @@ class TravellingAtPoints:
     def _moved(self, time: complex) -> tuple[SingularAtPoints, SingularAtPoints]:
         """Return two fields at the points x − c(t): the field with U, and the field with its derivative ∂_x U."""
         along = self.field.steady.frame[:, 0] * self.field.place_at(time)
-        x = self.x - along.reshape((-1,) + (1,) * (self.x.ndim - 1))
+        x = (self.x.T - along).T
         return self.field.steady.at(x), self.field.slope.at(x)
 
     def _value(self, time: Time, rate: bool, of: Of) -> Array:
