@@ -151,11 +151,9 @@ def read_off(gaps: Iterable[FaceFormula], pressures: Iterable[FaceFormula]) -> t
             moving fronts. One ``Regularity`` cannot state both, because a moving front lowers the exponent of u̇ by
             one.
     """
-    sides = []
-    for side in (gaps, pressures):
-        found = [piece.exponents() for piece in side]
-        sides.append([min((exponents[k] for exponents in found), default=math.inf) for k in (False, True)])
-    (alpha, moving_alpha), (m, moving_m) = sides
+    (alpha, moving_alpha), (m, moving_m) = (
+        np.min([(math.inf, math.inf), *(piece.exponents() for piece in side)], axis=0) for side in (gaps, pressures)
+    )
     moving = min(moving_alpha, moving_m) < math.inf
     if moving and alpha < moving_alpha:
         raise RoughError(

@@ -148,16 +148,11 @@ def cutoff(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
         depth: ℓ, the depth beyond which the displacement is zero.
         phi: the coefficients of a polynomial φ with φ(0) = 1, φ'(0) = 0, φ(1) = 0, lowest power first.
     """
-    b = tuple(coefficient / depth**k for k, coefficient in enumerate(phi))
-    d = (0.0, *b)
+    phi_of_y = tuple(coefficient / depth**k for k, coefficient in enumerate(phi))
     ends = (depth,)
+    constant, slope = Piecewise(ends, (phi_of_y,)), Piecewise(ends, ((0.0, *phi_of_y),))
     return Profile(
-        Piecewise(ends, (tuple(-x for x in d),)),
-        Piecewise(ends, (b,)),
-        Piecewise(ends, (d,)),
-        Piecewise(ends, (d,)),
-        ZERO,
-        Piecewise(ends, (b,)),
+        a=Piecewise(ends, ((0.0, *(-x for x in phi_of_y)),)), b=constant, c=slope, d=slope, e=ZERO, f=constant
     )
 
 

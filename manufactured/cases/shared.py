@@ -73,21 +73,20 @@ def edge(law: KelvinVoigt, part: Part) -> float:
     return law.G.normal_response(part.normal)[1]
 
 
-def pressed_and_released(law: KelvinVoigt, part: Part, start: Expr, rise: Expr, release: Expr) -> Prescribed:
-    """Return the prescribed normal strain −Q on a face that is loaded and then released.
+def pressed_and_released(law: KelvinVoigt, part: Part, start: Expr, rise: Expr) -> Prescribed:
+    """Return the prescribed normal strain −Q on a face that is loaded and then released at the time t_1.
 
     Args:
         law: the law (3.3).
         part: the face.
         start, rise: the formulas of Q_0 and of Q_1 − Q_0.
-        release: the time t_1 of release.
     """
     assert isinstance(law.G, Yield)
     response, rho = law.G.normal_response(part.normal)
-    tau = t / release
+    tau = t / RELEASE
     h, k = tau**2 * (3 - 2 * tau), tau**2 * (tau - 1)
     decay = Float(response / law.A.normal_modulus(part.normal))
     excess = start + rise - Float(rho)
-    loading = start + rise * h - release * decay * excess * k
-    relaxing = Float(rho) + excess * exp(-decay * (t - release))
-    return Prescribed(((float(release), -loading), (1.0, -relaxing)))
+    loading = start + rise * h - RELEASE * decay * excess * k
+    relaxing = Float(rho) + excess * exp(-decay * (t - RELEASE))
+    return Prescribed(((float(RELEASE), -loading), (1.0, -relaxing)))

@@ -31,7 +31,7 @@ def case() -> Case:
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     rise = Float(edge(law, part)) * (Rational(3, 2) + 2 * s * (1 - s))
-    strain = pressed_and_released(law, part, Float(0), rise, RELEASE)
+    strain = pressed_and_released(law, part, Float(0), rise)
     w = 8 * pos(t - RELEASE, 2) * (1 + 4 * s * (1 - s))
     slip = 3 * t / 2 + pos(RELEASE - t, 2) * (s + s**2) / 2
     return Case(

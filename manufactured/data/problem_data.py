@@ -254,9 +254,10 @@ def _check_start(data: Data, inside: Points, rng: np.random.Generator) -> None:
 
 def _initial_gap(data: Data, part: Part, x: Points) -> Array | float:
     """Return the initial gap at points of a boundary part; 0 outside Γ3 and for data without an initial gap."""
-    solution = data.formulas_of
-    if not (isinstance(solution, ExactSolution) and solution.has_initial_gap and part.kind is Kind.CONTACT):
+    if not data.has_initial_gap or part.kind is not Kind.CONTACT:
         return 0.0
+    solution = data.formulas_of
+    assert isinstance(solution, ExactSolution)
     (face,) = (face for face in solution.faces if face.part is part)
     return solution.on(face, part.coordinates(x)[0]).initial_gap()
 
