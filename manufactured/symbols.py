@@ -61,7 +61,7 @@ class pos(sp.Function):  # type: ignore[misc]
 
     nargs = 2
 
-    def __new__(cls, x: sp.Expr | float, a: sp.Expr | float, **options: bool) -> sp.Expr:
+    def __new__(cls, x: sp.Expr, a: sp.Expr, **options: bool) -> sp.Expr:
         try:
             real = not any(isinstance(value, complex) or np.ma.is_masked(value) for value in (x, a))
             given = [sp.sympify(value, strict=True) for value in (x, a)] if real else []

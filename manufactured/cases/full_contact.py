@@ -14,7 +14,7 @@ The body starts at rest, u_0 = 0, so the error is zero at t = 0 and grows with t
 traction on the clamped boundary is not zero.
 """
 
-from sympy import Integer, sin
+from sympy import sin
 
 from manufactured.body import unit_square
 from manufactured.case import Case
@@ -29,10 +29,10 @@ def case() -> Case:
     solution = with_one_face(
         unit_square(),
         not_proportional(),
-        gap=Integer(0),
+        gap=0,
         pressure=20 * t * (1 + 4 * s * (1 - s)),
-        level=Integer(1),
-        initial=Integer(0),
+        level=1,
+        initial=0,
         profile=cutoff(phi=PARABOLA),
         slip=(t * (1 + t) * sin(2 * s + 1) / 2,),
     )

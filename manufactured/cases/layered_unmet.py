@@ -13,8 +13,6 @@ order 1/2. Prop. 5.3 gives no order.
 Apart from the kink the solution is smooth, so the kink causes most of the error.
 """
 
-from sympy import Integer
-
 from manufactured.body import unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import two_layers
@@ -28,9 +26,9 @@ def case() -> Case:
     solution = with_one_face(
         unit_square(),
         two_layers(1 / 3, 10.0),
-        gap=Integer(0),
+        gap=0,
         pressure=20 * t * (1 + s * (1 - s)),
-        level=Integer(1),
+        level=1,
         profile=layered(1 / 3, 10.0),
     )
     return Case(

@@ -13,7 +13,7 @@ Signorini's condition is never active, so the scheme must solve the linear probl
 e^{−gt/a} with a = A_nnnn and g = G_nnnn.
 """
 
-from sympy import Integer, Rational
+from sympy import Rational
 
 from manufactured.body import unit_square
 from manufactured.case import Case
@@ -28,8 +28,8 @@ def case() -> Case:
         unit_square(),
         not_proportional(),
         gap=(Rational(1, 10) + t**2) * (1 + 4 * s * (1 - s)),
-        pressure=Integer(0),
-        level=Integer(-1),
+        pressure=0,
+        level=-1,
         initial=-s * (1 - s),
     )
     return Case(

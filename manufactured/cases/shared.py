@@ -22,7 +22,7 @@ Then Q, Q̇ and p are continuous, p(t_1) = 0, and after t_1, where p = 0, Q rela
 
 from typing import Any
 
-from sympy import Expr, Float, Rational, exp, sin
+from sympy import Expr, Rational, exp, sin
 
 from manufactured.body import Body, Kind, Part
 from manufactured.contact import ContactFace
@@ -85,8 +85,8 @@ def pressed_and_released(law: KelvinVoigt, part: Part, start: Expr, rise: Expr) 
     response, rho = law.G.normal_response(part.normal)
     tau = t / RELEASE
     h, k = tau**2 * (3 - 2 * tau), tau**2 * (tau - 1)
-    decay = Float(response / law.A.normal_modulus(part.normal))
-    excess = start + rise - Float(rho)
+    decay = response / law.A.normal_modulus(part.normal)
+    excess = start + rise - rho
     loading = start + rise * h - RELEASE * decay * excess * k
-    relaxing = Float(rho) + excess * exp(-decay * (t - RELEASE))
+    relaxing = rho + excess * exp(-decay * (t - RELEASE))
     return Prescribed(((float(RELEASE), -loading), (1.0, -relaxing)))

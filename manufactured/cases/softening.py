@@ -21,7 +21,7 @@ e^{5t/3}. On the mesh with n = 8 cells along a side it was 0.65 ‖u − Π^h u�
 u^h‖²)^{1/2} is about ‖u − Π^h u‖ failed with the quotient 1.15.
 """
 
-from sympy import Integer, Rational, sin
+from sympy import Rational, sin
 
 from manufactured.body import unit_square
 from manufactured.case import Case
@@ -42,7 +42,7 @@ def softening(law: KelvinVoigt) -> ExactSolution:
         gap=20 * (1 + t) * pos(s - c, 5),
         pressure=20 * pos(c - s, 3),
         level=c - s,
-        initial=Integer(0),
+        initial=0,
         slip=(4 * t * sin(3 * s + Rational(1, 2)),),
     )
 

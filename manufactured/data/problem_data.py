@@ -20,7 +20,7 @@ from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, ma
 
 ForceInTime = Callable[[float], Vectors]
 Formulas = Annotated[
-    Sequence[sp.Expr | float], "one number or formula of SymPy for each direction, such as (0, -1) or (0, -x2)"
+    Sequence[sp.Expr], "one number or formula of SymPy for each direction, such as (0, -1) or (0, -x2)"
 ]
 Tractions = Annotated[
     Mapping[int, Formulas], "a dict from the number of a LOADED side to the traction on it, such as {2: (0, -4)}"

@@ -49,8 +49,8 @@ class Memory:
     """
 
     pressure: sp.Expr
-    viscosity: sp.Expr | float
-    elasticity: sp.Expr | float
+    viscosity: sp.Expr
+    elasticity: sp.Expr
     T: Size
     initial: sp.Expr | None = None
     variables: Symbols = (s,)

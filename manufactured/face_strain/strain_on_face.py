@@ -42,7 +42,7 @@ class FaceStrain(Protocol):
     def at(self, points: Array) -> StrainAtPoints: ...
 
 
-def relaxation_rate(elasticity: sp.Expr | float, viscosity: sp.Expr | float) -> float:
+def relaxation_rate(elasticity: sp.Expr, viscosity: sp.Expr) -> float:
     """Return the relaxation rate g/a, elasticity over viscosity, which must be constant along the face.
 
     Raises:
