@@ -124,7 +124,7 @@ class FaceFormula:
         start, stop = np.array([*outline.min(1), self.begin]), np.array([*outline.max(1), self.end])
         low, high, least = start, stop, math.inf
         for _ in range(ZOOMS):
-            axes = [np.linspace(a, b, POINTS) for a, b in zip(low, high, strict=True)]
+            axes = np.linspace(low, high, POINTS).T
             grid = np.array(np.meshgrid(*axes, indexing="ij")).reshape(len(axes), -1)
             with np.errstate(all="ignore"):
                 found = sign * np.broadcast_to(values(*grid)[0], grid.shape[1:])

@@ -46,7 +46,22 @@ class Body:
     interfaces: tuple[Part, ...] = ()
 
     def __post_init__(self) -> None:
-        check(self)
+        _check_parts(self)
+        _check_closed(self)
+        _check_held(self)
+        if self.extent**self.dim > SLENDER * self.measure:
+            raise BodyError(
+                f"the body is {self.extent:g} across and measures {self.measure:.3g}: so thin that rounding errors "
+                f"hide its deformation; {self.extent:g}^{self.dim} divided by its measure may be at most {SLENDER:g}"
+            )
+        if self.T <= 0:
+            raise BodyError(f"the final time must be positive, got T = {self.T}")
+        for point in self.refine:
+            _check_refined(self, point)
+        for i, interface in enumerate(self.interfaces):
+            _check_interface(self, interface)
+            for other in self.interfaces[:i]:
+                _check_apart(interface, other)
 
     @property
     def dim(self) -> int:
@@ -132,26 +147,6 @@ class Body:
     def _repr_html_(self) -> str:
         """Return HTML for notebooks: a picture with the boundary parts, and the final time."""
         return f"{picture((*self.parts, *self.interfaces))}<p>T = {self.T:g}</p>"
-
-
-def check(body: Body) -> None:
-    """Raise BodyError if the parts do not form a body of the contact problem; ``Body`` lists the conditions."""
-    _check_parts(body)
-    _check_closed(body)
-    _check_held(body)
-    if body.extent**body.dim > SLENDER * body.measure:
-        raise BodyError(
-            f"the body is {body.extent:g} across and measures {body.measure:.3g}: so thin that rounding errors hide "
-            f"its deformation; {body.extent:g}^{body.dim} divided by its measure may be at most {SLENDER:g}"
-        )
-    if body.T <= 0:
-        raise BodyError(f"the final time must be positive, got T = {body.T}")
-    for point in body.refine:
-        _check_refined(body, point)
-    for i, interface in enumerate(body.interfaces):
-        _check_interface(body, interface)
-        for other in body.interfaces[:i]:
-            _check_apart(interface, other)
 
 
 def _check_parts(body: Body) -> None:

@@ -179,8 +179,12 @@ class Data:
             LoadError: f_0, f_2, u_0 or ε(u_0) is not finite or has a wrong shape, u_0 does not vanish on Γ1 or is not
                 in K, or a factor of the law is outside its stated bounds.
         """
-        with np.errstate(all="ignore"):  # ``check`` refuses values that are not finite
-            check(self)
+        rng = np.random.default_rng(0)
+        inside = self.body.sample(rng, POINTS)
+        with np.errstate(all="ignore"):  # values that are not finite are refused
+            _check_factors(self.law, inside)
+            _check_forces(self, inside, rng)
+            _check_start(self, inside, rng)
 
 
 def _surface_load(body: Body, f2: Mapping[int, Formulas], symbols: Symbols) -> Callable[[Part, Points], ForceInTime]:
@@ -206,15 +210,6 @@ ROUNDING = 1e-12
 """Relative size up to which u_0 on Γ1, and penetration of u_0 on Γ3, count as round-off."""
 LARGEST = 1e100
 """Largest permitted value of f_0, f_2, u_0 and ε(u_0): their squares must not overflow."""
-
-
-def check(data: Data) -> None:
-    """Raise LoadError unless the data are admissible; ``Data.check`` lists the conditions."""
-    rng = np.random.default_rng(0)
-    inside = data.body.sample(rng, POINTS)
-    _check_factors(data.law, inside)
-    _check_forces(data, inside, rng)
-    _check_start(data, inside, rng)
 
 
 def _check_factors(law: KelvinVoigt, x: Points) -> None:

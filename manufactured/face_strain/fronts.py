@@ -154,12 +154,10 @@ class SmoothFront:
             middle = (low + high) / 2
             same = _positive(of, at, middle) == before
             low, high = np.where(same, middle, low), np.where(same, high, middle)
-        order = np.argsort(point, kind="stable")
-        column = point[order]
-        row = np.arange(point.size) - np.searchsorted(column, column)
-        found = np.full((int(row.max(initial=-1)) + 1, points.shape[1]), T)
-        found[row, column] = high[order]
-        return found
+        found = np.full((len(times) - 1, points.shape[1]), T)
+        found[interval, point] = high
+        most = np.bincount(point).max(initial=0)
+        return np.sort(found, axis=0)[:most]
 
 
 def _grid(points: Array, T: float, count: int) -> Array:

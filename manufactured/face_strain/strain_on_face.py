@@ -87,32 +87,22 @@ class Prescribed:
         return sum((formula for _, formula in self.phases), sp.Integer(0))
 
     @cached_property
-    def _jets(self) -> tuple[tuple[float, Jet, Jet], ...]:
-        jets = [(end, Jet(formula, self.variables)) for end, formula in self.phases]
-        return tuple((end, jet, jet.rate()) for end, jet in jets)
+    def _jets(self) -> list[tuple[Jet, Jet]]:
+        jets = [Jet(formula, self.variables) for _, formula in self.phases]
+        return [(jet, jet.rate()) for jet in jets]
 
     def at(self, points: Array) -> StrainAtPoints:
-        ends = [end for end, _, _ in self._jets]
+        ends = [end for end, _ in self.phases]
 
         def strain(time: Time, rate: bool, order: int) -> Components:
-            times = np.atleast_1d(time)
+            times, places = np.asarray(time), points.reshape(*points.shape, *(1,) * np.ndim(time))
             phase = np.minimum(np.searchsorted(ends, times.real), len(ends) - 1)
-            if (phase != phase[0]).any():
-                # Times are grouped by their interval, because every interval has a different formula.
-                return _joined([(phase == n, strain(times[phase == n], rate, order)) for n in np.unique(phase)])
-            places = points.reshape(*points.shape, *(1,) * np.ndim(time))
-            return (self._jets[phase[0]][1 + rate](places, time, order),)
+            found: Values = {}
+            for number in np.unique(phase):
+                # Every formula is evaluated only at times of its own interval, because it may have no value elsewhere.
+                here = phase == number
+                values = self._jets[number][rate](places, np.where(here, times, times[here][0]), order)
+                found = {index: np.where(here, value, found.get(index, value)) for index, value in values.items()}
+            return (found,)
 
         return strain
-
-
-def _joined(pieces: list[tuple[Array, Components]]) -> Components:
-    """Join strains at different times into arrays over all times.
-
-    Each piece consists of a mask, which is true at its times, and of the strains at these times.
-    """
-    found: Values = {}
-    for among, (values,) in pieces:
-        for index, value in values.items():
-            found.setdefault(index, np.empty((*value.shape[:-1], len(among)), value.dtype))[..., among] = value
-    return (found,)

@@ -104,10 +104,10 @@ class FadingFace(StatedFace):
             rate: whether to return the derivatives of the velocities instead.
             order: the highest order.
         """
-        values = _lifting(rate, order)(into, *traced)
-        values, keys = [np.broadcast_to(value, into.shape) for value in values], indices(2, order)
-        tangential, normal = values[: len(keys)], values[len(keys) :]
-        return dict(zip(keys, tangential, strict=True)), dict(zip(keys, normal, strict=True))
+        keys, values = indices(2, order), _lifting(rate, order)(into, *traced)
+        both = np.array([np.broadcast_to(value, into.shape) for value in values]).reshape(2, len(keys), -1)
+        u_s, u_n = (dict(zip(keys, component, strict=True)) for component in both)
+        return u_s, u_n
 
     def at(self, x: Points) -> Fading:
         """Return the displacement field at fixed points of the body, (2, ...)."""
@@ -158,19 +158,20 @@ class Fading:
             rate: whether rates are needed.
             order: the highest order of derivatives that is needed.
         """
-        # Times are treated one by one, because the set of points within the depth changes with time.
-        return at_each(time, lambda moment: self._at_one(of, moment, rate, order))
 
-    def _at_one(self, of: Callable[[tuple[Values, Values]], Array], time: complex, rate: bool, order: int) -> Array:
-        depth = np.real(self.face.traces[-1](self.s, time)[(0,)])
-        inside = np.flatnonzero(np.real(self.y) < depth[self.where])
-        # Formulas of s and t are evaluated once for points with the same s.
-        used, place = np.unique(self.where[inside], return_inverse=True)
-        traced = [values[place] for values in self.face.traced(self.s[:, used], time, rate, order)]
-        values = of(self.face.lifted(traced, self.y[inside], rate, order))
-        found = np.zeros((*values.shape[:-1], len(self.y)), dtype=values.dtype)
-        found[..., inside] = values
-        return found.reshape(*found.shape[:-1], *self.shape)
+        def at_one(moment: complex) -> Array:
+            depth = np.real(self.face.traces[-1](self.s, moment)[(0,)])
+            inside = np.flatnonzero(np.real(self.y) < depth[self.where])
+            # Formulas of s and t are evaluated once for points with the same s.
+            used, place = np.unique(self.where[inside], return_inverse=True)
+            traced = [values[place] for values in self.face.traced(self.s[:, used], moment, rate, order)]
+            values = of(self.face.lifted(traced, self.y[inside], rate, order))
+            found = np.zeros((*values.shape[:-1], len(self.y)), dtype=values.dtype)
+            found[..., inside] = values
+            return found.reshape(*found.shape[:-1], *self.shape)
+
+        # Times are treated one by one, because the set of points within the depth changes with time.
+        return at_each(time, at_one)
 
 
 def _strain(values: tuple[Values, Values], more: Index) -> Tensors:
