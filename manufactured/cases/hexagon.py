@@ -18,11 +18,12 @@ m = 2 > 3/2, give (5.36), so that Prop. 5.4 applies.
 The denominator of w makes the gap flatter away from the fronts.
 """
 
-from sympy import Expr, Rational, exp, sin
+from sympy import Expr, Rational, exp
 
 from manufactured.body import Body, Kind, Part, polygon
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
+from manufactured.cases.shared import SLIP
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.law import KelvinVoigt
@@ -39,7 +40,7 @@ def case() -> Case:
     law = not_proportional()
     first, second, third = body.of(contact)
     faces = (
-        _with_front(first, body, law, s, Rational(3, 10) + t / 4, 50, t * (1 + t) * sin(2 * s + 1) / 2),
+        _with_front(first, body, law, s, Rational(3, 10) + t / 4, 50, SLIP / 2),
         _from_clamp(second, body, law, second.measure - s, Rational(3, 4) - t / 4),
         _from_clamp(third, body, law, s, Rational(1, 2) + t * (1 - t)),
     )

@@ -32,6 +32,8 @@ from manufactured.law import KelvinVoigt, Yield
 from manufactured.profile import Profile
 from manufactured.symbols import pos, s, t
 
+SLIP: Expr = t * (1 + t) * sin(2 * s + 1)
+"""A slip z(s, t) that other cases use with a factor."""
 FRONT: Expr = Rational(1, 4) + t / 2
 """The position c(t) of the contact front."""
 
@@ -59,8 +61,7 @@ def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Ex
         pressure: the formula of the contact pressure p(s, t), which must be 0 beyond the front.
     """
     gap = 8 * (Rational(1, 5) + t) * pos(s - FRONT, 4)
-    slip = t * (1 + t) * sin(2 * s + 1)
-    return with_one_face(body, law, gap, pressure, FRONT - s, profile=profile, slip=(slip,))
+    return with_one_face(body, law, gap, pressure, FRONT - s, profile=profile, slip=(SLIP,))
 
 
 RELEASE = Rational(3, 5)

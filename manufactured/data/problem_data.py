@@ -152,12 +152,12 @@ class Data:
             )
         dim, place = body.dim, (x1, x2, x3)[: body.dim]
         law.require_dimension(dim)
-        force = compiled(f0, dim, "f0", (*place, t))
-        surface_load = _surface_load(body, f2 or {}, (*place, t))
-        displacement = tuple(map(own_formula, [0] * dim if u0 is None else u0))
+        body_force, displacement = (tuple(map(own_formula, each)) for each in (f0, [0] * dim if u0 is None else u0))
+        loads = {number: tuple(map(own_formula, load)) for number, load in sorted((f2 or {}).items())}
+        force = compiled(body_force, dim, "f0", (*place, t))
+        surface_load = _surface_load(body, loads, (*place, t))
         start = compiled(displacement, dim, "u0", place)
         slopes = compiled(gradient(displacement, place), dim * dim, "∇u0", place)
-        loads = tuple((number, tuple(map(own_formula, load))) for number, load in sorted((f2 or {}).items()))
         data = cls(
             body,
             law,
@@ -167,7 +167,7 @@ class Data:
             lambda x: mandel(slopes(x).reshape(dim, dim, *x.shape[1:])),
             (*lines, *law.steps),
         )
-        object.__setattr__(data, "formulas_of", Expressions(tuple(map(own_formula, f0)), loads, displacement))
+        object.__setattr__(data, "formulas_of", Expressions(body_force, tuple(loads.items()), displacement))
         return data
 
     def check(self) -> None:
@@ -190,9 +190,9 @@ class Data:
 def _surface_load(body: Body, f2: Mapping[int, Formulas], symbols: Symbols) -> Callable[[Part, Points], ForceInTime]:
     """Return the function ``Data.surface_load`` for given formulas of f_2; on parts without a formula, f_2 is zero."""
     loads = {}
+    loaded = [i for i, part in enumerate(body.parts) if part.kind is Kind.LOADED]
     for number, load in f2.items():
-        if not 0 <= number < len(body.parts) or body.parts[number].kind is not Kind.LOADED:
-            loaded = [i for i, part in enumerate(body.parts) if part.kind is Kind.LOADED]
+        if number not in loaded:
             raise FormulaError(f"f2 is given on part {number}, but the LOADED parts have the numbers {loaded}")
         loads[body.parts[number]] = compiled(load, body.dim, f"f2 on part {number}", symbols)
     none = compiled([0] * body.dim, body.dim, "f2", symbols)
