@@ -67,8 +67,7 @@ class PolynomialFront:
         return real_roots(self._at(points), T)
 
     def beyond(self, points: Array, time: Array) -> Array:
-        found: Array = np.polyval(self._at(points), time) > 0
-        return found
+        return np.polyval(self._at(points), time) > 0
 
     def _at(self, points: Array) -> Array:
         _, *found = np.broadcast_arrays(points[0], *self.coefficients(*points))
@@ -131,8 +130,7 @@ class SmoothFront:
     def _beyond_for(self, passes: Array, points: Array, T: float) -> Array:
         """Return the total time of contact, ψ > 0, at each point, (N,)."""
         begin, end = between(passes, T)
-        found: Array = np.sum((end - begin) * self.beyond(points, within(begin, end)), axis=0)
-        return found
+        return np.sum((end - begin) * self.beyond(points, within(begin, end)), axis=0)
 
     def beyond(self, points: Array, time: Array) -> Array:
         return _positive(self.level, points, time)
@@ -166,8 +164,7 @@ def _grid(points: Array, T: float, count: int) -> Array:
 
 
 def _positive(of: Function, points: Array, time: Array) -> Array:
-    found: Array = np.broadcast_to(of(*points, time)[0], time.shape) > 0
-    return found
+    return np.broadcast_to(of(*points, time)[0], time.shape) > 0
 
 
 def real_roots(coefficients: Array, T: float) -> Array:
