@@ -1,6 +1,6 @@
-"""Solutions and strains that several cases share.
+"""Bodies, solutions and strains that several cases share.
 
-**One contact face under a linear law** (``with_one_face``), for the many cases with a single piece of Γ3.
+**Contact faces under a linear law** (``with_faces``, ``with_one_face``), which most cases have.
 
 **An advancing contact front**, which the cases ``anisotropic``, ``heterogeneous`` and ``layered`` share.
 
@@ -24,7 +24,7 @@ from typing import Any
 
 from sympy import Expr, Rational, exp, sin
 
-from manufactured.body import Body, Kind, Part
+from manufactured.body import Body, Kind, Part, polygon
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.face_strain import Prescribed
@@ -38,17 +38,31 @@ FRONT: Expr = Rational(1, 4) + t / 2
 """The position c(t) of the contact front."""
 
 
-def with_one_face(body: Body, law: KelvinVoigt, gap: Expr, pressure: Expr, level: Expr, **others: Any) -> ExactSolution:
-    """Return the exact solution on a body with a single contact face, for a linear law.
+def with_faces(body: Body, law: KelvinVoigt, *faces: dict[str, Any]) -> ExactSolution:
+    """Return the exact solution with a contact face on every piece of Γ3, for a linear law.
 
     Args:
         body: the body.
         law: the material law.
-        gap, pressure, level: the formulas of the gap w, the contact pressure p and the level function ψ.
-        others: further arguments of ``ContactFace.linear``, such as the slip.
+        faces: for each piece of Γ3 the data of its face, as arguments of ``ContactFace.linear`` with their names.
     """
-    (part,) = body.of(Kind.CONTACT)
-    return ExactSolution(body, law, (ContactFace.linear(part, law, body.T, gap, pressure, level, **others),))
+    pieces = zip(body.of(Kind.CONTACT), faces, strict=True)
+    return ExactSolution(body, law, tuple(ContactFace.linear(part, law, body.T, **data) for part, data in pieces))
+
+
+def with_one_face(body: Body, law: KelvinVoigt, **data: Any) -> ExactSolution:
+    """Return the exact solution on a body with a single piece of Γ3; see ``with_faces``."""
+    return with_faces(body, law, data)
+
+
+def l_shape(refine: tuple[tuple[float, float], ...]) -> Body:
+    """Return an L-shaped body that is clamped on top, with contact on its bottom.
+
+    Args:
+        refine: the vertices towards which graded meshes are refined.
+    """
+    kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+    return polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], kinds, refine=refine)
 
 
 def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Expr) -> ExactSolution:
@@ -61,7 +75,7 @@ def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Ex
         pressure: the formula of the contact pressure p(s, t), which must be 0 beyond the front.
     """
     gap = 8 * (Rational(1, 5) + t) * pos(s - FRONT, 4)
-    return with_one_face(body, law, gap, pressure, FRONT - s, profile=profile, slip=(SLIP,))
+    return with_one_face(body, law, gap=gap, pressure=pressure, level=FRONT - s, profile=profile, slip=(SLIP,))
 
 
 RELEASE = Rational(3, 5)
