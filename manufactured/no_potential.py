@@ -24,6 +24,7 @@ on the strains of V^h, the energy balance, and the error bound.
 import numpy as np
 
 from manufactured.case import Case
+from manufactured.cases.softening import softening
 from manufactured.law import KelvinVoigt, NonSymmetric, isotropic, isotropic_matrix
 from manufactured.regularity import Regularity
 
@@ -39,9 +40,6 @@ def law_without_potential() -> KelvinVoigt:
 
 
 def no_potential() -> Case:
-    # Imported here, because the module computes the solution ``softening``, which other cases do not need.
-    from manufactured.cases.softening import softening
-
     return Case(
         name=NAME,
         summary="front advances and recedes, G softens and has no potential",
