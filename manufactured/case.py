@@ -21,7 +21,6 @@ from manufactured.regularity import Regularity
 from manufactured.self_proof.finding import INITIAL_GAP_ADVICE
 from manufactured.singular import SingularFace, SingularField, TravellingField
 from manufactured.symbols import t
-from manufactured.tensors import Array
 
 FIXED = 2.5
 """A front that does not move lowers the regularity only if the strain on the face has an exponent up to this number.
@@ -128,11 +127,7 @@ class Case:
             # The displacement u_s contains the derivative ∇_s q of the strain q. So a fixed front of q with the
             # exponent m acts like a front of the gap with α = m. At a moving front q̇ ~ p, so q has the exponent m + 1.
             alpha = min(alpha, m + 1 if moving and m > FIXED else m)
-        drawn = {_plane(seam.normal, seam.start) for seam in solution.body.interfaces}
-        unmet = any(
-            _plane(np.array(direction), offset * np.array(direction)) not in drawn
-            for direction, offset in solution.law.steps
-        )
+        drawn = {_plane(seam.normal, float(seam.normal @ seam.start)) for seam in solution.body.interfaces}
         singular = [face.field for face in solution.faces if isinstance(face, SingularFace)]
         return Regularity(
             gap=alpha,
@@ -140,7 +135,7 @@ class Case:
             moving=moving or any(isinstance(field, TravellingField) for field in singular),
             corner=_least(field for field in solution.others if isinstance(field, SingularField)),
             on_contact=_least(singular),
-            kink=unmet,
+            kink=any(_plane(*step) not in drawn for step in solution.law.steps),
         )
 
     @property
@@ -188,13 +183,14 @@ def _least(fields: Iterable[SingularField | TravellingField]) -> float:
     return min((field.exponent for field in fields), default=math.inf)
 
 
-def _plane(normal: Array, point: Array) -> tuple[float, ...]:
+def _plane(normal: Iterable[float], offset: float) -> tuple[float, ...]:
     """Return unit normal and offset of a line or plane, rounded, so that equal planes give equal results.
 
     The result is the same for both orientations of the normal.
     """
-    values = np.round([*normal, normal @ point], 9) + 0.0
-    return tuple(float(v) for v in (values if tuple(values) > tuple(-values) else -values + 0.0))
+    values = np.round([*normal, offset], 9)
+    # Adding 0 and subtracting from 0 turn −0 into 0.
+    return max(tuple(0.0 + values), tuple(0.0 - values))
 
 
 def proved_order(case: Case) -> float:
