@@ -11,7 +11,7 @@ from manufactured.compiled import function
 from manufactured.symbols import FormulaError, Function, Symbols, pos
 from manufactured.tensors import Array, Hyperplane, Points, Vectors
 
-x1, x2, x3 = sp.symbols("x1 x2 x3", real=True)
+COORDINATES = x1, x2, x3 = sp.symbols("x1 x2 x3", real=True)
 """The Cartesian coordinates, as symbols for formulas."""
 
 
@@ -36,7 +36,7 @@ class Factor:
     steps: tuple[Hyperplane, ...] = ()
 
     def __post_init__(self) -> None:
-        strange = sorted(map(str, self.formula.free_symbols - {x1, x2, x3}))
+        strange = sorted(map(str, self.formula.free_symbols.difference(COORDINATES)))
         if strange:
             raise FormulaError(
                 f"the factor {self.formula} has the symbols {', '.join(strange)}; use x1, x2 and x3 of ``manufactured``"
@@ -46,7 +46,7 @@ class Factor:
 
     @cached_property
     def _compiled(self) -> Function:
-        return function([x1, x2, x3], [self.formula, *(sp.diff(self.formula, x) for x in (x1, x2, x3))])
+        return function(COORDINATES, [self.formula, *(sp.diff(self.formula, x) for x in COORDINATES)])
 
     def _evaluate(self, x: Points) -> list[Array]:
         coordinates = [*x, *[0.0] * (3 - len(x))]
@@ -71,13 +71,13 @@ class Factor:
         if not self.formula.free_symbols:
             return self.formula
         place = sp.Matrix(start) + sp.Matrix(tangents) * sp.Matrix(variables)
-        return self.formula.subs(dict(zip((x1, x2, x3), [sp.nsimplify(c, rational=True) for c in place], strict=False)))
+        return self.formula.subs(dict(zip(COORDINATES, [sp.nsimplify(c, rational=True) for c in place], strict=False)))
 
 
 @checked(FormulaError)
 def layers(direction: tuple[float, ...], offset: float, ratio: float) -> Factor:
     """Return the factor of a body of two layers: 1 where direction·x < offset, and ``ratio`` elsewhere."""
-    beyond = pos(sum(c * x for c, x in zip(direction, (x1, x2, x3), strict=False)) - offset, 0)
+    beyond = pos(sum(c * x for c, x in zip(direction, COORDINATES, strict=False)) - offset, 0)
     return Factor(1 + (ratio - 1) * beyond, min(1.0, ratio), max(1.0, ratio), ((direction, offset),))
 
 

@@ -115,8 +115,7 @@ class Body:
         turns = []
         for vertex in self.vertices.T:
             normals = [part.normal for part in self.parts if part.contains(vertex, reach)]
-            _, sizes, _ = np.linalg.svd(normals)
-            turns.append(len(normals) >= self.dim and sizes[-1] > 1e-12)
+            turns.append(np.linalg.matrix_rank(normals, tol=1e-12) == self.dim)
         return self.vertices[:, turns]
 
     def of(self, kind: Kind) -> tuple[Part, ...]:
@@ -210,12 +209,11 @@ def _check_held(body: Body) -> None:
             )
     if body.of(Kind.CLAMPED):
         return
-    conditions = [np.zeros(3)]
+    conditions = [[0.0, 0.0, 0.0]]
     for part in rollers:
         for x in (part.corners.T - body.vertices[:, 0]) / body.extent:
             rotation = part.normal[1] * x[0] - part.normal[0] * x[1]
-            condition = np.array([*part.normal, rotation])
-            conditions.append(condition)
+            conditions.append([*part.normal, rotation])
     if body.dim != 2 or np.linalg.matrix_rank(conditions, tol=HELD) < 3:
         raise BodyError(
             "no side of the body is CLAMPED, so it could move without deforming: give one of its sides the kind CLAMPED"
@@ -229,15 +227,12 @@ def _check_closed(body: Body) -> None:
     Parts that enclose a body satisfy ∫ ν = 0 and ∫ x ⊗ ν = |Ω| 1, the divergence theorem for constant and linear
     fields.
     """
-    total = np.sum([part.vector for part in body.parts], axis=0)
-    moments = np.zeros((body.dim, body.dim))
-    surface = 0.0
-    for part in body.parts:
-        surface += part.measure
-        for simplex in part.fan:
-            moments += np.outer(simplex.mean(axis=1), fan_vector(simplex))
+    simplices = [simplex for part in body.parts for simplex in part.fan]
+    vectors = [fan_vector(simplex) for simplex in simplices]
+    total = np.sum(vectors, axis=0)
+    moments = np.sum([np.outer(x.mean(axis=1), vector) for x, vector in zip(simplices, vectors, strict=True)], axis=0)
     beyond = abs(moments - body.measure * np.eye(body.dim)).max()
-    tolerance = ROUNDING * surface
+    tolerance = ROUNDING * sum(part.measure for part in body.parts)
     if abs(total).max() > tolerance or beyond > tolerance * body.extent:
         raise BodyError(
             f"the parts do not enclose the body: ∫ν over all of them is {np.round(total, 9).tolist()} and ∫x⊗ν is "

@@ -13,7 +13,7 @@ from manufactured.arguments import checked
 from manufactured.body import Body, Kind, Part
 from manufactured.data.compiled_formulas import Expressions, compiled, gradient, own_formula
 from manufactured.exact import ExactSolution, ForceModes
-from manufactured.factor import x1, x2, x3
+from manufactured.factor import COORDINATES
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.symbols import FormulaError, Symbols, t
 from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, mandel
@@ -150,7 +150,7 @@ class Data:
                 "as the undeformed body touches the foundation along Γ3; only an exact solution can have one, the "
                 "`initial_gap` of ContactFace.linear"
             )
-        dim, place = body.dim, (x1, x2, x3)[: body.dim]
+        dim, place = body.dim, COORDINATES[: body.dim]
         law.require_dimension(dim)
         body_force, displacement = (tuple(map(own_formula, each)) for each in (f0, [0] * dim if u0 is None else u0))
         loads = {number: tuple(map(own_formula, load)) for number, load in sorted((f2 or {}).items())}
