@@ -62,7 +62,7 @@ def static() -> Case:
     return _case(
         "trains",
         "patches of contact of seven widths",
-        [_piece(j, t, S := _wave(j), -S, t) for j in range(TRAINS)],
+        [_piece(j, t, -_wave(j)) for j in range(TRAINS)],
         Regularity(gap=4, pressure=2),
     )
 
@@ -73,7 +73,7 @@ def breathing() -> Case:
     return _case(
         "breathing-trains",
         "patches of contact of seven widths that widen and narrow again",
-        [_piece(j, 1, S := _wave(j) - mu, -S, 1) for j in range(TRAINS)],
+        [_piece(j, 1, mu - _wave(j)) for j in range(TRAINS)],
         Regularity(gap=4, pressure=2, moving=True),
     )
 
@@ -105,11 +105,11 @@ def _width(j: int) -> Expr:
     return Rational(1, 2 ** (j + 3))
 
 
-def _piece(j: int, gap: Expr, above: Expr, below: Expr, pressure: Expr) -> Piece:
+def _piece(j: int, growth: Expr, level: Expr) -> Piece:
     width, fade = _width(j), (4 * s * (LENGTH - s) / LENGTH**2) ** 3
-    w = GAP * gap * width * sqrt(width) * fade * pos(above, 4)
-    p = PRESSURE * pressure * sqrt(width) * fade * pos(below, 2)
-    return float(width) / 4, w, p, below
+    w = GAP * growth * width * sqrt(width) * fade * pos(-level, 4)
+    p = PRESSURE * growth * sqrt(width) * fade * pos(level, 2)
+    return float(width) / 4, w, p, level
 
 
 def _case(name: str, summary: str, pieces: list[Piece], regularity: Regularity) -> Case:
