@@ -126,11 +126,10 @@ def _converted(value: Any, hint: Any, place: str) -> Any:
 
 
 def _options(hint: Any) -> list[Any]:
-    """Return the alternatives of an annotation. A formula may be a number, so ``float`` is no further alternative."""
+    """Return the alternatives of an annotation, without None."""
     if hint in SCALARS or get_origin(hint) not in (Union, UnionType):
         return [hint]
-    options = [option for option in get_args(hint) if option is not NoneType]
-    return [option for option in options if option is not float or not any(map(_is_formula, options))]
+    return [option for option in get_args(hint) if option is not NoneType]
 
 
 def _is_formula(hint: Any) -> bool:

@@ -2,25 +2,25 @@
 
 import math
 import re
-from dataclasses import astuple, dataclass, fields
+from collections.abc import Iterable
+from dataclasses import astuple, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from manufactured.arguments import checked
+from manufactured.body.html import table
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
 from manufactured.face_formula import FaceFormula, read_off
 from manufactured.face_strain import Memory, Prescribed
 from manufactured.file_names import file_name_fault
-from manufactured.html import table
 from manufactured.profile import ZERO
 from manufactured.regularity import Regularity
 from manufactured.self_proof.finding import INITIAL_GAP_ADVICE
-from manufactured.singular import SingularFace, SingularField, TravellingField, least_exponent
+from manufactured.singular import SingularFace, SingularField, TravellingField
 from manufactured.symbols import t
-from manufactured.tensors import Array
 
 FIXED = 2.5
 """A front that does not move lowers the regularity only if the strain on the face has an exponent up to this number.
@@ -94,14 +94,14 @@ class Case:
 
     def _compare_with_formulas(self) -> None:
         """Raise CaseError if the stated regularity differs from the regularity that the formulas have."""
-        label = self.regularity
+        label, T = self.regularity, self.solution.body.T
         lifted = [face for face in self.solution.faces if not isinstance(face, SingularFace)]
-        formulas = [_formulas(face, self.solution.body.T) for face in lifted]
-        if any(piece.formula.has(sp.nan, sp.zoo, sp.oo) for gap, strain in formulas for piece in (gap, *strain)):
+        gaps = [formula for face in lifted for formula in _gap_formulas(face, T)]
+        strains = [formula for face in lifted for formula in _strain_formulas(face, T)]
+        if any(piece.formula.has(sp.nan, sp.zoo, sp.oo) for piece in (*gaps, *strains)):
             return  # Such formulas have no exponents; the self-proof reports the invalid values.
         try:
-            gaps = [*(gap for gap, _ in formulas), *(_initial_gap(face) for face in lifted if face.initial_gap != 0)]
-            found = self._found(*read_off(gaps, [p for _, strain in formulas for p in strain]))
+            found = self._found(*read_off(gaps, strains))
         except ValueError as error:
             raise CaseError(f"case {self.name}: {error}") from error
         if not all(math.isclose(stated, read) for stated, read in zip(astuple(label), astuple(found), strict=True)):
@@ -127,19 +127,15 @@ class Case:
             # The displacement u_s contains the derivative ∇_s q of the strain q. So a fixed front of q with the
             # exponent m acts like a front of the gap with α = m. At a moving front q̇ ~ p, so q has the exponent m + 1.
             alpha = min(alpha, m + 1 if moving and m > FIXED else m)
-        drawn = {_plane(seam.normal, seam.start) for seam in solution.body.interfaces}
-        unmet = any(
-            _plane(np.array(direction), offset * np.array(direction)) not in drawn
-            for direction, offset in solution.law.steps
-        )
+        drawn = {_plane(seam.normal, float(seam.normal @ seam.start)) for seam in solution.body.interfaces}
         singular = [face.field for face in solution.faces if isinstance(face, SingularFace)]
         return Regularity(
             gap=alpha,
             pressure=m,
             moving=moving or any(isinstance(field, TravellingField) for field in singular),
-            corner=least_exponent(field for field in solution.others if isinstance(field, SingularField)),
-            on_contact=least_exponent(singular),
-            kink=unmet,
+            corner=_least(field for field in solution.others if isinstance(field, SingularField)),
+            on_contact=_least(singular),
+            kink=any(_plane(*step) not in drawn for step in solution.law.steps),
         )
 
     @property
@@ -157,36 +153,66 @@ class Case:
         return table([*rows, ("reason", self.reason)]) + self.solution._repr_html_()
 
 
-def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
-    """Return the formula of the gap, and the formulas that show how smooth the strain on the face is."""
+def _gap_formulas(face: Face, T: float) -> list[FaceFormula]:
+    """Return the formula of the gap w, and of the initial gap g if it is not 0."""
+    gap = FaceFormula(face.gap, face.part, face.variables, 0.0, T)
+    # Kinks of the initial gap lower the regularity of u as fixed fronts of the gap do.
+    return [gap] if face.initial_gap == 0 else [gap, replace(gap, formula=face.initial_gap, end=0.0)]
 
-    def piece(formula: sp.Expr, begin: float = 0.0, end: float = T) -> FaceFormula:
-        return FaceFormula(formula, face.part, face.variables, begin, end)
 
+def _strain_formulas(face: Face, T: float) -> list[FaceFormula]:
+    """Return the formulas that show how smooth the strain on a face is."""
     strain = getattr(face, "strain", None)
-    # At a front u_s ~ z is as smooth as y q, so an exponent of z or ż counts like an exponent of the strain.
-    slip = [piece(f) for z in getattr(face, "slip", ()) for f in (z, z.diff(t))]
+    # The formulas are kept separate, because fronts may cancel in their sum.
     if isinstance(strain, Prescribed):
         ends = [*(min(end, T) for end, _ in strain.phases[:-1]), T]
         phases = zip(strain.phases, [0.0, *ends], ends, strict=False)
         # The rate q̇ is included because p ~ a q̇ + g q, so at a moving front p has one power less than q.
-        pieces = [piece(f, begin, end) for (_, q), begin, end in phases for f in (q, q.diff(t))]
-        return piece(face.gap), [*pieces, *slip]
-    if isinstance(strain, Memory):
-        # The formulas are kept separate, because fronts may cancel in their sum.
-        return piece(face.gap), [*(piece(f) for f in (strain.load, strain.initial) if f is not None), *slip]
-    return piece(face.gap), [piece(face.exponents_in), *slip]
+        pieces = [(f, begin, end) for (_, q), begin, end in phases for f in (q, q.diff(t))]
+    elif isinstance(strain, Memory):
+        pieces = [(f, 0.0, T) for f in (strain.load, strain.initial) if f is not None]
+    else:
+        pieces = [(face.exponents_in, 0.0, T)]
+    # At a front u_s ~ z is as smooth as y q, so an exponent of z or ż counts like an exponent of the strain.
+    pieces += [(f, 0.0, T) for z in getattr(face, "slip", ()) for f in (z, z.diff(t))]
+    return [FaceFormula(f, face.part, face.variables, begin, end) for f, begin, end in pieces]
 
 
-def _initial_gap(face: Face) -> FaceFormula:
-    """Return the formula of the initial gap g; its kinks lower the regularity of u as fixed fronts of the gap do."""
-    return FaceFormula(face.initial_gap, face.part, face.variables, 0.0, 0.0)
+def _least(fields: Iterable[SingularField | TravellingField]) -> float:
+    """Return the smallest exponent λ of singular fields r^λ; infinity without fields."""
+    return min((field.exponent for field in fields), default=math.inf)
 
 
-def _plane(normal: Array, point: Array) -> tuple[float, ...]:
+def _plane(normal: Iterable[float], offset: float) -> tuple[float, ...]:
     """Return unit normal and offset of a line or plane, rounded, so that equal planes give equal results.
 
     The result is the same for both orientations of the normal.
     """
-    values = np.round([*normal, normal @ point], 9) + 0.0
-    return tuple(float(v) for v in (values if tuple(values) > tuple(-values) else -values + 0.0))
+    values = np.round([*normal, offset], 9)
+    # Adding 0 and subtracting from 0 turn −0 into 0.
+    return max(tuple(0.0 + values), tuple(0.0 - values))
+
+
+def proved_order(case: Case) -> float:
+    """Return the largest order of ‖u − u^h‖_{L∞(0,T;V)} on uniform meshes that is proved for a case (a supremum).
+
+    Several proofs give an order, and the largest one is returned. The proof of Prop. 5.4 gives
+    ``Regularity.proved_order``, which also depends on the trace u_ν ∈ H^τ(Γ3). In 2D there are two theorems without an
+    assumption on the trace of u:
+
+    * u ∈ W^{1,1}(0,T;H^{1+r}) with 1/2 < r ≤ 1 gives the order r (paper/trace.tex).
+    * u ∈ L²(0,T;H^{1+s}), u̇ ∈ L¹(0,T;H^{1+r}) with 0 < r ≤ s ≤ 1 and σ_ν ∈ L²(0,T;L^p(Γ3)) with p ≤ 2 give the order
+      min(max(3s/5, r), (s + 1 − 1/p)/2), for loads of bounded variation in time (paper/velocity.tex).
+
+    The theorem on natural fronts (paper/fronts.tex) is left out, because it depends on the speed of fronts and on the
+    corners of the body.
+    """
+    regularity = case.regularity
+    r, s = min(1.0, regularity.rate_smoothness), min(1.0, regularity.smoothness)
+    source = regularity.proved_order
+    if case.solution.body.dim != 2 or r <= 0:
+        return source
+    # Near a singular point on Γ3, σ_ν ~ r^{λ−1}, or r^{λ−2} if the point moves.
+    inverse_p = max(0.5, 1 + regularity.moving - regularity.on_contact)
+    half_derivative = min(max(0.6 * s, r), (s + 1 - inverse_p) / 2)
+    return max(source, half_derivative, r if r > 0.5 else 0.0)

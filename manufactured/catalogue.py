@@ -94,8 +94,7 @@ def advice(name: object) -> str:
 
 @cache
 def _made(name: str) -> Case:
-    case: Case = import_module(module_of(name)).case()
-    return case
+    return import_module(module_of(name)).case()
 
 
 def module_of(name: str) -> str:

@@ -1,7 +1,10 @@
-"""Reads the exponents at contact fronts off the formulas of gap, pressure and strain on a face."""
+"""Reads the exponents at contact fronts off the formulas of gap, pressure and strain on a face.
+
+The truncated powers of a formula have these exponents. Parts of a formula that may not be smooth are refused.
+"""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,10 +13,10 @@ import sympy as sp
 
 from manufactured.body import Part
 from manufactured.compiled import function
-from manufactured.exponents import SMOOTH, is_natural, must_be_positive, order_at
-from manufactured.symbols import pos, s, s1, s2, t
-from manufactured.tensors import Array
+from manufactured.symbols import Function, Symbols, pos, s, s1, s2, t
 
+SMOOTH = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.atan, sp.asinh, sp.erf)
+"""Functions that are smooth wherever their argument is smooth."""
 FACE = frozenset({s, s1, s2})
 """The symbols of the coordinates along contact faces."""
 TINY = 1e-9
@@ -42,7 +45,7 @@ class FaceFormula:
 
     formula: sp.Expr
     part: Part
-    variables: tuple[sp.Symbol, ...]
+    variables: Symbols
     begin: float
     end: float
 
@@ -112,7 +115,7 @@ class FaceFormula:
         values = function([*self.variables, t], [formula])
         return self._least(values, 1.0), -self._least(values, -1.0)
 
-    def _least(self, values: Callable[..., list[Array]], sign: float) -> float:
+    def _least(self, values: Function, sign: float) -> float:
         """Return the least value of ``sign`` times a function on the face and in [begin, end].
 
         The least value is searched on ever smaller grids around the best point.
@@ -121,7 +124,7 @@ class FaceFormula:
         start, stop = np.array([*outline.min(1), self.begin]), np.array([*outline.max(1), self.end])
         low, high, least = start, stop, math.inf
         for _ in range(ZOOMS):
-            axes = [np.linspace(a, b, POINTS) for a, b in zip(low, high, strict=True)]
+            axes = np.linspace(low, high, POINTS).T
             grid = np.array(np.meshgrid(*axes, indexing="ij")).reshape(len(axes), -1)
             with np.errstate(all="ignore"):
                 found = sign * np.broadcast_to(values(*grid)[0], grid.shape[1:])
@@ -148,11 +151,9 @@ def read_off(gaps: Iterable[FaceFormula], pressures: Iterable[FaceFormula]) -> t
             moving fronts. One ``Regularity`` cannot state both, because a moving front lowers the exponent of u̇ by
             one.
     """
-    sides = []
-    for side in (gaps, pressures):
-        found = [piece.exponents() for piece in side]
-        sides.append([min((exponents[k] for exponents in found), default=math.inf) for k in (False, True)])
-    (alpha, moving_alpha), (m, moving_m) = sides
+    (alpha, moving_alpha), (m, moving_m) = (
+        np.min([(math.inf, math.inf), *(piece.exponents() for piece in side)], axis=0) for side in (gaps, pressures)
+    )
     moving = min(moving_alpha, moving_m) < math.inf
     if moving and alpha < moving_alpha:
         raise RoughError(
@@ -160,3 +161,47 @@ def read_off(gaps: Iterable[FaceFormula], pressures: Iterable[FaceFormula]) -> t
             f"{moving_m:g}; one label cannot state both: raise the exponent of the front that stays, or make two cases"
         )
     return min(alpha, moving_alpha), min(m, moving_m), moving
+
+
+def order_at(formula: sp.Expr, x: sp.Expr) -> tuple[float, float]:
+    """Return how a formula behaves near x = 0, as two exponents (a, k).
+
+    Near x = 0 the formula has the size x^k, and it is smooth there except for the truncated power x_+^a and higher
+    ones. Sums, products and powers of ``pos(x, ·)`` and of x are understood.
+    """
+    if formula in (x, -x):
+        return math.inf, 1.0
+    if isinstance(formula, pos) and formula.args[0] == x:
+        return float(formula.args[1]), float(formula.args[1])
+    if isinstance(formula, sp.Pow):
+        (rough, zero), exponent = order_at(formula.base, x), formula.exp
+        if isinstance(formula.base, pos) and rough == zero and exponent.is_number:
+            return rough * float(exponent), zero * float(exponent)
+        if is_natural(exponent):
+            return rough + (float(exponent) - 1) * zero, zero * float(exponent)
+    below = [order_at(part, x) for part in formula.args]
+    if isinstance(formula, sp.Mul):
+        total = sum(zero for _, zero in below)
+        return min(rough + total - zero for rough, zero in below), total
+    least = min((rough for rough, _ in below), default=math.inf)
+    return least, min(zero for _, zero in below) if isinstance(formula, sp.Add) else 0.0
+
+
+def must_be_positive(part: sp.Expr) -> sp.Expr | None:
+    """Return the expression that must be positive so that a part of a formula is smooth; None if there is none."""
+    if isinstance(part, SMOOTH) or (isinstance(part, pos) and part.args[1].is_number):
+        return None
+    if isinstance(part, sp.log):
+        return part.args[0]
+    if not isinstance(part, sp.Pow):
+        return sp.Integer(0)
+    base = part.base
+    exponent = part.exp
+    if is_natural(exponent) or (isinstance(base, pos) and exponent.is_positive):
+        return None
+    return base**2 if is_natural(-exponent) else base
+
+
+def is_natural(exponent: sp.Expr) -> bool:
+    """Return whether an exponent is a natural number 0, 1, 2, …."""
+    return bool(exponent.is_number and exponent.is_real and exponent >= 0 and float(exponent).is_integer())

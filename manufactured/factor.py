@@ -1,6 +1,5 @@
 """Scalar factors α(x) > 0 of material tensors, by which a material becomes heterogeneous."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,10 +8,10 @@ import sympy as sp
 
 from manufactured.arguments import checked
 from manufactured.compiled import function
-from manufactured.symbols import FormulaError, pos
+from manufactured.symbols import FormulaError, Function, Symbols, pos
 from manufactured.tensors import Array, Hyperplane, Points, Vectors
 
-x1, x2, x3 = sp.symbols("x1 x2 x3", real=True)
+COORDINATES = x1, x2, x3 = sp.symbols("x1 x2 x3", real=True)
 """The Cartesian coordinates, as symbols for formulas."""
 
 
@@ -37,7 +36,7 @@ class Factor:
     steps: tuple[Hyperplane, ...] = ()
 
     def __post_init__(self) -> None:
-        strange = sorted(map(str, self.formula.free_symbols - {x1, x2, x3}))
+        strange = sorted(map(str, self.formula.free_symbols.difference(COORDINATES)))
         if strange:
             raise FormulaError(
                 f"the factor {self.formula} has the symbols {', '.join(strange)}; use x1, x2 and x3 of ``manufactured``"
@@ -46,8 +45,8 @@ class Factor:
             raise FormulaError(f"a factor needs bounds 0 < low ≤ high < ∞, got low = {self.low}, high = {self.high}")
 
     @cached_property
-    def _compiled(self) -> Callable[..., list[Array]]:
-        return function([x1, x2, x3], [self.formula, *(sp.diff(self.formula, x) for x in (x1, x2, x3))])
+    def _compiled(self) -> Function:
+        return function(COORDINATES, [self.formula, *(sp.diff(self.formula, x) for x in COORDINATES)])
 
     def _evaluate(self, x: Points) -> list[Array]:
         coordinates = [*x, *[0.0] * (3 - len(x))]
@@ -61,7 +60,7 @@ class Factor:
         """Return the gradient ∂_j α at points where α does not jump: (d, ...) → (d, ...)."""
         return np.array(self._evaluate(x)[1 : 1 + len(x)])
 
-    def along(self, start: Array, tangents: Array, variables: tuple[sp.Symbol, ...]) -> sp.Expr:
+    def along(self, start: Array, tangents: Array, variables: Symbols) -> sp.Expr:
         """Return the factor α on the line or plane {start + Σ_i s_i t_i} as a formula of the coordinates s_i.
 
         Args:
@@ -72,13 +71,13 @@ class Factor:
         if not self.formula.free_symbols:
             return self.formula
         place = sp.Matrix(start) + sp.Matrix(tangents) * sp.Matrix(variables)
-        return self.formula.subs(dict(zip((x1, x2, x3), [sp.nsimplify(c, rational=True) for c in place], strict=False)))
+        return self.formula.subs(dict(zip(COORDINATES, [sp.nsimplify(c, rational=True) for c in place], strict=False)))
 
 
 @checked(FormulaError)
 def layers(direction: tuple[float, ...], offset: float, ratio: float) -> Factor:
     """Return the factor of a body of two layers: 1 where direction·x < offset, and ``ratio`` elsewhere."""
-    beyond = pos(sum(c * x for c, x in zip(direction, (x1, x2, x3), strict=False)) - offset, 0)
+    beyond = pos(sum(c * x for c, x in zip(direction, COORDINATES, strict=False)) - offset, 0)
     return Factor(1 + (ratio - 1) * beyond, min(1.0, ratio), max(1.0, ratio), ((direction, offset),))
 
 

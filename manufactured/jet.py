@@ -8,8 +8,8 @@ import numpy as np
 import sympy as sp
 
 from manufactured.compiled import derivatives
-from manufactured.symbols import NOT_REAL, FormulaError, Values, indices, refuse_kinks, s, t
-from manufactured.tensors import Array
+from manufactured.symbols import NOT_REAL, FormulaError, Symbols, Values, indices, refuse_kinks, s, t
+from manufactured.tensors import Array, Time
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Jet:
     """
 
     expression: sp.Expr
-    variables: tuple[sp.Symbol, ...] = (s,)
+    variables: Symbols = (s,)
     in_time: int = 0
 
     def __post_init__(self) -> None:
@@ -43,7 +43,7 @@ class Jet:
                 "of ``manufactured``, and numbers for everything else"
             )
 
-    def __call__(self, points: Array, time: Array | complex, order: int = 0) -> Values:
+    def __call__(self, points: Array, time: Time, order: int = 0) -> Values:
         shape = np.broadcast_shapes(points.shape[1:], np.shape(time))
         keys = indices(len(self.variables), order)
         orders = tuple((*key, self.in_time) for key in keys)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from manufactured.tensors import Array
+from manufactured.tensors import Array, Time, size
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,23 @@ class Modes:
         )
 
 
-def at_each(time: Array | complex, of: Callable[[Any], Array]) -> Array:
+def pointwise(strain: Callable[[Any, bool], Array], dim: int, count: int) -> Modes:
+    """Return a strain that is no short sum of products, with one amplitude for every component and point.
+
+    Args:
+        strain: the function (t, rate) ↦ ε, (D, ...), or ∂_t ε if ``rate`` is true.
+        dim: the dimension of the body.
+        count: the number of points.
+    """
+    rows, places = size(dim), np.arange(count)
+
+    def amplitudes(time: Array | float, rate: bool) -> Array:
+        return strain(time, rate).reshape(rows, count, *np.shape(time))
+
+    return Modes(np.eye(rows), places, np.ones((rows, count)), places, count, amplitudes)
+
+
+def at_each(time: Time, of: Callable[[Any], Array]) -> Array:
     """Evaluate a field at one time, or at several times one by one; the times become the last axis of the result."""
     if not (isinstance(time, np.ndarray) and time.ndim):
         return of(time)

@@ -24,14 +24,10 @@ the order of the interpolation error.
 from sympy import Expr, Rational
 
 from manufactured.arguments import checked
-from manufactured.body import Kind, unit_square
 from manufactured.case import Case
-from manufactured.cases.laws import kolosov_constant, proportional, shearing
-from manufactured.exact import ExactSolution
-from manufactured.profile import cutoff
+from manufactured.cases.natural_front import with_natural_front
 from manufactured.regularity import Regularity
-from manufactured.singular import SingularFace, SingularField, TravellingField, kolosov
-from manufactured.symbols import FormulaError, pos, s, t
+from manufactured.symbols import FormulaError, t
 
 NAME = "natural-motion"
 PLACE = Rational(1, 4) + Rational(2, 5) * t
@@ -44,18 +40,10 @@ def natural_motion(place: Expr = PLACE) -> Case:
 
     The front must advance; otherwise the pressure is negative, and the self-proof fails.
     """
-    body, law = unit_square(), proportional(2.0)
-    (part,) = body.of(Kind.CONTACT)
-    theta, kappa = Rational(1, 4) + t, kolosov_constant(law.A)
-    x, y = kolosov(kappa, 1j, -0.5j, 1.5)
-    steady = SingularField(tuple(part.start), part.frame, x, y, theta, depth=cutoff().b)
-    gap = (kappa + 1) * theta * pos(s - place, Rational(3, 2))
-    pressure = 3 * shearing(law, theta * pos(place - s, Rational(1, 2)))
-    face = SingularFace(part, gap, pressure, place - s, TravellingField(steady, place))
     return Case(
         name=NAME,
         summary="the natural front advances: w ~ r^{3/2}, p ~ r^{−1/2}",
-        solution=ExactSolution(body, law, (face,)),
+        solution=with_natural_front(Rational(1, 4) + t, place, moving=True),
         regularity=Regularity(on_contact=1.5, moving=True),
         order=1,
         reason="u(t) ∈ H^{5/2−ε} ⊂ H², so interpolation has order 1; u̇(t) ∈ H^{3/2−ε}, and C h |log h| is proved",

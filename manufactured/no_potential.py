@@ -23,9 +23,9 @@ on the strains of V^h, the energy balance, and the error bound.
 
 import numpy as np
 
-from manufactured.arguments import checked
 from manufactured.case import Case
-from manufactured.law import KelvinVoigt, LawError, NonSymmetric, isotropic, isotropic_matrix
+from manufactured.cases.softening import softening
+from manufactured.law import KelvinVoigt, NonSymmetric, isotropic, isotropic_matrix
 from manufactured.regularity import Regularity
 
 NAME = "no-potential"
@@ -33,17 +33,13 @@ SKEW = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
 """The rotation by a right angle of the first and third Mandel components, 11 and √2·12."""
 
 
-@checked(LawError)
-def law_without_potential(rotation: float = 3.0) -> KelvinVoigt:
-    """Return the law ``cases.laws.softening_in_volume`` with ``rotation`` times the skew ``SKEW`` added to its G."""
-    G = NonSymmetric(isotropic_matrix(0.5, -1.5) + rotation * SKEW)
+def law_without_potential() -> KelvinVoigt:
+    """Return the law ``cases.laws.softening_in_volume`` with three times the skew ``SKEW`` added to its G."""
+    G = NonSymmetric(isotropic_matrix(0.5, -1.5) + 3 * SKEW)
     return KelvinVoigt(isotropic(1, 0.5), G, "linear, G softens in volume and has no potential")
 
 
 def no_potential() -> Case:
-    # Imported here, because the module computes the solution ``softening``, which other cases do not need.
-    from manufactured.cases.softening import softening
-
     return Case(
         name=NAME,
         summary="front advances and recedes, G softens and has no potential",

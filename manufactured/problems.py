@@ -19,6 +19,7 @@ from sympy import Expr, Rational, sqrt
 from manufactured.arguments import checked
 from manufactured.body import Kind, polygon
 from manufactured.cases.laws import not_proportional
+from manufactured.cases.shared import l_shape
 from manufactured.data import Data, LoadError
 from manufactured.factor import x1
 from manufactured.symbols import pos, t
@@ -43,9 +44,7 @@ def ramp() -> Data:
 
 def bracket() -> Data:
     """Return the data of the problem bracket: an L-shaped body whose foot is pressed down."""
-    kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
-    corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
-    body = polygon(corners, kinds, refine=((1.0, 1.0), (1.0, 2.0), (0.0, 2.0)))
+    body = l_shape(refine=((1.0, 1.0), (1.0, 2.0), (0.0, 2.0)))
     strength = 4 * t * _bump((x1 - Rational(3, 2)) * 2)
     return Data.formulas(body, not_proportional(), f0=(0, 0), f2={2: (0, -strength)})
 

@@ -148,16 +148,11 @@ def cutoff(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
         depth: ℓ, the depth beyond which the displacement is zero.
         phi: the coefficients of a polynomial φ with φ(0) = 1, φ'(0) = 0, φ(1) = 0, lowest power first.
     """
-    b = tuple(coefficient / depth**k for k, coefficient in enumerate(phi))
-    d = (0.0, *b)
+    phi_of_y = tuple(coefficient / depth**k for k, coefficient in enumerate(phi))
     ends = (depth,)
+    constant, slope = Piecewise(ends, (phi_of_y,)), Piecewise(ends, ((0.0, *phi_of_y),))
     return Profile(
-        Piecewise(ends, (tuple(-x for x in d),)),
-        Piecewise(ends, (b,)),
-        Piecewise(ends, (d,)),
-        Piecewise(ends, (d,)),
-        ZERO,
-        Piecewise(ends, (b,)),
+        a=Piecewise(ends, ((0.0, *(-x for x in phi_of_y)),)), b=constant, c=slope, d=slope, e=ZERO, f=constant
     )
 
 
@@ -170,7 +165,7 @@ def slab(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
     """
     plain = cutoff(depth, phi)
     b = polyadd((1.0, -1 / depth), np.array(plain.d.pieces[0]) / depth)
-    return replace(plain, b=Piecewise((depth,), (tuple(float(x) for x in b),)))
+    return replace(plain, b=Piecewise((depth,), (tuple(b.tolist()),)))
 
 
 @checked(ProfileError)
@@ -194,26 +189,25 @@ def layered(interface: Size, ratio: Size, depth: Size = 1.0) -> Profile:
     """
     _require_increasing(interface, depth)
     y0, rest = interface, depth - interface
-    gamma = -ratio / (2 * y0 * rest + ratio * y0**2)
-    delta = -(rest + ratio * y0) / (2 * y0 * rest + ratio * y0**2)
+    common = 2 * y0 * rest + ratio * y0**2
+    gamma, delta = -ratio / common, -(rest + ratio * y0) / common
     b = 1 + gamma * y0**2
     d = y0 + delta * y0**2
-    a_slope = 1.0
-    c_slope = -1.0
     softer = 1 / ratio - 1
+    # The cubic (y − y_0)(ℓ − y)²/(ℓ − y_0)² has the slope 1 at y_0.
+    cubic = polymul((-y0, 1.0), polymul((depth, -1.0), (depth, -1.0))) / rest**2
 
     def bulge(slope: float) -> tuple[float, ...]:
-        """Return the coefficients of the cubic slope · (y − y_0)(ℓ − y)²/(ℓ − y_0)²."""
-        return tuple(float(x) * slope / rest**2 for x in polymul((-y0, 1.0), polymul((depth, -1.0), (depth, -1.0))))
+        return tuple((slope * cubic).tolist())
 
     def line(value: float) -> tuple[float, ...]:
         return (value * depth / rest, -value / rest)
 
     ends = (y0, depth)
     return Profile(
-        a=Piecewise(ends, ((0.0, -1.0, 1 / y0), bulge(a_slope / ratio + softer * b))),
+        a=Piecewise(ends, ((0.0, -1.0, 1 / y0), bulge(1 / ratio + softer * b))),
         b=Piecewise(ends, ((1.0, 0.0, gamma), line(b))),
-        c=Piecewise(ends, ((0.0, 1.0, -1 / y0), bulge(c_slope / ratio))),
+        c=Piecewise(ends, ((0.0, 1.0, -1 / y0), bulge(-1 / ratio))),
         d=Piecewise(ends, ((0.0, 1.0, delta), line(d))),
         e=Piecewise(ends, ((0.0,), bulge(softer * d))),
         f=Piecewise(ends, ((1.0, 0.0, -1 / y0**2), bulge(-2 / y0 / ratio))),

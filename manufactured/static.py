@@ -12,7 +12,7 @@ from manufactured.body.part import ROUNDING
 from manufactured.data import Data
 from manufactured.data.compiled_formulas import compiled, own_formula
 from manufactured.data.problem_data import Displacements, Formulas, Tractions
-from manufactured.factor import x1, x2, x3
+from manufactured.factor import COORDINATES, x1, x2
 from manufactured.law import Elasticity, Indefinite, KelvinVoigt, LawError, Linear, isotropic
 from manufactured.symbols import FormulaError
 from manufactured.tensors import Points
@@ -64,7 +64,7 @@ def static(
         )
     f0 = (0,) * body.dim if f0 is None else f0
     for name, load in (("f0", f0), *((f"f2 on part {number}", load) for number, load in (f2 or {}).items())):
-        compiled(load, body.dim, name, (x1, x2, x3)[: body.dim])  # refuses t, which ``formulas`` accepts
+        compiled(load, body.dim, name, COORDINATES[: body.dim])  # refuses t, which ``formulas`` accepts
     data = Static.formulas(_moved(body, u or {}), KelvinVoigt(G, G, "static"), f0, f2)
     assert isinstance(data, Static)
     return data

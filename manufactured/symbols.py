@@ -4,6 +4,7 @@ Gap and pressure are SymPy formulas of ``s``, the coordinate along a contact fac
 time ``t``. ``compiled`` makes NumPy functions of them and of their derivatives, and ``jet`` evaluates these functions.
 """
 
+from collections.abc import Callable
 from functools import lru_cache
 from itertools import product
 
@@ -15,6 +16,9 @@ from manufactured.tensors import Array
 s, s1, s2, t = sp.symbols("s s1 s2 t", real=True)
 """The symbols of formulas: the coordinate s along a face in 2D, the coordinates s1 and s2 in 3D, and the time t."""
 
+Symbols = tuple[sp.Symbol, ...]
+"""The type of the symbols of coordinates, such as the coordinates along a contact face."""
+
 Index = tuple[int, ...]
 """The orders of a derivative along a contact face, one number for each coordinate."""
 
@@ -24,6 +28,8 @@ Values = dict[Index, Array]
 The multi-index of zeros gives the function itself.
 """
 
+Function = Callable[..., list[Array]]
+"""The type of a NumPy function that ``compiled`` makes of formulas: it returns the list of their values."""
 
 NOT_REAL = (sp.I, sp.nan, sp.oo, -sp.oo, sp.zoo)
 """SymPy objects whose presence in a formula shows that the formula is complex or not finite."""
@@ -55,7 +61,7 @@ class pos(sp.Function):  # type: ignore[misc]
 
     nargs = 2
 
-    def __new__(cls, x: sp.Expr | float, a: sp.Expr | float, **options: bool) -> sp.Expr:
+    def __new__(cls, x: sp.Expr, a: sp.Expr, **options: bool) -> sp.Expr:
         try:
             real = not any(isinstance(value, complex) or np.ma.is_masked(value) for value in (x, a))
             given = [sp.sympify(value, strict=True) for value in (x, a)] if real else []
@@ -86,7 +92,7 @@ def indices(variables: int, order: int) -> tuple[Index, ...]:
 
 
 @lru_cache(maxsize=4096)
-def differentiate(expression: sp.Expr, variables: tuple[sp.Symbol, ...], index: Index) -> sp.Expr:
+def differentiate(expression: sp.Expr, variables: Symbols, index: Index) -> sp.Expr:
     """Return a derivative of an expression, given by a multi-index in the variables; lower derivatives are cached."""
     for position, times in enumerate(index):
         if times:

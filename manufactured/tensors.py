@@ -30,6 +30,8 @@ Array = NDArray[Any]
 Points = NDArray[Any]
 Vectors = NDArray[Any]
 Tensors = NDArray[Any]
+Time = Array | complex
+"""The type of one time, or of several times (n,). Times may be complex for derivatives by the complex step."""
 
 Hyperplane = tuple[tuple[float, ...], float]
 """A line (2D) or plane (3D) {x : direction·x = offset}, as the pair (direction, offset)."""

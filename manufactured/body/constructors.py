@@ -7,7 +7,6 @@ import numpy as np
 from manufactured.arguments import checked
 from manufactured.body.domain import Body
 from manufactured.body.part import BodyError, Kind, Part
-from manufactured.tensors import Array
 
 
 @checked(BodyError)
@@ -42,12 +41,12 @@ def polygon(
             raise BodyError(f"{len(corners)} vertices need {len(corners)} kinds, got {len(of_sides)}")
         following = [*corners[1:], *corners[:1]]
         for kind, *ends in zip(of_sides, corners, following, strict=True):
-            parts.append(Part(kind, _columns(ends)))
+            parts.append(Part(kind, np.transpose(ends)))
     return Body(
         tuple(parts),
         T,
         tuple(refine),
-        tuple(Part(Kind.INTERFACE, _columns(pair)) for pair in interfaces),
+        tuple(Part(Kind.INTERFACE, np.transpose(pair)) for pair in interfaces),
     )
 
 
@@ -81,15 +80,12 @@ def box(
     parts = []
     for face, kind in enumerate((left, right, front, back, bottom, top)):
         axis, far = divmod(face, 2)
-        first, second = ((axis + 2) % 3, (axis + 1) % 3) if far else ((axis + 1) % 3, (axis + 2) % 3)
+        first, second = (axis + 1) % 3, (axis + 2) % 3
+        if far:
+            first, second = second, first
         corners = np.zeros((3, 4))
         corners[axis] = far * lengths[axis]
         corners[second, 1:3] = lengths[second]
         corners[first, 2:4] = lengths[first]
         parts.append(Part(kind, corners))
     return Body(tuple(parts), T)
-
-
-def _columns(points: Sequence[tuple[float, float]]) -> Array:
-    """Return points as the columns of an array, (d, points)."""
-    return np.array(points, dtype=float).T

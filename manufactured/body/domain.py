@@ -46,7 +46,22 @@ class Body:
     interfaces: tuple[Part, ...] = ()
 
     def __post_init__(self) -> None:
-        check(self)
+        _check_parts(self)
+        _check_closed(self)
+        _check_held(self)
+        if self.extent**self.dim > SLENDER * self.measure:
+            raise BodyError(
+                f"the body is {self.extent:g} across and measures {self.measure:.3g}: so thin that rounding errors "
+                f"hide its deformation; {self.extent:g}^{self.dim} divided by its measure may be at most {SLENDER:g}"
+            )
+        if self.T <= 0:
+            raise BodyError(f"the final time must be positive, got T = {self.T}")
+        for point in self.refine:
+            _check_refined(self, point)
+        for i, interface in enumerate(self.interfaces):
+            _check_interface(self, interface)
+            for other in self.interfaces[:i]:
+                _check_apart(interface, other)
 
     @property
     def dim(self) -> int:
@@ -100,8 +115,7 @@ class Body:
         turns = []
         for vertex in self.vertices.T:
             normals = [part.normal for part in self.parts if part.contains(vertex, reach)]
-            _, sizes, _ = np.linalg.svd(normals)
-            turns.append(len(normals) >= self.dim and sizes[-1] > 1e-12)
+            turns.append(np.linalg.matrix_rank(normals, tol=1e-12) == self.dim)
         return self.vertices[:, turns]
 
     def of(self, kind: Kind) -> tuple[Part, ...]:
@@ -132,26 +146,6 @@ class Body:
     def _repr_html_(self) -> str:
         """Return HTML for notebooks: a picture with the boundary parts, and the final time."""
         return f"{picture((*self.parts, *self.interfaces))}<p>T = {self.T:g}</p>"
-
-
-def check(body: Body) -> None:
-    """Raise BodyError if the parts do not form a body of the contact problem; ``Body`` lists the conditions."""
-    _check_parts(body)
-    _check_closed(body)
-    _check_held(body)
-    if body.extent**body.dim > SLENDER * body.measure:
-        raise BodyError(
-            f"the body is {body.extent:g} across and measures {body.measure:.3g}: so thin that rounding errors hide "
-            f"its deformation; {body.extent:g}^{body.dim} divided by its measure may be at most {SLENDER:g}"
-        )
-    if body.T <= 0:
-        raise BodyError(f"the final time must be positive, got T = {body.T}")
-    for point in body.refine:
-        _check_refined(body, point)
-    for i, interface in enumerate(body.interfaces):
-        _check_interface(body, interface)
-        for other in body.interfaces[:i]:
-            _check_apart(interface, other)
 
 
 def _check_parts(body: Body) -> None:
@@ -215,12 +209,11 @@ def _check_held(body: Body) -> None:
             )
     if body.of(Kind.CLAMPED):
         return
-    conditions = [np.zeros(3)]
+    conditions = [[0.0, 0.0, 0.0]]
     for part in rollers:
         for x in (part.corners.T - body.vertices[:, 0]) / body.extent:
             rotation = part.normal[1] * x[0] - part.normal[0] * x[1]
-            condition = np.array([*part.normal, rotation])
-            conditions.append(condition)
+            conditions.append([*part.normal, rotation])
     if body.dim != 2 or np.linalg.matrix_rank(conditions, tol=HELD) < 3:
         raise BodyError(
             "no side of the body is CLAMPED, so it could move without deforming: give one of its sides the kind CLAMPED"
@@ -234,15 +227,12 @@ def _check_closed(body: Body) -> None:
     Parts that enclose a body satisfy ∫ ν = 0 and ∫ x ⊗ ν = |Ω| 1, the divergence theorem for constant and linear
     fields.
     """
-    total = np.sum([part.vector for part in body.parts], axis=0)
-    moments = np.zeros((body.dim, body.dim))
-    surface = 0.0
-    for part in body.parts:
-        surface += part.measure
-        for simplex in part.fan:
-            moments += np.outer(simplex.mean(axis=1), fan_vector(simplex))
+    simplices = [simplex for part in body.parts for simplex in part.fan]
+    vectors = [fan_vector(simplex) for simplex in simplices]
+    total = np.sum(vectors, axis=0)
+    moments = np.sum([np.outer(x.mean(axis=1), vector) for x, vector in zip(simplices, vectors, strict=True)], axis=0)
     beyond = abs(moments - body.measure * np.eye(body.dim)).max()
-    tolerance = ROUNDING * surface
+    tolerance = ROUNDING * sum(part.measure for part in body.parts)
     if abs(total).max() > tolerance or beyond > tolerance * body.extent:
         raise BodyError(
             f"the parts do not enclose the body: ∫ν over all of them is {np.round(total, 9).tolist()} and ∫x⊗ν is "

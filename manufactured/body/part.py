@@ -159,13 +159,12 @@ class Part:
 
     def coordinates(self, x: Points) -> tuple[Array, Array]:
         """Return the local coordinates of points (d, ...): s along the part, (d−1, ...), and the depth y, (...)."""
-        local = mapped(self.frame.T, x - self.start.reshape((-1,) + (1,) * (x.ndim - 1)))
+        local = mapped(self.frame.T, (x.T - self.start).T)
         return local[:-1], local[-1]
 
     def point(self, s: Array) -> Points:
         """Return the points of the part that have given local coordinates s: (d−1, ...) → (d, ...)."""
-        origin = self.start.reshape((-1,) + (1,) * (np.ndim(s) - 1))
-        return origin + mapped(self.frame[:, :-1], s)
+        return (mapped(self.frame[:, :-1], s).T + self.start).T
 
     def covers(self, s: Array, tolerance: float) -> NDBool:
         """Return for local coordinates s whether the point lies on the part or its boundary: (d−1, ...) → (...)."""

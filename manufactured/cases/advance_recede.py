@@ -16,10 +16,10 @@ e^{−t}.
 
 from sympy import Rational, sin
 
-from manufactured.body import Body, Kind, unit_square
+from manufactured.body import Body, unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import proportional
-from manufactured.contact import ContactFace
+from manufactured.cases.shared import with_one_face
 from manufactured.exact import ExactSolution
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
@@ -27,12 +27,15 @@ from manufactured.symbols import pos, s, t
 
 def on(body: Body) -> ExactSolution:
     """Return the solution on a unit square that may be rotated and translated."""
-    law = proportional()
     c = Rational(1, 4) + 2 * t * (1 - t)
-    (part,) = body.of(Kind.CONTACT)
-    gap, pressure, slip = 20 * pos(s - c, 4), 20 * pos(c - s, 2), 4 * t * sin(3 * s + Rational(1, 2))
-    face = ContactFace.linear(part, law, body.T, gap, pressure, c - s, slip=(slip,))
-    return ExactSolution(body, law, (face,))
+    return with_one_face(
+        body,
+        proportional(),
+        gap=20 * pos(s - c, 4),
+        pressure=20 * pos(c - s, 2),
+        level=c - s,
+        slip=(4 * t * sin(3 * s + Rational(1, 2)),),
+    )
 
 
 def case() -> Case:

@@ -16,31 +16,31 @@ There is no contact before t = 1/5, when the front enters at the left end. At t 
 vertex of no structured mesh with 2^k cells along a side.
 """
 
-from sympy import Rational, sin
+from sympy import Rational
 
-from manufactured.body import Kind, unit_square
+from manufactured.body import unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
+from manufactured.cases.shared import SLIP, with_one_face
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
 
 def case() -> Case:
-    body = unit_square()
-    law = not_proportional()
-    (part,) = body.of(Kind.CONTACT)
     c = Rational(-1, 6) + 5 * t / 6
-    gap = 2 * pos(s - c, 4) / (Rational(1, 4) + (s - c) ** 2)
-    initial_gap = (2 + s) / 5
-    slip = t * (1 + t) * sin(2 * s + 1) / 2
-    data = part, law, body.T, gap, 40 * pos(c - s, 2), c - s
-    face = ContactFace.linear(*data, initial_gap=initial_gap, slip=(slip,))
+    solution = with_one_face(
+        unit_square(),
+        not_proportional(),
+        gap=2 * pos(s - c, 4) / (Rational(1, 4) + (s - c) ** 2),
+        pressure=40 * pos(c - s, 2),
+        level=c - s,
+        initial_gap=(2 + s) / 5,
+        slip=(SLIP / 2,),
+    )
     return Case(
         name="closing-gap",
         summary="initial gap above a sloping foundation closes from the left, the face slips",
-        solution=ExactSolution(body, law, (face,)),
+        solution=solution,
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
         reason="a linear initial gap adds a smooth field; α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1",

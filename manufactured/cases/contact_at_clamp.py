@@ -21,24 +21,26 @@ from sympy import Rational
 from manufactured.body import Kind, polygon
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
+from manufactured.cases.shared import with_one_face
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
 
 def case() -> Case:
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED]
-    body = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], kinds)
-    law = not_proportional()
-    (part,) = body.of(Kind.CONTACT)
     c = Rational(1, 5) + t / 2
-    gap, pressure, slip = 5 * pos(s - c, 4), 400 * s * pos(c - s, 2), 12 * t * s**2 * (1 - s)
-    face = ContactFace.linear(part, law, body.T, gap, pressure, c - s, slip=(slip,))
+    solution = with_one_face(
+        polygon([(0, 0), (1, 0), (1, 1), (0, 1)], kinds),
+        not_proportional(),
+        gap=5 * pos(s - c, 4),
+        pressure=400 * s * pos(c - s, 2),
+        level=c - s,
+        slip=(12 * t * s**2 * (1 - s),),
+    )
     return Case(
         name="contact-at-clamp",
         summary="Γ1 meets Γ3 at a right angle, and contact from there on to a front that moves",
-        solution=ExactSolution(body, law, (face,)),
+        solution=solution,
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
         reason="p and ∂_s z have the factor x, so u is smooth at the clamp; α = 4 > 7/2 and m = 2 > 3/2 give (5.36): "

@@ -16,14 +16,14 @@ Predicted order 1: both fronts move. On both sides the exponents of gap and pres
 9/2 and m > 5/2, so (3.4) holds as it is printed.
 """
 
+from typing import Any
+
 from sympy import Expr, Rational
 
-from manufactured.body import Body, Kind, Part, polygon
+from manufactured.body import Kind, polygon
 from manufactured.case import Case
 from manufactured.cases.laws import without_contraction
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
-from manufactured.law import KelvinVoigt
+from manufactured.cases.shared import with_faces
 from manufactured.profile import cutoff
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
@@ -32,17 +32,17 @@ from manufactured.symbols import pos, s, t
 def case() -> Case:
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED, Kind.CONTACT]
     body = polygon([(0, 0), (1, 0), (1, 1), (0.75, 1), (0, 1)], kinds)
-    law = without_contraction()
-    bottom, left = body.of(Kind.CONTACT)
-    faces = (
-        _at_corner(bottom, body, law, s, Rational(2, 5) + Rational(4, 5) * t * (1 - t), 1.0, 8),
+    solution = with_faces(
+        body,
+        without_contraction(),
+        _at_corner(s, Rational(2, 5) + Rational(4, 5) * t * (1 - t), 1.0, 8),
         # s runs down the left side, so the distance from the corner is 1 − s.
-        _at_corner(left, body, law, 1 - s, Rational(3, 5) - t / 3, 0.75, -12),
+        _at_corner(1 - s, Rational(3, 5) - t / 3, 0.75, -12),
     )
     return Case(
         name="corner",
         summary="two sides at right angles in contact, pressure at the corner between them",
-        solution=ExactSolution(body, law, faces),
+        solution=solution,
         regularity=Regularity(gap=5, pressure=3, moving=True),
         order=1,
         reason="α = 5 > 7/2 and m = 3 > 3/2 on both sides, u smooth at the corner: (5.36), order 1 by Prop. 5.4",
@@ -51,6 +51,11 @@ def case() -> Case:
     )
 
 
-def _at_corner(part: Part, body: Body, law: KelvinVoigt, rho: Expr, c: Expr, depth: float, size: int) -> ContactFace:
-    gap, pressure, slip = 5 * pos(rho - c, 5), 100 * pos(c**2 - rho**2, 3), size * t * rho**2 * (1 - rho)
-    return ContactFace.linear(part, law, body.T, gap, pressure, c - rho, profile=cutoff(depth), slip=(slip,))
+def _at_corner(rho: Expr, c: Expr, depth: float, size: int) -> dict[str, Any]:
+    return {
+        "gap": 5 * pos(rho - c, 5),
+        "pressure": 100 * pos(c**2 - rho**2, 3),
+        "level": c - rho,
+        "profile": cutoff(depth),
+        "slip": (size * t * rho**2 * (1 - rho),),
+    }

@@ -14,29 +14,30 @@ give (5.36), so that Prop. 5.4 applies; its proof also holds in 3D. The exponent
 
 from sympy import Rational, cos, sin
 
-from manufactured.body import Kind, box
+from manufactured.body import box
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
+from manufactured.cases.shared import with_one_face
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s1, s2, t
 
 
 def case() -> Case:
-    body = box()
-    law = not_proportional(3)
-    (part,) = body.of(Kind.CONTACT)
     level = (
         Rational(1, 10) + Rational(3, 5) * t * (1 - t) - (s1 - Rational(2, 5) - t / 5) ** 2 - (s2 - Rational(1, 2)) ** 2
     )
-    gap = 2 * (Rational(1, 5) + t) * pos(-level, 5) / (Rational(1, 2) - level) ** 3
-    slip = t * (1 + t) * sin(s1 + 2 * s2) / 4, -t * cos(2 * s1 - s2) / 3
-    face = ContactFace.linear(part, law, body.T, gap, 2000 * pos(level, 3), level, slip=slip)
+    solution = with_one_face(
+        box(),
+        not_proportional(3),
+        gap=2 * (Rational(1, 5) + t) * pos(-level, 5) / (Rational(1, 2) - level) ** 3,
+        pressure=2000 * pos(level, 3),
+        level=level,
+        slip=(t * (1 + t) * sin(s1 + 2 * s2) / 4, -t * cos(2 * s1 - s2) / 3),
+    )
     return Case(
         name="cube-disc",
         summary="cube, a disc of contact slips, moves, grows and shrinks",
-        solution=ExactSolution(body, law, (face,)),
+        solution=solution,
         regularity=Regularity(gap=5, pressure=3, moving=True),
         order=1,
         reason="α = 5 > 7/2 and m = 3 > 3/2 across the circle give (5.36): order 1 by Prop. 5.4, in 3D, too",

@@ -14,32 +14,32 @@ Predicted order 1: both fronts move. On both faces the exponents of gap and pres
 m = 2 > 3/2, and u is smooth at the edge. This gives (5.36), so that Prop. 5.4 applies; its proof also holds in 3D.
 """
 
+from typing import Any
+
 import numpy as np
 from sympy import Expr, Rational
 
-from manufactured.body import Body, Kind, Part
+from manufactured.body import Body, Kind, Part, box
 from manufactured.case import Case
 from manufactured.cases.laws import without_contraction
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
-from manufactured.law import KelvinVoigt
+from manufactured.cases.shared import with_faces
 from manufactured.profile import cutoff
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s1, s2, t
 
 
 def case() -> Case:
-    body = _cube_clamped_on_a_third()
-    law = without_contraction(3)
-    bottom, side = body.of(Kind.CONTACT)
-    faces = (
-        _at_edge(bottom, body, law, Rational(1, 2) + Rational(2, 5) * t * (1 - t), 1.0),
-        _at_edge(side, body, law, Rational(3, 5) - t / 4, 2 / 3),
+    # The coordinates along the bottom are (x, y), along the side (y, z). The edge between them is the y-axis.
+    solution = with_faces(
+        _cube_clamped_on_a_third(),
+        without_contraction(3),
+        _at_edge(s1, s2, Rational(1, 2) + Rational(2, 5) * t * (1 - t), 1.0),
+        _at_edge(s2, s1, Rational(3, 5) - t / 4, 2 / 3),
     )
     return Case(
         name="cube-two-faces",
         summary="cube, bottom and one side in contact, pressure on the edge between them",
-        solution=ExactSolution(body, law, faces),
+        solution=solution,
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
         reason="α = 4 > 7/2 and m = 2 > 3/2 on both faces, u smooth at the edge: (5.36), order 1 by Prop. 5.4 in 3D",
@@ -48,28 +48,19 @@ def case() -> Case:
 
 
 def _cube_clamped_on_a_third() -> Body:
-    def part(kind: Kind, *corners: tuple[float, float, float]) -> Part:
-        return Part(kind, np.array(corners).T)
-
+    """Return the unit cube with its top divided at x = 2/3."""
+    left, right, front, back, bottom, top = box(left=Kind.CONTACT).parts
     h = 2 / 3
-    return Body(
-        (
-            part(Kind.CONTACT, (0, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 0)),
-            part(Kind.CONTACT, (0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0)),
-            part(Kind.LOADED, (1, 0, 0), (1, 1, 0), (1, 1, 1), (1, 0, 1)),
-            part(Kind.LOADED, (0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1)),
-            part(Kind.LOADED, (0, 1, 0), (0, 1, 1), (1, 1, 1), (1, 1, 0)),
-            part(Kind.LOADED, (0, 0, 1), (h, 0, 1), (h, 1, 1), (0, 1, 1)),
-            part(Kind.CLAMPED, (h, 0, 1), (1, 0, 1), (1, 1, 1), (h, 1, 1)),
-        )
-    )
+    loaded = np.diag([h, 1, 1]) @ top.corners
+    clamped = np.diag([1 - h, 1, 1]) @ top.corners + np.array([[h], [0], [0]])
+    return Body((bottom, left, right, front, back, Part(Kind.LOADED, loaded), Part(Kind.CLAMPED, clamped)))
 
 
-def _at_edge(part: Part, body: Body, law: KelvinVoigt, c: Expr, depth: float) -> ContactFace:
-    # Both faces have their first corner on the edge x = z = 0, so the distance ρ is the first or second coordinate
-    # along a face.
-    edge = np.array([0.0, 1.0, 0.0])
-    rho, eta = (s1, s2) if abs(part.tangent @ edge) < 0.5 else (s2, s1)
+def _at_edge(rho: Expr, eta: Expr, c: Expr, depth: float) -> dict[str, Any]:
     level = c**2 + (eta - Rational(1, 2)) ** 2 / 4 - rho**2
-    gap = (Rational(1, 5) + t) * pos(-level, 4) / (1 - level) ** 2
-    return ContactFace.linear(part, law, body.T, gap, 1500 * t * pos(level, 2), level, profile=cutoff(depth))
+    return {
+        "gap": (Rational(1, 5) + t) * pos(-level, 4) / (1 - level) ** 2,
+        "pressure": 1500 * t * pos(level, 2),
+        "level": level,
+        "profile": cutoff(depth),
+    }

@@ -14,29 +14,30 @@ The body starts at rest, u_0 = 0, so the error is zero at t = 0 and grows with t
 traction on the clamped boundary is not zero.
 """
 
-from sympy import Integer, sin
-
-from manufactured.body import Kind, unit_square
+from manufactured.body import unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
+from manufactured.cases.shared import SLIP, with_one_face
 from manufactured.profile import PARABOLA, cutoff
 from manufactured.regularity import Regularity
 from manufactured.symbols import s, t
 
 
 def case() -> Case:
-    body = unit_square()
-    law = not_proportional()
-    (part,) = body.of(Kind.CONTACT)
-    pressure = 20 * t * (1 + 4 * s * (1 - s))
-    rest = {"initial": Integer(0), "profile": cutoff(phi=PARABOLA), "slip": (t * (1 + t) * sin(2 * s + 1) / 2,)}
-    face = ContactFace.linear(part, law, body.T, Integer(0), pressure, Integer(1), **rest)
+    solution = with_one_face(
+        unit_square(),
+        not_proportional(),
+        gap=0,
+        pressure=20 * t * (1 + 4 * s * (1 - s)),
+        level=1,
+        initial=0,
+        profile=cutoff(phi=PARABOLA),
+        slip=(SLIP / 2,),
+    )
     return Case(
         name="full-contact",
         summary="all of Γ3 in contact at all times, pressure growing from zero",
-        solution=ExactSolution(body, law, (face,)),
+        solution=solution,
         regularity=Regularity(),
         order=1,
         reason="no front, u smooth in space and time: (5.36) and order 1 by Prop. 5.4",

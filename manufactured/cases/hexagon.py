@@ -18,14 +18,14 @@ m = 2 > 3/2, give (5.36), so that Prop. 5.4 applies.
 The denominator of w makes the gap flatter away from the fronts.
 """
 
-from sympy import Expr, Integer, Rational, exp, sin
+from typing import Any
 
-from manufactured.body import Body, Kind, Part, polygon
+from sympy import Expr, Rational, exp
+
+from manufactured.body import Kind, polygon
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
-from manufactured.law import KelvinVoigt
+from manufactured.cases.shared import SLIP, with_faces
 from manufactured.profile import QUARTIC, cutoff
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
@@ -36,17 +36,18 @@ HEXAGON = ((-0.5, -0.9), (0.55, -0.85), (1.05, 0.05), (0.5, 0.85), (-0.55, 0.9),
 def case() -> Case:
     contact, loaded = Kind.CONTACT, Kind.LOADED
     body = polygon(HEXAGON, [contact, loaded, contact, Kind.CLAMPED, contact, loaded])
-    law = not_proportional()
-    first, second, third = body.of(contact)
-    faces = (
-        _with_front(first, body, law, s, Rational(3, 10) + t / 4, Integer(50), t * (1 + t) * sin(2 * s + 1) / 2),
-        _from_clamp(second, body, law, second.measure - s, Rational(3, 4) - t / 4),
-        _from_clamp(third, body, law, s, Rational(1, 2) + t * (1 - t)),
+    _, second, _ = body.of(contact)
+    solution = with_faces(
+        body,
+        not_proportional(),
+        _with_front(s, Rational(3, 10) + t / 4, 50, SLIP / 2),
+        _from_clamp(second.measure - s, Rational(3, 4) - t / 4),
+        _from_clamp(s, Rational(1, 2) + t * (1 - t)),
     )
     return Case(
         name="hexagon",
         summary="irregular hexagon with contact on three sides of different directions",
-        solution=ExactSolution(body, law, faces),
+        solution=solution,
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
         reason="α = 4 > 7/2 and m = 2 > 3/2 on every side give (5.36): order 1 by Prop. 5.4",
@@ -54,11 +55,15 @@ def case() -> Case:
     )
 
 
-def _from_clamp(part: Part, body: Body, law: KelvinVoigt, place: Expr, c: Expr) -> ContactFace:
-    return _with_front(part, body, law, place, c, 900 * pos(place, 2), 25 * t * pos(place, 3) * exp(-4 * place))
+def _from_clamp(place: Expr, c: Expr) -> dict[str, Any]:
+    return _with_front(place, c, 900 * pos(place, 2), 25 * t * pos(place, 3) * exp(-4 * place))
 
 
-def _with_front(part: Part, body: Body, law: KelvinVoigt, place: Expr, c: Expr, scale: Expr, slip: Expr) -> ContactFace:
-    gap = 4 * (Rational(1, 5) + t) * pos(place - c, 4) / (Rational(1, 4) + (place - c) ** 2)
-    pressure, profile = scale * pos(c - place, 2), cutoff(0.8, QUARTIC)
-    return ContactFace.linear(part, law, body.T, gap, pressure, c - place, profile=profile, slip=(slip,))
+def _with_front(place: Expr, c: Expr, scale: Expr, slip: Expr) -> dict[str, Any]:
+    return {
+        "gap": 4 * (Rational(1, 5) + t) * pos(place - c, 4) / (Rational(1, 4) + (place - c) ** 2),
+        "pressure": scale * pos(c - place, 2),
+        "level": c - place,
+        "profile": cutoff(0.8, QUARTIC),
+        "slip": (slip,),
+    }

@@ -16,7 +16,7 @@ Source: M. L. Williams, J. Appl. Mech. 19 (1952) 526–528.
 """
 
 import numpy as np
-from sympy import Integer, Rational
+from sympy import Rational
 
 from manufactured.body import Kind, polygon
 from manufactured.case import Case
@@ -36,7 +36,7 @@ def case() -> Case:
     x, y = kolosov(kappa, 1.0, -(kappa + 0.5), 0.5)
     field = SingularField((0.0, 0.0), np.eye(2), x, y, t)
     pressure = Rational(kappa - 1) / 2 * shearing(law, t) * pos(s, -Rational(1, 2))
-    face = SingularFace(part, Integer(0), pressure, Integer(1), field, rough=(0.0,))
+    face = SingularFace(part, 0, pressure, 1, field, rough=(0.0,))
     return Case(
         name="junction",
         summary="Γ1 meets Γ3 in contact on a straight line: u ~ r^{1/2}, p ~ r^{−1/2}",

@@ -13,27 +13,28 @@ order 1/2. Prop. 5.3 gives no order.
 Apart from the kink the solution is smooth, so the kink causes most of the error.
 """
 
-from sympy import Integer
-
-from manufactured.body import Kind, unit_square
+from manufactured.body import unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import two_layers
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
+from manufactured.cases.shared import with_one_face
 from manufactured.profile import layered
 from manufactured.regularity import Regularity
 from manufactured.symbols import s, t
 
 
 def case() -> Case:
-    body, law = unit_square(), two_layers(1 / 3, 10.0)
-    (part,) = body.of(Kind.CONTACT)
-    pressure = 20 * t * (1 + s * (1 - s))
-    face = ContactFace.linear(part, law, body.T, Integer(0), pressure, Integer(1), profile=layered(1 / 3, 10.0))
+    solution = with_one_face(
+        unit_square(),
+        two_layers(1 / 3, 10.0),
+        gap=0,
+        pressure=20 * t * (1 + s * (1 - s)),
+        level=1,
+        profile=layered(1 / 3, 10.0),
+    )
     return Case(
         name="layered-unmet",
         summary="two layers, the interface y = 1/3 is met by no mesh",
-        solution=ExactSolution(body, law, (face,)),
+        solution=solution,
         regularity=Regularity(kink=True),
         order=0.5,
         reason="the strain jumps inside cells: u(t) ∈ H^{1+s} for s < 1/2, interpolation of order 1/2, no rate claimed",

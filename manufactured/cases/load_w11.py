@@ -18,7 +18,7 @@ require of the loads no more than W^{1,1}, (3.4) and (3.8). The further assumpti
 (4.12), which holds because p is bounded, and (5.36).
 """
 
-from sympy import Integer, Rational, cos
+from sympy import Rational, cos
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
@@ -37,9 +37,7 @@ def case() -> Case:
     (part,) = body.of(Kind.CONTACT)
     strain = -(1 + 4 * s * (1 - s)) * (t + pos(t - Rational(9, 20), Rational(5, 4)) / 4)
     slip = 2 * t * (Rational(3, 2) - t) * cos(s)
-    face = ContactFace(
-        part, Integer(0), Prescribed(((body.T, strain),)), Integer(1), cutoff(phi=PARABOLA), slip=(slip,)
-    )
+    face = ContactFace(part, 0, Prescribed(((body.T, strain),)), 1, cutoff(phi=PARABOLA), slip=(slip,))
     return Case(
         name="load-w11",
         summary="full contact under a load in W^{1,r}(0,T) for r < 4/3 only",

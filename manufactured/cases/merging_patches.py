@@ -16,27 +16,28 @@ The denominator of w makes the gap flatter away from the fronts.
 
 from sympy import Rational
 
-from manufactured.body import Kind, unit_square
+from manufactured.body import unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
+from manufactured.cases.shared import with_one_face
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
 
 def case() -> Case:
-    body = unit_square()
-    law = not_proportional()
-    (part,) = body.of(Kind.CONTACT)
     landscape = 16 * ((s - Rational(1, 4)) * (s - Rational(7, 10))) ** 2
     level = -Rational(1, 50) + Rational(2, 5) * t * (1 - t) - landscape
-    gap = 8 * (Rational(1, 4) + 3 * t * (1 - t)) * pos(-level, 4) / (Rational(1, 5) - level) ** 3
-    face = ContactFace.linear(part, law, body.T, gap, 3000 * pos(level, 2), level)
+    solution = with_one_face(
+        unit_square(),
+        not_proportional(),
+        gap=8 * (Rational(1, 4) + 3 * t * (1 - t)) * pos(-level, 4) / (Rational(1, 5) - level) ** 3,
+        pressure=3000 * pos(level, 2),
+        level=level,
+    )
     return Case(
         name="merging-patches",
         summary="two patches are born, merge, part again and vanish",
-        solution=ExactSolution(body, law, (face,)),
+        solution=solution,
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
         reason="α = 4 > 7/2 and m = 2 > 3/2 at all four fronts give (5.36): order 1 by Prop. 5.4",

@@ -17,27 +17,27 @@ order h^{3/4} changes the displacement by h^{7/4} only.
 
 from sympy import Rational
 
-from manufactured.body import Kind, unit_square
+from manufactured.body import unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
+from manufactured.cases.shared import with_one_face
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
 
 def case() -> Case:
-    body = unit_square()
-    law = not_proportional()
     c = Rational(3, 8) + t / 4
-    (part,) = body.of(Kind.CONTACT)
-    face = ContactFace.linear(
-        part, law, body.T, 20 * (Rational(1, 5) + t) * pos(s - c, Rational(13, 4)), 150 * pos(c - s, 2), c - s
+    solution = with_one_face(
+        unit_square(),
+        not_proportional(),
+        gap=20 * (Rational(1, 5) + t) * pos(s - c, Rational(13, 4)),
+        pressure=150 * pos(c - s, 2),
+        level=c - s,
     )
     return Case(
         name="moving-rough",
         summary="advancing front with u(t) in H², u̇(t) not",
-        solution=ExactSolution(body, law, (face,)),
+        solution=solution,
         regularity=Regularity(gap=3.25, pressure=2, moving=True),
         order=1,
         reason="u(t) ∈ H² for α = 13/4, m = 2: interpolation of order 1; the proof of 5.4 gives α − 5/2 = 3/4",

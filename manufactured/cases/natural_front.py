@@ -16,7 +16,7 @@ only, which just violates (5.36), so Prop. 5.4 gives no order.
 Source: M. L. Williams, J. Appl. Mech. 19 (1952) 526–528.
 """
 
-from sympy import Rational
+from sympy import Expr, Rational
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
@@ -24,26 +24,35 @@ from manufactured.cases.laws import kolosov_constant, proportional, shearing
 from manufactured.exact import ExactSolution
 from manufactured.profile import cutoff
 from manufactured.regularity import Regularity
-from manufactured.singular import SingularFace, SingularField, kolosov
+from manufactured.singular import SingularFace, SingularField, TravellingField, kolosov
 from manufactured.symbols import pos, s, t
 
 
-def case() -> Case:
-    law = proportional(2.0)
-    body = unit_square()
+def with_natural_front(theta: Expr, place: Expr, moving: bool = False) -> ExactSolution:
+    """Return the solution with a natural front on the unit square.
+
+    Args:
+        theta: the formula of the factor θ(t).
+        place: the position c of the front, a number or a formula of t.
+        moving: whether the front moves.
+    """
+    body, law = unit_square(), proportional(2.0)
     (part,) = body.of(Kind.CONTACT)
-    front = Rational(2, 5)
-    theta = Rational(1, 4) + 2 * t
     kappa = kolosov_constant(law.A)
     x, y = kolosov(kappa, 1j, -0.5j, 1.5)
-    field = SingularField((float(front), 0.0), part.frame, x, y, theta, depth=cutoff().b)
-    gap = (kappa + 1) * theta * pos(s - front, Rational(3, 2))
-    pressure = 3 * shearing(law, theta) * pos(front - s, Rational(1, 2))
-    face = SingularFace(part, gap, pressure, front - s, field, rough=(float(front),))
+    steady = SingularField((0 if moving else place, 0), part.frame, x, y, theta, depth=cutoff().b)
+    field = TravellingField(steady, place) if moving else steady
+    gap = (kappa + 1) * theta * pos(s - place, Rational(3, 2))
+    pressure = 3 * shearing(law, theta * pos(place - s, Rational(1, 2)))
+    face = SingularFace(part, gap, pressure, place - s, field, rough=() if moving else (place,))
+    return ExactSolution(body, law, (face,))
+
+
+def case() -> Case:
     return Case(
         name="natural-front",
         summary="the natural front of frictionless contact, w ~ r^{3/2}, fixed",
-        solution=ExactSolution(body, law, (face,)),
+        solution=with_natural_front(Rational(1, 4) + 2 * t, Rational(2, 5)),
         regularity=Regularity(on_contact=1.5),
         order=1,
         reason="u(t) ∈ H^{5/2−ε} ⊂ H², so interpolation has order 1; the trace r^{3/2} just misses (5.36)",

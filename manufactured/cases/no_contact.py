@@ -13,27 +13,29 @@ Signorini's condition is never active, so the scheme must solve the linear probl
 e^{−gt/a} with a = A_nnnn and g = G_nnnn.
 """
 
-from sympy import Integer, Rational
+from sympy import Rational
 
-from manufactured.body import Kind, unit_square
+from manufactured.body import unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
+from manufactured.cases.shared import with_one_face
 from manufactured.regularity import Regularity
 from manufactured.symbols import s, t
 
 
 def case() -> Case:
-    body = unit_square()
-    law = not_proportional()
-    (part,) = body.of(Kind.CONTACT)
-    gap = (Rational(1, 10) + t**2) * (1 + 4 * s * (1 - s))
-    face = ContactFace.linear(part, law, body.T, gap, Integer(0), Integer(-1), initial=-s * (1 - s))
+    solution = with_one_face(
+        unit_square(),
+        not_proportional(),
+        gap=(Rational(1, 10) + t**2) * (1 + 4 * s * (1 - s)),
+        pressure=0,
+        level=-1,
+        initial=-s * (1 - s),
+    )
     return Case(
         name="no-contact",
         summary="no contact at any time, a strain from earlier contact relaxes",
-        solution=ExactSolution(body, law, (face,)),
+        solution=solution,
         regularity=Regularity(),
         order=1,
         reason="no front, u smooth in space and time: (5.36) and order 1 by Prop. 5.4",

@@ -16,31 +16,31 @@ The half-width of the patch is 1/4 at t = 0 and t = 1, and 0.35 at t = 1/2. In t
 foundation.
 """
 
-from sympy import Rational, sin
+from sympy import Rational
 
-from manufactured.body import Kind, unit_square
+from manufactured.body import unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import proportional
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
+from manufactured.cases.shared import SLIP, with_one_face
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
 
 def case() -> Case:
-    body = unit_square()
-    law = proportional()
-    (part,) = body.of(Kind.CONTACT)
     level = Rational(1, 16) + t * (1 - t) / 4 - (s - Rational(9, 20) - t / 10) ** 2
-    gap = 8 * (1 + t) * pos(-level, 4) / (Rational(1, 5) - level) ** 3
-    initial_gap = 6 * (s - Rational(2, 5)) ** 2
-    slip = t * (1 + t) * sin(2 * s + 1) / 2
-    data = part, law, body.T, gap, 500 * pos(level, 2), level
-    face = ContactFace.linear(*data, initial_gap=initial_gap, slip=(slip,))
+    solution = with_one_face(
+        unit_square(),
+        proportional(),
+        gap=8 * (1 + t) * pos(-level, 4) / (Rational(1, 5) - level) ** 3,
+        pressure=500 * pos(level, 2),
+        level=level,
+        initial_gap=6 * (s - Rational(2, 5)) ** 2,
+        slip=(SLIP / 2,),
+    )
     return Case(
         name="parabolic-gap",
         summary="initial gap above a round foundation, a patch about its apex slips, widens, narrows and drifts",
-        solution=ExactSolution(body, law, (face,)),
+        solution=solution,
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
         reason="a parabola as initial gap adds a smooth field; α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1",

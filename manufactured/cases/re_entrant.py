@@ -19,14 +19,14 @@ and 1 on graded ones. Prop. 5.3 gives no order.
 Source: M. L. Williams, J. Appl. Mech. 19 (1952) 526–528.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from sympy import Rational, Symbol, nsolve, pi, sin
 
-from manufactured.body import Kind, polygon
 from manufactured.case import Case
 from manufactured.cases.laws import kolosov_constant, proportional
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
+from manufactured.cases.shared import l_shape, with_one_face
 from manufactured.profile import QUARTIC, Piecewise, cutoff
 from manufactured.regularity import Regularity
 from manufactured.singular import SingularField, kolosov
@@ -43,12 +43,15 @@ def exponent() -> float:
 
 def case() -> Case:
     law = proportional(2.0)
-    kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
-    body = polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], kinds, refine=((1.0, 1.0),))
-    (part,) = body.of(Kind.CONTACT)
     c = Rational(3, 5) + t / 2
-    w, p = pos(s - c, 4), 5 * pos(c - s, 2)
-    face = ContactFace.linear(part, law, body.T, w, p, c - s, profile=cutoff(0.9, QUARTIC))
+    on_bottom = with_one_face(
+        l_shape(refine=((1.0, 1.0),)),
+        law,
+        gap=pos(s - c, 4),
+        pressure=5 * pos(c - s, 2),
+        level=c - s,
+        profile=cutoff(0.9, QUARTIC),
+    )
     lam, omega = exponent(), 1.5 * np.pi
     x, y = kolosov(kolosov_constant(law.A), 1.0, -(np.cos(lam * omega) + lam * np.cos(omega)), lam)
     # The first axis of the singular field is its axis of symmetry, which must point into the body.
@@ -58,7 +61,7 @@ def case() -> Case:
     return Case(
         name="re-entrant",
         summary="re-entrant corner of an L-shaped body, advancing front on its bottom",
-        solution=ExactSolution(body, law, (face,), (corner,), ((1.0, 1.0),)),
+        solution=replace(on_bottom, others=(corner,), singular=((1.0, 1.0),)),
         regularity=Regularity(gap=4, pressure=2, moving=True, corner=lam),
         order=min(1.0, lam),
         reason="u(t) ∈ H^{1+s} for s < λ ≈ 0.5445 at the corner: that order on uniform meshes, 1 on graded ones",

@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from manufactured.body import Kind, polygon, unit_square
+from manufactured.body import polygon, unit_square
 from manufactured.case import Case
 from manufactured.cases import advance_recede
 
@@ -26,8 +26,9 @@ SHIFT = (3.0, -1.0)
 
 def case() -> Case:
     turn = np.array([[np.cos(ANGLE), -np.sin(ANGLE)], [np.sin(ANGLE), np.cos(ANGLE)]])
-    corners = turn @ unit_square().vertices + np.array(SHIFT)[:, None]
-    body = polygon([(x, y) for x, y in corners.T], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED])
+    square = unit_square()
+    corners = turn @ square.vertices + np.array(SHIFT)[:, None]
+    body = polygon([(x, y) for x, y in corners.T], [part.kind for part in square.parts])
     plain = advance_recede.case()
     return replace(
         plain,

@@ -15,27 +15,28 @@ small compared with the error at the front.
 
 from sympy import Rational
 
-from manufactured.body import Kind, unit_square
+from manufactured.body import unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
+from manufactured.cases.shared import with_one_face
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
 
 def case() -> Case:
-    law = not_proportional()
-    body = unit_square()
-    (part,) = body.of(Kind.CONTACT)
     c = Rational(1, 3)
-    w = 60 * t * pos(s - c, Rational(7, 4)) * (1 - s) ** 2
-    p = 200 * t * pos(c - s, Rational(3, 4)) * s**2
-    face = ContactFace.linear(part, law, body.T, w, p, c - s, rough=(float(c),))
+    solution = with_one_face(
+        unit_square(),
+        not_proportional(),
+        gap=60 * t * pos(s - c, Rational(7, 4)) * (1 - s) ** 2,
+        pressure=200 * t * pos(c - s, Rational(3, 4)) * s**2,
+        level=c - s,
+        rough=(c,),
+    )
     return Case(
         name="rough-1.75",
         summary="fixed front with w ~ r^1.75, p ~ r^0.75",
-        solution=ExactSolution(body, law, (face,)),
+        solution=solution,
         regularity=Regularity(gap=1.75, pressure=0.75),
         order=0.25,
         reason="u(t) ∈ H^(1+s) for s < α − 3/2 = 0.25: interpolation of that order, no rate claimed",

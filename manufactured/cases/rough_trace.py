@@ -17,7 +17,7 @@ Predicted order 1: u(t) ∈ H^{1+s} for s < α = 5/4, so interpolation has order
 """
 
 import numpy as np
-from sympy import Float, Rational
+from sympy import Rational
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
@@ -42,8 +42,8 @@ def case() -> Case:
     y = (Monomial(0, a, alpha), Monomial(1, b, alpha - 1))
     field = SingularField((float(front), 0.0), part.frame, x, y, theta, depth=cutoff().b)
     modulus, stiffness = (tensor.normal_modulus(part.normal) for tensor in (law.A, law.G))  # type: ignore[attr-defined]
-    p = Q * (modulus * theta.diff(t) + stiffness * theta) * pos(front - s, Float(alpha) - 1)
-    w = W * theta * pos(s - front, Float(alpha))
+    p = Q * (modulus * theta.diff(t) + stiffness * theta) * pos(front - s, alpha - 1)
+    w = W * theta * pos(s - front, alpha)
     face = SingularFace(part, w, p, front - s, field, rough=(float(front),))
     return Case(
         name="rough-trace",

@@ -1,4 +1,6 @@
-"""Solutions and strains that several cases share.
+"""Bodies, solutions and strains that several cases share.
+
+**Contact faces under a linear law** (``with_faces``, ``with_one_face``), which most cases have.
 
 **An advancing contact front**, which the cases ``anisotropic``, ``heterogeneous`` and ``layered`` share.
 
@@ -18,9 +20,11 @@ Q changes from Q_0(s) at t = 0 to Q_1(s) at t = t_1. With τ = t/t_1 its formula
 Then Q, Q̇ and p are continuous, p(t_1) = 0, and after t_1, where p = 0, Q relaxes towards ρ.
 """
 
-from sympy import Expr, Float, Rational, exp, sin
+from typing import Any
 
-from manufactured.body import Body, Kind, Part
+from sympy import Expr, Rational, exp, sin
+
+from manufactured.body import Body, Kind, Part, polygon
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.face_strain import Prescribed
@@ -28,8 +32,37 @@ from manufactured.law import KelvinVoigt, Yield
 from manufactured.profile import Profile
 from manufactured.symbols import pos, s, t
 
+SLIP: Expr = t * (1 + t) * sin(2 * s + 1)
+"""A slip z(s, t) that other cases use with a factor."""
 FRONT: Expr = Rational(1, 4) + t / 2
 """The position c(t) of the contact front."""
+
+
+def with_faces(body: Body, law: KelvinVoigt, *faces: dict[str, Any]) -> ExactSolution:
+    """Return the exact solution with a contact face on every piece of Γ3, for a linear law.
+
+    Args:
+        body: the body.
+        law: the material law.
+        faces: for each piece of Γ3 the data of its face, as arguments of ``ContactFace.linear`` with their names.
+    """
+    pieces = zip(body.of(Kind.CONTACT), faces, strict=True)
+    return ExactSolution(body, law, tuple(ContactFace.linear(part, law, body.T, **data) for part, data in pieces))
+
+
+def with_one_face(body: Body, law: KelvinVoigt, **data: Any) -> ExactSolution:
+    """Return the exact solution on a body with a single piece of Γ3; see ``with_faces``."""
+    return with_faces(body, law, data)
+
+
+def l_shape(refine: tuple[tuple[float, float], ...]) -> Body:
+    """Return an L-shaped body that is clamped on top, with contact on its bottom.
+
+    Args:
+        refine: the vertices towards which graded meshes are refined.
+    """
+    kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+    return polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], kinds, refine=refine)
 
 
 def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Expr) -> ExactSolution:
@@ -41,11 +74,8 @@ def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Ex
         profile: the functions that continue the displacement into the body.
         pressure: the formula of the contact pressure p(s, t), which must be 0 beyond the front.
     """
-    (part,) = body.of(Kind.CONTACT)
     gap = 8 * (Rational(1, 5) + t) * pos(s - FRONT, 4)
-    slip = t * (1 + t) * sin(2 * s + 1)
-    face = ContactFace.linear(part, law, body.T, gap, pressure, FRONT - s, profile=profile, slip=(slip,))
-    return ExactSolution(body, law, (face,))
+    return with_one_face(body, law, gap=gap, pressure=pressure, level=FRONT - s, profile=profile, slip=(SLIP,))
 
 
 RELEASE = Rational(3, 5)
@@ -58,21 +88,20 @@ def edge(law: KelvinVoigt, part: Part) -> float:
     return law.G.normal_response(part.normal)[1]
 
 
-def pressed_and_released(law: KelvinVoigt, part: Part, start: Expr, rise: Expr, release: Expr) -> Prescribed:
-    """Return the prescribed normal strain −Q on a face that is loaded and then released.
+def pressed_and_released(law: KelvinVoigt, part: Part, start: Expr, rise: Expr) -> Prescribed:
+    """Return the prescribed normal strain −Q on a face that is loaded and then released at the time t_1.
 
     Args:
         law: the law (3.3).
         part: the face.
         start, rise: the formulas of Q_0 and of Q_1 − Q_0.
-        release: the time t_1 of release.
     """
     assert isinstance(law.G, Yield)
     response, rho = law.G.normal_response(part.normal)
-    tau = t / release
+    tau = t / RELEASE
     h, k = tau**2 * (3 - 2 * tau), tau**2 * (tau - 1)
-    decay = Float(response / law.A.normal_modulus(part.normal))
-    excess = start + rise - Float(rho)
-    loading = start + rise * h - release * decay * excess * k
-    relaxing = Float(rho) + excess * exp(-decay * (t - release))
-    return Prescribed(((float(release), -loading), (1.0, -relaxing)))
+    decay = response / law.A.normal_modulus(part.normal)
+    excess = start + rise - rho
+    loading = start + rise * h - RELEASE * decay * excess * k
+    relaxing = rho + excess * exp(-decay * (t - RELEASE))
+    return Prescribed(((float(RELEASE), -loading), (1.0, -relaxing)))

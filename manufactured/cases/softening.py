@@ -21,12 +21,12 @@ e^{5t/3}. On the mesh with n = 8 cells along a side it was 0.65 ‖u − Π^h u�
 u^h‖²)^{1/2} is about ‖u − Π^h u‖ failed with the quotient 1.15.
 """
 
-from sympy import Integer, Rational, sin
+from sympy import Rational, sin
 
-from manufactured.body import Kind, unit_square
+from manufactured.body import unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import softening_in_volume
-from manufactured.contact import ContactFace
+from manufactured.cases.shared import with_one_face
 from manufactured.exact import ExactSolution
 from manufactured.law import KelvinVoigt
 from manufactured.regularity import Regularity
@@ -35,13 +35,16 @@ from manufactured.symbols import pos, s, t
 
 def softening(law: KelvinVoigt) -> ExactSolution:
     """Return the solution for a law whose normal modulus of viscosity is positive."""
-    body = unit_square()
-    (part,) = body.of(Kind.CONTACT)
     c = Rational(7, 24) + Rational(15, 8) * t * (1 - t)
-    gap, pressure = 20 * (1 + t) * pos(s - c, 5), 20 * pos(c - s, 3)
-    slip = 4 * t * sin(3 * s + Rational(1, 2))
-    face = ContactFace.linear(part, law, body.T, gap, pressure, c - s, initial=Integer(0), slip=(slip,))
-    return ExactSolution(body, law, (face,))
+    return with_one_face(
+        unit_square(),
+        law,
+        gap=20 * (1 + t) * pos(s - c, 5),
+        pressure=20 * pos(c - s, 3),
+        level=c - s,
+        initial=0,
+        slip=(4 * t * sin(3 * s + Rational(1, 2)),),
+    )
 
 
 def case() -> Case:

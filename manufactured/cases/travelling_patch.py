@@ -17,28 +17,29 @@ is largest while the contact zone moves.
 
 from sympy import Rational, sin
 
-from manufactured.body import Kind, unit_square
+from manufactured.body import unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
+from manufactured.cases.shared import with_one_face
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
 
 def case() -> Case:
-    body = unit_square()
-    law = not_proportional()
-    (part,) = body.of(Kind.CONTACT)
     b = Rational(3, 10) + 2 * t / 5
     level = Rational(3, 4) * (t - Rational(1, 8)) * (Rational(7, 8) - t) - (s - b) ** 2
-    gap = 80 * (Rational(1, 4) + 3 * t * (1 - t)) * pos(-level, 5)
-    pressure, slip = 20000 * pos(level, 3), 3 * t**2 * sin(2 * s + 1)
-    face = ContactFace.linear(part, law, body.T, gap, pressure, level, slip=(slip,))
+    solution = with_one_face(
+        unit_square(),
+        not_proportional(),
+        gap=80 * (Rational(1, 4) + 3 * t * (1 - t)) * pos(-level, 5),
+        pressure=20000 * pos(level, 3),
+        level=level,
+        slip=(3 * t**2 * sin(2 * s + 1),),
+    )
     return Case(
         name="travelling-patch",
         summary="patch is born at t = 1/8, travels on a face that slips, vanishes at t = 7/8",
-        solution=ExactSolution(body, law, (face,)),
+        solution=solution,
         regularity=Regularity(gap=5, pressure=3, moving=True),
         order=1,
         reason="α = 5 > 7/2 and m = 3 > 3/2 give (5.36): order 1 by Prop. 5.4",

@@ -14,7 +14,7 @@ Predicted order 1: there is no front. w and q = âˆ’Q are smooth in space, and uÌ
 so that Prop. 5.4 applies, for which it is enough that G is Lipschitz.
 """
 
-from sympy import Float, Rational
+from sympy import Rational
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
@@ -30,8 +30,8 @@ def case() -> Case:
     law = KelvinVoigt(isotropic(1, 0.5), Yield(6.0, FrobeniusBall(0.5)), "(3.3), Frobenius ball")
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
-    rise = Float(edge(law, part)) * (Rational(3, 2) + 2 * s * (1 - s))
-    strain = pressed_and_released(law, part, Float(0), rise, RELEASE)
+    rise = edge(law, part) * (Rational(3, 2) + 2 * s * (1 - s))
+    strain = pressed_and_released(law, part, 0, rise)
     w = 8 * pos(t - RELEASE, 2) * (1 + 4 * s * (1 - s))
     slip = 3 * t / 2 + pos(RELEASE - t, 2) * (s + s**2) / 2
     return Case(

@@ -14,7 +14,7 @@ Predicted order 1: the front is fixed. The exponents of gap and pressure at the 
 u(t) ∈ H² and (5.36), so that Prop. 5.4 applies.
 """
 
-from sympy import Float, Rational
+from sympy import Rational
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
@@ -34,7 +34,7 @@ def case() -> Case:
     c = Rational(3, 5)
     rise = 3 * pos(c - s, 2)
     slip = 3 * t / 2 + s**2 / 4
-    loaded = pressed_and_released(law, part, Float(edge(law, part)), rise, RELEASE)
+    loaded = pressed_and_released(law, part, edge(law, part), rise)
     strain = Prescribed(tuple((end, slip.diff(s) + q) for end, q in loaded.phases))
     w = 15 * t**2 * pos(s - c, 3) + 4 * pos(t - RELEASE, 2)
     released = pos(t - RELEASE, 0)

@@ -23,5 +23,6 @@ In the paper g = 0, and the contact conditions are (2.5). For g ≠ 0, which the
 """
 
 from manufactured.contact.contact_face import ContactFace
+from manufactured.contact.stated_face import StatedFace
 
-__all__ = ["ContactFace"]
+__all__ = ["ContactFace", "StatedFace"]

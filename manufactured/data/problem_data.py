@@ -13,14 +13,14 @@ from manufactured.arguments import checked
 from manufactured.body import Body, Kind, Part
 from manufactured.data.compiled_formulas import Expressions, compiled, gradient, own_formula
 from manufactured.exact import ExactSolution, ForceModes
-from manufactured.factor import x1, x2, x3
+from manufactured.factor import COORDINATES
 from manufactured.law import KelvinVoigt, Linear
-from manufactured.symbols import FormulaError, t
+from manufactured.symbols import FormulaError, Symbols, t
 from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, mandel
 
 ForceInTime = Callable[[float], Vectors]
 Formulas = Annotated[
-    Sequence[sp.Expr | float], "one number or formula of SymPy for each direction, such as (0, -1) or (0, -x2)"
+    Sequence[sp.Expr], "one number or formula of SymPy for each direction, such as (0, -1) or (0, -x2)"
 ]
 Tractions = Annotated[
     Mapping[int, Formulas], "a dict from the number of a LOADED side to the traction on it, such as {2: (0, -4)}"
@@ -150,14 +150,14 @@ class Data:
                 "as the undeformed body touches the foundation along Γ3; only an exact solution can have one, the "
                 "`initial_gap` of ContactFace.linear"
             )
-        dim, place = body.dim, (x1, x2, x3)[: body.dim]
+        dim, place = body.dim, COORDINATES[: body.dim]
         law.require_dimension(dim)
-        force = compiled(f0, dim, "f0", (*place, t))
-        surface_load = _surface_load(body, f2 or {}, (*place, t))
-        displacement = tuple(map(own_formula, [0] * dim if u0 is None else u0))
+        body_force, displacement = (tuple(map(own_formula, each)) for each in (f0, [0] * dim if u0 is None else u0))
+        loads = {number: tuple(map(own_formula, load)) for number, load in sorted((f2 or {}).items())}
+        force = compiled(body_force, dim, "f0", (*place, t))
+        surface_load = _surface_load(body, loads, (*place, t))
         start = compiled(displacement, dim, "u0", place)
         slopes = compiled(gradient(displacement, place), dim * dim, "∇u0", place)
-        loads = tuple((number, tuple(map(own_formula, load))) for number, load in sorted((f2 or {}).items()))
         data = cls(
             body,
             law,
@@ -167,7 +167,7 @@ class Data:
             lambda x: mandel(slopes(x).reshape(dim, dim, *x.shape[1:])),
             (*lines, *law.steps),
         )
-        object.__setattr__(data, "formulas_of", Expressions(tuple(map(own_formula, f0)), loads, displacement))
+        object.__setattr__(data, "formulas_of", Expressions(body_force, tuple(loads.items()), displacement))
         return data
 
     def check(self) -> None:
@@ -179,18 +179,20 @@ class Data:
             LoadError: f_0, f_2, u_0 or ε(u_0) is not finite or has a wrong shape, u_0 does not vanish on Γ1 or is not
                 in K, or a factor of the law is outside its stated bounds.
         """
-        with np.errstate(all="ignore"):  # ``check`` refuses values that are not finite
-            check(self)
+        rng = np.random.default_rng(0)
+        inside = self.body.sample(rng, POINTS)
+        with np.errstate(all="ignore"):  # values that are not finite are refused
+            _check_factors(self.law, inside)
+            _check_forces(self, inside, rng)
+            _check_start(self, inside, rng)
 
 
-def _surface_load(
-    body: Body, f2: Mapping[int, Formulas], symbols: tuple[sp.Symbol, ...]
-) -> Callable[[Part, Points], ForceInTime]:
+def _surface_load(body: Body, f2: Mapping[int, Formulas], symbols: Symbols) -> Callable[[Part, Points], ForceInTime]:
     """Return the function ``Data.surface_load`` for given formulas of f_2; on parts without a formula, f_2 is zero."""
     loads = {}
+    loaded = [i for i, part in enumerate(body.parts) if part.kind is Kind.LOADED]
     for number, load in f2.items():
-        if not 0 <= number < len(body.parts) or body.parts[number].kind is not Kind.LOADED:
-            loaded = [i for i, part in enumerate(body.parts) if part.kind is Kind.LOADED]
+        if number not in loaded:
             raise FormulaError(f"f2 is given on part {number}, but the LOADED parts have the numbers {loaded}")
         loads[body.parts[number]] = compiled(load, body.dim, f"f2 on part {number}", symbols)
     none = compiled([0] * body.dim, body.dim, "f2", symbols)
@@ -208,15 +210,6 @@ ROUNDING = 1e-12
 """Relative size up to which u_0 on Γ1, and penetration of u_0 on Γ3, count as round-off."""
 LARGEST = 1e100
 """Largest permitted value of f_0, f_2, u_0 and ε(u_0): their squares must not overflow."""
-
-
-def check(data: Data) -> None:
-    """Raise LoadError unless the data are admissible; ``Data.check`` lists the conditions."""
-    rng = np.random.default_rng(0)
-    inside = _inside(data.body, rng)
-    _check_factors(data.law, inside)
-    _check_forces(data, inside, rng)
-    _check_start(data, inside, rng)
 
 
 def _check_factors(law: KelvinVoigt, x: Points) -> None:
@@ -256,18 +249,12 @@ def _check_start(data: Data, inside: Points, rng: np.random.Generator) -> None:
 
 def _initial_gap(data: Data, part: Part, x: Points) -> Array | float:
     """Return the initial gap at points of a boundary part; 0 outside Γ3 and for data without an initial gap."""
-    solution = data.formulas_of
-    if not (isinstance(solution, ExactSolution) and solution.has_initial_gap and part.kind is Kind.CONTACT):
+    if not data.has_initial_gap or part.kind is not Kind.CONTACT:
         return 0.0
+    solution = data.formulas_of
+    assert isinstance(solution, ExactSolution)
     (face,) = (face for face in solution.faces if face.part is part)
     return solution.on(face, part.coordinates(x)[0]).initial_gap()
-
-
-def _inside(body: Body, rng: np.random.Generator) -> Points:
-    """Return at most POINTS random points of the body, (d, n)."""
-    low, high = body.vertices.min(axis=1, keepdims=True), body.vertices.max(axis=1, keepdims=True)
-    x = low + (high - low) * rng.random((body.dim, 8 * POINTS))
-    return x[:, body.contains(x)][:, :POINTS]
 
 
 def _finite(name: str, values: Vectors, x: Points, components: int, when: str) -> Vectors:

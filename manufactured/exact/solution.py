@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from manufactured.arguments import checked
 from manufactured.body import Body, BodyError, Kind, Part
+from manufactured.body.html import table
 from manufactured.contact import ContactFace
 from manufactured.exact.domain import (
     Contribution,
@@ -21,7 +22,6 @@ from manufactured.exact.domain import (
     require_times,
 )
 from manufactured.exact.forces import ForceModes, force_modes
-from manufactured.html import table
 from manufactured.jet import Jet
 from manufactured.law import KelvinVoigt, PointLaw
 from manufactured.modes import Modes

@@ -25,9 +25,13 @@ zone are conditions on q and z: (3.3) has no effect while |Pε| ≤ r, and there
 law. Slips with ∂_s z = 0, which move the face as a whole, change neither ε nor p.
 """
 
-from manufactured.face_strain.coupled import Coupled
-from manufactured.face_strain.hereditary import Memory
-from manufactured.face_strain.prescribed import Prescribed
-from manufactured.face_strain.strain_on_face import Components, FaceStrain, StrainAtPoints, relaxation_rate
+from manufactured.face_strain.hereditary import Coupled, Memory
+from manufactured.face_strain.strain_on_face import (
+    Components,
+    FaceStrain,
+    Prescribed,
+    StrainAtPoints,
+    relaxation_rate,
+)
 
 __all__ = ["Components", "Coupled", "FaceStrain", "Memory", "Prescribed", "StrainAtPoints", "relaxation_rate"]

@@ -1,6 +1,5 @@
 """The times at which contact fronts pass given points of a face, so that contact begins or ends there."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -8,7 +7,7 @@ import numpy as np
 import sympy as sp
 
 from manufactured.compiled import coefficients_in_t, function
-from manufactured.symbols import FormulaError, t
+from manufactured.symbols import FormulaError, Function, Symbols, t
 from manufactured.tensors import Array
 
 
@@ -46,7 +45,7 @@ def within(begin: Array, end: Array) -> Array:
     return begin + WITHIN * (end - begin)
 
 
-def front(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> Front:
+def front(formula: sp.Expr, variables: Symbols) -> Front:
     """Return the contact front for a formula ψ, a ``PolynomialFront`` if ψ is a polynomial of t."""
     if formula.is_polynomial(t):
         return PolynomialFront(function(variables, coefficients_in_t(formula)))
@@ -62,14 +61,13 @@ class PolynomialFront:
         coefficients: the function from s to the coefficients of the polynomial, highest power first.
     """
 
-    coefficients: Callable[..., list[Array]]
+    coefficients: Function
 
     def passes(self, points: Array, T: float) -> Array:
         return real_roots(self._at(points), T)
 
     def beyond(self, points: Array, time: Array) -> Array:
-        found: Array = np.polyval(self._at(points), time) > 0
-        return found
+        return np.polyval(self._at(points), time) > 0
 
     def _at(self, points: Array) -> Array:
         _, *found = np.broadcast_arrays(points[0], *self.coefficients(*points))
@@ -101,8 +99,8 @@ class SmoothFront:
     """
 
     formula: sp.Expr
-    level: Callable[..., list[Array]]
-    slope: Callable[..., list[Array]]
+    level: Function
+    slope: Function
 
     def passes(self, points: Array, T: float) -> Array:
         """Return the times at which the front passes given points; see ``Front.passes``.
@@ -132,13 +130,12 @@ class SmoothFront:
     def _beyond_for(self, passes: Array, points: Array, T: float) -> Array:
         """Return the total time of contact, ψ > 0, at each point, (N,)."""
         begin, end = between(passes, T)
-        found: Array = np.sum((end - begin) * self.beyond(points, within(begin, end)), axis=0)
-        return found
+        return np.sum((end - begin) * self.beyond(points, within(begin, end)), axis=0)
 
     def beyond(self, points: Array, time: Array) -> Array:
         return _positive(self.level, points, time)
 
-    def _changes(self, of: Callable[..., list[Array]], points: Array, times: Array, T: float) -> Array:
+    def _changes(self, of: Function, points: Array, times: Array, T: float) -> Array:
         """Return the times at which a function changes its sign between given times.
 
         Args:
@@ -155,12 +152,10 @@ class SmoothFront:
             middle = (low + high) / 2
             same = _positive(of, at, middle) == before
             low, high = np.where(same, middle, low), np.where(same, high, middle)
-        order = np.argsort(point, kind="stable")
-        column = point[order]
-        row = np.arange(point.size) - np.searchsorted(column, column)
-        found = np.full((int(row.max(initial=-1)) + 1, points.shape[1]), T)
-        found[row, column] = high[order]
-        return found
+        found = np.full((len(times) - 1, points.shape[1]), T)
+        found[interval, point] = high
+        most = np.bincount(point).max(initial=0)
+        return np.sort(found, axis=0)[:most]
 
 
 def _grid(points: Array, T: float, count: int) -> Array:
@@ -168,23 +163,22 @@ def _grid(points: Array, T: float, count: int) -> Array:
     return np.repeat(np.linspace(0.0, T, count + 1)[:, None], points.shape[1], axis=1)
 
 
-def _positive(of: Callable[..., list[Array]], points: Array, time: Array) -> Array:
-    found: Array = np.broadcast_to(of(*points, time)[0], time.shape) > 0
-    return found
+def _positive(of: Function, points: Array, time: Array) -> Array:
+    return np.broadcast_to(of(*points, time)[0], time.shape) > 0
 
 
 def real_roots(coefficients: Array, T: float) -> Array:
     """Return the roots in (0, T) of N polynomials, (degree, N); missing roots are T.
 
-    Up to degree 2 there is a closed form. A polynomial of higher degree is monotone between the roots of its
-    derivative, and has a root between two of them if its sign changes.
+    A polynomial is monotone between the roots of its derivative, and has a root between two of them if its sign
+    changes.
 
     Args:
         coefficients: the coefficients, highest power first, (degree+1, N).
         T: the end of the interval.
     """
-    if len(coefficients) <= 3:
-        return _of_degree_two(coefficients, T)
+    if len(coefficients) == 1:
+        return np.empty((0, coefficients.shape[1]))
     begin, end = between(real_roots(_derivative(coefficients), T), T)
     signs = np.polyval(coefficients, begin) > 0
     interval, point = np.nonzero((np.polyval(coefficients, end) > 0) != signs)
@@ -225,28 +219,3 @@ def _bracketed(coefficients: Array, low: Array, high: Array, before: Array) -> A
 def _derivative(coefficients: Array) -> Array:
     """Return the coefficients of the derivatives of polynomials: (degree+1, N) → (degree, N)."""
     return coefficients[:-1] * np.arange(len(coefficients) - 1, 0, -1)[:, None]
-
-
-def _of_degree_two(coefficients: Array, T: float) -> Array:
-    """Return the roots in (0, T) of polynomials of degree at most 2, as ``real_roots`` does."""
-    degree, count = coefficients.shape[0] - 1, coefficients.shape[1]
-    if degree == 0:
-        return np.empty((0, count))
-    roots = np.full((degree, count), T)
-    vanishing = abs(coefficients[0]) <= 1e-14 * abs(coefficients).max(axis=0)
-    if vanishing.any():
-        roots[1:, vanishing] = _of_degree_two(coefficients[1:, vanishing], T)
-    rest = np.flatnonzero(~vanishing)
-    monic = coefficients[1:, rest] / coefficients[0, rest]
-    if degree == 1:
-        found = -monic.astype(complex)
-    else:
-        discriminant = np.sqrt((monic[0] ** 2 - 4 * monic[1]).astype(complex))
-        # The root of larger absolute value is computed first, and the other one from their product. This avoids
-        # cancellation.
-        larger = -(monic[0] + np.where(monic[0] >= 0, 1, -1) * discriminant) / 2
-        other = np.divide(monic[1], larger, out=np.zeros_like(larger), where=larger != 0)
-        found = np.array([larger, other])
-    real = abs(found.imag) <= 1e-7 * (1 + abs(found.real))
-    roots[:, rest] = np.where(real & (found.real > 0) & (found.real < T), found.real, T)
-    return roots

@@ -1,4 +1,6 @@
-"""The normal strain q on a contact face for a linear law, which depends on the history of the pressure."""
+"""The strain on a contact face for a linear law, which depends on the history of the pressure."""
+
+from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
@@ -8,11 +10,12 @@ import sympy as sp
 
 from manufactured.arguments import Size, checked
 from manufactured.face_strain.contact_times import PressureTerm, smooth_branch
-from manufactured.face_strain.convolution import Started
+from manufactured.face_strain.fronts import front
+from manufactured.face_strain.integrals import Started, integral
 from manufactured.face_strain.strain_on_face import Components, StrainAtPoints, relaxation_rate
 from manufactured.jet import Jet
-from manufactured.symbols import FormulaError, Values, s, t
-from manufactured.tensors import Array
+from manufactured.symbols import FormulaError, Symbols, Values, s, t
+from manufactured.tensors import Array, Time
 
 NO_STRESS = sp.Integer(0)
 RECENT = 3
@@ -28,9 +31,9 @@ class Memory:
     causes, 0 without slip. p + l must be a sum of terms θ(s, t)·∏ pos(ψ_i(s, t), m_i), where moving ψ_i are contact
     fronts. θ and the moving ψ_i must be smooth in t, and the m_i of moving ψ_i must be integers ≥ 2. At each s, the
     roots of the ψ_i divide [0, T] into intervals of contact (``fronts``), on which (p + l)/a is a smooth function
-    P(s, ·). The integral of e^{−λ(t−r)} P is known in closed form if P
-    is a polynomial of t (``convolution``); otherwise Gauss's rule is used (``quadrature``). Since p vanishes where a
-    moving contact begins and ends, ∂_s^i q is the same expression with ∂_s^i P.
+    P(s, ·). The integral of e^{−λ(t−r)} P is known in closed form if P is a polynomial of t; otherwise Gauss's rule is
+    used (``integrals``). Since p vanishes where a moving contact begins and ends, ∂_s^i q is the same expression with
+    ∂_s^i P.
 
     Attributes:
         pressure: the formula of p(s, t).
@@ -46,11 +49,11 @@ class Memory:
     """
 
     pressure: sp.Expr
-    viscosity: sp.Expr | float
-    elasticity: sp.Expr | float
+    viscosity: sp.Expr
+    elasticity: sp.Expr
     T: Size
     initial: sp.Expr | None = None
-    variables: tuple[sp.Symbol, ...] = (s,)
+    variables: Symbols = (s,)
     slip_stress: sp.Expr = NO_STRESS
 
     def __post_init__(self) -> None:
@@ -71,11 +74,6 @@ class Memory:
         """The relaxation rate λ = g/a, elasticity over viscosity."""
         return relaxation_rate(self.elasticity, self.viscosity)
 
-    @property
-    def source(self) -> sp.Expr:
-        """The formula of (p + l)/a, load over viscosity."""
-        return self.load / self.viscosity
-
     @cached_property
     def start(self) -> Jet:
         """The initial strain q(s, 0) as a formula with its derivatives."""
@@ -85,7 +83,7 @@ class Memory:
     @cached_property
     def source_jet(self) -> Jet:
         """(p + l)/a, load over viscosity, as a formula with its derivatives."""
-        return Jet(self.source, self.variables)
+        return Jet(self.load / self.viscosity, self.variables)
 
     @cached_property
     def terms(self) -> tuple[PressureTerm, ...]:
@@ -95,7 +93,10 @@ class Memory:
             fronts, branch = smooth_branch(term, self.variables)
             branches[fronts] = branches.get(fronts, sp.Integer(0)) + branch / self.viscosity
         return tuple(
-            PressureTerm.of(fronts, branch, self.variables, self.decay)
+            PressureTerm(
+                tuple(front(formula, self.variables) for formula in fronts),
+                integral(branch, self.variables, self.decay),
+            )
             for fronts, branch in branches.items()
             if branch != 0
         )
@@ -120,7 +121,7 @@ class MemoryAtPoints:
         # the same times.
         self._found = lru_cache(RECENT)(self._strain)
 
-    def __call__(self, time: Array | complex, rate: bool, order: int) -> Components:
+    def __call__(self, time: Time, rate: bool, order: int) -> Components:
         strain = self._found(tuple(time) if isinstance(time, np.ndarray) else time, order)
         if not rate:
             return (strain,)
@@ -166,7 +167,7 @@ class _ContactIntervals:
         started = self.integral.started(self.points, self.entry, self.exit, order)
         return started, started.upto(self.exit, np.arange(self.exit.size))
 
-    def subtract(self, totals: Values, time: Array | complex, order: int) -> None:
+    def subtract(self, totals: Values, time: Time, order: int) -> None:
         """Subtract the integrals up to one or several times from the strains ``totals``, for every derivative."""
         started, whole = self._integrals(order)
         times, entry, exit_ = np.atleast_1d(time), self.entry[:, None], self.exit[:, None]
@@ -185,3 +186,82 @@ class _ContactIntervals:
             places = self.touched[touching] * len(times) + when
             for index, total in totals.items():
                 total.reshape(-1)[places] -= found[index]
+
+
+@dataclass(frozen=True, eq=False)
+@checked(FormulaError)
+class Coupled:
+    """The strain on a contact face for a linear law that couples the normal strain q with the shear strain r.
+
+    y = (q, r) satisfies 𝒜 ẏ + 𝒢 y = −(p, 0) − l with the contact pressure p, the stress l that a slip of the face
+    causes, and matrices 𝒜, 𝒢 of moduli. The solution is y = Σ_i x_i η_i with the eigenvectors x_i, for which
+    𝒢 x_i = λ_i 𝒜 x_i and Xᵀ𝒜X = I. Each η_i is the solution of η̇_i + λ_i η_i = −x_i·((p, 0) + l), a scalar equation
+    that ``Memory`` solves.
+
+    Attributes:
+        pressure: the formula of p(s, t).
+        modes: the solutions η_i.
+        vectors: the eigenvectors x_i as columns, (d, d).
+    """
+
+    pressure: sp.Expr
+    modes: tuple[Memory, ...]
+    vectors: Array
+
+    @classmethod
+    @checked(FormulaError)
+    def of(
+        cls,
+        pressure: sp.Expr,
+        slip_stress: tuple[sp.Expr, ...],
+        viscous: Array,
+        elastic: Array,
+        scale: sp.Expr,
+        T: float,
+        initial: sp.Expr | None,
+        variables: Symbols,
+    ) -> Coupled:
+        """Return the strain on a face.
+
+        Args:
+            pressure: the formula of the contact pressure p(s, t).
+            slip_stress: the formulas of the d components of l(s, t).
+            viscous, elastic: the matrices 𝒜 and 𝒢 of moduli without a common factor, (d, d) each.
+            scale: the formula of the common factor.
+            T: the final time.
+            initial: the formula of q(s, 0), with r(s, 0) = 0; None for a start at rest, q̇ = ṙ = 0.
+            variables: the coordinates along the face.
+        """
+        inverse = np.linalg.inv(np.linalg.cholesky(viscous))
+        rates, basis = np.linalg.eigh(inverse @ elastic @ inverse.T)
+        vectors = inverse.T @ basis
+        modes = tuple(
+            Memory(
+                sp.Float(x[0]) * pressure,
+                scale,
+                float(rate) * scale,
+                T,
+                None if initial is None else float(viscous[0] @ x) * initial,
+                variables,
+                x @ np.array(slip_stress, dtype=object),
+            )
+            for rate, x in zip(rates, vectors.T, strict=True)
+        )
+        return cls(pressure, modes, vectors)
+
+    @property
+    def formula(self) -> sp.Expr:
+        """The formula from whose truncated powers the smoothness of the strain is read off."""
+        return self.pressure + sum(mode.formula for mode in self.modes)
+
+    def at(self, points: Array) -> StrainAtPoints:
+        modes = [mode.at(points) for mode in self.modes]
+
+        def strain(time: Time, rate: bool, order: int) -> Components:
+            found = [mode(time, rate, order) for mode in modes]
+            return tuple(
+                {index: sum(x * v[index] for x, (v,) in zip(row, found, strict=True)) for index in found[0][0]}
+                for row in self.vectors
+            )
+
+        return strain

@@ -11,11 +11,10 @@ A is a linear tensor that satisfies (3.1). G satisfies (3.2) and is one of the f
 A linear operator may vary in space through a scalar factor, C(x) = α(x) C. Tensors are Mandel vectors, (D, ...).
 """
 
-from manufactured.law.combined import Combined
 from manufactured.law.kelvin_voigt import KelvinVoigt, PointLaw
 from manufactured.law.linear_operator import Indefinite, Linear, NonSymmetric, Scaled, isotropic, isotropic_matrix
+from manufactured.law.nonlinear import Combined, ConvexSet, DeviatoricBall, FrobeniusBall, Yield
 from manufactured.law.operators import AtPoints, Elasticity, LawError
-from manufactured.law.projection import ConvexSet, DeviatoricBall, FrobeniusBall, Yield
 
 __all__ = [
     "AtPoints",

@@ -6,7 +6,6 @@ The matrix of ``NonSymmetric`` is not symmetric, so the operator is not the deri
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
@@ -19,68 +18,26 @@ ROUNDED = 1e-14
 """Relative size up to which a modulus on a contact face counts as 0, because the axes of the face are rounded."""
 
 
-class _HasMatrix(Protocol):
-    @property
-    def matrix(self) -> Array: ...
-
-
 @dataclass(frozen=True, eq=False)
-@checked(LawError)
-class Linear:
-    """A linear elliptic operator τ ↦ α(x) C τ, used as viscosity A, (3.1), and as linear elasticity G, (2.7).
-
-    Attributes:
-        matrix: the constant tensor C in Mandel form, symmetric and positive definite, (D, D).
-        factor: the scalar factor α > 0.
-
-    Raises:
-        LawError: C is not a 3 × 3 or 6 × 6 matrix, or is not finite, not symmetric or not elliptic.
-    """
+class MatrixOperator:
+    """An operator ε ↦ α C ε with a constant matrix C in Mandel form and a scalar factor α, 1 by default."""
 
     matrix: Array
-    factor: Factor = UNIFORM
+
+    factor = UNIFORM
 
     def __post_init__(self) -> None:
-        require_symmetric(self.matrix)
-        smallest = float(np.linalg.eigvalsh(self.matrix)[0])
-        if smallest <= 0:
-            raise LawError(
-                f"the tensor is not elliptic: its smallest eigenvalue is {smallest:.6g}, but (3.1) needs m_A > 0; for "
-                "an isotropic tensor take 2μ > 0 and 2μ + dλ > 0. For an elasticity operator that softens use "
-                "``Indefinite``. For a body without viscosity use static elasticity: ``static(body, G, f0, f2)``"
-            )
+        if self.matrix.shape not in ((3, 3), (6, 6)):
+            raise LawError(f"a tensor needs a 3×3 (d=2) or 6×6 (d=3) Mandel matrix, got {self.matrix.shape}")
 
     @property
     def dim(self) -> int:
-        return 2 if self.matrix.shape[0] == 3 else 3
-
-    @cached_property
-    def ellipticity(self) -> float:
-        """The ellipticity constant: the smallest eigenvalue of α C on the body (m_A for a viscosity)."""
-        return self.factor.low * float(np.linalg.eigvalsh(self.matrix)[0])
-
-    @cached_property
-    def lipschitz(self) -> float:
-        """The Lipschitz constant: the largest eigenvalue of α C on the body (L_G for an elasticity)."""
-        return self.factor.high * float(np.linalg.eigvalsh(self.matrix)[-1])
-
-    @property
-    def monotonicity(self) -> float:
-        return self.ellipticity
-
-    @property
-    def reference(self) -> Array:
-        return self.matrix
+        return 2 if len(self.matrix) == 3 else 3
 
     @property
     def at_rest(self) -> Tensors:
         """The stress for the strain 0, which is 0, (D,)."""
         return np.zeros(len(self.matrix))
-
-    def normal_modulus(self, normal: Array) -> float:
-        """Return the normal modulus C_nnnn = (n⊗n)·C(n⊗n) of the constant tensor for a unit vector n."""
-        direction = dyad(normal, normal)
-        return float(direction @ self.matrix @ direction)
 
     def __call__(self, strain: Tensors) -> Tensors:
         """Return the stress C ε for a strain, if the tensor is homogeneous: (D, ...) → (D, ...).
@@ -101,7 +58,66 @@ class Linear:
         return Scaled(self.matrix, factor)
 
 
-def face_moduli(operator: _HasMatrix, frame: Array) -> Array:
+@dataclass(frozen=True, eq=False)
+@checked(LawError)
+class Linear(MatrixOperator):
+    """A linear elliptic operator τ ↦ α(x) C τ, used as viscosity A, (3.1), and as linear elasticity G, (2.7).
+
+    Attributes:
+        matrix: the constant tensor C in Mandel form, symmetric and positive definite, (D, D).
+        factor: the scalar factor α > 0.
+
+    Raises:
+        LawError: C is not a 3 × 3 or 6 × 6 matrix, or is not finite, not symmetric or not elliptic.
+    """
+
+    factor: Factor = UNIFORM
+
+    def __post_init__(self) -> None:
+        self._require_symmetric()
+        smallest = self.eigenvalues[0]
+        if smallest <= 0:
+            raise LawError(
+                f"the tensor is not elliptic: its smallest eigenvalue is {smallest:.6g}, but (3.1) needs m_A > 0; for "
+                "an isotropic tensor take 2μ > 0 and 2μ + dλ > 0. For an elasticity operator that softens use "
+                "``Indefinite``. For a body without viscosity use static elasticity: ``static(body, G, f0, f2)``"
+            )
+
+    def _require_symmetric(self) -> None:
+        super().__post_init__()
+        if not np.allclose(self.matrix, self.matrix.T, rtol=1e-12, atol=0):
+            raise LawError("the tensor is not symmetric, but (3.1) needs Aσ·τ = σ·Aτ; take (C + Cᵀ)/2")
+
+    @cached_property
+    def eigenvalues(self) -> Array:
+        """The eigenvalues of C, increasing, (D,)."""
+        return np.linalg.eigvalsh(self.matrix)
+
+    @property
+    def ellipticity(self) -> float:
+        """The ellipticity constant: the smallest eigenvalue of α C on the body (m_A for a viscosity)."""
+        return self.factor.low * float(self.eigenvalues[0])
+
+    @property
+    def lipschitz(self) -> float:
+        """The Lipschitz constant: the largest eigenvalue of α C on the body (L_G for an elasticity)."""
+        return self.factor.high * float(self.eigenvalues[-1])
+
+    @property
+    def monotonicity(self) -> float:
+        return self.ellipticity
+
+    @property
+    def reference(self) -> Array:
+        return self.matrix
+
+    def normal_modulus(self, normal: Array) -> float:
+        """Return the normal modulus C_nnnn = (n⊗n)·C(n⊗n) of the constant tensor for a unit vector n."""
+        direction = dyad(normal, normal)
+        return float(direction @ self.matrix @ direction)
+
+
+def face_moduli(operator: MatrixOperator, frame: Array) -> Array:
     """Return the moduli d_a·C d_b of a linear operator, for the strains d_b that can occur on a contact face.
 
     d_1, …, d_d are n⊗n and (n⊗t_i + t_i⊗n)/2 for the normal n and the tangents t_i. The other d_b are
@@ -134,31 +150,18 @@ class Indefinite(Linear):
     """
 
     def __post_init__(self) -> None:
-        require_symmetric(self.matrix)
+        self._require_symmetric()
 
-    @cached_property
+    @property
     def ellipticity(self) -> float:
         """The monotonicity constant m: the smallest eigenvalue of α C on the body; it is negative if G softens."""
-        least = float(np.linalg.eigvalsh(self.matrix)[0])
+        least = float(self.eigenvalues[0])
         return least * (self.factor.low if least > 0 else self.factor.high)
 
-    @cached_property
+    @property
     def lipschitz(self) -> float:
         """The Lipschitz constant L_G: the largest absolute eigenvalue of α C on the body."""
-        return self.factor.high * float(abs(np.linalg.eigvalsh(self.matrix)).max())
-
-
-def require_symmetric(matrix: Array) -> None:
-    """Raise LawError unless a matrix in Mandel form, (D, D), belongs to a symmetric tensor on S^d."""
-    require_mandel(matrix)
-    if not np.allclose(matrix, matrix.T, rtol=1e-12, atol=0):
-        raise LawError("the tensor is not symmetric, but (3.1) needs Aσ·τ = σ·Aτ; take (C + Cᵀ)/2")
-
-
-def require_mandel(matrix: Array) -> None:
-    """Raise LawError unless a matrix has the shape of a tensor on S^d in Mandel form."""
-    if matrix.shape not in ((3, 3), (6, 6)):
-        raise LawError(f"a tensor needs a 3×3 (d=2) or 6×6 (d=3) Mandel matrix, got {matrix.shape}")
+        return self.factor.high * float(abs(self.eigenvalues).max())
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +214,7 @@ def isotropic_matrix(mu: float, lam: float, dim: Dimension = 2) -> Array:
 
 @dataclass(frozen=True, eq=False)
 @checked(LawError)
-class NonSymmetric:
+class NonSymmetric(MatrixOperator):
     """The elasticity operator ε ↦ C ε for any matrix C in Mandel form, (D, D); C need not be symmetric or positive.
 
     (3.2) requires only that G is Lipschitz, which every C satisfies. If C is not symmetric, G has no potential, so that
@@ -225,15 +228,6 @@ class NonSymmetric:
     Raises:
         LawError: C is not a 3 × 3 or 6 × 6 matrix, or is not finite.
     """
-
-    matrix: Array
-
-    def __post_init__(self) -> None:
-        require_mandel(self.matrix)
-
-    @property
-    def dim(self) -> int:
-        return 2 if len(self.matrix) == 3 else 3
 
     @cached_property
     def lipschitz(self) -> float:
@@ -249,21 +243,3 @@ class NonSymmetric:
     def reference(self) -> Array:
         """The constant symmetric matrix that a solver uses instead of G: the symmetric part (C + Cᵀ)/2, (D, D)."""
         return (self.matrix + self.matrix.T) / 2
-
-    @property
-    def at_rest(self) -> Tensors:
-        """The stress for the strain 0, which is 0, (D,)."""
-        return np.zeros(len(self.matrix))
-
-    @property
-    def factor(self) -> Factor:
-        return UNIFORM
-
-    def __call__(self, strain: Tensors) -> Tensors:
-        return mapped(self.matrix, strain)
-
-    def at(self, x: Points) -> AtPoints:
-        return Scaled(self.matrix)
-
-    def scaled(self, factor: Array) -> AtPoints:
-        return Scaled(self.matrix, factor)

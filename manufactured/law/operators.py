@@ -1,9 +1,9 @@
 """Interfaces of constitutive operators: elasticity operators that satisfy (3.2), and operators at fixed points."""
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Protocol, Self
 
-from manufactured.factor import Factor
+from manufactured.factor import UNIFORM, Factor
 from manufactured.tensors import Array, Points, Tensors
 
 
@@ -73,3 +73,15 @@ class Elasticity(Protocol):
     def scaled(self, factor: Array) -> AtPoints:
         """Return the operator α G for given values of α, (...), for example means of ``factor`` over cells."""
         ...
+
+
+class Homogeneous:
+    """The part of elasticity operators without a scalar factor: they are the same at all points."""
+
+    factor = UNIFORM
+
+    def at(self, x: Points) -> Self:
+        return self
+
+    def scaled(self, factor: Array) -> Self:
+        return self

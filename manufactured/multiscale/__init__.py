@@ -2,7 +2,6 @@
 
 from manufactured.multiscale.fading import FadingFace
 from manufactured.multiscale.roller import COARSEST_ROLLER, ROLLERS, rollers
-from manufactured.multiscale.strip import StripFace
-from manufactured.multiscale.trains import multiscale
+from manufactured.multiscale.trains import StripFace, multiscale
 
 __all__ = ["COARSEST_ROLLER", "ROLLERS", "FadingFace", "StripFace", "multiscale", "rollers"]

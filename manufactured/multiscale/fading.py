@@ -11,27 +11,27 @@ u_n = w, u_s = 0, ε_ss = ε_sn = 0 and ε_nn = q, as for a constant depth (``ma
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
 import sympy as sp
 
 from manufactured.arguments import Size, checked
-from manufactured.body import Part
 from manufactured.compiled import function
+from manufactured.contact import StatedFace
 from manufactured.contact.contact_face import distinct
 from manufactured.jet import Jet
-from manufactured.modes import Modes, at_each
-from manufactured.symbols import FormulaError, Index, Values, indices, refuse_kinks, s, t
-from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
+from manufactured.modes import Modes, at_each, pointwise
+from manufactured.symbols import FormulaError, Function, Index, Values, indices, s, t
+from manufactured.tensors import Array, Points, Tensors, Time, Vectors, mandel, rotation
 
 y = sp.Symbol("y", real=True)
 """The symbol of the distance from the face into the body."""
 
 
 @lru_cache
-def _lifting(rate: bool, order: int) -> Callable[..., list[Array]]:
+def _lifting(rate: bool, order: int) -> Function:
     """Return a function that computes the derivatives of u_s and u_n up to an order, or of their rates.
 
     Its arguments are y and the derivatives along the face of w (up to order + 1), q and D (up to the order). For rates,
@@ -56,68 +56,35 @@ def _lifting(rate: bool, order: int) -> Callable[..., list[Array]]:
 
 @dataclass(frozen=True, eq=False)
 @checked(FormulaError)
-class FadingFace:
+class FadingFace(StatedFace):
     """A contact face whose displacement reaches to a variable depth; all data are formulas of s and t.
 
     Attributes:
-        part: the part Γ3,i of the contact boundary.
-        gap: the gap w(s, t), three times differentiable along the face almost everywhere.
-        strain: the normal strain q(s, t) on the face.
-        pressure: the contact pressure p(s, t). It must be the pressure that the law gives for q; the self-proof checks
-            this.
-        level: the function ψ(s, t); the contact zone is {ψ ≥ 0}.
+        part, gap, pressure, level: see ``StatedFace``. The gap is three times differentiable along the face almost
+            everywhere.
+        strain: the normal strain q(s, t) on the face, which causes the pressure.
         depth: the depth D(s, t) > 0.
         least_depth: the smallest value of D; quadrature meshes are refined in a strip of this depth.
-        rough: the coordinates s at which strains are singular at all times; there are none.
 
     Raises:
         FormulaError: a kink of a formula is not written with ``pos``.
     """
 
-    part: Part
-    gap: sp.Expr
     strain: sp.Expr
-    pressure: sp.Expr
-    level: sp.Expr
     depth: sp.Expr
     least_depth: Size
-    rough: tuple[float, ...] = field(default=(), init=False)
 
-    def __post_init__(self) -> None:
-        refuse_kinks(self.gap, self.strain, self.pressure, self.level, self.depth)
-
-    @property
-    def initial_gap(self) -> sp.Expr:
-        """The initial gap, which is 0 for such faces."""
-        return sp.Integer(0)
-
-    @cached_property
-    def gap_jet(self) -> Jet:
-        return Jet(self.gap)
-
-    @cached_property
-    def pressure_jet(self) -> Jet:
-        return Jet(self.pressure)
-
-    @cached_property
-    def level_jet(self) -> Jet:
-        return Jet(self.level)
-
-    @cached_property
-    def depth_jet(self) -> Jet:
-        """The depth D as a formula with its derivatives."""
-        return Jet(self.depth)
+    rough = ()
 
     @cached_property
     def traces(self) -> tuple[Jet, Jet, Jet]:
         """Gap w, strain q and depth D, which determine the displacement, as formulas with their derivatives."""
-        return self.gap_jet, Jet(self.strain), self.depth_jet
+        return self.gap_jet, Jet(self.strain), Jet(self.depth)
 
     @cached_property
-    def trace_rates(self) -> tuple[Jet, Jet, Jet]:
+    def trace_rates(self) -> tuple[Jet, ...]:
         """The time derivatives of w, q and D as formulas with their derivatives."""
-        w, q, D = self.traces
-        return w.rate(), q.rate(), D.rate()
+        return tuple(jet.rate() for jet in self.traces)
 
     def traced(self, s: Array, time: complex, rate: bool, order: int) -> list[Array]:
         """Return the derivatives of w, q and D along the face that ``lifted`` needs, at points s, (1, n).
@@ -137,19 +104,10 @@ class FadingFace:
             rate: whether to return the derivatives of the velocities instead.
             order: the highest order.
         """
-        values = _lifting(rate, order)(into, *traced)
-        values, keys = [np.broadcast_to(value, into.shape) for value in values], indices(2, order)
-        tangential, normal = values[: len(keys)], values[len(keys) :]
-        return dict(zip(keys, tangential, strict=True)), dict(zip(keys, normal, strict=True))
-
-    @property
-    def variables(self) -> tuple[sp.Symbol, ...]:
-        return (s,)
-
-    @property
-    def exponents_in(self) -> sp.Expr:
-        """The contact pressure, from whose truncated powers the exponents of the strain at fronts are read off."""
-        return self.pressure
+        keys, values = indices(2, order), _lifting(rate, order)(into, *traced)
+        both = np.array([np.broadcast_to(value, into.shape) for value in values]).reshape(2, len(keys), -1)
+        u_s, u_n = (dict(zip(keys, component, strict=True)) for component in both)
+        return u_s, u_n
 
     def at(self, x: Points) -> Fading:
         """Return the displacement field at fixed points of the body, (2, ...)."""
@@ -167,17 +125,18 @@ class Fading:
         self.turned = rotation(self.frame)
         places, into = face.part.coordinates(x)
         self.shape, self.y = into.shape, into.ravel()
-        self.s, self.where = distinct(places.reshape(1, -1))
+        self.s, where = distinct(places.reshape(1, -1))
+        self.where = np.arange(len(self.y)) if where is None else where
 
-    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
+    def displacement(self, time: Time, rate: bool = False) -> Vectors:
         """Return the displacement u, or the velocity u̇ if ``rate`` is true, (2, ...)."""
         return self._everywhere(lambda values: self.frame @ np.array([of[0, 0] for of in values]), time, rate, 0)
 
-    def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
+    def strain(self, time: Time, rate: bool = False) -> Tensors:
         """Return the strain ε(u), or its rate if ``rate`` is true, in Mandel form, (3, ...)."""
         return self._everywhere(lambda values: self.turned @ _strain(values, (0, 0)), time, rate, 1)
 
-    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
+    def strain_gradient(self, time: Time, rate: bool = False) -> Array:
         """Return the derivatives ∂_j of the strain, or of its rate if ``rate`` is true, (3, 2, ...)."""
 
         def gradient(values: tuple[Values, Values]) -> Array:
@@ -187,20 +146,10 @@ class Fading:
         return self._everywhere(gradient, time, rate, 2)
 
     def modes(self) -> Modes:
-        """Return the strain as a ``Modes`` object with one amplitude for every component and point.
+        # There is no shorter sum of products, because the depth changes with time.
+        return pointwise(self.strain, 2, len(self.y))
 
-        There is no shorter sum of products, because the depth changes with time.
-        """
-        count = len(self.y)
-
-        def amplitudes(time: Array | float, rate: bool) -> Array:
-            return self.strain(time, rate).reshape(3, count, *np.shape(time))
-
-        return Modes(np.eye(3), np.arange(count), np.ones((3, count)), np.arange(count), count, amplitudes)
-
-    def _everywhere(
-        self, of: Callable[[tuple[Values, Values]], Array], time: Array | complex, rate: bool, order: int
-    ) -> Array:
+    def _everywhere(self, of: Callable[[tuple[Values, Values]], Array], time: Time, rate: bool, order: int) -> Array:
         """Return a quantity, such as the strain, at all points; it is 0 at points deeper than D.
 
         Args:
@@ -209,28 +158,20 @@ class Fading:
             rate: whether rates are needed.
             order: the highest order of derivatives that is needed.
         """
+
+        def at_one(moment: complex) -> Array:
+            depth = np.real(self.face.traces[-1](self.s, moment)[(0,)])
+            inside = np.flatnonzero(np.real(self.y) < depth[self.where])
+            # Formulas of s and t are evaluated once for points with the same s.
+            used, place = np.unique(self.where[inside], return_inverse=True)
+            traced = [values[place] for values in self.face.traced(self.s[:, used], moment, rate, order)]
+            values = of(self.face.lifted(traced, self.y[inside], rate, order))
+            found = np.zeros((*values.shape[:-1], len(self.y)), dtype=values.dtype)
+            found[..., inside] = values
+            return found.reshape(*found.shape[:-1], *self.shape)
+
         # Times are treated one by one, because the set of points within the depth changes with time.
-        return at_each(time, lambda moment: self._at_one(of, moment, rate, order))
-
-    def _at_one(self, of: Callable[[tuple[Values, Values]], Array], time: complex, rate: bool, order: int) -> Array:
-        depth = np.real(self.face.depth_jet(self.s, time)[(0,)])
-        inside = np.flatnonzero(np.real(self.y) < (depth if self.where is None else depth[self.where]))
-        traced = self._traced(time, rate, order)
-        values = of(self.face.lifted(traced(inside), self.y[inside], rate, order))
-        found = np.zeros((*values.shape[:-1], len(self.y)), dtype=values.dtype)
-        found[..., inside] = values
-        return found.reshape(*found.shape[:-1], *self.shape)
-
-    def _traced(self, time: complex, rate: bool, order: int) -> Callable[[Array], Sequence[Array]]:
-        """Return the function from numbers of points to the result of ``FadingFace.traced`` at these points.
-
-        Formulas are evaluated once for points with the same s.
-        """
-        where = self.where
-        if where is None:
-            return lambda chosen: self.face.traced(self.s[:, chosen], time, rate, order)
-        found = self.face.traced(self.s, time, rate, order)
-        return lambda chosen: [values[where[chosen]] for values in found]
+        return at_each(time, at_one)
 
 
 def _strain(values: tuple[Values, Values], more: Index) -> Tensors:

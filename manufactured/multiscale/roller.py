@@ -95,7 +95,7 @@ def standing(name: str, width: Expr) -> Case:
     place = xi / width
     bump = pos(1 - (xi / width) ** 2, 4)
     since = [(t - start) / width for start in LANDINGS]
-    fading = [exp(start - t) for start in LANDINGS]
+    pulses = [(exp(start - t), z) for start, z in zip(LANDINGS, since, strict=True)]
     lifted = prod([step(-z) + step(z - 1) for z in since])
     gap = SLOPE * width * (away(place - 1) + away(-place - 1) + bump * lifted)
     return _case(
@@ -104,8 +104,8 @@ def standing(name: str, width: Expr) -> Case:
         xi,
         width,
         gap=gap,
-        strain=-bump * sum(f * step(z) for f, z in zip(fading, since, strict=True)),
-        pressure=3 * bump * sum(f * kick(z) for f, z in zip(fading, since, strict=True)) / width,
+        strain=-bump * sum(fading * step(z) for fading, z in pulses),
+        pressure=3 * bump * sum(fading * kick(z) for fading, z in pulses) / width,
         level=-gap,
         regularity=Regularity(gap=3, pressure=4),
     )

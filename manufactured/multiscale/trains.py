@@ -23,19 +23,22 @@ higher. For one fixed u the order finally rises above 1. No order is predicted f
 asymptotic on these meshes.
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 
+import numpy as np
 from sympy import Expr, Rational, pi, sin, sqrt
 
-from manufactured.body import Body, Kind, Part, polygon
+from manufactured.body import Body, Kind, polygon
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
+from manufactured.contact import ContactFace
+from manufactured.contact.contact_face import Lifting
 from manufactured.exact import ExactSolution
-from manufactured.law import KelvinVoigt
-from manufactured.multiscale.strip import StripFace
 from manufactured.profile import QUARTIC, cutoff
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
+from manufactured.tensors import Points
 
 TRAINS = 7
 """The number of trains of contact patches, one on each part of Γ3."""
@@ -59,7 +62,7 @@ def static() -> Case:
     return _case(
         "trains",
         "patches of contact of seven widths",
-        [_piece(j, t, S := _wave(j), -S, t) for j in range(TRAINS)],
+        [_piece(j, t, -_wave(j)) for j in range(TRAINS)],
         Regularity(gap=4, pressure=2),
     )
 
@@ -70,9 +73,24 @@ def breathing() -> Case:
     return _case(
         "breathing-trains",
         "patches of contact of seven widths that widen and narrow again",
-        [_piece(j, 1, S := _wave(j) - mu, -S, 1) for j in range(TRAINS)],
+        [_piece(j, 1, mu - _wave(j)) for j in range(TRAINS)],
         Regularity(gap=4, pressure=2, moving=True),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class StripFace(ContactFace):
+    """A contact face in 2D whose displacement is zero beyond the ends s = 0 and s = |Γ3,i| of its part.
+
+    The displacement of each train reaches to a depth in proportion to its details, and must not reach into the strip
+    above the next part. At the ends the contact data must vanish so smoothly that no strain jumps.
+    """
+
+    def at(self, x: Points) -> Lifting:
+        along = np.real(self.part.coordinates(x)[0][0])
+        outside = (along < 0) | (along > self.part.measure)
+        # Points beyond the ends are moved away from the face, deeper than the displacement reaches.
+        return Lifting(self, x - np.multiply.outer(self.part.normal, 2 * self.profile.depth * outside))
 
 
 Piece = tuple[float, Expr, Expr, Expr]
@@ -87,32 +105,28 @@ def _width(j: int) -> Expr:
     return Rational(1, 2 ** (j + 3))
 
 
-def _piece(j: int, gap: Expr, above: Expr, below: Expr, pressure: Expr) -> Piece:
+def _piece(j: int, growth: Expr, level: Expr) -> Piece:
     width, fade = _width(j), (4 * s * (LENGTH - s) / LENGTH**2) ** 3
-    w = GAP * gap * width * sqrt(width) * fade * pos(above, 4)
-    p = PRESSURE * pressure * sqrt(width) * fade * pos(below, 2)
-    return float(width) / 4, w, p, below
+    w = GAP * growth * width * sqrt(width) * fade * pos(-level, 4)
+    p = PRESSURE * growth * sqrt(width) * fade * pos(level, 2)
+    return float(width) / 4, w, p, level
 
 
 def _case(name: str, summary: str, pieces: list[Piece], regularity: Regularity) -> Case:
     body, law = _body(), not_proportional()
-    faces = tuple(_face(part, body, law, piece) for part, piece in zip(body.of(Kind.CONTACT), pieces, strict=True))
+    faces = []
+    for part, (depth, gap, pressure, level) in zip(body.of(Kind.CONTACT), pieces, strict=True):
+        profile = cutoff(depth, QUARTIC)
+        faces.append(StripFace.linear(part, law, body.T, gap, pressure, level, profile=profile))
     return Case(
         name=name,
         summary=summary,
-        solution=ExactSolution(body, law, faces),
+        solution=ExactSolution(body, law, tuple(faces)),
         regularity=regularity,
         order=1,
         reason="α = 4 and m = 2 give (5.36), but the trace is large in H²(Γ3): order 1 where trains are resolved",
         pace=2,
     )
-
-
-def _face(part: Part, body: Body, law: KelvinVoigt, piece: Piece) -> StripFace:
-    depth, gap, pressure, level = piece
-    face = StripFace.linear(part, law, body.T, gap, pressure, level, profile=cutoff(depth, QUARTIC))
-    assert isinstance(face, StripFace)
-    return face
 
 
 def _body() -> Body:

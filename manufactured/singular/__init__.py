@@ -12,8 +12,7 @@ extension, J. Appl. Mech. 19 (1952) 526–528; N. I. Muskhelishvili, Some Basic 
 Elasticity, Noordhoff 1953, for the potentials.
 """
 
-from manufactured.singular.monomials import Monomial, kolosov
-from manufactured.singular.singular_field import SingularField, least_exponent
+from manufactured.singular.singular_field import Monomial, SingularField, kolosov
 from manufactured.singular.travelling_field import SingularFace, TravellingField
 
-__all__ = ["Monomial", "SingularFace", "SingularField", "TravellingField", "kolosov", "least_exponent"]
+__all__ = ["Monomial", "SingularFace", "SingularField", "TravellingField", "kolosov"]

@@ -1,23 +1,95 @@
-"""A singular displacement field that is multiplied by a cut-off function, and its values at fixed points."""
+"""A singular displacement field that is multiplied by a cut-off function, and its values at fixed points.
+
+The field consists of terms y^m Re(c z^β) with z = x + iy.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from itertools import product
 
 import numpy as np
 import sympy as sp
 
-from manufactured.arguments import checked
+from manufactured.arguments import Degree, Size, checked
 from manufactured.jet import Jet
 from manufactured.modes import Modes
 from manufactured.profile import Piecewise
-from manufactured.singular.monomials import Monomial, Powers
 from manufactured.symbols import FormulaError, s
-from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, mapped, rotation
+from manufactured.tensors import Array, Points, Tensors, Time, Vectors, mandel, mapped, rotation
+
+
+@dataclass(frozen=True)
+@checked(FormulaError)
+class Monomial:
+    """The function y^m Re(c z^β) of z = x + iy, where m is 0 or 1."""
+
+    m: Degree
+    c: complex
+    beta: float
+
+    def terms(self, dx: int, dy: int) -> list[tuple[int, complex, float]]:
+        """Return the derivative ∂_x^dx ∂_y^dy as a list of terms y^m Re(c z^β), each given by (m, c, β)."""
+        found = [(self.m, self.c, self.beta)]
+        for step in [1.0] * dx + [1j] * dy:
+            slopes = [(m, c * beta * step, beta - 1) for m, c, beta in found]
+            # By the product rule ∂_y (y g) = y ∂_y g + g, a term with m = 1 gives a further term with m = 0.
+            drops = [(0, c, beta) for m, c, beta in found if m == 1 and step == 1j]
+            found = slopes + drops
+        return found
+
+
+Component = tuple[Monomial, ...]
+"""The type of a component of a displacement, as the terms whose sum it is."""
+
+
+@checked(FormulaError)
+def kolosov(kappa: Size, a: complex, b: complex, exponent: float) -> tuple[Component, Component]:
+    """Return the displacement 2μ (u_x, u_y) of plane elasticity with the potentials Φ = a z^λ and Ψ = b z^λ.
+
+    It is given by 2μ (u_x + i u_y) = κΦ − z conj(Φ') − conj(Ψ).
+
+    Args:
+        kappa: Kolosov's constant κ.
+        a, b: the factors of the potentials.
+        exponent: λ.
+
+    Returns:
+        The terms of 2μ u_x, and the terms of 2μ u_y.
+    """
+    # The sum is κ a z^λ − conj((λ a + b) z^λ) − 2iyλ conj(a z^{λ−1}). It is written as terms Re(c z^β) with Im g =
+    # Re(−i g) and conj(g) = Re g − i Im g.
+    lam = exponent
+    u_x = (Monomial(0, kappa * a - lam * a - b, lam), Monomial(1, 2j * lam * a, lam - 1))
+    u_y = (Monomial(0, -1j * (kappa * a) - 1j * (lam * a + b), lam), Monomial(1, -2 * lam * a + 0j, lam - 1))
+    return u_x, u_y
+
+
+class Powers:
+    """Evaluates functions Re(c (x + iy)^β) at fixed points for given c and β; they are 0 at the origin.
+
+    The formula r^β (c_r cos βθ − c_i sin βθ) is analytic in x and y, as derivatives by the complex step need. r^β, cos
+    βθ and sin βθ are computed once for each β.
+    """
+
+    def __init__(self, x: Array, y: Array) -> None:
+        r2 = x * x + y * y
+        self._there = np.real(r2) > 0
+        self._r = np.sqrt(np.where(self._there, r2, 1.0))
+        right = np.real(x) >= 0
+        # The angle θ is 2 arctan(y/(r + x)) for x ≥ 0 and ±π − 2 arctan(y/(r − x)) for x < 0. Both formulas avoid
+        # cancellation, and θ = π on the negative x-axis.
+        half = np.arctan(y / np.where(right, self._r + x, self._r - x))
+        self._theta = np.where(right, 2 * half, np.where(np.real(y) >= 0, np.pi, -np.pi) - 2 * half)
+        self._known: dict[float, tuple[Array, Array, Array]] = {}
+
+    def __call__(self, c: complex, beta: float) -> Array:
+        if beta not in self._known:
+            self._known[beta] = self._r**beta, np.cos(beta * self._theta), np.sin(beta * self._theta)
+        size, cosine, sine = self._known[beta]
+        return np.where(self._there, size * (c.real * cosine - c.imag * sine), 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +109,8 @@ class SingularField:
 
     centre: tuple[float, float]
     frame: Array
-    x: tuple[Monomial, ...]
-    y: tuple[Monomial, ...]
+    x: Component
+    y: Component
     theta: sp.Expr
     radial: Piecewise | None = None
     depth: Piecewise | None = None
@@ -47,13 +119,18 @@ class SingularField:
         if self.frame.shape != (2, 2) or not np.allclose(self.frame.T @ self.frame, np.eye(2)):
             raise FormulaError(f"frame has to have two orthogonal unit vectors as columns, got {self.frame.tolist()}")
 
+    @property
+    def exponent(self) -> float:
+        """The exponent λ of the field, which behaves like r^λ near the point; infinity for the field 0."""
+        return min((term.m + term.beta for term in (*self.x, *self.y) if term.c != 0), default=math.inf)
+
     @cached_property
     def amplitude(self) -> tuple[Jet, Jet]:
         """The function of time θ and its derivative, as formulas that can be evaluated."""
         jet = Jet(self.theta, (s,))
         return jet, jet.rate()
 
-    def at_time(self, time: Array | complex, rate: bool) -> Array:
+    def at_time(self, time: Time, rate: bool) -> Array:
         """Return the factor θ(t), or its time derivative if ``rate`` is true."""
         return self.amplitude[rate](np.zeros(1), time)[0,]
 
@@ -70,18 +147,17 @@ class SingularAtPoints:
 
     def __init__(self, field: SingularField, x: Points) -> None:
         self.field = field
-        offset = x - np.array(field.centre).reshape((-1,) + (1,) * (x.ndim - 1))
-        self.local = mapped(field.frame.T, offset)
+        self.local = mapped(field.frame.T, (x.T - field.centre).T)
 
-    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
+    def displacement(self, time: Time, rate: bool = False) -> Vectors:
         """Return the displacement u, or the velocity u̇ if ``rate`` is true, (2, ...)."""
         return np.multiply.outer(self._displacement, self.field.at_time(time, rate))
 
-    def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
+    def strain(self, time: Time, rate: bool = False) -> Tensors:
         """Return the strain ε(u), or its rate if ``rate`` is true, (3, ...)."""
         return np.multiply.outer(self._strain, self.field.at_time(time, rate))
 
-    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
+    def strain_gradient(self, time: Time, rate: bool = False) -> Array:
         """Return the derivatives ∂_j of the strain, or of its rate if ``rate`` is true, (3, 2, ...)."""
         return np.multiply.outer(self._strain_gradient, self.field.at_time(time, rate))
 
@@ -112,22 +188,18 @@ class SingularAtPoints:
 
     @cached_property
     def _strain_gradient(self) -> Array:
-        second = [[self._derivative(2, 0), self._derivative(1, 1)], [self._derivative(1, 1), self._derivative(0, 2)]]
-        local = np.stack([mandel(np.stack(row, axis=1)) for row in second])
-        turned = np.tensordot(
-            self.field.frame, np.tensordot(rotation(self.field.frame), local, axes=([1], [1])), ((1,), (1,))
-        )
-        return np.moveaxis(turned, 0, 1)
+        xx, xy, yy = (self._derivative(*orders) for orders in ((2, 0), (1, 1), (0, 2)))
+        local = np.array([mandel(np.stack(row, axis=1)) for row in ((xx, xy), (xy, yy))])
+        frame = self.field.frame
+        return np.einsum("ji,IJ,iJ...->Ij...", frame, rotation(frame), local)
 
     def _derivative(self, dx: int, dy: int) -> Array:
         """Return the derivative ∂_x^dx ∂_y^dy of the field χ U without its factor θ(t), in local axes, (2, ...)."""
         total = np.zeros(self.local.shape, dtype=self.local.dtype)
-        for i in range(dx + 1):
-            for j in range(dy + 1):
-                chi = self._cutoff(i, j)
-                if chi is not None:
-                    ways = _binomial(dx, i) * _binomial(dy, j)
-                    total = total + ways * chi * self._singular(dx - i, dy - j)
+        for i, j in product(range(dx + 1), range(dy + 1)):
+            chi = self._cutoff(i, j)
+            if chi is not None:
+                total = total + math.comb(dx, i) * math.comb(dy, j) * chi * self._singular(dx - i, dy - j)
         return total
 
     def _singular(self, dx: int, dy: int) -> Array:
@@ -154,30 +226,11 @@ class SingularAtPoints:
             return None if dx or dy else 1.0
         r = np.sqrt(x * x + y * y)
         safe = np.where(r.real > 0, r, 1.0)
-        chi = [self.field.radial(r, k) for k in range(dx + dy + 1)]
-        if dx + dy == 0:
-            return chi[0]
-        ux, uy = x / safe, y / safe
-        if dx + dy == 1:
-            return chi[1] * (ux if dx else uy)
-        first, second = (ux if dx else uy), (uy if dy else ux)
+        # The gradient of r is the unit vector (x, y)/r.
+        slopes = [x / safe] * dx + [y / safe] * dy
+        chi = [self.field.radial(r, k) for k in range(len(slopes) + 1)]
+        if len(slopes) < 2:
+            return chi[-1] * math.prod(slopes)
+        both = slopes[0] * slopes[1]
         same = 1.0 if dx != 1 else 0.0
-        return chi[2] * first * second + chi[1] / safe * (same - first * second)
-
-
-def _binomial(n: int, k: int) -> int:
-    return 1 if k in (0, n) else n
-
-
-class _OfMonomials(Protocol):
-    """The interface of fields whose components are sums of terms y^m Re(c z^β)."""
-
-    @property
-    def x(self) -> tuple[Monomial, ...]: ...
-    @property
-    def y(self) -> tuple[Monomial, ...]: ...
-
-
-def least_exponent(fields: Iterable[_OfMonomials]) -> float:
-    """Return the smallest exponent λ of fields that behave like r^λ at a point; infinity without fields."""
-    return min((m.m + m.beta for field in fields for m in (*field.x, *field.y) if m.c != 0), default=math.inf)
+        return chi[2] * both + chi[1] / safe * (same - both)

@@ -14,13 +14,12 @@ import numpy as np
 import sympy as sp
 
 from manufactured.arguments import checked
-from manufactured.body import Part
+from manufactured.contact import StatedFace
 from manufactured.jet import Jet
-from manufactured.modes import Modes, at_each
-from manufactured.singular.monomials import Monomial
-from manufactured.singular.singular_field import SingularAtPoints, SingularField
-from manufactured.symbols import FormulaError, refuse_kinks, s
-from manufactured.tensors import Array, Points, Tensors, Vectors, size
+from manufactured.modes import Modes, at_each, pointwise
+from manufactured.singular.singular_field import Component, Monomial, SingularAtPoints, SingularField
+from manufactured.symbols import FormulaError, s
+from manufactured.tensors import Array, Points, Tensors, Time, Vectors
 
 Of = Callable[[SingularAtPoints, complex, bool], Array]
 """The type of a method of ``SingularAtPoints``, as a function of the field, the time and ``rate``."""
@@ -52,14 +51,9 @@ class TravellingField:
             )
 
     @property
-    def x(self) -> tuple[Monomial, ...]:
-        """The terms y^m Re(c z^β) of which the component U_x consists."""
-        return self.steady.x
-
-    @property
-    def y(self) -> tuple[Monomial, ...]:
-        """The terms y^m Re(c z^β) of which the component U_y consists."""
-        return self.steady.y
+    def exponent(self) -> float:
+        """The exponent λ of the field, which behaves like r^λ near the singular point."""
+        return self.steady.exponent
 
     @cached_property
     def slope(self) -> SingularField:
@@ -80,7 +74,7 @@ class TravellingField:
         return TravellingAtPoints(self, x)
 
 
-def _along(component: tuple[Monomial, ...]) -> tuple[Monomial, ...]:
+def _along(component: Component) -> Component:
     """Return the terms of the derivative ∂_x of a component."""
     return tuple(Monomial(*term) for monomial in component for term in monomial.terms(1, 0))
 
@@ -99,10 +93,10 @@ class TravellingAtPoints:
     def _moved(self, time: complex) -> tuple[SingularAtPoints, SingularAtPoints]:
         """Return two fields at the points x − c(t): the field with U, and the field with its derivative ∂_x U."""
         along = self.field.steady.frame[:, 0] * self.field.place_at(time)
-        x = self.x - along.reshape((-1,) + (1,) * (self.x.ndim - 1))
+        x = (self.x.T - along).T
         return self.field.steady.at(x), self.field.slope.at(x)
 
-    def _value(self, time: Array | complex, rate: bool, of: Of) -> Array:
+    def _value(self, time: Time, rate: bool, of: Of) -> Array:
         def at_one(moment: complex) -> Array:
             own, slope = self._now(moment)
             if not rate:
@@ -111,40 +105,29 @@ class TravellingAtPoints:
 
         return at_each(time, at_one)
 
-    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
+    def displacement(self, time: Time, rate: bool = False) -> Vectors:
         """Return the displacement u, or the velocity u̇ if ``rate`` is true, (2, ...)."""
         return self._value(time, rate, SingularAtPoints.displacement)
 
-    def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
+    def strain(self, time: Time, rate: bool = False) -> Tensors:
         """Return the strain ε(u), or its rate if ``rate`` is true, (3, ...)."""
         return self._value(time, rate, SingularAtPoints.strain)
 
-    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
+    def strain_gradient(self, time: Time, rate: bool = False) -> Array:
         """Return the derivatives ∂_j of the strain, or of its rate if ``rate`` is true, (3, 2, ...)."""
         return self._value(time, rate, SingularAtPoints.strain_gradient)
 
     def modes(self) -> Modes:
-        """Return the strain as a ``Modes`` object, with one amplitude for every component and point."""
-        count, rows = int(np.prod(self.x.shape[1:])), size(2)
-
-        def amplitudes(time: Array | float, rate: bool) -> Array:
-            return self.strain(time, rate).reshape(rows, count, *np.shape(time))
-
-        places = np.arange(count)
-        return Modes(np.eye(rows), places, np.ones((rows, count)), places, count, amplitudes)
+        return pointwise(self.strain, 2, self.x[0].size)
 
 
 @dataclass(frozen=True, eq=False)
 @checked(FormulaError)
-class SingularFace:
+class SingularFace(StatedFace):
     """A part of the contact boundary where the displacement is a singular field, with the contact data of this field.
 
     Attributes:
-        part: the part Γ3,i.
-        gap: the formula of the gap w(s, t).
-        pressure: the formula of the contact pressure p(s, t). It must be the pressure that the law gives; the
-            self-proof checks this.
-        level: the formula of ψ(s, t); the contact zone is {ψ ≥ 0}.
+        part, gap, pressure, level: see ``StatedFace``.
         field: the displacement field.
         rough: coordinates s of the singular points that do not move.
 
@@ -152,41 +135,8 @@ class SingularFace:
         FormulaError: a kink of a formula is not written with ``pos``.
     """
 
-    part: Part
-    gap: sp.Expr
-    pressure: sp.Expr
-    level: sp.Expr
     field: SingularField | TravellingField
     rough: tuple[float, ...] = ()
-
-    def __post_init__(self) -> None:
-        refuse_kinks(self.gap, self.pressure, self.level)
-
-    @property
-    def initial_gap(self) -> sp.Expr:
-        """The initial gap, which is 0 for such faces."""
-        return sp.Integer(0)
-
-    @cached_property
-    def gap_jet(self) -> Jet:
-        return Jet(self.gap, (s,))
-
-    @cached_property
-    def pressure_jet(self) -> Jet:
-        return Jet(self.pressure, (s,))
-
-    @cached_property
-    def level_jet(self) -> Jet:
-        return Jet(self.level, (s,))
-
-    @property
-    def variables(self) -> tuple[sp.Symbol, ...]:
-        return (s,)
-
-    @property
-    def exponents_in(self) -> sp.Expr:
-        """The contact pressure, from whose truncated powers the exponents of the strain at fronts are read off."""
-        return self.pressure
 
     def at(self, x: Points) -> SingularAtPoints | TravellingAtPoints:
         """Return the displacement field at fixed points of the body, (2, ...)."""

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from manufactured.case import Case
+from manufactured.case import Case, proved_order
 from manufactured.catalogue import NAMES, OTHER_NAMES, SUCCESSORS, advice, named
 from manufactured.data import Data
 from manufactured.file_names import file_name_fault
@@ -20,7 +20,6 @@ from manufactured.multiscale import COARSEST_ROLLER, ROLLERS, multiscale, roller
 from manufactured.natural_motion import natural_motion
 from manufactured.no_potential import no_potential
 from manufactured.problems import OpenProblem, problems
-from manufactured.proved import proved_order
 from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
 from study.ledger.files import UsageError
 

@@ -49,7 +49,6 @@ SINGLE_MODULES = ("manufactured/cases/*.py", "study/statements/*.py")
 LISTING_MODULES = (
     "manufactured/catalogue.py",
     "manufactured/colours.py",
-    "manufactured/html.py",
     "manufactured/body/html.py",
 )
 """Modules that list the cases, name colours or draw pictures in notebooks. No result depends on them."""

@@ -58,7 +58,6 @@ from manufactured import (
 )
 from manufactured.multiscale import FadingFace, rollers
 from manufactured.natural_motion import natural_motion
-from manufactured.no_potential import law_without_potential
 from manufactured.profile import Piecewise
 
 CASE = named("full-contact")
@@ -71,7 +70,7 @@ FIELD = SingularField((0.0, 0.0), FACE.part.frame, *kolosov(2.0, 1j, -0.5j, 1.5)
 PLAIN = Data.formulas(BODY, LAW, (0, 0))
 
 VALUES: dict[str, Any] = {
-    **{name: 2.0 for name in ("T", "mu", "lam", "radius", "beta", "low", "depth", "E", "ratio", "kappa", "rotation")},
+    **{name: 2.0 for name in ("T", "mu", "lam", "radius", "beta", "low", "depth", "E", "ratio", "kappa")},
     **{name: s * t for name in ("gap", "pressure")},
     **{name: s for name in ("initial", "initial_gap", "level")},
     **{name: Kind.CONTACT for name in ("kind", "left", "right", "front", "back")},
@@ -147,7 +146,6 @@ CALLS: dict[Any, dict[str, Any]] = {
     plane_stress: {},
     FadingFace: {"strain": s, "depth": 1 + s, "least_depth": 0.5},
     rollers: {"level": 8},
-    law_without_potential: {},
     natural_motion: {},
     pos: {"x": s - HALF, "a": HALF},
     named: {"name": "full-contact"},

@@ -42,6 +42,7 @@ from manufactured import (
     x1,
     x2,
 )
+from manufactured.case import proved_order
 from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.catalogue import NAMES, catalogue
 from manufactured.contact.contact_face import VARIABLES
@@ -50,7 +51,6 @@ from manufactured.face_strain.strain_on_face import relaxation_rate
 from manufactured.factor import layers
 from manufactured.multiscale import StripFace, multiscale, rollers
 from manufactured.natural_motion import PLACE, natural_motion
-from manufactured.proved import proved_order
 from manufactured.self_proof import examine
 from manufactured.singular import TravellingField
 from manufactured.tensors import mandel, traction

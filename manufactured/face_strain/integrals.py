@@ -1,7 +1,11 @@
-"""Integrals over time of polynomials times e^{−λ(t−r)}, by the φ-functions of exponential integrators."""
+"""Integrals over time of smooth functions times e^{−λ(t−r)}.
+
+For polynomials there is a closed form with the φ-functions of exponential integrators. Other functions are integrated
+by Gauss's rule.
+"""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -9,7 +13,7 @@ import sympy as sp
 
 from manufactured.compiled import coefficients_in_t
 from manufactured.jet import Jet
-from manufactured.symbols import Index, Values
+from manufactured.symbols import FormulaError, Index, Symbols, Values, t
 from manufactured.tensors import Array
 
 
@@ -29,24 +33,6 @@ class Started(Protocol):
         ...
 
 
-class Integral(Protocol):
-    """The interface of integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time.
-
-    P is a smooth part of p/a, pressure over viscosity.
-    """
-
-    def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """Prepare the integrals for given points and starting times.
-
-        Args:
-            points: the coordinates s of the points, (d − 1, N).
-            lower: the starting times a, (N,).
-            upper: the latest times b for which integrals will be needed, (N,).
-            order: the highest order |i| of derivatives along the face.
-        """
-        ...
-
-
 class Convolution:
     """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a polynomial P of the time r, of degree m.
 
@@ -59,12 +45,21 @@ class Convolution:
     Source of the functions φ_k: M. Hochbruck, A. Ostermann, Exponential integrators, Acta Numer. 19 (2010) 209–286.
     """
 
-    def __init__(self, smooth: sp.Expr, variables: tuple[sp.Symbol, ...], decay: float) -> None:
+    def __init__(self, smooth: sp.Expr, variables: Symbols, decay: float) -> None:
         self.decay = decay
         self.powers = [Jet(coefficient, variables) for coefficient in reversed(coefficients_in_t(smooth))]
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """Prepare the integrals by computing the derivatives ∂_s^i ∂_r^j P(s, a) for every |i| ≤ order and every j."""
+        """Prepare the integrals for given points and starting times.
+
+        The derivatives ∂_s^i ∂_r^j P(s, a) are computed for every |i| ≤ order and every j.
+
+        Args:
+            points: the coordinates s of the points, (d − 1, N).
+            lower: the starting times a, (N,).
+            upper: the latest times b for which integrals will be needed, (N,).
+            order: the highest order |i| of derivatives along the face.
+        """
         values = [jet(points, lower, order) for jet in self.powers]
         factorials = np.array([[math.factorial(j)] for j in range(len(values))])
         coefficients = {}
@@ -135,3 +130,88 @@ def phi(z: Array, count: int) -> Array:
             found[k - 1] = np.where(large, value, found[k - 1])
             value = (value - 1 / math.factorial(k)) / far
     return found
+
+
+POINTS = 40
+"""Number of Gauss points on an interval of contact, or on each of its equal pieces."""
+PIECES = (1, 4)
+"""Numbers of equal pieces of an interval of contact that are tried in turn. A long contact may contain many periods."""
+ACCURACY = 1e-13
+"""Largest accepted difference between the rule on an interval and on its halves, relative to the largest integral."""
+TINY = float(np.finfo(float).tiny)
+"""Lower bound of the sizes of integrals, which prevents a division by zero if all integrals are zero."""
+
+
+class Quadrature:
+    """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time by Gauss's rule, for a smooth part P of p/a."""
+
+    def __init__(self, branch: sp.Expr, variables: Symbols, decay: float) -> None:
+        self.branch, self.decay, self.jet = branch, decay, Jet(branch, variables)
+
+    def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
+        """Prepare the integrals for given points and starting times; see ``Convolution.started``.
+
+        Raises:
+            FormulaError: P changes too fast in time for the rule.
+        """
+        x, w = np.polynomial.legendre.leggauss(POINTS)
+        for pieces in PIECES:
+            starts = np.arange(pieces)[:, None]
+            nodes, weights = ((starts + (1 + x) / 2) / pieces).ravel(), np.tile(w / (2 * pieces), pieces)
+            found = _Gauss(self.jet, self.decay, nodes, weights, points, lower, order)
+            off, size = found.defect(upper)
+            if off <= ACCURACY * max(size, TINY):
+                return found
+        raise FormulaError(
+            f"{self.branch}: this part of p/a changes so fast in t that the strain it causes has an error of "
+            f"{off:.1g} for a size of {size:.3g}; take a slower motion or a shorter time"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Gauss:
+    """The integrals from starting times a, (N,), by a rule with nodes and weights on (0, 1)."""
+
+    jet: Jet
+    decay: float
+    nodes: Array
+    weights: Array
+    points: Array
+    lower: Array
+    order: int
+
+    def defect(self, upper: Array) -> tuple[float, float]:
+        """Return the error of Gauss's rule, estimated from the rule on both halves, and the size of the integral.
+
+        Both numbers belong to the derivative with the largest relative error.
+        """
+        every = np.arange(self.lower.size)
+        middle = (self.lower + upper) / 2
+        fading = np.exp(-self.decay * (upper - middle))
+        first, second = self.upto(middle, every), replace(self, lower=middle).upto(upper, every)
+        found = []
+        for index, value in self.upto(upper, every).items():
+            off = abs(value - fading * first[index] - second[index]).max(initial=0.0)
+            found.append((float(off), float(abs(value).max(initial=0.0))))
+        return max(found, key=lambda pair: math.inf if math.isnan(pair[0]) else pair[0] / max(pair[1], TINY))
+
+    def upto(self, upper: Array, chosen: Array) -> Values:
+        """Return the integrals up to the times ``upper``; see ``Started.upto``."""
+        lower = self.lower[chosen][:, None]
+        length = upper[:, None] - lower
+        left = length * (1 - self.nodes)
+        weights = length * self.weights * np.exp(-self.decay * left)
+        points = np.repeat(self.points[:, chosen, None], len(self.nodes), axis=2)
+        values = self.jet(points, lower + length * self.nodes, self.order)
+        return {index: np.einsum("nq,nq->n", value, weights) for index, value in values.items()}
+
+
+def integral(branch: sp.Expr, variables: Symbols, decay: float) -> Convolution | Quadrature:
+    """Return the object that computes the integrals for a smooth part P of p/a, pressure over viscosity.
+
+    Args:
+        branch: the formula of P.
+        variables: the coordinates s along the face.
+        decay: λ.
+    """
+    return (Convolution if branch.is_polynomial(t) else Quadrature)(branch, variables, decay)
