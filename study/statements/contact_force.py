@@ -46,7 +46,6 @@ that depends on the position of the jump within the step. This order is only rep
 """
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sps
@@ -59,12 +58,22 @@ from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
 from study.ledger.datafiles import CsvFile
-from study.ledger.quantities import finest, fitted, values
+from study.ledger.quantities import finest, values
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import EVOLVING, Experiment, Judged, Numbers, Setting, Statement, steps_like_h
+from study.statements.shared.base import (
+    EVOLVING,
+    Experiment,
+    Judged,
+    Numbers,
+    Setting,
+    Statement,
+    fitted_order,
+    steps_like_h,
+)
 from study.statements.shared.meshes import split_irregular, split_superclose
+from study.statements.shared.norms import hat_functions
 from study.statements.shared.scope import Scope
 
 FORCE_ERRORS = "pressure", "dual", "resultant"
@@ -91,10 +100,7 @@ class PressedFace:
     def __init__(self, solution: ExactSolution, space: Space, face: Face, vertices: Array) -> None:
         count = FACET_GAUSS_POINTS if space.dim == 2 else SOLID_FACET_GAUSS_POINTS
         rule = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, count)
-        corners = np.broadcast_to(space.mesh.facets[:, rule.facets][..., None], rule.shapes.shape)
-        places = np.broadcast_to(np.arange(rule.weights.size).reshape(rule.weights.shape), rule.shapes.shape)
-        shape = rule.weights.size, space.mesh.p.shape[1]
-        self.every = sps.csr_array((rule.shapes.ravel(), (places.ravel(), corners.ravel())), shape=shape)
+        self.every = hat_functions(space.mesh, rule)
         self.functions = self.every[:, vertices]
         self.weights = rule.weights.ravel()
         self.normal = face.part.normal
@@ -108,32 +114,27 @@ class Forces:
     Attributes:
         space: the P1 displacement space V^h.
         faces: the contact faces.
-        rows: for each face, its rows in the matrix N of normal displacements.
+        ends: the numbers of the rows of N, the matrix of normal displacements, at which the rows of a new face begin.
         clamped: the number of faces that have a vertex on the clamped boundary Γ1.
         W: the matrix N M⁻¹ Nᵀ, which gives the dual norm sup_v y·Nv/‖v‖_V = (y·Wy)^½ of nodal forces y, (m, m).
     """
 
     def __init__(self, setup: Experiment) -> None:
         self.space = space = setup.space
-        ends = np.cumsum([0, *(len(vertices) for _, vertices in space.contact)])
         self.faces = [
             PressedFace(setup.solution, space, face, vertices)
             for face, (_, vertices) in zip(setup.solution.faces, space.contact, strict=True)
         ]
-        self.rows = [slice(*pair) for pair in pairwise(ends)]
+        self.ends = np.cumsum([len(vertices) for _, vertices in space.contact])[:-1]
         # The matrix N has no rows for vertices on Γ1, so a face that meets Γ1 has fewer rows than vertices.
-        corners = (np.unique(space.mesh.facets[:, space.facets(part)]) for part, _ in space.contact)
-        self.clamped = sum(
-            len(all_corners) > len(free) for all_corners, (_, free) in zip(corners, space.contact, strict=True)
-        )
+        self.clamped = sum(len(space.vertices(part)) > len(free) for part, free in space.contact)
         self.W = Signorini(setup.problem.M, space.N, space.free_points).W
 
     def squares(self, times: Array, multipliers: Array) -> tuple[Array, Array]:
         """Return sums over time of the squared errors of the contact force and of the squared exact norms, (3,) each.
 
-        The three entries belong to the errors that ``FORCE_ERRORS`` names: of the pressure in L²(Γ3), in the dual
-        norm, and
-        of the total force on each face.
+        The three entries belong to the errors that ``FORCE_ERRORS`` names: the error of the pressure in L²(Γ3), the
+        error in the dual norm, and the error of the total force on each face.
 
         Args:
             times: the times, (n,).
@@ -142,16 +143,16 @@ class Forces:
         exact = []
         errors = 0.0
         sizes = 0.0
-        for face, rows in zip(self.faces, self.rows, strict=True):
+        for face, forces in zip(self.faces, np.split(multipliers.T, self.ends), strict=True):
             p = face.exact.pressure(times).reshape(-1, len(times))
             # Nodal forces λ are moments of a pressure, so the P1 pressure p^h follows from the mass matrix.
-            p_h = face.functions @ np.linalg.solve(face.mass, multipliers.T[rows])
+            p_h = face.functions @ np.linalg.solve(face.mass, forces)
             errors += (face.weights @ (p - p_h) ** 2).sum()
             sizes += (face.weights @ p**2).sum()
             exact.append(face.functions.T @ (face.weights[:, None] * p))
         y = np.concatenate(exact)
         missing = y - multipliers.T
-        total, lost = (np.array([values[rows].sum(axis=0) for rows in self.rows]) for values in (y, missing))
+        total, lost = (np.array([part.sum(axis=0) for part in np.split(nodal, self.ends)]) for nodal in (y, missing))
         squared = errors, np.vdot(missing, self.W @ missing), np.vdot(lost, lost)
         return np.array(squared), np.array([sizes, np.vdot(y, self.W @ y), np.vdot(total, total)])
 
@@ -204,12 +205,11 @@ NO_BOUND = "a face meets Γ1, so that the dual norm does not bound the error of 
 """Why no order of the resultant is claimed if a contact face meets the clamped boundary Γ1.
 
 The order would follow from the dual norm with v_ν = 1. But v = 0 on Γ1, so no v ∈ V has v_ν = 1 on the whole face."""
-PRESSURE_ORDER = consequence(
+PRESSURE_ORDER = fitted_order(
     "order-pressure",
     "order of ‖p − p^h‖_{L²(Γ3)}",
-    fitted("pressure"),
+    "pressure",
     between(1, 1.5, 0.15, 0.7, "from the cells along Γ3; piecewise linear functions reach at most 2"),
-    levels=ENOUGH,
 )
 OF_CHANCE = replace(
     PRESSURE_ORDER, key="order-pressure-irregular", quantity=f"{PRESSURE_ORDER.quantity}, irregular meshes"
@@ -220,8 +220,8 @@ DUAL_SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "the order of ‖Π^h u − u^h‖_V
 DUAL_ON_OTHERS = between(1, 2, 0.15, 0.2, "the order of ‖Π^h u − u^h‖_V on other meshes")
 DUAL = "order of sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over V^h"
 DUAL_ORDERS = {
-    True: consequence("order-dual-superclose", f"{DUAL}, superclose", fitted("dual"), DUAL_SUPERCLOSE, levels=ENOUGH),
-    False: consequence("order-dual-other", f"{DUAL}, other families", fitted("dual"), DUAL_ON_OTHERS, levels=ENOUGH),
+    True: fitted_order("order-dual-superclose", f"{DUAL}, superclose", "dual", DUAL_SUPERCLOSE),
+    False: fitted_order("order-dual-other", f"{DUAL}, other families", "dual", DUAL_ON_OTHERS),
 }
 """The criteria for the order of the dual norm, on one-diagonal meshes (True) and on all others (False)."""
 RESULTANT = at_least(1, "the order of the dual norm; 2 if the contact zone is known")
@@ -229,13 +229,7 @@ RESULTANT = at_least(1, "the order of the dual norm; 2 if the contact zone is kn
 
 It has no upper end: parts of the error of the resultant may cancel, so its order may exceed 2."""
 FORCE_NORMS = (
-    consequence(
-        "order-resultant",
-        "order of the error of the contact resultant on each face",
-        fitted("resultant"),
-        RESULTANT,
-        levels=ENOUGH,
-    ),
+    fitted_order("order-resultant", "order of the error of the contact resultant on each face", "resultant", RESULTANT),
     consequence(
         "resultant",
         "error of the contact resultant on each face",

@@ -16,7 +16,7 @@ from study.fem.error_norm import DEGREE, FACET_POINTS, ErrorNorm, rules
 from study.fem.quadrature import facet_rule
 from study.fem.space import on_cells
 from study.ledger.check import ENOUGH, ROUNDING, Groups, consequence, paper_claim
-from study.ledger.quantities import change, fitted, values
+from study.ledger.quantities import change, values
 from study.ledger.window import Window, around, between
 from study.solve.factorisation import Cholesky
 from study.solve.tableau import MIDPOINT
@@ -29,6 +29,7 @@ from study.statements.shared.base import (
     ListedNumbers,
     Numbers,
     Setting,
+    fitted_order,
     grid,
     with_h,
 )
@@ -232,33 +233,22 @@ class NaturalConditions(ListedNumbers):
     label = "(4.13)"
     claim = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
     checks = (
-        consequence("loaded", "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", fitted("loaded"), STRONG, levels=ENOUGH),
-        consequence(
-            "contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", fitted("contact"), STRONG, levels=ENOUGH
-        ),
-        consequence(
+        fitted_order("loaded", "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", "loaded", STRONG),
+        fitted_order("contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", "contact", STRONG),
+        fitted_order(
             "tangential",
             "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))",
-            fitted("tangential"),
+            "tangential",
             TANGENTIAL_SUPERCLOSE,
-            levels=ENOUGH,
             if_missed=(
                 "the check of σ^hν − σ_ν ν bounds ‖σ^h_τ‖, whose first-order part depends on the triangles along Γ3"
             ),
         ),
-        consequence(
-            "loaded-weakly",
-            "order of σν − f_2 on Γ2, tested with smooth v",
-            fitted("loaded, weakly", power=CELL_POWER),
-            WEAK,
-            levels=ENOUGH,
+        fitted_order(
+            "loaded-weakly", "order of σν − f_2 on Γ2, tested with smooth v", WEAKLY[0], WEAK, power=CELL_POWER
         ),
-        consequence(
-            "tangential-weakly",
-            "order of σ_τ on Γ3, tested with smooth v",
-            fitted("tangential, weakly", power=CELL_POWER),
-            WEAK,
-            levels=ENOUGH,
+        fitted_order(
+            "tangential-weakly", "order of σ_τ on Γ3, tested with smooth v", WEAKLY[1], WEAK, power=CELL_POWER
         ),
     )
     quick = grid(("advance-recede",), ("shaken",), (12, 24, 48))

@@ -20,7 +20,7 @@ from study.fem.mesh import barycentric_gradients
 from study.fem.quadrature import gauss
 from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
-from study.ledger.quantities import change, fitted, over_refinements, values
+from study.ledger.quantities import change, over_refinements, values
 from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
@@ -34,6 +34,7 @@ from study.statements.shared.base import (
     ListedNumbers,
     Numbers,
     Setting,
+    fitted_order,
     grid,
     with_h,
 )
@@ -357,19 +358,18 @@ class AdvancingFront(ListedNumbers):
             around(1, STEEPER, "the order of the interpolation error; proved up to a logarithm"),
             levels=ENOUGH,
         ),
-        consequence(
+        fitted_order(
             "rate",
             "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}",
-            fitted("rate", last=2),
+            "rate",
             between(0.5, 0.5, STEEPER, 0.25, "order from the two finest levels; smooth parts of u̇ raise it"),
-            levels=ENOUGH,
+            last=2,
         ),
-        consequence(
+        fitted_order(
             "excess",
             "order of the excess ‖u^h − u^h_lin‖ over the linear problem",
-            fitted("excess"),
+            "excess",
             between(1, 1.5, STEEPER, STEEPER, "3/2 if the front leaves the same error in every cell, 1 if not"),
-            levels=ENOUGH,
         ),
         accuracy("time", "change of u^h with half the time step / error", values("time share"), NEGLIGIBLE_SHARE),
         consequence(

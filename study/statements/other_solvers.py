@@ -32,7 +32,7 @@ from study.statements.prop_5_4 import RATES, RateSetting
 from study.statements.shared import estimates
 from study.statements.shared.base import JOINED_SUFFIX as OF_FILE
 from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, Statement, grid, with_h
-from study.statements.shared.norms import maximum
+from study.statements.shared.norms import hat_functions, maximum
 from study.statements.shared.scope import Scope
 from study.statements.shared.tasks import FROZEN_TIMES, Task
 
@@ -51,123 +51,95 @@ Trajectory = tuple[Array, Array]
 
 
 class PlainProblem:
-    """The semi-discrete contact problem (Problem 5.1) with P1 elements on one mesh.
+    """A second, simple solver of the semi-discrete contact problem (Problem 5.1), for tests of the first solver.
 
-    A second, simple solver of the semi-discrete contact problem (Problem 5.1), for tests of the first solver.
+    ``Recomputed`` compares both solvers. They share only the exact solution, the mesh, and the lines along which cells
+    are cut for quadrature. In this solver gradients come from inverse matrices of coordinates. Integrals are sums over
+    the points of a finer quadrature rule, without the faster formulas of ``study.fem``. The law is evaluated at these
+    points.
 
-    The class ``Recomputed`` compares both. They share only the exact solution, the mesh, and the lines along which
-    cells are cut for quadrature. Here gradients come from inverse matrices of coordinates. Integrals are sums over the
-    points of a finer quadrature rule, without the faster formulas of ``study.fem``. The law is evaluated at these
-    points: in every iteration, or once for the matrix if it is linear. A step of the midpoint rule
+    A step of the midpoint rule
 
         M (u_n − u_{n−1})/k + (Gε((u_n + u_{n−1})/2), ε(·))_Q + Nᵀλ_n = F(t_{n−1/2})
 
-    is solved by a fixed-point iteration for u_n, also for a linear law, with a factorisation of M by SuperLU. The
-    iteration first assumes that the positive multipliers are the same as in the last iteration. If this gives no
-    solution, the method of Lawson and Hanson is used.
+    is solved by a fixed-point iteration for u_n, also for a linear law. SuperLU factorises M. The iteration first
+    assumes that the same multipliers are positive as in the last iteration. If this gives no solution, the method of
+    Lawson and Hanson is used.
 
     Attributes:
         free: the indices of the n unknowns among the values at all vertices, which are ordered vertex by vertex, (n,).
+        E: the matrix from unknowns to strains, (D · cells, n). The rows for all components 11 come first.
+        cell: the cell of each quadrature point, (points,).
+        sums: the matrix that integrates values at the points over each cell, (cells, points).
+        law, exact: the law and the exact solution at the points.
+        faces: for each contact face the matrix that maps the pressure at its quadrature points to a load, (n, points),
+            and the exact solution at these points.
         M: the matrix of the viscous form (A ε(u), ε(v))_Q, (n, n).
+        elastic: the function v ↦ (Gε(v), ε(·))_Q, (n,) → (n,).
         N: the matrix that maps v to its normal displacements v_ν at the contact vertices that are not clamped, with one
             row for each vertex and normal, (m, n).
     """
 
     def __init__(self, solution: ExactSolution, mesh: Mesh) -> None:
         self.solution = solution
-        self.mesh = mesh
         self.dim = int(mesh.dim())
         tolerance = ON * float(np.ptp(mesh.p))
-        fixed = np.any([part.contains(mesh.p, tolerance) for part in solution.body.of(Kind.CLAMPED)], axis=0)
-        self.free = np.flatnonzero(np.repeat(~fixed, self.dim))
-        self.numbers = np.full(fixed.size * self.dim, -1)
-        self.numbers[self.free] = np.arange(self.free.size)
-        on = [np.flatnonzero(face.part.contains(mesh.p, tolerance)) for face in solution.faces]
-        self._set_points(on)
-        self._set_forms()
-        # The matrices of the contact problem: N, M⁻¹Nᵀ, Q = NM⁻¹Nᵀ and R with RᵀR = Q. A vertex on two faces with equal
-        # normals has one row.
-        rows: dict[tuple[int, ...], Array] = {}
-        for face, vertices in zip(self.solution.faces, on, strict=True):
-            normal = face.part.normal
-            for vertex in vertices[~fixed[vertices]]:
-                rows[(vertex, *normal.round(9))] = normal
-        columns = self.numbers[self.dim * np.array([vertex for vertex, *_ in rows])[:, None] + np.arange(self.dim)]
-        numbers = np.repeat(np.arange(len(rows)), self.dim)
-        entries = np.ravel([*rows.values()]), (numbers, columns.ravel())
-        self.N = sps.csr_array(entries, shape=(len(rows), self.free.size))
+        clamped = np.any([part.contains(mesh.p, tolerance) for part in solution.body.of(Kind.CLAMPED)], axis=0)
+        self.free = np.flatnonzero(np.repeat(~clamped, self.dim))
+        self.at_vertices = solution.at(mesh.p)
+        self._set_strains(mesh)
+        self.faces = []
+        selected = sps.eye_array(clamped.size, format="csr")
+        rows = []
+        for face in solution.faces:
+            touching = face.part.contains(mesh.p, tolerance)
+            boundary = mesh.boundary_facets()
+            facets = boundary[touching[mesh.facets[:, boundary]].all(axis=0)]
+            count = FINE_POINTS if self.dim == 2 else FINE_SOLID_POINTS
+            rule = facet_rule(mesh, facets, face.part, face.rough, count)
+            nodal = hat_functions(mesh, rule).T * rule.weights.ravel()
+            load = sps.csr_array(sps.kron(nodal, face.part.normal[:, None]))[self.free]
+            self.faces.append((load, solution.on(face, rule.s)))
+            rows.append(sps.kron(selected[touching & ~clamped], face.part.normal[None]))
+        every = sps.csr_array(sps.vstack(rows))[:, self.free]
+        # A vertex on two faces with equal normals has one row.
+        _, first = np.unique(every.toarray().round(9), axis=0, return_index=True)
+        self.N = every[np.sort(first)]
+        self.M = self._form(self.law.A)
+        self._solve = splu(self.M, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve
+        if isinstance(solution.law.G, Linear):
+            self.elastic = self._form(self.law.G).__matmul__
+        else:
+            self.elastic = lambda v: self.work(self.law.G(self.strain(v)))
+        # M⁻¹Nᵀ, Q = NM⁻¹Nᵀ and R with RᵀR = Q.
         self._response = self._solve(self.N.T.toarray())
         self._normal = self.N @ self._response
         self._root = cholesky(self._normal)
 
-    def _set_points(self, on: list[Array]) -> None:
-        """Set the quadrature points in the cells and on Γ3, with the law and the exact solution at these points.
-
-        The attribute ``faces`` has for each contact face its normal, the matrix that maps the pressure at its points to
-        nodal forces, (vertices, points), and the exact solution at the points.
-
-        Args:
-            on: for each contact face, the indices of the vertices on it.
-        """
-        on_cells = rules(self.solution, self.mesh, FINE_DEGREE if self.dim == 2 else FINE_SOLID_DEGREE)
+    def _set_strains(self, mesh: Mesh) -> None:
+        """Set the quadrature points in the cells, with the law and the exact solution there, and the strain matrix."""
+        on_cells = rules(self.solution, mesh, FINE_DEGREE if self.dim == 2 else FINE_SOLID_DEGREE)
         self.cell = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in on_cells])
         self.weights = np.concatenate([rule.weights.ravel() for rule in on_cells])
-        within = self.cell, np.arange(self.cell.size)
-        self.sums = sps.csr_array((self.weights, within), shape=(self.mesh.t.shape[1], self.cell.size))
+        self.sums = sps.csr_array((self.weights, (self.cell, np.arange(self.cell.size))))
         points = np.concatenate([rule.points.reshape(self.dim, -1) for rule in on_cells], axis=1)
         self.law = self.solution.law.at(points)
         self.exact = self.solution.at(points)
-        self.at_vertices = self.solution.at(self.mesh.p)
-        self.faces = []
-        boundary = self.mesh.boundary_facets()
-        for face, vertices in zip(self.solution.faces, on, strict=True):
-            facets = boundary[np.isin(self.mesh.facets[:, boundary], vertices).all(axis=0)]
-            count = FINE_POINTS if self.dim == 2 else FINE_SOLID_POINTS
-            rule = facet_rule(self.mesh, facets, face.part, face.rough, count)
-            shares = rule.shapes * rule.weights
-            columns = np.arange(rule.weights.size).reshape(rule.weights.shape)
-            at = (
-                np.broadcast_to(axis, shares.shape).ravel()
-                for axis in (self.mesh.facets[:, rule.facets, None], columns)
-            )
-            nodal = sps.csr_array((shares.ravel(), tuple(at)), shape=(self.mesh.p.shape[1], columns.size))
-            self.faces.append((face.part.normal, nodal, self.solution.on(face, rule.s)))
-
-    def _set_forms(self) -> None:
-        """Set the strains of the basis functions in each cell, and the viscous and elastic forms.
-
-        The strains of the basis functions φ_i e_j have the shape (cells, D, (d + 1) d). The attribute ``elastic`` is
-        the function v ↦ (Gε(v), ε(·))_Q, (n,) → (n,).
-        """
-        corners = np.moveaxis(self.mesh.p[:, self.mesh.t], -1, 0).swapaxes(1, 2)
+        # The basis functions are φ_i e_k, where φ_i is the hat function of a vertex.
+        corners = mesh.p[:, mesh.t].T
         gradients = np.linalg.inv(np.insert(corners, 0, 1.0, axis=2))[:, 1:]
-        jacobians = np.einsum("jk,cli->jlcik", np.eye(self.dim), gradients)
-        self.strains = np.moveaxis(mandel(jacobians), 0, 1).reshape(len(gradients), -1, (self.dim + 1) * self.dim)
-        self.local = (self.dim * self.mesh.t.T[..., None] + np.arange(self.dim)).reshape(len(gradients), -1)
-        self.M = self._form(self.law.A)
-        self._solve = splu(self.M, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve
-        if isinstance(self.solution.law.G, Linear):
-            self.elastic = self._form(self.law.G).__matmul__
-        else:
-            self.elastic = lambda v: self.work(self.law.G(self.strain(v)))
+        strains = mandel(np.einsum("jk,cli->jlcik", np.eye(self.dim), gradients))
+        numbers = np.broadcast_to(self.dim * mesh.t.T[..., None] + np.arange(self.dim), strains.shape)
+        ends = np.arange(0, strains.size + 1, (self.dim + 1) * self.dim)
+        self.E = sps.csr_array((strains.ravel(), numbers.ravel(), ends))[:, self.free]
 
     def _form(self, law: Callable[[Tensors], Tensors]) -> sps.csc_array:
         """Return the matrix of the form (Cε(u), ε(v))_Q for a linear law C, (n, n)."""
-        columns = [self._tested(law(each[self.cell].T)) for each in np.moveaxis(self.strains, 2, 0)]
-        local = np.stack(columns, axis=2)
-        rows, cols = (np.broadcast_to(axis, local.shape) for axis in (self.local[..., None], self.local[:, None]))
-        size = self.numbers.size
-        full = sps.csc_array((local.ravel(), (rows.ravel(), cols.ravel())), shape=(size, size))
-        return sps.csc_array(full[self.free][:, self.free])
-
-    def _tested(self, stress: Tensors) -> Array:
-        """Return the integrals ∫_T σ·ε(φ) for the basis functions φ of each cell T, (cells, (d + 1) d).
-
-        Args:
-            stress: σ at the quadrature points in the cells, (D, points).
-        """
-        means = np.array([self.sums @ row for row in stress])
-        return np.einsum("Ic,cIk->ck", means, self.strains)
+        units = np.eye(len(self.E.indptr) // self.sums.shape[0])
+        columns = [self.sums @ law(np.tile(unit[:, None], self.cell.size)).T for unit in units]
+        components = np.transpose(columns, (2, 0, 1))
+        tensor = sps.block_array([[sps.diags_array(values) for values in row] for row in components])
+        return sps.csc_array(self.E.T @ tensor @ self.E)
 
     def work(self, stress: Tensors) -> Array:
         """Return the work of a stress on strains as a load vector, v ↦ (σ, ε(v))_Q, (n,).
@@ -175,23 +147,19 @@ class PlainProblem:
         Args:
             stress: σ at the quadrature points in the cells, (D, points).
         """
-        return np.bincount(self.local.ravel(), self._tested(stress).ravel(), self.numbers.size)[self.free]
+        return self.E.T @ (self.sums @ stress.T).T.ravel()
 
     def strain(self, v: Array) -> Tensors:
         """Return the strain ε(v) at the quadrature points in the cells, (D, points)."""
-        full = np.zeros(self.numbers.size)
-        full[self.free] = v
-        return np.take(np.einsum("cIk,ck->Ic", self.strains, full[self.local]), self.cell, axis=1)
+        return np.take((self.E @ v).reshape(-1, self.sums.shape[0]), self.cell, axis=1)
 
     def load(self, time: float) -> Array:
         """Return the load vector at one time, from the exact stress and pressure, (n,).
 
         It is the functional v ↦ (σ, ε(v))_Q + ∫_{Γ3} p v_ν.
         """
-        load = self.work(self.exact.stress(time))
-        for normal, nodal, exact in self.faces:
-            load += np.multiply.outer(nodal @ exact.pressure(time).ravel(), normal).ravel()[self.free]
-        return load
+        on_faces = [load @ exact.pressure(time).ravel() for load, exact in self.faces]
+        return self.work(self.exact.stress(time)) + np.sum(on_faces, axis=0)
 
     def interpolant(self, time: float) -> Array:
         """Return the nodal interpolant Π^h u(t) of the exact displacement, (n,)."""

@@ -65,7 +65,7 @@ from study.solve import solver_choice
 from study.solve.evolution import State
 from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT, SCHEMES
-from study.statements.shared.base import Experiment, Judged, Numbers, Records, Setting, Statement
+from study.statements.shared.base import Experiment, Judged, Numbers, Records, Setting, Statement, fitted_order
 from study.statements.shared.meshes import (
     LEADING,
     in_leading_term,
@@ -354,22 +354,21 @@ LEADING_ORDER = accuracy(
 """A criterion for irregular meshes: the leading term of the interpolation error must be of order h.
 
 This is necessary, because the leading term replaces h on these meshes."""
-ORDER_ON_OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
 DISCRETE_ORDER = "order of ‖Π^h u − u^h‖_V"
 DISCRETE_ORDERS = {
-    True: consequence(
+    True: fitted_order(
         "discrete-order-superclose",
         f"{DISCRETE_ORDER}, superclose",
-        fitted("discrete_error", last=ENOUGH),
+        "discrete_error",
         between(1.5, 2, 0.2, 0.2, "u^h is superclose to Π^h u on one-diagonal meshes"),
-        levels=ENOUGH,
+        last=ENOUGH,
     ),
-    False: consequence(
+    False: fitted_order(
         "discrete-order-others",
         f"{DISCRETE_ORDER}, other families",
-        fitted("discrete_error", last=ENOUGH),
-        ORDER_ON_OTHERS,
-        levels=ENOUGH,
+        "discrete_error",
+        between(1, 2, 0.15, 0.2, "other meshes"),
+        last=ENOUGH,
     ),
 }
 """Criteria for the order of the discrete error on one-diagonal meshes (True) and on others (False).

@@ -7,6 +7,7 @@ fully discrete error in h and k; and the order 1 of all schemes at landings.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -24,7 +25,7 @@ from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.gradient_flow import EulerBounds, GradientFlow, backward_euler
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES
-from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, grid, with_h
+from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, fitted_order, grid, with_h
 from study.statements.shared.norms import maximum, minimum
 
 HALVING_COUNTS = (4, 8, 16, 32, 64, 128, 256)
@@ -32,32 +33,30 @@ HALVING_COUNTS = (4, 8, 16, 32, 64, 128, 256)
 MOST_STEPS = HALVING_COUNTS[-1]
 REFERENCE_COUNT = 1024
 """Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
-MEASURED_QUANTITIES = "error", "by data", "by solution", "constant", "between", "midpoint"
-COLUMNS_OF = {quantity: [f"{count} {quantity}" for count in HALVING_COUNTS] for quantity in MEASURED_QUANTITIES}
-"""Names of the columns with each quantity, one column for each number of time steps."""
 PROVED_BELOW_1 = positive_at_most(1.0, "proved in the article for every h and k")
-BETWEEN = Window(
-    0.2,
-    1 + ROUNDING,
-    "at most 1 is proved; predicted 1/2 to 2/3 if u̇^h changes steadily, 1 if it jumps in the middle of a step",
-)
-IN_K = around(1, 0.1, "least squares over six halvings of k, on every mesh")
 ERROR_IN_TIME = "error in time of backward Euler, ‖u^h − û^{hk}‖_V"
 ERROR_OF_CONSTANT = "error in time of the piecewise constant function with the value U_n on (t_{n−1}, t_n]"
-CHANGE = (
-    f"change of the reference solution u^h from {REFERENCE_COUNT // 2} to {REFERENCE_COUNT} steps "
-    "/ smallest error in time"
-)
 
 
-def orders_in_k(counts: Sequence[int], columns: Sequence[str]) -> Value:
-    """Return the function for the observed orders in the time step k on all levels, from columns with errors.
+def columns(template: str, counts: Sequence[int]) -> list[str]:
+    """Return the names of the columns with a measured number, one column for each number of time steps.
 
     Args:
-        counts: numbers of steps.
-        columns: for each number of steps, the name of the column with the error.
+        template: the name of a column with ``{}`` in place of the number of steps.
+        counts: the numbers of steps.
     """
-    return lambda levels: np.array([fit(1 / np.array(counts), row) for row in levels[list(columns)].to_numpy()])
+    return [template.format(count) for count in counts]
+
+
+def for_all(template: str, counts: Sequence[int]) -> Value:
+    """Return the function that gives a measured number for all numbers of time steps; see ``columns``."""
+    return values(*columns(template, counts))
+
+
+def orders_in_k(template: str, counts: Sequence[int]) -> Value:
+    """Return the function for the observed orders in the time step k on all levels; ``columns`` have the errors."""
+    names = columns(template, counts)
+    return lambda levels: np.array([fit(1 / np.array(counts), row) for row in levels[names].to_numpy()])
 
 
 class BackwardEuler(ListedNumbers):
@@ -95,31 +94,43 @@ class BackwardEuler(ListedNumbers):
     effort = 60
     claim = "max_t ‖u^h − û^{hk}‖_V ≤ k (‖u̇^h(0+)‖_V/√2 + 2 Var f) for backward Euler, for every h"
     checks = (
-        identity("data", f"{ERROR_IN_TIME} / its bound from the data", values(*COLUMNS_OF["by data"]), PROVED_BELOW_1),
+        identity(
+            "data",
+            f"{ERROR_IN_TIME} / its bound from the data",
+            for_all("{} by data", HALVING_COUNTS),
+            PROVED_BELOW_1,
+        ),
         identity(
             "solution",
             f"{ERROR_IN_TIME} / its bound from the computed values U_n",
-            values(*COLUMNS_OF["by solution"]),
+            for_all("{} by solution", HALVING_COUNTS),
             PROVED_BELOW_1,
         ),
-        identity("constant", f"{ERROR_OF_CONSTANT} / its bound", values(*COLUMNS_OF["constant"]), PROVED_BELOW_1),
+        identity(
+            "constant", f"{ERROR_OF_CONSTANT} / its bound", for_all("{} constant", HALVING_COUNTS), PROVED_BELOW_1
+        ),
         consequence(
             "between",
             "error of u^h interpolated linearly between time nodes / (k/4 · largest change of u̇^h within a step)",
-            values(*COLUMNS_OF["between"]),
-            BETWEEN,
+            for_all("{} between", HALVING_COUNTS),
+            Window(
+                0.2,
+                1 + ROUNDING,
+                "at most 1 is proved; predicted 1/2 to 2/3 if u̇^h changes steadily, 1 if it jumps in the middle of a "
+                "step",
+            ),
         ),
         identity(
             "midpoint",
             "midpoint rule: error in time at all t / (largest error at the nodes + k/2 (‖u̇^h(0+)‖_V + Var f))",
-            values(*COLUMNS_OF["midpoint"]),
+            for_all("{} midpoint", HALVING_COUNTS),
             PROVED_BELOW_1,
         ),
         consequence(
             "order",
             f"order in k of the {ERROR_IN_TIME}",
-            orders_in_k(HALVING_COUNTS, COLUMNS_OF["error"]),
-            IN_K,
+            orders_in_k("{} error", HALVING_COUNTS),
+            around(1, 0.1, "least squares over six halvings of k, on every mesh"),
             finest=True,
         ),
         consequence(
@@ -131,7 +142,8 @@ class BackwardEuler(ListedNumbers):
         ),
         accuracy(
             "reference",
-            CHANGE,
+            f"change of the reference solution u^h from {REFERENCE_COUNT // 2} to {REFERENCE_COUNT} steps "
+            "/ smallest error in time",
             values("reference"),
             positive_at_most(0.1, "the reference solution hardly changes the error"),
         ),
@@ -157,15 +169,17 @@ class BackwardEuler(ListedNumbers):
             error, of_interpolation, of_midpoint = (furthest(problem, exact, line) for line in lines)
             of_constant = maximum(furthest(problem, exact, side) for side in last(states, REFERENCE_COUNT))
             bound_of_midpoint = furthest(problem, nodes, middle) + k / 2 * flow.fastest
-            numbers[f"{count} error"] = error
-            numbers[f"{count} by data"] = error / flow.a_priori(count)
-            numbers[f"{count} by solution"] = error / flow.a_posteriori(states)
-            numbers[f"{count} constant"] = of_constant / flow.piecewise_constant(count)
-            numbers[f"{count} between"] = of_interpolation / (k / 4 * oscillation(problem, exact, count))
-            numbers[f"{count} midpoint"] = of_midpoint / bound_of_midpoint
-        numbers["reference"] = furthest(problem, exact[::2], half) / minimum(
-            numbers[name] for name in COLUMNS_OF["error"]
-        )
+            measured = {
+                "error": error,
+                "by data": error / flow.a_priori(count),
+                "by solution": error / flow.a_posteriori(states),
+                "constant": of_constant / flow.piecewise_constant(count),
+                "between": of_interpolation / (k / 4 * oscillation(problem, exact, count)),
+                "midpoint": of_midpoint / bound_of_midpoint,
+            }
+            numbers |= {f"{count} {name}": value for name, value in measured.items()}
+        smallest = minimum(numbers[name] for name in columns("{} error", HALVING_COUNTS))
+        numbers["reference"] = furthest(problem, exact[::2], half) / smallest
         return with_h(setup.space.h, numbers)
 
 
@@ -196,13 +210,7 @@ UNEQUAL = 3
 """Quotient of the lengths of a long and a short step in time grids with alternating steps."""
 ANGULAR_VELOCITY, TURNS = 10.0, 1000
 """The test problem of a rotation in the plane: its angular velocity κ, and its number of time steps."""
-PROVED_FOR_ALL = positive_at_most(1.0, "proved for every h and k")
-FIRST_IN_K = around(1, 0.1, "least squares over four halvings, every mesh")
 INTERPOLANT_ERROR = "‖u^h − û^{hk}‖"
-SHORTEST = f"equal {STEP_COUNTS[-1]} error"
-INTERPOLANT_OVER_BOUND = f"{INTERPOLANT_ERROR} / its bound from the"
-ORDER_OF_INTERPOLANT = f"order of {INTERPOLANT_ERROR} in k"
-CHANGE_BY_HALVING = f"change of u^h from {REFERENCE_STEPS // 2} to {REFERENCE_STEPS} steps / smallest error"
 GRID_KINDS = "equal", "unequal"
 
 
@@ -218,22 +226,6 @@ def partition(kind: str, count: int) -> Array:
     pair = 2 * REFERENCE_STEPS // count
     short = pair // (1 + UNEQUAL)
     return np.concatenate([[0], np.cumsum(np.tile([pair - short, short], count // 2))])
-
-
-def at_all_steps(column: str) -> Value:
-    """Return the function that gives a measured number, such as "equal error", for all numbers of time steps."""
-    return values(*columns(column))
-
-
-def in_k(kind: str) -> Value:
-    """Return the function for the observed orders in the time step k, for equal or unequal steps."""
-    return orders_in_k(STEP_COUNTS, columns(f"{kind} error"))
-
-
-def columns(column: str) -> list[str]:
-    """Return the names of the columns with a measured number for all numbers of time steps."""
-    kind, what = column.split(" ", 1)
-    return [f"{kind} {count} {what}" for count in STEP_COUNTS]
 
 
 class NoPotential(ListedNumbers):
@@ -284,44 +276,37 @@ class NoPotential(ListedNumbers):
     claim = "max_t ‖u^h − û^{hk}‖_V ≤ c(κ, T, ‖u̇^h(0+)‖, Var f) k for backward Euler under (3.2) alone, for every h"
     outside_catalogue = True
     checks = (
-        identity(
-            "data-equal", f"{INTERPOLANT_OVER_BOUND} data, equal steps", at_all_steps("equal by data"), PROVED_FOR_ALL
+        *(
+            identity(
+                f"{source}-{kind}",
+                f"{INTERPOLANT_ERROR} / its bound from the {source}, {kind} steps",
+                for_all(f"{kind} {{}} by {source}", STEP_COUNTS),
+                positive_at_most(1.0, "proved for every h and k"),
+            )
+            for source, kind in product(("data", "solution"), GRID_KINDS)
         ),
-        identity(
-            "data-unequal",
-            f"{INTERPOLANT_OVER_BOUND} data, unequal steps",
-            at_all_steps("unequal by data"),
-            PROVED_FOR_ALL,
-        ),
-        identity(
-            "solution-equal",
-            f"{INTERPOLANT_OVER_BOUND} solution, equal steps",
-            at_all_steps("equal by solution"),
-            PROVED_FOR_ALL,
-        ),
-        identity(
-            "solution-unequal",
-            f"{INTERPOLANT_OVER_BOUND} solution, unequal steps",
-            at_all_steps("unequal by solution"),
-            PROVED_FOR_ALL,
-        ),
-        consequence("order-equal", f"{ORDER_OF_INTERPOLANT}, equal steps", in_k("equal"), FIRST_IN_K, finest=True),
-        consequence(
-            "order-unequal", f"{ORDER_OF_INTERPOLANT}, unequal steps", in_k("unequal"), FIRST_IN_K, finest=True
+        *(
+            consequence(
+                f"order-{kind}",
+                f"order of {INTERPOLANT_ERROR} in k, {kind} steps",
+                orders_in_k(f"{kind} {{}} error", STEP_COUNTS),
+                around(1, 0.1, "least squares over four halvings, every mesh"),
+                finest=True,
+            )
+            for kind in GRID_KINDS
         ),
         consequence(
             "uniform",
             f"{INTERPOLANT_ERROR} with {STEP_COUNTS[-1]} steps, finest mesh / coarsest mesh",
-            change(SHORTEST),
+            change(f"equal {STEP_COUNTS[-1]} error"),
             around(1, 0.1, "the constant does not depend on the mesh"),
             levels=ENOUGH,
         ),
-        consequence(
+        fitted_order(
             "order-both",
             f"order of max_n ‖u − U_n‖ in h for k = T/({STEPS_PER_SIDE_CELL}n)",
-            fitted("fully discrete"),
+            "fully discrete",
             around(1, 0.15, "least squares over all levels, k = T/(4n)"),
-            levels=ENOUGH,
         ),
         consequence(
             "rotation",
@@ -331,7 +316,7 @@ class NoPotential(ListedNumbers):
         ),
         accuracy(
             "reference",
-            CHANGE_BY_HALVING,
+            f"change of u^h from {REFERENCE_STEPS // 2} to {REFERENCE_STEPS} steps / smallest error",
             values("reference"),
             positive_at_most(0.1, "so the reference solution hardly changes the error"),
         ),
@@ -354,9 +339,12 @@ class NoPotential(ListedNumbers):
             states = backward_euler(problem, times[nodes])
             # Between its nodes, the solution is interpolated linearly in time.
             error = furthest(problem, exact, make_interp_spline(nodes, states, k=1)(np.arange(REFERENCE_STEPS + 1)))
-            numbers[f"{kind} {count} error"] = error
-            numbers[f"{kind} {count} by data"] = error / bounds.by_data(nodes)
-            numbers[f"{kind} {count} by solution"] = error / bounds.by_solution(nodes, states)
+            measured = {
+                "error": error,
+                "by data": error / bounds.by_data(nodes),
+                "by solution": error / bounds.by_solution(nodes, states),
+            }
+            numbers |= {f"{kind} {count} {name}": value for name, value in measured.items()}
         smallest = minimum(numbers[f"{kind} {STEP_COUNTS[-1]} error"] for kind in GRID_KINDS)
         numbers["reference"] = furthest(problem, exact[::2], half) / smallest
         # Errors in time cannot show a wrong solver, so the error against the exact solution is measured for k ~ h.
@@ -366,16 +354,23 @@ class NoPotential(ListedNumbers):
         return with_h(setup.space.h, {**numbers, "rotation": rotating()})
 
 
+def small_problem(M: Array, N: Array, force: Array, start: Array) -> SemiDiscrete:
+    """Return a problem with n unknowns, a constant load and no elasticity, on the time interval [0, 1].
+
+    Args:
+        M, N, force, start: the matrices M, (n, n), and N, (m, n), the load F and the initial value u_0, (n,) each.
+    """
+    S = sps.csc_array(M)
+    return SemiDiscrete(S, 0 * S, None, sps.csr_array(N), lambda t: np.tile(force[:, None], t.size), start, 1.0)
+
+
 def rotating() -> float:
     """Return the error of backward Euler divided by its bound, for a rotation in the plane.
 
     The problem is u̇ + Bu = 0, where B is κ times the rotation by a right angle.
     """
-    turn = ANGULAR_VELOCITY * np.array([[0.0, 1.0], [-1.0, 0.0]])
-    none = sps.csc_array((2, 2))
-    start = np.array([1.0, 0.0])
-    M = sps.csc_array(np.eye(2))
-    problem = SemiDiscrete(M, none, turn.__matmul__, sps.csr_array((0, 2)), lambda t: np.zeros((2, t.size)), start, 1.0)
+    problem = small_problem(np.eye(2), np.zeros((0, 2)), np.zeros(2), np.array([1.0, 0.0]))
+    problem = replace(problem, remainder=(ANGULAR_VELOCITY * np.array([[0.0, 1.0], [-1.0, 0.0]])).__matmul__)
     states = path(problem, BACKWARD_EULER, TURNS)
     angle = ANGULAR_VELOCITY * np.arange(TURNS + 1) / TURNS
     error = np.linalg.norm(states - np.stack([np.cos(angle), np.sin(angle)], axis=1), axis=1).max()
@@ -397,35 +392,23 @@ def checks_of_scheme(scheme: Scheme) -> Iterator[Check]:
     """Yield the checks of a time scheme: the orders of the error in time in k and in h, and of the error in h."""
     name = scheme.name
     in_time = "‖u^h − u^{hk}‖"
-
-    def in_k(levels: pd.DataFrame) -> float:
-        return power_law(levels, scheme)[0]
-
-    def in_h(levels: pd.DataFrame) -> float:
-        return power_law(levels, scheme)[1]
-
-    of_error = fitted(f"{name} {FEW_STEPS[-1]} e")
     for key, quantity, value, window in (
-        ("time-in-k", f"order q of {in_time} in k", in_k, ORDERS[name]),
-        ("time-in-h", f"order s of {in_time} in h", in_h, around(0, 0.1)),
-        ("error-in-h", "order p of ‖u − u^{hk}‖ in h", of_error, around(1, 0.15)),
+        ("time-in-k", f"order q of {in_time} in k", partial(exponent, scheme, 0), ORDERS[name]),
+        ("time-in-h", f"order s of {in_time} in h", partial(exponent, scheme, 1), around(0, 0.1)),
+        ("error-in-h", "order p of ‖u − u^{hk}‖ in h", fitted(f"{name} {FEW_STEPS[-1]} e"), around(1, 0.15)),
     ):
-        key = f"{name}-{key}"
-        quantity = f"{name}: {quantity}"
-        yield consequence(
-            key, quantity, value, window, levels=ENOUGH, if_missed="the paper leaves the fully discrete error open"
-        )
+        reason = "the paper leaves the fully discrete error open"
+        yield consequence(f"{name}-{key}", f"{name}: {quantity}", value, window, levels=ENOUGH, if_missed=reason)
 
 
-def power_law(levels: pd.DataFrame, scheme: Scheme) -> Array:
-    """Return the exponents (q, s) of the error in time, d = C k^q h^s, by least squares for the smaller steps."""
-    columns = [f"{scheme.name} {count} d" for count in ASYMPTOTIC_COUNTS]
-    d = levels[columns].to_numpy()
+def exponent(scheme: Scheme, position: int, levels: pd.DataFrame) -> float:
+    """Return one of the exponents (q, s) of the error in time, d = C k^q h^s, by least squares for small steps."""
+    d = levels[columns(f"{scheme.name} {{}} d", ASYMPTOTIC_COUNTS)].to_numpy()
     h = levels["h"].to_numpy()
     log_k, log_h = np.meshgrid(-np.log(ASYMPTOTIC_COUNTS), np.log(h))
     unknowns = np.column_stack([log_k.ravel(), log_h.ravel(), np.ones(d.size)])
     solution, *_ = np.linalg.lstsq(unknowns, np.log(d).ravel(), rcond=None)
-    return solution[:2]
+    return float(solution[position])
 
 
 class FullyDiscrete(ListedNumbers):
@@ -490,12 +473,9 @@ TWO_UNKNOWNS = "error / k for a problem with two unknowns"
 
 
 def two_unknowns() -> SemiDiscrete:
-    """Return the problem with two unknowns of the module docstring, on the time interval [0, 1]."""
-    S = sps.csc_array([[2.0, -1.0], [-1.0, 2.0]])
-    none = sps.csc_array((2, 2))
-    force = np.array([0.15, -2.0])
-    start = np.array([0.0, LANDING])
-    return SemiDiscrete(S, none, None, sps.csr_array(-np.eye(2)), lambda t: np.tile(force[:, None], t.size), start, 1.0)
+    """Return the problem with two unknowns that ``Landings`` describes."""
+    S = np.array([[2.0, -1.0], [-1.0, 2.0]])
+    return small_problem(S, -np.eye(2), np.array([0.15, -2.0]), np.array([0.0, LANDING]))
 
 
 def solution_of_two_unknowns(t: Array) -> Array:
@@ -527,7 +507,7 @@ def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -
         counts: the numbers of time steps to which the order is fitted.
         window: the predicted order with its tolerance.
     """
-    in_k = orders_in_k(counts, [f"{load} {scheme.name} {count}" for count in counts])
+    in_k = orders_in_k(f"{load} {scheme.name} {{}}", counts)
     quantity = f"{scheme.name}: order in k from {counts[0]} to {counts[-1]} steps, {LOADS[load]}"
     return consequence(
         f"{scheme.name}-{load}", quantity, in_k, window, if_missed="no theory gives this order for P1 elements"
@@ -580,7 +560,7 @@ class Landings(ListedNumbers):
             identity(
                 f"{name}-two",
                 f"{name}: {TWO_UNKNOWNS}",
-                values(*(f"two {name} {count}" for count in HALVED_STEPS)),
+                for_all(f"two {name} {{}}", HALVED_STEPS),
                 Window(
                     math.sqrt(2) * 0.2 * RISE * (1 - 1e-9),
                     math.sqrt(2) * 0.8 * RISE * (1 + 1e-9),

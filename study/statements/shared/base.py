@@ -18,9 +18,11 @@ from study.fem.error_norm import ErrorNorm, gaps_at_vertices
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, name_of, resolve
 from study.fem.space import Space
-from study.ledger.check import Check, Groups, by_case, by_family
+from study.ledger.check import ENOUGH, Check, Groups, by_case, by_family, consequence
 from study.ledger.datafiles import CsvFile, DataFile, Row
+from study.ledger.quantities import fitted
 from study.ledger.verdict import Verdict
+from study.ledger.window import Window
 from study.solve.evolution import Scheme, SemiDiscrete, State
 from study.solve.steps import stress_steps
 from study.solve.tableau import Tableau
@@ -196,6 +198,19 @@ class Statement:
 
     def __hash__(self) -> int:
         return hash(type(self))
+
+
+def fitted_order(
+    key: str, quantity: str, column: str, window: Window, last: int = 0, power: int = 0, if_missed: str = ""
+) -> Check:
+    """Return the check of the order of a column that ``quantities.fitted`` computes; it needs ``ENOUGH`` levels.
+
+    Args:
+        key, quantity, window, if_missed: as described in ``Check``.
+        column, last, power: as described in ``quantities.of_errors`` and ``quantities.fitted``.
+    """
+    order = fitted(column, last, power)
+    return consequence(key, quantity, order, window, levels=ENOUGH, if_missed=if_missed)
 
 
 SEED = 2002

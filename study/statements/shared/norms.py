@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sps
 from scipy.sparse.linalg import eigsh
-from skfem import Basis
+from skfem import Basis, Mesh
 from skfem.models.poisson import mass as scalar_mass
 
 from manufactured.exact import ExactSolution
@@ -18,7 +18,7 @@ from manufactured.exact.solution import FaceFields
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array, Tensors, size
 from study.fem.error_norm import DEGREE, FACET_POINTS, rules, shared_lines
-from study.fem.quadrature import Line, facet_rule
+from study.fem.quadrature import FacetRule, Line, facet_rule
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
 from study.statements.shared.base import SEED
@@ -27,6 +27,11 @@ from study.statements.shared.base import SEED
 def midpoints(T: float, count: int) -> Array:
     """Return the nodes of the composite midpoint rule on (0, T), (count,). The weight of each node is T/count."""
     return (np.arange(count) + 0.5) * T / count
+
+
+def time_nodes(T: float, steps: int) -> Array:
+    """Return the time nodes t_n = nT/steps, n = 0, …, steps, (steps + 1,)."""
+    return T * np.arange(steps + 1) / steps
 
 
 def maximum(values: Iterable[float | np.floating[Any]]) -> float:
@@ -166,6 +171,14 @@ class ContactWork:
     def __call__(self, v: Array, time: float) -> float:
         """Return the work R(t; v) of the contact force at a time on the P1 displacement v, (dofs,)."""
         return float(self.load(time) @ v)
+
+
+def hat_functions(mesh: Mesh, rule: FacetRule) -> sps.csr_array:
+    """Return the values of the hat functions of all vertices at the points of a rule on facets, (points, vertices)."""
+    vertices = np.moveaxis(np.broadcast_to(mesh.facets[:, rule.facets, None], rule.shapes.shape), 0, -1)
+    ends = np.arange(0, vertices.size + 1, mesh.dim())
+    shape = rule.weights.size, mesh.p.shape[1]
+    return sps.csr_array((np.moveaxis(rule.shapes, 0, -1).ravel(), vertices.ravel(), ends), shape=shape)
 
 
 SMALLEST_TOLERANCE, LARGEST_TOLERANCE = 1e-9, 1e-4
