@@ -198,9 +198,10 @@ def measure_contact(setup: Experiment) -> Numbers:
     return {"h": setup.space.h, "steps": setup.steps, **measured, **admissible, "clamped": forces.clamped}
 
 
+NO_ORDER = "p jumps in time, and the error comes from the step with the jump"
+CORNER_CELLS = "a face meets Γ1, and the error depends on whether one cell or two meet there"
 LANDS = "lift-and-land"
 """The case whose pressure jumps in time, for which no order of the contact force is claimed."""
-NO_ORDER = "p jumps in time, and the error comes from the step with the jump"
 NO_BOUND = "a face meets Γ1, so that the dual norm does not bound the error of the resultant"
 """Why no order of the resultant is claimed if a contact face meets the clamped boundary Γ1.
 
@@ -212,16 +213,27 @@ PRESSURE_ORDER = fitted_order(
     between(1, 1.5, 0.15, 0.7, "from the cells along Γ3; piecewise linear functions reach at most 2"),
 )
 OF_CHANCE = replace(
-    PRESSURE_ORDER, key="order-pressure-irregular", quantity=f"{PRESSURE_ORDER.quantity}, irregular meshes"
+    PRESSURE_ORDER,
+    key="order-pressure-irregular",
+    quantity=f"{PRESSURE_ORDER.quantity}, irregular meshes",
+    if_missed=(
+        "on irregular meshes the pressure error depends on a few long edges where p has a kink, and on the corners"
+    ),
 )
-FEW_EDGES = "on irregular meshes the pressure error depends on a few long edges where p has a kink, and on the corners"
-CORNER_CELLS = "a face meets Γ1, and the error depends on whether one cell or two meet there"
-DUAL_SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "the order of ‖Π^h u − u^h‖_V on one-diagonal meshes")
-DUAL_ON_OTHERS = between(1, 2, 0.15, 0.2, "the order of ‖Π^h u − u^h‖_V on other meshes")
 DUAL = "order of sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over V^h"
 DUAL_ORDERS = {
-    True: fitted_order("order-dual-superclose", f"{DUAL}, superclose", "dual", DUAL_SUPERCLOSE),
-    False: fitted_order("order-dual-other", f"{DUAL}, other families", "dual", DUAL_ON_OTHERS),
+    True: fitted_order(
+        "order-dual-superclose",
+        f"{DUAL}, superclose",
+        "dual",
+        between(1.5, 2, 0.2, 0.2, "the order of ‖Π^h u − u^h‖_V on one-diagonal meshes"),
+    ),
+    False: fitted_order(
+        "order-dual-other",
+        f"{DUAL}, other families",
+        "dual",
+        between(1, 2, 0.15, 0.2, "the order of ‖Π^h u − u^h‖_V on other meshes"),
+    ),
 }
 """The criteria for the order of the dual norm, on one-diagonal meshes (True) and on all others (False)."""
 RESULTANT = at_least(1, "the order of the dual norm; 2 if the contact zone is known")
@@ -293,26 +305,27 @@ class ContactForce(Statement):
     def checks_of(self, case: str, groups: Groups) -> Judged:
         norms = []
         clamped = any(table["clamped"].any() for table in groups.values())
-        for rule in FORCE_NORMS:
-            if clamped and rule.key == "order-resultant":
-                yield replace(rule, if_missed=NO_BOUND), groups
+        for check in FORCE_NORMS:
+            if clamped and check.key == "order-resultant":
+                yield replace(check, if_missed=NO_BOUND), groups
             else:
-                norms.append((rule, groups))
+                norms.append((check, groups))
         irregular, others = split_irregular(groups)
         if others:
             norms.append((PRESSURE_ORDER, others))
         if irregular and case == LANDS:
             norms.append((OF_CHANCE, irregular))
         elif irregular:
-            yield replace(OF_CHANCE, if_missed=FEW_EDGES), irregular
-        for superclose, rule in DUAL_ORDERS.items():
+            yield OF_CHANCE, irregular
+        for superclose, check in DUAL_ORDERS.items():
             if tables := split_superclose(groups)[superclose]:
-                reason = CORNER_CELLS if clamped and not superclose else rule.if_missed
-                norms.append((replace(rule, if_missed=reason), tables))
-        for rule, tables in norms:
-            jump = around(0.5, 0.2, "k^{1/2}") if rule.key.startswith("order") else Window()
-            yield replace(replace(rule, window=jump), if_missed=NO_ORDER) if case == LANDS else rule, tables
-        yield from ((rule, groups) for rule in EXACT)
+                norms.append((replace(check, if_missed="" if superclose or not clamped else CORNER_CELLS), tables))
+        for check, tables in norms:
+            if case == LANDS:
+                jump = around(0.5, 0.2, "k^{1/2}") if check.key.startswith("order") else Window()
+                check = replace(check, window=jump, if_missed=NO_ORDER)
+            yield check, tables
+        yield from ((check, groups) for check in EXACT)
 
     def steps(self, setting: Setting) -> int:
         # In the plane the error in space falls faster than h. With fewer steps the error in time would be a large part.

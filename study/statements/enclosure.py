@@ -268,9 +268,12 @@ ABOVE_ERROR = identity(
     "above", "largest error / upper bound", values("above"), positive_at_most(1.0, "at every sampled time")
 )
 BELOW_ERROR = identity("below", "largest lower bound / error", values("below"), at_most(1.0, "at every sampled time"))
-ONLY_SHOWN = "this shows how sharp the bound is; the claim is only that the error never exceeds it"
 REACH = consequence(
-    "upper", "largest upper bound / error over [T/2, T]", values("upper"), Window(), if_missed=ONLY_SHOWN
+    "upper",
+    "largest upper bound / error over [T/2, T]",
+    values("upper"),
+    Window(),
+    if_missed="this shows how sharp the bound is; the claim is only that the error never exceeds it",
 )
 HERE = f"at n = {CHECKED_LEVEL}"
 TIGHT = (
@@ -279,8 +282,6 @@ TIGHT = (
 )
 INTERVAL_TOLERANCE = 0.15
 """Tolerance around a predicted order. Other statements use the same tolerance for orders between levels."""
-LAST_PAIR = "no claim: two meshes give a wider interval for the order than all meshes"
-KNOWN_SOLUTION = "no claim: this interval contains the observed order whenever the errors lie between their bounds"
 UNPREDICTED = "no claim: neither the solution nor its order is known"
 
 
@@ -317,7 +318,14 @@ class EnclosedError(Bounds):
                     judged.append(self.judge_order(case, str(family), levels, known))
                 if len(levels) > 2:
                     of_pair = self.judge_order(case, str(family), levels.tail(2), known)
-                    judged.append(replace(of_pair, key="order-last", verdict=REPORTED, expected=LAST_PAIR))
+                    judged.append(
+                        replace(
+                            of_pair,
+                            key="order-last",
+                            verdict=REPORTED,
+                            expected="no claim: two meshes give a wider interval for the order than all meshes",
+                        )
+                    )
         return judged
 
     def judge_order(self, case: str, family: str, levels: pd.DataFrame, known: bool) -> Verdict:
@@ -343,7 +351,11 @@ class EnclosedError(Bounds):
         if math.isnan(order):
             window = Window(math.nan, math.nan)
             verdict = REPORTED
-            expected = KNOWN_SOLUTION if known else UNPREDICTED
+            expected = (
+                "no claim: this interval contains the observed order whenever the errors lie between their bounds"
+                if known
+                else UNPREDICTED
+            )
         else:
             window = around(order, INTERVAL_TOLERANCE, "the whole interval of possible orders")
             verdict = judge_interval(span, window)

@@ -9,7 +9,6 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-import pandas as pd
 
 from manufactured.body import Body, Kind, Part
 from manufactured.case import Case
@@ -23,7 +22,17 @@ from study.fem.quadrature import facet_rule
 from study.fem.space import Space, on_cells
 from study.ledger.check import ENOUGH, ROUNDING, Groups, consequence, identity, paper_claim
 from study.ledger.datafiles import Row
-from study.ledger.quantities import Value, finest, fit, fitted, level_by_level, of_errors, over_refinements, values
+from study.ledger.quantities import (
+    Value,
+    change,
+    finest,
+    fit,
+    fitted,
+    level_by_level,
+    of_errors,
+    over_refinements,
+    values,
+)
 from study.ledger.window import Window, around, at_least, at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
@@ -56,7 +65,7 @@ from study.statements.shared.meshes import (
     space_of,
     split_random,
 )
-from study.statements.shared.norms import Energies, Velocity, dual_norm, midpoints, unloaded
+from study.statements.shared.norms import Energies, Velocity, dual_norm, midpoints, time_nodes, unloaded
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 
@@ -177,10 +186,6 @@ def norm_of_start(A: Linear) -> float:
     return math.sqrt(math.pi / 2 * mean_energy(A)) * 2 ** (-FIRST_SPIKES / 2) / (1 - math.sqrt(0.5))
 
 
-INTERPOLATION_TIMES = (0.23, 0.61)
-"""Times at which exact solutions are interpolated, as fractions of the final time T.
-
-In no case does contact begin or end at these times."""
 RAISED_FOR_KINKS = 2
 """How much the degree of quadrature rules on cells and the number of points on facets are raised.
 
@@ -195,9 +200,11 @@ ORDER_TOLERANCE = 0.15
 They scatter, because fronts cut cells at different places on each level and the meshes are not nested."""
 
 SMOOTH_FIELD = "a smooth field"
-FUNCTIONS = {f"u({fraction:g} T)": fraction for fraction in INTERPOLATION_TIMES}
-"""The times t of the interpolated functions u(t), as fractions of T, by the names of these functions in columns."""
-INTERPOLATED = {"smooth": SMOOTH_FIELD, **{f"u-{fraction}": v for v, fraction in FUNCTIONS.items()}}
+FUNCTIONS = {"u(0.23 T)": 0.23, "u(0.61 T)": 0.61}
+"""The times t of the interpolated functions u(t), as fractions of T, by the names of these functions in columns.
+
+In no case does contact begin or end at these times."""
+INTERPOLATED = {"smooth": SMOOTH_FIELD, "u-0.23": "u(0.23 T)", "u-0.61": "u(0.61 T)"}
 """Names of the interpolated functions in columns, by the keys of the checks."""
 REGULARITY = "τ"
 """Name of the column with the regularity τ of the trace: v_ν ∈ H^s(Γ3,i) for all s < τ."""
@@ -211,10 +218,6 @@ def smooth(body: Body) -> Field:
 
 
 # (5.23): interpolation in V.
-
-
-SHARP = around(1.0, ORDER_TOLERANCE)
-"""Tolerance window of the order in V, which is 1 for piecewise linear functions."""
 
 
 class InterpolationInV(ListedNumbers):
@@ -249,23 +252,24 @@ class InterpolationInV(ListedNumbers):
     def measure(self, setting: Setting) -> Numbers:
         space, solution = posed(setting)
         v_norm = ErrorNorm(solution, space, RAISED_FOR_KINKS)
-        samples = {v: v_norm.sample(fraction * solution.body.T) for v, fraction in FUNCTIONS.items()}
-        errors = {v: v_norm.distance(sample, sample.interpolant) for v, sample in samples.items()}
+        errors = {}
+        for v, fraction in FUNCTIONS.items():
+            sample = v_norm.sample(fraction * solution.body.T)
+            errors[v] = v_norm.distance(sample, sample.interpolant)
         return with_h(space.h, {**errors, SMOOTH_FIELD: distance_in_V(solution, space, smooth(space.body))})
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
-        by_cells = around(1.0, ORDER_TOLERANCE, "least squares, weighted by the number of cells")
         random, others = split_random(groups)
         for key, v in INTERPOLATED.items():
             quantity = f"order of ‖v − Π^h v‖_V, v = {v}"
-            by_level = level_by_level(v)
             if others:
-                check = paper_claim(key, f"{quantity}, level by level", by_level, SHARP, levels=ENOUGH, finest=True)
-                yield check, others
+                text = f"{quantity}, level by level"
+                sharp = around(1.0, ORDER_TOLERANCE)
+                yield paper_claim(key, text, level_by_level(v), sharp, levels=ENOUGH, finest=True), others
             if random:
-                quantity = f"{quantity}, random meshes, fitted"
-                order = fitted(v, power=CELL_POWER)
-                yield paper_claim(f"{key}-random", quantity, order, by_cells, levels=ENOUGH), random
+                text = f"{quantity}, random meshes, fitted"
+                sharp = around(1.0, ORDER_TOLERANCE, "least squares, weighted by the number of cells")
+                yield paper_claim(f"{key}-random", text, fitted(v, power=CELL_POWER), sharp, levels=ENOUGH), random
 
 
 def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
@@ -322,7 +326,6 @@ class InterpolationOnContact(ListedNumbers):
         """
         columns = {str(column) for table in groups.values() for column in table}
         of_solution = min(float(table[REGULARITY].min()) for table in groups.values())
-        claimed = around(2.0, ORDER_TOLERANCE)
         for (name, v), face in product(INTERPOLATED.items(), range(1, len(columns))):
             key = f"{name}-face-{face}"
             column = TRACE_ERROR.format(v, face)
@@ -334,19 +337,21 @@ class InterpolationOnContact(ListedNumbers):
             if tau >= 2.5:
                 text = "level by level"
                 value = level_by_level(column)
-                window = claimed
             elif tau > 2:
                 # Two refinements are judged together: the error in the cell of the front depends on where it is cut.
                 text = "over two refinements"
                 value = over_refinements(column, 2)
-                window = claimed
             else:
                 text = "fitted"
                 value = fitted(column)
-                window = around(tau, 0.3)
-            unclaimed = "" if tau > 2 else "the trace is not in H², so that (5.24) does not apply"
             check = paper_claim(
-                key, f"{quantity}, {text}", value, window, levels=ENOUGH, finest=tau >= 2.5, if_missed=unclaimed
+                key,
+                f"{quantity}, {text}",
+                value,
+                around(2.0, ORDER_TOLERANCE) if tau > 2 else around(tau, 0.3),
+                levels=ENOUGH,
+                finest=tau >= 2.5,
+                if_missed="" if tau > 2 else "the trace is not in H², so that (5.24) does not apply",
             )
             yield check, {family: table.assign(h=table[size]) for family, table in groups.items() if size in table}
 
@@ -369,15 +374,14 @@ def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
     mesh = space.mesh
     facets = space.facets(face.part)
     rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS + RAISED_FOR_KINKS)
-    x = face.part.point(rule.s)
-    vertices = mesh.p[:, mesh.facets[:, facets]]
-    exact = solution.at(x)
-    nodes = solution.at(vertices)
+    points, vertices = (solution.at(x) for x in (face.part.point(rule.s), mesh.p[:, mesh.facets[:, facets]]))
     field = smooth(space.body)
-    times = {v: fraction * solution.body.T for v, fraction in FUNCTIONS.items()}
-    pairs = {v: (exact.displacement(time), nodes.displacement(time)) for v, time in times.items()}
+    fields = {
+        v: [at.displacement(fraction * solution.body.T) for at in (points, vertices)]
+        for v, fraction in FUNCTIONS.items()
+    }
     errors = {}
-    for name, (inside, nodal) in {**pairs, SMOOTH_FIELD: (field(x), field(vertices))}.items():
+    for name, (inside, nodal) in {**fields, SMOOTH_FIELD: [field(points.x), field(vertices.x)]}.items():
         trace, corners = (np.tensordot(face.part.normal, v, axes=1) for v in (inside, nodal))
         difference = trace - np.einsum("an,anq->nq", corners, rule.shapes)
         error, size = (math.sqrt(np.sum(values**2 * rule.weights)) for values in (difference, trace))
@@ -388,7 +392,6 @@ def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
 
 RESIDUAL_TIMES = 32
 """Number of times over which maxima of norms are taken."""
-AT_REST = positive_at_most(1e-10, "0 up to rounding: u^h ≡ 0 is the solution, although the printed bound is 0")
 
 
 class ResidualBound(ListedNumbers):
@@ -421,7 +424,10 @@ class ResidualBound(ListedNumbers):
             "bound", "max_s ‖R(s)‖ / the bound, exact solution", values("bound"), positive_at_most(1.0, "proved")
         ),
         identity(
-            "rest", "G(·, 0) = A ε(z): distance of −R from the contact forces / its size", values("rest"), AT_REST
+            "rest",
+            "G(·, 0) = A ε(z): distance of −R from the contact forces / its size",
+            values("rest"),
+            positive_at_most(1e-10, "0 up to rounding: u^h ≡ 0 is the solution, although the printed bound is 0"),
         ),
         identity(
             "prestress",
@@ -575,11 +581,10 @@ class ErrorBounds(ListedNumbers):
             number = bound.strip("()")
             gamma = known[column]
             quantity = f"right-hand side of {bound} / error: change under refinement"
-            growth = changing(bound, column)
             steady = consequence(
                 f"steady-{number}",
                 quantity,
-                growth,
+                changing(bound, column),
                 Window(0.7, 1.4, "over two refinements: the orders differ by less than 1/4"),
                 levels=ENOUGH,
             )
@@ -608,11 +613,8 @@ class ErrorBounds(ListedNumbers):
 
 def changing(bound: str, prediction: str) -> Value:
     """Return the function for the change of a bound under refinement; it needs the column with the prediction γ."""
-
-    def value(table: pd.DataFrame) -> float:
-        return float(table[bound].iloc[-1] / table[bound].iloc[0] + 0 * table[prediction].iloc[0])
-
-    return value
+    growth = change(bound)
+    return lambda table: growth(table[[bound, prediction]])
 
 
 def predicted(case: Case) -> Numbers:
@@ -639,15 +641,14 @@ def sides(setup: Experiment) -> Numbers:
     """Return the quotients (right side) / error and error / (c · right side) for the bounds (5.21) and (5.42)."""
     v_norm = setup.v_norm
     problem = setup.problem
-    T = setup.problem.T
-    grid = T * np.arange(setup.steps + 1) / setup.steps
-    error = v_norm.largest(grid, path(problem, setup.scheme, setup.steps))
+    T = problem.T
+    error = v_norm.largest(time_nodes(T, setup.steps), path(problem, setup.scheme, setup.steps))
     start = v_norm.sample(0.0)
     velocity = Velocity(setup.solution, setup.space)
     times = midpoints(T, NORM_INSTANTS)
     k = T / NORM_INSTANTS
     # The work of contact ∫ σ_ν (Π^hu_ν − u_ν) and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² over Γ3.
-    works, squares, pressures = np.zeros((3, NORM_INSTANTS))
+    integrals = np.zeros((3, NORM_INSTANTS))
     mesh = setup.space.mesh
     for face in setup.solution.faces:
         facets = setup.space.facets(face.part)
@@ -658,9 +659,8 @@ def sides(setup: Experiment) -> Numbers:
         eta = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes)
         pressure = exact.pressure(times)
         pressure = np.where(abs(pressure) > STRESS_ROUND_OFF * exact.stress_scale(), pressure, 0.0)
-        works += np.tensordot(rule.weights, pressure * eta, axes=2)
-        squares += np.tensordot(rule.weights, eta**2, axes=2)
-        pressures += np.tensordot(rule.weights, pressure**2, axes=2)
+        integrals += [np.tensordot(rule.weights, values, axes=2) for values in (pressure * eta, eta**2, pressure**2)]
+    works, squares, pressures = integrals
     rate = math.sqrt(k * np.sum(velocity.interpolation_error(times) ** 2))
     common = v_norm.distance(start, start.interpolant) + rate + v_norm.distance(start, problem.u0)
     work = math.sqrt(k * np.sum(abs(works)))

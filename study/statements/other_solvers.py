@@ -399,9 +399,9 @@ class Recomputed(Statement):
 
 LABEL = "other codes"
 ALL_PROBLEMS = "all cases"
+
+
 ROUNDED_IN_FILES = at_most(1e-10, "of the error; ten times the rounding of numbers in a task file")
-DEFORMED = at_most(1e-8, "of the error; this code evaluates contact in the deformed position, 1e-5 away")
-OWN = at_most(0.1, "equal to nine digits; 1 if one code copies the solutions of another")
 
 
 @dataclass(frozen=True)
@@ -428,7 +428,12 @@ PEERS = (
     Peer("snesvi", "DOLFINx + PETSc SNESVI", "vinewtonrsls, rtol 1e-12"),
     Peer("getfem", "GetFEM", "nodal augmented Lagrangian, r = g"),
     Peer("freefem", "FreeFEM", "scripted primal-dual active set"),
-    Peer("kratos", "Kratos", "ALM mortar, foundation as fine as the face", DEFORMED),
+    Peer(
+        "kratos",
+        "Kratos",
+        "ALM mortar, foundation as fine as the face",
+        at_most(1e-8, "of the error; this code evaluates contact in the deformed position, 1e-5 away"),
+    ),
 )
 PLANE = "advance-recede", "rotated", "corner", "layered", "anisotropic", "lift-and-land"
 MARCHED = frozenset(grid(("advance-recede", "anisotropic"), ("one-diagonal",), (8, 16, 32)))
@@ -520,7 +525,13 @@ class OtherCodes(ListedNumbers):
         both = [pd.concat(pair, axis=1, join="inner").to_numpy() for pair in combinations(columns, 2)]
         shares = np.array([np.mean(pair[:, 0] == pair[:, 1]) for pair in both if len(pair)])
         quantity = "share of problems in which two codes have the same distance from the solution in K^h"
-        return accuracy("own-digits", quantity, lambda _: shares, OWN, levels=0).verdict(self, ALL_PROBLEMS, {"": rows})
+        return accuracy(
+            "own-digits",
+            quantity,
+            lambda _: shares,
+            at_most(0.1, "equal to nine digits; 1 if one code copies the solutions of another"),
+            levels=0,
+        ).verdict(self, ALL_PROBLEMS, {"": rows})
 
     def cost(self, setting: Setting) -> float:
         """Return the expected run time in µs.

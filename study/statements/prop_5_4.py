@@ -302,10 +302,11 @@ def size(levels: pd.DataFrame) -> float:
 
 
 SMALL_SHARE = positive_at_most(0.02, "of the error")
-RESIDUAL_TOLERANCE = f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
-SIZE_WINDOW = around(1, 0.1, "u − u^h and Π^h u − u^h are nearly orthogonal (Pythagoras)")
 SIZE_CHECK = consequence(
-    "size", "size of the error: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖", size, SIZE_WINDOW
+    "size",
+    "size of the error: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖",
+    size,
+    around(1, 0.1, "u − u^h and Π^h u − u^h are nearly orthogonal (Pythagoras)"),
 )
 EVIDENCE = (
     identity(
@@ -319,7 +320,9 @@ EVIDENCE = (
         "residual",
         "residual of the contact solves / largest accepted residual",
         residual_shares,
-        positive_at_most(1.0, RESIDUAL_TOLERANCE),
+        positive_at_most(
+            1.0, f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
+        ),
     ),
     accuracy("clamped", "u^h = 0 on Γ1", values("clamped"), at_most(1e-10, "rounding")),
     accuracy("quadrature", "change of the error under finer quadrature", values("quadrature_change"), SMALL_SHARE),
@@ -375,13 +378,12 @@ DISCRETE_ORDERS = {
 
 On one-diagonal meshes neighbouring triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (because
 of the traction boundary) to 2. On other meshes its order is at least the order of the error and at most 2."""
-DISCRETE_SHARE = positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same error up to 20 %")
 DISCRETE_SIZES = (
     consequence(
         "discrete-share",
         "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V",
         finest_quotient("discrete_error", "interpolation_error"),
-        DISCRETE_SHARE,
+        positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same error up to 20 %"),
     ),
     accuracy(
         "discrete-time-share",
@@ -392,7 +394,10 @@ DISCRETE_SIZES = (
 )
 NOT_AT_START = 0.99
 """Upper bound of (error at t = 0) / (largest error) for which the largest error counts as attained after t = 0."""
-EXPECTED_AT_START = Window(0.8, 1 + ROUNDING, "by Pythagoras: a discrete share of 0.6 leaves 0.8 of it")
+EXPECTED_AT_START = Window(0.8, 1 + ROUNDING)
+"""Window of (error / interpolation error) at t = 0 for a correct solver.
+
+By Pythagoras' theorem a discrete share of 0.6 leaves 0.8 of the interpolation error."""
 AT_START = (
     "‖u − Π^h u‖_V is largest near t = 0, where nothing is solved; the checks of ‖Π^h u − u^h‖_V test the solution"
 )
@@ -407,9 +412,9 @@ AFTER_START = accuracy(
 def start_share(groups: Groups) -> Check:
     """Return the check that the largest error occurs after t = 0.
 
-    At t = 0 the error is the interpolation error of u_0, so a maximum there does not test the solver. The solver may be
-    correct nevertheless, if the interpolation error ‖u − Π^h u‖_V itself is nearly largest at t = 0: at least
-    EXPECTED_AT_START times its maximum. Then the value is only reported.
+    At t = 0 the error is the interpolation error of u_0, so a maximum there does not test the solver. But if the
+    interpolation error itself is nearly largest at t = 0 (``EXPECTED_AT_START``), the solver may be correct. Then the
+    value is only reported.
     """
     rows = pd.concat(groups.values())
     at_start = rows[~(rows["initial_error"] <= NOT_AT_START * rows["error"])]

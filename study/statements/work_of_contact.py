@@ -368,12 +368,16 @@ def from_32(key: str, quantity: str, column: str, window: Window, if_missed: str
 
 ROOT_ORDER = "order of ‖R(·; Π^h u − u)‖^{1/2}"
 FIRST_ORDER = around(1, 0.15, "there are wave trains of all widths from h/2 to 4h")
-HALF_IN_H = around(0.5, 0.15, "the edges contribute to R like independent random numbers")
 NOT_RESOLVED = "a mesh resolves a wave train of width ℓ only for h < ℓ/10"
 ON_GRIDS = (
     from_32("order", f"{ROOT_ORDER}, on grids", "work", FIRST_ORDER),
     from_32("order-mean", f"{ROOT_ORDER}, R averaged over {DRAWS} random meshes", "mean work", FIRST_ORDER),
-    from_32("spread", "order of the relative standard deviation of R over random vertices", "spread", HALF_IN_H),
+    from_32(
+        "spread",
+        "order of the relative standard deviation of R over random vertices",
+        "spread",
+        around(0.5, 0.15, "the edges contribute to R like independent random numbers"),
+    ),
     consequence(
         "share",
         "smallest ‖R‖^{1/2} / error",
@@ -474,7 +478,7 @@ class WorkOfContact(ListedNumbers):
         states = path(problem, MIDPOINT, steps)
         total = TotalWork(solution)
         vertices = vertices_on(space)
-        numbers = {
+        numbers: Numbers = {
             "error": v_norm.largest(time_nodes(problem.T, steps), (inclusion @ states.T).T),
             "excess": furthest(problem, states, path(linear, MIDPOINT, steps)),
             "work": math.sqrt(total(vertices)),
@@ -691,7 +695,6 @@ EXCESS = "order of the excess ‖u^h − u^h_lin‖_V"
 EQUAL_VERTICES = Window(0.75, 1.1, "1 up to a logarithm, as all vertices of Γ3 have equal neighbourhoods")
 HALF = around(0.5, 0.15, "the roller leaves different displacements at neighbouring vertices; equal ones give 1")
 STANDING_ORDER = around(1, 0.25, "displacements remain at few vertices only")
-NEGLIGIBLE_STEPS = at_most(0.02, "of the excess, so the excess does not come from time steps")
 HALF_STEP_EXCESS = "excess, k/2"
 """Name of the column with the excess for half the time step."""
 
@@ -949,7 +952,12 @@ EXCESS_SHARE = consequence(
     Window(),
     if_missed=NO_BOUND_OF_EXCESS,
 )
-HALF_STEP_CHANGE = accuracy("time", "change of the excess with half the step", change_by_half_steps, NEGLIGIBLE_STEPS)
+HALF_STEP_CHANGE = accuracy(
+    "time",
+    "change of the excess with half the step",
+    change_by_half_steps,
+    at_most(0.02, "of the excess, so the excess does not come from time steps"),
+)
 # The growth from every level to the next must lie in the window; the last one is displayed.
 STEP_GROWTH = accuracy(
     "step",

@@ -7,8 +7,7 @@ on one mesh. Criteria compare the measured numbers with tolerance windows.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from types import MappingProxyType
+from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
@@ -76,7 +75,6 @@ class Statement:
         joined_file: a second data file or None. Its columns are added to the rows of ``file`` that have the same key,
             under the names ``NAME_reported``.
         checks: the checks. Each gives one check for every case, that is, one row of the ledger.
-        not_judged: the cases whose checks are reported and not judged, with the reason.
         quick, full: the settings of the quick and of the full study.
         of_every_case: whether the statement is measured on every case of a run, including the cases of users.
         initial_gap: whether the statement is also measured on cases with an initial gap; the paper has no such gap.
@@ -91,7 +89,6 @@ class Statement:
     file: DataFile
     joined_file: CsvFile | None = None
     checks: Sequence[Check] = ()
-    not_judged: Mapping[str, str] = MappingProxyType({})
     quick: Sequence[Any] = ()
     full: Sequence[Any] = ()
     of_every_case: bool = False
@@ -153,8 +150,10 @@ class Statement:
         Args:
             rows: the measured rows of the data file, with the predicted orders of their cases as further columns.
         """
-        judged = ((case, pair) for case, groups in self.by_case(rows) for pair in self.checks_of(case, groups))
-        return [rule.verdict(self, case, groups) for case, (rule, groups) in judged]
+        verdicts = []
+        for case, groups in self.by_case(rows):
+            verdicts += [check.verdict(self, case, judged) for check, judged in self.checks_of(case, groups)]
+        return verdicts
 
     def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
         """Divide measured rows, and return pairs of a case and its tables of levels, by mesh family."""
@@ -167,9 +166,7 @@ class Statement:
             case: the name of the case.
             groups: the tables of levels of this case, by mesh family.
         """
-        if reason := self.not_judged.get(case):
-            return [(replace(rule, if_missed=reason), groups) for rule in self.checks]
-        return [(rule, groups) for rule in self.checks]
+        return [(check, groups) for check in self.checks]
 
     def cost(self, setting: Any) -> float:
         """Return the expected run time of ``measure`` in µs.
