@@ -41,11 +41,8 @@ from study.statements.shared.base import Numbers, Records, Setting, Statement
 from study.statements.shared.meshes import families
 from study.statements.shared.scope import Scope
 
-BOUNDED = "error", "lowest", "highest", "above", "below", "upper", "lower"
-BOUND_PARTS = "residual", "contact", "oscillation", "bending"
 BOUNDS = CsvFile("bounds.csv")
 ENCLOSURES = CsvFile("enclosures.csv")
-BOUND_KEY = BOUNDS.key
 SAVED_TIMES = 96
 """Number of times for which ``enclosures.csv`` has the bounds of one computed displacement."""
 
@@ -191,7 +188,8 @@ def measure(
     computed = compute(discretisation, scheme, steps)
     enclosure = enclose(discretisation, computed, trajectory, known_error(problem.case, computed))
     late = enclosure.times >= computed.T / 2
-    parts = {part: np.sum([getattr(interval, part) for interval in enclosure.intervals]) for part in BOUND_PARTS}
+    names = "residual", "contact", "oscillation", "bending"
+    parts = {part: np.sum([getattr(interval, part) for interval in enclosure.intervals]) for part in names}
     row = {
         "case": problem.name,
         "family": family.name,
@@ -241,7 +239,7 @@ class Bounds(Statement):
     def records(self, setting: BoundSetting, found: Row) -> Records:
         """Yield one row of ``bounds.csv``, and one row of ``enclosures.csv`` for every time."""
         yield BOUNDS, found["row"]
-        common = {name: found["row"][name] for name in BOUND_KEY}
+        common = {name: found["row"][name] for name in BOUNDS.key}
         for line in zip(*found["times"].values(), strict=True):
             yield ENCLOSURES, {**common, **dict(zip(found["times"], line, strict=True))}
 

@@ -65,7 +65,7 @@ from study.statements.shared.meshes import (
     space_of,
     split_random,
 )
-from study.statements.shared.norms import Energies, Velocity, dual_norm, midpoints, time_nodes, unloaded
+from study.statements.shared.norms import Energies, dual_norm, midpoints, time_nodes, unloaded
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 
@@ -473,8 +473,8 @@ def share_of_bound(energies: Energies, v_norm: ErrorNorm, problem: SemiDiscrete,
         rate = exact.strain_rate(time)
         load = v_norm.load(time)
         residual = energies.functional(exact.law.stress(rate, strain)) - load
-        norms = [energies.product(field, field) ** 0.5 for field in (rate, strain)]
-        rows.append((dual_norm(residual, riesz), *norms, dual_norm(load, riesz)))
+        of_solution = energies.norm(rate), energies.norm(strain)
+        rows.append((dual_norm(residual, riesz), *of_solution, dual_norm(load, riesz)))
     R, velocity, displacement, force = np.max(rows, axis=0)
     stress_at_zero = exact.law.G(0 * exact.strain(0.0))
     at_zero = np.sqrt(energies.work(stress_at_zero, stress_at_zero) / law.A.ellipticity)
@@ -644,7 +644,7 @@ def sides(setup: Experiment) -> Numbers:
     T = problem.T
     error = v_norm.largest(time_nodes(T, setup.steps), path(problem, setup.scheme, setup.steps))
     start = v_norm.sample(0.0)
-    velocity = Velocity(setup.solution, setup.space)
+    energies = Energies(setup.solution, setup.space, along=())
     times = midpoints(T, NORM_INSTANTS)
     k = T / NORM_INSTANTS
     # The work of contact ∫ σ_ν (Π^hu_ν − u_ν) and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² over Γ3.
@@ -661,7 +661,7 @@ def sides(setup: Experiment) -> Numbers:
         pressure = np.where(abs(pressure) > STRESS_ROUND_OFF * exact.stress_scale(), pressure, 0.0)
         integrals += [np.tensordot(rule.weights, values, axes=2) for values in (pressure * eta, eta**2, pressure**2)]
     works, squares, pressures = integrals
-    rate = math.sqrt(k * np.sum(velocity.interpolation_error(times) ** 2))
+    rate = math.sqrt(k * np.sum(energies.velocity_error(times) ** 2))
     common = v_norm.distance(start, start.interpolant) + rate + v_norm.distance(start, problem.u0)
     work = math.sqrt(k * np.sum(abs(works)))
     trace = math.sqrt(k * np.sum(np.sqrt(squares)) * np.sqrt(pressures).max())

@@ -403,7 +403,7 @@ def waves(body: Body, rng: np.random.Generator) -> Field:
     directions = rng.uniform(-np.pi, np.pi, (body.dim, body.dim)) / extent
     phases = rng.uniform(0, 2 * np.pi, body.dim)
 
-    return lambda x: np.cos(np.tensordot(directions, x, axes=1) + phases.reshape((-1,) + (1,) * (x.ndim - 1)))
+    return lambda x: np.cos((x.T @ directions.T + phases).T)
 
 
 def strain(field: Field, x: Points) -> Tensors:
@@ -417,5 +417,5 @@ def strain(field: Field, x: Points) -> Tensors:
         The D components of the strain at each point, (D, ...).
     """
     tiny = 1e-30
-    steps = [1j * tiny * unit.reshape((-1,) + (1,) * (x.ndim - 1)) for unit in np.eye(len(x))]
-    return mandel(np.stack([field(x + step).imag / tiny for step in steps], axis=1))
+    derivatives = [field((x.T + 1j * tiny * unit).T).imag / tiny for unit in np.eye(len(x))]
+    return mandel(np.stack(derivatives, axis=1))

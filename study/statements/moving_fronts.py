@@ -39,7 +39,7 @@ from study.statements.shared.base import (
     with_h,
 )
 from study.statements.shared.meshes import posed, split_random
-from study.statements.shared.norms import ContactWork, Velocity, dual_norm, maximum, midpoints
+from study.statements.shared.norms import Energies, contact_load, dual_norm, maximum, midpoints, time_nodes
 from study.statements.time_steps import PROVED_BELOW_1
 from study.statements.work_of_contact import SEEDS
 
@@ -173,7 +173,7 @@ class HalfDerivative(ListedNumbers):
     def measure(self, setup: Experiment) -> Numbers:
         problem = setup.solved or setup.problem
         steps = setup.steps
-        flow = GradientFlow(problem, problem.load(problem.T * np.arange(steps + 1) / steps).T)
+        flow = GradientFlow(problem, problem.load(time_nodes(problem.T, steps)).T)
         numbers = {
             "half": half_quotient(problem, path(problem, MIDPOINT, steps)),
             "euler": euler_quotient(flow, setup.solution.law.kappa, path(problem, BACKWARD_EULER, steps)),
@@ -423,11 +423,9 @@ class AdvancingFront(ListedNumbers):
         riesz = Cholesky(problem.M)
         changes = []
         for time in midpoints(problem.T, FEW_INSTANTS):
-            finer, coarser = (
-                load_from_forces(solution, space, time, degree) for degree in (RAISED_FORCE_DEGREE, FORCE_DEGREE)
-            )
-            changes.append(dual_norm(finer - coarser, riesz))
-        rates = Velocity(solution, space).interpolation_error(midpoints(problem.T, ERROR_INSTANTS))
+            finer = load_from_forces(solution, space, time, RAISED_FORCE_DEGREE)
+            changes.append(dual_norm(finer - force(time), riesz))
+        rates = Energies(solution, space, along=()).velocity_error(midpoints(problem.T, ERROR_INSTANTS))
         numbers = {
             "error": error,
             "rate": math.sqrt(problem.T * np.mean(rates**2)),
@@ -446,7 +444,7 @@ def pressure_load(solution: ExactSolution, space: Space, time: float) -> Array:
 
     The quadrature points are graded towards the front, where σ_ν is singular.
     """
-    return ContactWork(solution, space, (front_at(solution, time),)).load(time)
+    return contact_load(solution, space, (front_at(solution, time),))(time)
 
 
 def violation(v_norm: ErrorNorm, problem: SemiDiscrete, forces: Array) -> float:

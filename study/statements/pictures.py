@@ -179,11 +179,10 @@ def intervals(s: Array, level: Array) -> list[list[float]]:
         level: the values of ψ at the points, (points,).
     """
     inside = level >= 0
-    crossing = np.flatnonzero(inside[1:] != inside[:-1])
-    jump = level[crossing + 1] - level[crossing]
-    roots = s[crossing] - level[crossing] * (s[crossing + 1] - s[crossing]) / jump
-    ends = [*([s[0]] if inside[0] else []), *roots, *([s[-1]] if inside[-1] else [])]
-    return [short(np.array(pair)) for pair in zip(ends[::2], ends[1::2], strict=True)]
+    crossing = np.flatnonzero(np.diff(inside))
+    roots = s[crossing] - level[crossing] * np.diff(s)[crossing] / np.diff(level)[crossing]
+    ends = np.concatenate([s[:1][inside[:1]], roots, s[-1:][inside[-1:]]])
+    return [short(pair) for pair in ends.reshape(-1, 2)]
 
 
 class Pictures(Statement):

@@ -75,7 +75,7 @@ from study.statements.shared.meshes import (
     split_superclose,
     value_of_case,
 )
-from study.statements.shared.norms import maximum
+from study.statements.shared.norms import maximum, norm, time_nodes
 from study.statements.shared.scope import Scope
 
 RATES = CsvFile("rates.csv", ("order",), with_orders)
@@ -151,26 +151,26 @@ def measure(experiment: Experiment) -> Measurement:
     The result also has the distance of the two discrete solutions.
     """
     v_norm = experiment.v_norm
-    M = experiment.problem.M
+    problem = experiment.problem
     coarse = experiment.march(experiment.steps)
     history: list[tuple[float, ...]] = []
     drifts: list[float] = []
     residuals: list[float] = []
     largest = 0.0
     steps = 2 * experiment.steps
-    samples = v_norm.samples(experiment.problem.T * np.arange(steps + 1) / steps)
+    samples = v_norm.samples(time_nodes(problem.T, steps))
     for n, (state, sample) in enumerate(zip(experiment.march(steps), samples, strict=True)):
         interpolant = sample.interpolant
-        discrete = sample.interpolant - state.u
-        measured = [v_norm.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)]
-        history.append((state.time, *measured[:2], math.sqrt(discrete @ (M @ discrete)), measured[2]))
+        error, interpolation, halfway = (
+            v_norm.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)
+        )
+        history.append((state.time, error, interpolation, norm(problem, interpolant - state.u), halfway))
         residuals.append(state.residual())
-        if n == 0 or measured[0] > largest:
-            largest = measured[0]
+        if n == 0 or error > largest:
+            largest = error
             worst = state
         if n % 2 == 0:
-            difference = next(coarse).u - state.u
-            drifts.append(math.sqrt(difference @ (M @ difference)))
+            drifts.append(norm(problem, next(coarse).u - state.u))
     return Measurement(experiment, np.array(history).T, maximum(drifts), maximum(residuals), worst)
 
 
@@ -279,7 +279,7 @@ class Measurement:
         )
         steps = RESPONSE
         while True:
-            drift = maximum([math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps)])
+            drift = maximum(norm(problem, state.u) for state in MIDPOINT.march(change, steps))
             effect = (abs(raised - error) + drift) / error
             if not effect > NEGLIGIBLE_QUADRATURE or steps >= 2 * experiment.steps:
                 return effect

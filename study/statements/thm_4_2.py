@@ -77,7 +77,7 @@ from manufactured.tensors import Array, Tensors, Vectors
 from study.fem.error_norm import DEGREE, FACET_POINTS, ErrorNorm, rules
 from study.fem.mesh import Graded, MeshFamily, size
 from study.fem.naming import family_named, resolve
-from study.fem.quadrature import facet_rule
+from study.fem.quadrature import facet_rule, gauss
 from study.fem.space import Space, on_cells
 from study.ledger.check import Check, accuracy, consequence, identity, paper_claim
 from study.ledger.datafiles import CsvFile, Row
@@ -93,6 +93,7 @@ from study.solve.tableau import BACKWARD_EULER, BDF2, Tableau
 from study.statements.shared import estimates
 from study.statements.shared.base import Experiment, Numbers, Setting, Statement, grid, steps_like_h
 from study.statements.shared.meshes import ALONG, CELL_POWER
+from study.statements.shared.norms import norm
 from study.statements.shared.scope import Scope
 from study.stresses.composite import alfeld_split, barycentric, bernstein
 from study.stresses.hybrid import DualState, StressEvolution, act, tensor_at
@@ -126,10 +127,6 @@ class Gaps(NamedTuple):
     stress_bound: float
 
 
-GAP_BOUNDS = ("displacement_bound", "stress_bound")
-EQUIVALENCE = CsvFile("equivalence.csv")
-
-
 def stress_problem(setup: Experiment) -> StressProblem:
     """Return the stress problem (3.2) of the exact solution of an experiment, on the same mesh.
 
@@ -160,15 +157,13 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
     """
     space = stresses.space
     law = stresses.law
-    M = displacements.M
     cells = on_cells(space, law)
     k = step_size(displacements.T, steps)
     root = np.sqrt(space.volumes)
     radius = 0.0
+    steps_measured = []
     BACKWARD_EULER.require_unique(k, law.growth)
     q = 1 / (1 - k * law.growth)  # Errors of earlier steps are multiplied at most by this factor in ‖·‖_V.
-    worst = np.zeros(5)
-    sizes = np.full(5, np.finfo(float).tiny)
     pairs = zip(BACKWARD_EULER.march(displacements, steps), stresses.march(steps), strict=True)
     for (before, _), (primal, dual) in pairwise(pairs):
         strain = space.strain(primal.u)
@@ -177,17 +172,23 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
         defect = load - space.functional(dual.stress)
         difference = dual.u - primal.u
         radius = q * radius + np.sqrt(dual.gap)
-        now = [
-            np.sqrt(difference @ (M @ difference)),
+        differences = [
+            norm(displacements, difference),
             np.linalg.norm(root * (dual.stress - stress)),
             beyond(defect, displacements.N),
             abs(defect @ dual.u),
             max((displacements.N @ dual.u).max(), 0.0),
         ]
-        of_both = np.sqrt(primal.u @ (M @ primal.u)), np.linalg.norm(root * stress)
-        size = [*of_both, np.linalg.norm(load), abs(load @ dual.u), abs(dual.u).max()]
-        worst = np.maximum(worst, now)
-        sizes = np.maximum(sizes, size)
+        sizes = [
+            norm(displacements, primal.u),
+            np.linalg.norm(root * stress),
+            np.linalg.norm(load),
+            abs(load @ dual.u),
+            abs(dual.u).max(),
+        ]
+        steps_measured.append([differences, sizes])
+    worst, largest = np.max(steps_measured, axis=0)
+    sizes = np.maximum(largest, np.finfo(float).tiny)
     bounds = radius * np.sqrt([q * k, law.A.lipschitz / k + law.G.lipschitz]) / sizes[:2]
     return Gaps(*(float(value) for value in [*(worst / sizes), *bounds]))
 
@@ -239,7 +240,7 @@ class SameMesh(Statement):
 
     label = "Thm 4.2"
     claim = "Problem 3.2 on the strains of V^h and Problem 3.1 have one solution"
-    file = EQUIVALENCE
+    file = CsvFile("equivalence.csv")
     of_every_case = True
     per_step = 70.0, 1000.0
     checks = (
@@ -253,7 +254,7 @@ class SameMesh(Statement):
         accuracy(
             "allowed",
             "bound of the difference from the duality gap / size of the solution",
-            lambda of: of[[*GAP_BOUNDS]].to_numpy().max(axis=1),
+            lambda levels: levels[["displacement_bound", "stress_bound"]].to_numpy().max(axis=1),
             positive_at_most(
                 1e-5, "32 steps, each with the root of a duality gap of 1e-15, and norms that differ by a factor 10"
             ),
@@ -315,19 +316,14 @@ meshes, and on such random meshes orders scatter most."""
 STRESS_LEVELS, FINER_LEVELS = (8, 16, 32), {"re-entrant": (64,)}
 """Levels of the full study, and further, finer levels for some cases."""
 
-STRESS_ERRORS = (
-    "stress",
-    "stress_sup",
-    "best",
-    "strain",
-    "pressure",
-    "displacement",
-    "primal_stress",
-    "primal_displacement",
-)
 RELATIVE_TO = {
-    **dict.fromkeys(("stress", "best", "pressure", "primal_stress"), "stress"),
-    **{"strain": "strain", "displacement": "displacement", "primal_displacement": "displacement"},
+    "stress": "stress",
+    "best": "stress",
+    "pressure": "stress",
+    "primal_stress": "stress",
+    "strain": "strain",
+    "displacement": "displacement",
+    "primal_displacement": "displacement",
 }
 """The exact quantity to whose norm in L²(0,T) each error is relative."""
 MOMENT_POINTS = 4
@@ -413,10 +409,10 @@ class Exact:
             edges = space.parts[space.body.parts.index(face.part)]
             on = facet_rule(space.mesh, edges, face.part, face.rough, FACET_POINTS)
             self._faces.append((edges, bernstein(space.degree, on.shapes), on.weights, solution.on(face, on.s)))
-        x, weights = np.polynomial.legendre.leggauss(MOMENT_POINTS)
-        self._along = np.array([1 - x, 1 + x]) / 2
+        x, weights = gauss(MOMENT_POINTS)
+        self._along = np.array([1 - x, x])
         self._shapes = bernstein(space.degree, self._along)
-        self._moments = self._shapes * weights / 2
+        self._moments = self._shapes * weights
         self._edges = solution.at(np.einsum("den,eq->dnq", space.mesh.p[:, space.mesh.facets], self._along))
         self._share = np.bincount(space.edges.ravel(), np.repeat(space.volumes / 3, 3), len(space.lengths))
 
@@ -523,7 +519,7 @@ def measure(experiment: StressExperiment) -> Numbers:
         moments = exact.moments(state.time)
         nodal, primal_stress = next(primal)
         error, best, size_of_stress = exact.stress(state.time, stress.values)
-        step = {
+        errors = {
             "stress": error,
             "best": best,
             "exact stress": size_of_stress,
@@ -536,7 +532,7 @@ def measure(experiment: StressExperiment) -> Numbers:
             "exact displacement": exact.mean_square(moments),
             "admissibility": inadmissible(space, state),
         }
-        steps.append(step)
+        steps.append(errors)
         if n % 2 == 0:
             drift.append(norm_in_q(next(coarse).stress.values - stress.values, space))
     history = pd.DataFrame(steps)

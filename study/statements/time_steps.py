@@ -26,7 +26,7 @@ from study.solve.gradient_flow import EulerBounds, GradientFlow, backward_euler
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES
 from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, fitted_order, grid, with_h
-from study.statements.shared.norms import maximum, minimum
+from study.statements.shared.norms import maximum, minimum, norm, time_nodes
 
 HALVING_COUNTS = (4, 8, 16, 32, 64, 128, 256)
 """Numbers of time steps: six halvings of k, from k ≫ h to k ≪ h."""
@@ -156,7 +156,7 @@ class BackwardEuler(ListedNumbers):
 
     def measure(self, setup: Experiment) -> Numbers:
         problem = setup.problem
-        flow = GradientFlow(problem, problem.load(problem.T * np.arange(REFERENCE_COUNT + 1) / REFERENCE_COUNT).T)
+        flow = GradientFlow(problem, problem.load(time_nodes(problem.T, REFERENCE_COUNT)).T)
         exact = path(problem, MIDPOINT, REFERENCE_COUNT)
         half = path(problem, MIDPOINT, REFERENCE_COUNT // 2)
         numbers: Numbers = {}
@@ -328,7 +328,7 @@ class NoPotential(ListedNumbers):
         setup = Experiment.at(setting, MIDPOINT, REFERENCE_STEPS)
         law = setup.solution.law
         problem = setup.problem
-        times = problem.T * np.arange(REFERENCE_STEPS + 1) / REFERENCE_STEPS
+        times = time_nodes(problem.T, REFERENCE_STEPS)
         flow = GradientFlow(problem, problem.load(times).T)
         bounds = EulerBounds(flow, law.kappa, law.growth)
         exact = path(problem, MIDPOINT, REFERENCE_STEPS)
@@ -349,7 +349,7 @@ class NoPotential(ListedNumbers):
         numbers["reference"] = furthest(problem, exact[::2], half) / smallest
         # Errors in time cannot show a wrong solver, so the error against the exact solution is measured for k ~ h.
         steps = STEPS_PER_SIDE_CELL * setting.level
-        instants = problem.T * np.arange(steps + 1) / steps
+        instants = time_nodes(problem.T, steps)
         numbers["fully discrete"] = setup.v_norm.largest(instants, backward_euler(problem, instants))
         return with_h(setup.space.h, {**numbers, "rotation": rotating()})
 
@@ -441,19 +441,17 @@ class FullyDiscrete(ListedNumbers):
     def measure(self, setting: Setting) -> Numbers:
         setup = Experiment.at(setting, MIDPOINT, MANY_STEPS)
         v_norm = setup.v_norm
-        M = setup.problem.M
-        T = setup.problem.T
         common = min(FEW_STEPS)
         problem = setup.problem
         reference = path(problem, MIDPOINT, MANY_STEPS)[:: MANY_STEPS // common]
-        samples = list(v_norm.samples(T * np.arange(common + 1) / common))
+        samples = list(v_norm.samples(time_nodes(problem.T, common)))
         measured: Numbers = {}
         for scheme in SCHEMES:
             for count in FEW_STEPS:
                 states = path(problem, scheme, count)[:: count // common]
                 pairs = list(zip(reference - states, samples, states, strict=True))
                 measured[f"{scheme.name} {count} e"] = maximum(v_norm.distance(sample, u) for _, sample, u in pairs)
-                measured[f"{scheme.name} {count} d"] = maximum(math.sqrt(v @ (M @ v)) for v, _, _ in pairs)
+                measured[f"{scheme.name} {count} d"] = maximum(norm(problem, v) for v, _, _ in pairs)
         return with_h(setup.space.h, measured)
 
 

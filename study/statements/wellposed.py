@@ -13,7 +13,6 @@ import pandas as pd
 from scipy.linalg import eigh, null_space
 
 from manufactured.law import (
-    AtPoints,
     Combined,
     Elasticity,
     Indefinite,
@@ -23,7 +22,7 @@ from manufactured.law import (
     isotropic,
     isotropic_matrix,
 )
-from manufactured.tensors import Array, Tensors, size
+from manufactured.tensors import Array, size
 from study.fem.naming import resolve
 from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, ROUNDING, consequence, identity, paper_claim
@@ -46,7 +45,7 @@ from study.statements.shared.base import (
     with_h,
 )
 from study.statements.shared.meshes import body_of, first_with_each, place, space_of
-from study.statements.shared.norms import Velocity, dual_norm, h1_product, maximum, norm, smallest, strain_product
+from study.statements.shared.norms import Energies, dual_norm, h1_product, maximum, norm, smallest, strain_product
 from study.statements.shared.scope import REGULAR
 
 VALUE = "smallest eigenvalue"
@@ -153,8 +152,8 @@ class BoundedVelocity(ListedNumbers):
         return Experiment.at(setting, BACKWARD_EULER, 1)
 
     def measure(self, setup: Experiment) -> Numbers:
-        velocity = Velocity(setup.solution, setup.space)
-        exact = velocity.norm(np.linspace(0, setup.problem.T, SUPREMUM_AT + 1)).max()
+        energies = Energies(setup.solution, setup.space, along=())
+        exact = energies.velocity_norm(np.linspace(0, setup.problem.T, SUPREMUM_AT + 1)).max()
         return with_h(setup.space.h, {k: fastest(setup.problem, steps) / exact for k, steps in STEPS_BY_K.items()})
 
 
@@ -304,18 +303,6 @@ DISTANCE_OVER_BOUND = "largest ‖u − v‖_V / its bound, u and v with differe
 EVERY_RATE = "for every ω and T"
 
 
-def derivative(operator: AtPoints, strain: Tensors) -> Array:
-    """Return the derivative of an operator at n strain tensors, as one D × D matrix for each tensor, (n, D, D).
-
-    Args:
-        operator: the operator.
-        strain: the strain tensors, with D components each, (D, n).
-    """
-    units = np.eye(len(strain))
-    columns = [operator.derivative(strain, np.broadcast_to(unit[:, None], strain.shape)) for unit in units]
-    return np.moveaxis(np.stack(columns, axis=1), 2, 0)
-
-
 def column(law: str, what: str, omega: float, T: float) -> str:
     """Return the name of the column with a measured number of a law for one pair (ω, T)."""
     return f"{law} {what}, ω = {omega:g}, T = {T:g}"
@@ -432,7 +419,9 @@ def softest_mode(space: Space, law: KelvinVoigt) -> tuple[float, Array, Array]:
         The rate of growth c; the displacement v, (dofs,); and the contact force that enforces Nv = 0, (m,). Among the
         displacements with Nv = 0, v is the eigenvector of G'(0) with respect to M with the smallest eigenvalue, −c.
     """
-    slope = derivative(law.G.at(space.mesh.p[:, :1]), np.zeros((size(space.dim), 1)))[0]
+    units = np.eye(size(space.dim))[..., None]
+    at_point = law.G.at(space.mesh.p[:, :1])
+    slope = np.hstack([at_point.derivative(0 * unit, unit) for unit in units])
     M = form(space, law.A).toarray()
     G = space.form(slope).toarray()
     N = space.N.toarray()

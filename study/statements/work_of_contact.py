@@ -41,7 +41,7 @@ from study.solve.steps import rate_steps, step_size
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import SEED, Judged, ListedNumbers, Numbers, Setting, fitted_order, grid, with_h
 from study.statements.shared.meshes import posed, space_of, split_irregular
-from study.statements.shared.norms import ContactWork, midpoints, time_nodes
+from study.statements.shared.norms import contact_load, midpoints, time_nodes
 from study.statements.shared.scope import Scope
 
 EQUAL_BRANCHES = 2 / (2 + math.pi**2)
@@ -286,8 +286,8 @@ def pressing_on(at: Resolved) -> Callable[[float], Array]:
 
     The prescribed pressure is used, which is a hundred times faster than the pressure from the exact stress.
     """
-    work = ContactWork(at.solution, at.v_norm.space, (), FaceFields.stated_pressure)
-    return lambda time: -np.asarray(at.inclusion.T @ work.load(time))
+    load = contact_load(at.solution, at.v_norm.space, (), FaceFields.stated_pressure)
+    return lambda time: -np.asarray(at.inclusion.T @ load(time))
 
 
 FACE_RULE = composite_gauss(512, 4)

@@ -1,6 +1,6 @@
 """Norms, work of stresses and of the contact force, matrices of forms on V^h, and their extreme eigenvalues.
 
-In 2D the quadrature rules are the same as in ``ErrorNorm``; ``Velocity`` uses standard points.
+In 2D the quadrature rules are the same as in ``ErrorNorm``.
 """
 
 import math
@@ -88,18 +88,6 @@ class Energies:
         self.exact = solution.at(np.hstack([rule.points.reshape(space.dim, -1) for rule in blocks]))
         self._nodes = solution.at(space.mesh.p)
 
-    def strain(self, v: Array) -> Tensors:
-        """Return the strain ε(v) of a P1 displacement v at the quadrature points, (D, points)."""
-        return self.space.strain(v)[:, self._cells]
-
-    def interpolant(self, time: float) -> Array:
-        """Return the nodal interpolant Π^h u(t) of the exact displacement, (dofs,)."""
-        return self.space.interpolate(self._nodes.displacement(time))
-
-    def interpolated_rate(self, time: float) -> Array:
-        """Return the nodal interpolant Π^h u̇(t) of the exact velocity, (dofs,)."""
-        return self.space.interpolate(self._nodes.velocity(time))
-
     def work(self, stress: Tensors, strain: Tensors) -> float:
         """Return the work (σ, ε)_Q = ∫ σ·ε of a stress on a strain, both at the quadrature points, (D, points)."""
         return float(np.sum(stress * strain * self.weights))
@@ -110,67 +98,53 @@ class Energies:
         sums = [np.bincount(self._cells, self.weights * component, count) for component in stress]
         return self.space.tested(np.array(sums))
 
-    def product(self, one: Tensors, other: Tensors) -> float:
-        """Return the inner product (A ε, ε')_Q of V for two strains at the quadrature points, (D, points)."""
-        return self.work(self.exact.law.A(one), other)
+    def norm(self, strain: Tensors) -> float:
+        """Return the norm (A ε, ε)_Q^{1/2} of V for a strain at the quadrature points, (D, points)."""
+        return math.sqrt(self.work(self.exact.law.A(strain), strain))
 
-
-class Velocity:
-    """Computes the norm ‖u̇(t)‖_V of the exact velocity and its interpolation error ‖u̇(t) − Π^h u̇(t)‖_V."""
-
-    def __init__(self, solution: ExactSolution, space: Space) -> None:
-        self.energies = Energies(solution, space, along=())
-
-    def norm(self, times: Array) -> Array:
+    def velocity_norm(self, times: Array) -> Array:
         """Return the norm ‖u̇(t)‖_V of the exact velocity at n times, (n,)."""
-        rates = (self.energies.exact.strain_rate(time) for time in times.tolist())
-        return np.sqrt([self.energies.product(rate, rate) for rate in rates])
+        return np.array([self.norm(self.exact.strain_rate(time)) for time in times.tolist()])
 
-    def interpolation_error(self, times: Array) -> Array:
+    def velocity_error(self, times: Array) -> Array:
         """Return the interpolation error ‖u̇(t) − Π^h u̇(t)‖_V of the exact velocity at n times, (n,)."""
-        exact, strain, interpolant = self.energies.exact, self.energies.strain, self.energies.interpolated_rate
-        errors = (exact.strain_rate(time) - strain(interpolant(time)) for time in times.tolist())
-        return np.sqrt([self.energies.product(error, error) for error in errors])
+        errors = []
+        for time in times.tolist():
+            interpolant = self.space.interpolate(self._nodes.velocity(time))
+            strain = self.space.strain(interpolant)[:, self._cells]
+            errors.append(self.norm(self.exact.strain_rate(time) - strain))
+        return np.array(errors)
 
 
-class ContactWork:
-    """Computes the work R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), of the exact contact force on a P1 displacement v.
+def contact_load(
+    solution: ExactSolution,
+    space: Space,
+    rough: tuple[float, ...],
+    pressure: Callable[[FaceFields, float], Array] = FaceFields.pressure,
+) -> Callable[[float], Array]:
+    """Return the exact contact force as a load: a function of time with values v ↦ ∫_{Γ3} σ_ν v_ν on V^h, (dofs,).
 
     The normal stress σ_ν is minus the exact contact pressure.
 
     Args:
         solution: the exact solution.
         space: the P1 displacement space V^h.
-        rough: coordinates along the contact faces towards which quadrature points are graded. By default each face has
-            its own, as in ``ErrorNorm``.
+        rough: coordinates along the contact faces towards which quadrature points are graded.
         pressure: the function that gives the exact contact pressure on a face at a time.
     """
+    faces = []
+    for face in solution.faces:
+        rule = facet_rule(space.mesh, space.facets(face.part), face.part, rough, FACET_POINTS)
+        faces.append((face.part.normal, rule, solution.on(face, rule.s)))
 
-    def __init__(
-        self,
-        solution: ExactSolution,
-        space: Space,
-        rough: tuple[float, ...] | None = None,
-        pressure: Callable[[FaceFields, float], Array] = FaceFields.pressure,
-    ) -> None:
-        self.space, self.pressure, self._faces = space, pressure, []
-        for face in solution.faces:
-            graded = face.rough if rough is None else rough
-            rule = facet_rule(space.mesh, space.facets(face.part), face.part, graded, FACET_POINTS)
-            self._faces.append((face.part.normal, rule, solution.on(face, rule.s)))
+    def load(time: float) -> Array:
+        nodal = np.zeros_like(space.mesh.p)
+        for normal, rule, exact in faces:
+            moments = np.sum(pressure(exact, time) * rule.weights * rule.shapes, axis=-1)
+            nodal -= space.scatter(space.mesh.facets[:, rule.facets], np.multiply.outer(normal, moments))
+        return space.interpolate(nodal)
 
-    def load(self, time: float) -> Array:
-        """Return the contact force at a time as a load, that is, the linear functional v ↦ R(t; v) on V^h, (dofs,)."""
-        nodal = np.zeros_like(self.space.mesh.p)
-        for normal, rule, exact in self._faces:
-            moments = np.sum(self.pressure(exact, time) * rule.weights * rule.shapes, axis=-1)
-            ends = self.space.mesh.facets[:, rule.facets]
-            nodal -= self.space.scatter(ends, np.multiply.outer(normal, moments))
-        return self.space.interpolate(nodal)
-
-    def __call__(self, v: Array, time: float) -> float:
-        """Return the work R(t; v) of the contact force at a time on the P1 displacement v, (dofs,)."""
-        return float(self.load(time) @ v)
+    return load
 
 
 def hat_functions(mesh: Mesh, rule: FacetRule) -> sps.csr_array:
