@@ -193,9 +193,15 @@ def measure_contact(setup: Experiment) -> Numbers:
     errors, penetration, pulling = errors_in_time(setup, forces, setup.steps)
     coarse, *_ = errors_in_time(setup, forces, setup.steps // 2)
     shares = abs(errors - coarse) / errors
-    measured = dict(zip((*FORCE_ERRORS, *TIME_SHARES), map(float, (*errors, *shares)), strict=True))
-    admissible = {"penetration": penetration, "pulling": pulling}
-    return {"h": setup.space.h, "steps": setup.steps, **measured, **admissible, "clamped": forces.clamped}
+    return {
+        "h": setup.space.h,
+        "steps": setup.steps,
+        **dict(zip(FORCE_ERRORS, errors.tolist(), strict=True)),
+        **dict(zip(TIME_SHARES, shares.tolist(), strict=True)),
+        "penetration": penetration,
+        "pulling": pulling,
+        "clamped": forces.clamped,
+    }
 
 
 NO_ORDER = "p jumps in time, and the error comes from the step with the jump"

@@ -15,7 +15,7 @@ from manufactured.case import Case
 from manufactured.exact import ExactSolution, Face
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array, Points, Tensors, dyad
-from study.fem.error_norm import DEGREE, FACET_POINTS, ErrorNorm, rules
+from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.mesh import Graded, Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
@@ -65,7 +65,7 @@ from study.statements.shared.meshes import (
     space_of,
     split_random,
 )
-from study.statements.shared.norms import Energies, dual_norm, midpoints, time_nodes, unloaded
+from study.statements.shared.norms import Energies, dual_norm, midpoints, time_nodes, trace_errors, unloaded
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 
@@ -256,7 +256,10 @@ class InterpolationInV(ListedNumbers):
         for v, fraction in FUNCTIONS.items():
             sample = v_norm.sample(fraction * solution.body.T)
             errors[v] = v_norm.distance(sample, sample.interpolant)
-        return with_h(space.h, {**errors, SMOOTH_FIELD: distance_in_V(solution, space, smooth(space.body))})
+        field = smooth(space.body)
+        energies = Energies(solution, space, (), RAISED_FOR_KINKS)
+        error = energies.distance(strain(field, energies.exact.x), space.interpolate(field(space.mesh.p)))
+        return with_h(space.h, {**errors, SMOOTH_FIELD: error})
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
         random, others = split_random(groups)
@@ -270,23 +273,6 @@ class InterpolationInV(ListedNumbers):
                 text = f"{quantity}, random meshes, fitted"
                 sharp = around(1.0, ORDER_TOLERANCE, "least squares, weighted by the number of cells")
                 yield paper_claim(f"{key}-random", text, fitted(v, power=CELL_POWER), sharp, levels=ENOUGH), random
-
-
-def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
-    """Return the interpolation error ‖v − Π^h v‖_V of a smooth field v.
-
-    Args:
-        solution: the exact solution, whose viscosity defines the norm.
-        space: the P1 space.
-        field: the field, analytic in x.
-    """
-    interpolant = space.strain(space.interpolate(field(space.mesh.p)))
-    total = 0.0
-    for rule in rules(solution, space.mesh, DEGREE + RAISED_FOR_KINKS):
-        difference = strain(field, rule.points) - interpolant[:, rule.cells, None]
-        viscous = solution.law.A.at(rule.points)(difference)
-        total += np.einsum("Inq,Inq,nq->", viscous, difference, rule.weights)
-    return math.sqrt(total)
 
 
 # (5.24): interpolation of normal traces on contact faces.
@@ -649,14 +635,11 @@ def sides(setup: Experiment) -> Numbers:
     k = T / NORM_INSTANTS
     # The work of contact ∫ σ_ν (Π^hu_ν − u_ν) and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² over Γ3.
     integrals = np.zeros((3, NORM_INSTANTS))
-    mesh = setup.space.mesh
     for face in setup.solution.faces:
         facets = setup.space.facets(face.part)
-        rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS)
+        rule = facet_rule(setup.space.mesh, facets, face.part, face.rough, FACET_POINTS)
         exact = setup.solution.on(face, rule.s)
-        nodes = setup.solution.at(mesh.p[:, mesh.facets[:, facets]])
-        nodal = np.tensordot(face.part.normal, nodes.displacement(times), axes=1)
-        eta = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes)
+        eta = trace_errors(setup.solution, setup.space, face, rule, times)
         pressure = exact.pressure(times)
         pressure = np.where(abs(pressure) > STRESS_ROUND_OFF * exact.stress_scale(), pressure, 0.0)
         integrals += [np.tensordot(rule.weights, values, axes=2) for values in (pressure * eta, eta**2, pressure**2)]

@@ -10,9 +10,8 @@ import pandas as pd
 
 from manufactured.body import Body, Kind, Part
 from manufactured.catalogue import catalogue
-from manufactured.exact.solution import Fields
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, traction
-from study.fem.error_norm import DEGREE, FACET_POINTS, ErrorNorm, rules
+from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.quadrature import facet_rule
 from study.fem.space import on_cells
 from study.ledger.check import ENOUGH, ROUNDING, Groups, consequence, paper_claim
@@ -34,7 +33,7 @@ from study.statements.shared.base import (
     with_h,
 )
 from study.statements.shared.meshes import CELL_POWER, named, place, posed
-from study.statements.shared.norms import dual_norm, maximum, unloaded
+from study.statements.shared.norms import Energies, dual_norm, unloaded
 from study.statements.shared.scope import REGULAR
 
 # The load, f ∈ W^{1,1}(0,T;V).
@@ -120,7 +119,7 @@ class LoadInTime(ListedNumbers):
         loads = v_norm.load(times).T
         # A finite norm shows in increments ‖f^h(t_i) − f^h(t_{i−1})‖_V that do not grow from grid to grid.
         fine, half, coarse = (
-            np.array([dual_norm(after - before, riesz) for before, after in pairwise(loads[::step])])
+            np.array([dual_norm(increment, riesz) for increment in np.diff(loads[::step], axis=0)])
             for step in (1, 2, COARSER)
         )
         size = np.mean([dual_norm(F, riesz) for F in loads]) * solution.body.T
@@ -159,36 +158,32 @@ class TractionInTime(ListedNumbers):
 
     def measure(self, setting: Setting) -> Numbers:
         space, solution = posed(setting)
-        squares = []
-        sides = []
+        times = np.linspace(0, solution.body.T, 2 * setting.level + 1)
+        squares = np.zeros(len(times))
         for part in space.body.parts:
             rule = facet_rule(space.mesh, space.facets(part), part, (), FACET_POINTS if space.dim == 2 else 2)
-            sides.append((part, solution.at(part.point(rule.s)), rule.weights))
-        for time in np.linspace(0, solution.body.T, 2 * setting.level + 1).tolist():
-            squares.append(sum(np.sum(exact.surface_load(part, time) ** 2 * w) for part, exact, w in sides))
-        return with_h(space.h, {"norm": math.sqrt(maximum(squares))})
+            exact = solution.at(part.point(rule.s))
+            squares += [np.sum(exact.surface_load(part, time) ** 2 * rule.weights) for time in times.tolist()]
+        return with_h(space.h, {"norm": math.sqrt(squares.max())})
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
-        return [
-            (
-                consequence(
-                    "unbounded",
-                    "σν ∉ L²(Γ): last / previous increment of max_t ‖σν‖²_{L²(Γ)} under refinement",
-                    last_increments,
-                    around(1, 0.1, "logarithmic growth: the increments of the square do not fall"),
-                    levels=ENOUGH,
-                )
-                if case == UNBOUNDED
-                else paper_claim(
-                    "bounded",
-                    "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh",
-                    change("norm", since=-2),
-                    around(1, 0.02, "the maximum has converged in space and time, which are refined together"),
-                    levels=ENOUGH,
-                ),
-                groups,
+        if case == UNBOUNDED:
+            check = consequence(
+                "unbounded",
+                "σν ∉ L²(Γ): last / previous increment of max_t ‖σν‖²_{L²(Γ)} under refinement",
+                last_increments,
+                around(1, 0.1, "logarithmic growth: the increments of the square do not fall"),
+                levels=ENOUGH,
             )
-        ]
+        else:
+            check = paper_claim(
+                "bounded",
+                "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh",
+                change("norm", since=-2),
+                around(1, 0.02, "the maximum has converged in space and time, which are refined together"),
+                levels=ENOUGH,
+            )
+        return [(check, groups)]
 
 
 STRESS_INSTANTS = 8
@@ -280,7 +275,11 @@ def tractions(setup: Experiment) -> Numbers:
         for part, facets in space.on(kind):
             rule = facet_rule(mesh, facets, part, (), FACET_POINTS)
             sides.append((kind, part, mesh.f2t[0, facets], rule.weights, setup.solution.at(part.point(rule.s))))
-    tests = [weighted_strains(setup, fields) for fields in smooth_fields(space.body)]
+    energies = Energies(setup.solution, space, along=())
+    tests = []
+    for fields in smooth_fields(space.body):
+        strains = [strain(v, energies.exact.x) for v in fields]
+        tests.append([e / energies.norm(e) for e in strains])
     squares: Numbers = dict.fromkeys(("tangential", "contact", "loaded", *WEAKLY), 0.0)
     size = 0.0
     for time, stress in discrete_stresses(setup):
@@ -293,9 +292,9 @@ def tractions(setup: Experiment) -> Numbers:
             name = "contact" if kind is Kind.CONTACT else "loaded"
             squares[name] += np.sum((forces[..., None] - load) ** 2 * weights)
             size += np.sum(load**2 * weights)
+        stress_error = stress[:, energies.cells] - energies.exact.stress(time)
         for name, strains in zip(WEAKLY, tests, strict=True):
-            works = [np.einsum("Icq,vIcq->v", stress[:, c, None] - exact.stress(time), e) for c, exact, e in strains]
-            squares[name] += np.sum(np.sum(works, axis=0) ** 2)
+            squares[name] += sum(energies.work(stress_error, e) ** 2 for e in strains)
     return {name: math.sqrt(square / size) for name, square in squares.items()}
 
 
@@ -315,28 +314,6 @@ def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
             old = space.strain(before.u)
             new = space.strain(after.u)
             yield (before.time + after.time) / 2, cells.stress((new - old) / k, (new + old) / 2)
-
-
-WeightedStrains = list[tuple[Array, Fields, Array]]
-"""Scaled strains of several smooth fields v, in one triple for each quadrature rule on cells.
-
-A triple has the cells of the rule, the exact solution at its points, and w ε(v)/‖v‖_V with the quadrature weights w,
-(fields, D, cells, points)."""
-
-
-def weighted_strains(setup: Experiment, fields: list[Field]) -> WeightedStrains:
-    """Return the strains of smooth fields v in the cells, multiplied by the weights of the quadrature points.
-
-    The fields are scaled to ‖v‖_V = 1.
-    """
-    scaled = []
-    squares = np.zeros(len(fields))
-    for rule in rules(setup.solution, setup.space.mesh, DEGREE):
-        exact = setup.solution.at(rule.points)
-        strains = np.array([strain(v, rule.points) for v in fields])
-        squares += [np.sum(exact.law.A(e) * e * rule.weights) for e in strains]
-        scaled.append((rule.cells, exact, strains * rule.weights))
-    return [(cells, exact, strains / np.sqrt(squares)[:, None, None, None]) for cells, exact, strains in scaled]
 
 
 def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
@@ -373,8 +350,8 @@ def planes(body: Body, kind: Kind) -> list[Part]:
     """Return one boundary part of the given kind for each line (in 3D: plane) that contains such parts."""
     distinct: list[Part] = []
     for part in body.of(kind):
-        parallel = [other for other in distinct if np.allclose(part.normal, other.normal)]
-        if not any(np.allclose(part.normal @ (part.start - other.start), 0) for other in parallel):
+        lines = [np.append(other.normal, other.normal @ other.start) for other in (*distinct, part)]
+        if not any(np.allclose(line, lines[-1]) for line in lines[:-1]):
             distinct.append(part)
     return distinct
 

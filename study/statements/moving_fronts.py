@@ -39,7 +39,7 @@ from study.statements.shared.base import (
     with_h,
 )
 from study.statements.shared.meshes import posed, split_random
-from study.statements.shared.norms import Energies, contact_load, dual_norm, maximum, midpoints, time_nodes
+from study.statements.shared.norms import Energies, contact_load, dual_norm, maximum, midpoints, norms, time_nodes
 from study.statements.time_steps import PROVED_BELOW_1
 from study.statements.work_of_contact import SEEDS
 
@@ -96,11 +96,6 @@ def half_quotient(problem: SemiDiscrete, states: Array) -> float:
         shifted = [np.sum(np.diagonal(jumps, shift)[: steps - count] ** 2) for shift in range(count + 1)]
         quotients.append(np.trapezoid(shifted) / count**2)
     return maximum(quotients) / constant
-
-
-def norms(problem: SemiDiscrete, v: Array) -> Array:
-    """Return the norms ‖v_n‖_V of n displacements (n, dofs)."""
-    return np.sqrt(abs(np.sum(v.T * (problem.M @ v.T), axis=0)))
 
 
 def euler_quotient(flow: GradientFlow, kappa: float, states: Array) -> float:

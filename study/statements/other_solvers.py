@@ -272,7 +272,8 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
         own_load, same_load: the trajectories of the second solver with its own load and with the load of the study.
     """
     states = list(setup.march(2 * setup.steps))
-    u, multipliers = (np.array([getattr(state, name) for state in states]) for name in ("u", "multipliers"))
+    u = np.array([state.u for state in states])
+    multipliers = np.array([state.multipliers for state in states])
     sizes = [plain.norm(v) for v in own_load[0]]
     size_of_forces = np.linalg.norm(own_load[1])
     # Both loads start from the same initial value.

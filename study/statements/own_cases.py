@@ -206,12 +206,9 @@ def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
     """
     extended = list(levels)
     while len(extended) < needed:
-        last = extended[-1]
-        before = extended[-2] if len(extended) > 1 else 0
-        if last < 2 * before:
-            extended.append(2 * last - before)
-        else:
-            extended.append(2 * last if dim == 2 else last + max(1, last // 2))
+        before, last = [0, *extended][-2:]
+        doubling = last if dim == 2 else max(1, last // 2)
+        extended.append(last + (last - before if last < 2 * before else doubling))
     return extended
 
 

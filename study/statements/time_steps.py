@@ -26,7 +26,7 @@ from study.solve.gradient_flow import EulerBounds, GradientFlow, backward_euler
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES
 from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, fitted_order, grid, with_h
-from study.statements.shared.norms import maximum, minimum, norm, time_nodes
+from study.statements.shared.norms import maximum, minimum, time_nodes
 
 HALVING_COUNTS = (4, 8, 16, 32, 64, 128, 256)
 """Numbers of time steps: six halvings of k, from k ≫ h to k ≪ h."""
@@ -440,18 +440,16 @@ class FullyDiscrete(ListedNumbers):
 
     def measure(self, setting: Setting) -> Numbers:
         setup = Experiment.at(setting, MIDPOINT, MANY_STEPS)
-        v_norm = setup.v_norm
         common = min(FEW_STEPS)
         problem = setup.problem
         reference = path(problem, MIDPOINT, MANY_STEPS)[:: MANY_STEPS // common]
-        samples = list(v_norm.samples(time_nodes(problem.T, common)))
+        times = time_nodes(problem.T, common)
         measured: Numbers = {}
         for scheme in SCHEMES:
             for count in FEW_STEPS:
                 states = path(problem, scheme, count)[:: count // common]
-                pairs = list(zip(reference - states, samples, states, strict=True))
-                measured[f"{scheme.name} {count} e"] = maximum(v_norm.distance(sample, u) for _, sample, u in pairs)
-                measured[f"{scheme.name} {count} d"] = maximum(norm(problem, v) for v, _, _ in pairs)
+                measured[f"{scheme.name} {count} e"] = setup.v_norm.largest(times, states)
+                measured[f"{scheme.name} {count} d"] = furthest(problem, reference, states)
         return with_h(setup.space.h, measured)
 
 

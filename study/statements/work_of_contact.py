@@ -41,7 +41,7 @@ from study.solve.steps import rate_steps, step_size
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import SEED, Judged, ListedNumbers, Numbers, Setting, fitted_order, grid, with_h
 from study.statements.shared.meshes import posed, space_of, split_irregular
-from study.statements.shared.norms import contact_load, midpoints, time_nodes
+from study.statements.shared.norms import contact_load, midpoints, time_nodes, trace_errors
 from study.statements.shared.scope import Scope
 
 EQUAL_BRANCHES = 2 / (2 + math.pi**2)
@@ -685,9 +685,7 @@ def interpolation_error(solution: ExactSolution, space: Space, time: float) -> f
     """
     (face,) = solution.faces
     rule = facet_rule(space.mesh, space.facets(face.part), face.part, (), FACET_POINTS)
-    ends = face.part.coordinates(space.mesh.p[:, space.mesh.facets[:, rule.facets]])[0][0]
-    nodal = face.gap_jet(ends[None], time)[(0,)]
-    return float(abs(np.einsum("an,anq->nq", nodal, rule.shapes) - face.gap_jet(rule.s, time)[(0,)]).max())
+    return float(abs(trace_errors(solution, space, face, rule, np.array([time]))).max())
 
 
 # Criteria. Windows below and above 1 differ, because a logarithm can only lower an order.

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import eigsh
 from skfem import Basis, Mesh
 from skfem.models.poisson import mass as scalar_mass
 
-from manufactured.exact import ExactSolution
+from manufactured.exact import ExactSolution, Face
 from manufactured.exact.solution import FaceFields
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array, Tensors, size
@@ -54,6 +54,11 @@ def norm(problem: SemiDiscrete, v: Array) -> float:
     return math.sqrt(max(v @ (problem.M @ v), 0.0))
 
 
+def norms(problem: SemiDiscrete, v: Array) -> Array:
+    """Return the norms ‖v_n‖_V of several P1 displacements, (n, dofs) → (n,)."""
+    return np.sqrt(abs(np.sum(v.T * (problem.M @ v.T), axis=0)))
+
+
 def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
     """Return the dual norm (FᵀM⁻¹F)^{1/2} of the linear functional v ↦ F·v on the P1 space V^h.
 
@@ -75,16 +80,20 @@ class Energies:
         space: the P1 displacement space V^h.
         along: lines along which quadrature points are moved, as for ``ErrorNorm``; by default as there, and none for
             an empty tuple.
+        raised: a number added to the degree of the quadrature rules.
 
     Attributes:
         exact: the exact solution at the quadrature points; its strains have the shape (D, points).
+        cells: the cell of each quadrature point, (points,).
     """
 
-    def __init__(self, solution: ExactSolution, space: Space, along: Sequence[Line] | None = None) -> None:
-        blocks = rules(solution, space.mesh, DEGREE, shared_lines(solution) if along is None else along)
+    def __init__(
+        self, solution: ExactSolution, space: Space, along: Sequence[Line] | None = None, raised: int = 0
+    ) -> None:
+        blocks = rules(solution, space.mesh, DEGREE + raised, shared_lines(solution) if along is None else along)
         self.space = space
         self.weights = np.concatenate([rule.weights.ravel() for rule in blocks])
-        self._cells = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in blocks])
+        self.cells = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in blocks])
         self.exact = solution.at(np.hstack([rule.points.reshape(space.dim, -1) for rule in blocks]))
         self._nodes = solution.at(space.mesh.p)
 
@@ -95,12 +104,16 @@ class Energies:
     def functional(self, stress: Tensors) -> Array:
         """Return the linear functional v ↦ (σ, ε(v))_Q of a stress on the P1 space V^h, (dofs,)."""
         count = len(self.space.volumes)
-        sums = [np.bincount(self._cells, self.weights * component, count) for component in stress]
+        sums = [np.bincount(self.cells, self.weights * component, count) for component in stress]
         return self.space.tested(np.array(sums))
 
     def norm(self, strain: Tensors) -> float:
         """Return the norm (A ε, ε)_Q^{1/2} of V for a strain at the quadrature points, (D, points)."""
         return math.sqrt(self.work(self.exact.law.A(strain), strain))
+
+    def distance(self, strain: Tensors, v: Array) -> float:
+        """Return the norm of ε − ε(v) for a strain ε at the quadrature points and a P1 displacement v, (dofs,)."""
+        return self.norm(strain - self.space.strain(v)[:, self.cells])
 
     def velocity_norm(self, times: Array) -> Array:
         """Return the norm ‖u̇(t)‖_V of the exact velocity at n times, (n,)."""
@@ -111,8 +124,7 @@ class Energies:
         errors = []
         for time in times.tolist():
             interpolant = self.space.interpolate(self._nodes.velocity(time))
-            strain = self.space.strain(interpolant)[:, self._cells]
-            errors.append(self.norm(self.exact.strain_rate(time) - strain))
+            errors.append(self.distance(self.exact.strain_rate(time), interpolant))
         return np.array(errors)
 
 
@@ -145,6 +157,14 @@ def contact_load(
         return space.interpolate(nodal)
 
     return load
+
+
+def trace_errors(solution: ExactSolution, space: Space, face: Face, rule: FacetRule, times: Array) -> Array:
+    """Return Π^h u_ν − u_ν at the n × q points of a rule on a contact face and several times, (n, q, times)."""
+    nodes = solution.at(space.mesh.p[:, space.mesh.facets[:, rule.facets]])
+    nodal = np.tensordot(face.part.normal, nodes.displacement(times), axes=1)
+    # The gap is −u_ν.
+    return solution.on(face, rule.s).gap(times) + np.einsum("ant,anq->nqt", nodal, rule.shapes)
 
 
 def hat_functions(mesh: Mesh, rule: FacetRule) -> sps.csr_array:

@@ -36,6 +36,7 @@ from study.solve.evolution import SemiDiscrete, State
 from study.solve.signorini import ContactSolver
 from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT
+from study.statements.shared.norms import hat_functions, time_nodes
 
 FROZEN_TIMES = 0.15, 0.55, 0.9
 """Default times of frozen problems, as fractions of the final time T.
@@ -131,27 +132,29 @@ class Task:
         """Return the largest error ‖u(t_n) − u_n‖_V of the midpoint rule over the time nodes after t = 0."""
         problem, states = self.march(steps)
         next(states)
-        times = problem.T * np.arange(1, steps + 1) / steps
-        return self.v_norm.largest(times, (state.u for state in states))
+        return self.v_norm.largest(time_nodes(problem.T, steps)[1:], (state.u for state in states))
 
     def resultants(self, time: float) -> Array:
         """Return the exact total contact force on each contact face, (faces,).
 
         It is Σ_i ∫ p φ_i with the exact pressure p and the hat functions φ_i of the vertices that are not clamped.
         """
-        found = []
+        totals = []
         for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
             points = FACET_POINTS if self.space.dim == 2 else SOLID_FACET_POINTS
             rule = facet_rule(self.space.mesh, self.space.facets(part), part, face.rough, points)
-            forces = (rule.shapes * rule.weights * self.solution.on(face, rule.s).pressure(time)).sum(axis=-1)
-            found.append(forces[np.isin(self.space.mesh.facets[:, rule.facets], vertices)].sum())
-        return np.array(found)
+            forces = rule.weights * self.solution.on(face, rule.s).pressure(time)
+            moments = hat_functions(self.space.mesh, rule).T @ forces.ravel()
+            totals.append(moments[vertices].sum())
+        return np.array(totals)
 
     def pressures(self, time: float) -> list[Array]:
         """Return for each contact face the exact pressure at its vertices that are not clamped, (vertices,)."""
-        pairs = zip(self.solution.faces, self.space.contact, strict=True)
-        places = [(face, part.coordinates(self.space.mesh.p[:, vertices])[0]) for face, (part, vertices) in pairs]
-        return [self.solution.on(face, s).pressure(time) for face, s in places]
+        pressures = []
+        for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
+            s = part.coordinates(self.space.mesh.p[:, vertices])[0]
+            pressures.append(self.solution.on(face, s).pressure(time))
+        return pressures
 
     def tractions(self, kind: Kind, time: float) -> list[Array]:
         """Return exact tractions at the facet corners of all boundary parts of a kind.
