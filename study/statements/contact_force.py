@@ -227,21 +227,21 @@ OF_CHANCE = replace(
     ),
 )
 DUAL = "order of sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over V^h"
-DUAL_ORDERS = {
-    True: fitted_order(
+DUAL_ORDERS = (
+    fitted_order(
         "order-dual-superclose",
         f"{DUAL}, superclose",
         "dual",
         between(1.5, 2, 0.2, 0.2, "the order of ‖Π^h u − u^h‖_V on one-diagonal meshes"),
     ),
-    False: fitted_order(
+    fitted_order(
         "order-dual-other",
         f"{DUAL}, other families",
         "dual",
         between(1, 2, 0.15, 0.2, "the order of ‖Π^h u − u^h‖_V on other meshes"),
     ),
-}
-"""The criteria for the order of the dual norm, on one-diagonal meshes (True) and on all others (False)."""
+)
+"""The checks of the order of the dual norm, on one-diagonal meshes and on all others."""
 RESULTANT = at_least(1, "the order of the dual norm; 2 if the contact zone is known")
 """Window of the order of the contact resultant.
 
@@ -323,9 +323,12 @@ class ContactForce(Statement):
             norms.append((OF_CHANCE, irregular))
         elif irregular:
             yield OF_CHANCE, irregular
-        for superclose, check in DUAL_ORDERS.items():
-            if tables := split_superclose(groups)[superclose]:
-                norms.append((replace(check, if_missed="" if superclose or not clamped else CORNER_CELLS), tables))
+        superclose_order, other_order = DUAL_ORDERS
+        superclose, other = split_superclose(groups)
+        if superclose:
+            norms.append((superclose_order, superclose))
+        if other:
+            norms.append((replace(other_order, if_missed=CORNER_CELLS if clamped else ""), other))
         for check, tables in norms:
             if case == LANDS:
                 jump = around(0.5, 0.2, "k^{1/2}") if check.key.startswith("order") else Window()

@@ -65,7 +65,16 @@ from study.statements.shared.meshes import (
     space_of,
     split_random,
 )
-from study.statements.shared.norms import Energies, dual_norm, midpoints, time_nodes, trace_errors, unloaded
+from study.statements.shared.norms import (
+    Energies,
+    displacement,
+    dual_norm,
+    midpoints,
+    norm,
+    time_nodes,
+    trace_error,
+    unloaded,
+)
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 
@@ -134,12 +143,11 @@ class NodalStart(ListedNumbers):
     full = grid(("full-contact",), ("one-diagonal", "alternating"), (8, 16, 32, 64, 128))
 
     def measure(self, setting: Setting) -> Numbers:
-        space = space_of(setting)
-        A = resolve(setting.case).solution.law.A
+        space, solution = posed(setting)
+        A = solution.law.A
         # The grid has 2^i cells along a side. Spikes with j > i vanish at its vertices and do not change Π^h u_0.
         start = space.interpolate(np.multiply.outer(DIRECTION, spikes(space.mesh.p, setting.level.bit_length() - 1)))
-        energy = start @ (unloaded(space, resolve(setting.case).solution.law).M @ start)
-        size = math.sqrt(energy)
+        size = norm(unloaded(space, solution.law), start)
         bound = norm_of_start(A)
         hats = 2 * mean_energy(A) * (setting.level - 4)
         least = math.sqrt(5 * A.ellipticity * setting.level / 16)
@@ -357,19 +365,12 @@ def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
 
     Functions with a linear trace are left out.
     """
-    mesh = space.mesh
-    facets = space.facets(face.part)
-    rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS + RAISED_FOR_KINKS)
-    points, vertices = (solution.at(x) for x in (face.part.point(rule.s), mesh.p[:, mesh.facets[:, facets]]))
-    field = smooth(space.body)
-    fields = {
-        v: [at.displacement(fraction * solution.body.T) for at in (points, vertices)]
-        for v, fraction in FUNCTIONS.items()
-    }
+    count = FACET_POINTS + RAISED_FOR_KINKS
+    rule = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, count)
+    fields = {v: displacement(solution, fraction * solution.body.T) for v, fraction in FUNCTIONS.items()}
     errors = {}
-    for name, (inside, nodal) in {**fields, SMOOTH_FIELD: [field(points.x), field(vertices.x)]}.items():
-        trace, corners = (np.tensordot(face.part.normal, v, axes=1) for v in (inside, nodal))
-        difference = trace - np.einsum("an,anq->nq", corners, rule.shapes)
+    for name, field in {**fields, SMOOTH_FIELD: smooth(space.body)}.items():
+        difference, trace = trace_error(field, space, face.part, rule)
         error, size = (math.sqrt(np.sum(values**2 * rule.weights)) for values in (difference, trace))
         if error > NO_ERROR * size:
             errors[name] = error
@@ -639,7 +640,7 @@ def sides(setup: Experiment) -> Numbers:
         facets = setup.space.facets(face.part)
         rule = facet_rule(setup.space.mesh, facets, face.part, face.rough, FACET_POINTS)
         exact = setup.solution.on(face, rule.s)
-        eta = trace_errors(setup.solution, setup.space, face, rule, times)
+        eta, _ = trace_error(displacement(setup.solution, times), setup.space, face.part, rule)
         pressure = exact.pressure(times)
         pressure = np.where(abs(pressure) > STRESS_ROUND_OFF * exact.stress_scale(), pressure, 0.0)
         integrals += [np.tensordot(rule.weights, values, axes=2) for values in (pressure * eta, eta**2, pressure**2)]

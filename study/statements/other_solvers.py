@@ -21,7 +21,7 @@ from manufactured.tensors import Array, Tensors, mandel
 from study.fem.error_norm import rules
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
-from study.ledger.check import Check, accuracy
+from study.ledger.check import accuracy
 from study.ledger.codes import FROZEN, MADE, MARCH, NOT_EXPRESSED, OtherErrors
 from study.ledger.datafiles import CsvFile
 from study.ledger.quantities import quotients, values
@@ -290,22 +290,7 @@ def quotient(difference: Any, size: Any) -> float:
     return float(difference / size if size else difference > 0)
 
 
-def ratio(column: str, norm: str, window: Window) -> Check:
-    """Return the criterion for the quotient (error in ``rates.csv``) / (recomputed error), on every level.
-
-    Args:
-        column: the column with the error, which is also the key of the check.
-        norm: the formula of the error.
-        window: the tolerance window.
-    """
-    reported = f"{column}{OF_FILE}"
-
-    quantity = f"{norm} in rates.csv / computed again"
-    shares = quotients(reported, column)
-    return accuracy(column.replace("_", "-"), quantity, shares, window)
-
-
-SAME = around(1, 0.005, "quadrature")
+IN_BOTH = "in rates.csv / computed again"
 FORCES = "|λ − λ̃| / |λ̃| over all steps"
 DISPLACEMENTS = "max_n ‖u^h_n − ũ^h_n‖_V / max_n ‖ũ^h_n‖_V"
 BOTH_SAME_LOAD = "both with the same load"
@@ -368,9 +353,21 @@ class Recomputed(Statement):
     joined_file = RATES
     per_step = 120.0, 600.0
     checks = (
-        ratio("error", "‖u − u^h‖_V", SAME),
-        ratio("interpolation_error", "‖u − Π^h u‖_V", SAME),
-        ratio("discrete_error", "‖Π^h u − u^h‖_V", around(1, 0.01, "quadrature, also of the load")),
+        accuracy(
+            "error", f"‖u − u^h‖_V {IN_BOTH}", quotients(f"error{OF_FILE}", "error"), around(1, 0.005, "quadrature")
+        ),
+        accuracy(
+            "interpolation-error",
+            f"‖u − Π^h u‖_V {IN_BOTH}",
+            quotients(f"interpolation_error{OF_FILE}", "interpolation_error"),
+            around(1, 0.005, "quadrature"),
+        ),
+        accuracy(
+            "discrete-error",
+            f"‖Π^h u − u^h‖_V {IN_BOTH}",
+            quotients(f"discrete_error{OF_FILE}", "discrete_error"),
+            around(1, 0.01, "quadrature, also of the load"),
+        ),
         *TRAJECTORIES,
     )
 

@@ -102,8 +102,7 @@ def unclaimed(verdict: Verdict) -> Verdict:
     On one-diagonal meshes the order of the contact force is higher by one half. The paper does not claim this half, and
     it appears only on fine meshes if contact fronts are a few cells apart.
     """
-    superclose = DUAL_ORDERS[True]
-    other = DUAL_ORDERS[False]
+    superclose, other = DUAL_ORDERS
     missed = (verdict.label, verdict.key, verdict.verdict) == (ContactForce.label, superclose.key, FAILS)
     if not (missed and other.window.contains(verdict.observed)):
         return verdict

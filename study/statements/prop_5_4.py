@@ -358,23 +358,23 @@ LEADING_ORDER = accuracy(
 
 This is necessary, because the leading term replaces h on these meshes."""
 DISCRETE_ORDER = "order of ‖Π^h u − u^h‖_V"
-DISCRETE_ORDERS = {
-    True: fitted_order(
+DISCRETE_ORDERS = (
+    fitted_order(
         "discrete-order-superclose",
         f"{DISCRETE_ORDER}, superclose",
         "discrete_error",
         between(1.5, 2, 0.2, 0.2, "u^h is superclose to Π^h u on one-diagonal meshes"),
         last=ENOUGH,
     ),
-    False: fitted_order(
+    fitted_order(
         "discrete-order-others",
         f"{DISCRETE_ORDER}, other families",
         "discrete_error",
         between(1, 2, 0.15, 0.2, "other meshes"),
         last=ENOUGH,
     ),
-}
-"""Criteria for the order of the discrete error on one-diagonal meshes (True) and on others (False).
+)
+"""The checks of the order of the discrete error on one-diagonal meshes and on all others.
 
 On one-diagonal meshes neighbouring triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (because
 of the traction boundary) to 2. On other meshes its order is at least the order of the error and at most 2."""
@@ -454,9 +454,9 @@ class FirstOrder(Rates):
             in_h,
         )
         yield SIZE_CHECK, in_h
-        for superclose, criterion in DISCRETE_ORDERS.items():
-            if tables := split_superclose(groups)[superclose]:
-                yield criterion, tables
+        for check, tables in zip(DISCRETE_ORDERS, split_superclose(groups), strict=True):
+            if tables:
+                yield check, tables
         for rule in (*DISCRETE_SIZES, start_share(groups), *EVIDENCE):
             yield rule, groups
         for criterion in SOLIDS if value_of_case(groups, "dim") == 3 else ():

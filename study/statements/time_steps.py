@@ -165,8 +165,9 @@ class BackwardEuler(ListedNumbers):
             nodes = exact[:: REFERENCE_COUNT // count]
             states = path(problem, BACKWARD_EULER, count)
             middle = path(problem, MIDPOINT, count)
-            lines = [interpolated(values, REFERENCE_COUNT) for values in (states, nodes, middle)]
-            error, of_interpolation, of_midpoint = (furthest(problem, exact, line) for line in lines)
+            error, of_interpolation, of_midpoint = (
+                furthest(problem, exact, interpolated(values, REFERENCE_COUNT)) for values in (states, nodes, middle)
+            )
             of_constant = maximum(furthest(problem, exact, side) for side in last(states, REFERENCE_COUNT))
             bound_of_midpoint = furthest(problem, nodes, middle) + k / 2 * flow.fastest
             measured = {

@@ -41,7 +41,7 @@ from study.solve.steps import rate_steps, step_size
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import SEED, Judged, ListedNumbers, Numbers, Setting, fitted_order, grid, with_h
 from study.statements.shared.meshes import posed, space_of, split_irregular
-from study.statements.shared.norms import contact_load, midpoints, time_nodes, trace_errors
+from study.statements.shared.norms import contact_load, displacement, midpoints, time_nodes, trace_error
 from study.statements.shared.scope import Scope
 
 EQUAL_BRANCHES = 2 / (2 + math.pi**2)
@@ -685,7 +685,8 @@ def interpolation_error(solution: ExactSolution, space: Space, time: float) -> f
     """
     (face,) = solution.faces
     rule = facet_rule(space.mesh, space.facets(face.part), face.part, (), FACET_POINTS)
-    return float(abs(trace_errors(solution, space, face, rule, np.array([time]))).max())
+    error, _ = trace_error(displacement(solution, time), space, face.part, rule)
+    return float(abs(error).max())
 
 
 # Criteria. Windows below and above 1 differ, because a logarithm can only lower an order.

@@ -13,10 +13,11 @@ from scipy.sparse.linalg import eigsh
 from skfem import Basis, Mesh
 from skfem.models.poisson import mass as scalar_mass
 
-from manufactured.exact import ExactSolution, Face
+from manufactured.body import Part
+from manufactured.exact import ExactSolution
 from manufactured.exact.solution import FaceFields
 from manufactured.law import KelvinVoigt
-from manufactured.tensors import Array, Tensors, size
+from manufactured.tensors import Array, Points, Tensors, Vectors, size
 from study.fem.error_norm import DEGREE, FACET_POINTS, rules, shared_lines
 from study.fem.quadrature import FacetRule, Line, facet_rule
 from study.fem.space import Space
@@ -159,12 +160,23 @@ def contact_load(
     return load
 
 
-def trace_errors(solution: ExactSolution, space: Space, face: Face, rule: FacetRule, times: Array) -> Array:
-    """Return Π^h u_ν − u_ν at the n × q points of a rule on a contact face and several times, (n, q, times)."""
-    nodes = solution.at(space.mesh.p[:, space.mesh.facets[:, rule.facets]])
-    nodal = np.tensordot(face.part.normal, nodes.displacement(times), axes=1)
-    # The gap is −u_ν.
-    return solution.on(face, rule.s).gap(times) + np.einsum("ant,anq->nqt", nodal, rule.shapes)
+def displacement(solution: ExactSolution, times: Array | float) -> Callable[[Points], Vectors]:
+    """Return the exact displacement as a function of points, (d, ...) → (d, ..., n) at n times, (d, ...) at one."""
+    return lambda x: solution.at(x).displacement(times)
+
+
+def trace_error(field: Callable[[Points], Vectors], space: Space, part: Part, rule: FacetRule) -> tuple[Array, Array]:
+    """Return the interpolation error Π^h v_ν − v_ν and v_ν at the n × q points of a rule on facets, (n, q, ...) each.
+
+    Args:
+        field: the field v, a function of points, (d, points) → (d, points, ...).
+        space: the P1 displacement space V^h.
+        part: the boundary part with the normal ν.
+        rule: the quadrature rule on facets of this part.
+    """
+    vertices = space.mesh.p[:, space.mesh.facets[:, rule.facets]]
+    trace, corners = (np.tensordot(part.normal, field(x), axes=1) for x in (part.point(rule.s), vertices))
+    return np.einsum("an...,anq->nq...", corners, rule.shapes) - trace, trace
 
 
 def hat_functions(mesh: Mesh, rule: FacetRule) -> sps.csr_array:
