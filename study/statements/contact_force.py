@@ -15,10 +15,10 @@ a matrix of the problem, because p comes from the exact stress at points of the 
 **Predicted** orders are for norms in L²(0,T), with k ~ h. If the load is integrated exactly,
 ⟨p − p^h, v_ν⟩ = (σ^h − σ, ε(v))_Q for every v ∈ V^h.
 
-* **dual norm**, the supremum of the right side over v ∈ V^h with ‖v‖_V = 1: the same order as ‖Π^h u − u^h‖_V, that
-  is, 3/2 to 2 on one-diagonal meshes and 1 to 2 on others. The right side depends only on the part of
-  σ^h − σ = Aε(u̇^h − u̇) + Gε(u^h − u) that is not orthogonal to strains of V^h, and the same errors cancel. No higher
-  order is possible, because p^h is piecewise linear and a front cuts cells.
+* **dual norm**: 3/2 to 2 on one-diagonal meshes and 1 to 2 on others, as for ‖Π^h u − u^h‖_V. The dual norm is the
+  supremum of the right side over v ∈ V^h with ‖v‖_V = 1. Only the part of σ^h − σ = Aε(u̇^h − u̇) + Gε(u^h − u) that is
+  not orthogonal to strains of V^h contributes, so the same errors cancel as in Π^h u − u^h. No higher order is
+  possible, because p^h is piecewise linear and a front cuts cells.
 * **L²(Γ3)**: order 1 to 3/2. Take v with a given trace on Γ3 that vanishes at all vertices off Γ3. It is non-zero only
   in the cells along Γ3. These contain O(h^{3/2}) of ‖σ − σ^h‖_Q for ε(u) ∈ W^{1,∞}, and ‖v‖_V ≤ c h^{−1/2} ‖v_ν‖. This
   gives order 1 without cancellation. With cancellation, the inverse inequality gives half an order less than the order
@@ -30,15 +30,15 @@ a matrix of the problem, because p comes from the exact stress at points of the 
   upper end.
 
 On irregular meshes ‖p − p^h‖_{L²(Γ3)} is dominated by the few edges that happen to be long where p is strongly curved.
-In a pilot study on ten random meshes its logarithm had a standard deviation of 0.2 on every level, n = 8, 16, 32, and
-its order was 1.16 ± 0.18. It also depends on the corners at the ends of Γ3: for *corner* it is about twice as large on
-the unstructured meshes on which the corner belongs to one cell as on those on which it belongs to two. Therefore this
-order is only reported on irregular meshes. The order of the dual norm, which is a sum over cells, was 1.51 ± 0.09; it
-is judged. But where Γ3 meets Γ1 the corner changes the dual norm as well, by a factor of about four for
-*contact-at-clamp*. For such faces its order is judged on one-diagonal meshes only, on which all corners are alike.
+A pilot study had ten random meshes on each of the levels n = 8, 16, 32. The logarithm of this error had a standard
+deviation of 0.2 on every level, and its order was 1.16 ± 0.18. The error also depends on the corners at the ends of Γ3.
+For *corner* it doubles on unstructured meshes if the corner belongs to one cell instead of two. Therefore this order is
+only reported on irregular meshes. The order of the dual norm, which is a sum over cells, was 1.51 ± 0.09; it is judged.
+But where Γ3 meets Γ1 the corner changes the dual norm as well, by a factor of about four for *contact-at-clamp*. For
+such faces its order is judged on one-diagonal meshes only, on which all corners are alike.
 
-**Sign conditions** are judged as well: u^h_ν is linear between vertices and u^h ∈ K^h, so u^h_ν ≤ 0 at every point of
-straight faces up to round-off, and λ ≥ 0.
+**Sign conditions** are judged as well: u^h_ν ≤ 0 at every point of straight faces, and λ ≥ 0, up to round-off. The
+first one holds because u^h ∈ K^h and u^h_ν is linear between vertices.
 
 If the whole face comes into contact with a non-zero velocity, p jumps in time. In the step with the jump every scheme
 returns a mean of the values before and after the jump. So the error in L²(0,T) is of order 1/2 in k, times a factor
@@ -77,6 +77,9 @@ from study.statements.shared.norms import hat_functions
 from study.statements.shared.scope import Scope
 
 FORCE_ERRORS = "pressure", "dual", "resultant"
+"""Relative errors of the contact force over (0, T), as columns.
+
+They are the error of the pressure in L²(Γ3), in the dual norm, and of the total force on each face."""
 TIME_SHARES = tuple(f"{name}_time_share" for name in FORCE_ERRORS)
 CONTACT = CsvFile("contact.csv")
 FACET_GAUSS_POINTS, SOLID_FACET_GAUSS_POINTS = 20, 6
@@ -133,8 +136,7 @@ class Forces:
     def squares(self, times: Array, multipliers: Array) -> tuple[Array, Array]:
         """Return sums over time of the squared errors of the contact force and of the squared exact norms, (3,) each.
 
-        The three entries belong to the errors that ``FORCE_ERRORS`` names: the error of the pressure in L²(Γ3), the
-        error in the dual norm, and the error of the total force on each face.
+        The three entries belong to the errors that ``FORCE_ERRORS`` names.
 
         Args:
             times: the times, (n,).
@@ -166,10 +168,8 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
     """Solve by the midpoint rule, and return the errors of the contact force and violations of both sign conditions.
 
     Returns:
-        The three relative errors over (0, T) that ``FORCE_ERRORS`` names, (3,): of the pressure in L²(Γ3), in the
-        dual norm,
-        and of the total force on each face; then the largest relative penetration, and the largest relative tensile
-        force.
+        The three relative errors over (0, T) that ``FORCE_ERRORS`` names, (3,); the largest relative penetration; and
+        the largest relative tensile force.
     """
     k = setup.problem.T / steps
     multipliers = []

@@ -1,7 +1,7 @@
 """The error estimate of Problem 5.1 and its parts.
 
-The statements are (5.20), (5.21) and (5.42), bounds of the error; (5.23) and (5.24), interpolation errors; (5.27), a
-bound of the residual; and the remark after (5.35) on the nodal interpolant of the initial displacement.
+The formulas (5.20), (5.21) and (5.42) are bounds of the error. (5.23) and (5.24) are bounds of interpolation errors,
+(5.27) is a bound of the residual. The remark after (5.35) is about the nodal interpolant of the initial displacement.
 """
 
 import math
@@ -90,25 +90,25 @@ class NodalStart(ListedNumbers):
     The remark after (5.35) is false in the plane: for u_0 ∈ V ∩ C(Ω̄), Π^h u_0 need not converge to u_0 in V.
 
     The paper says that (5.25), ‖u_0 − u_0^h‖_V → 0, holds for the nodal interpolant u_0^h = Π^h u_0 if u_0 is
-    continuous. The following function is a counterexample on the unit square, for grids with n = 8, 16, 32, … cells
-    along a side (proof in paper/false_remark.tex): u_0 = v e_2 with
+    continuous. A counterexample on the unit square is u_0 = v e_2, on grids with n = 8, 16, 32, … cells along a side.
+    The proof is in paper/false_remark.tex. The function v is
 
         v = Σ_{j≥3} a_j Σ_{c ∈ A_j} λ_j(|x − c|),   a_j = 2^{−j/2},   A_j = {2^{−j}(p, q) : p, q odd} ∩ Ω,
 
     and the spikes λ_j(r) = min{1, log(R_j/r)/4^j} for r < R_j = 4^{−j}, λ_j(r) = 0 for larger r. The sum converges
     uniformly and in H¹, and u_0 = 0 on the boundary, so that u_0 ∈ K ∩ C(Ω̄). On the grid with n = 2^i every point of
-    A_j, j ≤ i, is a vertex, so the interpolant has the value a_j there, although the spike is much narrower than a
+    A_j with j ≤ i is a vertex. So the interpolant has the value a_j there, although the spike is much narrower than a
     cell. ‖u_0‖_V has a bound in closed form and Π^h u_0 is known exactly, so ‖Π^h u_0‖_V − ‖u_0‖_V is a lower bound of
     ‖u_0 − Π^h u_0‖_V without quadrature.
 
     Predicted before measuring, with the Lamé constants μ, λ of A:
 
-    * ‖Π^h u_0‖_V = ((3μ + λ)(n − 4))^{1/2} up to 5 %: the 4^{j−1} spikes of level j ≤ i interpolate to hat functions of
-      the energy 6μ + 2λ times a_j², which have disjoint supports for one j, and Σ_j 2^{−j} 4^{j−1} = (n − 4)/2. Hats of
+    * ‖Π^h u_0‖_V = ((3μ + λ)(n − 4))^{1/2} up to 5 %. The interpolants of the 4^{j−1} spikes of level j ≤ i are hat
+      functions with disjoint supports. Each has the energy (6μ + 2λ) a_j², and Σ_j 2^{−j} 4^{j−1} = (n − 4)/2. Hats of
       different levels do not share an edge of the grid; spikes wider than a cell change values by 1/64 of a_j at most.
     * ‖Π^h u_0‖_V is at least (5 m_A n/16)^{1/2}, which is proved; the predicted value is about twice as large.
-    * The lower bound of ‖u_0 − Π^h u_0‖_V grows from every level to the next, with orders in h between −1.5 and −1/2,
-      since the constant ‖u_0‖_V is subtracted from a multiple of (n − 4)^{1/2}.
+    * The lower bound of ‖u_0 − Π^h u_0‖_V grows from every level to the next. Its orders in h are between −1.5 and
+      −1/2, since the constant ‖u_0‖_V is subtracted from a multiple of (n − 4)^{1/2}.
     * On the finest grid it is at least three times ‖u_0‖_V, the error of the start u_0^h = 0.
     """
 
@@ -157,7 +157,7 @@ class NodalStart(ListedNumbers):
 
 
 def spikes(x: Points, last: int) -> Array:
-    """Return the function v of the module docstring, a sum of spikes, at the vertices of a grid.
+    """Return the function v of ``NodalStart``, a sum of spikes, at the vertices of a grid.
 
     Spikes of levels j > last are left out. They vanish at all vertices, because their radius is smaller than the
     distance of their centres from the vertices.
@@ -393,15 +393,16 @@ class ResidualBound(ListedNumbers):
     bound without G(·, 0), although (3.2) allows any G(·, 0) ∈ Q. **Measured and judged** are two cases:
 
     * *Exact solutions.* R(s; ·) is computed from its definition as a functional on V^h, with ‖R(s)‖² = RᵀM⁻¹R. Its
-      largest norm over the times is divided by the bound. Predicted quotients are 1/20 to 1/2: the four norms are not
-      attained together, and R is the work of the contact force, which is as large as the load where contact carries the
-      load. In ``advance-recede`` the quotient is only 0.009, because nearly all of the load bends the body away from
-      the foundation. So the window has no lower end. ``double-well`` has a G(·, 0) that is not zero.
+      largest norm over the times is divided by the bound. Predicted quotients are 1/20 to 1/2. The bound is not
+      attained, because the four norms are not attained together. R is the work of the contact force, which is as large
+      as the load where contact carries the load. In ``advance-recede`` the quotient is only 0.009, because nearly all
+      of the load bends the body away from the foundation. So the window has no lower end. ``double-well`` has a G(·, 0)
+      that is not zero.
     * *A body at rest with a stress.* G is replaced by G(x, ε) − G(x, 0) + A ε(z) with z = −M⁻¹Nᵀμ and random μ > 0.
-      There is no load and no initial displacement. Then u^h ≡ 0 solves Problem 5.1 if R(s; v) = (A ε(z), ε(v))_Q ≥ 0 on
-      K^h, that is, if −R lies in the cone {Nᵀλ : λ ≥ 0}. R is not zero, but the printed bound is zero for every c, so
-      it is wrong. With the term of G(·, 0) the bound holds: the quotient of ‖R‖ = ‖z‖_V and ‖A ε(z)‖_Q/√m_A is at most
-      1. It is at least √(m_A/‖A‖), because ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V.
+      There is no load and no initial displacement. Then R(s; v) = (A ε(z), ε(v))_Q, and u^h ≡ 0 solves Problem 5.1 if R
+      ≥ 0 on K^h. This means that −R lies in the cone {Nᵀλ : λ ≥ 0}. R is not zero, but the printed bound is zero for
+      every c, so it is wrong. With the term of G(·, 0) the bound holds: the quotient of ‖R‖ = ‖z‖_V and ‖A ε(z)‖_Q/√m_A
+      is at most 1. It is at least √(m_A/‖A‖), because ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V.
     """
 
     label = "(5.27)"
@@ -492,14 +493,14 @@ class ErrorBounds(ListedNumbers):
 
     (5.20)–(5.21) and (5.42): the error of the semi-discrete problem (Problem 5.1), compared with its bounds.
 
-    The bounds are taken for v^h = Π^h u and u_0^h = Π^h u_0. With the error e = u − u^h and the interpolation error η =
-    u − Π^h u, their right sides without constants are
+    The bounds are taken for v^h = Π^h u and u_0^h = Π^h u_0. The error is e = u − u^h, the interpolation error η = u −
+    Π^h u. The right sides without constants are
 
         (5.21):  ‖η_0‖_V + ‖η̇‖_{L²(0,T;V)} + ‖R(·; −η)‖_{L¹(0,T)}^{1/2} + ‖e_0‖_V,
         (5.42):  the same sum, but the third term is (‖σ_ν‖_{L^∞(0,T;L²(Γ3))} ‖η_ν‖_{L¹(0,T;L²(Γ3))})^{1/2}.
 
-    R(t; v) = ∫_{Γ3} σ_ν v_ν by (5.40), which ``residual`` compares with the definition of R. The paper includes ‖σ_ν‖
-    in the constant c. Here ‖σ_ν‖ is part of the bound, so the second bound is larger than the first by (5.41). Two
+    By (5.40) R(t; v) = ∫_{Γ3} σ_ν v_ν. The paper includes ‖σ_ν‖ in the constant c. Here ‖σ_ν‖ is part of the bound, so
+    the second bound is larger than the first by (5.41). Two
     numbers are measured for each bound: right side / error under refinement, and error / (c · right side) with a
     constant c that is proved as follows.
 
@@ -617,7 +618,7 @@ def predicted(case: Case) -> Numbers:
 
 
 def constant(law: KelvinVoigt, T: float) -> float:
-    """Return the constant c of the error estimate that the module docstring proves, for a law and the final time T."""
+    """Return the constant c of the error estimate that ``ErrorBounds`` proves, for a law and the final time T."""
     L = law.kappa
     omega = law.growth
     on_rate = math.sqrt(4 * T + 2 * L * T**2 + L**2 * T**3 / 3)

@@ -64,9 +64,10 @@ class LoadInTime(ListedNumbers):
       ``load-w11``, whose load behaves like (t − t_0)^{1/4}. If f jumped in time, the largest increment would not fall;
       bounded variation alone would permit such a jump. In ``lift-and-land`` u̇ and σ_ν jump, but the two jumps cancel
       in f.
-    * On finer meshes ‖f^h‖_{W^{1,1}} tends to the norm of f. The energy that the projection loses is of order h²: some
-      per cent where a contact patch is three cells wide (n = 8, not judged for moving fronts), and a quarter of that on
-      each finer mesh. From n = 16 on the norms agree within 5 %. If f were not in V, the norm would grow.
+    * On finer meshes ‖f^h‖_{W^{1,1}} tends to the norm of f. The energy that the projection loses is of order h². Where
+      a contact patch is three cells wide (n = 8), this is some per cent, and a quarter of that on each finer mesh.
+      Therefore n = 8 is not judged for moving fronts. From n = 16 on the norms agree within 5 %. If f were not in V,
+      the norm would grow.
 
     (3.8) does not hold for ``moving-rough``. There ε(u̇) ~ (s − c)^{1/4} near the front c, which moves. So u̇ has
     increments of the size k^{3/4} in V, whose sum is not bounded, and so has f, which contains u̇. The case was judged
@@ -211,20 +212,17 @@ class NaturalConditions(ListedNumbers):
     The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its tractions do not satisfy (4.13) exactly.
     The error of the tractions tends to 0 in two senses. Its orders are predicted for solutions with σ ∈ W^{1,∞}.
 
-    * In L²(Γ), ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error on Γ is at most
-      h^{−1/2} times the error in the cells along Γ, and these cells may contain the whole error. Order 1 is predicted,
-      because W^{1,∞} estimates for smooth solutions on quasi-uniform meshes say that the error is spread evenly. The
-      cells along Γ then contain an error of h^{3/2}. The order of ‖σ^hν − σν‖ cannot exceed 1, because σ^h is constant
-      on a cell. For σ^h_τ alone, which ‖σ^hν − σν‖ bounds, the first-order term depends on the arrangement of the
-      triangles along Γ3.
+    * In L²(Γ) order 1 is predicted. ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error
+      on Γ is at most h^{−1/2} times the error in the cells along Γ, which might contain the whole error. But W^{1,∞}
+      estimates for smooth solutions on quasi-uniform meshes say that the error is spread evenly. The cells along Γ then
+      contain an error of h^{3/2}. The order of ‖σ^hν − σν‖ cannot exceed 1, because σ^h is constant on a cell. For
+      σ^h_τ alone, which ‖σ^hν − σν‖ bounds, the first-order term depends on the arrangement of the triangles along Γ3.
     * Weakly, tested with smooth v that have v = 0 on Γ1 and v_ν = 0 on Γ3. Then (4.13) reads (σ, ε(v))_Q = (f, v)_V.
       The scheme satisfies this equation for the interpolant Π^h v, so
 
           (σ^h, ε(v))_Q − (f, v)_V = (σ^h − σ, ε(v − Π^h v))_Q = O(h) · O(h).
 
     This gives order 2, also if σ^h − σ contains an error of the time steps.
-
-    The second half of the file constructs the smooth fields v, which other statements use as well.
     """
 
     label = "(4.13)"

@@ -335,8 +335,8 @@ class Recomputed(Statement):
 
     **Predicted** are the following differences. ``ErrorNorm`` integrates by rules of degree 4 with points moved along
     the face, the second solver by rules of degree 10. By the triangle inequality, checks of ``rates.csv`` bound the
-    effect of quadrature by 2 %. Both rules cut the same cells, so their difference is much smaller: errors agree within
-    0.5 %, and the discrete errors, which are a few times smaller, within 1 %. Trajectories differ only because of the
+    effect of quadrature by 2 %. Both rules cut the same cells, so their difference is much smaller. Errors agree within
+    0.5 %. The discrete errors are a few times smaller and agree within 1 %. Trajectories differ only because of the
     load. Its relative quadrature error is smaller by a power of h than the error of the solution, so displacements
     agree within 2e-3. Nodal forces are differences of large terms and agree within 1 %. The initial value Π^h u_0 needs
     no quadrature.
@@ -374,8 +374,8 @@ class Recomputed(Statement):
     def settings(self, scope: Scope) -> list[RateSetting]:
         """Return the settings: every case on all its mesh families in the study, on the coarsest level.
 
-        On random meshes the cases of Proposition 5.3 and the cases with a narrow contact patch are left out: their
-        quadrature error depends on the random size of the cells at the singularity or below the patch.
+        On random meshes the cases of Proposition 5.3 and the cases with a narrow contact patch are left out. Their
+        quadrature error depends on the random size of a few cells, at the singularity or below the patch.
         """
         return [
             RateSetting(reference, family.name, level, scope.scheme, scope.steps(case, level))
@@ -466,10 +466,10 @@ class OtherCodes(ListedNumbers):
 
     **No copies.** A further check tests that no column of errors was copied from another code. Linear solvers of
     different codes round differently. A task contains the solution in K^h with 14 digits. The distance of a code from
-    it consists of the missing digits, which are the same for all codes, and of the round-off of the code, about a
-    thousandth of the distance. So two codes agree by chance in the nine reported digits on one mesh in a million;
-    copied columns agree on all meshes. (The errors cannot be used for this test: in double precision they agree on up
-    to three meshes of eight.)
+    it has two parts: the missing digits, which are the same for all codes, and the round-off of the code. The second
+    part is about a thousandth of the distance. So two codes agree by chance in the nine reported digits on one mesh in
+    a million; copied columns agree on all meshes. (The errors cannot be used for this test: in double precision they
+    agree on up to three meshes of eight.)
     """
 
     label = LABEL

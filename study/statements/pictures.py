@@ -66,9 +66,9 @@ def record(name: str, motion: Motion, every: int) -> Numbers:
 
         Each of ``faces`` has gap, pressure and their exact values at the contact vertices. In 2D these are written as
         numbers, ``zone_exact`` has the ends of the exact contact zone, and ``line`` has exact values at evenly spaced
-        points, compressed. In 3D all values are compressed, ``nodes`` are the indices of the contact vertices in
-        ``vertices``, and ``level_exact`` is the level function ψ at these vertices and at the midpoints between them;
-        the exact zone is {ψ ≥ 0}.
+        points, compressed. In 3D all values are compressed, and ``nodes`` are the indices of the contact vertices in
+        ``vertices``. ``level_exact`` is the level function ψ at these vertices and at the midpoints between them; the
+        exact zone is {ψ ≥ 0}.
     """
     solution = motion.solution
     space = motion.space

@@ -3,9 +3,9 @@
 The other statements that are judged from ``rates.csv`` stand here as well: (5.23), the size of the interpolation error;
 (5.36), the regularity that Proposition 5.4 assumes; and, beyond the paper, bodies with an initial gap.
 
-**Measured.** Problem 5.1 is solved for every exact solution that satisfies (5.36), on one or two mesh families, on
-finer and finer meshes; two cases are measured on every mesh family that can mesh their bodies. A row of ``rates.csv``
-is one mesh. It holds the maxima over time of the error ‖u − u^h‖_V, of the interpolation error ‖u − Π^h u‖_V and of the
+**Measured.** Problem 5.1 is solved for every exact solution that satisfies (5.36), on finer and finer meshes of one or
+two mesh families. Two cases are measured on every mesh family that can mesh their bodies. A row of ``rates.csv`` is one
+mesh. It holds the maxima over time of the error ‖u − u^h‖_V, of the interpolation error ‖u − Π^h u‖_V and of the
 discrete error ‖Π^h u − u^h‖_V. Diagnostics show that other errors are negligible: the error of time steps, the
 quadrature error, the residual of the contact solver, and u^h on Γ1.
 
@@ -26,9 +26,9 @@ error is judged by three relations; the first one shares no code with the comput
   interpolation error were reported as the error by mistake, the other relations would hold, because both errors are
   nearly equal.
 
-**Why ‖Π^h u − u^h‖_V is reported as well.** For piecewise linear functions the error is nearly all interpolation
-error, and its maximum may be at t = 0, before anything is solved. The discrete error shows the work of the solver;
-its order and its share of the interpolation error are judged separately.
+**Why ‖Π^h u − u^h‖_V is reported as well.** For piecewise linear functions nearly the whole error is interpolation
+error. Its maximum may be at t = 0, before anything is solved. The discrete error shows the work of the solver; its
+order and its share of the interpolation error are judged separately.
 """
 
 from __future__ import annotations
@@ -484,8 +484,8 @@ class Convergence(Rates):
     Proposition 5.3: ‖u − u^h‖_{L∞(0,T;V)} → 0 for every solution, without an assumption on its regularity.
 
     **The measurement** is the same as for Proposition 5.4 (``prop_5_4.measure``). The exact solutions violate the
-    regularity assumption (5.36) of that proposition: they have singular corners or fronts, interfaces that do not lie
-    on the mesh, or loads that are hardly continuous in time.
+    regularity assumption (5.36) of that proposition. They have singular corners or fronts, interfaces off the mesh, or
+    loads that are hardly continuous in time.
 
     **The judgement.** The paper claims no order. Errors must fall from level to level, and in a fit e = e∞ + C h^s the
     limit e∞ must be small. The observed order is compared with the order that the regularity predicts. It is computed
@@ -596,7 +596,7 @@ class InitialGap(Rates):
     Beyond the paper: an initial gap g(s) ≥ 0 between the undeformed body and the foundation.
 
     **The claim.** In the paper the undeformed body touches the foundation: K = {v : v_ν ≤ 0 on Γ3}. Here K = {v : v_ν ≤
-    g on Γ3} with a smooth g that does not depend on time, and Problem 5.1 is solved in K^h = {v ∈ V^h : v_ν ≤ g at the
+    g on Γ3} with a smooth g that does not depend on time. Problem 5.1 is solved in K^h = {v ∈ V^h : v_ν ≤ g at the
     vertices of Γ3}. The paper claims nothing about this problem. This study claims ‖u − u^h‖_{L∞(0,T;V)} = O(h) for
     solutions with the regularity (5.36), and convergence for others.
 

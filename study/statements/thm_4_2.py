@@ -1,16 +1,16 @@
 """Theorem 4.2: the displacement problem (3.1) and the stress problem (3.2) have the same solution.
 
 **On the strains of V^h** (``SameMesh``), Problem 3.1 is solved in displacements on K^h. Problem 3.2 is solved in
-stresses on Σ^h(t), dual to the strains of V^h, by an interior-point method, in which u_n is a multiplier that is not
-forced into K^h. Both share only the strain matrix, the load and the time steps of backward Euler. A row of
+stresses on Σ^h(t), dual to the strains of V^h, by an interior-point method. There u_n is a multiplier, and nothing
+forces it into K^h. Both share only the strain matrix, the load and the time steps of backward Euler. A row of
 ``equivalence.csv`` has the *gaps*, the largest differences between both solutions over time.
 
 **The tolerance.** The gaps have a bound that can be computed without the exact solution. At step j the interior-point
-method stops with a duality gap g_j. Then ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C = A/k + G are
-at most g_j, where σ* and ε* solve the step exactly for the same ε_{j−1} (``study.solve.interior_point``). Let
-ω = max(−m, 0)/m_A, which is 0 for monotone G. Then C ≥ (1 − kω) A/k, so a step is Lipschitz in ε_{j−1} with q = 1/(1 −
-kω) in the norm of A, which is the norm of V, and A ≤ q k C. With R_n = q R_{n−1} + g_n^{1/2}, which is Σ_{j≤n}
-g_j^{1/2} for monotone G,
+method stops with a duality gap g_j. Let σ* and ε* solve the step exactly for the same ε_{j−1}, and let C = A/k + G.
+Then ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C are at most g_j (``study.solve.interior_point``).
+Let ω = max(−m, 0)/m_A, which is 0 for monotone G. Then C ≥ (1 − kω) A/k, so A ≤ q k C with q = 1/(1 − kω). A step is
+Lipschitz in ε_{j−1} with the constant q in the norm of A, which is the norm of V. With R_n = q R_{n−1} + g_n^{1/2},
+which is Σ_{j≤n} g_j^{1/2} for monotone G,
 
     ‖u_n(3.2) − u_n(3.1)‖_V ≤ (q k)^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
 
@@ -31,11 +31,11 @@ stresses (``study.stresses.hybrid``), from f_0, f_2 and ε(u_0) alone. No displa
 **Predicted orders** are for norms in L²(0,T) with k ~ h, if u(t) ∈ H^{1+s} and u̇(t) ∈ H^{1+s'} with s' ≤ s
 (``manufactured.regularity``):
 
-* ‖σ − σ^h‖_Q, the error of the stress. σ^h and the interpolant of σ balance the same projected loads, so their distance
-  is an interpolation error, plus a contact term that is no larger. σ contains ε(u̇), so the order is r = min(2, s'). A
-  moving front gives σ kinks across a line. The few cells on it have order 3/2 with a small constant, all others order
-  2, and any order between is observed. Corners r^λ have order λ on uniform meshes, and min(2, eλ) on meshes graded with
-  the exponent e.
+* ‖σ − σ^h‖_Q, the error of the stress, has the order r = min(2, s'), because σ contains ε(u̇). σ^h and the interpolant
+  of σ balance the same projected loads. So their distance is an interpolation error, plus a contact term that is no
+  larger. A moving front gives σ kinks across a line. The few cells on it have order 3/2 with a small constant, all
+  others order 2, and any order between is observed. Corners r^λ have order λ on uniform meshes, and min(2, eλ) on
+  meshes graded with the exponent e.
 * Every cell is split at its centroid into three triangles, the *thirds* of the cell. The error of the best polynomials
   on the thirds has the same order as the error of the stress, so the ratio of both errors must not grow. The ratio is
   at least 1, because the best polynomials come from a larger space. This holds by construction, so the ratio is
@@ -574,8 +574,8 @@ JUDGED, PAIR = 3, 2
 IN_CELLS = ("stress", "strain", "primal_stress")
 """The quantities whose errors are sums over all cells.
 
-The other errors are sums over as many cells as there are along a line: the pressure error is a sum over the edges on
-Γ3, and multiplier errors are largest along a moving front."""
+The other errors come from cells along a line. The pressure error is a sum over the edges on Γ3, and multiplier errors
+are largest along a moving front."""
 CHANCE = 0.3
 """Additional tolerance on random meshes for orders of errors that come from cells along a line.
 

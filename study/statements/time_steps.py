@@ -1,7 +1,7 @@
 """Beyond the paper: errors of time schemes.
 
-The statements are the error O(h + k) of backward Euler, with and without a potential of the elasticity; orders of the
-fully discrete error in h and k; and the order 1 of all schemes at landings.
+Backward Euler has the error O(h + k), with and without a potential of the elasticity. Orders of the fully discrete
+error in h and k are measured. At landings all schemes have the order 1 only.
 """
 
 import math
@@ -81,10 +81,10 @@ class BackwardEuler(ListedNumbers):
       full contact, u^h hardly changes with the load.
 
     **Between the time nodes** the error of linear interpolation is compared with k/4 times the oscillation of u̇^h
-    within a step. Predicted quotients are 1/2 where u̇^h changes steadily (2/3 if only four values of u̇^h are known in
-    a step), 1 where u̇^h jumps in the middle of a step, and less where it jumps near an end of a step. So the largest
-    quotient over the steps is between 1/5 and 1. For the midpoint rule interpolation causes most of the error between
-    the nodes, because the rule is of higher order at the nodes where velocities are smooth.
+    within a step. The predicted quotient is 1/2 where u̇^h changes steadily; it is 2/3 if only four values of u̇^h are
+    known in a step. Where u̇^h jumps in the middle of a step it is 1, and less where u̇^h jumps near an end of a step.
+    So the largest quotient over the steps is between 1/5 and 1. For the midpoint rule interpolation causes most of the
+    error between the nodes, because the rule is of higher order at the nodes where velocities are smooth.
 
     **A load that jumps in time** has bounded variation, which is all that the theorem needs. The load of a case jumps
     at T/2 by half of its final value. No exact solution is needed. Bounds and orders are predicted as above.
@@ -245,13 +245,14 @@ class NoPotential(ListedNumbers):
     Predicted before measuring, for levels 4, 8, 16, up to 256 steps, and an elasticity with κ = 1.78, γ = 1, T = 1:
 
     * *Bounds.* Errors are below both bounds for every mesh and every step. Steps are equal or alternate between k and
-      k/3. For a smooth load the bounds overestimate: with the factors e^{γT}, (1/√2 + κT/2) and (2 + κT/2) the bound
-      from the data should be 10 to 100 times the error, and the bound from the solution 3 to 30 times.
+      k/3. For a smooth load the bounds overestimate. The bound from the data should be 10 to 100 times the error,
+      because of the factors e^{γT}, (1/√2 + κT/2) and (2 + κT/2). The bound from the solution should be 3 to 30 times
+      the error.
     * *The order in k is 1*, 1 ± 0.1 by least squares on every mesh, because u̇^h jumps when vertices come into contact.
       Moreover (1 − γk)^{−T/k} is larger than e^{γT} by the factor 1.16 for four steps, which raises the order over all
       halvings by a few hundredths.
-    * *The constant does not depend on the mesh*: the error with the shortest steps changes by less than ten per cent
-      from the coarsest to the finest mesh, because the constant depends only on u^h, which converges.
+    * *The constant does not depend on the mesh*, because it depends only on u^h, which converges. The error with the
+      shortest steps changes by less than ten per cent from the coarsest to the finest mesh.
     * *The constant κT/2 is the best possible*: consider u̇ + Bu = 0 in the plane, where B is κ times the rotation by a
       right angle. The solution rotates, and the solution of backward Euler becomes shorter. Its error is ‖u_0‖ (1 −
       e^{−κ²kT/2}) up to higher orders, and the initial velocity has the norm κ‖u_0‖. So for k → 0 the error over the
@@ -262,10 +263,10 @@ class NoPotential(ListedNumbers):
 
     * The bound from the solution is less than 2.2 times the error, much better than predicted.
     * The error with the shortest steps grows by 17 per cent from n = 4 to n = 16, since four cells do not resolve the
-      gap; from n = 6 to n = 12 it grows by 5 per cent. Levels start at 6 since then; the window was not changed.
+      gap. From n = 6 to n = 12 it grows by 5 per cent. Levels start at 6 since then; the window was not changed.
     * No check noticed that the skew part of G was left out of the solver: it changed u^h by 8 per cent only. The skew
       part was made larger and turned, which changes u^h by 18 per cent (κ = 2.03 since then). The check of the error
-      against the exact solution for k = T/(4n) was added; its window 1 ± 0.15 was set when errors for n ≤ 12 on shaken
+      against the exact solution for k = T/(4n) was added. Its window 1 ± 0.15 was set when errors for n ≤ 12 on shaken
       meshes were known.
     * 64 steps are enough for all checks.
     * Shaken meshes are no longer used, although all checks held on them: checks on random meshes must be repeated with
@@ -425,10 +426,10 @@ class FullyDiscrete(ListedNumbers):
     at the nodes t_n that belong to the time grids of all k, so that all maxima are over the same times. The predictions
     were made before the measurement. A wrong prediction contradicts no claim, because the paper claims nothing:
 
-    * d = C k^q h^s with s = 0, so that d does not depend on h: the operator B^h is bounded uniformly in h, (5.5), so
-      Problem 5.1 is not stiff;
-    * q = 1 for backward Euler, and q = 2 for BDF2 and the midpoint rule, but q = 3/2 where u̇^h jumps because vertices
-      come into contact or leave it. No theory proves 3/2; ``Landings`` shows that only order 1 may remain;
+    * d = C k^q h^s with s = 0, so that d does not depend on h. The reason is that the operator B^h is bounded uniformly
+      in h, (5.5), so Problem 5.1 is not stiff;
+    * q = 1 for backward Euler, and q = 2 for BDF2 and the midpoint rule. Where u̇^h jumps because vertices come into
+      contact or leave it, q = 3/2 is expected. No theory proves 3/2; ``Landings`` shows that only order 1 may remain;
     * e has the order 1 in h for the smallest k.
     """
 
@@ -521,7 +522,7 @@ class Landings(ListedNumbers):
     A vertex of Γ3 *lands* when it comes into contact. At a landing the velocity u̇^h jumps. There is no inertia, so the
     neighbours of the vertex react at once. If the landing unloads a neighbour that is in contact, this neighbour lifts
     off at the same time. Until the landing the exact solution has a force at the neighbour, and from then on a gap. A
-    time scheme imposes complementarity at the end of each step, so in the step of the landing its solution has either a
+    time scheme imposes complementarity at the end of each step. So in the step of the landing its solution has either a
     force or a gap at the neighbour, not both. This causes an error proportional to k, which does not decay.
 
     **A problem with two unknowns** shows the effect:
@@ -539,7 +540,7 @@ class Landings(ListedNumbers):
     **Linear finite elements.** A load moves along Γ3 in such a way that the pressure does not vanish at the front.
     Landings then cause an error C_1 k, and the times between landings cause an error C_2 k². C_2 hardly depends on the
     mesh. C_1 depends on the jumps of velocities at landings, which may be smaller on finer meshes. The order 1 shows
-    only for k below C_1/C_2. So an order that is fitted to a fixed range of k may tend to 2 on finer meshes: over all
+    only for k below C_1/C_2. So an order that is fitted to a fixed range of k may tend to 2 on finer meshes. Over all
     six halvings of k the midpoint rule has the order 1.1 for n = 8 and 1.4 for n = 16. (The first prediction was 1 to
     3/2, without a theory.) Therefore the order over the last three halvings is reported on every level. The expected
     order is 1 ± 0.4, which excludes 3/2 and 2; the range is wide, because the positions θ of the landings matter. It

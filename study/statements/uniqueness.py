@@ -71,8 +71,8 @@ class OneTrajectory(ListedNumbers):
     """Measures relative differences between solutions in time that different solvers compute.
 
     The difference is max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V. Every step of backward Euler minimises ½ vᵀSv − bᵀv over K^h
-    with S = M/k + G. Four ways to solve this problem are compared with the active set method of the study, which starts
-    from the last active set: the same method from random active sets, two methods that share no code with it, and a
+    with S = M/k + G. The active set method of the study starts from the last active set. Four other ways to solve the
+    problem are compared with it: the same method from random active sets, two methods that share no code with it, and a
     fixed-point iteration with all of G on the right-hand side. If G softens, S is positive definite for short steps
     only, and longer steps are refused.
     """

@@ -329,12 +329,12 @@ class SolutionDivergence(ListedNumbers):
 
         ‖u(t) − v(t)‖_V ≤ e^{ωt} (‖u_0 − v_0‖_V + ∫_0^t ‖f − g‖_V).
 
-    For a monotone G this holds even with ω = 0. Therefore the test uses two laws with G that is not monotone: the law
-    of a case that softens, with G scaled such that L_G/m_A = ω, and an *even* law, A τ = 2τ and G τ = −2ω τ. T and ω
-    vary over two decades. Predicted before measuring:
+    For a monotone G this holds even with ω = 0. Therefore the test uses two laws whose G is not monotone. One is the
+    law of a case that softens, with G scaled such that L_G/m_A = ω. The other is an *even* law, A τ = 2τ and G τ = −2ω
+    τ. T and ω vary over two decades. Predicted before measuring:
 
-    * *Even law.* B = −ωI. If u_0 − v_0 moves no vertex of Γ3 along ν, both solutions have the same contact forces, so u
-      − v = e^{ωt} (u_0 − v_0), wherever contact occurs. The bound is attained, so no smaller ω is possible.
+    * *Even law.* B = −ωI. Let u_0 − v_0 move no vertex of Γ3 along ν. Then both solutions have the same contact forces,
+      and u − v = e^{ωt} (u_0 − v_0), wherever contact occurs. The bound is attained, so no smaller ω is possible.
     * *Law of the case.* A load presses Γ3 so hard that no vertex leaves the foundation. The difference of two starts
       along an eigenvector of G'(S) against M in {v : Nv = 0} grows like e^{ct} as long as the material softens, where
       −c is the least eigenvalue. The rate c is computed without time steps. It satisfies c ≤ max(−m, 0)/m_A ≤ ω, where
@@ -344,9 +344,9 @@ class SolutionDivergence(ListedNumbers):
 
     *In time.* A step of the midpoint rule multiplies an eigenvector by (1 + z/2)/(1 − z/2), z = ck. So the measured
     rate is c (1 + z²/12 + …), too large by 3.3e-4 for z ≤ 1/16. A step of backward Euler is the resolvent of an
-    operator that is monotone except for gI, g = max(−m, 0)/m_A ≤ ω: it multiplies differences by at most 1/(1 − gk). So
-    the bound with these factors for e^{ωt}, which is smaller, holds for the steps without an error in time, and the
-    even law attains it.
+    operator that becomes monotone if gI is added, g = max(−m, 0)/m_A ≤ ω. It multiplies differences by at most 1/(1 −
+    gk). So the bound with these factors for e^{ωt}, which is smaller, holds for the steps without an error in time, and
+    the even law attains it.
     """
 
     label = "Thm 2.2, (4.4)"

@@ -68,9 +68,9 @@ class EdgeWork(ListedNumbers):
 
     Beyond the paper: a bound of the work of contact on every edge, so that Prop. 5.4 needs no trace in H²(Γ3).
 
-    On an edge E of length h let N = {u_ν ≠ 0} be the part with a gap and C = {u_ν = 0} the part in contact, and let R_E
-    = ∫_E σ_ν (Π^h u_ν − u_ν) be the work of contact on E. Since σ_ν = 0 almost everywhere on N, for all 0 < ϱ < 1
-    (proof in paper/trace.tex)
+    On an edge E of length h let N = {u_ν ≠ 0} be the part with a gap and C = {u_ν = 0} the part in contact. R_E = ∫_E
+    σ_ν (Π^h u_ν − u_ν) is the work of contact on E. Since σ_ν = 0 almost everywhere on N, for all 0 < ϱ < 1 (proof in
+    paper/trace.tex)
 
         |R_E| ≤ β h^{1+2ϱ} |σ_ν|_{ϱ,E} |u_ν'|_{ϱ,E},
         β = min{(2π)^{−1} (h/|N|)^{1/2}, 8^{−1/2} (h/|C|)^{1/2}} ≤ C_0 < 0.388.
@@ -81,8 +81,8 @@ class EdgeWork(ListedNumbers):
       nor C is empty;
     * the supremum of |∫_E λ Π w| divided by its bound over **all** λ that vanish on N and all piecewise quadratic w
       that vanish on C. The sets N and C belong to the same edges. Each edge is split into 64 equal panels, and each
-      panel belongs to N or to C. The functional depends on w only through its values at both ends, so it has rank two,
-      and the supremum is the root of the largest eigenvalue of a 2 × 2 matrix.
+      panel belongs to N or to C. The functional depends on w only through its values at both ends, so it has rank two.
+      The supremum is the root of the largest eigenvalue of a 2 × 2 matrix.
 
     **Predicted**: both quotients are at most 1, because the bound is proved. For exact solutions they are far below 1,
     because these are not extremal functions. The first expression in β is the smaller one if |N| > 2h/(2 + π²). Both
@@ -409,9 +409,6 @@ ON_ALL_MESHES = (
 class WorkOfContact(ListedNumbers):
     """Measures the square root of the work of contact, the error ‖u − u^h‖_V, and the excess ‖u^h − u^h_lin‖_V.
 
-    The displacement u^h_lin solves the linear problem in which the exact pressure is a given traction. So the excess is
-    the part of the error that is due to contact.
-
     Beyond the paper: the work of contact for solutions with contact patches of every size.
 
     The error estimate (5.21) has a contact term, which a linear problem does not have: ‖R(·; Π^h u −
@@ -636,7 +633,7 @@ class Trajectories:
 
 
 def sides(solutions: Trajectories) -> Numbers:
-    """Return the error, its bound, and the terms E_h, M_h, J_h of the bound, which the module docstring defines."""
+    """Return the error, its bound, and the terms E_h, M_h, J_h of the bound, which ``Rollers`` defines."""
     on = solutions.on
     at = solutions.on.at
     space = solutions.on.at.space
@@ -794,8 +791,8 @@ class Rollers(ListedNumbers):
     0.9, 1.4 and 1.8. Both quantities are maxima, whose places change from level to level:
 
     * M_h occurs at the end s = 0 of Γ3, near which the roller starts, and falls like h² from the second level on. Near
-      the patch and far from the ends of Γ3, nodal errors over h are 0.076, 0.076, 0.074 and 0.073, because for ℓ = 2h
-      the solution near the patch looks the same on every level.
+      the patch and far from the ends of Γ3, nodal errors over h are 0.076, 0.076, 0.074 and 0.073. The reason is that
+      for ℓ = 2h the solution near the patch looks the same on every level.
     * The largest excess occurs at the start, at t ~ h, for n = 16, 32 and 64, but at T, behind the roller, for n = 128.
       At T the excess over h is 0.104, 0.093, 0.109 and 0.136. From the second level on this rises faster than |log
       h|^{1/2}.
