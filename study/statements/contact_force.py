@@ -184,26 +184,6 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
     return np.sqrt(squares / sizes), float(inside / moved), float(pulled / pressed)
 
 
-def measure_contact(setup: Experiment) -> Numbers:
-    """Return the measured columns of a row of ``contact.csv``, which follow the column ``level``.
-
-    The number of time steps must be even.
-    """
-    forces = Forces(setup)
-    errors, penetration, pulling = errors_in_time(setup, forces, setup.steps)
-    coarse, *_ = errors_in_time(setup, forces, setup.steps // 2)
-    shares = abs(errors - coarse) / errors
-    return {
-        "h": setup.space.h,
-        "steps": setup.steps,
-        **dict(zip(FORCE_ERRORS, errors.tolist(), strict=True)),
-        **dict(zip(TIME_SHARES, shares.tolist(), strict=True)),
-        "penetration": penetration,
-        "pulling": pulling,
-        "clamped": forces.clamped,
-    }
-
-
 NO_ORDER = "p jumps in time, and the error comes from the step with the jump"
 CORNER_CELLS = "a face meets Γ1, and the error depends on whether one cell or two meet there"
 LANDS = "lift-and-land"
@@ -306,7 +286,20 @@ class ContactForce(Statement):
         return Experiment.at(setting, MIDPOINT, self.steps(setting))
 
     def measure(self, setup: Experiment) -> Numbers:
-        return measure_contact(setup)
+        """Return the measured columns of a row of ``contact.csv``; the number of time steps must be even."""
+        forces = Forces(setup)
+        errors, penetration, pulling = errors_in_time(setup, forces, setup.steps)
+        coarse, *_ = errors_in_time(setup, forces, setup.steps // 2)
+        shares = abs(errors - coarse) / errors
+        return {
+            "h": setup.space.h,
+            "steps": setup.steps,
+            **dict(zip(FORCE_ERRORS, errors.tolist(), strict=True)),
+            **dict(zip(TIME_SHARES, shares.tolist(), strict=True)),
+            "penetration": penetration,
+            "pulling": pulling,
+            "clamped": forces.clamped,
+        }
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
         norms = []

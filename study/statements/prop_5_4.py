@@ -196,9 +196,8 @@ class Measurement:
 
     def errors(self) -> Numbers:
         """Return the largest errors, the times at which they occur, and the share of the error in time."""
-        times, *histories, _ = self.history
-        first, second, third = map(np.argmax, histories)
-        error, interpolation, discrete = histories
+        times, error, interpolation, discrete, _ = self.history
+        first, second, third = map(np.argmax, (error, interpolation, discrete))
         return {
             "error": error[first],
             "at": times[first],

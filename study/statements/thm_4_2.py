@@ -75,7 +75,7 @@ from manufactured.law import Linear
 from manufactured.regularity import Regularity
 from manufactured.tensors import Array, Tensors, Vectors
 from study.fem.error_norm import DEGREE, FACET_POINTS, ErrorNorm, rules
-from study.fem.mesh import Graded, MeshFamily, size
+from study.fem.mesh import Graded, size
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule, gauss
 from study.fem.space import Space, on_cells
@@ -354,14 +354,11 @@ class StressExperiment:
     solver: type[Signorini] = Signorini
 
     @classmethod
-    def of(cls, solution: ExactSolution, family: MeshFamily, level: int, steps: int) -> Self:
-        """Return the stress problem of an exact solution on the mesh of a level."""
-        return cls(solution, Data.of(solution), StressSpace(family(solution.body, level), solution.body), BDF2, steps)
-
-    @classmethod
     def at(cls, setting: Setting, steps: int) -> Self:
         """Return the stress problem for the case and the mesh of a setting."""
-        return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, steps)
+        solution = resolve(setting.case).solution
+        mesh = family_named(setting.family)(solution.body, setting.level)
+        return cls(solution, Data.of(solution), StressSpace(mesh, solution.body), BDF2, steps)
 
     @cached_property
     def problem(self) -> StressEvolution:

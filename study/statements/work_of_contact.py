@@ -162,25 +162,28 @@ def mixed_edges(solution: ExactSolution, space: Space) -> tuple[Array, ...]:
         time = part * solution.body.T
         corners = space.mesh.p[:, space.mesh.facets[:, space.facets(face.part)]]
         ends = np.sort(face.part.coordinates(corners)[0][0], axis=0)
-        places = [ends[0][:, None] + (ends[1] - ends[0])[:, None] * x for x, _ in (FIRST, SECOND)]
-        touching = face.level_jet(places[0][None], time)[(0,)] >= 0
-        changes = np.sum(touching[:, 1:] != touching[:, :-1], axis=1)
+        touching = face.level_jet(linear(ends, FIRST[0])[None], time)[(0,)] >= 0
+        changes = np.count_nonzero(np.diff(touching), axis=1)
         chosen = (changes >= 1) & (changes <= CHANGES)
         if not chosen.any():
             continue
-        places = [s[chosen] for s in places]
         ends = ends[:, chosen]
         touching = touching[chosen]
-        pressure = [solution.on(face, s[None]).stated_pressure(time) for s in places]
-        slope = [face.gap_jet(s[None], time, 1)[(1,)] for s in places]
-        nodal = face.gap_jet(ends[None], time)[(0,)]
+        places = [linear(ends, x) for x, _ in (FIRST, SECOND)]
+        pressure, other_pressure = (solution.on(face, s[None]).stated_pressure(time) for s in places)
+        gap, other_gap = (face.gap_jet(s[None], time, 1) for s in places)
+        interpolant = linear(face.gap_jet(ends[None], time)[(0,)], FIRST[0])
         h = ends[1] - ends[0]
-        interpolant = nodal[0][:, None] * (1 - FIRST[0]) + nodal[1][:, None] * FIRST[0]
-        gap = face.gap_jet(places[0][None], time)[(0,)]
-        work = h * (pressure[0] * (interpolant - gap) @ FIRST[1])
-        quotients = abs(work) / (h**2 * seminorm(pressure[0], pressure[1], 0.5) * seminorm(slope[0], slope[1], 0.5))
+        work = h * (pressure * (interpolant - gap[(0,)]) @ FIRST[1])
+        of_slope = seminorm(gap[(1,)], other_gap[(1,)], 0.5)
+        quotients = abs(work) / (h**2 * seminorm(pressure, other_pressure, 0.5) * of_slope)
         found.append((touching, 1 - touching @ FIRST[1], quotients))
     return tuple(map(np.concatenate, zip(*found, strict=True)))
+
+
+def linear(ends: Array, x: Array) -> Array:
+    """Return values at points x of (0, 1), (n, points), of functions that are linear between two end values, (2, n)."""
+    return ends[0][:, None] + (ends[1] - ends[0])[:, None] * x
 
 
 def beta(open_part: Array) -> Array:
@@ -250,6 +253,7 @@ class Resolved:
         space: the P1 displacement space V^h on the mesh.
         v_norm: the error norm, which is integrated on the refined mesh.
         inclusion: the matrix that maps degrees of freedom of V^h to degrees of freedom on the refined mesh.
+        start: the interpolant Π^h u_0 of the initial displacement, (dofs,).
     """
 
     def __init__(self, solution: ExactSolution, space: Space) -> None:
@@ -259,6 +263,7 @@ class Resolved:
         self.space = space
         self.v_norm = ErrorNorm(solution, fine, along=())
         self.inclusion: sps.csr_array = inclusion_of(space, fine, nodal)
+        self.start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))
 
 
 def least_depth(solution: ExactSolution, corners: Points) -> Array:
@@ -469,8 +474,7 @@ class WorkOfContact(ListedNumbers):
         def load(times: Array) -> Array:
             return np.asarray(inclusion.T @ v_norm.load(times))
 
-        start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))
-        problem = SemiDiscrete.of(space, solution.law, load, start)
+        problem = SemiDiscrete.of(space, solution.law, load, at.start)
         linear = replace(problem, N=problem.N[:0], load=lambda times: load(times) - at_each(times, press))
         states = path(problem, MIDPOINT, steps)
         total = TotalWork(solution)
@@ -541,7 +545,7 @@ class OnContact:
         self.condensed = Signorini(self.M, space.N)
         inverse = np.linalg.inv(self.condensed.W)
         self.S = (inverse + inverse.T) / 2
-        self.start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))
+        self.start = at.start
         (self._face,) = solution.faces
         (_, vertices) = space.contact[0]
         self.places = self._face.part.coordinates(space.mesh.p[:, vertices])[0]
