@@ -19,6 +19,7 @@ from manufactured.exact.solution import FaceFields
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array, Points, Tensors, Vectors, size
 from study.fem.error_norm import DEGREE, FACET_POINTS, rules, shared_lines
+from study.fem.moments import QuadraturePoints
 from study.fem.quadrature import FacetRule, Line, facet_rule
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
@@ -91,11 +92,12 @@ class Energies:
     def __init__(
         self, solution: ExactSolution, space: Space, along: Sequence[Line] | None = None, raised: int = 0
     ) -> None:
-        blocks = rules(solution, space.mesh, DEGREE + raised, shared_lines(solution) if along is None else along)
+        lines = shared_lines(solution) if along is None else along
+        points = QuadraturePoints.on_cells(rules(solution, space.mesh, DEGREE + raised, lines))
         self.space = space
-        self.weights = np.concatenate([rule.weights.ravel() for rule in blocks])
-        self.cells = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in blocks])
-        self.exact = solution.at(np.hstack([rule.points.reshape(space.dim, -1) for rule in blocks]))
+        self.weights = points.weights
+        self.cells = points.sums
+        self.exact = solution.at(points.x)
         self._nodes = solution.at(space.mesh.p)
 
     def work(self, stress: Tensors, strain: Tensors) -> float:
@@ -104,9 +106,12 @@ class Energies:
 
     def functional(self, stress: Tensors) -> Array:
         """Return the linear functional v ↦ (σ, ε(v))_Q of a stress on the P1 space V^h, (dofs,)."""
+        return self.space.tested(self.integrals(stress))
+
+    def integrals(self, stress: Tensors) -> Tensors:
+        """Return the integrals over all cells of a stress at the quadrature points, (D, points) → (D, cells)."""
         count = len(self.space.volumes)
-        sums = [np.bincount(self.cells, self.weights * component, count) for component in stress]
-        return self.space.tested(np.array(sums))
+        return np.array([np.bincount(self.cells, self.weights * component, count) for component in stress])
 
     def norm(self, strain: Tensors) -> float:
         """Return the norm (A ε, ε)_Q^{1/2} of V for a strain at the quadrature points, (D, points)."""

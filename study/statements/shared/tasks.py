@@ -15,7 +15,7 @@ A task is such a problem on one mesh. It has two modes:
 All data except the displacements are multiplied by one factor S, which does not change u.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,9 +26,8 @@ from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.law import Indefinite, Linear
 from manufactured.tensors import Array, Tensors, traction
-from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, gaps_at_vertices, rules, shared_lines
+from study.fem.error_norm import DEGREE, FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, gaps_at_vertices
 from study.fem.mesh import MeshFamily
-from study.fem.moments import Amplitudes, QuadraturePoints, StrainSums, amplitudes_of
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space, form
 from study.ledger.files import UsageError
@@ -36,7 +35,7 @@ from study.solve.evolution import SemiDiscrete, State
 from study.solve.signorini import ContactSolver
 from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.norms import hat_functions, time_nodes
+from study.statements.shared.norms import Energies, hat_functions, time_nodes
 
 FROZEN_TIMES = 0.15, 0.55, 0.9
 """Default times of frozen problems, as fractions of the final time T.
@@ -94,17 +93,13 @@ class Task:
         return gaps_at_vertices(self.solution, self.space)
 
     @cached_property
-    def _rates(self) -> tuple[Callable[[Array, bool], Amplitudes], StrainSums]:
-        solution, mesh = self.solution, self.space.mesh
-        points = QuadraturePoints.on_cells(rules(solution, mesh, self.v_norm.degree, shared_lines(solution)))
-        modes = solution.at(points.x).modes()
-        return amplitudes_of(modes), StrainSums(modes, points, points.weights * solution.law.A.factor(points.x))
+    def _energies(self) -> Energies:
+        return Energies(self.solution, self.space, raised=self.v_norm.degree - DEGREE)
 
     def initial_stress(self, time: float) -> Tensors:
         """Return the means over cells of the exact viscous stress A ε(u̇) at one time, (D, cells)."""
-        amplitudes, sums = self._rates
-        rates = sums(amplitudes(np.array([time]), True))[..., 0]
-        return np.asarray(self.solution.law.A.matrix @ rates / self.space.volumes)
+        exact = self._energies.exact
+        return self._energies.integrals(exact.law.A(exact.strain_rate(time))) / self.space.volumes
 
     @cached_property
     def _solve(self) -> ContactSolver:
