@@ -62,9 +62,8 @@ class PlainProblem:
 
         M (u_n − u_{n−1})/k + (Gε((u_n + u_{n−1})/2), ε(·))_Q + Nᵀλ_n = F(t_{n−1/2})
 
-    is solved by a fixed-point iteration for u_n, also for a linear law. SuperLU factorises M. The iteration first
-    assumes that the same multipliers are positive as in the last iteration. If this gives no solution, the method of
-    Lawson and Hanson is used.
+    is solved by a fixed-point iteration for u_n, also for a linear law. SuperLU factorises M. The method of Lawson and
+    Hanson computes the contact forces in each iteration.
 
     Attributes:
         free: the indices of the n unknowns among the values at all vertices, which are ordered vertex by vertex, (n,).
@@ -111,10 +110,9 @@ class PlainProblem:
             self.elastic = self._form(self.law.G).__matmul__
         else:
             self.elastic = lambda v: self.work(self.law.G(self.strain(v)))
-        # M⁻¹Nᵀ, Q = NM⁻¹Nᵀ and R with RᵀR = Q.
+        # M⁻¹Nᵀ, and R with RᵀR = NM⁻¹Nᵀ.
         self._response = self._solve(self.N.T.toarray())
-        self._normal = self.N @ self._response
-        self._root = cholesky(self._normal)
+        self._root = cholesky(self.N @ self._response)
 
     def _set_strains(self, mesh: Mesh) -> None:
         """Set the quadrature points in the cells, with the law and the exact solution there, and the strain matrix."""
@@ -165,28 +163,21 @@ class PlainProblem:
         """Return the nodal interpolant Π^h u(t) of the exact displacement, (n,)."""
         return self.at_vertices.displacement(time).T.ravel()[self.free]
 
-    def contact(self, b: Array, k: float, last: Array) -> tuple[Array, Array]:
-        """Solve the contact problem of one time step.
+    def contact(self, b: Array, k: float) -> tuple[Array, Array]:
+        """Solve the contact problem of one time step by the method of Lawson and Hanson.
 
-        The problem is M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0. With Q = NM⁻¹Nᵀ, λ solves a complementarity problem
-        with Qλ ≥ NM⁻¹b. First it is solved with the assumption that the same multipliers are positive as in ``last``.
-        If this gives no solution, the method of Lawson and Hanson is used.
+        The problem is M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0. With RᵀR = NM⁻¹Nᵀ, λ minimises
+        |Rλ − R⁻ᵀNM⁻¹b| over λ ≥ 0.
 
         Args:
             b: the right-hand side, (n,).
             k: the time step.
-            last: multipliers of an earlier solution, (m,).
 
         Returns:
             The displacement u, (n,), and the multipliers λ, (m,).
         """
         free = self._solve(b)
-        positive = last > 0
-        multipliers = np.zeros(len(last))
-        entering = self.N @ free
-        multipliers[positive] = np.linalg.solve(self._normal[positive][:, positive], entering[positive])
-        if not ((multipliers[positive] > 0).all() and (self._normal @ multipliers >= entering)[~positive].all()):
-            multipliers, _ = nnls(self._root, solve_triangular(self._root, entering, trans="T"))
+        multipliers, _ = nnls(self._root, solve_triangular(self._root, self.N @ free, trans="T"))
         return k * (free - self._response @ multipliers), multipliers
 
     def trajectory(self, steps: int, load: Callable[[float], Array]) -> Trajectory:
@@ -201,15 +192,14 @@ class PlainProblem:
         """
         k = self.solution.body.T / steps
         u = self.interpolant(0.0)
-        multipliers = np.zeros(self.N.shape[0])
         guess = u
         displacements = [u]
-        forces = [multipliers]
+        forces = [np.zeros(self.N.shape[0])]
         for n in range(steps):
             before = u
             b = load((n + 0.5) * k) + self.M @ u / k
             for _ in range(MOST_ITERATIONS):
-                u, multipliers = self.contact(b - self.elastic((guess + before) / 2), k, multipliers)
+                u, multipliers = self.contact(b - self.elastic((guess + before) / 2), k)
                 if self.norm(u - guess) <= SETTLED * self.norm(u):
                     break
                 guess = u
