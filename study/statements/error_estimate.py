@@ -234,8 +234,6 @@ class InterpolationInV(ListedNumbers):
     On random meshes the order from two coarse levels depends on the random size of the cells where v is strongly
     curved. Therefore on random meshes the order is fitted to all levels, with the numbers of cells as weights.
 
-    Interpolation errors of P1 elements, in V (5.23) and on the contact faces (5.24).
-
     The paper states for v ∈ V that
 
         ‖v − Π^h v‖_V = O(h)  for v ∈ H²(Ω)^d,      ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)} = O(h²)  for v_ν ∈ H²(Γ3,i).

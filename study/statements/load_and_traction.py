@@ -326,19 +326,19 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
     rng = np.random.default_rng(SEED)
     on_loaded = [vanishing(waves(body, rng), clamped + contact) for _ in range(TEST_FIELDS)]
 
-    def tangential(part: Part, along: Field, inside: Field) -> Field:
+    def tangential(part: Part) -> Field:
         others = [other for other in contact if other is not part]
         tangents = part.frame[:, :-1]
-        projector = tangents @ tangents.T
+        along = waves(body, rng)
+        inside = waves(body, rng)
 
         def field(x: Points) -> Vectors:
-            return np.tensordot(projector, along(x), axes=1) + part.coordinates(x)[1] * inside(x)
+            return np.tensordot(tangents @ tangents.T, along(x), axes=1) + part.coordinates(x)[1] * inside(x)
 
         return vanishing(field, clamped + others)
 
     rng = np.random.default_rng(SEED)
-    on_contact = [tangential(part, waves(body, rng), waves(body, rng)) for part in contact for _ in range(TEST_FIELDS)]
-    return on_loaded, on_contact
+    return on_loaded, [tangential(part) for part in contact for _ in range(TEST_FIELDS)]
 
 
 # Smooth fields are defined here and not in ``study.fem``, because only statements use them.

@@ -116,7 +116,7 @@ def euler_quotient(flow: GradientFlow, kappa: float, states: Array) -> float:
 class HalfDerivative(ListedNumbers):
     """Measures half a derivative of the discrete velocity in time, over its bound.
 
-    Beyond the paper: u̇^h has half a derivative in time, and how large the nodal errors of the projection P_h are.
+    Beyond the paper: u̇^h has half a derivative in time, and the nodal errors of the projection P_h have a bound.
 
     Both statements are lemmas with which the order of the error at moving fronts is proved (paper/velocity.tex,
     paper/fronts.tex). Here they are measured themselves.

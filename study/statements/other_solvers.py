@@ -426,9 +426,6 @@ PEERS = (
 PLANE = "advance-recede", "rotated", "corner", "layered", "anisotropic", "lift-and-land"
 MARCHED = frozenset(grid(("advance-recede", "anisotropic"), ("one-diagonal",), (8, 16, 32)))
 """The settings in which solutions in time are compared as well."""
-MODE, CODE, VERSION_COLUMN, VARIANT, CLASS, ERROR_COLUMN, DISTANCE_COLUMN = (
-    name + OF_FILE for name in OtherErrors.columns[4:]
-)
 PROBLEM_KEY = ["case", "family", "level", "quantity"]
 """The columns that identify a problem. The column "quantity" is the mode, static ("frozen") or in time ("march")."""
 
@@ -480,7 +477,8 @@ class OtherCodes(ListedNumbers):
         return with_h(task.space.h, errors)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        if CODE not in rows or rows[CODE].isna().all():
+        rows = rows.rename(columns=lambda name: name.removesuffix(OF_FILE))
+        if "code" not in rows or rows["code"].isna().all():
             nothing = float("nan"), NOWHERE, REPORTED
             made = f"no claim: these data lack the file with errors of other codes, which `{MADE}` makes"
             return [row(self, "none", "errors of other codes", Window(), nothing, ALL_PROBLEMS, expected=made)]
@@ -492,9 +490,9 @@ class OtherCodes(ListedNumbers):
         It is undecided if the code lacks a problem without a documented reason.
         """
         problems = rows_of(rows, peer.code, peer.variant)
-        run = problems[problems[CLASS] != NOT_EXPRESSED]
+        run = problems[problems["class"] != NOT_EXPRESSED]
         missing = len(rows[PROBLEM_KEY].drop_duplicates()) - len(problems)
-        name = f"{peer.code} {' '.join(sorted(run[VERSION_COLUMN].unique()))}, {peer.variant}"
+        name = f"{peer.code} {' '.join(sorted(run['version'].unique()))}, {peer.variant}"
         quantity = f"{name}: |‖u − u^h‖_V / error of this study − 1|, {len(run)} problems"
         judged = accuracy(peer.key, quantity, differences, peer.window, levels=0).verdict(self, ALL_PROBLEMS, {"": run})
         if not missing:
@@ -509,7 +507,7 @@ class OtherCodes(ListedNumbers):
         The largest fraction of such problems is judged.
         """
         names = [THIS_STUDY, *((peer.code, peer.variant) for peer in PEERS)]
-        columns = [rows_of(rows, *name).set_index(PROBLEM_KEY)[DISTANCE_COLUMN].dropna() for name in names]
+        columns = [rows_of(rows, *name).set_index(PROBLEM_KEY)["distance"].dropna() for name in names]
         both = [pd.concat(pair, axis=1, join="inner").to_numpy() for pair in combinations(columns, 2)]
         shares = np.array([np.mean(pair[:, 0] == pair[:, 1]) for pair in both if len(pair)])
         quantity = "share of problems in which two codes have the same distance from the solution in K^h"
@@ -531,7 +529,7 @@ class OtherCodes(ListedNumbers):
 
 def differences(rows: pd.DataFrame) -> Array:
     """Return the relative differences of the errors of another code and of this study."""
-    return (rows[ERROR_COLUMN] / rows["value"] - 1).abs().to_numpy()
+    return (rows["error"] / rows["value"] - 1).abs().to_numpy()
 
 
 def rows_of(rows: pd.DataFrame, code: str, variant: str) -> pd.DataFrame:
@@ -539,4 +537,4 @@ def rows_of(rows: pd.DataFrame, code: str, variant: str) -> pd.DataFrame:
 
     The mode of the code, static or in time, must agree with the quantity of the row.
     """
-    return rows[(rows[MODE] == rows["quantity"]) & (rows[CODE] == code) & (rows[VARIANT] == variant)]
+    return rows[(rows["mode"] == rows["quantity"]) & (rows["code"] == code) & (rows["variant"] == variant)]

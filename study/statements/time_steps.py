@@ -35,7 +35,6 @@ REFERENCE_COUNT = 1024
 """Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
 PROVED_BELOW_1 = positive_at_most(1.0, "proved in the article for every h and k")
 ERROR_IN_TIME = "error in time of backward Euler, ‖u^h − û^{hk}‖_V"
-ERROR_OF_CONSTANT = "error in time of the piecewise constant function with the value U_n on (t_{n−1}, t_n]"
 
 
 def columns(template: str, counts: Sequence[int]) -> list[str]:
@@ -107,7 +106,10 @@ class BackwardEuler(ListedNumbers):
             PROVED_BELOW_1,
         ),
         identity(
-            "constant", f"{ERROR_OF_CONSTANT} / its bound", for_all("{} constant", HALVING_COUNTS), PROVED_BELOW_1
+            "constant",
+            "error in time of the piecewise constant function with the value U_n on (t_{n−1}, t_n] / its bound",
+            for_all("{} constant", HALVING_COUNTS),
+            PROVED_BELOW_1,
         ),
         consequence(
             "between",
@@ -467,7 +469,6 @@ LEFT = around(1, 0.4, "excludes 3/2 and 2")
 SECOND_IN_K = around(2, 0.3)
 LOADS = {"own": "load of the case", "rolling": "load that moves along Γ3"}
 """Descriptions of the two loads, by their names in columns."""
-TWO_UNKNOWNS = "error / k for a problem with two unknowns"
 
 
 def two_unknowns() -> SemiDiscrete:
@@ -557,7 +558,7 @@ class Landings(ListedNumbers):
         *(
             identity(
                 f"{name}-two",
-                f"{name}: {TWO_UNKNOWNS}",
+                f"{name}: error / k for a problem with two unknowns",
                 for_all(f"two {name} {{}}", HALVED_STEPS),
                 Window(
                     math.sqrt(2) * 0.2 * RISE * (1 - 1e-9),

@@ -134,8 +134,6 @@ class BoundedVelocity(ListedNumbers):
 
     The quotient is max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V with δu_n = (u_n − u_{n−1})/k. For an initial value outside K^h it
     would grow like 1/k. If velocities are bounded, so are stresses, σ ∈ L^∞(0,T;Q), by (3.1) and (3.2).
-
-    (4.1) and Theorem 2.2: velocities are bounded, and solutions depend continuously on load and initial displacement.
     """
 
     label = "(4.1)"

@@ -225,8 +225,7 @@ def supremum(touching: Array, rho: float) -> float:
 def dual_products(A: Array, panels: Array, functionals: Array) -> Array:
     """Return the matrix of products f_i · A⁻¹ f_j for two linear functionals f_1 and f_2, (2, 2).
 
-    Nodal values may be non-zero only at the free nodes, that is, the ends of panels all of whose adjacent panels are
-    marked. A, f_1 and f_2 are restricted to these nodes.
+    A, f_1 and f_2 are restricted to the free nodes. A node is free if all panels next to it are marked.
 
     Args:
         A: a symmetric matrix, (nodes, nodes).
