@@ -479,7 +479,7 @@ class WorkOfContact(ListedNumbers):
         total = TotalWork(solution)
         vertices = vertices_on(space)
         numbers: Numbers = {
-            "error": v_norm.largest(time_nodes(problem.T, steps), (inclusion @ states.T).T),
+            "error": v_norm.largest(time_nodes(problem.T, steps), (inclusion @ u for u in states)),
             "excess": furthest(problem, states, path(linear, MIDPOINT, steps)),
             "work": math.sqrt(total(vertices)),
         }
