@@ -15,10 +15,10 @@ a matrix of the problem, because p comes from the exact stress at points of the 
 **Predicted** orders are for norms in L²(0,T), with k ~ h. If the load is integrated exactly,
 ⟨p − p^h, v_ν⟩ = (σ^h − σ, ε(v))_Q for every v ∈ V^h.
 
-* **dual norm**, the supremum of the right side over v ∈ V^h with ‖v‖_V = 1: the same order as ‖Π^h u − u^h‖_V, that
-  is, 3/2 to 2 on one-diagonal meshes and 1 to 2 on others. The right side depends only on the part of
-  σ^h − σ = Aε(u̇^h − u̇) + Gε(u^h − u) that is not orthogonal to strains of V^h, and the same errors cancel. No higher
-  order is possible, because p^h is piecewise linear and a front cuts cells.
+* **dual norm**: 3/2 to 2 on one-diagonal meshes and 1 to 2 on others, as for ‖Π^h u − u^h‖_V. The dual norm is the
+  supremum of the right side over v ∈ V^h with ‖v‖_V = 1. Only the part of σ^h − σ = Aε(u̇^h − u̇) + Gε(u^h − u) that is
+  not orthogonal to strains of V^h contributes, so the same errors cancel as in Π^h u − u^h. No higher order is
+  possible, because p^h is piecewise linear and a front cuts cells.
 * **L²(Γ3)**: order 1 to 3/2. Take v with a given trace on Γ3 that vanishes at all vertices off Γ3. It is non-zero only
   in the cells along Γ3. These contain O(h^{3/2}) of ‖σ − σ^h‖_Q for ε(u) ∈ W^{1,∞}, and ‖v‖_V ≤ c h^{−1/2} ‖v_ν‖. This
   gives order 1 without cancellation. With cancellation, the inverse inequality gives half an order less than the order
@@ -30,15 +30,15 @@ a matrix of the problem, because p comes from the exact stress at points of the 
   upper end.
 
 On irregular meshes ‖p − p^h‖_{L²(Γ3)} is dominated by the few edges that happen to be long where p is strongly curved.
-In a pilot study on ten random meshes its logarithm had a standard deviation of 0.2 on every level, n = 8, 16, 32, and
-its order was 1.16 ± 0.18. It also depends on the corners at the ends of Γ3: for *corner* it is about twice as large on
-the unstructured meshes on which the corner belongs to one cell as on those on which it belongs to two. Therefore this
-order is only reported on irregular meshes. The order of the dual norm, which is a sum over cells, was 1.51 ± 0.09; it
-is judged. But where Γ3 meets Γ1 the corner changes the dual norm as well, by a factor of about four for
-*contact-at-clamp*. For such faces its order is judged on one-diagonal meshes only, on which all corners are alike.
+A pilot study had ten random meshes on each of the levels n = 8, 16, 32. The logarithm of this error had a standard
+deviation of 0.2 on every level, and its order was 1.16 ± 0.18. The error also depends on the corners at the ends of Γ3.
+For *corner* it doubles on unstructured meshes if the corner belongs to one cell instead of two. Therefore this order is
+only reported on irregular meshes. The order of the dual norm, which is a sum over cells, was 1.51 ± 0.09; it is judged.
+But where Γ3 meets Γ1 the corner changes the dual norm as well, by a factor of about four for *contact-at-clamp*. For
+such faces its order is judged on one-diagonal meshes only, on which all corners are alike.
 
-**Sign conditions** are judged as well: u^h_ν is linear between vertices and u^h ∈ K^h, so u^h_ν ≤ 0 at every point of
-straight faces up to round-off, and λ ≥ 0.
+**Sign conditions** are judged as well: u^h_ν ≤ 0 at every point of straight faces, and λ ≥ 0, up to round-off. The
+first one holds because u^h ∈ K^h and u^h_ν is linear between vertices.
 
 If the whole face comes into contact with a non-zero velocity, p jumps in time. In the step with the jump every scheme
 returns a mean of the values before and after the jump. So the error in L²(0,T) is of order 1/2 in k, times a factor
@@ -46,7 +46,6 @@ that depends on the position of the jump within the step. This order is only rep
 """
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sps
@@ -59,15 +58,28 @@ from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
 from study.ledger.datafiles import CsvFile
-from study.ledger.quantities import finest, fitted, values
+from study.ledger.quantities import finest, values
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import EVOLVING, Experiment, Judged, Numbers, Setting, Statement, steps_like_h
+from study.statements.shared.base import (
+    EVOLVING,
+    Experiment,
+    Judged,
+    Numbers,
+    Setting,
+    Statement,
+    fitted_order,
+    steps_like_h,
+)
 from study.statements.shared.meshes import split_irregular, split_superclose
+from study.statements.shared.norms import hat_functions
 from study.statements.shared.scope import Scope
 
 FORCE_ERRORS = "pressure", "dual", "resultant"
+"""Relative errors of the contact force over (0, T), as columns.
+
+They are the error of the pressure in L²(Γ3), in the dual norm, and of the total force on each face."""
 TIME_SHARES = tuple(f"{name}_time_share" for name in FORCE_ERRORS)
 CONTACT = CsvFile("contact.csv")
 FACET_GAUSS_POINTS, SOLID_FACET_GAUSS_POINTS = 20, 6
@@ -91,10 +103,7 @@ class PressedFace:
     def __init__(self, solution: ExactSolution, space: Space, face: Face, vertices: Array) -> None:
         count = FACET_GAUSS_POINTS if space.dim == 2 else SOLID_FACET_GAUSS_POINTS
         rule = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, count)
-        corners = np.broadcast_to(space.mesh.facets[:, rule.facets][..., None], rule.shapes.shape)
-        places = np.broadcast_to(np.arange(rule.weights.size).reshape(rule.weights.shape), rule.shapes.shape)
-        shape = rule.weights.size, space.mesh.p.shape[1]
-        self.every = sps.csr_array((rule.shapes.ravel(), (places.ravel(), corners.ravel())), shape=shape)
+        self.every = hat_functions(space.mesh, rule)
         self.functions = self.every[:, vertices]
         self.weights = rule.weights.ravel()
         self.normal = face.part.normal
@@ -108,32 +117,26 @@ class Forces:
     Attributes:
         space: the P1 displacement space V^h.
         faces: the contact faces.
-        rows: for each face, its rows in the matrix N of normal displacements.
+        ends: the numbers of the rows of N, the matrix of normal displacements, at which the rows of a new face begin.
         clamped: the number of faces that have a vertex on the clamped boundary Γ1.
         W: the matrix N M⁻¹ Nᵀ, which gives the dual norm sup_v y·Nv/‖v‖_V = (y·Wy)^½ of nodal forces y, (m, m).
     """
 
     def __init__(self, setup: Experiment) -> None:
         self.space = space = setup.space
-        ends = np.cumsum([0, *(len(vertices) for _, vertices in space.contact)])
         self.faces = [
             PressedFace(setup.solution, space, face, vertices)
             for face, (_, vertices) in zip(setup.solution.faces, space.contact, strict=True)
         ]
-        self.rows = [slice(*pair) for pair in pairwise(ends)]
+        self.ends = np.cumsum([len(vertices) for _, vertices in space.contact])[:-1]
         # The matrix N has no rows for vertices on Γ1, so a face that meets Γ1 has fewer rows than vertices.
-        corners = (np.unique(space.mesh.facets[:, space.facets(part)]) for part, _ in space.contact)
-        self.clamped = sum(
-            len(all_corners) > len(free) for all_corners, (_, free) in zip(corners, space.contact, strict=True)
-        )
+        self.clamped = sum(len(space.vertices(part)) > len(free) for part, free in space.contact)
         self.W = Signorini(setup.problem.M, space.N, space.free_points).W
 
     def squares(self, times: Array, multipliers: Array) -> tuple[Array, Array]:
         """Return sums over time of the squared errors of the contact force and of the squared exact norms, (3,) each.
 
-        The three entries belong to the errors that ``FORCE_ERRORS`` names: of the pressure in L²(Γ3), in the dual
-        norm, and
-        of the total force on each face.
+        The three entries belong to the errors that ``FORCE_ERRORS`` names.
 
         Args:
             times: the times, (n,).
@@ -142,16 +145,16 @@ class Forces:
         exact = []
         errors = 0.0
         sizes = 0.0
-        for face, rows in zip(self.faces, self.rows, strict=True):
+        for face, forces in zip(self.faces, np.split(multipliers.T, self.ends), strict=True):
             p = face.exact.pressure(times).reshape(-1, len(times))
             # Nodal forces λ are moments of a pressure, so the P1 pressure p^h follows from the mass matrix.
-            p_h = face.functions @ np.linalg.solve(face.mass, multipliers.T[rows])
+            p_h = face.functions @ np.linalg.solve(face.mass, forces)
             errors += (face.weights @ (p - p_h) ** 2).sum()
             sizes += (face.weights @ p**2).sum()
             exact.append(face.functions.T @ (face.weights[:, None] * p))
         y = np.concatenate(exact)
         missing = y - multipliers.T
-        total, lost = (np.array([values[rows].sum(axis=0) for rows in self.rows]) for values in (y, missing))
+        total, lost = (np.array([part.sum(axis=0) for part in np.split(nodal, self.ends)]) for nodal in (y, missing))
         squared = errors, np.vdot(missing, self.W @ missing), np.vdot(lost, lost)
         return np.array(squared), np.array([sizes, np.vdot(y, self.W @ y), np.vdot(total, total)])
 
@@ -165,10 +168,8 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
     """Solve by the midpoint rule, and return the errors of the contact force and violations of both sign conditions.
 
     Returns:
-        The three relative errors over (0, T) that ``FORCE_ERRORS`` names, (3,): of the pressure in L²(Γ3), in the
-        dual norm,
-        and of the total force on each face; then the largest relative penetration, and the largest relative tensile
-        force.
+        The three relative errors over (0, T) that ``FORCE_ERRORS`` names, (3,); the largest relative penetration; and
+        the largest relative tensile force.
     """
     k = setup.problem.T / steps
     multipliers = []
@@ -183,59 +184,50 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
     return np.sqrt(squares / sizes), float(inside / moved), float(pulled / pressed)
 
 
-def measure_contact(setup: Experiment) -> Numbers:
-    """Return the measured columns of a row of ``contact.csv``, which follow the column ``level``.
-
-    The number of time steps must be even.
-    """
-    forces = Forces(setup)
-    errors, penetration, pulling = errors_in_time(setup, forces, setup.steps)
-    coarse, *_ = errors_in_time(setup, forces, setup.steps // 2)
-    shares = abs(errors - coarse) / errors
-    measured = dict(zip((*FORCE_ERRORS, *TIME_SHARES), map(float, (*errors, *shares)), strict=True))
-    admissible = {"penetration": penetration, "pulling": pulling}
-    return {"h": setup.space.h, "steps": setup.steps, **measured, **admissible, "clamped": forces.clamped}
-
-
+NO_ORDER = "p jumps in time, and the error comes from the step with the jump"
+CORNER_CELLS = "a face meets Γ1, and the error depends on whether one cell or two meet there"
 LANDS = "lift-and-land"
 """The case whose pressure jumps in time, for which no order of the contact force is claimed."""
-NO_ORDER = "p jumps in time, and the error comes from the step with the jump"
 NO_BOUND = "a face meets Γ1, so that the dual norm does not bound the error of the resultant"
 """Why no order of the resultant is claimed if a contact face meets the clamped boundary Γ1.
 
 The order would follow from the dual norm with v_ν = 1. But v = 0 on Γ1, so no v ∈ V has v_ν = 1 on the whole face."""
-PRESSURE_ORDER = consequence(
+PRESSURE_ORDER = fitted_order(
     "order-pressure",
     "order of ‖p − p^h‖_{L²(Γ3)}",
-    fitted("pressure"),
+    "pressure",
     between(1, 1.5, 0.15, 0.7, "from the cells along Γ3; piecewise linear functions reach at most 2"),
-    levels=ENOUGH,
 )
 OF_CHANCE = replace(
-    PRESSURE_ORDER, key="order-pressure-irregular", quantity=f"{PRESSURE_ORDER.quantity}, irregular meshes"
+    PRESSURE_ORDER,
+    key="order-pressure-irregular",
+    quantity=f"{PRESSURE_ORDER.quantity}, irregular meshes",
+    if_missed=(
+        "on irregular meshes the pressure error depends on a few long edges where p has a kink, and on the corners"
+    ),
 )
-FEW_EDGES = "on irregular meshes the pressure error depends on a few long edges where p has a kink, and on the corners"
-CORNER_CELLS = "a face meets Γ1, and the error depends on whether one cell or two meet there"
-DUAL_SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "the order of ‖Π^h u − u^h‖_V on one-diagonal meshes")
-DUAL_ON_OTHERS = between(1, 2, 0.15, 0.2, "the order of ‖Π^h u − u^h‖_V on other meshes")
 DUAL = "order of sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over V^h"
-DUAL_ORDERS = {
-    True: consequence("order-dual-superclose", f"{DUAL}, superclose", fitted("dual"), DUAL_SUPERCLOSE, levels=ENOUGH),
-    False: consequence("order-dual-other", f"{DUAL}, other families", fitted("dual"), DUAL_ON_OTHERS, levels=ENOUGH),
-}
-"""The criteria for the order of the dual norm, on one-diagonal meshes (True) and on all others (False)."""
+DUAL_ORDERS = (
+    fitted_order(
+        "order-dual-superclose",
+        f"{DUAL}, superclose",
+        "dual",
+        between(1.5, 2, 0.2, 0.2, "the order of ‖Π^h u − u^h‖_V on one-diagonal meshes"),
+    ),
+    fitted_order(
+        "order-dual-other",
+        f"{DUAL}, other families",
+        "dual",
+        between(1, 2, 0.15, 0.2, "the order of ‖Π^h u − u^h‖_V on other meshes"),
+    ),
+)
+"""The checks of the order of the dual norm, on one-diagonal meshes and on all others."""
 RESULTANT = at_least(1, "the order of the dual norm; 2 if the contact zone is known")
 """Window of the order of the contact resultant.
 
 It has no upper end: parts of the error of the resultant may cancel, so its order may exceed 2."""
 FORCE_NORMS = (
-    consequence(
-        "order-resultant",
-        "order of the error of the contact resultant on each face",
-        fitted("resultant"),
-        RESULTANT,
-        levels=ENOUGH,
-    ),
+    fitted_order("order-resultant", "order of the error of the contact resultant on each face", "resultant", RESULTANT),
     consequence(
         "resultant",
         "error of the contact resultant on each face",
@@ -294,31 +286,48 @@ class ContactForce(Statement):
         return Experiment.at(setting, MIDPOINT, self.steps(setting))
 
     def measure(self, setup: Experiment) -> Numbers:
-        return measure_contact(setup)
+        """Return the measured columns of a row of ``contact.csv``; the number of time steps must be even."""
+        forces = Forces(setup)
+        errors, penetration, pulling = errors_in_time(setup, forces, setup.steps)
+        coarse, *_ = errors_in_time(setup, forces, setup.steps // 2)
+        shares = abs(errors - coarse) / errors
+        return {
+            "h": setup.space.h,
+            "steps": setup.steps,
+            **dict(zip(FORCE_ERRORS, errors.tolist(), strict=True)),
+            **dict(zip(TIME_SHARES, shares.tolist(), strict=True)),
+            "penetration": penetration,
+            "pulling": pulling,
+            "clamped": forces.clamped,
+        }
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
         norms = []
         clamped = any(table["clamped"].any() for table in groups.values())
-        for rule in FORCE_NORMS:
-            if clamped and rule.key == "order-resultant":
-                yield replace(rule, if_missed=NO_BOUND), groups
+        for check in FORCE_NORMS:
+            if clamped and check.key == "order-resultant":
+                yield replace(check, if_missed=NO_BOUND), groups
             else:
-                norms.append((rule, groups))
+                norms.append((check, groups))
         irregular, others = split_irregular(groups)
         if others:
             norms.append((PRESSURE_ORDER, others))
         if irregular and case == LANDS:
             norms.append((OF_CHANCE, irregular))
         elif irregular:
-            yield replace(OF_CHANCE, if_missed=FEW_EDGES), irregular
-        for superclose, rule in DUAL_ORDERS.items():
-            if tables := split_superclose(groups)[superclose]:
-                reason = CORNER_CELLS if clamped and not superclose else rule.if_missed
-                norms.append((replace(rule, if_missed=reason), tables))
-        for rule, tables in norms:
-            jump = around(0.5, 0.2, "k^{1/2}") if rule.key.startswith("order") else Window()
-            yield replace(replace(rule, window=jump), if_missed=NO_ORDER) if case == LANDS else rule, tables
-        yield from ((rule, groups) for rule in EXACT)
+            yield OF_CHANCE, irregular
+        superclose_order, other_order = DUAL_ORDERS
+        superclose, other = split_superclose(groups)
+        if superclose:
+            norms.append((superclose_order, superclose))
+        if other:
+            norms.append((replace(other_order, if_missed=CORNER_CELLS if clamped else ""), other))
+        for check, tables in norms:
+            if case == LANDS:
+                jump = around(0.5, 0.2, "k^{1/2}") if check.key.startswith("order") else Window()
+                check = replace(check, window=jump, if_missed=NO_ORDER)
+            yield check, tables
+        yield from ((check, groups) for check in EXACT)
 
     def steps(self, setting: Setting) -> int:
         # In the plane the error in space falls faster than h. With fewer steps the error in time would be a large part.

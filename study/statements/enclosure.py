@@ -41,11 +41,8 @@ from study.statements.shared.base import Numbers, Records, Setting, Statement
 from study.statements.shared.meshes import families
 from study.statements.shared.scope import Scope
 
-BOUNDED = "error", "lowest", "highest", "above", "below", "upper", "lower"
-BOUND_PARTS = "residual", "contact", "oscillation", "bending"
 BOUNDS = CsvFile("bounds.csv")
 ENCLOSURES = CsvFile("enclosures.csv")
-BOUND_KEY = BOUNDS.key
 SAVED_TIMES = 96
 """Number of times for which ``enclosures.csv`` has the bounds of one computed displacement."""
 
@@ -191,7 +188,8 @@ def measure(
     computed = compute(discretisation, scheme, steps)
     enclosure = enclose(discretisation, computed, trajectory, known_error(problem.case, computed))
     late = enclosure.times >= computed.T / 2
-    parts = {part: np.sum([getattr(interval, part) for interval in enclosure.intervals]) for part in BOUND_PARTS}
+    names = "residual", "contact", "oscillation", "bending"
+    parts = {part: np.sum([getattr(interval, part) for interval in enclosure.intervals]) for part in names}
     row = {
         "case": problem.name,
         "family": family.name,
@@ -241,7 +239,7 @@ class Bounds(Statement):
     def records(self, setting: BoundSetting, found: Row) -> Records:
         """Yield one row of ``bounds.csv``, and one row of ``enclosures.csv`` for every time."""
         yield BOUNDS, found["row"]
-        common = {name: found["row"][name] for name in BOUND_KEY}
+        common = {name: found["row"][name] for name in BOUNDS.key}
         for line in zip(*found["times"].values(), strict=True):
             yield ENCLOSURES, {**common, **dict(zip(found["times"], line, strict=True))}
 
@@ -268,9 +266,12 @@ ABOVE_ERROR = identity(
     "above", "largest error / upper bound", values("above"), positive_at_most(1.0, "at every sampled time")
 )
 BELOW_ERROR = identity("below", "largest lower bound / error", values("below"), at_most(1.0, "at every sampled time"))
-ONLY_SHOWN = "this shows how sharp the bound is; the claim is only that the error never exceeds it"
 REACH = consequence(
-    "upper", "largest upper bound / error over [T/2, T]", values("upper"), Window(), if_missed=ONLY_SHOWN
+    "upper",
+    "largest upper bound / error over [T/2, T]",
+    values("upper"),
+    Window(),
+    if_missed="this shows how sharp the bound is; the claim is only that the error never exceeds it",
 )
 HERE = f"at n = {CHECKED_LEVEL}"
 TIGHT = (
@@ -279,8 +280,6 @@ TIGHT = (
 )
 INTERVAL_TOLERANCE = 0.15
 """Tolerance around a predicted order. Other statements use the same tolerance for orders between levels."""
-LAST_PAIR = "no claim: two meshes give a wider interval for the order than all meshes"
-KNOWN_SOLUTION = "no claim: this interval contains the observed order whenever the errors lie between their bounds"
 UNPREDICTED = "no claim: neither the solution nor its order is known"
 
 
@@ -317,7 +316,14 @@ class EnclosedError(Bounds):
                     judged.append(self.judge_order(case, str(family), levels, known))
                 if len(levels) > 2:
                     of_pair = self.judge_order(case, str(family), levels.tail(2), known)
-                    judged.append(replace(of_pair, key="order-last", verdict=REPORTED, expected=LAST_PAIR))
+                    judged.append(
+                        replace(
+                            of_pair,
+                            key="order-last",
+                            verdict=REPORTED,
+                            expected="no claim: two meshes give a wider interval for the order than all meshes",
+                        )
+                    )
         return judged
 
     def judge_order(self, case: str, family: str, levels: pd.DataFrame, known: bool) -> Verdict:
@@ -343,7 +349,11 @@ class EnclosedError(Bounds):
         if math.isnan(order):
             window = Window(math.nan, math.nan)
             verdict = REPORTED
-            expected = KNOWN_SOLUTION if known else UNPREDICTED
+            expected = (
+                "no claim: this interval contains the observed order whenever the errors lie between their bounds"
+                if known
+                else UNPREDICTED
+            )
         else:
             window = around(order, INTERVAL_TOLERANCE, "the whole interval of possible orders")
             verdict = judge_interval(span, window)

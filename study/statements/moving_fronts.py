@@ -20,7 +20,7 @@ from study.fem.mesh import barycentric_gradients
 from study.fem.quadrature import gauss
 from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
-from study.ledger.quantities import change, fitted, over_refinements, values
+from study.ledger.quantities import change, over_refinements, values
 from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
@@ -34,11 +34,12 @@ from study.statements.shared.base import (
     ListedNumbers,
     Numbers,
     Setting,
+    fitted_order,
     grid,
     with_h,
 )
 from study.statements.shared.meshes import posed, split_random
-from study.statements.shared.norms import ContactWork, Velocity, dual_norm, maximum, midpoints
+from study.statements.shared.norms import Energies, contact_load, dual_norm, maximum, midpoints, norms, time_nodes
 from study.statements.time_steps import PROVED_BELOW_1
 from study.statements.work_of_contact import SEEDS
 
@@ -97,11 +98,6 @@ def half_quotient(problem: SemiDiscrete, states: Array) -> float:
     return maximum(quotients) / constant
 
 
-def norms(problem: SemiDiscrete, v: Array) -> Array:
-    """Return the norms ‖v_n‖_V of n displacements (n, dofs)."""
-    return np.sqrt(abs(np.sum(v.T * (problem.M @ v.T), axis=0)))
-
-
 def euler_quotient(flow: GradientFlow, kappa: float, states: Array) -> float:
     """Return Σ ‖δ_n − δ_{n−1}‖² for backward Euler, divided by its bound.
 
@@ -120,13 +116,13 @@ def euler_quotient(flow: GradientFlow, kappa: float, states: Array) -> float:
 class HalfDerivative(ListedNumbers):
     """Measures half a derivative of the discrete velocity in time, over its bound.
 
-    Beyond the paper: u̇^h has half a derivative in time, and how large the nodal errors of the projection P_h are.
+    Beyond the paper: u̇^h has half a derivative in time, and the nodal errors of the projection P_h have a bound.
 
     Both statements are lemmas with which the order of the error at moving fronts is proved (paper/velocity.tex,
     paper/fronts.tex). Here they are measured themselves.
 
-    **Half a derivative.** With g = P_h(f − Bu^h), ξ = g − u̇^h, M = max ‖u̇^h‖, W = Var g, Ξ = max ‖ξ‖ in the norm of V
-    and C_2 = 2MW + M²/2 + MΞ, the lemma says for 0 < δ < T/2
+    **Half a derivative.** Let g = P_h(f − Bu^h) and C_2 = 2MW + M²/2 + MΞ with M = max ‖u̇^h‖, W = Var g and Ξ = max ‖g
+    − u̇^h‖ in the norm of V. The lemma says for 0 < δ < T/2
 
         1/δ ∫_0^δ ∫_0^{T−δ} ‖u̇^h(t + τ) − u̇^h(t)‖² dt dτ ≤ C_2 δ.
 
@@ -136,14 +132,15 @@ class HalfDerivative(ListedNumbers):
 
         Σ_n ‖δ_n − δ_{n−1}‖² ≤ ‖δ_0‖² + 2 max_n ‖δ_n‖ (Var f + κ Σ_n k ‖δ_n‖).
 
-    **Nodal errors.** u_s = ζ u is the part of an advancing natural front (``manufactured.natural_motion``) near the
-    front, cut off by ζ = (1 − r²/R²)_+^4 with R = 1/5. The lemma says, with L = |log h|, for all vertices a of Γ3
+    **Nodal errors.** The solution u is an advancing natural front (``manufactured.natural_motion``). Its part near the
+    front is u_s = ζ u with the cut-off ζ = (1 − r²/R²)_+^4, R = 1/5. The lemma says, with L = |log h|, for all vertices
+    a of Γ3
 
         |(P_hu_s − Π^hu_s)_ν(a)| ≤ C h² L (h + |a − x(t)|)^{−1/2}.
 
-    Measured are the largest C/θ over eight places of the front in an edge, and the largest signed error
-    (P_hu_s)_ν(a)/(θ h^{3/2}) at vertices in contact at most three edges behind the front. There u_ν = 0, so P_hu_s
-    violates the constraint where it is positive. θ(t) is the factor of the singular field.
+    θ(t) is the factor of the singular field. Two numbers are measured over eight places of the front in an edge. The
+    first is the largest C/θ. The second is the largest signed error (P_hu_s)_ν(a)/(θ h^{3/2}) at vertices in contact,
+    at most three edges behind the front. There u_ν = 0, so P_hu_s violates the constraint where it is positive.
 
     **Predicted** before these programs existed, from prototypes:
 
@@ -172,7 +169,7 @@ class HalfDerivative(ListedNumbers):
     def measure(self, setup: Experiment) -> Numbers:
         problem = setup.solved or setup.problem
         steps = setup.steps
-        flow = GradientFlow(problem, problem.load(problem.T * np.arange(steps + 1) / steps).T)
+        flow = GradientFlow(problem, problem.load(time_nodes(problem.T, steps)).T)
         numbers = {
             "half": half_quotient(problem, path(problem, MIDPOINT, steps)),
             "euler": euler_quotient(flow, setup.solution.law.kappa, path(problem, BACKWARD_EULER, steps)),
@@ -298,28 +295,26 @@ NEGLIGIBLE_SHARE = positive_at_most(0.02, "negligible against the error")
 class AdvancingFront(ListedNumbers):
     """Measures the error, the interpolation error of the velocity and the excess at an advancing natural front.
 
-    The excess ‖u^h − u^h_lin‖_V is the part of the error that is due to contact: u^h_lin solves the linear problem in
-    which the exact normal stress σ_ν is a given traction.
-
-    It goes beyond the paper: the contact zone grows, and the solution is as singular as contact theory predicts. A
-    *natural front* is the moving end of a frictionless contact zone, with a singularity that is not made smoother on
-    purpose. If the front advances, the solution violates the regularity assumption (5.36).
+    Beyond the paper: the contact zone grows, and the solution is as singular as contact theory predicts. A *natural
+    front* is the moving end of a frictionless contact zone, with a singularity that is not made smoother on purpose. If
+    the front advances, the solution violates the regularity assumption (5.36).
 
     Near a front between contact and separation, elastic displacements of finite energy without forces behave like
-    r^{1/2}; if they neither penetrate the foundation nor need tension, they behave like r^{3/2}. In σ = Aε(u̇) + Gε(u)
+    r^{1/2}. If they neither penetrate the foundation nor need tension, they behave like r^{3/2}. In σ = Aε(u̇) + Gε(u)
     the velocity plays the role of the elastic displacement. Where the front c(t) moves, u ~ r^{3/2} gives u̇ ~ −ċ ∂_x u
     ~ r^{1/2} and p ~ ċ r^{−1/2} for the contact pressure p. This p is positive if ċ > 0, but a tension if ċ < 0. So
-    receding fronts are expected to have gaps ~ r^{5/2} and p ~ r^{1/2}, which satisfies (5.36). paper/fronts.tex proves
-    a part of this in the proposition on moving fronts: no front has both a gap ~ r^{3/2} and a pressure in H^{1/2}.
+    receding fronts are expected to have gaps ~ r^{5/2} and p ~ r^{1/2}, which satisfies (5.36). A part of this is
+    proved (paper/fronts.tex, proposition on moving fronts): no front has both a gap ~ r^{3/2} and a pressure in
+    H^{1/2}.
 
     The measured solution, ``manufactured.natural_motion``, is an advancing front in closed form; its forces f_0 and f_2
     satisfy (3.4). **Predicted** are three orders:
 
     * ‖u − u^h‖ ~ h, because u(t) ∈ H^{5/2−ε}. Theorem 4.1 and Proposition 5.3 apply. Proposition 5.4 does not apply;
-      its proof gives the order 1/2. After this prediction two theorems were proved, for polygons with the regularity
-      (Reg) of paper/fronts.tex and loads of bounded variation in time: the error is at most C h |log h| for fronts that
-      advance with a speed above a positive bound, as here, and at most C h^{9/10} |log h|^{3/5} for fronts of any
-      speed.
+      its proof gives the order 1/2. After this prediction two theorems were proved. They hold for polygons with the
+      regularity (Reg) of paper/fronts.tex and for loads of bounded variation in time. The error is at most C h |log h|
+      if fronts advance with a speed above a positive bound, as here. It is at most C h^{9/10} |log h|^{3/5} for fronts
+      of any speed.
     * ‖u̇ − Π^h u̇‖_{L²(0,T;V)} ~ h^{1/2}. Observed orders are higher on coarse meshes, because smooth parts have order
       1.
     * The *excess* ‖u^h − u^h_lin‖ has an order between 1 and 3/2; the proof gives 1/2. Here u^h_lin solves the linear
@@ -330,8 +325,8 @@ class AdvancingFront(ListedNumbers):
     **Predicted** for what the proofs of these theorems use, from a prototype with one diagonal and n ≤ 128. L is |log
     h|:
 
-    * *(local)* is ∫_0^T (Σ_a λ_a (P_hu)_ν(a))^+ dt, the work of the discrete contact forces λ_a on violations of the
-      constraint by P_hu, the projection of u onto V^h in (·,·)_V. At most C h² L² is proved (last remark of
+    * *(local)* is ∫_0^T (Σ_a λ_a (P_hu)_ν(a))^+ dt. It is the work of the discrete contact forces λ_a where P_hu
+      violates the constraint; P_h is the projection onto V^h in (·,·)_V. At most C h² L² is proved (last remark of
       paper/fronts.tex). The prototype has at most 0.001 h² L². At most 0.01 h² L² is demanded: with |(P_hu)_ν(a)| in
       place of (P_hu)_ν(a) it would be 0.05 to 0.16. Unstructured meshes, which the prototype did not have, were found
       to need up to 0.0044.
@@ -357,19 +352,18 @@ class AdvancingFront(ListedNumbers):
             around(1, STEEPER, "the order of the interpolation error; proved up to a logarithm"),
             levels=ENOUGH,
         ),
-        consequence(
+        fitted_order(
             "rate",
             "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}",
-            fitted("rate", last=2),
+            "rate",
             between(0.5, 0.5, STEEPER, 0.25, "order from the two finest levels; smooth parts of u̇ raise it"),
-            levels=ENOUGH,
+            last=2,
         ),
-        consequence(
+        fitted_order(
             "excess",
             "order of the excess ‖u^h − u^h_lin‖ over the linear problem",
-            fitted("excess"),
+            "excess",
             between(1, 1.5, STEEPER, STEEPER, "3/2 if the front leaves the same error in every cell, 1 if not"),
-            levels=ENOUGH,
         ),
         accuracy("time", "change of u^h with half the time step / error", values("time share"), NEGLIGIBLE_SHARE),
         consequence(
@@ -423,11 +417,9 @@ class AdvancingFront(ListedNumbers):
         riesz = Cholesky(problem.M)
         changes = []
         for time in midpoints(problem.T, FEW_INSTANTS):
-            finer, coarser = (
-                load_from_forces(solution, space, time, degree) for degree in (RAISED_FORCE_DEGREE, FORCE_DEGREE)
-            )
-            changes.append(dual_norm(finer - coarser, riesz))
-        rates = Velocity(solution, space).interpolation_error(midpoints(problem.T, ERROR_INSTANTS))
+            finer = load_from_forces(solution, space, time, RAISED_FORCE_DEGREE)
+            changes.append(dual_norm(finer - force(time), riesz))
+        rates = Energies(solution, space, along=()).velocity_error(midpoints(problem.T, ERROR_INSTANTS))
         numbers = {
             "error": error,
             "rate": math.sqrt(problem.T * np.mean(rates**2)),
@@ -446,7 +438,7 @@ def pressure_load(solution: ExactSolution, space: Space, time: float) -> Array:
 
     The quadrature points are graded towards the front, where σ_ν is singular.
     """
-    return ContactWork(solution, space, (front_at(solution, time),)).load(time)
+    return contact_load(solution, space, (front_at(solution, time),))(time)
 
 
 def violation(v_norm: ErrorNorm, problem: SemiDiscrete, forces: Array) -> float:

@@ -21,7 +21,7 @@ from manufactured.tensors import Array, Tensors, mandel
 from study.fem.error_norm import rules
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
-from study.ledger.check import Check, accuracy
+from study.ledger.check import accuracy
 from study.ledger.codes import FROZEN, MADE, MARCH, NOT_EXPRESSED, OtherErrors
 from study.ledger.datafiles import CsvFile
 from study.ledger.quantities import quotients, values
@@ -32,7 +32,7 @@ from study.statements.prop_5_4 import RATES, RateSetting
 from study.statements.shared import estimates
 from study.statements.shared.base import JOINED_SUFFIX as OF_FILE
 from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, Statement, grid, with_h
-from study.statements.shared.norms import maximum
+from study.statements.shared.norms import hat_functions, maximum
 from study.statements.shared.scope import Scope
 from study.statements.shared.tasks import FROZEN_TIMES, Task
 
@@ -51,123 +51,93 @@ Trajectory = tuple[Array, Array]
 
 
 class PlainProblem:
-    """The semi-discrete contact problem (Problem 5.1) with P1 elements on one mesh.
+    """A second, simple solver of the semi-discrete contact problem (Problem 5.1), for tests of the first solver.
 
-    A second, simple solver of the semi-discrete contact problem (Problem 5.1), for tests of the first solver.
+    ``Recomputed`` compares both solvers. They share only the exact solution, the mesh, and the lines along which cells
+    are cut for quadrature. In this solver gradients come from inverse matrices of coordinates. Integrals are sums over
+    the points of a finer quadrature rule, without the faster formulas of ``study.fem``. The law is evaluated at these
+    points.
 
-    The class ``Recomputed`` compares both. They share only the exact solution, the mesh, and the lines along which
-    cells are cut for quadrature. Here gradients come from inverse matrices of coordinates. Integrals are sums over the
-    points of a finer quadrature rule, without the faster formulas of ``study.fem``. The law is evaluated at these
-    points: in every iteration, or once for the matrix if it is linear. A step of the midpoint rule
+    A step of the midpoint rule
 
         M (u_n − u_{n−1})/k + (Gε((u_n + u_{n−1})/2), ε(·))_Q + Nᵀλ_n = F(t_{n−1/2})
 
-    is solved by a fixed-point iteration for u_n, also for a linear law, with a factorisation of M by SuperLU. The
-    iteration first assumes that the positive multipliers are the same as in the last iteration. If this gives no
-    solution, the method of Lawson and Hanson is used.
+    is solved by a fixed-point iteration for u_n, also for a linear law. SuperLU factorises M. The method of Lawson and
+    Hanson computes the contact forces in each iteration.
 
     Attributes:
         free: the indices of the n unknowns among the values at all vertices, which are ordered vertex by vertex, (n,).
+        E: the matrix from unknowns to strains, (D · cells, n). The rows for all components 11 come first.
+        cell: the cell of each quadrature point, (points,).
+        sums: the matrix that integrates values at the points over each cell, (cells, points).
+        law, exact: the law and the exact solution at the points.
+        faces: for each contact face the matrix that maps the pressure at its quadrature points to a load, (n, points),
+            and the exact solution at these points.
         M: the matrix of the viscous form (A ε(u), ε(v))_Q, (n, n).
+        elastic: the function v ↦ (Gε(v), ε(·))_Q, (n,) → (n,).
         N: the matrix that maps v to its normal displacements v_ν at the contact vertices that are not clamped, with one
             row for each vertex and normal, (m, n).
     """
 
     def __init__(self, solution: ExactSolution, mesh: Mesh) -> None:
         self.solution = solution
-        self.mesh = mesh
         self.dim = int(mesh.dim())
         tolerance = ON * float(np.ptp(mesh.p))
-        fixed = np.any([part.contains(mesh.p, tolerance) for part in solution.body.of(Kind.CLAMPED)], axis=0)
-        self.free = np.flatnonzero(np.repeat(~fixed, self.dim))
-        self.numbers = np.full(fixed.size * self.dim, -1)
-        self.numbers[self.free] = np.arange(self.free.size)
-        on = [np.flatnonzero(face.part.contains(mesh.p, tolerance)) for face in solution.faces]
-        self._set_points(on)
-        self._set_forms()
-        # The matrices of the contact problem: N, M⁻¹Nᵀ, Q = NM⁻¹Nᵀ and R with RᵀR = Q. A vertex on two faces with equal
-        # normals has one row.
-        rows: dict[tuple[int, ...], Array] = {}
-        for face, vertices in zip(self.solution.faces, on, strict=True):
-            normal = face.part.normal
-            for vertex in vertices[~fixed[vertices]]:
-                rows[(vertex, *normal.round(9))] = normal
-        columns = self.numbers[self.dim * np.array([vertex for vertex, *_ in rows])[:, None] + np.arange(self.dim)]
-        numbers = np.repeat(np.arange(len(rows)), self.dim)
-        entries = np.ravel([*rows.values()]), (numbers, columns.ravel())
-        self.N = sps.csr_array(entries, shape=(len(rows), self.free.size))
-        self._response = self._solve(self.N.T.toarray())
-        self._normal = self.N @ self._response
-        self._root = cholesky(self._normal)
-
-    def _set_points(self, on: list[Array]) -> None:
-        """Set the quadrature points in the cells and on Γ3, with the law and the exact solution at these points.
-
-        The attribute ``faces`` has for each contact face its normal, the matrix that maps the pressure at its points to
-        nodal forces, (vertices, points), and the exact solution at the points.
-
-        Args:
-            on: for each contact face, the indices of the vertices on it.
-        """
-        on_cells = rules(self.solution, self.mesh, FINE_DEGREE if self.dim == 2 else FINE_SOLID_DEGREE)
-        self.cell = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in on_cells])
-        self.weights = np.concatenate([rule.weights.ravel() for rule in on_cells])
-        within = self.cell, np.arange(self.cell.size)
-        self.sums = sps.csr_array((self.weights, within), shape=(self.mesh.t.shape[1], self.cell.size))
-        points = np.concatenate([rule.points.reshape(self.dim, -1) for rule in on_cells], axis=1)
-        self.law = self.solution.law.at(points)
-        self.exact = self.solution.at(points)
-        self.at_vertices = self.solution.at(self.mesh.p)
+        clamped = np.any([part.contains(mesh.p, tolerance) for part in solution.body.of(Kind.CLAMPED)], axis=0)
+        self.free = np.flatnonzero(np.repeat(~clamped, self.dim))
+        self.at_vertices = solution.at(mesh.p)
+        self._set_strains(mesh)
         self.faces = []
-        boundary = self.mesh.boundary_facets()
-        for face, vertices in zip(self.solution.faces, on, strict=True):
-            facets = boundary[np.isin(self.mesh.facets[:, boundary], vertices).all(axis=0)]
+        selected = sps.eye_array(clamped.size, format="csr")
+        rows = []
+        for face in solution.faces:
+            touching = face.part.contains(mesh.p, tolerance)
+            boundary = mesh.boundary_facets()
+            facets = boundary[touching[mesh.facets[:, boundary]].all(axis=0)]
             count = FINE_POINTS if self.dim == 2 else FINE_SOLID_POINTS
-            rule = facet_rule(self.mesh, facets, face.part, face.rough, count)
-            shares = rule.shapes * rule.weights
-            columns = np.arange(rule.weights.size).reshape(rule.weights.shape)
-            at = (
-                np.broadcast_to(axis, shares.shape).ravel()
-                for axis in (self.mesh.facets[:, rule.facets, None], columns)
-            )
-            nodal = sps.csr_array((shares.ravel(), tuple(at)), shape=(self.mesh.p.shape[1], columns.size))
-            self.faces.append((face.part.normal, nodal, self.solution.on(face, rule.s)))
-
-    def _set_forms(self) -> None:
-        """Set the strains of the basis functions in each cell, and the viscous and elastic forms.
-
-        The strains of the basis functions φ_i e_j have the shape (cells, D, (d + 1) d). The attribute ``elastic`` is
-        the function v ↦ (Gε(v), ε(·))_Q, (n,) → (n,).
-        """
-        corners = np.moveaxis(self.mesh.p[:, self.mesh.t], -1, 0).swapaxes(1, 2)
-        gradients = np.linalg.inv(np.insert(corners, 0, 1.0, axis=2))[:, 1:]
-        jacobians = np.einsum("jk,cli->jlcik", np.eye(self.dim), gradients)
-        self.strains = np.moveaxis(mandel(jacobians), 0, 1).reshape(len(gradients), -1, (self.dim + 1) * self.dim)
-        self.local = (self.dim * self.mesh.t.T[..., None] + np.arange(self.dim)).reshape(len(gradients), -1)
+            rule = facet_rule(mesh, facets, face.part, face.rough, count)
+            nodal = hat_functions(mesh, rule).T * rule.weights.ravel()
+            load = sps.csr_array(sps.kron(nodal, face.part.normal[:, None]))[self.free]
+            self.faces.append((load, solution.on(face, rule.s)))
+            rows.append(sps.kron(selected[touching & ~clamped], face.part.normal[None]))
+        every = sps.csr_array(sps.vstack(rows))[:, self.free]
+        # A vertex on two faces with equal normals has one row.
+        _, first = np.unique(every.toarray().round(9), axis=0, return_index=True)
+        self.N = every[np.sort(first)]
         self.M = self._form(self.law.A)
         self._solve = splu(self.M, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve
-        if isinstance(self.solution.law.G, Linear):
+        if isinstance(solution.law.G, Linear):
             self.elastic = self._form(self.law.G).__matmul__
         else:
             self.elastic = lambda v: self.work(self.law.G(self.strain(v)))
+        # M⁻¹Nᵀ, and R with RᵀR = NM⁻¹Nᵀ.
+        self._response = self._solve(self.N.T.toarray())
+        self._root = cholesky(self.N @ self._response)
+
+    def _set_strains(self, mesh: Mesh) -> None:
+        """Set the quadrature points in the cells, with the law and the exact solution there, and the strain matrix."""
+        on_cells = rules(self.solution, mesh, FINE_DEGREE if self.dim == 2 else FINE_SOLID_DEGREE)
+        self.cell = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in on_cells])
+        self.weights = np.concatenate([rule.weights.ravel() for rule in on_cells])
+        self.sums = sps.csr_array((self.weights, (self.cell, np.arange(self.cell.size))))
+        points = np.concatenate([rule.points.reshape(self.dim, -1) for rule in on_cells], axis=1)
+        self.law = self.solution.law.at(points)
+        self.exact = self.solution.at(points)
+        # The basis functions are φ_i e_k, where φ_i is the hat function of a vertex.
+        corners = mesh.p[:, mesh.t].T
+        gradients = np.linalg.inv(np.insert(corners, 0, 1.0, axis=2))[:, 1:]
+        strains = mandel(np.einsum("jk,cli->jlcik", np.eye(self.dim), gradients))
+        numbers = np.broadcast_to(self.dim * mesh.t.T[..., None] + np.arange(self.dim), strains.shape)
+        ends = np.arange(0, strains.size + 1, (self.dim + 1) * self.dim)
+        self.E = sps.csr_array((strains.ravel(), numbers.ravel(), ends))[:, self.free]
 
     def _form(self, law: Callable[[Tensors], Tensors]) -> sps.csc_array:
         """Return the matrix of the form (Cε(u), ε(v))_Q for a linear law C, (n, n)."""
-        columns = [self._tested(law(each[self.cell].T)) for each in np.moveaxis(self.strains, 2, 0)]
-        local = np.stack(columns, axis=2)
-        rows, cols = (np.broadcast_to(axis, local.shape) for axis in (self.local[..., None], self.local[:, None]))
-        size = self.numbers.size
-        full = sps.csc_array((local.ravel(), (rows.ravel(), cols.ravel())), shape=(size, size))
-        return sps.csc_array(full[self.free][:, self.free])
-
-    def _tested(self, stress: Tensors) -> Array:
-        """Return the integrals ∫_T σ·ε(φ) for the basis functions φ of each cell T, (cells, (d + 1) d).
-
-        Args:
-            stress: σ at the quadrature points in the cells, (D, points).
-        """
-        means = np.array([self.sums @ row for row in stress])
-        return np.einsum("Ic,cIk->ck", means, self.strains)
+        units = np.eye(len(self.E.indptr) // self.sums.shape[0])
+        columns = [self.sums @ law(np.tile(unit[:, None], self.cell.size)).T for unit in units]
+        components = np.transpose(columns, (2, 0, 1))
+        tensor = sps.block_array([[sps.diags_array(values) for values in row] for row in components])
+        return sps.csc_array(self.E.T @ tensor @ self.E)
 
     def work(self, stress: Tensors) -> Array:
         """Return the work of a stress on strains as a load vector, v ↦ (σ, ε(v))_Q, (n,).
@@ -175,50 +145,39 @@ class PlainProblem:
         Args:
             stress: σ at the quadrature points in the cells, (D, points).
         """
-        return np.bincount(self.local.ravel(), self._tested(stress).ravel(), self.numbers.size)[self.free]
+        return self.E.T @ (self.sums @ stress.T).T.ravel()
 
     def strain(self, v: Array) -> Tensors:
         """Return the strain ε(v) at the quadrature points in the cells, (D, points)."""
-        full = np.zeros(self.numbers.size)
-        full[self.free] = v
-        return np.take(np.einsum("cIk,ck->Ic", self.strains, full[self.local]), self.cell, axis=1)
+        return np.take((self.E @ v).reshape(-1, self.sums.shape[0]), self.cell, axis=1)
 
     def load(self, time: float) -> Array:
         """Return the load vector at one time, from the exact stress and pressure, (n,).
 
         It is the functional v ↦ (σ, ε(v))_Q + ∫_{Γ3} p v_ν.
         """
-        load = self.work(self.exact.stress(time))
-        for normal, nodal, exact in self.faces:
-            load += np.multiply.outer(nodal @ exact.pressure(time).ravel(), normal).ravel()[self.free]
-        return load
+        on_faces = [load @ exact.pressure(time).ravel() for load, exact in self.faces]
+        return self.work(self.exact.stress(time)) + np.sum(on_faces, axis=0)
 
     def interpolant(self, time: float) -> Array:
         """Return the nodal interpolant Π^h u(t) of the exact displacement, (n,)."""
         return self.at_vertices.displacement(time).T.ravel()[self.free]
 
-    def contact(self, b: Array, k: float, last: Array) -> tuple[Array, Array]:
-        """Solve the contact problem of one time step.
+    def contact(self, b: Array, k: float) -> tuple[Array, Array]:
+        """Solve the contact problem of one time step by the method of Lawson and Hanson.
 
-        The problem is M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0. With Q = NM⁻¹Nᵀ, λ solves a complementarity problem
-        with Qλ ≥ NM⁻¹b. First it is solved with the assumption that the same multipliers are positive as in ``last``.
-        If this gives no solution, the method of Lawson and Hanson is used.
+        The problem is M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0. With RᵀR = NM⁻¹Nᵀ, λ minimises
+        |Rλ − R⁻ᵀNM⁻¹b| over λ ≥ 0.
 
         Args:
             b: the right-hand side, (n,).
             k: the time step.
-            last: multipliers of an earlier solution, (m,).
 
         Returns:
             The displacement u, (n,), and the multipliers λ, (m,).
         """
         free = self._solve(b)
-        positive = last > 0
-        multipliers = np.zeros(len(last))
-        entering = self.N @ free
-        multipliers[positive] = np.linalg.solve(self._normal[positive][:, positive], entering[positive])
-        if not ((multipliers[positive] > 0).all() and (self._normal @ multipliers >= entering)[~positive].all()):
-            multipliers, _ = nnls(self._root, solve_triangular(self._root, entering, trans="T"))
+        multipliers, _ = nnls(self._root, solve_triangular(self._root, self.N @ free, trans="T"))
         return k * (free - self._response @ multipliers), multipliers
 
     def trajectory(self, steps: int, load: Callable[[float], Array]) -> Trajectory:
@@ -233,15 +192,14 @@ class PlainProblem:
         """
         k = self.solution.body.T / steps
         u = self.interpolant(0.0)
-        multipliers = np.zeros(self.N.shape[0])
         guess = u
         displacements = [u]
-        forces = [multipliers]
+        forces = [np.zeros(self.N.shape[0])]
         for n in range(steps):
             before = u
             b = load((n + 0.5) * k) + self.M @ u / k
             for _ in range(MOST_ITERATIONS):
-                u, multipliers = self.contact(b - self.elastic((guess + before) / 2), k, multipliers)
+                u, multipliers = self.contact(b - self.elastic((guess + before) / 2), k)
                 if self.norm(u - guess) <= SETTLED * self.norm(u):
                     break
                 guess = u
@@ -304,7 +262,8 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
         own_load, same_load: the trajectories of the second solver with its own load and with the load of the study.
     """
     states = list(setup.march(2 * setup.steps))
-    u, multipliers = (np.array([getattr(state, name) for state in states]) for name in ("u", "multipliers"))
+    u = np.array([state.u for state in states])
+    multipliers = np.array([state.multipliers for state in states])
     sizes = [plain.norm(v) for v in own_load[0]]
     size_of_forces = np.linalg.norm(own_load[1])
     # Both loads start from the same initial value.
@@ -321,22 +280,7 @@ def quotient(difference: Any, size: Any) -> float:
     return float(difference / size if size else difference > 0)
 
 
-def ratio(column: str, norm: str, window: Window) -> Check:
-    """Return the criterion for the quotient (error in ``rates.csv``) / (recomputed error), on every level.
-
-    Args:
-        column: the column with the error, which is also the key of the check.
-        norm: the formula of the error.
-        window: the tolerance window.
-    """
-    reported = f"{column}{OF_FILE}"
-
-    quantity = f"{norm} in rates.csv / computed again"
-    shares = quotients(reported, column)
-    return accuracy(column.replace("_", "-"), quantity, shares, window)
-
-
-SAME = around(1, 0.005, "quadrature")
+IN_BOTH = "in rates.csv / computed again"
 FORCES = "|λ − λ̃| / |λ̃| over all steps"
 DISPLACEMENTS = "max_n ‖u^h_n − ũ^h_n‖_V / max_n ‖ũ^h_n‖_V"
 BOTH_SAME_LOAD = "both with the same load"
@@ -381,8 +325,8 @@ class Recomputed(Statement):
 
     **Predicted** are the following differences. ``ErrorNorm`` integrates by rules of degree 4 with points moved along
     the face, the second solver by rules of degree 10. By the triangle inequality, checks of ``rates.csv`` bound the
-    effect of quadrature by 2 %. Both rules cut the same cells, so their difference is much smaller: errors agree within
-    0.5 %, and the discrete errors, which are a few times smaller, within 1 %. Trajectories differ only because of the
+    effect of quadrature by 2 %. Both rules cut the same cells, so their difference is much smaller. Errors agree within
+    0.5 %. The discrete errors are a few times smaller and agree within 1 %. Trajectories differ only because of the
     load. Its relative quadrature error is smaller by a power of h than the error of the solution, so displacements
     agree within 2e-3. Nodal forces are differences of large terms and agree within 1 %. The initial value Π^h u_0 needs
     no quadrature.
@@ -399,17 +343,29 @@ class Recomputed(Statement):
     joined_file = RATES
     per_step = 120.0, 600.0
     checks = (
-        ratio("error", "‖u − u^h‖_V", SAME),
-        ratio("interpolation_error", "‖u − Π^h u‖_V", SAME),
-        ratio("discrete_error", "‖Π^h u − u^h‖_V", around(1, 0.01, "quadrature, also of the load")),
+        accuracy(
+            "error", f"‖u − u^h‖_V {IN_BOTH}", quotients(f"error{OF_FILE}", "error"), around(1, 0.005, "quadrature")
+        ),
+        accuracy(
+            "interpolation-error",
+            f"‖u − Π^h u‖_V {IN_BOTH}",
+            quotients(f"interpolation_error{OF_FILE}", "interpolation_error"),
+            around(1, 0.005, "quadrature"),
+        ),
+        accuracy(
+            "discrete-error",
+            f"‖Π^h u − u^h‖_V {IN_BOTH}",
+            quotients(f"discrete_error{OF_FILE}", "discrete_error"),
+            around(1, 0.01, "quadrature, also of the load"),
+        ),
         *TRAJECTORIES,
     )
 
     def settings(self, scope: Scope) -> list[RateSetting]:
         """Return the settings: every case on all its mesh families in the study, on the coarsest level.
 
-        On random meshes the cases of Proposition 5.3 and the cases with a narrow contact patch are left out: their
-        quadrature error depends on the random size of the cells at the singularity or below the patch.
+        On random meshes the cases of Proposition 5.3 and the cases with a narrow contact patch are left out. Their
+        quadrature error depends on the random size of a few cells, at the singularity or below the patch.
         """
         return [
             RateSetting(reference, family.name, level, scope.scheme, scope.steps(case, level))
@@ -431,9 +387,9 @@ class Recomputed(Statement):
 
 LABEL = "other codes"
 ALL_PROBLEMS = "all cases"
+
+
 ROUNDED_IN_FILES = at_most(1e-10, "of the error; ten times the rounding of numbers in a task file")
-DEFORMED = at_most(1e-8, "of the error; this code evaluates contact in the deformed position, 1e-5 away")
-OWN = at_most(0.1, "equal to nine digits; 1 if one code copies the solutions of another")
 
 
 @dataclass(frozen=True)
@@ -460,14 +416,16 @@ PEERS = (
     Peer("snesvi", "DOLFINx + PETSc SNESVI", "vinewtonrsls, rtol 1e-12"),
     Peer("getfem", "GetFEM", "nodal augmented Lagrangian, r = g"),
     Peer("freefem", "FreeFEM", "scripted primal-dual active set"),
-    Peer("kratos", "Kratos", "ALM mortar, foundation as fine as the face", DEFORMED),
+    Peer(
+        "kratos",
+        "Kratos",
+        "ALM mortar, foundation as fine as the face",
+        at_most(1e-8, "of the error; this code evaluates contact in the deformed position, 1e-5 away"),
+    ),
 )
 PLANE = "advance-recede", "rotated", "corner", "layered", "anisotropic", "lift-and-land"
 MARCHED = frozenset(grid(("advance-recede", "anisotropic"), ("one-diagonal",), (8, 16, 32)))
 """The settings in which solutions in time are compared as well."""
-MODE, CODE, VERSION_COLUMN, VARIANT, CLASS, ERROR_COLUMN, DISTANCE_COLUMN = (
-    name + OF_FILE for name in OtherErrors.columns[4:]
-)
 PROBLEM_KEY = ["case", "family", "level", "quantity"]
 """The columns that identify a problem. The column "quantity" is the mode, static ("frozen") or in time ("march")."""
 
@@ -495,10 +453,10 @@ class OtherCodes(ListedNumbers):
 
     **No copies.** A further check tests that no column of errors was copied from another code. Linear solvers of
     different codes round differently. A task contains the solution in K^h with 14 digits. The distance of a code from
-    it consists of the missing digits, which are the same for all codes, and of the round-off of the code, about a
-    thousandth of the distance. So two codes agree by chance in the nine reported digits on one mesh in a million;
-    copied columns agree on all meshes. (The errors cannot be used for this test: in double precision they agree on up
-    to three meshes of eight.)
+    it has two parts: the missing digits, which are the same for all codes, and the round-off of the code. The second
+    part is about a thousandth of the distance. So two codes agree by chance in the nine reported digits on one mesh in
+    a million; copied columns agree on all meshes. (The errors cannot be used for this test: in double precision they
+    agree on up to three meshes of eight.)
     """
 
     label = LABEL
@@ -519,7 +477,8 @@ class OtherCodes(ListedNumbers):
         return with_h(task.space.h, errors)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        if CODE not in rows or rows[CODE].isna().all():
+        rows = rows.rename(columns=lambda name: name.removesuffix(OF_FILE))
+        if "code" not in rows or rows["code"].isna().all():
             nothing = float("nan"), NOWHERE, REPORTED
             made = f"no claim: these data lack the file with errors of other codes, which `{MADE}` makes"
             return [row(self, "none", "errors of other codes", Window(), nothing, ALL_PROBLEMS, expected=made)]
@@ -531,9 +490,9 @@ class OtherCodes(ListedNumbers):
         It is undecided if the code lacks a problem without a documented reason.
         """
         problems = rows_of(rows, peer.code, peer.variant)
-        run = problems[problems[CLASS] != NOT_EXPRESSED]
+        run = problems[problems["class"] != NOT_EXPRESSED]
         missing = len(rows[PROBLEM_KEY].drop_duplicates()) - len(problems)
-        name = f"{peer.code} {' '.join(sorted(run[VERSION_COLUMN].unique()))}, {peer.variant}"
+        name = f"{peer.code} {' '.join(sorted(run['version'].unique()))}, {peer.variant}"
         quantity = f"{name}: |‖u − u^h‖_V / error of this study − 1|, {len(run)} problems"
         judged = accuracy(peer.key, quantity, differences, peer.window, levels=0).verdict(self, ALL_PROBLEMS, {"": run})
         if not missing:
@@ -548,11 +507,17 @@ class OtherCodes(ListedNumbers):
         The largest fraction of such problems is judged.
         """
         names = [THIS_STUDY, *((peer.code, peer.variant) for peer in PEERS)]
-        columns = [rows_of(rows, *name).set_index(PROBLEM_KEY)[DISTANCE_COLUMN].dropna() for name in names]
+        columns = [rows_of(rows, *name).set_index(PROBLEM_KEY)["distance"].dropna() for name in names]
         both = [pd.concat(pair, axis=1, join="inner").to_numpy() for pair in combinations(columns, 2)]
         shares = np.array([np.mean(pair[:, 0] == pair[:, 1]) for pair in both if len(pair)])
         quantity = "share of problems in which two codes have the same distance from the solution in K^h"
-        return accuracy("own-digits", quantity, lambda _: shares, OWN, levels=0).verdict(self, ALL_PROBLEMS, {"": rows})
+        return accuracy(
+            "own-digits",
+            quantity,
+            lambda _: shares,
+            at_most(0.1, "equal to nine digits; 1 if one code copies the solutions of another"),
+            levels=0,
+        ).verdict(self, ALL_PROBLEMS, {"": rows})
 
     def cost(self, setting: Setting) -> float:
         """Return the expected run time in µs.
@@ -564,7 +529,7 @@ class OtherCodes(ListedNumbers):
 
 def differences(rows: pd.DataFrame) -> Array:
     """Return the relative differences of the errors of another code and of this study."""
-    return (rows[ERROR_COLUMN] / rows["value"] - 1).abs().to_numpy()
+    return (rows["error"] / rows["value"] - 1).abs().to_numpy()
 
 
 def rows_of(rows: pd.DataFrame, code: str, variant: str) -> pd.DataFrame:
@@ -572,4 +537,4 @@ def rows_of(rows: pd.DataFrame, code: str, variant: str) -> pd.DataFrame:
 
     The mode of the code, static or in time, must agree with the quantity of the row.
     """
-    return rows[(rows[MODE] == rows["quantity"]) & (rows[CODE] == code) & (rows[VARIANT] == variant)]
+    return rows[(rows["mode"] == rows["quantity"]) & (rows["code"] == code) & (rows["variant"] == variant)]

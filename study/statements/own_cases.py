@@ -1,19 +1,19 @@
 """Verdicts on the case of a user: a check *fails* only if the data contradict the statement.
 
-The cases of the catalogue were designed as tests. A user's case may not be suitable: its meshes are too coarse, its
-time steps too long, or its largest error is at t = 0, where the error is only an interpolation error. Then a check that
-misses its window is *undecided*, and its text names the reason and a remedy. A check still fails if
+The cases of the catalogue were designed as tests. A user's case may not be suitable. Its meshes may be too coarse or
+its time steps too long. Or its largest error is at t = 0, where the error is only an interpolation error. Then a check
+that misses its window is *undecided*, and its text names the reason and a remedy. A check still fails if
 
-* the last two orders lie outside the window on the same side, and the distance of the second one from the predicted
-  order p is more than NEARER = 0.8 times the distance of the first. If e = C h^p (1 + c h^q) this distance shrinks by
-  2^{−q}; if the errors have a limit e∞ > 0, it grows;
+* the last two orders lie outside the window on the same side, and the second one is hardly nearer to the predicted
+  order p: its distance is more than NEARER = 0.8 times the distance of the first. If e = C h^p (1 + c h^q) this
+  distance shrinks by 2^{−q}; if the errors have a limit e∞ > 0, it grows;
 * errors do not fall on the finest meshes, or fall ever more slowly although the limit must be 0;
 * a value is NaN, or an identity is violated: residuals, u^h on Γ1, the parallelogram law.
 
 Some checks, such as the check of the order of ‖Π^h u − u^h‖_V, only show that the observed order belongs to u^h and not
 to the interpolation error. The paper does not claim these orders, so such a check is undecided if it misses its window.
 The paper claims nothing about the contact force either. If the error of its resultant exceeds its window on the finest
-meshes, these meshes do not resolve contact, and the orders of the force are undecided, whether they lie in their
+meshes, these meshes do not resolve contact. Then the orders of the force are undecided, whether they lie in their
 windows or not.
 """
 
@@ -102,8 +102,7 @@ def unclaimed(verdict: Verdict) -> Verdict:
     On one-diagonal meshes the order of the contact force is higher by one half. The paper does not claim this half, and
     it appears only on fine meshes if contact fronts are a few cells apart.
     """
-    superclose = DUAL_ORDERS[True]
-    other = DUAL_ORDERS[False]
+    superclose, other = DUAL_ORDERS
     missed = (verdict.label, verdict.key, verdict.verdict) == (ContactForce.label, superclose.key, FAILS)
     if not (missed and other.window.contains(verdict.observed)):
         return verdict
@@ -173,7 +172,7 @@ def why_missed(series: Sequence[Array], target: float, room: float, remedy: str)
     """Return why observed values differ from their predicted limit, or "" if coarse meshes do not explain it.
 
     The reason is that values scatter or are not asymptotic yet. Coarse meshes are no explanation if the last two values
-    of a series miss the limit by more than the tolerance on the same side, and the last one is hardly nearer to it.
+    of a series miss the limit on the same side by more than the tolerance, and the last one is hardly nearer.
 
     Args:
         series: for every mesh family, the values from coarse to fine.
@@ -206,12 +205,9 @@ def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
     """
     extended = list(levels)
     while len(extended) < needed:
-        last = extended[-1]
-        before = extended[-2] if len(extended) > 1 else 0
-        if last < 2 * before:
-            extended.append(2 * last - before)
-        else:
-            extended.append(2 * last if dim == 2 else last + max(1, last // 2))
+        before, last = [0, *extended][-2:]
+        doubling = last if dim == 2 else max(1, last // 2)
+        extended.append(last + (last - before if last < 2 * before else doubling))
     return extended
 
 

@@ -66,9 +66,9 @@ def record(name: str, motion: Motion, every: int) -> Numbers:
 
         Each of ``faces`` has gap, pressure and their exact values at the contact vertices. In 2D these are written as
         numbers, ``zone_exact`` has the ends of the exact contact zone, and ``line`` has exact values at evenly spaced
-        points, compressed. In 3D all values are compressed, ``nodes`` are the indices of the contact vertices in
-        ``vertices``, and ``level_exact`` is the level function ψ at these vertices and at the midpoints between them;
-        the exact zone is {ψ ≥ 0}.
+        points, compressed. In 3D all values are compressed, and ``nodes`` are the indices of the contact vertices in
+        ``vertices``. ``level_exact`` is the level function ψ at these vertices and at the midpoints between them; the
+        exact zone is {ψ ≥ 0}.
     """
     solution = motion.solution
     space = motion.space
@@ -179,11 +179,10 @@ def intervals(s: Array, level: Array) -> list[list[float]]:
         level: the values of ψ at the points, (points,).
     """
     inside = level >= 0
-    crossing = np.flatnonzero(inside[1:] != inside[:-1])
-    jump = level[crossing + 1] - level[crossing]
-    roots = s[crossing] - level[crossing] * (s[crossing + 1] - s[crossing]) / jump
-    ends = [*([s[0]] if inside[0] else []), *roots, *([s[-1]] if inside[-1] else [])]
-    return [short(np.array(pair)) for pair in zip(ends[::2], ends[1::2], strict=True)]
+    crossing = np.flatnonzero(np.diff(inside))
+    roots = s[crossing] - level[crossing] * np.diff(s)[crossing] / np.diff(level)[crossing]
+    ends = np.concatenate([s[:1][inside[:1]], roots, s[-1:][inside[-1:]]])
+    return [short(pair) for pair in ends.reshape(-1, 2)]
 
 
 class Pictures(Statement):

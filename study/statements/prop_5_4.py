@@ -3,9 +3,9 @@
 The other statements that are judged from ``rates.csv`` stand here as well: (5.23), the size of the interpolation error;
 (5.36), the regularity that Proposition 5.4 assumes; and, beyond the paper, bodies with an initial gap.
 
-**Measured.** Problem 5.1 is solved for every exact solution that satisfies (5.36), on one or two mesh families, on
-finer and finer meshes; two cases are measured on every mesh family that can mesh their bodies. A row of ``rates.csv``
-is one mesh. It holds the maxima over time of the error ‖u − u^h‖_V, of the interpolation error ‖u − Π^h u‖_V and of the
+**Measured.** Problem 5.1 is solved for every exact solution that satisfies (5.36), on finer and finer meshes of one or
+two mesh families. Two cases are measured on every mesh family that can mesh their bodies. A row of ``rates.csv`` is one
+mesh. It holds the maxima over time of the error ‖u − u^h‖_V, of the interpolation error ‖u − Π^h u‖_V and of the
 discrete error ‖Π^h u − u^h‖_V. Diagnostics show that other errors are negligible: the error of time steps, the
 quadrature error, the residual of the contact solver, and u^h on Γ1.
 
@@ -26,9 +26,9 @@ error is judged by three relations; the first one shares no code with the comput
   interpolation error were reported as the error by mistake, the other relations would hold, because both errors are
   nearly equal.
 
-**Why ‖Π^h u − u^h‖_V is reported as well.** For piecewise linear functions the error is nearly all interpolation
-error, and its maximum may be at t = 0, before anything is solved. The discrete error shows the work of the solver;
-its order and its share of the interpolation error are judged separately.
+**Why ‖Π^h u − u^h‖_V is reported as well.** For piecewise linear functions nearly the whole error is interpolation
+error. Its maximum may be at t = 0, before anything is solved. The discrete error shows the work of the solver; its
+order and its share of the interpolation error are judged separately.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ from study.solve import solver_choice
 from study.solve.evolution import State
 from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT, SCHEMES
-from study.statements.shared.base import Experiment, Judged, Numbers, Records, Setting, Statement
+from study.statements.shared.base import Experiment, Judged, Numbers, Records, Setting, Statement, fitted_order
 from study.statements.shared.meshes import (
     LEADING,
     in_leading_term,
@@ -75,7 +75,7 @@ from study.statements.shared.meshes import (
     split_superclose,
     value_of_case,
 )
-from study.statements.shared.norms import maximum
+from study.statements.shared.norms import maximum, norm, time_nodes
 from study.statements.shared.scope import Scope
 
 RATES = CsvFile("rates.csv", ("order",), with_orders)
@@ -151,26 +151,26 @@ def measure(experiment: Experiment) -> Measurement:
     The result also has the distance of the two discrete solutions.
     """
     v_norm = experiment.v_norm
-    M = experiment.problem.M
+    problem = experiment.problem
     coarse = experiment.march(experiment.steps)
     history: list[tuple[float, ...]] = []
     drifts: list[float] = []
     residuals: list[float] = []
     largest = 0.0
     steps = 2 * experiment.steps
-    samples = v_norm.samples(experiment.problem.T * np.arange(steps + 1) / steps)
+    samples = v_norm.samples(time_nodes(problem.T, steps))
     for n, (state, sample) in enumerate(zip(experiment.march(steps), samples, strict=True)):
         interpolant = sample.interpolant
-        discrete = sample.interpolant - state.u
-        measured = [v_norm.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)]
-        history.append((state.time, *measured[:2], math.sqrt(discrete @ (M @ discrete)), measured[2]))
+        error, interpolation, halfway = (
+            v_norm.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)
+        )
+        history.append((state.time, error, interpolation, norm(problem, interpolant - state.u), halfway))
         residuals.append(state.residual())
-        if n == 0 or measured[0] > largest:
-            largest = measured[0]
+        if n == 0 or error > largest:
+            largest = error
             worst = state
         if n % 2 == 0:
-            difference = next(coarse).u - state.u
-            drifts.append(math.sqrt(difference @ (M @ difference)))
+            drifts.append(norm(problem, next(coarse).u - state.u))
     return Measurement(experiment, np.array(history).T, maximum(drifts), maximum(residuals), worst)
 
 
@@ -196,9 +196,8 @@ class Measurement:
 
     def errors(self) -> Numbers:
         """Return the largest errors, the times at which they occur, and the share of the error in time."""
-        times, *histories, _ = self.history
-        first, second, third = map(np.argmax, histories)
-        error, interpolation, discrete = histories
+        times, error, interpolation, discrete, _ = self.history
+        first, second, third = map(np.argmax, (error, interpolation, discrete))
         return {
             "error": error[first],
             "at": times[first],
@@ -279,7 +278,7 @@ class Measurement:
         )
         steps = RESPONSE
         while True:
-            drift = maximum([math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps)])
+            drift = maximum(norm(problem, state.u) for state in MIDPOINT.march(change, steps))
             effect = (abs(raised - error) + drift) / error
             if not effect > NEGLIGIBLE_QUADRATURE or steps >= 2 * experiment.steps:
                 return effect
@@ -302,10 +301,11 @@ def size(levels: pd.DataFrame) -> float:
 
 
 SMALL_SHARE = positive_at_most(0.02, "of the error")
-RESIDUAL_TOLERANCE = f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
-SIZE_WINDOW = around(1, 0.1, "u − u^h and Π^h u − u^h are nearly orthogonal (Pythagoras)")
 SIZE_CHECK = consequence(
-    "size", "size of the error: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖", size, SIZE_WINDOW
+    "size",
+    "size of the error: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖",
+    size,
+    around(1, 0.1, "u − u^h and Π^h u − u^h are nearly orthogonal (Pythagoras)"),
 )
 EVIDENCE = (
     identity(
@@ -319,7 +319,9 @@ EVIDENCE = (
         "residual",
         "residual of the contact solves / largest accepted residual",
         residual_shares,
-        positive_at_most(1.0, RESIDUAL_TOLERANCE),
+        positive_at_most(
+            1.0, f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
+        ),
     ),
     accuracy("clamped", "u^h = 0 on Γ1", values("clamped"), at_most(1e-10, "rounding")),
     accuracy("quadrature", "change of the error under finer quadrature", values("quadrature_change"), SMALL_SHARE),
@@ -354,35 +356,33 @@ LEADING_ORDER = accuracy(
 """A criterion for irregular meshes: the leading term of the interpolation error must be of order h.
 
 This is necessary, because the leading term replaces h on these meshes."""
-ORDER_ON_OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
 DISCRETE_ORDER = "order of ‖Π^h u − u^h‖_V"
-DISCRETE_ORDERS = {
-    True: consequence(
+DISCRETE_ORDERS = (
+    fitted_order(
         "discrete-order-superclose",
         f"{DISCRETE_ORDER}, superclose",
-        fitted("discrete_error", last=ENOUGH),
+        "discrete_error",
         between(1.5, 2, 0.2, 0.2, "u^h is superclose to Π^h u on one-diagonal meshes"),
-        levels=ENOUGH,
+        last=ENOUGH,
     ),
-    False: consequence(
+    fitted_order(
         "discrete-order-others",
         f"{DISCRETE_ORDER}, other families",
-        fitted("discrete_error", last=ENOUGH),
-        ORDER_ON_OTHERS,
-        levels=ENOUGH,
+        "discrete_error",
+        between(1, 2, 0.15, 0.2, "other meshes"),
+        last=ENOUGH,
     ),
-}
-"""Criteria for the order of the discrete error on one-diagonal meshes (True) and on others (False).
+)
+"""The checks of the order of the discrete error on one-diagonal meshes and on all others.
 
 On one-diagonal meshes neighbouring triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (because
 of the traction boundary) to 2. On other meshes its order is at least the order of the error and at most 2."""
-DISCRETE_SHARE = positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same error up to 20 %")
 DISCRETE_SIZES = (
     consequence(
         "discrete-share",
         "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V",
         finest_quotient("discrete_error", "interpolation_error"),
-        DISCRETE_SHARE,
+        positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same error up to 20 %"),
     ),
     accuracy(
         "discrete-time-share",
@@ -393,7 +393,10 @@ DISCRETE_SIZES = (
 )
 NOT_AT_START = 0.99
 """Upper bound of (error at t = 0) / (largest error) for which the largest error counts as attained after t = 0."""
-EXPECTED_AT_START = Window(0.8, 1 + ROUNDING, "by Pythagoras: a discrete share of 0.6 leaves 0.8 of it")
+EXPECTED_AT_START = Window(0.8, 1 + ROUNDING)
+"""Window of (error / interpolation error) at t = 0 for a correct solver.
+
+By Pythagoras' theorem a discrete share of 0.6 leaves 0.8 of the interpolation error."""
 AT_START = (
     "‖u − Π^h u‖_V is largest near t = 0, where nothing is solved; the checks of ‖Π^h u − u^h‖_V test the solution"
 )
@@ -408,9 +411,9 @@ AFTER_START = accuracy(
 def start_share(groups: Groups) -> Check:
     """Return the check that the largest error occurs after t = 0.
 
-    At t = 0 the error is the interpolation error of u_0, so a maximum there does not test the solver. The solver may be
-    correct nevertheless, if the interpolation error ‖u − Π^h u‖_V itself is nearly largest at t = 0: at least
-    EXPECTED_AT_START times its maximum. Then the value is only reported.
+    At t = 0 the error is the interpolation error of u_0, so a maximum there does not test the solver. But if the
+    interpolation error itself is nearly largest at t = 0 (``EXPECTED_AT_START``), the solver may be correct. Then the
+    value is only reported.
     """
     rows = pd.concat(groups.values())
     at_start = rows[~(rows["initial_error"] <= NOT_AT_START * rows["error"])]
@@ -450,9 +453,9 @@ class FirstOrder(Rates):
             in_h,
         )
         yield SIZE_CHECK, in_h
-        for superclose, criterion in DISCRETE_ORDERS.items():
-            if tables := split_superclose(groups)[superclose]:
-                yield criterion, tables
+        for check, tables in zip(DISCRETE_ORDERS, split_superclose(groups), strict=True):
+            if tables:
+                yield check, tables
         for rule in (*DISCRETE_SIZES, start_share(groups), *EVIDENCE):
             yield rule, groups
         for criterion in SOLIDS if value_of_case(groups, "dim") == 3 else ():
@@ -480,8 +483,8 @@ class Convergence(Rates):
     Proposition 5.3: ‖u − u^h‖_{L∞(0,T;V)} → 0 for every solution, without an assumption on its regularity.
 
     **The measurement** is the same as for Proposition 5.4 (``prop_5_4.measure``). The exact solutions violate the
-    regularity assumption (5.36) of that proposition: they have singular corners or fronts, interfaces that do not lie
-    on the mesh, or loads that are hardly continuous in time.
+    regularity assumption (5.36) of that proposition. They have singular corners or fronts, interfaces off the mesh, or
+    loads that are hardly continuous in time.
 
     **The judgement.** The paper claims no order. Errors must fall from level to level, and in a fit e = e∞ + C h^s the
     limit e∞ must be small. The observed order is compared with the order that the regularity predicts. It is computed
@@ -592,7 +595,7 @@ class InitialGap(Rates):
     Beyond the paper: an initial gap g(s) ≥ 0 between the undeformed body and the foundation.
 
     **The claim.** In the paper the undeformed body touches the foundation: K = {v : v_ν ≤ 0 on Γ3}. Here K = {v : v_ν ≤
-    g on Γ3} with a smooth g that does not depend on time, and Problem 5.1 is solved in K^h = {v ∈ V^h : v_ν ≤ g at the
+    g on Γ3} with a smooth g that does not depend on time. Problem 5.1 is solved in K^h = {v ∈ V^h : v_ν ≤ g at the
     vertices of Γ3}. The paper claims nothing about this problem. This study claims ‖u − u^h‖_{L∞(0,T;V)} = O(h) for
     solutions with the regularity (5.36), and convergence for others.
 

@@ -20,6 +20,7 @@ from study.ledger.quantities import values
 from study.ledger.window import at_most, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.interior_point import Accuracy, settings
+from study.solve.paths import furthest, path
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.shared.base import (
@@ -33,7 +34,7 @@ from study.statements.shared.base import (
     grid,
     with_h,
 )
-from study.statements.shared.norms import maximum, norm
+from study.statements.shared.norms import maximum, norms
 from study.statements.thm_4_2 import StressExperiment, norm_in_q
 
 STEPS = 12
@@ -70,8 +71,8 @@ class OneTrajectory(ListedNumbers):
     """Measures relative differences between solutions in time that different solvers compute.
 
     The difference is max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V. Every step of backward Euler minimises ½ vᵀSv − bᵀv over K^h
-    with S = M/k + G. Four ways to solve this problem are compared with the active set method of the study, which starts
-    from the last active set: the same method from random active sets, two methods that share no code with it, and a
+    with S = M/k + G. The active set method of the study starts from the last active set. Four other ways to solve the
+    problem are compared with it: the same method from random active sets, two methods that share no code with it, and a
     fixed-point iteration with all of G on the right-hand side. If G softens, S is positive definite for short steps
     only, and longer steps are refused.
     """
@@ -90,12 +91,13 @@ class OneTrajectory(ListedNumbers):
         return Experiment.at(setting, BACKWARD_EULER, STEPS)
 
     def measure(self, setup: Experiment) -> Numbers:
-        numbers = {}
-        for name, rival in rivals(setup.problem).items():
-            pairs = zip(setup.march(setup.steps), setup.scheme.march(rival, setup.steps), strict=True)
-            both = [(norm(setup.problem, u.u - v.u), norm(setup.problem, u.u)) for u, v in pairs]
-            difference, size = np.max(both, axis=0)
-            numbers[name] = difference / size
+        problem = setup.problem
+        states = np.array([state.u for state in setup.march(setup.steps)])
+        size = norms(problem, states).max()
+        numbers = {
+            name: furthest(problem, states, path(rival, setup.scheme, setup.steps)) / size
+            for name, rival in rivals(problem).items()
+        }
         return with_h(setup.space.h, numbers)
 
 

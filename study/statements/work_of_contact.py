@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 
 import numpy as np
 import pandas as pd
 import scipy.sparse as sps
 import sympy as sp
+from scipy.interpolate import make_interp_spline
 
 from manufactured.body import Kind
 from manufactured.contact import ContactFace
@@ -29,17 +31,17 @@ from study.fem.refining import inclusion_of, refined
 from study.fem.seminorm import FIRST, PANELS, SECOND, composite_gauss, gram, seminorm
 from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, Check, Groups, accuracy, consequence, identity
-from study.ledger.quantities import fitted, level_by_level, quotients, values
+from study.ledger.quantities import level_by_level, quotients, values
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_least, at_most
 from study.solve.evolution import SemiDiscrete
-from study.solve.paths import path
+from study.solve.paths import furthest, path
 from study.solve.signorini import Signorini
 from study.solve.steps import rate_steps, step_size
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import SEED, Judged, ListedNumbers, Numbers, Setting, grid, with_h
+from study.statements.shared.base import SEED, Judged, ListedNumbers, Numbers, Setting, fitted_order, grid, with_h
 from study.statements.shared.meshes import posed, space_of, split_irregular
-from study.statements.shared.norms import ContactWork, maximum, midpoints, norm
+from study.statements.shared.norms import contact_load, displacement, midpoints, time_nodes, trace_error
 from study.statements.shared.scope import Scope
 
 EQUAL_BRANCHES = 2 / (2 + math.pi**2)
@@ -66,9 +68,9 @@ class EdgeWork(ListedNumbers):
 
     Beyond the paper: a bound of the work of contact on every edge, so that Prop. 5.4 needs no trace in H²(Γ3).
 
-    On an edge E of length h let N = {u_ν ≠ 0} be the part with a gap and C = {u_ν = 0} the part in contact, and let R_E
-    = ∫_E σ_ν (Π^h u_ν − u_ν) be the work of contact on E. Since σ_ν = 0 almost everywhere on N, for all 0 < ϱ < 1
-    (proof in paper/trace.tex)
+    On an edge E of length h let N = {u_ν ≠ 0} be the part with a gap and C = {u_ν = 0} the part in contact. R_E = ∫_E
+    σ_ν (Π^h u_ν − u_ν) is the work of contact on E. Since σ_ν = 0 almost everywhere on N, for all 0 < ϱ < 1 (proof in
+    paper/trace.tex)
 
         |R_E| ≤ β h^{1+2ϱ} |σ_ν|_{ϱ,E} |u_ν'|_{ϱ,E},
         β = min{(2π)^{−1} (h/|N|)^{1/2}, 8^{−1/2} (h/|C|)^{1/2}} ≤ C_0 < 0.388.
@@ -79,8 +81,8 @@ class EdgeWork(ListedNumbers):
       nor C is empty;
     * the supremum of |∫_E λ Π w| divided by its bound over **all** λ that vanish on N and all piecewise quadratic w
       that vanish on C. The sets N and C belong to the same edges. Each edge is split into 64 equal panels, and each
-      panel belongs to N or to C. The functional depends on w only through its values at both ends, so it has rank two,
-      and the supremum is the root of the largest eigenvalue of a 2 × 2 matrix.
+      panel belongs to N or to C. The functional depends on w only through its values at both ends, so it has rank two.
+      The supremum is the root of the largest eigenvalue of a 2 × 2 matrix.
 
     **Predicted**: both quotients are at most 1, because the bound is proved. For exact solutions they are far below 1,
     because these are not extremal functions. The first expression in β is the smaller one if |N| > 2h/(2 + π²). Both
@@ -122,17 +124,16 @@ class EdgeWork(ListedNumbers):
 
     def measure(self, setting: Setting) -> Numbers:
         space, solution = posed(setting)
-        ratios: dict[str, list[float]] = {name: [0.0] for name in (WORK, OF_ALL, OVERALL)}
-        open_parts: list[float] = []
-        for touching, open_part, of_bound in mixed_edges(solution, space):
-            ratios[WORK] += [*(of_bound / beta(open_part))]
-            ratios[OVERALL] += [*of_bound]
-            ratios[OF_ALL] += [supremum(of_edge, rho) for of_edge in touching for rho in SOBOLEV_EXPONENTS]
-            open_parts += [*open_part]
-        by_open_part = np.array(open_parts) >= EQUAL_BRANCHES
-        counts = np.sum(by_open_part), np.sum(~by_open_part)
-        numbers: Numbers = {name: maximum(values) for name, values in ratios.items()}
-        return with_h(space.h, numbers | dict(zip(BRANCHES, counts, strict=True)))
+        touching, open_part, of_bound = mixed_edges(solution, space)
+        suprema = [supremum(of_edge, rho) for of_edge in touching for rho in SOBOLEV_EXPONENTS]
+        numbers = {
+            WORK: np.max(of_bound / beta(open_part), initial=0.0),
+            OF_ALL: np.max(suprema, initial=0.0),
+            OVERALL: np.max(of_bound, initial=0.0),
+            BRANCHES[0]: np.sum(open_part >= EQUAL_BRANCHES),
+            BRANCHES[1]: np.sum(open_part < EQUAL_BRANCHES),
+        }
+        return with_h(space.h, numbers)
 
 
 BOTH_KINDS = accuracy(
@@ -143,41 +144,46 @@ BOTH_KINDS = accuracy(
 )
 
 
-def mixed_edges(solution: ExactSolution, space: Space) -> Iterator[tuple[Array, Array, Array]]:
-    """Find the edges of Γ3 that have both contact and a gap, and return the work of contact on them.
+def mixed_edges(solution: ExactSolution, space: Space) -> tuple[Array, ...]:
+    """Find the edges of Γ3 that have both contact and a gap at a time, and return the work of contact on them.
 
     Each edge is mapped to the interval (0, 1). The map to an edge of length h multiplies R_E by h and leaves the
     seminorm |·|_{1/2} unchanged.
 
-    Yields:
-        For every contact face and every time, three arrays for the n edges that are found:
+    Returns:
+        Three arrays for the n edges that are found on all contact faces and at all times:
 
         * whether there is contact at the nodes ``FIRST`` of a quadrature rule on the edge, (n, nodes);
         * the fraction |N|/h of the edge with a gap, (n,);
         * the work over its bound without the factor β, |R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), (n,).
     """
+    found = [(np.empty((0, FIRST[0].size)), np.empty(0), np.empty(0))]
     for face, part in product(solution.faces, EDGE_TIMES):
         time = part * solution.body.T
         corners = space.mesh.p[:, space.mesh.facets[:, space.facets(face.part)]]
         ends = np.sort(face.part.coordinates(corners)[0][0], axis=0)
-        places = [ends[0][:, None] + (ends[1] - ends[0])[:, None] * x for x, _ in (FIRST, SECOND)]
-        touching = face.level_jet(places[0][None], time)[(0,)] >= 0
-        changes = np.sum(touching[:, 1:] != touching[:, :-1], axis=1)
+        touching = face.level_jet(linear(ends, FIRST[0])[None], time)[(0,)] >= 0
+        changes = np.count_nonzero(np.diff(touching), axis=1)
         chosen = (changes >= 1) & (changes <= CHANGES)
         if not chosen.any():
             continue
-        places = [s[chosen] for s in places]
         ends = ends[:, chosen]
         touching = touching[chosen]
-        pressure = [solution.on(face, s[None]).stated_pressure(time) for s in places]
-        slope = [face.gap_jet(s[None], time, 1)[(1,)] for s in places]
-        nodal = face.gap_jet(ends[None], time)[(0,)]
+        places = [linear(ends, x) for x, _ in (FIRST, SECOND)]
+        pressure, other_pressure = (solution.on(face, s[None]).stated_pressure(time) for s in places)
+        gap, other_gap = (face.gap_jet(s[None], time, 1) for s in places)
+        interpolant = linear(face.gap_jet(ends[None], time)[(0,)], FIRST[0])
         h = ends[1] - ends[0]
-        interpolant = nodal[0][:, None] * (1 - FIRST[0]) + nodal[1][:, None] * FIRST[0]
-        gap = face.gap_jet(places[0][None], time)[(0,)]
-        work = h * (pressure[0] * (interpolant - gap) @ FIRST[1])
-        quotients = abs(work) / (h**2 * seminorm(pressure[0], pressure[1], 0.5) * seminorm(slope[0], slope[1], 0.5))
-        yield touching, 1 - touching @ FIRST[1], quotients
+        work = h * (pressure * (interpolant - gap[(0,)]) @ FIRST[1])
+        of_slope = seminorm(gap[(1,)], other_gap[(1,)], 0.5)
+        quotients = abs(work) / (h**2 * seminorm(pressure, other_pressure, 0.5) * of_slope)
+        found.append((touching, 1 - touching @ FIRST[1], quotients))
+    return tuple(map(np.concatenate, zip(*found, strict=True)))
+
+
+def linear(ends: Array, x: Array) -> Array:
+    """Return values at points x of (0, 1), (n, points), of functions that are linear between two end values, (2, n)."""
+    return ends[0][:, None] + (ends[1] - ends[0])[:, None] * x
 
 
 def beta(open_part: Array) -> Array:
@@ -219,8 +225,7 @@ def supremum(touching: Array, rho: float) -> float:
 def dual_products(A: Array, panels: Array, functionals: Array) -> Array:
     """Return the matrix of products f_i · A⁻¹ f_j for two linear functionals f_1 and f_2, (2, 2).
 
-    Nodal values may be non-zero only at the free nodes, that is, the ends of panels all of whose adjacent panels are
-    marked. A, f_1 and f_2 are restricted to these nodes.
+    A, f_1 and f_2 are restricted to the free nodes. A node is free if all panels next to it are marked.
 
     Args:
         A: a symmetric matrix, (nodes, nodes).
@@ -247,6 +252,7 @@ class Resolved:
         space: the P1 displacement space V^h on the mesh.
         v_norm: the error norm, which is integrated on the refined mesh.
         inclusion: the matrix that maps degrees of freedom of V^h to degrees of freedom on the refined mesh.
+        start: the interpolant Π^h u_0 of the initial displacement, (dofs,).
     """
 
     def __init__(self, solution: ExactSolution, space: Space) -> None:
@@ -256,6 +262,7 @@ class Resolved:
         self.space = space
         self.v_norm = ErrorNorm(solution, fine, along=())
         self.inclusion: sps.csr_array = inclusion_of(space, fine, nodal)
+        self.start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))
 
 
 def least_depth(solution: ExactSolution, corners: Points) -> Array:
@@ -283,8 +290,8 @@ def pressing_on(at: Resolved) -> Callable[[float], Array]:
 
     The prescribed pressure is used, which is a hundred times faster than the pressure from the exact stress.
     """
-    work = ContactWork(at.solution, at.v_norm.space, (), FaceFields.stated_pressure)
-    return lambda time: -np.asarray(at.inclusion.T @ work.load(time))
+    load = contact_load(at.solution, at.v_norm.space, (), FaceFields.stated_pressure)
+    return lambda time: -np.asarray(at.inclusion.T @ load(time))
 
 
 FACE_RULE = composite_gauss(512, 4)
@@ -299,40 +306,28 @@ class TotalWork:
     """Computes the work of the contact force on the interpolation error, integrated over time.
 
     This is ∫_0^T R(t; Π^h u − u) dt with R = ∫_{Γ3} p Π^h w for the pressure p and the gap w. It depends on the mesh
-    only through the vertices on Γ3. Time is integrated by the midpoint rule. Many sets of vertices are evaluated
-    together: the contribution of an edge is a difference of cumulative sums over the quadrature points.
+    only through the vertices on Γ3. Time is integrated by the midpoint rule.
     """
 
     def __init__(self, solution: ExactSolution) -> None:
         self.times = midpoints(solution.body.T, TIME_NODES)
-        # Cumulative sums make the integral over any edge a difference of two values. Each piece has its face, its
-        # quadrature points, and the cumulative weighted sums of p and of p s, (2, points + 1, TIME_NODES).
+        # For each face its quadrature points, and p times the weights in space and time, (points, TIME_NODES).
         self.pieces = []
         for face in solution.faces:
-            place, weights = (face.part.measure * values for values in FACE_RULE)
-            pressure = solution.on(face, place[None]).stated_pressure(self.times)
-            weighted = pressure * (weights * solution.body.T / TIME_NODES)[:, None]
-            sums = np.cumsum([weighted, weighted * place[:, None]], axis=1)
-            self.pieces.append((face, place, np.concatenate([np.zeros((2, 1, TIME_NODES)), sums], axis=1)))
+            places, weights = (face.part.measure * values for values in FACE_RULE)
+            pressure = solution.on(face, places[None]).stated_pressure(self.times)
+            self.pieces.append((face, places, pressure * (weights * solution.body.T / TIME_NODES)[:, None]))
 
-    def __call__(self, vertices: Sequence[Array]) -> Array:
-        """Return the work of the pressure p on the interpolated gap Π^h w for one or several sets of vertices.
-
-        On the edge that begins at s_i, p Π^h w = p w(s_i) + p (s − s_i) w', where w' is the derivative of Π^h w.
+    def __call__(self, vertices: Sequence[Array]) -> float:
+        """Return the work of the pressure p on the interpolated gap Π^h w.
 
         Args:
-            vertices: for each contact face, the increasing coordinates of its vertices, (..., vertices).
-
-        Returns:
-            The work for each set of vertices, (...).
+            vertices: for each contact face, the increasing coordinates of its vertices, (vertices,).
         """
-        total = np.zeros(np.shape(vertices[0])[:-1])
-        for (face, place, moments), s in zip(self.pieces, vertices, strict=True):
-            w = face.gap_jet(s[None, ..., None], self.times)[(0,)]
-            derivative = np.diff(w, axis=-2) / np.diff(s)[..., None]
-            pressed, turned = np.diff(moments[:, np.searchsorted(place, s)], axis=-2)
-            turned = turned - s[..., :-1, None] * pressed
-            total += np.sum(pressed * w[..., :-1, :] + turned * derivative, axis=(-1, -2))
+        total = 0.0
+        for (face, places, forces), s in zip(self.pieces, vertices, strict=True):
+            gaps = face.gap_jet(s[None, :, None], self.times)[(0,)]
+            total += np.vdot(forces, make_interp_spline(s, gaps, k=1)(places))
         return total
 
 
@@ -361,22 +356,32 @@ COARSEST_LEVEL = 32
 """The coarsest level on which there are wave trains of all widths from h/2 to 4h."""
 
 
-def from_32(key: str, quantity: str, column: str, window: Window) -> Check:
-    """Return the criterion for the observed orders of a column from level to level, without levels below n = 32."""
-    check = consequence(
-        key, f"{quantity}, level by level from n = 32", level_by_level(column), window, levels=ENOUGH, finest=True
+def from_32(key: str, quantity: str, column: str, window: Window, if_missed: str = "") -> Check:
+    """Return the check of the observed orders of a column from level to level, without levels below n = 32."""
+    orders = level_by_level(column)
+    return consequence(
+        key,
+        f"{quantity}, level by level from n = 32",
+        lambda levels: orders(levels[levels["level"] >= COARSEST_LEVEL]),
+        window,
+        levels=ENOUGH,
+        finest=True,
+        if_missed=if_missed,
     )
-    return replace(check, value=lambda levels: check.value(levels[levels["level"] >= COARSEST_LEVEL]))
 
 
 ROOT_ORDER = "order of ‖R(·; Π^h u − u)‖^{1/2}"
 FIRST_ORDER = around(1, 0.15, "there are wave trains of all widths from h/2 to 4h")
-HALF_IN_H = around(0.5, 0.15, "the edges contribute to R like independent random numbers")
 NOT_RESOLVED = "a mesh resolves a wave train of width ℓ only for h < ℓ/10"
 ON_GRIDS = (
     from_32("order", f"{ROOT_ORDER}, on grids", "work", FIRST_ORDER),
     from_32("order-mean", f"{ROOT_ORDER}, R averaged over {DRAWS} random meshes", "mean work", FIRST_ORDER),
-    from_32("spread", "order of the relative standard deviation of R over random vertices", "spread", HALF_IN_H),
+    from_32(
+        "spread",
+        "order of the relative standard deviation of R over random vertices",
+        "spread",
+        around(0.5, 0.15, "the edges contribute to R like independent random numbers"),
+    ),
     consequence(
         "share",
         "smallest ‖R‖^{1/2} / error",
@@ -384,23 +389,29 @@ ON_GRIDS = (
         at_least(0.02, "cases with a few smooth fronts have only 1e-6 to 1e-3"),
     ),
 )
-SINGLE_MESH_ORDER = from_32("order-irregular", f"{ROOT_ORDER}, on single irregular meshes", "work", FIRST_ORDER)
-ON_IRREGULAR_MESHES = replace(SINGLE_MESH_ORDER, if_missed="on irregular meshes single orders depend on chance")
+ON_IRREGULAR_MESHES = from_32(
+    "order-irregular",
+    f"{ROOT_ORDER}, on single irregular meshes",
+    "work",
+    FIRST_ORDER,
+    "on irregular meshes single orders depend on chance",
+)
+NO_BOUND_OF_EXCESS = "the study has no bound of this excess in V"
 ON_ALL_MESHES = (
-    replace(from_32("error", "order of ‖u − u^h‖_V", "error", Window()), if_missed=NOT_RESOLVED),
-    replace(
-        consequence("excess-share", "largest ‖u^h − u^h_lin‖_V / error", quotients("excess", "error"), Window()),
-        if_missed="the study has no bound of this excess in V",
+    from_32("error", "order of ‖u − u^h‖_V", "error", Window(), NOT_RESOLVED),
+    consequence(
+        "excess-share",
+        "largest ‖u^h − u^h_lin‖_V / error",
+        quotients("excess", "error"),
+        Window(),
+        if_missed=NO_BOUND_OF_EXCESS,
     ),
-    replace(from_32("excess", "order of ‖u^h − u^h_lin‖_V", "excess", Window()), if_missed=NOT_RESOLVED),
+    from_32("excess", "order of ‖u^h − u^h_lin‖_V", "excess", Window(), NOT_RESOLVED),
 )
 
 
 class WorkOfContact(ListedNumbers):
     """Measures the square root of the work of contact, the error ‖u − u^h‖_V, and the excess ‖u^h − u^h_lin‖_V.
-
-    The displacement u^h_lin solves the linear problem in which the exact pressure is a given traction. So the excess is
-    the part of the error that is due to contact.
 
     Beyond the paper: the work of contact for solutions with contact patches of every size.
 
@@ -462,21 +473,19 @@ class WorkOfContact(ListedNumbers):
         def load(times: Array) -> Array:
             return np.asarray(inclusion.T @ v_norm.load(times))
 
-        start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))
-        problem = SemiDiscrete.of(space, solution.law, load, start)
+        problem = SemiDiscrete.of(space, solution.law, load, at.start)
         linear = replace(problem, N=problem.N[:0], load=lambda times: load(times) - at_each(times, press))
-        sizes = []
-        for state, free in zip(MIDPOINT.march(problem, steps), MIDPOINT.march(linear, steps), strict=True):
-            error = v_norm.distance(v_norm.sample(state.time), inclusion @ state.u)
-            sizes.append((error, norm(problem, state.u - free.u)))
-        error, excess = np.max(sizes, axis=0)
+        states = path(problem, MIDPOINT, steps)
         total = TotalWork(solution)
         vertices = vertices_on(space)
-        numbers = {"error": error, "excess": excess, "work": math.sqrt(total(vertices))}
+        numbers: Numbers = {
+            "error": v_norm.largest(time_nodes(problem.T, steps), (inclusion @ u for u in states)),
+            "excess": furthest(problem, states, path(linear, MIDPOINT, steps)),
+            "work": math.sqrt(total(vertices)),
+        }
         if not family_named(setting.family).irregular:
             rng = np.random.default_rng(SEED)
-            moved = zip(*(shaken(vertices, rng) for _ in range(DRAWS)), strict=True)
-            works = total([np.array(of_piece) for of_piece in moved])
+            works = [total(shaken(vertices, rng)) for _ in range(DRAWS)]
             numbers |= {"mean work": math.sqrt(np.mean(works)), "spread": np.std(works) / np.mean(works)}
         return with_h(space.h, numbers)
 
@@ -535,7 +544,7 @@ class OnContact:
         self.condensed = Signorini(self.M, space.N)
         inverse = np.linalg.inv(self.condensed.W)
         self.S = (inverse + inverse.T) / 2
-        self.start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))
+        self.start = at.start
         (self._face,) = solution.faces
         (_, vertices) = space.contact[0]
         self.places = self._face.part.coordinates(space.mesh.p[:, vertices])[0]
@@ -604,6 +613,12 @@ class Trajectories:
         linear = replace(contact, N=contact.N[:0], load=during(moved))
         return cls(on, steps, k, projected, forces, path(contact, MIDPOINT, steps), path(linear, MIDPOINT, steps))
 
+    @cached_property
+    def nodal_errors(self) -> Array:
+        """The nodal errors |(P_hu − u)_ν| at the contact vertices, at the time nodes, (steps + 1, m)."""
+        gaps = [self.on.gap(n * self.k) for n in range(self.steps + 1)]
+        return abs(self.projected + gaps)
+
     def excess(self) -> Array:
         """Return the excess ‖u^h − u^h_lin‖_V, the distance of both discrete solutions, at time nodes, (steps + 1,)."""
         z = self.contact - self.linear
@@ -621,7 +636,7 @@ class Trajectories:
 
 
 def sides(solutions: Trajectories) -> Numbers:
-    """Return the error, its bound, and the terms E_h, M_h, J_h of the bound, which the module docstring defines."""
+    """Return the error, its bound, and the terms E_h, M_h, J_h of the bound, which ``Rollers`` defines."""
     on = solutions.on
     at = solutions.on.at
     space = solutions.on.at.space
@@ -635,7 +650,7 @@ def sides(solutions: Trajectories) -> Numbers:
         error = distance(sample, finer @ solutions.displacement(n))
         measured.append((error, distance(sample, projected), interpolation_error(at.solution, space, time)))
     error, best, between = np.max(measured, axis=0)
-    nodal = maximum(abs(g + on.gap(n * solutions.k)).max() for n, g in enumerate(solutions.projected))
+    nodal = solutions.nodal_errors.max()
     (part,) = space.body.of(Kind.CONTACT)
     (top,) = space.body.of(Kind.CLAMPED)
     theta = space.interpolate(np.multiply.outer(part.normal, top.coordinates(space.mesh.p)[1]))
@@ -656,12 +671,11 @@ def nodal_error_near_patch(solutions: Trajectories, width: float) -> float:
         solutions: the solutions over time.
         width: the width ℓ of the roller.
     """
-    (s,) = solutions.on.places
-    errors = []
-    for n in range(solutions.steps // 2, solutions.steps + 1):
-        near = abs(s - float(START) - n * solutions.k + width / 2) <= 2 * width
-        errors.append(abs(solutions.projected[n] + solutions.on.gap(n * solutions.k))[near])
-    return float(np.concatenate(errors).max())
+    half = solutions.steps // 2
+    times = solutions.k * np.arange(half, solutions.steps + 1)
+    middles = float(START) + times - width / 2
+    near = abs(solutions.on.places[0] - middles[:, None]) <= 2 * width
+    return float(solutions.nodal_errors[half:][near].max())
 
 
 def interpolation_error(solution: ExactSolution, space: Space, time: float) -> float:
@@ -671,9 +685,8 @@ def interpolation_error(solution: ExactSolution, space: Space, time: float) -> f
     """
     (face,) = solution.faces
     rule = facet_rule(space.mesh, space.facets(face.part), face.part, (), FACET_POINTS)
-    ends = face.part.coordinates(space.mesh.p[:, space.mesh.facets[:, rule.facets]])[0][0]
-    nodal = face.gap_jet(ends[None], time)[(0,)]
-    return float(abs(np.einsum("an,anq->nq", nodal, rule.shapes) - face.gap_jet(rule.s, time)[(0,)]).max())
+    error, _ = trace_error(displacement(solution, time), space, face.part, rule)
+    return float(abs(error).max())
 
 
 # Criteria. Windows below and above 1 differ, because a logarithm can only lower an order.
@@ -681,18 +694,8 @@ EXCESS = "order of the excess ‖u^h − u^h_lin‖_V"
 EQUAL_VERTICES = Window(0.75, 1.1, "1 up to a logarithm, as all vertices of Γ3 have equal neighbourhoods")
 HALF = around(0.5, 0.15, "the roller leaves different displacements at neighbouring vertices; equal ones give 1")
 STANDING_ORDER = around(1, 0.25, "displacements remain at few vertices only")
-NEGLIGIBLE_STEPS = at_most(0.02, "of the excess, so the excess does not come from time steps")
-AT_THE_START = (
-    "this quantity was chosen after the maximum over time had shown orders above 1: with one diagonal that maximum "
-    "occurs at the start, on all meshes except the finest"
-)
-AT_AN_END = "this quantity was chosen after M_h had shown orders above 1: with one diagonal M_h occurs at an end of Γ3"
-SMOOTHED = "the generator makes neighbourhoods nearly equal, and the order on a single mesh depends on chance"
-NEAR_PATCH = "order of the nodal errors of P_hu next to the patch, one or two diagonals"
-FEW_VERTICES = "the order depends on the cells around few vertices"
 HALF_STEP_EXCESS = "excess, k/2"
 """Name of the column with the excess for half the time step."""
-FEW_MESHES = "eight meshes determine a standard deviation only up to a quarter"
 
 
 def change_by_half_steps(levels: pd.DataFrame) -> Array:
@@ -712,11 +715,9 @@ def over_seeds(groups: Groups) -> pd.DataFrame:
     """
     if not set(SEEDS) <= set(groups):
         return pd.DataFrame()
-    levels = pd.concat([groups[name] for name in SEEDS]).groupby("level")
-    mean = levels["excess"].mean()
-    spread = levels["excess"].std()
-    table = pd.DataFrame({"h": levels["h"].mean(), "excess": mean, "scatter": spread / mean}).reset_index()
-    return table.sort_values("h", ascending=False)
+    levels = pd.concat([groups[name] for name in SEEDS]).groupby("level", as_index=False)
+    table = levels.agg(h=("h", "mean"), excess=("excess", "mean"), spread=("excess", "std"))
+    return table.assign(scatter=table["spread"] / table["excess"]).sort_values("h", ascending=False)
 
 
 class Rollers(ListedNumbers):
@@ -793,8 +794,8 @@ class Rollers(ListedNumbers):
     0.9, 1.4 and 1.8. Both quantities are maxima, whose places change from level to level:
 
     * M_h occurs at the end s = 0 of Γ3, near which the roller starts, and falls like h² from the second level on. Near
-      the patch and far from the ends of Γ3, nodal errors over h are 0.076, 0.076, 0.074 and 0.073, because for ℓ = 2h
-      the solution near the patch looks the same on every level.
+      the patch and far from the ends of Γ3, nodal errors over h are 0.076, 0.076, 0.074 and 0.073. The reason is that
+      for ℓ = 2h the solution near the patch looks the same on every level.
     * The largest excess occurs at the start, at t ~ h, for n = 16, 32 and 64, but at T, behind the roller, for n = 128.
       At T the excess over h is 0.104, 0.093, 0.109 and 0.136. From the second level on this rises faster than |log
       h|^{1/2}.
@@ -871,65 +872,75 @@ class Rollers(ListedNumbers):
         if kind == STANDING:
             # The excess on a single shaken mesh depends on the cells around few vertices.
             still = f"{EXCESS}, patches that do not move"
-            yield order("order-standing", still, STANDING_ORDER), {k: v for k, v in groups.items() if k not in SEEDS}
-            single = f"{still}, single shaken meshes"
-            yield order("order-standing-shaken", single, STANDING_ORDER, "excess", FEW_VERTICES), on(SEEDS[0])
+            not_random = {family: table for family, table in groups.items() if family not in SEEDS}
+            yield fitted_order("order-standing", still, "excess", STANDING_ORDER), not_random
+            shaken_order = fitted_order(
+                "order-standing-shaken",
+                f"{still}, single shaken meshes",
+                "excess",
+                STANDING_ORDER,
+                if_missed="the order depends on the cells around few vertices",
+            )
+            yield shaken_order, on(SEEDS[0])
             return
-        yield order("order-alternating", f"{EXCESS}, alternating diagonals", HALF), on(ALTERNATING)
+        yield fitted_order("order-alternating", f"{EXCESS}, alternating diagonals", "excess", HALF), on(ALTERNATING)
         if kind != ROLLER:
             return
         plain = on(*PLAIN_FAMILIES)
         shaken = {SEEDS[0]: over_seeds(groups)}
-        yield order("order-equal", f"{EXCESS}, one or two diagonals", EQUAL_VERTICES), plain
-        at_end = f"{EXCESS} at T, one or two diagonals"
-        yield order("order-end", at_end, EQUAL_VERTICES, "excess at T", AT_THE_START), plain
-        yield (
-            order(
-                "nodal-beside",
-                NEAR_PATCH,
-                around(1, 0.1, "the solution near the patch looks alike for every ℓ = 2h"),
-                "M_h beside",
-                AT_AN_END,
-            ),
-            plain,
-        )
-        yield order("order-shaken", f"{EXCESS}, mean over shaken meshes", HALF), shaken
-        unstructured = f"{EXCESS}, unstructured meshes"
-        yield (
-            order(
-                "order-unstructured",
-                unstructured,
-                around(0.5, 0.3, "a single random mesh on every level"),
-                "excess",
-                SMOOTHED,
-            ),
-            on(UNSTRUCTURED),
-        )
-        yield (
-            order(
-                "scatter",
-                "order of the relative standard deviation over shaken meshes",
-                around(0.5, 0.35, "the vertices contribute like independent random numbers"),
-                "scatter",
-                FEW_MESHES,
-            ),
-            shaken,
-        )
-        yield (
-            order(
-                "best",
-                "order of E_h = ‖u − P_hu‖_V, the error of the linear problem",
-                Window(0.75, 1.1, "1 less a logarithm, as |u|_{H²} grows like |log ℓ|^{1/2}"),
-                "E_h",
-                "a logarithm changes the order from level to level",
-            ),
-            groups,
-        )
+        yield ORDER_EQUAL, plain
+        yield ORDER_AT_END, plain
+        yield NODAL_ORDER, plain
+        yield fitted_order("order-shaken", f"{EXCESS}, mean over shaken meshes", "excess", HALF), shaken
+        yield ORDER_UNSTRUCTURED, on(UNSTRUCTURED)
+        yield SCATTER_ORDER, shaken
+        yield BEST_ORDER, groups
         yield EXCESS_SHARE, groups
         yield HALF_STEP_CHANGE, {name: table for name, table in groups.items() if HALF_STEP_EXCESS in table}
         yield STEP_GROWTH, on(PLAIN_FAMILIES[0])
 
 
+ORDER_EQUAL = fitted_order("order-equal", f"{EXCESS}, one or two diagonals", "excess", EQUAL_VERTICES)
+ORDER_AT_END = fitted_order(
+    "order-end",
+    f"{EXCESS} at T, one or two diagonals",
+    "excess at T",
+    EQUAL_VERTICES,
+    if_missed=(
+        "this quantity was chosen after the maximum over time had shown orders above 1: with one diagonal that maximum "
+        "occurs at the start, on all meshes except the finest"
+    ),
+)
+NODAL_ORDER = fitted_order(
+    "nodal-beside",
+    "order of the nodal errors of P_hu next to the patch, one or two diagonals",
+    "M_h beside",
+    around(1, 0.1, "the solution near the patch looks alike for every ℓ = 2h"),
+    if_missed=(
+        "this quantity was chosen after M_h had shown orders above 1: with one diagonal M_h occurs at an end of Γ3"
+    ),
+)
+ORDER_UNSTRUCTURED = fitted_order(
+    "order-unstructured",
+    f"{EXCESS}, unstructured meshes",
+    "excess",
+    around(0.5, 0.3, "a single random mesh on every level"),
+    if_missed="the generator makes neighbourhoods nearly equal, and the order on a single mesh depends on chance",
+)
+SCATTER_ORDER = fitted_order(
+    "scatter",
+    "order of the relative standard deviation over shaken meshes",
+    "scatter",
+    around(0.5, 0.35, "the vertices contribute like independent random numbers"),
+    if_missed="eight meshes determine a standard deviation only up to a quarter",
+)
+BEST_ORDER = fitted_order(
+    "best",
+    "order of E_h = ‖u − P_hu‖_V, the error of the linear problem",
+    "E_h",
+    Window(0.75, 1.1, "1 less a logarithm, as |u|_{H²} grows like |log ℓ|^{1/2}"),
+    if_missed="a logarithm changes the order from level to level",
+)
 ROLLER_BOUND = identity(
     "bound", "error / right side of the bound", quotients("error", "right side"), at_most(1.0, "proved")
 )
@@ -938,9 +949,14 @@ EXCESS_SHARE = consequence(
     "largest excess / error",
     quotients("excess", "error"),
     Window(),
-    if_missed="the study has no bound of this excess in V",
+    if_missed=NO_BOUND_OF_EXCESS,
 )
-HALF_STEP_CHANGE = accuracy("time", "change of the excess with half the step", change_by_half_steps, NEGLIGIBLE_STEPS)
+HALF_STEP_CHANGE = accuracy(
+    "time",
+    "change of the excess with half the step",
+    change_by_half_steps,
+    at_most(0.02, "of the excess, so the excess does not come from time steps"),
+)
 # The growth from every level to the next must lie in the window; the last one is displayed.
 STEP_GROWTH = accuracy(
     "step",
@@ -950,8 +966,3 @@ STEP_GROWTH = accuracy(
     levels=ENOUGH,
     finest=True,
 )
-
-
-def order(key: str, quantity: str, window: Window, column: str = "excess", if_missed: str = "") -> Check:
-    """Return the check of the fitted order of a column; with a reason ``if_missed`` nothing is claimed."""
-    return consequence(key, quantity, fitted(column), window, levels=ENOUGH, if_missed=if_missed)

@@ -7,8 +7,7 @@ on one mesh. Criteria compare the measured numbers with tolerance windows.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from types import MappingProxyType
+from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
@@ -18,9 +17,11 @@ from study.fem.error_norm import ErrorNorm, gaps_at_vertices
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, name_of, resolve
 from study.fem.space import Space
-from study.ledger.check import Check, Groups, by_case, by_family
+from study.ledger.check import ENOUGH, Check, Groups, by_case, by_family, consequence
 from study.ledger.datafiles import CsvFile, DataFile, Row
+from study.ledger.quantities import fitted
 from study.ledger.verdict import Verdict
+from study.ledger.window import Window
 from study.solve.evolution import Scheme, SemiDiscrete, State
 from study.solve.steps import stress_steps
 from study.solve.tableau import Tableau
@@ -74,7 +75,6 @@ class Statement:
         joined_file: a second data file or None. Its columns are added to the rows of ``file`` that have the same key,
             under the names ``NAME_reported``.
         checks: the checks. Each gives one check for every case, that is, one row of the ledger.
-        not_judged: the cases whose checks are reported and not judged, with the reason.
         quick, full: the settings of the quick and of the full study.
         of_every_case: whether the statement is measured on every case of a run, including the cases of users.
         initial_gap: whether the statement is also measured on cases with an initial gap; the paper has no such gap.
@@ -89,7 +89,6 @@ class Statement:
     file: DataFile
     joined_file: CsvFile | None = None
     checks: Sequence[Check] = ()
-    not_judged: Mapping[str, str] = MappingProxyType({})
     quick: Sequence[Any] = ()
     full: Sequence[Any] = ()
     of_every_case: bool = False
@@ -151,8 +150,10 @@ class Statement:
         Args:
             rows: the measured rows of the data file, with the predicted orders of their cases as further columns.
         """
-        judged = ((case, pair) for case, groups in self.by_case(rows) for pair in self.checks_of(case, groups))
-        return [rule.verdict(self, case, groups) for case, (rule, groups) in judged]
+        verdicts = []
+        for case, groups in self.by_case(rows):
+            verdicts += [check.verdict(self, case, judged) for check, judged in self.checks_of(case, groups)]
+        return verdicts
 
     def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
         """Divide measured rows, and return pairs of a case and its tables of levels, by mesh family."""
@@ -165,9 +166,7 @@ class Statement:
             case: the name of the case.
             groups: the tables of levels of this case, by mesh family.
         """
-        if reason := self.not_judged.get(case):
-            return [(replace(rule, if_missed=reason), groups) for rule in self.checks]
-        return [(rule, groups) for rule in self.checks]
+        return [(check, groups) for check in self.checks]
 
     def cost(self, setting: Any) -> float:
         """Return the expected run time of ``measure`` in µs.
@@ -196,6 +195,19 @@ class Statement:
 
     def __hash__(self) -> int:
         return hash(type(self))
+
+
+def fitted_order(
+    key: str, quantity: str, column: str, window: Window, last: int = 0, power: int = 0, if_missed: str = ""
+) -> Check:
+    """Return the check of the order of a column that ``quantities.fitted`` computes; it needs ``ENOUGH`` levels.
+
+    Args:
+        key, quantity, window, if_missed: as described in ``Check``.
+        column, last, power: as described in ``quantities.of_errors`` and ``quantities.fitted``.
+    """
+    order = fitted(column, last, power)
+    return consequence(key, quantity, order, window, levels=ENOUGH, if_missed=if_missed)
 
 
 SEED = 2002

@@ -1,7 +1,7 @@
 """Upper estimates of the memory that measurements need, computed from the number of unknowns.
 
 The Python process with all imports and compiled formulas takes at most 384 MiB. Each unknown adds at most 16 KiB in
-the plane and 64 KiB in space, for the matrix factor and the fields. These constants are rounded up, so that every
+the plane and 80 KiB in space, for the matrix factor and the fields. These constants are rounded up, so that every
 estimate is one to six times the measured memory. Estimates for error bounds are one to two times the measured memory.
 
 The constants come from measured peaks of the resident memory with one thread. The peaks minus 384 MiB were, in MiB:

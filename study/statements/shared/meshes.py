@@ -147,9 +147,9 @@ def split_random(groups: Groups) -> tuple[Groups, Groups]:
     return split(groups, lambda family: family.random)
 
 
-def split_superclose(groups: Groups) -> dict[bool, Groups]:
-    """Return the measurements on meshes on which u^h is superclose (True), and those on all other meshes (False)."""
-    return dict(zip((True, False), split(groups, lambda family: family.superclose), strict=True))
+def split_superclose(groups: Groups) -> tuple[Groups, Groups]:
+    """Split measurements by mesh family into those on meshes on which u^h is superclose, and all others."""
+    return split(groups, lambda family: family.superclose)
 
 
 def split_irregular(groups: Groups) -> tuple[Groups, Groups]:

@@ -1,6 +1,6 @@
 """Norms, work of stresses and of the contact force, matrices of forms on V^h, and their extreme eigenvalues.
 
-In 2D the quadrature rules are the same as in ``ErrorNorm``; ``Velocity`` uses standard points.
+In 2D the quadrature rules are the same as in ``ErrorNorm``.
 """
 
 import math
@@ -10,15 +10,17 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sps
 from scipy.sparse.linalg import eigsh
-from skfem import Basis
+from skfem import Basis, Mesh
 from skfem.models.poisson import mass as scalar_mass
 
+from manufactured.body import Part
 from manufactured.exact import ExactSolution
 from manufactured.exact.solution import FaceFields
 from manufactured.law import KelvinVoigt
-from manufactured.tensors import Array, Tensors, size
+from manufactured.tensors import Array, Points, Tensors, Vectors, size
 from study.fem.error_norm import DEGREE, FACET_POINTS, rules, shared_lines
-from study.fem.quadrature import Line, facet_rule
+from study.fem.moments import QuadraturePoints
+from study.fem.quadrature import FacetRule, Line, facet_rule
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
 from study.statements.shared.base import SEED
@@ -27,6 +29,11 @@ from study.statements.shared.base import SEED
 def midpoints(T: float, count: int) -> Array:
     """Return the nodes of the composite midpoint rule on (0, T), (count,). The weight of each node is T/count."""
     return (np.arange(count) + 0.5) * T / count
+
+
+def time_nodes(T: float, steps: int) -> Array:
+    """Return the time nodes t_n = nT/steps, n = 0, …, steps, (steps + 1,)."""
+    return T * np.arange(steps + 1) / steps
 
 
 def maximum(values: Iterable[float | np.floating[Any]]) -> float:
@@ -47,6 +54,11 @@ def norm(problem: SemiDiscrete, v: Array) -> float:
         v: the degrees of freedom, (dofs,).
     """
     return math.sqrt(max(v @ (problem.M @ v), 0.0))
+
+
+def norms(problem: SemiDiscrete, v: Array) -> Array:
+    """Return the norms ‖v_n‖_V of several P1 displacements, (n, dofs) → (n,)."""
+    return np.sqrt(abs(np.sum(v.T * (problem.M @ v.T), axis=0)))
 
 
 def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
@@ -70,30 +82,23 @@ class Energies:
         space: the P1 displacement space V^h.
         along: lines along which quadrature points are moved, as for ``ErrorNorm``; by default as there, and none for
             an empty tuple.
+        raised: a number added to the degree of the quadrature rules.
 
     Attributes:
         exact: the exact solution at the quadrature points; its strains have the shape (D, points).
+        cells: the cell of each quadrature point, (points,).
     """
 
-    def __init__(self, solution: ExactSolution, space: Space, along: Sequence[Line] | None = None) -> None:
-        blocks = rules(solution, space.mesh, DEGREE, shared_lines(solution) if along is None else along)
+    def __init__(
+        self, solution: ExactSolution, space: Space, along: Sequence[Line] | None = None, raised: int = 0
+    ) -> None:
+        lines = shared_lines(solution) if along is None else along
+        points = QuadraturePoints.on_cells(rules(solution, space.mesh, DEGREE + raised, lines))
         self.space = space
-        self.weights = np.concatenate([rule.weights.ravel() for rule in blocks])
-        self._cells = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in blocks])
-        self.exact = solution.at(np.hstack([rule.points.reshape(space.dim, -1) for rule in blocks]))
+        self.weights = points.weights
+        self.cells = points.sums
+        self.exact = solution.at(points.x)
         self._nodes = solution.at(space.mesh.p)
-
-    def strain(self, v: Array) -> Tensors:
-        """Return the strain ε(v) of a P1 displacement v at the quadrature points, (D, points)."""
-        return self.space.strain(v)[:, self._cells]
-
-    def interpolant(self, time: float) -> Array:
-        """Return the nodal interpolant Π^h u(t) of the exact displacement, (dofs,)."""
-        return self.space.interpolate(self._nodes.displacement(time))
-
-    def interpolated_rate(self, time: float) -> Array:
-        """Return the nodal interpolant Π^h u̇(t) of the exact velocity, (dofs,)."""
-        return self.space.interpolate(self._nodes.velocity(time))
 
     def work(self, stress: Tensors, strain: Tensors) -> float:
         """Return the work (σ, ε)_Q = ∫ σ·ε of a stress on a strain, both at the quadrature points, (D, points)."""
@@ -101,71 +106,90 @@ class Energies:
 
     def functional(self, stress: Tensors) -> Array:
         """Return the linear functional v ↦ (σ, ε(v))_Q of a stress on the P1 space V^h, (dofs,)."""
+        return self.space.tested(self.integrals(stress))
+
+    def integrals(self, stress: Tensors) -> Tensors:
+        """Return the integrals over all cells of a stress at the quadrature points, (D, points) → (D, cells)."""
         count = len(self.space.volumes)
-        sums = [np.bincount(self._cells, self.weights * component, count) for component in stress]
-        return self.space.tested(np.array(sums))
+        return np.array([np.bincount(self.cells, self.weights * component, count) for component in stress])
 
-    def product(self, one: Tensors, other: Tensors) -> float:
-        """Return the inner product (A ε, ε')_Q of V for two strains at the quadrature points, (D, points)."""
-        return self.work(self.exact.law.A(one), other)
+    def norm(self, strain: Tensors) -> float:
+        """Return the norm (A ε, ε)_Q^{1/2} of V for a strain at the quadrature points, (D, points)."""
+        return math.sqrt(self.work(self.exact.law.A(strain), strain))
 
+    def distance(self, strain: Tensors, v: Array) -> float:
+        """Return the norm of ε − ε(v) for a strain ε at the quadrature points and a P1 displacement v, (dofs,)."""
+        return self.norm(strain - self.space.strain(v)[:, self.cells])
 
-class Velocity:
-    """Computes the norm ‖u̇(t)‖_V of the exact velocity and its interpolation error ‖u̇(t) − Π^h u̇(t)‖_V."""
-
-    def __init__(self, solution: ExactSolution, space: Space) -> None:
-        self.energies = Energies(solution, space, along=())
-
-    def norm(self, times: Array) -> Array:
+    def velocity_norm(self, times: Array) -> Array:
         """Return the norm ‖u̇(t)‖_V of the exact velocity at n times, (n,)."""
-        rates = (self.energies.exact.strain_rate(time) for time in times.tolist())
-        return np.sqrt([self.energies.product(rate, rate) for rate in rates])
+        return np.array([self.norm(self.exact.strain_rate(time)) for time in times.tolist()])
 
-    def interpolation_error(self, times: Array) -> Array:
+    def velocity_error(self, times: Array) -> Array:
         """Return the interpolation error ‖u̇(t) − Π^h u̇(t)‖_V of the exact velocity at n times, (n,)."""
-        exact, strain, interpolant = self.energies.exact, self.energies.strain, self.energies.interpolated_rate
-        errors = (exact.strain_rate(time) - strain(interpolant(time)) for time in times.tolist())
-        return np.sqrt([self.energies.product(error, error) for error in errors])
+        errors = []
+        for time in times.tolist():
+            interpolant = self.space.interpolate(self._nodes.velocity(time))
+            errors.append(self.distance(self.exact.strain_rate(time), interpolant))
+        return np.array(errors)
 
 
-class ContactWork:
-    """Computes the work R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), of the exact contact force on a P1 displacement v.
+def contact_load(
+    solution: ExactSolution,
+    space: Space,
+    rough: tuple[float, ...],
+    pressure: Callable[[FaceFields, float], Array] = FaceFields.pressure,
+) -> Callable[[float], Array]:
+    """Return the exact contact force as a load: a function of time with values v ↦ ∫_{Γ3} σ_ν v_ν on V^h, (dofs,).
 
     The normal stress σ_ν is minus the exact contact pressure.
 
     Args:
         solution: the exact solution.
         space: the P1 displacement space V^h.
-        rough: coordinates along the contact faces towards which quadrature points are graded. By default each face has
-            its own, as in ``ErrorNorm``.
+        rough: coordinates along the contact faces towards which quadrature points are graded.
         pressure: the function that gives the exact contact pressure on a face at a time.
     """
+    faces = []
+    for face in solution.faces:
+        rule = facet_rule(space.mesh, space.facets(face.part), face.part, rough, FACET_POINTS)
+        faces.append((face.part.normal, rule, solution.on(face, rule.s)))
 
-    def __init__(
-        self,
-        solution: ExactSolution,
-        space: Space,
-        rough: tuple[float, ...] | None = None,
-        pressure: Callable[[FaceFields, float], Array] = FaceFields.pressure,
-    ) -> None:
-        self.space, self.pressure, self._faces = space, pressure, []
-        for face in solution.faces:
-            graded = face.rough if rough is None else rough
-            rule = facet_rule(space.mesh, space.facets(face.part), face.part, graded, FACET_POINTS)
-            self._faces.append((face.part.normal, rule, solution.on(face, rule.s)))
+    def load(time: float) -> Array:
+        nodal = np.zeros_like(space.mesh.p)
+        for normal, rule, exact in faces:
+            moments = np.sum(pressure(exact, time) * rule.weights * rule.shapes, axis=-1)
+            nodal -= space.scatter(space.mesh.facets[:, rule.facets], np.multiply.outer(normal, moments))
+        return space.interpolate(nodal)
 
-    def load(self, time: float) -> Array:
-        """Return the contact force at a time as a load, that is, the linear functional v ↦ R(t; v) on V^h, (dofs,)."""
-        nodal = np.zeros_like(self.space.mesh.p)
-        for normal, rule, exact in self._faces:
-            moments = np.sum(self.pressure(exact, time) * rule.weights * rule.shapes, axis=-1)
-            ends = self.space.mesh.facets[:, rule.facets]
-            nodal -= self.space.scatter(ends, np.multiply.outer(normal, moments))
-        return self.space.interpolate(nodal)
+    return load
 
-    def __call__(self, v: Array, time: float) -> float:
-        """Return the work R(t; v) of the contact force at a time on the P1 displacement v, (dofs,)."""
-        return float(self.load(time) @ v)
+
+def displacement(solution: ExactSolution, times: Array | float) -> Callable[[Points], Vectors]:
+    """Return the exact displacement as a function of points, (d, ...) → (d, ..., n) at n times, (d, ...) at one."""
+    return lambda x: solution.at(x).displacement(times)
+
+
+def trace_error(field: Callable[[Points], Vectors], space: Space, part: Part, rule: FacetRule) -> tuple[Array, Array]:
+    """Return the interpolation error Π^h v_ν − v_ν and v_ν at the n × q points of a rule on facets, (n, q, ...) each.
+
+    Args:
+        field: the field v, a function of points, (d, points) → (d, points, ...).
+        space: the P1 displacement space V^h.
+        part: the boundary part with the normal ν.
+        rule: the quadrature rule on facets of this part.
+    """
+    vertices = space.mesh.p[:, space.mesh.facets[:, rule.facets]]
+    trace, corners = (np.tensordot(part.normal, field(x), axes=1) for x in (part.point(rule.s), vertices))
+    return np.einsum("an...,anq->nq...", corners, rule.shapes) - trace, trace
+
+
+def hat_functions(mesh: Mesh, rule: FacetRule) -> sps.csr_array:
+    """Return the values of the hat functions of all vertices at the points of a rule on facets, (points, vertices)."""
+    vertices = np.moveaxis(np.broadcast_to(mesh.facets[:, rule.facets, None], rule.shapes.shape), 0, -1)
+    ends = np.arange(0, vertices.size + 1, mesh.dim())
+    shape = rule.weights.size, mesh.p.shape[1]
+    return sps.csr_array((np.moveaxis(rule.shapes, 0, -1).ravel(), vertices.ravel(), ends), shape=shape)
 
 
 SMALLEST_TOLERANCE, LARGEST_TOLERANCE = 1e-9, 1e-4

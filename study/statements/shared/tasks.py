@@ -15,7 +15,7 @@ A task is such a problem on one mesh. It has two modes:
 All data except the displacements are multiplied by one factor S, which does not change u.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,9 +26,8 @@ from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.law import Indefinite, Linear
 from manufactured.tensors import Array, Tensors, traction
-from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, gaps_at_vertices, rules, shared_lines
+from study.fem.error_norm import DEGREE, FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, gaps_at_vertices
 from study.fem.mesh import MeshFamily
-from study.fem.moments import Amplitudes, QuadraturePoints, StrainSums, amplitudes_of
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space, form
 from study.ledger.files import UsageError
@@ -36,6 +35,7 @@ from study.solve.evolution import SemiDiscrete, State
 from study.solve.signorini import ContactSolver
 from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT
+from study.statements.shared.norms import Energies, hat_functions, time_nodes
 
 FROZEN_TIMES = 0.15, 0.55, 0.9
 """Default times of frozen problems, as fractions of the final time T.
@@ -93,17 +93,13 @@ class Task:
         return gaps_at_vertices(self.solution, self.space)
 
     @cached_property
-    def _rates(self) -> tuple[Callable[[Array, bool], Amplitudes], StrainSums]:
-        solution, mesh = self.solution, self.space.mesh
-        points = QuadraturePoints.on_cells(rules(solution, mesh, self.v_norm.degree, shared_lines(solution)))
-        modes = solution.at(points.x).modes()
-        return amplitudes_of(modes), StrainSums(modes, points, points.weights * solution.law.A.factor(points.x))
+    def _energies(self) -> Energies:
+        return Energies(self.solution, self.space, raised=self.v_norm.degree - DEGREE)
 
     def initial_stress(self, time: float) -> Tensors:
         """Return the means over cells of the exact viscous stress A ε(u̇) at one time, (D, cells)."""
-        amplitudes, sums = self._rates
-        rates = sums(amplitudes(np.array([time]), True))[..., 0]
-        return np.asarray(self.solution.law.A.matrix @ rates / self.space.volumes)
+        exact = self._energies.exact
+        return self._energies.integrals(exact.law.A(exact.strain_rate(time))) / self.space.volumes
 
     @cached_property
     def _solve(self) -> ContactSolver:
@@ -131,27 +127,29 @@ class Task:
         """Return the largest error ‖u(t_n) − u_n‖_V of the midpoint rule over the time nodes after t = 0."""
         problem, states = self.march(steps)
         next(states)
-        times = problem.T * np.arange(1, steps + 1) / steps
-        return self.v_norm.largest(times, (state.u for state in states))
+        return self.v_norm.largest(time_nodes(problem.T, steps)[1:], (state.u for state in states))
 
     def resultants(self, time: float) -> Array:
         """Return the exact total contact force on each contact face, (faces,).
 
         It is Σ_i ∫ p φ_i with the exact pressure p and the hat functions φ_i of the vertices that are not clamped.
         """
-        found = []
+        totals = []
         for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
             points = FACET_POINTS if self.space.dim == 2 else SOLID_FACET_POINTS
             rule = facet_rule(self.space.mesh, self.space.facets(part), part, face.rough, points)
-            forces = (rule.shapes * rule.weights * self.solution.on(face, rule.s).pressure(time)).sum(axis=-1)
-            found.append(forces[np.isin(self.space.mesh.facets[:, rule.facets], vertices)].sum())
-        return np.array(found)
+            forces = rule.weights * self.solution.on(face, rule.s).pressure(time)
+            moments = hat_functions(self.space.mesh, rule).T @ forces.ravel()
+            totals.append(moments[vertices].sum())
+        return np.array(totals)
 
     def pressures(self, time: float) -> list[Array]:
         """Return for each contact face the exact pressure at its vertices that are not clamped, (vertices,)."""
-        pairs = zip(self.solution.faces, self.space.contact, strict=True)
-        places = [(face, part.coordinates(self.space.mesh.p[:, vertices])[0]) for face, (part, vertices) in pairs]
-        return [self.solution.on(face, s).pressure(time) for face, s in places]
+        pressures = []
+        for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
+            s = part.coordinates(self.space.mesh.p[:, vertices])[0]
+            pressures.append(self.solution.on(face, s).pressure(time))
+        return pressures
 
     def tractions(self, kind: Kind, time: float) -> list[Array]:
         """Return exact tractions at the facet corners of all boundary parts of a kind.
