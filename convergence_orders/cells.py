@@ -4,6 +4,8 @@ import math
 import re
 from functools import cache
 
+from .orders import OrderError
+
 MISSING = re.compile(r"(?i)[-_*.…~/\\]*|n/?a|none|null|missing")
 """Matches an empty cell and signs for a missing number."""
 _TRANSLATED = str.maketrans("−–—‐⁻⁰¹²³⁴⁵⁶⁷⁸⁹⁺", "-----0123456789+", "`$\"'{}\u200b")
@@ -93,14 +95,20 @@ def kind_of(cell: str) -> str:
     return "a" if values == [None, None] else "9"
 
 
-def uses_decimal_commas(cells: list[str]) -> bool | None:
-    """Return whether the commas in cells are decimal commas; None if 1,024 may be 1.024 or 1024."""
+def uses_decimal_commas(cells: list[str]) -> bool:
+    """Return whether the commas in cells are decimal commas.
+
+    Raises:
+        OrderError: 1,024 may be 1.024 or 1024.
+    """
     commas = [cell.strip() for cell in cells if "," in cell]
-    if any(_DECIMAL_COMMA.fullmatch(cell) and not _THOUSANDS.fullmatch(cell) for cell in commas):
+    thousands = [cell for cell in commas if _THOUSANDS.fullmatch(cell)]
+    if any(_DECIMAL_COMMA.fullmatch(cell) and cell not in thousands for cell in commas):
         return True
     # If some cells have decimal points, the commas separate thousands.
-    points = any(re.search(r"\.\d", cell) for cell in cells)
-    return None if any(map(_THOUSANDS.fullmatch, commas)) and not points else False
+    if thousands and not any(re.search(r"\.\d", cell) for cell in cells):
+        raise OrderError(f"'{commas[0]}' may be a decimal fraction or have thousands: write it without a comma")
+    return False
 
 
 # The names of columns.
