@@ -360,26 +360,25 @@ class Reading:
 
         They come from the ratio that the user gives, from a column, or from orders that are printed in the table.
         """
-        for column in self.columns:
-            if column.role == "degree" and (column is self.size or (column.steps == {1} and self.options.size is None)):
-                raise OrderError(f"column {column.name} has degrees: {DEGREES}")
-        if self.size:
-            return self._converted(self.size, rows, confirmed)
         ratio, levels = self.options.ratio, np.arange(len(rows), dtype=float)
         for column in self.columns:
+            if column.role == "degree" and (column is self.size or (column.steps == {1} and not self.options.size)):
+                raise OrderError(f"column {column.name} has degrees: {DEGREES}")
             if ratio and column.role in ("size", "step"):
                 raise OrderError(f"--ratio {ratio:g}, but column {column.name} has sizes: leave out --ratio")
             if column.role == "level":
                 levels = column.numbers[rows]
                 if ratio and (np.abs(np.diff(levels)) != 1).any():
                     raise OrderError(f"--ratio {ratio:g}, but the levels in column {column.name} are not consecutive")
+        if self.size:
+            return self._converted(self.size, rows, confirmed)
         finer = ratio or 2.0
         h = max(finer, 1 / finer) ** -levels
         # A column with another name and without orders may be one of sizes.
         named = all(column.role == "error" or column.printed or not column.numbers.any() for column in self.errors)
         if named and self._agrees(h, rows):
             return h, f"ratio {finer:g}, which follows from the printed orders"
-        if ratio is None:
+        if not ratio:
             raise OrderError(
                 f"no column is a mesh size; seen: {self.names}. Give --ratio 2 if each mesh is twice as fine as the "
                 "one above, or --in NAME for the column of sizes"
@@ -418,7 +417,7 @@ class Reading:
     def _agrees(self, h: Array, rows: Rows | slice) -> bool:
         """Return whether the orders that are printed beside the errors follow from these mesh sizes."""
         differences = [_difference(h, rows, column) for column in self.errors]
-        return max((difference for difference in differences if difference < math.inf), default=1) < 0.03
+        return max((difference for difference in differences if difference >= 0), default=1) < 0.03
 
     def _check(self, column: Column) -> None:
         """Raise an error if a cell of a column of errors or sizes cannot be used, or if the column has logarithms."""
@@ -464,16 +463,16 @@ def _equal(numbers: Array, expected: Array) -> bool:
 def _difference(h: Array, rows: Rows | slice, errors: Column) -> float:
     """Return the largest difference of the orders that are printed for a column of errors and the computed ones.
 
-    Of several columns of orders, the best is taken. The difference is infinite if there are no printed orders.
+    Of several columns of orders, the best is taken. The difference is NaN if there are no printed orders.
     """
     computed = consecutive_orders(h, errors.numbers[rows])
     differences = [np.abs(computed - column.numbers[rows][1:]) for column in errors.printed]
-    return min((float(np.nanmax(d)) for d in differences if np.isfinite(d).any()), default=math.inf)
+    return min((float(np.nanmax(d)) for d in differences if np.isfinite(d).any()), default=math.nan)
 
 
 def _contradiction(h: Array, rows: Rows, errors: Column) -> str:
     """Return a remark if the orders that are printed in the table are not the computed ones."""
-    if not 0.1 < _difference(h, rows, errors) < math.inf:
+    if not _difference(h, rows, errors) > 0.1:
         return ""
     printed = ", ".join(f"{order:g}" for order in errors.printed[0].numbers[rows][1:])
     computed = ", ".join(f"{order:.2f}" for order in consecutive_orders(h, errors.numbers[rows]))

@@ -7,13 +7,13 @@ pipes, ``&``, tabs, semicolons, commas or blanks, or lines ``name = value``. Wha
 
 import csv
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
 
-from .cells import SIZES, kind_of, role, to_number
+from .cells import SIZES, Rewriting, kind_of, rewrite, role, to_number
 from .orders import OrderError, consecutive_orders
 
 Cells = list[str]
@@ -103,7 +103,7 @@ GAP = "\x1e"
 """Sign behind a line with a rule below it."""
 NORMS = str.maketrans({"\ue000": "\\|", "\ue001": "|"})
 """Sign that replaces a bar of a norm, which separates no cells ↦ the bar."""
-_CLEANED: list[tuple[str, str | Callable[[re.Match[str]], str]]] = [
+_CLEANED: Rewriting = [
     (r"\r\n|\r", "\n"),
     (r"[│┃║┆]", "|"),
     (r"\b(?:(?:np\.|numpy\.)?float\d*|tensor|array)\(([^()\[\]]*)\)", r"\1"),
@@ -131,7 +131,7 @@ _CLEANED: list[tuple[str, str | Callable[[re.Match[str]], str]]] = [
         lambda found: f"{abs(float(found[1]) - float(found[2])):.9g}",
     ),
 ]
-"""Patterns and what replaces them, one after the other; none of them changes the number of lines."""
+"""Signs of LaTeX, Markdown and programs; no replacement changes the number of lines."""
 
 
 @dataclass(frozen=True)
@@ -157,8 +157,7 @@ def _lines(text: str) -> list[Line]:
     """
     if text.count("\n") > MAX_LINES or max(map(len, text.split("\n"))) > MAX_LINE:
         raise OrderError(f"it has more than {MAX_LINES} lines, or a line of more than {MAX_LINE} characters; {EXAMPLE}")
-    for pattern, replacement in _CLEANED:
-        text = re.sub(pattern, replacement, text)
+    text = rewrite(text, _CLEANED)
     lines = []
     gap = False
     for number, line in enumerate(text.split("\n"), start=1):
@@ -436,7 +435,7 @@ def from_columns(form: str, columns: Columns) -> Table:
             columns[name] = ["", *cells]
         elif len(cells) < length:
             raise OrderError(
-                f"columns of different lengths: {name} has {len(cells)} values, expected {length}, one for each mesh: "
+                f"columns of different lengths: {name.translate(NORMS)} has {len(cells)} values, expected {length}, one for each mesh: "
                 "write nan where a computation failed"
             )
     return Table(form, [*columns], [*columns.values()], [f"value {k}" for k in range(1, length + 1)])
