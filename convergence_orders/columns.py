@@ -6,7 +6,7 @@ A table is read only if all three are certain. Otherwise, the message says what 
 import math
 import re
 from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
@@ -18,7 +18,7 @@ from .tables import NORMS, Cells, Table, read_tables, shorten
 
 Rows = NDArray[np.intp]
 """Indices of the rows of a series."""
-_WHOLE = re.compile(r"\d{1,10}(?:\.0)?|\d{1,3}(?:[ ,'’\u00a0\u202f]\d{3})+")
+_WHOLE = re.compile(r"\s*(?:\d{1,10}(?:\.0)?|\d{1,3}(?:[ ,'’\u00a0\u202f]\d{3})+)\s*")
 """Matches a whole number, also as pandas writes it in a table of floats: 512, 512.0, 1 024, 1,024."""
 _SIDES = re.compile(r"\D*(\d+)(?:\s*(?:[x×]|\\times)\s*\1)+\D*")
 """Matches the cells along the sides of a mesh, such as ``$8 \\times 8$``."""
@@ -90,22 +90,32 @@ class Series:
         return f"read as {self.form}; size: {self.size}; {what}: {', '.join(self.errors)}{ignored}"
 
 
-@dataclass(eq=False)
 class Column:
     """A column of a table.
 
     Attributes:
         name, cells: its name, and its cells as text.
         numbers: its numbers; NaN for text and for missing numbers.
-        role: what the column contains.
+        role: what the column contains. It follows from its name and is corrected by its cells.
         printed: the columns with orders that the table has for this column of errors.
     """
 
-    name: str
-    cells: Cells
-    numbers: Array
-    role: str
-    printed: list["Column"] = field(default_factory=list)
+    def __init__(self, name: str, cells: Cells, comma: bool) -> None:
+        self.name, self.cells, self.role = name, cells, role(name)
+        self.printed: list[Column] = []
+        # Words behind the numbers of a column of errors or sizes are units or remarks.
+        clean = map(without_words, cells) if self.role in ("error", *SIZES) else cells
+        self.numbers = np.array([to_number(cell, comma) for cell in clean], dtype=float)
+        contents = "".join(map(kind_of, cells))
+        if not contents.strip("-"):
+            self.role = "error" if self.role == "error" else "empty"
+        elif all(map(_SIDES.fullmatch, cells)):
+            self.role = self.role if self.role in SIZES else "count"
+        elif "9" not in contents or (contents[0] == "a" and self.role in ("unknown", "other", "degree")):
+            self.role = "text"
+        elif self.role == "degree" and not self.whole:
+            # A column p may have errors of the pressure.
+            self.role = "unknown"
 
     @property
     def starts_missing(self) -> bool:
@@ -115,7 +125,7 @@ class Column:
     @property
     def whole(self) -> bool:
         """Whether all cells are whole numbers."""
-        return all(_WHOLE.fullmatch(cell.strip()) for cell in self.cells)
+        return all(map(_WHOLE.fullmatch, self.cells))
 
     @property
     def steps(self) -> set[float]:
@@ -174,29 +184,11 @@ def columns_of(table: Table, comma: bool) -> list[Column]:
             # The name of a series may span the empty cells below it.
             cells = [next(filter(None, cells[j::-1])) for j in range(len(cells))]
         if names[k]:
-            full_name = names[k] if names.count(names[k]) == 1 else f"{names[k]} ({k + 1})"
-            columns.append(_column(names[k], full_name, cells, comma))
+            column = Column(names[k], cells, comma)
+            if names.count(names[k]) > 1:
+                column.name += f" ({k + 1})"
+            columns.append(column)
     return columns
-
-
-def _column(name: str, full_name: str, cells: Cells, comma: bool) -> Column:
-    """Return a column with its numbers and its role, which follows from its name and is corrected by its numbers.
-
-    Words behind the numbers of a column of errors or sizes are units or remarks.
-    """
-    kind, contents = role(name), "".join(map(kind_of, cells))
-    clean = map(without_words, cells) if kind in ("error", *SIZES) else cells
-    column = Column(full_name, cells, np.array([to_number(cell, comma) for cell in clean], dtype=float), kind)
-    if not contents.strip("-"):
-        column.role = kind if kind == "error" else "empty"
-    elif all(map(_SIDES.fullmatch, cells)):
-        column.role = kind if kind in SIZES else "count"
-    elif "9" not in contents or (contents[0] == "a" and kind in ("unknown", "other", "degree")):
-        column.role = "text"
-    elif kind == "degree" and not column.whole:
-        # A column p may have errors of the pressure.
-        column.role = "unknown"
-    return column
 
 
 class Reading:

@@ -350,14 +350,15 @@ def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis |
     """
     if len(e) < 4 or np.diff(e[-4:]).max() >= 0:
         return None
-    changes = np.diff(consecutive_orders(h, e)[-3:])
-    (before, p_before), (limit, p) = limit_and_order(h[-4:-1], e[-4:-1]), limit_and_order(h, e)
+    orders = consecutive_orders(h, e)
+    changes, quoted = np.diff(orders[-3:]), _text(orders)
+    before, p_before = limit_and_order(h[:-1], e[:-1])
+    limit, p = limit_and_order(h, e)
     agree = abs(p_before - p) < 0.02 + 0.1 * abs(changes.sum())
     # Terms of higher order in h also change the orders. But then the fitted limits tend to 0 from mesh to mesh.
     exceeds_0 = abs(limit) > max(0.02 * e[-1], UNCERTAIN * abs(limit - before))
     if not (exceeds_0 and agree):
         return None
-    quoted = _text(consecutive_orders(h, e))
     low, high = expectation.window or (p, p)
     if limit < 0 and changes.min() > 0 and low <= p <= high:
         reference = h[-1] * (-limit / (e[-1] - limit)) ** (1 / p)
@@ -409,7 +410,8 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
     extrapolated = extrapolated_order(h, e)
     # Two orders suffice if the extrapolated order is as expected, too. If two errors are equal, it is meaningless.
     two_suffice = low <= extrapolated <= high and np.diff(e).all()
-    if n - 1 - first >= 3 or (n - 1 - first == 2 and two_suffice):
+    accepted = len(orders) - first
+    if accepted > 2 or (accepted == 2 and two_suffice):
         return first, HOLDS
     previous, last = orders[-2:]
     settled = abs(last - previous) <= expectation.tolerance
@@ -425,9 +427,9 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     """Return the diagnosis of errors that decrease up to the finest mesh."""
     first, verdict = _judge(h, e, expectation)
     orders, step = consecutive_orders(h, e), 2 * expectation.tolerance
-    change = np.diff(orders)
+    before, last = np.diff(orders, prepend=orders[0])[-2:]
     # Orders that fall, but settle, fall by less from mesh to mesh.
-    drop = 0.8 * change[-2] if len(change) > 1 and change[-2] < 0 else -step
+    drop = 0.8 * before if before < 0 else -step
     # The fitted order lies within the orders that are quoted.
     quoted = slice(max(first, len(e) - QUOTED - 1), None)
     kind = "converges"
@@ -438,10 +440,10 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     elif verdict != HOLDS and orders.min() < -STALLED:
         kind = "pre-asymptotic"
         sentence = f"errors rise and fall: orders {_text(orders)}; no convergence is visible yet"
-    elif len(change) > 1 and change[-1] < drop and change[-2:].sum() < -0.04:
+    elif len(e) > 3 and last < drop and before + last < -0.04:
         kind = "orders falling"
         sentence = f"orders fall on the finest meshes: {_text(orders)}; another error may dominate there"
-    elif abs(change[-1]) > step:
+    elif abs(last) > step:
         kind, sentence = "pre-asymptotic", f"pre-asymptotic, orders not settled: {_text(orders)}; take finer meshes"
     return Diagnosis(first, len(e), kind, sentence, verdict)
 
@@ -497,10 +499,9 @@ def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:
     rounding = 4 * np.finfo(float).eps * abs(phi).max() / abs(changes).min()
     if rounding > 0.01 * np.diff(-np.log(sizes[-3:])).min():
         return GridConvergence("undecided")
-    monotone = np.sign(changes).sum() != 0
     if not math.isfinite(limit):
         # Values that turn on finer meshes after an extremum do not diverge.
         turned = len(phi) > 3 and np.ptp(np.sign(np.diff(phi))) > 0
         return GridConvergence("not monotone" if turned else "diverging" if p < 0 else "undecided")
     index = SAFETY * abs(limit / finest - 1) if finest else math.nan
-    return GridConvergence("monotone" if monotone else "oscillating", p, limit, index)
+    return GridConvergence("monotone" if np.sign(changes).sum() else "oscillating", p, limit, index)

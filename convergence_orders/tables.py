@@ -419,8 +419,9 @@ def _across(block: list[Row]) -> Table | None:
 def _orders_between(values: Cells) -> bool:
     """Return whether errors and orders stand in turn, and all orders are right for halved mesh sizes."""
     numbers = np.array([*map(to_number, values)], dtype=float)
-    computed = consecutive_orders(2.0 ** -np.arange(len(numbers[::2])), numbers[::2])
-    return len(values) % 2 == 1 and not (abs(computed - numbers[1::2]) >= 0.03).any()
+    errors, orders = numbers[::2], numbers[1::2]
+    computed = consecutive_orders(0.5 ** np.arange(len(errors)), errors)
+    return len(computed) == len(orders) and not (abs(computed - orders) >= 0.03).any()
 
 
 def from_columns(form: str, columns: Columns) -> Table:
@@ -435,8 +436,8 @@ def from_columns(form: str, columns: Columns) -> Table:
             columns[name] = ["", *cells]
         elif len(cells) < length:
             raise OrderError(
-                f"columns of different lengths: {name.translate(NORMS)} has {len(cells)} values, expected {length}, one for each mesh: "
-                "write nan where a computation failed"
+                f"columns of different lengths: {name.translate(NORMS)} has {len(cells)} values, expected {length}, "
+                "one for each mesh: write nan where a computation failed"
             )
     return Table(form, [*columns], [*columns.values()], [f"value {k}" for k in range(1, length + 1)])
 
@@ -464,7 +465,7 @@ def _lists(text: str) -> tuple[list[Table], Columns]:
         values = re.split(separator, (match["list"] or match["row"] or "").strip(" ,;\n\t"))
         if len(values) == 1:
             singles.setdefault(name, []).append(values[0].strip("*|`"))
-        elif any(kind_of(value) == "9" for value in values):
+        elif "9" in map(kind_of, values):
             if name in tables[-1] and role(name) in SIZES:
                 tables.append({})
             columns = tables[-1]
