@@ -150,15 +150,13 @@ def read_series(data: bytes | str, options: Options) -> list[Series]:
 @np.errstate(all="ignore")
 def series_of(tables: list[Table], options: Options) -> list[Series]:
     """Return the mesh sizes and errors of all series in tables, as ``read_series`` does."""
-    readings = [Reading(table, options) for table in tables]
+    confirmed: dict[str, int] = {}
+    readings = [Reading(table, options, confirmed) for table in tables]
     usable = [reading for reading in readings if reading.errors]
     if not usable:
         seen = ", ".join(f"{column.name} ({column.role})" for column in readings[0].columns)
         raise OrderError(f"no column of errors among {seen}: name one with --columns")
-    confirmed: dict[str, int] = {}
-    for reading in usable:
-        reading.confirm(confirmed)
-    series = [part for reading in usable for part in reading.series(confirmed)]
+    series = [part for reading in usable for part in reading.series()]
     every_label = (
         [part.label for part in series],
         [part.caption.rstrip(": ") for part in series],
@@ -199,16 +197,22 @@ class Reading:
         columns, names: the columns that have a name, and their names in words.
         form: the form of the table in words.
         size, errors: the column of mesh sizes, None if there is none, and the columns of errors.
+        confirmed: name of a column of counts ↦ the one dimension with which it gives the printed orders, in any table
+            of the text.
     """
 
-    def __init__(self, table: Table, options: Options) -> None:
-        self.table, self.options = table, options
+    def __init__(self, table: Table, options: Options, confirmed: dict[str, int]) -> None:
+        self.table, self.options, self.confirmed = table, options, confirmed
         comma = uses_decimal_commas([*chain(*table.columns)])
         self.columns = columns_of(table, comma)
         self.names = ", ".join(column.name for column in self.columns)
         self.form = table.form + (", decimal commas" if comma else "")
         self.size = self._size()
         self.errors = self._errors()
+        if self.size and self.size.role in ("count", "total"):
+            agreeing = [dim for dim in (1, 2, 3) if self._agrees(self.size.numbers ** (-1 / dim), slice(None))]
+            if len(agreeing) == 1:
+                confirmed[self.size.name] = agreeing[0]
 
     def _size(self) -> Column | None:
         """Return the column of mesh sizes; None if there is none."""
@@ -267,24 +271,13 @@ class Reading:
             raise OrderError(f"--columns {self.options.columns}: expected some of the columns {self.names}")
         return wanted
 
-    def confirm(self, confirmed: dict[str, int]) -> None:
-        """Enter the one dimension with which the counts in the column of sizes give the printed orders."""
-        if self.size and self.size.role in ("count", "total"):
-            agreeing = [dim for dim in (1, 2, 3) if self._agrees(self.size.numbers ** (-1 / dim), slice(None))]
-            if len(agreeing) == 1:
-                confirmed[self.size.name] = agreeing[0]
-
     # Series of rows.
 
-    def series(self, confirmed: dict[str, int]) -> list[Series]:
+    def series(self) -> list[Series]:
         """Return the series of the table.
 
         A series ends where the word or the degree in a column changes, where printed orders begin again, where sizes
         jump back, and at a blank line or a rule.
-
-        Parameters:
-            confirmed: name of a column of counts ↦ the dimension with which printed orders agree, in any table of the
-                text.
 
         Raises:
             OrderError: mesh sizes are unknown or ambiguous, or a cell is not a positive number.
@@ -301,7 +294,7 @@ class Reading:
         for label, rows in cases.items():
             parts = self._parts(np.array(rows))
             for number, part in enumerate(parts, start=1):
-                h, words = self._sizes(part, confirmed)
+                h, words = self._sizes(part)
                 series.append(
                     Series(
                         h=h.tolist(),
@@ -347,7 +340,7 @@ class Reading:
 
     # Mesh sizes.
 
-    def _sizes(self, rows: Rows, confirmed: dict[str, int]) -> tuple[Array, str]:
+    def _sizes(self, rows: Rows) -> tuple[Array, str]:
         """Return the mesh sizes of a series, and in words how they were determined.
 
         They come from the ratio that the user gives, from a column, or from orders that are printed in the table.
@@ -363,7 +356,7 @@ class Reading:
                 if ratio and (np.abs(np.diff(levels)) != 1).any():
                     raise OrderError(f"--ratio {ratio:g}, but the levels in column {column.name} are not consecutive")
         if self.size:
-            return self._converted(self.size, rows, confirmed)
+            return self._converted(self.size, rows)
         finer = ratio or 2.0
         h = max(finer, 1 / finer) ** -levels
         # A column with another name and without orders may be one of sizes.
@@ -383,7 +376,7 @@ class Reading:
                 )
         return h, f"ratio {ratio:g}"
 
-    def _converted(self, column: Column, rows: Rows, confirmed: dict[str, int]) -> tuple[Array, str]:
+    def _converted(self, column: Column, rows: Rows) -> tuple[Array, str]:
         """Return the mesh sizes that follow from a column, and in words how they were determined."""
         kind, name, sizes, dim = column.role, column.name, column.numbers[rows], self.options.dim
         whole = sizes.min() > 1 and (dim or not (sizes % 1).any())
@@ -396,7 +389,7 @@ class Reading:
                     f"or --in {name} if its numbers are lengths"
                 )
             return sizes, f"{'Δt' if kind == 'step' else 'h'} from column {name}"
-        power = dim or confirmed.get(name)
+        power = dim or self.confirmed.get(name)
         if power is None and (kind == "total" or np.abs(np.diff(np.log(sizes))).min(initial=9) >= math.log(3.5)):
             raise OrderError(
                 f"column {name} is a count: give --dim D (dim=D in Python) for h = {name}^(-1/D), where D is 1 if it "
