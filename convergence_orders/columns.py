@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .cells import SIZES, is_missing, kind_of, role, to_number, uses_decimal_commas, without_words
 from .orders import Array, OrderError, consecutive_orders
-from .tables import NORMS, Cells, Table, read_tables, shorten
+from .tables import NORM_BARS, Cells, Table, read_tables, shorten
 
 Rows = NDArray[np.intp]
 """Indices of the rows of a series."""
@@ -173,7 +173,7 @@ def columns_of(table: Table, comma: bool) -> list[Column]:
         table: the table.
         comma: whether its numbers have decimal commas.
     """
-    names, columns = [name.translate(NORMS) for name in table.names], []
+    names, columns = [name.translate(NORM_BARS) for name in table.names], []
     for k, cells in enumerate(table.columns):
         if k and not names[k] and is_missing(cells[0]) and not all(map(is_missing, cells)):
             # Columns of orders need no name. Their first cell is missing.

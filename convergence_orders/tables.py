@@ -89,7 +89,7 @@ def decode(data: bytes) -> str:
 
 def shorten(text: str, width: int = 60) -> str:
     """Return a text with at most ``width`` signs."""
-    restored = text.translate(NORMS)
+    restored = text.translate(NORM_BARS)
     return restored if len(restored) <= width else restored[: width - 1] + "…"
 
 
@@ -98,10 +98,10 @@ def shorten(text: str, width: int = 60) -> str:
 _RULED = r"(?:\\(?:[a-z]*(?:rule|line)|rowcolor|addlinespace)(?:\{[^{}\n]*\}|\[[^]\n]*\]|\([^)\n]*\))*[ \t]*)"
 _ROW_END = r"(?:\\\\(?:\[[^]\n]*\])?|\\tabularnewline|[ \t]\\)[ \t]*"
 _BRACED = r"\{((?:[^{}\n]|\{(?:[^{}\n]|\{[^{}\n]*\})*\}){0,200})\}"
-_FLOAT = r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)"
+_REAL_NUMBER = r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)"
 GAP = "\x1e"
 """Sign behind a line with a rule below it."""
-NORMS = str.maketrans({"\ue000": "\\|", "\ue001": "|"})
+NORM_BARS = str.maketrans({"\ue000": "\\|", "\ue001": "|"})
 """Sign that replaces a bar of a norm, which separates no cells ↦ the bar."""
 _CLEANED: Rewriting = [
     (r"\r\n|\r", "\n"),
@@ -127,7 +127,7 @@ _CLEANED: Rewriting = [
     ),
     (r'(?m)^\s*VARIABLES\s*=\s*"(.*)"', lambda found: re.sub(r'"[, ]+"', "\t", found[1])),
     (
-        rf"(?<!\S){_FLOAT} \((?:computed|numerical)\),? +{_FLOAT} \((?:analytical|exact|reference)\)",
+        rf"(?<!\S){_REAL_NUMBER} \((?:computed|numerical)\),? +{_REAL_NUMBER} \((?:analytical|exact|reference)\)",
         lambda found: f"{abs(float(found[1]) - float(found[2])):.9g}",
     ),
 ]
@@ -401,10 +401,10 @@ def _across(block: list[Row]) -> Table | None:
     """Return the table with one line for each quantity and one column for each mesh; None if it is no such table."""
     columns: Columns = {}
     for row in block:
-        kinds = row.kinds.lstrip("a")
-        start = len(row.kinds) - len(kinds)
-        if not start or "a" in kinds or len(kinds) < 2:
+        words_and_numbers = re.fullmatch("(a+)[^a]{2,}", row.kinds)
+        if not words_and_numbers:
             return None
+        start = words_and_numbers.end(1)
         columns[" ".join(row.cells[:start]).strip(" :=")] = row.cells[start:]
     if any(role(name) in SIZES for name in columns):
         return from_columns("one line for each quantity", columns)
@@ -436,7 +436,7 @@ def from_columns(form: str, columns: Columns) -> Table:
             columns[name] = ["", *cells]
         elif len(cells) < length:
             raise OrderError(
-                f"columns of different lengths: {name.translate(NORMS)} has {len(cells)} values, expected {length}, "
+                f"columns of different lengths: {name.translate(NORM_BARS)} has {len(cells)} values, expected {length}, "
                 "one for each mesh: write nan where a computation failed"
             )
     return Table(form, [*columns], [*columns.values()], [f"value {k}" for k in range(1, length + 1)])
