@@ -133,7 +133,7 @@ _ROLES = {
 """Role ↦ pattern of the whole name."""
 SIZES = ("size", "count", "total", "step")
 """Roles of columns from which mesh sizes or time steps can be computed, the preferred role first."""
-_SPELLINGS: Rewriting = [
+_NAME_SPELLINGS: Rewriting = [
     (r"\[.*?\]|\((?:k?m|s|ms|sec|seconds|cm|mm)\)", " "),
     (r"h(?:\^\{?-1\}?|⁻¹)", "1/h"),
     (r"\\?[Dd]elta", "Δ"),
@@ -164,7 +164,7 @@ def role(name: str) -> str:
         # A column T often has errors of a temperature; the time is called t.
         return "unknown"
     timed = re.search(r"[\[(](?:s|ms|sec|MB|GB|kB)[\])]", name)
-    text = rewrite(name, _SPELLINGS).lower().strip(" .:")
+    text = rewrite(name, _NAME_SPELLINGS).lower().strip(" .:")
     for kind, pattern in _ROLES.items():
         if re.fullmatch(pattern, text):
             return kind

@@ -436,8 +436,8 @@ def from_columns(form: str, columns: Columns) -> Table:
             columns[name] = ["", *cells]
         elif len(cells) < length:
             raise OrderError(
-                f"columns of different lengths: {name.translate(NORM_BARS)} has {len(cells)} values, expected {length}, "
-                "one for each mesh: write nan where a computation failed"
+                f"columns of different lengths: {name.translate(NORM_BARS)} has {len(cells)} values, expected "
+                f"{length}, one for each mesh: write nan where a computation failed"
             )
     return Table(form, [*columns], [*columns.values()], [f"value {k}" for k in range(1, length + 1)])
 
