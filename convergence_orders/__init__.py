@@ -21,19 +21,24 @@ if TYPE_CHECKING:
     from .solving import refine_until_settled as refine_until_settled
 
 _HOMES = {
-    "judging": ["assert_order", "check_orders"],
-    "orders": ["GridConvergence", "OrderError", "OrderResult", "grid_convergence", "observed_orders"],
-    "solving": ["ConvergenceTable", "refine_until_settled"],
+    "ConvergenceTable": "solving",
+    "GridConvergence": "orders",
+    "OrderError": "orders",
+    "OrderResult": "orders",
+    "assert_order": "judging",
+    "check_orders": "judging",
+    "grid_convergence": "orders",
+    "observed_orders": "orders",
+    "refine_until_settled": "solving",
 }
-"""Module ↦ the public names that it defines."""
+"""Public name ↦ the module that defines it."""
 
 
 def __getattr__(name: str) -> Any:
-    for module, names in _HOMES.items():
-        if name in names:
-            return getattr(importlib.import_module(f"{__name__}.{module}"), name)
+    if name in _HOMES:
+        return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
     raise AttributeError(f"module {__name__} has no attribute {name}")
 
 
 def __dir__() -> list[str]:
-    return sum(_HOMES.values(), [*globals()])
+    return [*globals(), *_HOMES]

@@ -2,12 +2,17 @@
 
 import math
 import re
+from collections.abc import Callable
 from functools import cache
+
+from .orders import OrderError
 
 MISSING = re.compile(r"(?i)[-_*.…~/\\]*|n/?a|none|null|missing")
 """Matches an empty cell and signs for a missing number."""
 _TRANSLATED = str.maketrans("−–—‐⁻⁰¹²³⁴⁵⁶⁷⁸⁹⁺", "-----0123456789+", "`$\"'{}\u200b")
-_REWRITTEN = [
+Rewriting = list[tuple[str, str | Callable[[re.Match[str]], str]]]
+"""Patterns and what replaces them, one after the other."""
+_REWRITTEN: Rewriting = [
     (r"(?<=[\d.])(?=[⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹])", "^"),
     (r"\\[a-z]?frac\s*\{([^{}]*)\}\s*\{((?:[^{}]|\{[^{}]*\})*)\}", r"\1/\2"),
     (r"(?<=\d)\*\*(?=[-+\d])", "^"),
@@ -17,9 +22,9 @@ _REWRITTEN = [
     (r"\\%", "%"),
     (r"\\(?:num|mathbf|textbf|bf|boldsymbol|mathrm|text|underline|[,;! ])|^[*\s]+|[*\s]+$", ""),
 ]
-"""Patterns of ways to write numbers, and the texts that replace them one after the other."""
-_PLAIN = [
-    (r"\+/-\s*[\d.]+(?:[eE][-+]?\d+)?", ""),
+"""Ways to write numbers."""
+_PLAIN: Rewriting = [
+    (r"\s*\+/-\s*[\d.]+(?:[eE][-+]?\d+)?", ""),
     (r"\s*([x^/%])\s*", r"\1"),
     (r"^(\d+)(?:x\1)+$", r"\1"),
     (r"(?<=[\d.])(?:x10\^|[dD])\(?([-+]?\d+)\)?", r"e\1"),
@@ -34,6 +39,13 @@ _DECIMAL_COMMA = re.compile(r"[-+−]?\d*,\d+(?:[eEdD][-+−]?\d+)?\s*%?")
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
 _POINTS_GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}(?:\.\d{3})+")
 _BEFORE_WORDS = re.compile(r"(.*?\d[.%]?)\**\s*(?!fail|div|no)[^\W\d_]+\**\s*")
+
+
+def rewrite(text: str, rewriting: Rewriting) -> str:
+    """Return a text in which patterns are replaced, one after the other."""
+    for pattern, replacement in rewriting:
+        text = re.sub(pattern, replacement, text)
+    return text
 
 
 @cache
@@ -53,13 +65,10 @@ def to_number(cell: str, decimal_comma: bool = False) -> float | None:
         return float(text)
     except ValueError:
         pass
-    for pattern, replacement in _REWRITTEN:
-        text = re.sub(pattern, replacement, text)
-    text = text.translate(_TRANSLATED).strip()
+    text = rewrite(text, _REWRITTEN).translate(_TRANSLATED).strip()
     if MISSING.fullmatch(text):
         return math.nan
-    for pattern, replacement in _PLAIN:
-        text = re.sub(pattern, replacement, text.strip())
+    text = rewrite(text, _PLAIN).strip()
     if grouped := _GROUPED.fullmatch(text):
         text = text.replace(grouped[1], "")
     found = _VALUE.fullmatch(text)
@@ -93,14 +102,20 @@ def kind_of(cell: str) -> str:
     return "a" if values == [None, None] else "9"
 
 
-def uses_decimal_commas(cells: list[str]) -> bool | None:
-    """Return whether the commas in cells are decimal commas; None if 1,024 may be 1.024 or 1024."""
+def uses_decimal_commas(cells: list[str]) -> bool:
+    """Return whether the commas in cells are decimal commas.
+
+    Raises:
+        OrderError: 1,024 may be 1.024 or 1024.
+    """
     commas = [cell.strip() for cell in cells if "," in cell]
-    if any(_DECIMAL_COMMA.fullmatch(cell) and not _THOUSANDS.fullmatch(cell) for cell in commas):
+    thousands = [cell for cell in commas if _THOUSANDS.fullmatch(cell)]
+    if any(_DECIMAL_COMMA.fullmatch(cell) and cell not in thousands for cell in commas):
         return True
     # If some cells have decimal points, the commas separate thousands.
-    points = any(re.search(r"\.\d", cell) for cell in cells)
-    return None if any(map(_THOUSANDS.fullmatch, commas)) and not points else False
+    if thousands and not any(re.search(r"\.\d", cell) for cell in cells):
+        raise OrderError(f"'{commas[0]}' may be a decimal fraction or have thousands: write it without a comma")
+    return False
 
 
 # The names of columns.
@@ -118,6 +133,15 @@ _ROLES = {
 """Role ↦ pattern of the whole name."""
 SIZES = ("size", "count", "total", "step")
 """Roles of columns from which mesh sizes or time steps can be computed, the preferred role first."""
+_NAME_SPELLINGS: Rewriting = [
+    (r"\[.*?\]|\((?:k?m|s|ms|sec|seconds|cm|mm)\)", " "),
+    (r"h(?:\^\{?-1\}?|⁻¹)", "1/h"),
+    (r"\\?[Dd]elta", "Δ"),
+    (r"\\tau", "τ"),
+    (r"\\?#", " n "),
+    (r"[$*`'\"_{}^\\\s-]+", " "),
+]
+"""Ways to write the names of columns."""
 _ORDER = re.compile(r"\b(?:e?oc|orders?|rates?|roc|ooc|slope|log2)(?:(?:l|h)(?:\d|inf))?\b|^(?:conv|red)$")
 _QUOTIENT = re.compile(r"\b(?:ratio|reduction|quotient|factor)s?\b")
 _METHOD = re.compile(r"(?:\d+(?:st|nd|rd|th)|first|second|third|fourth|fifth|sixth) orders?(?: \w+)?\)?$")
@@ -140,10 +164,7 @@ def role(name: str) -> str:
         # A column T often has errors of a temperature; the time is called t.
         return "unknown"
     timed = re.search(r"[\[(](?:s|ms|sec|MB|GB|kB)[\])]", name)
-    text = re.sub(r"\[.*?\]|\((?:k?m|s|ms|sec|seconds|cm|mm)\)", " ", name)
-    text = re.sub(r"h(?:\^\{?-1\}?|⁻¹)", "1/h", text)
-    text = re.sub(r"\\?#", " n ", re.sub(r"\\?[Dd]elta", "Δ", text).replace("\\tau", "τ"))
-    text = " ".join(re.sub(r"[$*`'\"_{}^\\-]+", " ", text).lower().split()).strip(" .:")
+    text = rewrite(name, _NAME_SPELLINGS).lower().strip(" .:")
     for kind, pattern in _ROLES.items():
         if re.fullmatch(pattern, text):
             return kind

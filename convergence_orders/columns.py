@@ -7,18 +7,18 @@ import math
 import re
 from collections import Counter
 from dataclasses import dataclass, replace
-from itertools import chain, pairwise
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .cells import SIZES, is_missing, kind_of, role, to_number, uses_decimal_commas, without_words
 from .orders import Array, OrderError, consecutive_orders
-from .tables import Cells, Table, read_tables, shorten
+from .tables import NORM_BARS, Cells, Table, read_tables, shorten
 
 Rows = NDArray[np.intp]
 """Indices of the rows of a series."""
-_WHOLE = re.compile(r"\d{1,10}(?:\.0)?|\d{1,3}(?:[ ,'’\u00a0\u202f]\d{3})+")
+_WHOLE = re.compile(r"\s*(?:\d{1,10}(?:\.0)?|\d{1,3}(?:[ ,'’\u00a0\u202f]\d{3})+)\s*")
 """Matches a whole number, also as pandas writes it in a table of floats: 512, 512.0, 1 024, 1,024."""
 _SIDES = re.compile(r"\D*(\d+)(?:\s*(?:[x×]|\\times)\s*\1)+\D*")
 """Matches the cells along the sides of a mesh, such as ``$8 \\times 8$``."""
@@ -90,20 +90,32 @@ class Series:
         return f"read as {self.form}; size: {self.size}; {what}: {', '.join(self.errors)}{ignored}"
 
 
-@dataclass(eq=False)
 class Column:
     """A column of a table.
 
     Attributes:
         name, cells: its name, and its cells as text.
         numbers: its numbers; NaN for text and for missing numbers.
-        role: what the column contains.
+        role: what the column contains. It follows from its name and is corrected by its cells.
+        printed: the columns with orders that the table has for this column of errors.
     """
 
-    name: str
-    cells: Cells
-    numbers: Array
-    role: str
+    def __init__(self, name: str, cells: Cells, comma: bool) -> None:
+        self.name, self.cells, self.role = name, cells, role(name)
+        self.printed: list[Column] = []
+        # Words behind the numbers of a column of errors or sizes are units or remarks.
+        clean = map(without_words, cells) if self.role in ("error", *SIZES) else cells
+        self.numbers = np.array([to_number(cell, comma) for cell in clean], dtype=float)
+        contents = "".join(map(kind_of, cells))
+        if not contents.strip("-"):
+            self.role = "error" if self.role == "error" else "empty"
+        elif all(map(_SIDES.fullmatch, cells)):
+            self.role = self.role if self.role in SIZES else "count"
+        elif "9" not in contents or (contents[0] == "a" and self.role in ("unknown", "other", "degree")):
+            self.role = "text"
+        elif self.role == "degree" and not self.whole:
+            # A column p may have errors of the pressure.
+            self.role = "unknown"
 
     @property
     def starts_missing(self) -> bool:
@@ -113,17 +125,12 @@ class Column:
     @property
     def whole(self) -> bool:
         """Whether all cells are whole numbers."""
-        return all(_WHOLE.fullmatch(cell.strip()) for cell in self.cells)
+        return all(map(_WHOLE.fullmatch, self.cells))
 
     @property
-    def repeats(self) -> bool:
-        """Whether a cell is equal to the one above."""
-        return any(above == below for above, below in pairwise(self.cells))
-
-    @property
-    def consecutive(self) -> bool:
-        """Whether each number is larger by 1 than the one above."""
-        return len(self.cells) > 1 and bool((np.diff(self.numbers) == 1).all())
+    def steps(self) -> set[float]:
+        """The differences of consecutive numbers."""
+        return {*np.diff(self.numbers).tolist()}
 
 
 def read_series(data: bytes | str, options: Options) -> list[Series]:
@@ -143,15 +150,12 @@ def read_series(data: bytes | str, options: Options) -> list[Series]:
 @np.errstate(all="ignore")
 def series_of(tables: list[Table], options: Options) -> list[Series]:
     """Return the mesh sizes and errors of all series in tables, as ``read_series`` does."""
-    readings = [Reading(table, options) for table in tables]
+    confirmed: dict[str, int] = {}
+    readings = [Reading(table, options, confirmed) for table in tables]
     usable = [reading for reading in readings if reading.errors]
     if not usable:
         seen = ", ".join(f"{column.name} ({column.role})" for column in readings[0].columns)
         raise OrderError(f"no column of errors among {seen}: name one with --columns")
-    confirmed: dict[str, int] = {}
-    for reading in usable:
-        confirmed |= reading.confirmed
-        reading.confirmed = confirmed
     series = [part for reading in usable for part in reading.series()]
     every_label = (
         [part.label for part in series],
@@ -162,18 +166,14 @@ def series_of(tables: list[Table], options: Options) -> list[Series]:
     return [replace(part, label=label) for part, label in zip(series, labels, strict=True)]
 
 
-def columns_of(table: Table) -> tuple[list[Column], bool]:
-    """Return the columns of a table, and whether its numbers have decimal commas.
+def columns_of(table: Table, comma: bool) -> list[Column]:
+    """Return the columns of a table that have a name.
 
-    Raises:
-        OrderError: a comma may be a decimal comma or separate thousands.
+    Parameters:
+        table: the table.
+        comma: whether its numbers have decimal commas.
     """
-    comma = uses_decimal_commas([*chain(*table.columns)])
-    if comma is None:
-        cell = next(cell for cells in table.columns for cell in cells if "," in cell)
-        raise OrderError(f"'{cell}' may be a decimal fraction or have thousands: write it without a comma")
-    names = [*table.names]
-    columns = []
+    names, columns = [name.translate(NORM_BARS) for name in table.names], []
     for k, cells in enumerate(table.columns):
         if k and not names[k] and is_missing(cells[0]) and not all(map(is_missing, cells)):
             # Columns of orders need no name. Their first cell is missing.
@@ -182,29 +182,11 @@ def columns_of(table: Table) -> tuple[list[Column], bool]:
             # The name of a series may span the empty cells below it.
             cells = [next(filter(None, cells[j::-1])) for j in range(len(cells))]
         if names[k]:
-            full_name = names[k] if names.count(names[k]) == 1 else f"{names[k]} ({k + 1})"
-            columns.append(_column(names[k], full_name, cells, comma))
-    return columns, comma
-
-
-def _column(name: str, full_name: str, cells: Cells, comma: bool) -> Column:
-    """Return a column with its numbers and its role, which follows from its name and is corrected by its numbers.
-
-    Words behind the numbers of a column of errors or sizes are units or remarks.
-    """
-    kind, contents = role(name), [kind_of(cell) for cell in cells]
-    clean = [without_words(cell) for cell in cells] if kind in ("error", *SIZES) else cells
-    column = Column(full_name, cells, np.array([to_number(cell, comma) for cell in clean], dtype=float), kind)
-    if set(contents) == {"-"}:
-        column.role = kind if kind == "error" else "empty"
-    elif all(map(_SIDES.fullmatch, cells)):
-        column.role = kind if kind in SIZES else "count"
-    elif "9" not in contents or (contents[0] == "a" and kind in ("unknown", "other", "degree")):
-        column.role = "text"
-    elif kind == "degree" and not column.whole:
-        # A column p may have errors of the pressure.
-        column.role = "unknown"
-    return column
+            column = Column(names[k], cells, comma)
+            if names.count(names[k]) > 1:
+                column.name += f" ({k + 1})"
+            columns.append(column)
+    return columns
 
 
 class Reading:
@@ -215,19 +197,22 @@ class Reading:
         columns, names: the columns that have a name, and their names in words.
         form: the form of the table in words.
         size, errors: the column of mesh sizes, None if there is none, and the columns of errors.
-        printed: column of errors ↦ the columns with orders that are printed for it.
-        confirmed: name of a column of counts ↦ the dimension with which printed orders agree, in any table of the text.
+        confirmed: name of a column of counts ↦ the one dimension with which it gives the printed orders, in any table
+            of the text.
     """
 
-    def __init__(self, table: Table, options: Options) -> None:
-        self.table, self.options = table, options
-        self.columns, comma = columns_of(table)
+    def __init__(self, table: Table, options: Options, confirmed: dict[str, int]) -> None:
+        self.table, self.options, self.confirmed = table, options, confirmed
+        comma = uses_decimal_commas([*chain(*table.columns)])
+        self.columns = columns_of(table, comma)
         self.names = ", ".join(column.name for column in self.columns)
         self.form = table.form + (", decimal commas" if comma else "")
         self.size = self._size()
-        self.printed: dict[Column, list[Column]] = {}
         self.errors = self._errors()
-        self.confirmed = self._confirmed()
+        if self.size and self.size.role in ("count", "total"):
+            agreeing = [dim for dim in (1, 2, 3) if self._agrees(self.size.numbers ** (-1 / dim), slice(None))]
+            if len(agreeing) == 1:
+                confirmed[self.size.name] = agreeing[0]
 
     def _size(self) -> Column | None:
         """Return the column of mesh sizes; None if there is none."""
@@ -235,17 +220,17 @@ class Reading:
             return None
         if wanted := self.options.size:
             equal = [column for column in self.columns if column.name.lower() == wanted.lower()]
-            if equal:
-                return next((column for column in equal if column.name == wanted), equal[0])
-            raise OrderError(f"--in {wanted}: there is no such column; there are {self.names}")
+            if not equal:
+                raise OrderError(f"--in {wanted}: there is no such column; there are {self.names}")
+            return min(equal, key=lambda column: column.name != wanted)
         sizes = [column for column in self.columns if column.role in SIZES]
         # Numbers that stay the same from row to row tell series apart, numbers 0, 1, 2, … count rows, and orders refer
         # to the largest cell of a mesh.
         return min(
             sizes,
             key=lambda column: (
-                column.repeats,
-                column.role == "count" and column.consecutive and column.numbers[0] < 2,
+                0 in column.steps,
+                column.role == "count" and column.steps == {1} and column.numbers[0] < 2,
                 SIZES.index(column.role),
                 "min" in column.name.lower(),
             ),
@@ -259,13 +244,13 @@ class Reading:
             if column is self.size or column.role not in ("unknown", "error", "order", "quotient"):
                 continue
             if errors and column.role != "error":
-                self._correct(column, errors)
+                _correct(column, errors)
             if column.role in ("unknown", "error"):
                 errors.append(column)
             elif column.role == "order" and errors:
                 stem = _stem(column.name)
                 owner = next((error for error in errors if stem and stem in _stem(error.name)), errors[-1])
-                self.printed.setdefault(owner, []).append(column)
+                owner.printed.append(column)
         if self.options.columns:
             return self._wanted()
         for column in errors:
@@ -277,19 +262,6 @@ class Reading:
         # All first entries are missing in a table of orders.
         is_orders = len(self.table.places) > 2 and all(column.starts_missing for column in errors)
         return [] if is_orders else errors
-
-    def _correct(self, column: Column, errors: list[Column]) -> None:
-        """Correct the role of a column that stands behind columns of errors and may have their quotients or orders.
-
-        Quotients may equal the orders of other errors: behind several columns, what is called orders has orders.
-        """
-        quotients = errors[-1].numbers[:-1] / errors[-1].numbers[1:]
-        below, above = column.numbers[1:], column.numbers[:-1]
-        certain = len(errors) == 1 or column.role != "order" or column.name.startswith("order of")
-        if certain and (_equal(below, quotients) or _equal(above, quotients)):
-            column.role = "quotient"
-        elif len(column.cells) > 2 and (column.starts_missing or _equal(below, np.log2(quotients))):
-            column.role = "order"
 
     def _wanted(self) -> list[Column]:
         """Return the columns that the user names as columns of errors; names may contain commas."""
@@ -317,27 +289,25 @@ class Reading:
         for k in range(len(self.table.places)):
             label = " ".join(f"{column.name} {column.cells[k]}" for column in labels)
             cases.setdefault(label, []).append(k)
+        ignored = {column.name: column.role for column in self.columns if column not in (self.size, *self.errors)}
         series = []
         for label, rows in cases.items():
-            parts = [*pairwise([0, *self._starts(rows), len(rows)])]
-            for number, (first, stop) in enumerate(parts, start=1):
-                name = f"{label} series {number}".strip() if len(parts) > 1 else label
-                series.append(self._series(np.array(rows[first:stop]), name))
+            parts = self._parts(np.array(rows))
+            for number, part in enumerate(parts, start=1):
+                h, words = self._sizes(part)
+                series.append(
+                    Series(
+                        h=h.tolist(),
+                        errors={column.name: column.numbers[part].tolist() for column in self.errors},
+                        size=words,
+                        ignored=ignored,
+                        caption=self.table.caption,
+                        form=self.form,
+                        label=f"{label} series {number}".strip() if len(parts) > 1 else label,
+                        remarks={column.name: _contradiction(h, part, column) for column in self.errors},
+                    )
+                )
         return series
-
-    def _series(self, rows: Rows, label: str) -> Series:
-        """Return the series in the given rows, with the given label."""
-        h, words = self._sizes(rows)
-        return Series(
-            h=h.tolist(),
-            errors={column.name: column.numbers[rows].tolist() for column in self.errors},
-            size=words,
-            ignored={column.name: column.role for column in self.columns if column not in (self.size, *self.errors)},
-            caption=self.table.caption,
-            form=self.form,
-            label=label,
-            remarks={column.name: self._contradiction(h, rows, column) for column in self.errors},
-        )
 
     def _is_label(self, column: Column) -> bool:
         """Return whether the entries of a column tell several series apart.
@@ -350,23 +320,23 @@ class Reading:
             return False
         if column.role in ("text", "degree"):
             return True
-        if column.role == "order" or not column.repeats:
+        if column.role == "order" or 0 not in column.steps:
             return False
-        return self.size is None or (len(set(self.size.cells)) < len(self.size.cells) and min(times.values()) > 1)
+        return self.size is None or (len({*self.size.cells}) < len(self.size.cells) and min(times.values()) > 1)
 
-    def _starts(self, rows: list[int]) -> list[int]:
-        """Return the places in ``rows`` at which another series begins."""
-        starts = {j for j in range(1, len(rows)) if rows[j] in self.table.breaks}
-        if len(starts) == len(rows) - 1:
-            # A rule below every row of a table means nothing.
-            starts = set()
+    def _parts(self, rows: Rows) -> list[Rows]:
+        """Return the parts into which rows with the same label are divided."""
+        begins = np.isin(rows[1:], self.table.breaks)
+        # A rule below every row of a table means nothing.
+        begins &= not begins.all()
         for column in self.columns:
-            missing = np.isnan(column.numbers[rows])
+            numbers = column.numbers[rows]
+            missing = np.isnan(numbers)
             if column.role in ("order", "quotient") and missing[0]:
-                starts |= {j for j in range(1, len(rows)) if missing[j] and not missing[j - 1]}
+                begins |= missing[1:] & ~missing[:-1]
             if column.role in ("level", *SIZES) or column is self.size:
-                starts |= set(_jumps_back(column.numbers[rows]))
-        return sorted(starts)
+                begins |= _jumps_back(numbers)
+        return np.split(rows, np.flatnonzero(begins) + 1)
 
     # Mesh sizes.
 
@@ -375,28 +345,25 @@ class Reading:
 
         They come from the ratio that the user gives, from a column, or from orders that are printed in the table.
         """
-        for column in self.columns:
-            if column.role == "degree" and (column is self.size or (column.consecutive and self.options.size is None)):
-                raise OrderError(f"column {column.name} has degrees: {DEGREES}")
-        if self.size is not None:
-            return self._converted(self.size, rows)
         ratio, levels = self.options.ratio, np.arange(len(rows), dtype=float)
         for column in self.columns:
-            if ratio is not None and column.role in ("size", "step"):
+            if column.role == "degree" and (column is self.size or (column.steps == {1} and not self.options.size)):
+                raise OrderError(f"column {column.name} has degrees: {DEGREES}")
+            if ratio and column.role in ("size", "step"):
                 raise OrderError(f"--ratio {ratio:g}, but column {column.name} has sizes: leave out --ratio")
             if column.role == "level":
                 levels = column.numbers[rows]
-                if ratio is not None and (np.abs(np.diff(levels)) != 1).any():
+                if ratio and (np.abs(np.diff(levels)) != 1).any():
                     raise OrderError(f"--ratio {ratio:g}, but the levels in column {column.name} are not consecutive")
+        if self.size:
+            return self._converted(self.size, rows)
         finer = ratio or 2.0
         h = max(finer, 1 / finer) ** -levels
         # A column with another name and without orders may be one of sizes.
-        named = all(
-            column.role == "error" or column in self.printed or not column.numbers.any() for column in self.errors
-        )
+        named = all(column.role == "error" or column.printed or not column.numbers.any() for column in self.errors)
         if named and self._agrees(h, rows):
             return h, f"ratio {finer:g}, which follows from the printed orders"
-        if ratio is None:
+        if not ratio:
             raise OrderError(
                 f"no column is a mesh size; seen: {self.names}. Give --ratio 2 if each mesh is twice as fine as the "
                 "one above, or --in NAME for the column of sizes"
@@ -432,49 +399,39 @@ class Reading:
         confirmation = "" if dim or power is None else ", which the printed orders confirm"
         return sizes ** (-1 / (power or 1)), f"h = {formula} from column {name}{confirmation}"
 
-    def _confirmed(self) -> dict[str, int]:
-        """Return the name of the column of sizes ↦ the one dimension with which its counts give the printed orders."""
-        if self.size is None or self.size.role not in ("count", "total"):
-            return {}
-        rows = np.arange(len(self.table.places))
-        agreeing = [dim for dim in (1, 2, 3) if self._agrees(self.size.numbers ** (-1 / dim), rows)]
-        return {self.size.name: agreeing[0]} if len(agreeing) == 1 else {}
-
-    def _agrees(self, h: Array, rows: Rows) -> bool:
+    def _agrees(self, h: Array, rows: Rows | slice) -> bool:
         """Return whether the orders that are printed beside the errors follow from these mesh sizes."""
-        differences = [self._difference(h, rows, column) for column in self.errors]
-        return max((difference for difference in differences if difference < math.inf), default=1) < 0.03
-
-    def _difference(self, h: Array, rows: Rows, errors: Column) -> float:
-        """Return the largest difference of the orders that are printed for a column of errors and the computed ones.
-
-        Of several columns of orders, the best is taken. The difference is infinite if there are no printed orders.
-        """
-        computed = consecutive_orders(h, errors.numbers[rows])
-        differences = [np.abs(computed - column.numbers[rows][1:]) for column in self.printed.get(errors, [])]
-        return min((float(np.nanmax(d)) for d in differences if np.isfinite(d).any()), default=math.inf)
-
-    def _contradiction(self, h: Array, rows: Rows, errors: Column) -> str:
-        """Return a remark if the orders that are printed in the table are not the computed ones."""
-        if not 0.1 < self._difference(h, rows, errors) < math.inf:
-            return ""
-        printed = ", ".join(f"{order:g}" for order in self.printed[errors][0].numbers[rows][1:])
-        computed = ", ".join(f"{order:.2f}" for order in consecutive_orders(h, errors.numbers[rows]))
-        return f"; the printed orders {printed} are not the computed ones {computed}"
+        differences = [_difference(h, rows, column) for column in self.errors]
+        return max((difference for difference in differences if difference >= 0), default=1) < 0.03
 
     def _check(self, column: Column) -> None:
         """Raise an error if a cell of a column of errors or sizes cannot be used, or if the column has logarithms."""
-        name, signed = column.name, self.options.signed and column is not self.size
-        if _LOGARITHM.match(name) and not signed:
-            raise OrderError(f"column {name} holds logarithms: give the mesh sizes and the errors themselves")
-        wanted = "a positive number" if column is self.size else "a number that is not negative"
+        is_size = column is self.size
+        signed = self.options.signed and not is_size
+        if _LOGARITHM.match(column.name) and not signed:
+            raise OrderError(f"column {column.name} holds logarithms: give the mesh sizes and the errors themselves")
         for cell, number, place in zip(column.cells, column.numbers, self.table.places, strict=True):
-            usable = 0 < number < math.inf if column is self.size else signed or not number < 0
+            usable = 0 < number < math.inf if is_size else signed or not number < 0
             if not usable or (math.isnan(number) and kind_of(cell) != "9"):
+                wanted = "a positive number" if is_size else "a number that is not negative"
                 raise OrderError(
-                    f"{place}: {name} is '{shorten(cell)}', expected {wanted}: write a number there, delete the line, "
-                    "or name the columns of errors with --columns"
+                    f"{place}: {column.name} is '{shorten(cell)}', expected {wanted}: write a number there, delete the "
+                    "line, or name the columns of errors with --columns"
                 )
+
+
+def _correct(column: Column, errors: list[Column]) -> None:
+    """Correct the role of a column that stands behind columns of errors and may have their quotients or orders.
+
+    Quotients may equal the orders of other errors: behind several columns, what is called orders has orders.
+    """
+    quotients = errors[-1].numbers[:-1] / errors[-1].numbers[1:]
+    below, above = column.numbers[1:], column.numbers[:-1]
+    certain = len(errors) == 1 or column.role != "order" or column.name.startswith("order of")
+    if certain and (_equal(below, quotients) or _equal(above, quotients)):
+        column.role = "quotient"
+    elif len(column.cells) > 2 and (column.starts_missing or _equal(below, np.log2(quotients))):
+        column.role = "order"
 
 
 def _stem(name: str) -> str:
@@ -488,9 +445,28 @@ def _equal(numbers: Array, expected: Array) -> bool:
     return bool(used.sum() > 1 and np.allclose(numbers[used], expected[used], rtol=0.01))
 
 
-def _jumps_back(sizes: Array) -> list[int]:
-    """Return the rows at which sizes begin again, if this gives several series of two rows or more."""
+def _difference(h: Array, rows: Rows | slice, errors: Column) -> float:
+    """Return the largest difference of the orders that are printed for a column of errors and the computed ones.
+
+    Of several columns of orders, the best is taken. The difference is NaN if there are no printed orders.
+    """
+    computed = consecutive_orders(h, errors.numbers[rows])
+    differences = [np.abs(computed - column.numbers[rows][1:]) for column in errors.printed]
+    return min((float(np.nanmax(d)) for d in differences if np.isfinite(d).any()), default=math.nan)
+
+
+def _contradiction(h: Array, rows: Rows, errors: Column) -> str:
+    """Return a remark if the orders that are printed in the table are not the computed ones."""
+    if not _difference(h, rows, errors) > 0.1:
+        return ""
+    printed = ", ".join(f"{order:g}" for order in errors.printed[0].numbers[rows][1:])
+    computed = ", ".join(f"{order:.2f}" for order in consecutive_orders(h, errors.numbers[rows]))
+    return f"; the printed orders {printed} are not the computed ones {computed}"
+
+
+def _jumps_back(sizes: Array) -> NDArray[np.bool_]:
+    """Return whether sizes begin again below each row, if this gives several series of two rows or more."""
     steps = np.sign(np.diff(sizes))
-    starts = (np.flatnonzero(steps * np.median(steps) < 0) + 1).tolist() if steps.size else []
-    runs = np.diff([0, *starts, len(sizes)])
-    return starts if (runs > 1).sum() > 1 else []
+    back = steps * steps.sum() < 0
+    runs = np.diff([-1, *np.flatnonzero(back), len(back)])
+    return back & bool((runs > 1).sum() > 1)

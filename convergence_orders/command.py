@@ -112,15 +112,12 @@ def run(options: argparse.Namespace, name: str) -> int:
             print(printable(_values(tables, options.json)))
             return 0
         judged = judge(tables, tolerance=options.tolerance, floor=options.floor, **wishes)
-        if options.junit:
-            opened = options.junit
-            options.junit.write_text(as_junit(judged), encoding="utf-8")
-        if options.markdown:
-            opened = options.markdown
-            options.markdown.write_text(as_markdown(judged), encoding="utf-8")
+        for opened, written in ((options.junit, as_junit), (options.markdown, as_markdown)):
+            if opened:
+                opened.write_text(written(judged), encoding="utf-8")
         if options.plot:
             opened = options.plot
-            plot(judged, options.plot)
+            plot(judged, opened)
     except OSError as error:
         return _refuse(f"{name}: {opened}: {error.strerror or error}")
     except OrderError as error:

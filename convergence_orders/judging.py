@@ -19,8 +19,11 @@ Judged = list[tuple[Series, list[OrderResult]]]
 
 
 def names_of(series: Series, name: str) -> tuple[str, ...]:
-    """Return the names by which an expectation of a column is looked up: with its case, alone, and the case."""
-    return f"{name} ({series.label})" if series.label else name, name, series.label
+    """Return the names by which an expectation of a column is looked up.
+
+    They are its name with its case, its name, its case, and an empty text for what is expected of all columns.
+    """
+    return f"{name} ({series.label})" if series.label else name, name, series.label, ""
 
 
 def judge(tables: list[Series], **wishes: Wish) -> Judged:
@@ -37,11 +40,14 @@ def judge(tables: list[Series], **wishes: Wish) -> Judged:
     """
     columns = [names_of(series, name) for series in tables for name in series.errors]
     known = {*chain(*columns)}
-    for wish in wishes.values():
-        for name in map(str, wish if isinstance(wish, Mapping) else ()):
+    by_name: dict[str, dict[str, Any]] = {}
+    for kind, wish in wishes.items():
+        named = wish if isinstance(wish, Mapping) else {"": wish}
+        by_name[kind] = {str(name): number for name, number in named.items()}
+        for name in by_name[kind]:
             if name not in known:
                 every = ", ".join(full for full, *_ in columns)
-                ignored = ", ".join(f"{left_out} ({kind})" for left_out, kind in tables[0].ignored.items())
+                ignored = ", ".join(f"{left_out} ({role})" for left_out, role in tables[0].ignored.items())
                 left_out = f"; left out, unless you give --columns: {ignored}" if ignored else ""
                 raise OrderError(f"an order is expected of {name}, but the columns of errors are {every}{left_out}")
     judged = []
@@ -49,19 +55,13 @@ def judge(tables: list[Series], **wishes: Wish) -> Judged:
         results = []
         for name, errors in series.errors.items():
             keys = names_of(series, name)
-            own: dict[str, Any] = {kind: _wish_for(keys, wish) for kind, wish in wishes.items()}
+            own: dict[str, Any] = {}
+            for kind, numbers in by_name.items():
+                own[kind] = next((numbers[key] for key in keys if key in numbers), None)
             result = observed_orders(series.h, errors, name=keys[0], **own)
             results.append(replace(result, sentence=result.sentence + series.remarks[name]))
         judged.append((series, results))
     return judged
-
-
-def _wish_for(keys: tuple[str, ...], wish: Wish) -> float | None:
-    """Return what is expected of the column that has the given names."""
-    if not isinstance(wish, Mapping):
-        return wish
-    by_name = {str(name): number for name, number in wish.items()}
-    return next((by_name[key] for key in keys if key in by_name), None)
 
 
 def check_orders(

@@ -63,21 +63,25 @@ class Expectation:
     @property
     def window(self) -> tuple[float, float] | None:
         """The smallest and the largest accepted order; None if no order is expected."""
-        if self.at_least is not None:
+        if self.at_least:
             return self.at_least - 1e-9, math.inf
-        if self.expected is None:
-            return None
-        return self.expected - self.tolerance - 1e-9, self.expected + self.tolerance + 1e-9
+        if self.expected:
+            return self.expected - self.tolerance - 1e-9, self.expected + self.tolerance + 1e-9
+        return None
 
     @property
     def judges(self) -> bool:
         """Whether anything is expected, so that there is a verdict."""
-        return self.window is not None or self.max_error is not None
+        return bool(self.window or self.max_error)
 
     def __str__(self) -> str:
-        words = [f"{self.expected:g} ± {self.tolerance:g}"] if self.expected is not None else []
-        words += [f"at least {self.at_least:g}"] if self.at_least is not None else []
-        words += [f"at most {self.max_error:g} on the finest mesh"] if self.max_error is not None else []
+        words = []
+        if self.expected:
+            words.append(f"{self.expected:g} ± {self.tolerance:g}")
+        if self.at_least:
+            words.append(f"at least {self.at_least:g}")
+        if self.max_error:
+            words.append(f"at most {self.max_error:g} on the finest mesh")
         return ", ".join(words)
 
 
@@ -135,22 +139,26 @@ class OrderResult:
         return f"{self.verdict}: {self.sentence}{wanted}" if self.verdict else self.sentence
 
 
+@np.errstate(all="ignore")
 def consecutive_orders(h: ArrayLike, errors: ArrayLike) -> Array:
     """Return the observed orders of errors e on consecutive meshes of size h, (levels − 1,).
 
     They are log(e_i/e_{i+1}) / log(h_i/h_{i+1}), and NaN if one of the two errors is zero or not finite.
     """
-    with np.errstate(all="ignore"):
-        # Quotients of very large and very small errors would overflow, differences of logarithms do not.
-        x, y = np.log(np.asarray(h, dtype=float)), np.log(np.asarray(errors, dtype=float))
-        orders = np.diff(y) / np.diff(x)
+    # Quotients of very large and very small errors would overflow, differences of logarithms do not.
+    x, y = np.diff(np.log(np.asarray([h, errors], dtype=float)))
+    orders = y / x
     return np.where(np.isfinite(orders), orders, np.nan)
 
 
+@np.errstate(all="ignore")
 def fitted_order(h: ArrayLike, errors: ArrayLike) -> float:
-    """Return the least-squares slope of log e over log h for errors e; NaN for fewer than two meshes."""
-    x, y = np.log(np.asarray(h, dtype=float)), np.log(np.asarray(errors, dtype=float))
-    return float(np.polyfit(x, y, 1)[0]) if len(x) > 1 else math.nan
+    """Return the least-squares slope of log e over log h for errors e.
+
+    It is NaN for fewer than two meshes, and if an error is zero or not finite.
+    """
+    x, y = np.log(np.asarray([h, errors], dtype=float))
+    return float(np.polyfit(x, y, 1)[0]) if len(x) > 1 and np.isfinite(y).all() else math.nan
 
 
 def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
@@ -165,6 +173,7 @@ def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
     return float(orders[-1] + (orders[-1] - orders[-2]) / (ratio - 1))
 
 
+@np.errstate(all="ignore")
 def limit_and_order(h: ArrayLike, values: ArrayLike) -> tuple[float, float]:
     """Fit a + C h^p to the values on the three finest meshes, and return the limit a and the order p.
 
@@ -176,8 +185,8 @@ def limit_and_order(h: ArrayLike, values: ArrayLike) -> tuple[float, float]:
         The limit, and the order. Without a fit, the limit is NaN. The order is NaN if two values are equal, −∞ if the
         differences are too large for any positive order, and ∞ if the order is above 100.
     """
-    coarse, fine = np.diff(-np.log(np.asarray(h, dtype=float)[-3:]))
-    finest = np.asarray(values, dtype=float)[-3:]
+    sizes, finest = np.asarray([h, values], dtype=float)[:, -3:]
+    coarse, fine = -np.diff(np.log(sizes))
     changes = np.diff(finest)
     if not changes.all():
         return math.nan, math.nan
@@ -187,15 +196,14 @@ def limit_and_order(h: ArrayLike, values: ArrayLike) -> tuple[float, float]:
         return float((np.exp(p * coarse) - sign) / (1 - sign * np.exp(-p * fine)) - abs(changes[0] / changes[1]))
 
     low, high = 1e-9, 100.0
-    with np.errstate(all="ignore"):
-        if excess(low) >= 0:
-            return math.nan, -math.inf
-        if excess(high) <= 0:
-            return math.nan, math.inf
-        for _ in range(60):
-            middle = (low + high) / 2
-            low, high = (middle, high) if excess(middle) < 0 else (low, middle)
-        return float(finest[-1] + changes[1] / np.expm1(low * fine)), low
+    if excess(low) >= 0:
+        return math.nan, -math.inf
+    if excess(high) <= 0:
+        return math.nan, math.inf
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if excess(middle) < 0 else (low, middle)
+    return float(finest[-1] + changes[1] / np.expm1(low * fine)), low
 
 
 def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = None, at_least: float | None = None,
@@ -223,18 +231,17 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
     first, last, kind, sentence, verdict = _diagnose(sizes, e, expectation)
     if kind == "grows" and sizes.min() > 1:
         sentence += "; or is h the number n of cells? Then give h = 1/n"
-    if max_error is not None and not e[-1] <= max_error:
+    if max_error and not e[-1] <= max_error:
         verdict, sentence = FAILS, f"{sentence}; the error on the finest mesh is {e[-1]:.3g}"
-    elif expectation.window is None and verdict == UNDECIDED:
+    elif verdict == UNDECIDED and not expectation.window:
         verdict = HOLDS
     x, judged = sizes[first:last], e[first:last]
-    positive = np.isfinite(judged).all() and judged.all()
     return OrderResult(
         name=name,
         h=tuple(sizes.tolist()),
         errors=tuple(e.tolist()),
         orders=tuple(consecutive_orders(sizes, e).tolist()),
-        order=fitted_order(x, judged) if positive else math.nan,
+        order=fitted_order(x, judged),
         extrapolated=extrapolated_order(x, judged),
         first=first,
         last=last,
@@ -256,8 +263,7 @@ def _coarse_first(h: ArrayLike, values: ArrayLike, name: str) -> tuple[Array, Ar
         raise OrderError(f"{len(sizes)} sizes and {len(e)} {name}: expected one number for each mesh")
     if not (np.isfinite(sizes).all() and sizes.min() > 0):
         raise OrderError(f"mesh sizes must be positive and finite, got {sizes.tolist()[:10]}")
-    coarse_first = np.argsort(-sizes)
-    sizes, e = sizes[coarse_first], e[coarse_first]
+    sizes, e = np.array([sizes, e])[:, np.argsort(-sizes)]
     repeated = sizes[1:][-np.diff(sizes) < SAME_SIZE * sizes[1:]]
     if repeated.size:
         raise OrderError(f"the mesh size {repeated[0]:.12g} occurs twice: give one error for each mesh")
@@ -281,6 +287,11 @@ def real_numbers(values: ArrayLike, what: str) -> Array:
 
 def _text(orders: Array) -> str:
     return ", ".join(f"{order:.2f}" for order in orders[-QUOTED:])
+
+
+def _behind_last(conditions: NDArray[np.bool_]) -> int:
+    """Return the index behind the last true entry; 0 if there is none."""
+    return int(max(np.flatnonzero(conditions), default=-1)) + 1
 
 
 def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
@@ -313,8 +324,7 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
 def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
     """Return the diagnosis if errors grow, stagnate or reach round-off on the finest meshes, otherwise None."""
     orders, n = consecutive_orders(h, e), len(e)
-    moving = np.flatnonzero(orders > STALLED)
-    stall = int(moving[-1]) + 1 if moving.size else 0
+    stall = _behind_last(orders > STALLED)
     first, verdict = _judge(h, e, expectation)
     # Small orders may be as expected. But errors that do not fall at all stagnate, even if the tolerance includes 0.
     falls_as_expected = verdict == HOLDS and orders[first:].min() > 0
@@ -340,14 +350,15 @@ def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis |
     """
     if len(e) < 4 or np.diff(e[-4:]).max() >= 0:
         return None
-    changes = np.diff(consecutive_orders(h, e)[-3:])
-    (before, p_before), (limit, p) = limit_and_order(h[-4:-1], e[-4:-1]), limit_and_order(h, e)
+    orders = consecutive_orders(h, e)
+    changes, quoted = np.diff(orders[-3:]), _text(orders)
+    before, p_before = limit_and_order(h[:-1], e[:-1])
+    limit, p = limit_and_order(h, e)
     agree = abs(p_before - p) < 0.02 + 0.1 * abs(changes.sum())
     # Terms of higher order in h also change the orders. But then the fitted limits tend to 0 from mesh to mesh.
     exceeds_0 = abs(limit) > max(0.02 * e[-1], UNCERTAIN * abs(limit - before))
     if not (exceeds_0 and agree):
         return None
-    quoted = _text(consecutive_orders(h, e))
     low, high = expectation.window or (p, p)
     if limit < 0 and changes.min() > 0 and low <= p <= high:
         reference = h[-1] * (-limit / (e[-1] - limit)) ** (1 / p)
@@ -374,8 +385,7 @@ def _above(h: Array, e: Array, stall: int, floor: float, kind: str, words: str, 
         floor: size of the errors at the floor.
         kind, words: what the errors do at the floor, in a word or two, and as a sentence.
     """
-    low = np.flatnonzero(e[:stall] < CLEAR * floor)
-    stop = int(low[0]) if low.size else stall
+    stop = int(min(np.flatnonzero(e[:stall] < CLEAR * floor), default=stall))
     harmless = kind in ("round-off", "exactly zero")
     if not harmless and (floor > expectation.floor or stop < 4):
         hint = f" (--floor {floor:.2g} would permit it)" if stop > 3 else ""
@@ -393,15 +403,15 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
     If no order is expected, it is the first mesh of the orders that sentences quote, and the verdict is *undecided*.
     """
     orders, n = consecutive_orders(h, e), len(e)
-    if expectation.window is None:
+    if not expectation.window:
         return max(n - 1 - QUOTED, 0), UNDECIDED
     low, high = expectation.window
-    outside = np.flatnonzero((orders < low) | (orders > high))
-    first = int(outside[-1]) + 1 if outside.size else 0
+    first = _behind_last((orders < low) | (orders > high))
     extrapolated = extrapolated_order(h, e)
     # Two orders suffice if the extrapolated order is as expected, too. If two errors are equal, it is meaningless.
     two_suffice = low <= extrapolated <= high and np.diff(e).all()
-    if n - 1 - first >= 3 or (n - 1 - first == 2 and two_suffice):
+    accepted = len(orders) - first
+    if accepted > 2 or (accepted == 2 and two_suffice):
         return first, HOLDS
     previous, last = orders[-2:]
     settled = abs(last - previous) <= expectation.tolerance
@@ -417,9 +427,9 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     """Return the diagnosis of errors that decrease up to the finest mesh."""
     first, verdict = _judge(h, e, expectation)
     orders, step = consecutive_orders(h, e), 2 * expectation.tolerance
-    change = np.diff(orders)
+    before, last = np.diff(orders, prepend=orders[0])[-2:]
     # Orders that fall, but settle, fall by less from mesh to mesh.
-    drop = 0.8 * change[-2] if len(change) > 1 and change[-2] < 0 else -step
+    drop = 0.8 * before if before < 0 else -step
     # The fitted order lies within the orders that are quoted.
     quoted = slice(max(first, len(e) - QUOTED - 1), None)
     kind = "converges"
@@ -430,10 +440,10 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     elif verdict != HOLDS and orders.min() < -STALLED:
         kind = "pre-asymptotic"
         sentence = f"errors rise and fall: orders {_text(orders)}; no convergence is visible yet"
-    elif len(change) > 1 and change[-1] < drop and change[-2:].sum() < -0.04:
+    elif len(e) > 3 and last < drop and before + last < -0.04:
         kind = "orders falling"
         sentence = f"orders fall on the finest meshes: {_text(orders)}; another error may dominate there"
-    elif abs(change[-1]) > step:
+    elif abs(last) > step:
         kind, sentence = "pre-asymptotic", f"pre-asymptotic, orders not settled: {_text(orders)}; take finer meshes"
     return Diagnosis(first, len(e), kind, sentence, verdict)
 
@@ -489,10 +499,9 @@ def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:
     rounding = 4 * np.finfo(float).eps * abs(phi).max() / abs(changes).min()
     if rounding > 0.01 * np.diff(-np.log(sizes[-3:])).min():
         return GridConvergence("undecided")
-    monotone = np.sign(changes).sum() != 0
     if not math.isfinite(limit):
         # Values that turn on finer meshes after an extremum do not diverge.
         turned = len(phi) > 3 and np.ptp(np.sign(np.diff(phi))) > 0
         return GridConvergence("not monotone" if turned else "diverging" if p < 0 else "undecided")
     index = SAFETY * abs(limit / finest - 1) if finest else math.nan
-    return GridConvergence("monotone" if monotone else "oscillating", p, limit, index)
+    return GridConvergence("monotone" if np.sign(changes).sum() else "oscillating", p, limit, index)

@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import numpy as np
+
 from .judging import Judged
-from .orders import FAILS, HIGHER, SKIPPED, UNDECIDED, OrderError, OrderResult
+from .orders import FAILS, HIGHER, HOLDS, SKIPPED, UNDECIDED, Array, OrderError, OrderResult
 from .printing import printable
 
 
@@ -48,10 +50,10 @@ def as_text(judged: Judged) -> str:
     for series, results in judged:
         lines += ["", *wrapped(series.caption), *wrapped(series.recognised("errors"))]
         for result in results:
-            lines += ["", result.name, f"  {'h':>12} {'error':>12} {'order':>8}"]
+            lines += ["", result.name, "             h        error    order"]
             orders = ["", *(f"{order:9.3f}" for order in result.orders)]
-            for h, error, order in zip(result.h, result.errors, orders, strict=True):
-                lines.append(f"  {h:12.5g} {error:12.5g}{order}")
+            for row in zip(result.h, result.errors, orders, strict=True):
+                lines.append("  {:12.5g} {:12.5g}{}".format(*row))
     return "\n".join(lines)
 
 
@@ -90,9 +92,9 @@ def as_junit(judged: Judged) -> str:
     suite = ElementTree.Element("testsuite", name="convergence-orders")
     for result in results_of(judged):
         case = ElementTree.SubElement(suite, "testcase", classname="orders", name=printable(result.name))
-        failed = result.verdict in (FAILS, HIGHER, UNDECIDED)
-        if failed or result.verdict in (None, SKIPPED):
-            ElementTree.SubElement(case, "failure" if failed else "skipped", message=printable(result.conclusion))
+        if result.verdict != HOLDS:
+            outcome = "skipped" if result.verdict in (None, SKIPPED) else "failure"
+            ElementTree.SubElement(case, outcome, message=printable(result.conclusion))
     suite.set("tests", str(len(suite)))
     suite.set("failures", str(len(suite.findall("*/failure"))))
     return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True)
@@ -117,16 +119,14 @@ def plot(judged: Judged, file: Path) -> None:
     for result in results_of(judged):
         # Matplotlib would read dollar signs in names as the start of a formula.
         label = f"{result.name}: order {result.order:.2f}".replace("$", r"\$")
-        positive = [error if 0 < error < math.inf else math.nan for error in result.errors]
-        (line,) = axes.plot(result.h, positive, "o-", label=label)
+        h, errors = np.array([result.h, result.errors])
+        drawable = (errors > 0) & np.isfinite(errors)
+        (line,) = axes.plot(h, np.where(drawable, errors, np.nan), "o-", label=label)
         order = result.expectation.expected or result.expectation.at_least
-        if order:
+        if order and drawable.any():
             # The line is shifted below the last error, so that both are visible if they are parallel.
-            h_last, last = next(
-                filter(lambda pair: pair[1] > 0, zip(result.h[::-1], positive[::-1], strict=True)), (1, 1)
-            )
-            below = [0.6 * last * (h / h_last) ** order for h in result.h]
-            axes.plot(result.h, below, "--", color=line.get_color())
+            last = np.flatnonzero(drawable)[-1]
+            axes.plot(h, 0.6 * errors[last] * (h / h[last]) ** order, "--", color=line.get_color())
     for axis in (axes.xaxis, axes.yaxis):
         ticks = _ticks(*axis.get_view_interval())
         axis.set_ticks([], minor=True)
@@ -135,11 +135,12 @@ def plot(judged: Judged, file: Path) -> None:
     figure.savefig(file, dpi=150)
 
 
-def _ticks(low: float, high: float) -> list[float]:
+def _ticks(low: float, high: float) -> Array:
     """Return at least three numbers between two positive ones, round if possible; Matplotlib labels powers of ten."""
-    powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-    for digits in ((1,), (1, 3), (1, 2, 5), (1, 2, 3, 4, 5, 6, 7, 8, 9)):
-        ticks = [digit * 10.0**power for power in powers for digit in digits if low <= digit * 10.0**power <= high]
+    powers = 10.0 ** np.arange(math.floor(math.log10(low)), math.log10(high) + 1)
+    for digits in ((1,), (1, 3), (1, 2, 5), range(1, 10)):
+        ticks = np.outer(powers, digits).ravel()
+        ticks = ticks[(low <= ticks) & (ticks <= high)]
         if len(ticks) > 2:
             return ticks[:: math.ceil(len(ticks) / 8)]
-    return [low, math.sqrt(low) * math.sqrt(high), high]
+    return np.geomspace(low, high, 3)

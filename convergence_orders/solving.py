@@ -126,8 +126,8 @@ def refine_until_settled(
         table.add(**solve(level))
         if level > 0:
             results = table.check(**wishes)
-        open_verdicts = (UNDECIDED, FAILS) if level < 3 else (UNDECIDED,)
-        settled = level > 1 and not any(result.verdict in open_verdicts for result in results.values())
+        verdicts = {result.verdict for result in results.values()}
+        settled = level > 1 and UNDECIDED not in verdicts and (level > 2 or FAILS not in verdicts)
         if settled or time.monotonic() - start > seconds:
             break
     return results

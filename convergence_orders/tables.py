@@ -7,13 +7,13 @@ pipes, ``&``, tabs, semicolons, commas or blanks, or lines ``name = value``. Wha
 
 import csv
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
 
-from .cells import SIZES, kind_of, role, to_number
+from .cells import SIZES, Rewriting, kind_of, rewrite, role, to_number
 from .orders import OrderError, consecutive_orders
 
 Cells = list[str]
@@ -60,16 +60,13 @@ def read_tables(data: bytes | str) -> list[Table]:
     lines = _lines(text)
     joined = "\n".join(line.text for line in lines)
     lists, singles = _lists(joined)
-    tables = lists or _grids(lines)
-    if not tables and singles:
-        tables = [from_columns("name = value lines", singles)]
-    if not tables:
-        numbers = re.search(r"(?m)^.*\d.*$", joined)
-        said = f"the first line with a number is '{shorten(numbers[0].strip())}'" if numbers else "no line with numbers"
-        raise OrderError(f"no table was recognised, {said}; {EXAMPLE}")
-    # The signs of norms were replaced.
-    restored = str.maketrans({"‖": "\\|", "¦": "|"})
-    return [replace(table, names=[name.translate(restored) for name in table.names]) for table in tables]
+    if tables := lists or _grids(lines):
+        return tables
+    if singles:
+        return [from_columns("name = value lines", singles)]
+    numbers = re.search(r"(?m)^.*\d.*$", joined)
+    said = f"the first line with a number is '{shorten(numbers[0].strip())}'" if numbers else "no line with numbers"
+    raise OrderError(f"no table was recognised, {said}; {EXAMPLE}")
 
 
 def decode(data: bytes) -> str:
@@ -92,7 +89,8 @@ def decode(data: bytes) -> str:
 
 def shorten(text: str, width: int = 60) -> str:
     """Return a text with at most ``width`` signs."""
-    return text if len(text) <= width else text[: width - 1] + "…"
+    restored = text.translate(NORM_BARS)
+    return restored if len(restored) <= width else restored[: width - 1] + "…"
 
 
 # Lines without the signs of LaTeX, Markdown and programs.
@@ -100,12 +98,12 @@ def shorten(text: str, width: int = 60) -> str:
 _RULED = r"(?:\\(?:[a-z]*(?:rule|line)|rowcolor|addlinespace)(?:\{[^{}\n]*\}|\[[^]\n]*\]|\([^)\n]*\))*[ \t]*)"
 _ROW_END = r"(?:\\\\(?:\[[^]\n]*\])?|\\tabularnewline|[ \t]\\)[ \t]*"
 _BRACED = r"\{((?:[^{}\n]|\{(?:[^{}\n]|\{[^{}\n]*\})*\}){0,200})\}"
-_SPANNED = re.compile(r"\\multicolumn\{([1-8])\}\{(?:[^{}\n]|\{[^{}\n]*\}){0,80}\}" + _BRACED)
-_VARIABLES = re.compile(r'(?m)^\s*VARIABLES\s*=\s*"(.*)"')
-_COMPUTED = re.compile(r"(?<!\S)(\S{1,30}) \((?:computed|numerical)\),? +(\S{1,30}) \((?:analytical|exact|reference)\)")
+_REAL_NUMBER = r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)"
 GAP = "\x1e"
 """Sign behind a line with a rule below it."""
-_CLEANED: list[tuple[str, str]] = [
+NORM_BARS = str.maketrans({"\ue000": "\\|", "\ue001": "|"})
+"""Sign that replaces a bar of a norm, which separates no cells ↦ the bar."""
+_CLEANED: Rewriting = [
     (r"\r\n|\r", "\n"),
     (r"[│┃║┆]", "|"),
     (r"\b(?:(?:np\.|numpy\.)?float\d*|tensor|array)\(([^()\[\]]*)\)", r"\1"),
@@ -119,12 +117,21 @@ _CLEANED: list[tuple[str, str]] = [
     (rf"(?m){_ROW_END}$", ""),
     (rf"(?m)^(?:[\s|+:=_#*~.─━═┼╪┌┐└┘├┤┬┴╞╡╤╧╭╮╯╰╌╍-]|{_RULED})*$", ""),
     (rf"\\multirow(?:\[\w+\])?\{{[^{{}}\n]*\}}\{{[^{{}}\n]*\}}{_BRACED}", r"\1"),
-    (r"\\\|", "‖"),
-    (r"\|\|(?=[^|\n]*[^|\n\d.\s][^|\n]*\|\|)([^|\n]+)\|\|", r"¦¦\1¦¦"),
+    (r"\\\|", "\ue000"),
+    (r"\|\|(?=[^|\n]*[^|\n\d.\s][^|\n]*\|\|)([^|\n]+)\|\|", "\ue001\ue001\\1\ue001\ue001"),
     (r"(?<=[\d.])[ \t]+%(?!\S)", "%"),
     (r"(?<=[\d.])[ \t]+(±|\+/-|\\pm|x|×|\\times|\\cdot|·)[ \t]*(?=\d)", r"\1"),
+    (
+        rf"\\multicolumn\{{([1-8])\}}\{{(?:[^{{}}\n]|\{{[^{{}}\n]*\}}){{0,80}}\}}{_BRACED}",
+        lambda found: found[2] + " &" * (int(found[1]) - 1),
+    ),
+    (r'(?m)^\s*VARIABLES\s*=\s*"(.*)"', lambda found: re.sub(r'"[, ]+"', "\t", found[1])),
+    (
+        rf"(?<!\S){_REAL_NUMBER} \((?:computed|numerical)\),? +{_REAL_NUMBER} \((?:analytical|exact|reference)\)",
+        lambda found: f"{abs(float(found[1]) - float(found[2])):.9g}",
+    ),
 ]
-"""Patterns and the texts that replace them, one after the other; none of them changes the number of lines."""
+"""Signs of LaTeX, Markdown and programs; no replacement changes the number of lines."""
 
 
 @dataclass(frozen=True)
@@ -150,11 +157,7 @@ def _lines(text: str) -> list[Line]:
     """
     if text.count("\n") > MAX_LINES or max(map(len, text.split("\n"))) > MAX_LINE:
         raise OrderError(f"it has more than {MAX_LINES} lines, or a line of more than {MAX_LINE} characters; {EXAMPLE}")
-    for pattern, replacement in _CLEANED:
-        text = re.sub(pattern, replacement, text)
-    text = _SPANNED.sub(lambda match: match[2] + " &" * (int(match[1]) - 1), text)
-    text = _VARIABLES.sub(lambda match: re.sub(r'"[, ]+"', "\t", match[1]), text)
-    text = _COMPUTED.sub(_difference, text)
+    text = rewrite(text, _CLEANED)
     lines = []
     gap = False
     for number, line in enumerate(text.split("\n"), start=1):
@@ -164,12 +167,6 @@ def _lines(text: str) -> list[Line]:
             lines.append(Line(number, bare.rstrip(GAP), gap, bare != line))
         gap = line.endswith(GAP) or not filled
     return lines
-
-
-def _difference(match: re.Match[str]) -> str:
-    """Return the error of a computed value beside an exact one."""
-    computed, exact = map(to_number, match.groups())
-    return match[0] if computed is None or exact is None else f"{abs(computed - exact):.9g}"
 
 
 # Grids: rows of cells below a header.
@@ -234,10 +231,18 @@ def _grids(lines: list[Line]) -> list[Table]:
         numbers = sum(row.kinds.count("9") for row in divided if row.is_data(True))
         if 2 * numbers >= most:
             rows, most = divided, max(most, numbers)
+    tables: list[Table] = []
+    for above, block in _blocks(rows):
+        if table := _across(block) or _below(above, block, tables):
+            tables.append(table)
+    return tables
+
+
+def _blocks(rows: list[Row]) -> Iterator[tuple[list[Row], list[Row]]]:
+    """Yield the blocks of consecutive rows that may be tables, each with the lines between it and the block before."""
     # Where rows begin with words, "mean" may be the name of a row. Elsewhere it begins a line that sums up a column.
     first = [row.kinds[0] for row in rows if row.is_data(True)]
     named = first.count("a") > first.count("9")
-    tables: list[Table] = []
     above: list[Row] = []
     block: list[Row] = []
     for row in rows:
@@ -246,45 +251,50 @@ def _grids(lines: list[Line]) -> list[Table]:
         if not left_out and (as_wide or row.is_data(named)):
             block.append(row)
         elif not (block and left_out and row.kinds.strip("a")):
-            tables += _table(above, block, tables)
-            above = [row] if block else [*above, row]
-            block = []
-    return tables + _table(above, block, tables)
+            if block:
+                yield above, block
+                above, block = [], []
+            above.append(row)
+    if block:
+        yield above, block
 
 
-def _table(above: list[Row], block: list[Row], before: list[Table]) -> list[Table]:
-    """Return the table that consists of a block of rows, in a list; the list is empty if it is not a table.
+def _below(above: list[Row], block: list[Row], before: list[Table]) -> Table | None:
+    """Return the table whose rows stand below the names of its columns; None if it has one row and no names.
 
     Parameters:
         above: the lines above the block; the nearest one with a name for each column is the header.
         block: the rows.
         before: tables above the block. If the block has no header, it gets the header of the last one.
     """
-    if not block:
-        return []
-    if across := _across(block):
-        return [across]
     widths = [len(row.cells) for row in block]
     width = max(widths, key=widths.count)
     above = [row for row in above if not all(map(_UNIT.fullmatch, row.cells))]
     names, header = _header(above, block, width)
     if not names and before and len(before[-1].names) == width:
         names = before[-1].names
-    lines = [row.line.number for row in block]
     if not names:
         if len(block) < 2:
-            return []
+            return None
         raise OrderError(
-            f"the table that begins in line {lines[0]}, '{shorten(block[0].text)}', has {width} columns, "
+            f"the table that begins in line {block[0].line.number}, '{shorten(block[0].text)}', has {width} columns, "
             "but no line above names them: add a header such as 'h error'"
         )
     rows = [_cells(row, width, names if row is block[0] else []) for row in block]
     texts = [row.text.strip() for row in above if row not in header]
     captions = [text for text in texts if not (_SUMMARY.match(text) or text[0] in "\\@.")]
-    breaks = [k for k in range(1, len(block)) if block[k].line.gap or lines[k] > lines[k - 1] + 1]
-    columns = [*map(list, zip(*rows, strict=True))]
-    places = [f"line {line}" for line in lines]
-    return [Table(_FORMS[block[0].sign], names, columns, places, breaks, shorten("".join(captions[-1:]), 100))]
+    return Table(
+        form=_FORMS[block[0].sign],
+        names=names,
+        columns=[*map(list, zip(*rows, strict=True))],
+        places=[f"line {row.line.number}" for row in block],
+        breaks=[
+            k
+            for k, (upper, row) in enumerate(pairwise(block), start=1)
+            if row.line.gap or row.line.number > upper.line.number + 1
+        ],
+        caption=shorten("".join(captions[-1:]), 100),
+    )
 
 
 def _cells(row: Row, width: int, names: Cells) -> Cells:
@@ -311,7 +321,7 @@ def _header(above: list[Row], block: list[Row], width: int) -> tuple[Cells, list
     """Return the names of columns in the nearest header above a table, and its lines; empty lists without a header."""
     for upper, row in reversed([*pairwise([*above[:1], *above])]):
         names = _names(row, block, width)
-        if names and all(re.search(r"[^\W\d_]|[#‖¦|]", name) for name in names if name):
+        if names and all(re.search(r"[^\W\d_]|[#‖|\ue000\ue001]", name) for name in names if name):
             grouped = _grouped(upper, names) if 0 < row.line.number - upper.line.number <= 2 else []
             return grouped or names, [row, upper] if grouped else [row]
     return [], []
@@ -391,10 +401,10 @@ def _across(block: list[Row]) -> Table | None:
     """Return the table with one line for each quantity and one column for each mesh; None if it is no such table."""
     columns: Columns = {}
     for row in block:
-        kinds = row.kinds.lstrip("a")
-        start = len(row.kinds) - len(kinds)
-        if not start or "a" in kinds or len(kinds) < 2:
+        words_and_numbers = re.fullmatch("(a+)[^a]{2,}", row.kinds)
+        if not words_and_numbers:
             return None
+        start = words_and_numbers.end(1)
         columns[" ".join(row.cells[:start]).strip(" :=")] = row.cells[start:]
     if any(role(name) in SIZES for name in columns):
         return from_columns("one line for each quantity", columns)
@@ -409,8 +419,9 @@ def _across(block: list[Row]) -> Table | None:
 def _orders_between(values: Cells) -> bool:
     """Return whether errors and orders stand in turn, and all orders are right for halved mesh sizes."""
     numbers = np.array([*map(to_number, values)], dtype=float)
-    computed = consecutive_orders(2.0 ** -np.arange(len(numbers[::2])), numbers[::2])
-    return len(values) % 2 == 1 and not (abs(computed - numbers[1::2]) >= 0.03).any()
+    errors, orders = numbers[::2], numbers[1::2]
+    computed = consecutive_orders(0.5 ** np.arange(len(errors)), errors)
+    return len(computed) == len(orders) and not (abs(computed - orders) >= 0.03).any()
 
 
 def from_columns(form: str, columns: Columns) -> Table:
@@ -425,8 +436,8 @@ def from_columns(form: str, columns: Columns) -> Table:
             columns[name] = ["", *cells]
         elif len(cells) < length:
             raise OrderError(
-                f"columns of different lengths: {name} has {len(cells)} values, expected {length}, one for each mesh: "
-                "write nan where a computation failed"
+                f"columns of different lengths: {name.translate(NORM_BARS)} has {len(cells)} values, expected "
+                f"{length}, one for each mesh: write nan where a computation failed"
             )
     return Table(form, [*columns], [*columns.values()], [f"value {k}" for k in range(1, length + 1)])
 
@@ -454,7 +465,7 @@ def _lists(text: str) -> tuple[list[Table], Columns]:
         values = re.split(separator, (match["list"] or match["row"] or "").strip(" ,;\n\t"))
         if len(values) == 1:
             singles.setdefault(name, []).append(values[0].strip("*|`"))
-        elif any(kind_of(value) == "9" for value in values):
+        elif "9" in map(kind_of, values):
             if name in tables[-1] and role(name) in SIZES:
                 tables.append({})
             columns = tables[-1]

@@ -276,6 +276,7 @@ def test_names_in_two_rows_belong_together(names):
         ('h,"L2(0,T;H1)","e, max"\n.4,.4,.4\n.2,.1,.2\n.1,.025,.1\n', ["--columns", "e, max"], "ignored: L2(0,T;H1)"),
         ("h,L2,H1,EOC,EOC\n4,16,4,-,-\n2,4,2,2,1\n1,1,1,2,1\n", ["--in", "h"], "ignored: EOC (4), EOC (5)"),
         ("steps error\n10 1e-2\n20 2.5e-3\n40 6.25e-4\n", ["--in", "steps"], "size: h = 1/steps"),
+        ("h,‖u‖\n.4,.4\n.2,.1\n.1,.025\n", ["--expected", "‖u‖=2"], "‖u‖: holds"),
         ("h,Größe,error\n.4,32,.16\n.2,128,.04\n.1,512,.01\n", ["--columns=Größe", "--expected=2"], "Größe: fails"),
     ],
 )  # fmt: skip
