@@ -174,7 +174,8 @@ class SingularAtPoints:
         return Modes(np.eye(len(shapes)), points, shapes[:, points], places, 1, amplitudes)
 
     @cached_property
-    def _powers(self) -> Powers:
+    def powers(self) -> Powers:
+        """The powers of z = x + iy at the points."""
         return Powers(*self.local)
 
     @cached_property
@@ -208,7 +209,7 @@ class SingularAtPoints:
         return np.array(
             [
                 sum(
-                    y**m * self._powers(c, beta)
+                    y * self.powers(c, beta) if m else self.powers(c, beta)
                     for monomial in component
                     for m, c, beta in monomial.terms(dx, dy)
                     if c != 0
