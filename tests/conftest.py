@@ -2,8 +2,6 @@
 
 import gc
 import os
-from collections.abc import Iterator
-from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -24,7 +22,7 @@ os.environ["COLUMNS"] = "110"
 gc.disable()
 
 
-def pytest_collection_finish() -> None:
+def pytest_collection_finish():
     """From here on tests run."""
     gc.freeze()
     gc.set_threshold(200_000, 20, 50)
@@ -32,7 +30,7 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+def pytest_xdist_make_scheduler(config, log):
     """A process gets whole files, so that what they share is made once, and takes tests from others when it has none.
 
     Without pytest-xdist nobody asks.
@@ -43,7 +41,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 
 @pytest.fixture(autouse=True, scope="session")
-def one_thread() -> Iterator[None]:
+def one_thread():
     """Tests run in parallel: the processes share the cores already."""
     with threadpool_limits(1):
         yield

@@ -1,7 +1,5 @@
 """The cases that take the most time are left to the slow tests."""
 
-from collections.abc import Iterable
-
 import pytest
 
 BEYOND_THE_CATALOGUE = ("trains", "breathing-trains", "natural-motion", "roller-8", "standing-8")
@@ -11,6 +9,6 @@ DEAR = (
 )
 
 
-def by_cost(names: Iterable[str]) -> list:
+def by_cost(names):
     """Parameters of a test; `make study` and the slow tests prove and measure the costly cases as well."""
     return [pytest.param(name, marks=pytest.mark.slow if name in DEAR else ()) for name in names]

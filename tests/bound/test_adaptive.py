@@ -1,8 +1,5 @@
 """Shares of a bound add up to it, meshes follow them, and a tolerance that is said to be reached is guaranteed."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
@@ -15,15 +12,15 @@ from hypothesis import strategies as st
 from sympy import Rational, exp
 from test_terms import discretised, terms_of
 
-from manufactured import Case, Data, KelvinVoigt, Kind, isotropic, named, polygon, pos, static, t
+from manufactured import Data, KelvinVoigt, Kind, isotropic, named, polygon, pos, static, t
 from manufactured.factor import x1, x2
 from study.bound import adaptive
-from study.bound.adaptive import Adapted, Stage, adapted, marked, next_stage
+from study.bound.adaptive import Stage, adapted, marked, next_stage
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose
 from study.bound.remainders import GUARANTEED
 from study.bound.static import compute_static, enclose_static
-from study.bound.terms import Majorant, Shares, part_that_changes
+from study.bound.terms import Majorant, part_that_changes
 from study.bound.trajectory import Refined, SmoothedInTime, compute
 from study.cli.main import main
 from study.cli.problem import contact_edges
@@ -35,18 +32,18 @@ LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
 CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
 
 
-def wedge(**load) -> Data:
+def wedge(**load):
     """On a slanted foundation."""
     body = polygon([(0, 0), (2, -0.5), (2, 1), (0, 1)], [CONTACT, LOADED, LOADED, CLAMPED])
     return Data.formulas(body, LAW, **load)
 
 
-def first_stage(data: Data, level: int = 2, steps: int = 4) -> Stage:
+def first_stage(data, level=2, steps=4):
     mesh = Unstructured()(data.body, level)
     return Stage(mesh, steps)
 
 
-def stages(data: Data, count: int, first: Stage, case: Case | None = None) -> Iterator[tuple[Stage, Adapted]]:
+def stages(data, count, first, case=None):
     stage = first
     for _ in range(count):
         found = adapted(data, case, stage, MIDPOINT)
@@ -66,7 +63,7 @@ PROBLEMS = {
 
 @pytest.mark.parametrize("name", PROBLEMS)
 @pytest.mark.parametrize("trajectory", [SmoothedInTime(), Refined(0, 2)], ids=["u_h alone", "enclosure"])
-def test_shares_are_not_negative_and_add_up_to_the_bound(name: str, trajectory) -> None:
+def test_shares_are_not_negative_and_add_up_to_the_bound(name, trajectory):
     data = wedge(**PROBLEMS[name])
     discretisation = Discretisation(data, Unstructured()(data.body, 2))
     enclosure = enclose(discretisation, compute(discretisation, MIDPOINT, 3), trajectory)
@@ -78,7 +75,7 @@ def test_shares_are_not_negative_and_add_up_to_the_bound(name: str, trajectory) 
         assert one.shares.total == pytest.approx(left, abs=1e-12)
 
 
-def test_shares_of_a_static_bound_belong_to_cells_alone_and_add_up_to_the_bound() -> None:
+def test_shares_of_a_static_bound_belong_to_cells_alone_and_add_up_to_the_bound():
     data = static(wedge(f0=(0, 0)).body, isotropic(2.0, 3.0), (0, -1))
     discretisation = Discretisation(data, Unstructured()(data.body, 2))
     enclosure, shares = enclose_static(discretisation, compute_static(discretisation), None)
@@ -87,7 +84,7 @@ def test_shares_of_a_static_bound_belong_to_cells_alone_and_add_up_to_the_bound(
     assert shares.cells.min() >= 0
 
 
-def test_what_comes_after_the_largest_bound_has_no_share_in_it() -> None:
+def test_what_comes_after_the_largest_bound_has_no_share_in_it():
     data = wedge(**PROBLEMS["rolling"])
     discretisation = Discretisation(data, Unstructured()(data.body, 2))
     found = enclose(discretisation, compute(discretisation, MIDPOINT, 3), SmoothedInTime())
@@ -100,7 +97,7 @@ def test_what_comes_after_the_largest_bound_has_no_share_in_it() -> None:
     assert same.cells == pytest.approx(one.cells)
 
 
-def test_a_load_on_few_cells_gives_them_the_shares() -> None:
+def test_a_load_on_few_cells_gives_them_the_shares():
     place = np.array([1.5, 0.3])
     bump = exp(-20 * ((x1 - place[0]) ** 2 + (x2 - place[1]) ** 2))
     data = wedge(f0=(0, -50 * t * bump))
@@ -113,7 +110,7 @@ def test_a_load_on_few_cells_gives_them_the_shares() -> None:
     assert stage.cells < mesh.t.shape[1]
 
 
-def test_the_verdict_on_a_tolerance_is_about_the_last_mesh() -> None:
+def test_the_verdict_on_a_tolerance_is_about_the_last_mesh():
     numbers = {"mesh": 1, "cells": 8, "dofs": 9, "steps": 4, "order": 0.5, "in_time": 0.1, "error": np.nan}
     rows = pd.DataFrame([{**numbers, "bound": 0.4, "percent": 20.0}, {**numbers, "bound": 0.125, "percent": 5.0}])
     first, *_ = adaptive_text("ramp", rows, "6 %", "", [])
@@ -122,7 +119,7 @@ def test_the_verdict_on_a_tolerance_is_about_the_last_mesh() -> None:
 
 
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=8), st.floats(0.05, 1))
-def test_marked_cells_are_the_fewest_that_have_a_part(shares: list[float], part: float) -> None:
+def test_marked_cells_are_the_fewest_that_have_a_part(shares, part):
     values = np.array(shares)
     chosen = marked(values, part)
     enough = part * values.sum() * (1 - 1e-9)
@@ -131,8 +128,8 @@ def test_marked_cells_are_the_fewest_that_have_a_part(shares: list[float], part:
     assert all(values[list(some)].sum() < part * values.sum() * (1 + 1e-9) or values.sum() == 0 for some in fewer)
 
 
-def test_what_changes_within_a_piece_is_that_of_time() -> None:
-    def share(coefficients: list[float]) -> float:
+def test_what_changes_within_a_piece_is_that_of_time():
+    def share(coefficients):
         products = np.multiply.outer(coefficients, coefficients)
         quadratic = np.array([[6, 3, 1], [3, 4, 3], [1, 3, 6]]) / 30
         return float(part_that_changes(products[..., None], np.array([np.vdot(quadratic, products)]))[0])
@@ -144,11 +141,11 @@ def test_what_changes_within_a_piece_is_that_of_time() -> None:
     assert share([0.0, 0.0, 0.0]) == 0
 
 
-def test_the_shares_of_cells_and_of_time_are_linear_in_the_part_that_changes(monkeypatch) -> None:
+def test_the_shares_of_cells_and_of_time_are_linear_in_the_part_that_changes(monkeypatch):
     d = discretised((t**3, 0))
     terms = terms_of(d)
 
-    def shares(part: float) -> Shares:
+    def shares(part):
         monkeypatch.setattr("study.bound.terms.part_that_changes", lambda _, squares: np.full_like(squares, part))
         return Majorant(d)._interval(terms, 0.0).shares
 
@@ -160,13 +157,13 @@ def test_the_shares_of_cells_and_of_time_are_linear_in_the_part_that_changes(mon
 # ---- meshes and steps
 
 
-def smallest_angle(stage: Stage) -> float:
+def smallest_angle(stage):
     sides = stage.mesh.p[:, np.roll(stage.mesh.t, -1, axis=0)] - stage.mesh.p[:, stage.mesh.t]
     unit = sides / np.linalg.norm(sides, axis=0)
     return float(np.arccos((-unit * np.roll(unit, 1, axis=1)).sum(axis=0)).min())
 
 
-def test_parts_of_the_boundary_stay_and_angles_do_not_degenerate() -> None:
+def test_parts_of_the_boundary_stay_and_angles_do_not_degenerate():
     """By marks at random, concentrated at one end of the slanted foundation, many times."""
     data, rng = wedge(f0=(0, 0)), np.random.default_rng(0)
     stage = first_stage(data)
@@ -184,7 +181,7 @@ def test_parts_of_the_boundary_stay_and_angles_do_not_degenerate() -> None:
     assert edges.max() > 30 * edges.min()
 
 
-def test_time_is_refined_where_it_has_the_share_and_space_where_cells_have_it() -> None:
+def test_time_is_refined_where_it_has_the_share_and_space_where_cells_have_it():
     stage = first_stage(wedge(f0=(0, 0)))
     ones = np.ones(stage.cells)
     only_space, both, only_time = (next_stage(stage, ones, part * stage.cells) for part in (0.1, 1.0, 10.0))
@@ -192,7 +189,7 @@ def test_time_is_refined_where_it_has_the_share_and_space_where_cells_have_it() 
     assert only_space.cells == both.cells > only_time.cells == stage.cells
 
 
-def test_edges_of_the_foundation_are_in_contact_where_nothing_opens() -> None:
+def test_edges_of_the_foundation_are_in_contact_where_nothing_opens():
     data = wedge(f0=(0, 0))
     mesh = Unstructured()(data.body, 4)
     normal = next(part.normal for part in data.body.parts if part.kind is CONTACT)
@@ -205,7 +202,7 @@ def test_edges_of_the_foundation_are_in_contact_where_nothing_opens() -> None:
 # ---- the tolerance
 
 
-def test_no_error_is_above_a_tolerance_that_is_reached() -> None:
+def test_no_error_is_above_a_tolerance_that_is_reached():
     case, bounds = named("advance-recede"), []
     data = Data.of(case.solution)
     for _, found in stages(data, 2, first_stage(data, 2, 2), case):
@@ -215,7 +212,7 @@ def test_no_error_is_above_a_tolerance_that_is_reached() -> None:
 
 
 @pytest.mark.slow
-def test_the_bracket_has_the_best_order_in_unknowns_on_adapted_meshes_and_not_on_others() -> None:
+def test_the_bracket_has_the_best_order_in_unknowns_on_adapted_meshes_and_not_on_others():
     """The corner's exponent 0.54 allows N^{−0.27} on meshes that are refined everywhere."""
     corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
     body = polygon(corners, [CONTACT, LOADED, LOADED, LOADED, CLAMPED, LOADED])
@@ -242,12 +239,12 @@ def test_the_bracket_has_the_best_order_in_unknowns_on_adapted_meshes_and_not_on
 SQUARE = f"{Path(__file__).parents[2]}/examples/certificates/problems.py:square"
 
 
-def adapt(out: Path, *options: str) -> int:
+def adapt(out, *options):
     return main(["bound", SQUARE, "--levels", "2", "--steps", "4", "--out", str(out), *options])
 
 
 @pytest.mark.slow
-def test_a_tolerance_is_reached_and_a_smaller_one_goes_on_from_there(tmp_path, monkeypatch, capsys) -> None:
+def test_a_tolerance_is_reached_and_a_smaller_one_goes_on_from_there(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "80")
     assert adapt(tmp_path / "out", "--adapt", "0.15") == 0
     printed = capsys.readouterr().out
@@ -275,7 +272,7 @@ def test_a_tolerance_is_reached_and_a_smaller_one_goes_on_from_there(tmp_path, m
     pd.testing.assert_frame_equal(again[: len(rows)], rows)
 
 
-def test_a_limit_stops_with_the_reason_and_keeps_what_there_is(tmp_path, capsys) -> None:
+def test_a_limit_stops_with_the_reason_and_keeps_what_there_is(tmp_path, capsys):
     assert adapt(tmp_path / "out", "--adapt", "1e-6", "--cells", "10") == 1
     printed = " ".join(capsys.readouterr().out.split())
     assert "> 1e-06, the tolerance is not reached: the next mesh has" in printed
@@ -284,13 +281,13 @@ def test_a_limit_stops_with_the_reason_and_keeps_what_there_is(tmp_path, capsys)
 
 
 @pytest.mark.slow
-def test_memory_that_is_not_there_stops_with_the_reason(tmp_path, monkeypatch, capsys) -> None:
+def test_memory_that_is_not_there_stops_with_the_reason(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("study.run.executor.available", lambda: 0.5 * 2.0**30)
     assert adapt(tmp_path / "out", "--adapt", "1e-6") == 1
     assert "GiB of memory" in capsys.readouterr().out
 
 
-def test_a_table_shows_the_order_of_each_mesh_with_more_unknowns_than_the_one_before() -> None:
+def test_a_table_shows_the_order_of_each_mesh_with_more_unknowns_than_the_one_before():
     same = {"cells": 1, "steps": 1, "percent": 1.0, "in_time": 0.5, "error": 1.0}
     rows = [same | {"mesh": n, "dofs": 4 ** min(n, 3), "bound": 2.0**-n} for n in (1, 2, 3, 4)]
     shown = adaptive_text("x", adaptive.table(rows), "0.1", "", [])

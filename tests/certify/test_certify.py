@@ -1,7 +1,5 @@
 """The checker stands alone, judges the file that it reads, and proves what ``study bound`` computes."""
 
-from __future__ import annotations
-
 import runpy
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Every inequality of the checker, on problems of one or two cells where the exact value is known in closed form."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction as Q
 from itertools import product

@@ -1,7 +1,5 @@
 """A small finished run, which most commands start from."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import re

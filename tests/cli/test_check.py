@@ -1,10 +1,7 @@
 """``study check`` trusts nothing: every edit is noticed and named, and --again measures a sample of the rows again."""
 
-from __future__ import annotations
-
 import json
 import re
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,8 +16,6 @@ from study.ledger.datafiles import DataError, nested_keys, planned_keys, write_c
 from study.run.check import draw_jobs, expected_seconds, planned_jobs, verify
 from study.run.judgement import verdicts
 from study.run.provenance import compare_sums
-
-Edit = Callable[[Path], None]
 
 
 def rewritten(change, name):
@@ -110,9 +105,6 @@ EDITS = {
         for name, column in ((RATES, "error"), (EQUIVALENCE, "h"))
     },
 }
-
-
-Part = Callable[[Path], object]
 
 
 def verdicts_as_written(directory):

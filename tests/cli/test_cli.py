@@ -1,7 +1,5 @@
 """Commands: what they print, what they refuse, what they leave on disk, and their exit codes."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

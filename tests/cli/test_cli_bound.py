@@ -1,7 +1,5 @@
 """The command ``study bound``: what it prints, writes and refuses."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 
@@ -32,17 +30,17 @@ def wrong_part():
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory) -> tuple[Path, str]:
+def finished(tmp_path_factory):
     out = tmp_path_factory.mktemp("bounds")
     with pytest.MonkeyPatch.context() as patch:
-        printed: list[str] = []
+        printed = []
         patch.setattr("builtins.print", lambda *text, **_: printed.append(" ".join(map(str, text))))
         options = ["--levels", "3", "4", "--refine", "0", "--shorter", "2", "--out", str(out)]
         assert main(["bound", "advance-recede", *options]) == 0
     return out / "advance-recede", "\n".join(printed)
 
 
-def test_tables_are_printed_with_the_error_between_its_ends_and_all_ends_rounded_outwards(finished) -> None:
+def test_tables_are_printed_with_the_error_between_its_ends_and_all_ends_rounded_outwards(finished):
     directory, printed = finished
     assert "exact solution known" in printed
     assert re.search(r"t +lower +error +upper +% of u +upper/lower +from u_h alone", printed)
@@ -71,7 +69,7 @@ def test_tables_are_printed_with_the_error_between_its_ends_and_all_ends_rounded
     assert {"problem.png", "problem.svg"} <= {file.name for file in files}
 
 
-def test_the_tables_on_disk_enclose_the_error_and_the_order(finished) -> None:
+def test_the_tables_on_disk_enclose_the_error_and_the_order(finished):
     directory, _ = finished
     levels, series = (pd.read_csv(directory / name) for name in ("levels.csv", "enclosure.csv"))
     assert list(levels["level"]) == [3, 4]
@@ -103,7 +101,7 @@ def test_the_tables_on_disk_enclose_the_error_and_the_order(finished) -> None:
         (["{}:missing"], "defines no 'missing'"),
     ],
 )
-def test_what_cannot_be_bounded_is_refused_with_the_reason(told, tmp_path, arguments, message: str) -> None:
+def test_what_cannot_be_bounded_is_refused_with_the_reason(told, tmp_path, arguments, message):
     resolve_data.cache_clear()
     problem, *options = arguments
     user, out = write_text(tmp_path / "mine.py", USER), tmp_path / "out"
@@ -127,11 +125,11 @@ supported, hanging = plate(Kind.CONTACT), plate(Kind.LOADED)
 
 
 @pytest.fixture
-def static(tmp_path: Path) -> str:
+def static(tmp_path):
     return str(write_text(tmp_path / "static.py", STATIC))
 
 
-def test_a_static_problem_is_bounded_and_its_own_displacement_again_from_a_file(static: str, tmp_path, capsys) -> None:
+def test_a_static_problem_is_bounded_and_its_own_displacement_again_from_a_file(static, tmp_path, capsys):
     out = tmp_path / "out"
     assert main(["bound", f"{static}:supported", "--levels", "2", "4", "--out", str(out)]) == 0
     printed = " ".join(capsys.readouterr().out.split())
@@ -148,7 +146,7 @@ def test_a_static_problem_is_bounded_and_its_own_displacement_again_from_a_file(
     assert again[names].tolist() == pytest.approx(computed[names].tolist(), rel=1e-6)
 
 
-def test_a_static_body_without_contact_is_adapted_and_bounded_from_a_vtu_file(static: str, tmp_path, capsys) -> None:
+def test_a_static_body_without_contact_is_adapted_and_bounded_from_a_vtu_file(static, tmp_path, capsys):
     out = tmp_path / "out"
     assert main(["bound", f"{static}:hanging", "--levels", "2", "--adapt", "40%", "--out", str(out)]) == 0
     assert "≤ 40 %, the tolerance is reached" in " ".join(capsys.readouterr().out.split())
@@ -164,7 +162,7 @@ def test_a_static_body_without_contact_is_adapted_and_bounded_from_a_vtu_file(st
     assert plain == pytest.approx(rows["bound"].iloc[0], rel=1e-6)
 
 
-def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_path, capsys) -> None:
+def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_path, capsys):
     """The displacements that the study has written itself: the same errors, enclosed again."""
     directory, _ = finished
     files = [str(directory / f"trajectory-{level}.npz") for level in (4, 3)]
@@ -190,18 +188,18 @@ def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_pat
         *((["--adapt", text], "a tolerance that is a positive number") for text in ("0", "nan", "inf", "5 percent")),
     ],
 )
-def test_options_that_make_no_sense_are_refused(told, tmp_path, options: list[str], message: str) -> None:
+def test_options_that_make_no_sense_are_refused(told, tmp_path, options, message):
     assert message in told("bound", "full-contact", *options, "--out", str(tmp_path / "out"))
 
 
-def test_a_mesh_too_large_for_the_memory_is_refused(finished, tmp_path, told, monkeypatch) -> None:
+def test_a_mesh_too_large_for_the_memory_is_refused(finished, tmp_path, told, monkeypatch):
     monkeypatch.setattr("study.run.executor.available", lambda: 0.45 * 2.0**30)
     file = str(finished[0] / "trajectory-4.npz")
     said = told("bound", "advance-recede", "--displacement", file, "--refine", "4", "--out", str(tmp_path / "out"))
     assert re.search(r"with \d+ triangles and --refine 4 needs about [\d.]+ GiB .* coarser mesh", said)
 
 
-def test_more_triangles_than_can_be_factorised_are_refused_with_a_refinement_that_is_served(monkeypatch) -> None:
+def test_more_triangles_than_can_be_factorised_are_refused_with_a_refinement_that_is_served(monkeypatch):
     with pytest.raises(
         UsageError, match=r"10830 triangles with --refine 1 .* take --refine 0, or a mesh of at most 8250"
     ):

@@ -1,7 +1,5 @@
 """What a command does to directories, disks, data and terminals that are not as one would wish."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os

@@ -1,7 +1,5 @@
 """What a newcomer types by mistake is answered with what to type instead, and nothing is lost."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import subprocess

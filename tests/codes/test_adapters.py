@@ -1,7 +1,5 @@
 """Adapters are driven as they are stated, ``make codes`` keeps what the judge says, and the command of the judge."""
 
-from __future__ import annotations
-
 import json
 import lzma
 import os

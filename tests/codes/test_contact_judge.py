@@ -1,7 +1,5 @@
 """Tasks read back give our own errors, and every class of the judge has an answer that it is given to."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import lzma

@@ -1,7 +1,5 @@
 """Every fault is seen by the covering set of cases, and the judge names its cause; right answers have none."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import contact_judge as judge

@@ -28,13 +28,13 @@ LEDGER_COLUMNS = ["label", "statement", "case", "quantity", "expected", "observe
 LEDGER_COLUMNS += ["key", "family", "kind", "window_low", "window_high"]
 
 
-def committed(name: str, cases: tuple[str, ...] = CASES) -> pd.DataFrame:
+def committed(name, cases=CASES):
     """The rows of some cases in a committed data file; the numbers as they are written."""
     table = pd.read_csv(RESULTS / "data" / f"{name}.csv", dtype=str, keep_default_na=False)
     return table[table["case"].isin([*cases, "all cases"])]
 
 
-def copy_results(directory: Path, cases: tuple[str, ...] = CASES, pictures: tuple[str, ...] = (CORNER, SOLID)) -> Path:
+def copy_results(directory, cases=CASES, pictures=(CORNER, SOLID)):
     """Writes the committed tables of some cases, and pictures of some of them, into ``directory / "data"``."""
     data = directory / "data"
     (data / "pictures").mkdir(parents=True)
@@ -47,6 +47,6 @@ def copy_results(directory: Path, cases: tuple[str, ...] = CASES, pictures: tupl
     return directory
 
 
-def write_ledger(directory: Path) -> None:
+def write_ledger(directory):
     """Replaces the ledger by ``LEDGER``."""
     pd.DataFrame(LEDGER, columns=LEDGER_COLUMNS).to_csv(directory / "data" / "claims.csv", index=False)

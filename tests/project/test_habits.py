@@ -6,10 +6,8 @@ import runpy
 import shlex
 import sys
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 import pandas as pd
 import pytest
@@ -44,11 +42,11 @@ RECIPES = {
 }
 
 
-def steps(workflow: Path) -> list[dict[str, object]]:
+def steps(workflow):
     return [step for job in yaml.safe_load(workflow.read_text())["jobs"].values() for step in job["steps"]]
 
 
-def commands(path: Path) -> Iterator[list[str]]:
+def commands(path):
     """Every command line of a workflow, or of a page in shell blocks and within sentences, without redirections."""
     if path.suffix == ".yml":
         texts = [str(step["run"]) for step in steps(path) if "run" in step]
@@ -59,7 +57,7 @@ def commands(path: Path) -> Iterator[list[str]]:
             yield words
 
 
-def module(monkeypatch: pytest.MonkeyPatch, name: str) -> ModuleType:
+def module(monkeypatch, name):
     """The module of a recipe, as if its file were there."""
     found = ModuleType(name)
     monkeypatch.setitem(sys.modules, name, found)
@@ -73,7 +71,7 @@ def module(monkeypatch: pytest.MonkeyPatch, name: str) -> ModuleType:
 # Workflows.
 
 
-def test_every_make_target_and_study_command_of_workflows_and_pages_exists() -> None:
+def test_every_make_target_and_study_command_of_workflows_and_pages_exists():
     for path in [*WORKFLOWS, *(page.path for page in PAGES)]:
         for words in commands(path):
             if words[0] == "make":
@@ -83,7 +81,7 @@ def test_every_make_target_and_study_command_of_workflows_and_pages_exists() -> 
 
 
 @pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.name)
-def test_workflows_use_actions_of_a_fixed_commit_and_may_write_nothing(workflow: Path) -> None:
+def test_workflows_use_actions_of_a_fixed_commit_and_may_write_nothing(workflow):
     assert yaml.safe_load(workflow.read_text())["permissions"] == {"contents": "read"}
     used = re.findall(r"uses: (.+)", workflow.read_text())
     assert used and all(re.fullmatch(r"actions/[a-z-]+@[0-9a-f]{40} # v[\d.]+", action) for action in used)  # noqa: PT018
@@ -94,7 +92,7 @@ def test_workflows_use_actions_of_a_fixed_commit_and_may_write_nothing(workflow:
 TABLE = ROOT / "examples" / "errors.csv"
 
 
-def test_the_example_prints_its_table_which_holds_and_a_table_that_loses_its_order_does_not(tmp_path, capsys) -> None:
+def test_the_example_prints_its_table_which_holds_and_a_table_that_loses_its_order_does_not(tmp_path, capsys):
     runpy.run_path(str(ROOT / "examples" / "errors.py"), run_name="__main__")
     assert capsys.readouterr().out == TABLE.read_text()
     table, worse = pd.read_csv(TABLE), tmp_path / "errors.csv"
@@ -107,7 +105,7 @@ def test_the_example_prints_its_table_which_holds_and_a_table_that_loses_its_ord
 
 
 @pytest.mark.slow
-def test_the_case_of_the_recipe_is_new_proves_itself_and_has_the_order_that_its_docstring_predicts(monkeypatch) -> None:
+def test_the_case_of_the_recipe_is_new_proves_itself_and_has_the_order_that_its_docstring_predicts(monkeypatch):
     recipe = module(monkeypatch, "manufactured.cases.breathing_patch")
     case = recipe.case()
     assert missing_parts(recipe.__doc__, case) == []
@@ -125,15 +123,15 @@ def test_the_case_of_the_recipe_is_new_proves_itself_and_has_the_order_that_its_
     assert [verdict.key for found in by_statement for verdict in found if verdict.verdict != HOLDS] == []
 
 
-def test_the_statement_of_the_recipe_holds_and_its_own_test_breaks_it(monkeypatch) -> None:
+def test_the_statement_of_the_recipe_holds_and_its_own_test_breaks_it(monkeypatch):
     module(monkeypatch, "study.statements.trace")
     recipe = module(monkeypatch, "tests.statements.test_trace")
     recipe.test_the_trace_on_contact_is_bounded_uniformly()
     recipe.test_sums_over_vertices_are_not(monkeypatch)
 
 
-def test_the_fault_of_the_recipe_changes_what_is_solved() -> None:
-    added: dict[str, Any] = {}
+def test_the_fault_of_the_recipe_changes_what_is_solved():
+    added = {}
     exec(RECIPES["study/controls/faults.py"], vars(faults), added)
     (fault,) = (value for value in added.values() if isinstance(value, faults.Fault))
     assert fault.name not in {known.name for known in faults.FAULTS}
@@ -141,7 +139,7 @@ def test_the_fault_of_the_recipe_changes_what_is_solved() -> None:
     assert distance_of_solutions(right, fault.change(right, fault.sizes[0])) > 1e-6
 
 
-def test_every_public_name_is_documented() -> None:
+def test_every_public_name_is_documented():
     """Constants are documented in the docstring of the package."""
     for name in manufactured.__all__:
         value = getattr(manufactured, name)
@@ -152,7 +150,7 @@ def test_every_public_name_is_documented() -> None:
             assert f"``{name}``" in str(manufactured.__doc__)
 
 
-def test_a_tree_that_is_heavier_than_recorded_fails_and_limits_only_go_down(tmp_path: Path) -> None:
+def test_a_tree_that_is_heavier_than_recorded_fails_and_limits_only_go_down(tmp_path):
     module = runpy.run_path(str(ROOT / ".ci" / "weight.py"))
     texts = {
         "study/fem/a.py": '"""A docstring."""\nSMALL = [1, 2]  # four expressions\n',

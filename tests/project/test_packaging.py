@@ -27,11 +27,11 @@ EXTRAS = {"study": "runtime", "cluster": "cluster", "film": "film"}
 GROUPS = {"dev": "development", "docs": "documentation"}
 
 
-def names(requirements: list[str]) -> set[str]:
+def names(requirements):
     return {re.split(r"[<>=\[ ]", requirement)[0] for requirement in requirements}
 
 
-def test_the_base_is_numpy_and_sympy_the_study_needs_forty_packages_and_each_package_has_one_version() -> None:
+def test_the_base_is_numpy_and_sympy_the_study_needs_forty_packages_and_each_package_has_one_version():
     assert names(PROJECT["dependencies"]) == {"numpy", "sympy"}
     assert set(EXTRAS) == set(PROJECT["optional-dependencies"])
     assert set(GROUPS) == set(PYPROJECT["dependency-groups"])
@@ -45,7 +45,7 @@ def test_the_base_is_numpy_and_sympy_the_study_needs_forty_packages_and_each_pac
     assert len(versions) == len({package for package, _ in versions})
 
 
-def test_manufactured_imports_nothing_else() -> None:
+def test_manufactured_imports_nothing_else():
     asked = (
         "import importlib, pkgutil, sys, manufactured\n"
         "for m in pkgutil.walk_packages(manufactured.__path__, 'manufactured.'): importlib.import_module(m.name)\n"
@@ -57,13 +57,13 @@ def test_manufactured_imports_nothing_else() -> None:
     assert set(done.stdout.split()) & imported == set()
 
 
-def test_examples_in_docstrings_are_true() -> None:
+def test_examples_in_docstrings_are_true():
     modules = [module.name for module in pkgutil.walk_packages(manufactured.__path__, "manufactured.")]
     assert [name for name in modules if doctest.testmod(importlib.import_module(name)).failed] == []
 
 
 @pytest.mark.slow
-def test_the_wheel_of_the_source_distribution_works_with_numpy_and_sympy_alone() -> None:
+def test_the_wheel_of_the_source_distribution_works_with_numpy_and_sympy_alone():
     done = subprocess.run(["make", "dist"], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     said = r"run with convergence-orders \S+ mpmath \S+ numpy (\S+), signorini-study \S+ sympy \S+"
@@ -78,8 +78,8 @@ def test_the_wheel_of_the_source_distribution_works_with_numpy_and_sympy_alone()
         (["rates", "errors.csv"], "convergence_orders", "./convergence_orders"),
     ],
 )
-def test_a_command_without_a_package_says_how_to_install_it(command, lacking, source, capsys, monkeypatch) -> None:
-    def without(name: str) -> None:
+def test_a_command_without_a_package_says_how_to_install_it(command, lacking, source, capsys, monkeypatch):
+    def without(name):
         raise ModuleNotFoundError(f"No module named '{lacking}', for {name}", name=lacking)
 
     monkeypatch.setattr("importlib.import_module", without)
@@ -87,7 +87,7 @@ def test_a_command_without_a_package_says_how_to_install_it(command, lacking, so
     assert capsys.readouterr().err == f"study: {LACKING.format(lacking, source)}\n"
 
 
-def test_everything_that_says_what_this_is_says_the_same() -> None:
+def test_everything_that_says_what_this_is_says_the_same():
     cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     deposited = json.loads((ROOT / ".zenodo.json").read_text(encoding="utf-8"))
     (newest, *_) = re.findall(r"^## \[(.+?)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)

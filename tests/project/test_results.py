@@ -4,10 +4,8 @@ They were measured by an older commit: cases, statements and columns that came l
 """
 
 import shutil
-from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 import pytest
@@ -41,7 +39,7 @@ MEASURED = ["h", "error", "at", "interpolation_error", "discrete_error", "time_s
 MEASURED += ["quadrature_change"]
 
 
-def slow_except(quick: Sequence[str], names: Sequence[str], *more: int) -> list[Any]:
+def slow_except(quick, names, *more):
     """Parameters of a test, of which only a few are quick; the nightly job tests all."""
     return [pytest.param(name, *more, marks=() if name in quick else pytest.mark.slow) for name in names]
 
@@ -51,7 +49,7 @@ FEW = ("advance-recede", "yield-on-a-part", "layered", "re-entrant")
 
 
 @pytest.mark.parametrize(("case", "place"), [*slow_except(FEW, CASES, 0), *slow_except((), CASES, 2)])
-def test_rows_measured_again_agree_with_the_committed_ones(case: str, place: int) -> None:
+def test_rows_measured_again_agree_with_the_committed_ones(case, place):
     """The coarsest level and the third, on the first and the last family; of solids the coarsest level on the last."""
     mine = RATES[RATES["case"] == case]
     committed = mine[mine["level"] == sorted(mine["level"].unique())[place]]
@@ -69,7 +67,7 @@ WITH_SEVERAL_LAWS = ("advance-recede", "layered", "softening", "yield-on-a-part"
 
 
 @pytest.mark.parametrize("case", slow_except(WITH_SEVERAL_LAWS, EQUIVALENCE["case"].unique()))
-def test_both_formulations_agree_again(case: str) -> None:
+def test_both_formulations_agree_again(case):
     committed = EQUIVALENCE.query(f"case == '{case}'").iloc[0]
     statement, place = SameMesh(), Setting(case, committed["family"], int(committed["level"]))
     ((_, row),) = statement.records(place, statement.run(place))
@@ -78,7 +76,7 @@ def test_both_formulations_agree_again(case: str) -> None:
     assert {verdict.verdict for verdict in SameMesh().judge(pd.DataFrame([row]))} == {HOLDS}
 
 
-def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
+def test_stresses_measured_again_agree_with_the_committed_ones():
     """Level 8, on some of the cases."""
     committed = pd.read_csv(RESULTS / "data" / "stresses.csv").query("level == 8")
     for row in committed.iloc[::16].to_dict("records"):
@@ -88,7 +86,7 @@ def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
 
 
 @pytest.mark.parametrize("statement", BOUNDS, ids=lambda statement: statement.label)
-def test_bounds_measured_again_agree_with_the_committed_ones(statement: Bounds) -> None:
+def test_bounds_measured_again_agree_with_the_committed_ones(statement):
     """One of those that cost least, and one with a law that is not linear."""
     committed = pd.read_csv(RESULTS / "data" / "bounds.csv").set_index(list(BOUND_KEY))
     planned = sorted(statement.planned(full()), key=statement.cost)
@@ -116,7 +114,7 @@ LISTS = [
 ]
 
 
-def fewest_settings(statement: ListedNumbers, numbers: dict[Setting, pd.Series]) -> Iterator[Setting]:
+def fewest_settings(statement, numbers):
     """Yield settings that together have all quantities: the cheapest of the settings with most new quantities."""
     missing = {quantity for values in numbers.values() for quantity in values.index}
     while missing:
@@ -126,7 +124,7 @@ def fewest_settings(statement: ListedNumbers, numbers: dict[Setting, pd.Series])
 
 
 @pytest.mark.parametrize("statement", LISTS)
-def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(statement: ListedNumbers) -> None:
+def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(statement):
     """Every quantity on one setting in the plane; what is rounding on one machine is rounding on another."""
     committed = STATEMENT_NUMBERS[STATEMENT_NUMBERS["label"] == statement.label]
     everywhere = {
@@ -145,7 +143,7 @@ def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(stat
 
 
 @pytest.mark.parametrize("case", ["advance-recede", pytest.param("corner", marks=pytest.mark.slow)])
-def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_ones(case: str) -> None:
+def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_ones(case):
     """Differences of both solvers are quadrature errors of the load, and belong to the rules of both."""
     committed = pd.read_csv(RESULTS / "data" / "recomputed.csv").query("case == @case")
     statement = Recomputed()
@@ -157,7 +155,7 @@ def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_one
         assert again[column] == pytest.approx(row[column], rel=relative), column
 
 
-def test_contact_forces_measured_again_agree_with_the_committed_ones() -> None:
+def test_contact_forces_measured_again_agree_with_the_committed_ones():
     """On a body with two contact faces."""
     committed = pd.read_csv(RESULTS / "data" / "contact.csv").query("case == 'corner'")
     row = committed.sort_values("level").iloc[0]
@@ -166,14 +164,14 @@ def test_contact_forces_measured_again_agree_with_the_committed_ones() -> None:
     assert again == pytest.approx(row[[*again]].to_dict(), rel=1e-5, abs=1e-9)
 
 
-def test_every_column_of_the_committed_tables_has_a_unit_and_a_meaning() -> None:
+def test_every_column_of_the_committed_tables_has_a_unit_and_a_meaning():
     for path in RESULTS.glob("data/*.csv"):
         described = TABLES[path.name].columns
         assert set(pd.read_csv(path, nrows=0)) <= {*described}
         assert all(column.unit in (TEXT, COUNT, "1") and column.meaning for column in described.values())
 
 
-def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tmp_path: Path) -> None:
+def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tmp_path):
     shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs", "pictures"))
     shutil.copytree(RESULTS / "codes", tmp_path / "codes")
     judge(tmp_path)
@@ -182,7 +180,7 @@ def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tm
     assert committed["verdict"].isin((HOLDS, *UNCLAIMED)).all()
 
 
-def test_every_row_without_a_claim_says_why_there_is_none() -> None:
+def test_every_row_without_a_claim_says_why_there_is_none():
     claims = pd.read_csv(RESULTS / "data" / "claims.csv", keep_default_na=False)
     assert not claims["expected"].isin(["", "reported"]).any()
     predicted = claims[(claims["verdict"] == REPORTED) & claims["expected"].str.startswith("predicted ")]
@@ -190,7 +188,7 @@ def test_every_row_without_a_claim_says_why_there_is_none() -> None:
     assert predicted["expected"].str.contains(r" \((?:met|undecided)\); no claim, because .").all()
 
 
-def test_every_statement_is_in_the_ledger_in_their_order_with_rows_that_differ() -> None:
+def test_every_statement_is_in_the_ledger_in_their_order_with_rows_that_differ():
     """Pictures claim nothing."""
     claims = read_claims(RESULTS)
     listed = [statement for statement in STATEMENTS if not isinstance(statement, Pictures)]

@@ -594,7 +594,7 @@ def written(out):
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
     """The files that an undisturbed run writes."""
-    out: Path = tmp_path_factory.mktemp("undisturbed")
+    out = tmp_path_factory.mktemp("undisturbed")
     run = started(out)
     run.join()
     assert run.exitcode in (0, 1)
@@ -610,7 +610,7 @@ def gone(process):
 def test_killed_workers_and_runs_change_no_byte_of_what_is_written_in_the_end(seed, undisturbed, tmp_path):
     """Nothing of the run may live on when it is killed, and what was finished is not done again."""
     total, moment = sum("jobs" in name for name in undisturbed), random.Random(seed)
-    kept: dict[Path, int] = {}
+    kept = {}
     for victim in ("worker", "run", "run"):
         run = started(tmp_path)
         # At least one job more than there are: nothing works before that but imports.

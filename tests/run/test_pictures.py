@@ -1,13 +1,10 @@
 """The picture of a solid: its surface and what happens on its contact faces, as solved, in little space."""
 
-from __future__ import annotations
-
 import json
 from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from manufactured.catalogue import NAMES
 from study.fem.mesh import Skin
@@ -18,7 +15,6 @@ from study.solve.motion import Motion
 from study.statements import pictures
 from study.statements.pictures import record
 
-Array = NDArray[np.float64]
 SOLIDS = [
     pytest.param(name, marks=() if name == "cube-disc" else pytest.mark.slow)
     for name in NAMES

@@ -1,7 +1,5 @@
 """What the quick and the full study measure, and the cache keys of the results: nothing is left out or confused."""
 
-from __future__ import annotations
-
 import shutil
 import sys
 from dataclasses import replace
