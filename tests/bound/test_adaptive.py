@@ -2,17 +2,18 @@
 
 from dataclasses import replace
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from bodies import ANGLE, CLAMPED, CONTACT, LAW, LOADED
 from hypothesis import given
 from hypothesis import strategies as st
+from places import CERTIFICATES
 from sympy import Rational, exp
 from test_terms import discretised, terms_of
 
-from manufactured import Data, KelvinVoigt, Kind, isotropic, named, polygon, pos, static, t
+from manufactured import Data, isotropic, named, polygon, pos, static, t
 from manufactured.factor import x1, x2
 from study.bound import adaptive
 from study.bound.adaptive import Stage, adapted, marked, next_stage
@@ -27,9 +28,6 @@ from study.cli.problem import contact_edges
 from study.fem.mesh import Unstructured, boundary_parts, facet_measures
 from study.present.bounds import adaptive_text
 from study.solve.tableau import MIDPOINT
-
-LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
-CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
 
 
 def wedge(**load):
@@ -214,8 +212,7 @@ def test_no_error_is_above_a_tolerance_that_is_reached():
 @pytest.mark.slow
 def test_the_bracket_has_the_best_order_in_unknowns_on_adapted_meshes_and_not_on_others():
     """The corner's exponent 0.54 allows N^{−0.27} on meshes that are refined everywhere."""
-    corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
-    body = polygon(corners, [CONTACT, LOADED, LOADED, LOADED, CLAMPED, LOADED])
+    body = polygon(ANGLE, [CONTACT, LOADED, LOADED, LOADED, CLAMPED, LOADED])
     data = Data.formulas(body, LAW, f0=(0, -t), f2={1: (2 * t, 0)})
     orders = []
     for everywhere in (False, True):
@@ -236,7 +233,7 @@ def test_the_bracket_has_the_best_order_in_unknowns_on_adapted_meshes_and_not_on
 # ---- the command
 
 
-SQUARE = f"{Path(__file__).parents[2]}/examples/certificates/problems.py:square"
+SQUARE = f"{CERTIFICATES}/problems.py:square"
 
 
 def adapt(out, *options):

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
+from bodies import LAW
 from sympy import Heaviside, Piecewise, Rational, sin
 
-from manufactured import KelvinVoigt, isotropic, polygon, pos, unit_square
+from manufactured import polygon, pos, unit_square
 from manufactured.data import Data, LoadError
 from manufactured.factor import x1, x2
 from manufactured.symbols import FormulaError
 from study.bound.bounded import check_problem
 from study.bound.trajectory import Refined
 
-LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
 CIRCLE = x1**2 + x2**2
 BAND = sp.Max(0, 0.0005 - sp.Abs(x1 - 0.30033))
 JUMPS = {

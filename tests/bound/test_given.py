@@ -90,14 +90,13 @@ def test_sixteen_contact_sides_of_a_half_disk_are_called_a_curved_foundation():
     assert contact_sentences(in_two) == []
 
 
-def square(T=1.0):
-    body = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], KINDS, T=T)
-    return Data.formulas(body, KelvinVoigt(isotropic(1, 0.5), isotropic(1, 1), "linear"), (0, -t), {1: (t * x2, 0)})
+LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(1, 1), "linear")
+PROBLEM = Data.formulas(unit_square(), LAW, (0, -t), {1: (t * x2, 0)})
 
 
 def field():
     """Return a mesh of the unit square with a displacement that vanishes on its top."""
-    mesh = Shaken()(square().body, 2)
+    mesh = Shaken()(unit_square(), 2)
     times = np.array([0.0, 0.5, 1.0])
     u = times[:, None, None] * (1 - mesh.p.T[None, :, 1:]) * np.array([0.1, 0.2])
     return {"points": mesh.p.T, "triangles": mesh.t.T, "times": times, "u": u}
@@ -120,7 +119,7 @@ def test_polynomials_of_the_degree_of_u_h_are_the_same_on_a_refinement(degree):
 
 
 def test_arrays_of_other_shapes_mean_the_same():
-    plain = given(square(), **field())
+    plain = given(PROBLEM, **field())
     solid = {key: np.dstack([a, 0 * a[..., :1]]) if key == "u" else a for key, a in field().items()}
     solid["points"] = np.column_stack([solid["points"], np.ones(len(solid["points"]))])
     # Every triangle with points of its own, and points that belong to no triangle.
@@ -131,7 +130,7 @@ def test_arrays_of_other_shapes_mean_the_same():
     torn |= {"triangles": np.arange(len(corners)).reshape(-1, 3)}
     single = field() | {"points": field()["points"].astype(np.float32), "u": field()["u"].astype(np.float32)}
     for arrays in (solid, torn, single):
-        found = given(square(), **arrays)
+        found = given(PROBLEM, **arrays)
         assert found.mesh.t.shape == plain.mesh.t.shape
         order = [np.lexsort(np.round(each.mesh.p, 5)) for each in (found, plain)]
         values = [each.at(0.7).reshape(-1, 2)[at] for each, at in zip((found, plain), order, strict=True)]
@@ -178,13 +177,13 @@ FAULTS = {
 def test_what_does_not_fit_is_refused_by_name(name):
     array, change, message = FAULTS[name]
     with pytest.raises(BoundError, match=message):
-        given(square(), **(field() | {array: change(field()[array])}))
+        given(PROBLEM, **(field() | {array: change(field()[array])}))
 
 
 @pytest.mark.parametrize("aspect", [5e3, 1e5, 1e7])
 @pytest.mark.parametrize("in_time", [True, False])
 def test_triangles_too_thin_for_double_precision_are_refused_with_their_place(aspect, in_time):
-    data = square() if in_time else static(square().body, isotropic(1, 1), (0, -1))
+    data = PROBLEM if in_time else static(unit_square(), isotropic(1, 1), (0, -1))
     mesh = MeshTri.init_tensor(np.array([0, 0.5, 0.5 + 0.5 / aspect, 1]), np.linspace(0, 1, 3))
     times = np.linspace(0, 1, 3) if in_time else np.zeros(1)
     with pytest.raises(MeshError, match=r"x = \(0.5, .* times as long as high"):
@@ -210,11 +209,11 @@ def test_curved_triangles_and_a_single_time_are_refused():
     curved = {"points": points, "triangles": six, "u": np.zeros((3, len(points), 2))}
     for changed, message in ((curved, "curved tri"), ({"times": np.zeros(1), "u": arrays["u"][:1]}, "one time only")):
         with pytest.raises(BoundError, match=message):
-            given(square(), **(arrays | changed))
+            given(PROBLEM, **(arrays | changed))
 
 
 def test_a_static_problem_takes_one_time_only():
-    problem = static(square().body, plane_stress(2.0, 0.3), (0, -1))
+    problem = static(unit_square(), plane_stress(2.0, 0.3), (0, -1))
     with pytest.raises(BoundError, match="static, and u_h has 3 times"):
         given(problem, **field())
     assert given(problem, **(field() | {"times": None, "u": field()["u"][-1]})).T == 1
@@ -222,20 +221,19 @@ def test_a_static_problem_takes_one_time_only():
 
 def test_values_on_the_clamped_part_are_replaced_and_the_change_is_added_to_the_error():
     bent = field() | {"u": field()["u"] + 0.01 * field()["points"][:, :1] * field()["times"][:, None, None]}
-    bounded = bound_displacement(square(), **bent, nearest=True, refine=0, shorter=1, steps=2)
+    bounded = bound_displacement(PROBLEM, **bent, nearest=True, refine=0, shorter=1, steps=2)
     nodes = bounded.computed.nodes.reshape(bent["u"].shape)
     assert abs(nodes[:, bent["points"][:, 1] == 1]).max() == 0
     offset, ends = bounded.computed.offset, re.findall(r"lies in \[(.*), (.*)\]$", bounded.remarks[-1])
     held_below = Space(bounded.computed.mesh, polygon(CORNERS, [Kind.CLAMPED, *3 * [Kind.LOADED]]))
     v = (bent["u"] - nodes)[-1].ravel()[held_below.free]
-    assert offset == pytest.approx(np.sqrt(v @ form(held_below, square().law.A) @ v), rel=1e-9)
+    assert offset == pytest.approx(np.sqrt(v @ form(held_below, LAW.A) @ v), rel=1e-9)
     assert any("u_h is changed by up to 0.01 on side 2 (CLAMPED)" in remark for remark in bounded.remarks)
     low, high = (float(end) for end in ends[0])
     assert low == pytest.approx(max(0.0, bounded.enclosure.lowest - offset), rel=1e-3)
     assert high == pytest.approx(bounded.enclosure.highest + offset, rel=1e-3)
 
 
-PLATE = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], KINDS)
 PLANE = {"stress": plane_stress(2.0, 0.3), "strain": plane_strain(2.0, 0.3)}
 
 
@@ -257,8 +255,8 @@ def test_the_usual_mistakes_are_named_by_the_factor_of_the_displacement_on_coars
     level, here, there, factor, question
 ):
     """The displacement solves the problem with the law ``there``, and is bounded for the one with the law ``here``."""
-    given_problem, problem = (static(PLATE, PLANE[law], (0, -1), {1: (1, 0)}) for law in (there, here))
-    coarse = Discretisation(given_problem, Shaken()(PLATE, level))
+    given_problem, problem = (static(unit_square(), PLANE[law], (0, -1), {1: (1, 0)}) for law in (there, here))
+    coarse = Discretisation(given_problem, Shaken()(unit_square(), level))
     solution = compute_static(coarse)
     u = factor * solution.at_vertices[0].T
     found = bound_displacement(problem, coarse.mesh.p.T, coarse.mesh.t.T, None, u)
@@ -269,11 +267,11 @@ def test_the_usual_mistakes_are_named_by_the_factor_of_the_displacement_on_coars
 
 @pytest.mark.parametrize(("factor", "named"), [(1.0, False), (1.05, False), (1000.0, True)])
 def test_in_time_a_factor_of_some_per_cent_may_come_from_long_steps_and_a_large_one_is_named(factor, named):
-    coarse = Discretisation(square(), Shaken()(square().body, 3))
+    coarse = Discretisation(PROBLEM, Shaken()(unit_square(), 3))
     solution = compute(coarse, MIDPOINT, 2)
     u = factor * solution.at_vertices.swapaxes(1, 2)
     arrays = {"points": coarse.mesh.p.T, "triangles": coarse.mesh.t.T, "times": solution.times, "u": u}
-    found = bound_displacement(square(), **arrays, refine=0, shorter=1)
+    found = bound_displacement(PROBLEM, **arrays, refine=0, shorter=1)
     assert any("metres and millimetres?" in remark for remark in found.remarks) == named
     assert any("times the one" in remark for remark in found.remarks) == named
 
@@ -281,16 +279,16 @@ def test_in_time_a_factor_of_some_per_cent_may_come_from_long_steps_and_a_large_
 @pytest.mark.parametrize("wrong", [{"refine": -1}, {"shorter": 0}, {"steps": 1.5}, {"refine": 0.5}, {"nearest": "no"}])
 def test_arguments_that_make_no_sense_are_refused_by_name(wrong):
     with pytest.raises(BoundError, match=r"(refine|shorter|steps|nearest).* has to be"):
-        bound_displacement(square(), **field(), **wrong)
+        bound_displacement(PROBLEM, **field(), **wrong)
 
 
 def test_a_displacement_of_another_shape_is_called_no_multiple():
-    turned = bound_displacement(square(), **(field() | {"u": field()["u"][..., ::-1] * [1, -1]}), refine=0, shorter=1)
+    turned = bound_displacement(PROBLEM, **(field() | {"u": field()["u"][..., ::-1] * [1, -1]}), refine=0, shorter=1)
     assert not any("times the one" in remark for remark in turned.remarks)
 
 
 def test_a_lower_end_of_zero_for_degree_2_says_which_refinement_to_take():
-    mesh, data = Shaken()(PLATE, 3), static(PLATE, PLANE["stress"], (0, -1), {1: (1, 0)})
+    mesh, data = Shaken()(unit_square(), 3), static(unit_square(), PLANE["stress"], (0, -1), {1: (1, 0)})
     fine = StaticDiscretisation(data, mesh)
     u, _ = Signorini(fine.M, fine.displacements.N, fine.displacements.free_points)(fine.load(0.0))
     coefficients = np.zeros(2 * fine.displacements.count)
@@ -308,7 +306,7 @@ def test_a_lower_end_of_zero_for_degree_2_says_which_refinement_to_take():
 def test_penetration_is_reported_with_its_place():
     arrays = field()
     arrays["u"] = arrays["u"] * [1, -1]
-    (remark,) = given(square(), **arrays).remarks
+    (remark,) = given(PROBLEM, **arrays).remarks
     assert remark.startswith("u_h penetrates the foundation at its nodes by up to 0.2, 100 % of its largest comp")
     assert "at t = 1" in remark
 
@@ -346,8 +344,8 @@ def test_files_of_other_programs_are_read(suffix, form, degree, tmp_path, monkey
     if degree == 2:
         arrays["points"], arrays["triangles"] = of_degree_2(arrays["points"], arrays["triangles"])
         arrays["u"] = arrays["times"][:, None, None] * (1 - arrays["points"][None, :, 1:] ** 2) * np.array([0.1, 0.2])
-    expected = given(square(), **arrays)
-    found = given(square(), **vars(read(write(tmp_path / f"mine{suffix}", arrays, form=form))))
+    expected = given(PROBLEM, **arrays)
+    found = given(PROBLEM, **vars(read(write(tmp_path / f"mine{suffix}", arrays, form=form))))
     assert np.allclose(found.times, expected.times)
     assert np.allclose(found.nodes, expected.nodes)
     assert found.degree == degree

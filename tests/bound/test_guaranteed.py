@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
+from bodies import LAW
 from sympy import Rational, exp, pi, sin
 
 from benchmarks.trials.known import Feature, Known, Trial, random_trial
@@ -33,9 +34,6 @@ from study.bound.remainders import ESTIMATED, GUARANTEED
 from study.bound.trajectory import Refined
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.solve.tableau import MIDPOINT
-
-LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
-
 
 # ---- problems whose solutions are known and whose data are as rough as one likes
 

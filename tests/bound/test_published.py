@@ -1,9 +1,9 @@
 """Intervals of ‖u‖² contain values from textbooks and handbooks; the page on bounds shows them."""
 
 import math
-from pathlib import Path
 
 import pytest
+from places import ROOT
 from scipy.integrate import quad
 
 from manufactured import Kind, plane_strain, plane_stress, polygon, static
@@ -15,7 +15,7 @@ from study.solve.tableau import MIDPOINT
 
 pytestmark = pytest.mark.slow
 CLAMPED, FREE, ROLLER = Kind.CLAMPED, Kind.LOADED, Kind.ROLLER
-PAGE = (Path(__file__).parents[2] / "docs" / "explanation" / "bounds.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "explanation" / "bounds.md").read_text(encoding="utf-8")
 LENGTHS = 0.3, 0.6
 
 

@@ -6,11 +6,12 @@ from functools import cache
 import numpy as np
 import pytest
 import sympy as sp
+from bodies import LAW
 from random_formulas import RandomFormula, exact
 from scipy.interpolate import BarycentricInterpolator
 from sympy import Float, Integer, Rational, exp, log, sin, sqrt, tanh
 
-from manufactured import KelvinVoigt, isotropic, pos, t, unit_square
+from manufactured import pos, t, unit_square
 from manufactured.compiled import function
 from manufactured.data import Data, LoadError
 from manufactured.data.compiled_formulas import PIECES, compiled, gradient, own_formula
@@ -19,7 +20,6 @@ from manufactured.symbols import FormulaError
 from study.bound.ranges import KNOWN, Boxes, RangeError, _truncated, coefficients, require_known
 from study.bound.remainders import CUBIC, PARABOLA, in_space, in_time
 
-LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
 HALF = Rational(1, 2)
 SERVED = {
     **{function.__name__: function for function in (*KNOWN, sp.sinh, sp.cosh, sp.tan, sp.cot)},

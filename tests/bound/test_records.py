@@ -1,11 +1,11 @@
 """What is on record of contact codes and of random trials: no error outside, orders proved, and the pages say so."""
 
 import sys
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from places import CERTIFICATES, EXAMPLES
 
 from benchmarks.trials import random_problems, record, stiff
 from manufactured.problems import ramp
@@ -13,10 +13,9 @@ from study.fem.naming import family_named
 from study.present.pages import put
 from study.run.tasks import march, plain
 
-ROOT = Path(__file__).parents[2]
-sys.path.append(str(ROOT / "examples" / "bounds"))
-import certify_codes  # noqa: E402
-import judge_codes  # noqa: E402
+sys.path.append(str(EXAMPLES / "bounds"))
+import certify_codes
+import judge_codes
 
 BOUNDS = pd.read_csv(judge_codes.TABLE)
 PROVED = pd.read_csv(certify_codes.TABLE, dtype={"version": str})
@@ -69,7 +68,7 @@ def test_proved_intervals_of_codes_lie_in_those_in_double_precision():
 
 
 def test_a_certificate_of_a_code_needs_the_mesh_of_the_proof(tmp_path):
-    proof = certify_codes.checker.load(ROOT / "examples" / "certificates" / "wedge-4.json.gz")
+    proof = certify_codes.checker.load(CERTIFICATES / "wedge-4.json.gz")
     checker = certify_codes.checker
     points = certify_codes.in_doubles(checker.Mesh.of(proof["mesh"], checker.Problem(proof["problem"])))
     u = np.array(proof["computed"]).reshape(len(proof["computed"]), -1, 2)

@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from bodies import CLAMPED, CONTACT, LOADED, SQUARE
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
@@ -19,7 +20,6 @@ from manufactured import (
     FrobeniusBall,
     Indefinite,
     KelvinVoigt,
-    Kind,
     Linear,
     Yield,
     isotropic,
@@ -42,7 +42,7 @@ from study.solve.tableau import MIDPOINT
 from study.stresses.loads import LeftOut
 
 LAW = KelvinVoigt(isotropic(1, 0), isotropic(1, 0), "without contraction")
-BODY = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED])
+BODY = polygon(SQUARE, [CONTACT, LOADED, LOADED, CLAMPED])
 """Held at the left side."""
 N = 2
 EDGE, CELL = 1 / N, 1 / (2 * N * N)
@@ -74,7 +74,7 @@ def missed(expected, f0=(0, 0), f2=None, a=0.25, b=0.5):
 def missed_in_cells(f0=(0, 0), f2=None, inside=0.0, on_edges=0.0):
     """What is added to η_T, for the same remainder in all cells, or on all edges of the right side."""
     d = discretised(f0, f2)
-    (edges,) = (edges for part, edges in d.stresses.on(Kind.LOADED) if part is BODY.parts[1])
+    (edges,) = (edges for part, edges in d.stresses.on(LOADED) if part is BODY.parts[1])
     cells, sides = np.full(d.stresses.cells, inside * math.sqrt(CELL)), np.zeros(len(d.stresses.lengths))
     sides[edges] = on_edges * math.sqrt(EDGE)
     found = d.sampling.missed(d.oscillation, 0.25, 0.5).cells
@@ -167,7 +167,7 @@ def contact(which):
     a, m, b = (d.snapshot(time).loads for time in (0.0, 0.25, 0.5))
     target = d.viscous(2 * v) + d.elastic(1.5 * v)
     middle = -d.equilibrium.pressure(d.nearest_stress(2.0 * m + (-0.5) * (a + b), target, 1.5 * v))
-    (edges,) = (edges for _, edges in d.stresses.on(Kind.CONTACT))
+    (edges,) = (edges for _, edges in d.stresses.on(CONTACT))
     nodes, weights = np.polynomial.legendre.leggauss(6)
     s, w = (nodes + 1) / 2, weights / 2
     shapes = np.array([(1 - s) ** 3, 3 * s * (1 - s) ** 2, 3 * s**2 * (1 - s), s**3])

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from places import ROOT
 
 from study.cli import check, present, run
 from study.cli.main import main
@@ -17,7 +18,7 @@ from study.present.figures import drawings
 from study.run.executor import GIB, Pool
 from study.statements.shared.scope import Scope
 
-TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorials" / "own-case.md"
+TUTORIAL = ROOT / "docs" / "tutorials" / "own-case.md"
 FAMILIES_OF = Scope.families_of
 
 

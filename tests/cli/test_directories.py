@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from places import CERTIFICATES
 
 from study.bound import bounded
 from study.cli import run
@@ -44,7 +45,7 @@ def test_files_that_the_study_did_not_write_are_never_overwritten(command, tmp_p
     assert everything(tmp_path) == before
 
 
-SQUARE = f"{Path(__file__).parents[2]}/examples/certificates/problems.py:square"
+SQUARE = f"{CERTIFICATES}/problems.py:square"
 OWNED = [
     (["bound", "ramp", "--levels", "4", *COARSE], "ramp"),
     (["show", "full-contact"], "full-contact"),

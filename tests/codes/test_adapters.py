@@ -7,7 +7,6 @@ import shutil
 import subprocess
 import sys
 from dataclasses import fields
-from pathlib import Path
 from types import SimpleNamespace
 from xml.etree import ElementTree
 
@@ -20,13 +19,13 @@ import run_codes
 import this_study
 from jsonschema import Draft202012Validator
 from judged_codes import exported, judged, read, task
+from places import CODES, RESULTS, ROOT
 
 from study.cli.main import main
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
 from study.run.tasks import frozen, march, with_foundation, write_task
 
-RESULTS = Path(__file__).parents[2] / "results"
 KEY = ["code", "variant", "case", "family"]
 
 
@@ -240,7 +239,7 @@ def test_a_picture_has_the_mesh_and_the_forces_that_remain(change, place, tmp_pa
 
 
 def test_a_reader_who_closes_the_pipe_causes_no_traceback(place):
-    judge_file = str(RESULTS.parent / "examples" / "codes" / "contact_judge.py")
+    judge_file = str(CODES / "contact_judge.py")
     command = [sys.executable, judge_file, str(place / "tasks"), str(place / "answers"), "--json"]
     reader, writer = os.pipe()
     os.close(reader)
@@ -288,7 +287,7 @@ def test_junit_has_a_case_for_each_series_and_no_control_characters(output, plac
 
 
 def schema(name):
-    return Draft202012Validator(json.loads((RESULTS.parent / "docs" / "reference" / name).read_text(encoding="utf-8")))
+    return Draft202012Validator(json.loads((ROOT / "docs" / "reference" / name).read_text(encoding="utf-8")))
 
 
 def test_the_json_is_valid_and_fits_its_schema_even_without_numbers(place, capsys):

@@ -6,7 +6,6 @@ import lzma
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import contact_judge as judge
 import faults
@@ -14,6 +13,7 @@ import numpy as np
 import pytest
 import this_study as ours
 from judged_codes import exported, judged, read, task
+from places import CODES
 
 from study.cli.main import main
 from study.fem.mesh import OneDiagonal
@@ -23,7 +23,6 @@ from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import Experiment
 from study.statements.shared.tasks import FROZEN_TIMES
 
-CODES = Path(__file__).parents[2] / "examples" / "codes"
 LEVELS, TIMES = (4, 8, 16), (0.15, 0.55)
 
 

@@ -3,11 +3,11 @@
 from dataclasses import replace
 from functools import cache
 from itertools import count
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from places import RESULTS
 from scipy import stats
 
 from study.cli import controls
@@ -26,7 +26,6 @@ from study.statements.thm_4_2 import OwnSpace
 from study.statements.time_steps import FullyDiscrete
 from study.statements.wellposed import BoundedVelocity
 
-RESULTS = Path(__file__).parents[2] / "results"
 RULES = "r1"
 
 

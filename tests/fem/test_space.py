@@ -5,6 +5,7 @@ from math import factorial
 
 import numpy as np
 import pytest
+from bodies import ANGLE, CLAMPED, CONTACT, LOADED, SQUARE, TURNED
 from skfem import Basis, BilinearForm, ElementTetP1, ElementTriP1, ElementVector, MeshTri
 from skfem.helpers import ddot, sym_grad, trace
 
@@ -26,14 +27,10 @@ from study.fem.quadrature import Line, cell_rules, facet_rule, simplex_rule
 from study.fem.space import Space
 from study.statements.shared.meshes import body_of, first_with_each, fits, spacing
 
-CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
 SKEW = np.array([[1.2, 0.3, 0.1], [0.0, 0.9, 0.2], [-0.2, 0.0, 1.1]])
 FOR_SQUARES = [family for family in FAMILIES if family.serves(unit_square())]
-TURNED = polygon([(0, 0), (0.8, 0.6), (0.2, 1.4), (-0.6, 0.8)], [CONTACT, LOADED, CLAMPED, CONTACT])
 PENTAGON = polygon([(0, 0), (1, 0), (1.3, 0.7), (0.5, 1.2), (-0.2, 0.6)], [CONTACT, LOADED, CLAMPED, LOADED, CONTACT])
-PLAN = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
-ANGLE = polygon(PLAN, [CONTACT, LOADED, LOADED, LOADED, CLAMPED, LOADED], refine=[(1, 1), (0, 2)])
-SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
+GRADED = polygon(ANGLE, [CONTACT, LOADED, LOADED, LOADED, CLAMPED, LOADED], refine=[(1, 1), (0, 2)])
 LAYERED = {
     name: polygon(SQUARE, [CONTACT, LOADED, CLAMPED, LOADED], refine=[(1, 1)], interfaces=interfaces)
     for name, interfaces in (
@@ -67,7 +64,7 @@ HALF = split_bottom(face(CONTACT, O, Y, Y + X / 2, X / 2), face(LOADED, X / 2, X
 
 def prism():
     """Return an L-shaped polygon times (0, 1): not convex, its flat ends cut into squares."""
-    outline = [x * X + y * Y for x, y in PLAN]
+    outline = [x * X + y * Y for x, y in ANGLE]
     sides = [face(LOADED, a, b, b + Z, a + Z) for a, b in zip(outline, outline[1:] + outline[:1], strict=True)]
     squares = [[corner, corner + Y, corner + XY, corner + X] for corner in (O, X, Y)]
     bottom = [face(CONTACT, *square) for square in squares]
@@ -193,11 +190,13 @@ def test_graded_meshes_shrink_towards_their_points_and_change_nothing_elsewhere(
     """The cells at c have diameters of the order n^{-5/2}, the others of the order 1/n."""
     nearest, largest = [], []
     for n in (16, 32, 64):
-        space, plain = Space(Graded()(ANGLE, n), ANGLE), Unstructured()(ANGLE, n).p
+        space, plain = Space(Graded()(GRADED, n), GRADED), Unstructured()(GRADED, n).p
         nearest.append(np.sort(np.linalg.norm(space.mesh.p - 1, axis=0))[1])
         largest.append(np.sqrt(space.volumes.max()))
         moved = abs(space.mesh.p - plain).max(axis=0) > 0
-        near = [np.linalg.norm(plain - np.array(c)[:, None], axis=0) < Graded().radius(ANGLE, c) for c in ANGLE.refine]
+        near = [
+            np.linalg.norm(plain - np.array(c)[:, None], axis=0) < Graded().radius(GRADED, c) for c in GRADED.refine
+        ]
         assert (moved <= np.any(near, axis=0)).all()
     assert np.allclose(np.log2(np.divide(nearest[:-1], nearest[1:])), 2.5, atol=0.25)
     assert np.allclose(np.log2(np.divide(largest[:-1], largest[1:])), 1, atol=0.2)

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from places import DATA, RESULTS
 
 from study.cli.main import main
 from study.ledger.compare import Tolerance, as_text, compare
@@ -17,8 +18,7 @@ from study.ledger.datafiles import DataError, read_uncompressed
 from study.ledger.files import write_packed
 from study.ledger.pictures import Packed
 
-RESULTS = Path(__file__).parents[2] / "results"
-FILES = [path.name for path in (RESULTS / "data").glob("*.csv")]
+FILES = [path.name for path in DATA.glob("*.csv")]
 SPACE, PLANE = "pictures/cube-disc.json", "pictures/full-contact.json"
 
 
@@ -27,8 +27,8 @@ def committed(tmp_path_factory):
     """The committed data; of the largest tables only one case."""
     data = tmp_path_factory.mktemp("committed") / "data"
     (data / "pictures").mkdir(parents=True)
-    for path in [*(RESULTS / "data").glob("*.csv"), *(RESULTS / "data" / f"{name}.gz" for name in (SPACE, PLANE))]:
-        shutil.copy(path, data / path.relative_to(RESULTS / "data"))
+    for path in [*DATA.glob("*.csv"), *(DATA / f"{name}.gz" for name in (SPACE, PLANE))]:
+        shutil.copy(path, data / path.relative_to(DATA))
     for name in ("statements.csv", "enclosures.csv"):
         change(data.parent, name, lambda table: table[table["case"] == "full-contact"])
     (data / ".lock").touch()

@@ -1,11 +1,10 @@
 """Copies of the committed results of a few cases, small enough to draw and to damage in a test."""
 
 import shutil
-from pathlib import Path
 
 import pandas as pd
+from places import DATA
 
-RESULTS = Path(__file__).parents[2] / "results"
 TABLES = ("bounds", "cases", "claims", "enclosures", "equivalence", "rates", "stresses")
 SMOOTH, ROUGH = CASES = ("advance-recede", "rough-1.75")
 """A case of Proposition 5.4 and one of Proposition 5.3."""
@@ -30,7 +29,7 @@ LEDGER_COLUMNS += ["key", "family", "kind", "window_low", "window_high"]
 
 def committed(name, cases=CASES):
     """The rows of some cases in a committed data file; the numbers as they are written."""
-    table = pd.read_csv(RESULTS / "data" / f"{name}.csv", dtype=str, keep_default_na=False)
+    table = pd.read_csv(DATA / f"{name}.csv", dtype=str, keep_default_na=False)
     return table[table["case"].isin([*cases, "all cases"])]
 
 
@@ -43,7 +42,7 @@ def copy_results(directory, cases=CASES, pictures=(CORNER, SOLID)):
         chosen = (*cases, *pictures) if name == "cases" else cases
         committed(name, chosen).to_csv(data / f"{name}.csv", index=False)
     for case in pictures:
-        shutil.copy(RESULTS / "data" / "pictures" / f"{case}.json.gz", data / "pictures")
+        shutil.copy(DATA / "pictures" / f"{case}.json.gz", data / "pictures")
     return directory
 
 

@@ -9,13 +9,13 @@ from collections import Counter
 from copy import copy
 from fractions import Fraction
 from itertools import pairwise
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 from changed import overridden
+from places import DATA, RESULTS, ROOT
 
 from study.ledger.datafiles import DataError
 from study.ledger.verdict import CheckKind, window_share, worst_value
@@ -24,8 +24,7 @@ from study.present.notation import prose
 from study.present.pages import expected_texts
 from study.present.templates import EVIDENCE_TITLES, FullRun, context, evidence, percent, power, render
 
-ROOT = Path(__file__).parents[2]
-PAPER, RESULTS = ROOT / "paper", ROOT / "results"
+PAPER = ROOT / "paper"
 SOURCES = sorted(PAPER.glob("*.tex"))
 
 SETTINGS = {
@@ -230,7 +229,7 @@ def test_the_certificate_is_about_the_problem_with_the_known_solution():
 def test_the_supplement_has_the_formulas_of_every_case():
     formulas = program("formulas").written()
     names = re.findall(r"\\textbf\{([^}]*)\}", formulas)
-    assert names == [prose(name) for name in pd.read_csv(RESULTS / "data" / "cases.csv")["case"]]
+    assert names == [prose(name) for name in pd.read_csv(DATA / "cases.csv")["case"]]
     (line,) = (line for line in formulas.splitlines() if "textbf{advance-recede}" in line)
     assert r"w=20 (s - 2 t (1 - t) - 1 / 4)_+^{4}" in line
 
@@ -267,7 +266,7 @@ def test_a_row_holds_if_and_only_if_it_uses_at_most_its_window_and_its_worst_val
 
 @pytest.mark.parametrize("lacking", ["a full plan", "the cases that papers name", "faults.csv"])
 def test_only_a_full_run_with_its_faults_makes_the_inputs_of_the_papers(lacking, tmp_path):
-    data = shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("pictures", "jobs"))
+    data = shutil.copytree(DATA, tmp_path / "data", ignore=shutil.ignore_patterns("pictures", "jobs"))
     if lacking == "a full plan":
         plan = data / "provenance.json"
         plan.write_text(plan.read_text("utf-8").replace('"plan":"full"', '"plan":"quick"'), "utf-8")

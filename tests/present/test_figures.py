@@ -9,9 +9,10 @@ import numpy as np
 import pandas as pd
 import pytest
 from changed import overridden
-from committed import CORNER, RESULTS, SMOOTH, SOLID, copy_results
+from committed import CORNER, SMOOTH, SOLID, copy_results
 from matplotlib.text import Text
 from PIL import Image
+from places import DATA, RESULTS
 
 from study.cli.main import main
 from study.ledger.datafiles import read_rates
@@ -157,7 +158,7 @@ def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_l
 
 
 def test_figures_are_drawn_by_name_from_one_directory_into_another(alone, tmp_path, capsys):
-    shutil.copy(RESULTS / "data" / "provenance.json", alone / "data")
+    shutil.copy(DATA / "provenance.json", alone / "data")
     command = ["figures", "--data", str(alone), "--out", str(tmp_path / "talk"), "--jobs", "1", "--only"]
     assert main([*command, "problem", "orders", "--format", "png"]) == 0
     written = {path.name for path in (tmp_path / "talk" / "figures").iterdir()}

@@ -2,7 +2,6 @@
 
 import re
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -19,7 +18,6 @@ from study.present.notation import encode
 from study.present.outcome import ledger_text, observed_text, orders_text, rates_text
 from study.present.picture import read_pictures
 
-ROOT = Path(__file__).parents[2]
 NAMES = ("bounds", "equivalence", "ledger", "rates", "stresses")
 
 

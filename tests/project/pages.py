@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+from places import ROOT
+
 BLOCK = re.compile(
     r"^(?P<fence>`{3,})(?P<language>[^\n]*)\n(?::caption: (?P<name>\S+)\n\n)?(?P<text>.*?)^(?P=fence)$",
     re.DOTALL | re.MULTILINE,

@@ -14,6 +14,7 @@ import pytest
 import yaml
 from case_docstrings import missing_parts
 from pages import PAGES, Page
+from places import EXAMPLES, ROOT
 
 import manufactured
 from manufactured import prove
@@ -28,10 +29,9 @@ from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import FirstOrder, SizeOfInterpolation, measure
 from study.statements.shared.base import Experiment, Setting
 
-ROOT = Path(__file__).parents[2]
-WORKFLOWS = [*sorted((ROOT / ".github" / "workflows").glob("*.yml")), ROOT / "examples" / "convergence-check.yml"]
+WORKFLOWS = [*sorted((ROOT / ".github" / "workflows").glob("*.yml")), EXAMPLES / "convergence-check.yml"]
 RUN_THE_STUDY = ROOT / "docs" / "how-to" / "run-the-study.md"
-TYPED = [ROOT / "README.md", RUN_THE_STUDY, ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md"]
+TYPED = [ROOT / "README.md", RUN_THE_STUDY, ROOT / "CONTRIBUTING.md", EXAMPLES / "README.md"]
 """Pages whose commands have no words in capitals in place of a name."""
 TARGETS = set(re.findall(r"^([a-z][a-z-]*):", (ROOT / "Makefile").read_text(), re.MULTILINE))
 
@@ -89,11 +89,11 @@ def test_workflows_use_actions_of_a_fixed_commit_and_may_write_nothing(workflow)
 
 # The example for other projects.
 
-TABLE = ROOT / "examples" / "errors.csv"
+TABLE = EXAMPLES / "errors.csv"
 
 
 def test_the_example_prints_its_table_which_holds_and_a_table_that_loses_its_order_does_not(tmp_path, capsys):
-    runpy.run_path(str(ROOT / "examples" / "errors.py"), run_name="__main__")
+    runpy.run_path(str(EXAMPLES / "errors.py"), run_name="__main__")
     assert capsys.readouterr().out == TABLE.read_text()
     table, worse = pd.read_csv(TABLE), tmp_path / "errors.csv"
     table.assign(error=table["error"] + 0.1).to_csv(worse, index=False)

@@ -11,7 +11,8 @@ from contextlib import redirect_stdout
 from functools import cache
 
 import pytest
-from pages import PAGES, README, ROOT, SITE, words
+from pages import PAGES, README, SITE, words
+from places import EXAMPLES, RESULTS, ROOT
 
 from manufactured import catalogue
 from study.cli.main import main, parser
@@ -49,10 +50,10 @@ def run(tmp_path_factory):
             (place / name).write_text(text, encoding="utf-8")
         for path in page.downloads:
             shutil.copy(path, place)
-        (place / "examples").symlink_to(ROOT / "examples")
+        (place / "examples").symlink_to(EXAMPLES)
         (place / "results").mkdir()
         for name in ("data", "codes"):  # committed results, for pages that draw them again
-            (place / "results" / name).symlink_to(ROOT / "results" / name)
+            (place / "results" / name).symlink_to(RESULTS / name)
         return place
 
     @cache
@@ -65,7 +66,7 @@ def run(tmp_path_factory):
             warnings.simplefilter("default")
             patch.chdir(directory(page))
             # The judge, which a page tells to copy beside one's own program.
-            patch.setattr(sys, "path", [str(directory(page)), str(ROOT / "examples" / "codes"), *sys.path])
+            patch.setattr(sys, "path", [str(directory(page)), str(EXAMPLES / "codes"), *sys.path])
             program, *arguments = words(line)
             if program == "study":
                 assert main(arguments) == 0, output.getvalue()

@@ -6,7 +6,8 @@ from copy import copy
 import pandas as pd
 import pytest
 from changed import overridden
-from pages import README, ROOT, SITE, Page
+from pages import README, SITE, Page
+from places import RESULTS, ROOT
 
 from manufactured.catalogue import NAMES
 from manufactured.colours import VERMILLION
@@ -23,7 +24,7 @@ CHANGES = Page(ROOT / "CHANGELOG.md")
 
 @pytest.fixture(scope="module")
 def full():
-    data = FullRun.read(ROOT / "results")
+    data = FullRun.read(RESULTS)
     assert data is not None
     return data
 

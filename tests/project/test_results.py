@@ -5,10 +5,10 @@ They were measured by an older commit: cases, statements and columns that came l
 
 import shutil
 from dataclasses import replace
-from pathlib import Path
 
 import pandas as pd
 import pytest
+from places import DATA, RESULTS
 
 from study.fem.naming import resolve
 from study.ledger.datafiles import read_claims
@@ -29,11 +29,10 @@ from study.statements.prop_5_4 import FirstOrder, RateSetting
 from study.statements.shared.base import ListedNumbers, Setting
 from study.statements.thm_4_2 import STRESS_ERRORS, OwnSpace, SameMesh
 
-RESULTS = Path(__file__).parents[2] / "results"
-RATES = pd.read_csv(RESULTS / "data" / "rates.csv")
+RATES = pd.read_csv(DATA / "rates.csv")
 CASES = [*RATES["case"].unique()]
-EQUIVALENCE = pd.read_csv(RESULTS / "data" / "equivalence.csv")
-STATEMENT_NUMBERS = pd.read_csv(RESULTS / "data" / "statements.csv")
+EQUIVALENCE = pd.read_csv(DATA / "equivalence.csv")
+STATEMENT_NUMBERS = pd.read_csv(DATA / "statements.csv")
 BOUNDS = [statement for statement in STATEMENTS if isinstance(statement, Bounds)]
 MEASURED = ["h", "error", "at", "interpolation_error", "discrete_error", "time_share", "predicted_interpolation"]
 MEASURED += ["quadrature_change"]
@@ -78,7 +77,7 @@ def test_both_formulations_agree_again(case):
 
 def test_stresses_measured_again_agree_with_the_committed_ones():
     """Level 8, on some of the cases."""
-    committed = pd.read_csv(RESULTS / "data" / "stresses.csv").query("level == 8")
+    committed = pd.read_csv(DATA / "stresses.csv").query("level == 8")
     for row in committed.iloc[::16].to_dict("records"):
         again = OwnSpace().run(Setting(row["case"], row["family"], row["level"]))
         for column in ("unknowns", "h", "steps", *STRESS_ERRORS, "time_share"):
@@ -88,7 +87,7 @@ def test_stresses_measured_again_agree_with_the_committed_ones():
 @pytest.mark.parametrize("statement", BOUNDS, ids=lambda statement: statement.label)
 def test_bounds_measured_again_agree_with_the_committed_ones(statement):
     """One of those that cost least, and one with a law that is not linear."""
-    committed = pd.read_csv(RESULTS / "data" / "bounds.csv").set_index(list(BOUND_KEY))
+    committed = pd.read_csv(DATA / "bounds.csv").set_index(list(BOUND_KEY))
     planned = sorted(statement.planned(full()), key=statement.cost)
     every = [
         setting
@@ -145,7 +144,7 @@ def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(stat
 @pytest.mark.parametrize("case", ["advance-recede", pytest.param("corner", marks=pytest.mark.slow)])
 def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_ones(case):
     """Differences of both solvers are quadrature errors of the load, and belong to the rules of both."""
-    committed = pd.read_csv(RESULTS / "data" / "recomputed.csv").query("case == @case")
+    committed = pd.read_csv(DATA / "recomputed.csv").query("case == @case")
     statement = Recomputed()
     settings = (s for s in statement.settings(replace(full(), cases=(case,))) if s.family == "one-diagonal")
     setting = min(settings, key=lambda s: s.level)
@@ -157,7 +156,7 @@ def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_one
 
 def test_contact_forces_measured_again_agree_with_the_committed_ones():
     """On a body with two contact faces."""
-    committed = pd.read_csv(RESULTS / "data" / "contact.csv").query("case == 'corner'")
+    committed = pd.read_csv(DATA / "contact.csv").query("case == 'corner'")
     row = committed.sort_values("level").iloc[0]
     assert len(resolve(row["case"]).solution.faces) == 2
     again = ContactForce().run(Setting(row["case"], row["family"], int(row["level"])))
@@ -165,14 +164,14 @@ def test_contact_forces_measured_again_agree_with_the_committed_ones():
 
 
 def test_every_column_of_the_committed_tables_has_a_unit_and_a_meaning():
-    for path in RESULTS.glob("data/*.csv"):
+    for path in DATA.glob("*.csv"):
         described = TABLES[path.name].columns
         assert set(pd.read_csv(path, nrows=0)) <= {*described}
         assert all(column.unit in (TEXT, COUNT, "1") and column.meaning for column in described.values())
 
 
 def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tmp_path):
-    shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs", "pictures"))
+    shutil.copytree(DATA, tmp_path / "data", ignore=shutil.ignore_patterns("jobs", "pictures"))
     shutil.copytree(RESULTS / "codes", tmp_path / "codes")
     judge(tmp_path)
     again, committed = (read_claims(directory).set_index([*ROW_KEY]) for directory in (tmp_path, RESULTS))
@@ -181,7 +180,7 @@ def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tm
 
 
 def test_every_row_without_a_claim_says_why_there_is_none():
-    claims = pd.read_csv(RESULTS / "data" / "claims.csv", keep_default_na=False)
+    claims = pd.read_csv(DATA / "claims.csv", keep_default_na=False)
     assert not claims["expected"].isin(["", "reported"]).any()
     predicted = claims[(claims["verdict"] == REPORTED) & claims["expected"].str.startswith("predicted ")]
     assert len(predicted) > 0

@@ -7,12 +7,13 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 import scipy.sparse as sps
+from bodies import TURNED
 from hypothesis import given
 from hypothesis import strategies as st
 from random_examples import COSTLY
 from scipy.sparse.linalg import LinearOperator, cg
 
-from manufactured import Kind, named, polygon, s
+from manufactured import named, s
 from study.fem.error_norm import gaps_at_vertices
 from study.fem.mesh import CrissCross, Graded, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space, form
@@ -46,8 +47,6 @@ def require_optimal(S, N, b, solution, rest, exact=None):
     assert abs(multipliers * (N @ u)).max(initial=0.0) <= exact * size * force
 
 
-TURNED = polygon([(0, 0), (0.8, 0.6), (0.2, 1.4), (-0.6, 0.8)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.CONTACT])
-"""A square with two slanted pieces of Γ3, which share a vertex and so the two unknowns there."""
 SETTINGS = [
     ("turned", Shaken(), 12),
     ("full-contact", CrissCross(), 8),
