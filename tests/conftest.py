@@ -4,6 +4,7 @@ import gc
 import os
 
 import pytest
+from commands import study
 from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
@@ -45,3 +46,23 @@ def one_thread():
     """Tests run in parallel: the processes share the cores already."""
     with threadpool_limits(1):
         yield
+
+
+@pytest.fixture
+def out(tmp_path):
+    """A directory that is not there."""
+    return tmp_path / "out"
+
+
+@pytest.fixture
+def told(capsys):
+    """Runs a command that must end with an exit code, 2 unless told otherwise; returns all that it printed."""
+
+    def run(line, code=2):
+        capsys.readouterr()
+        assert study(line) == code
+        printed = capsys.readouterr()
+        assert "Traceback" not in printed.err
+        return printed.out + printed.err
+
+    return run

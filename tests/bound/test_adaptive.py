@@ -24,7 +24,6 @@ from study.bound.remainders import GUARANTEED
 from study.bound.static import compute_static, enclose_static
 from study.bound.terms import Majorant, part_that_changes
 from study.bound.trajectory import Refined, SmoothedInTime, compute
-from study.cli.main import main
 from study.cli.problem import contact_edges
 from study.fem.mesh import Unstructured, boundary_parts, cell_volumes, facet_measures
 from study.present.bounds import adaptive_text
@@ -228,23 +227,22 @@ def test_the_bracket_has_the_best_order_in_unknowns_on_adapted_meshes_and_not_on
 # ---- the command
 
 
-SQUARE = f"{CERTIFICATES}/problems.py:square"
-
-
-def adapt(out, *options):
-    return main(["bound", SQUARE, "--levels", "2", "--steps", "4", "--out", str(out), *options])
+@pytest.fixture
+def adapt(out, told):
+    """``study bound --adapt`` for the square of the certificates, with a tolerance and further options."""
+    command = f"bound {CERTIFICATES}/problems.py:square --levels 2 --steps 4 --out {out} --adapt"
+    return lambda options, code=0: told(f"{command} {options}", code)
 
 
 @pytest.mark.slow
-def test_a_tolerance_is_reached_and_a_smaller_one_goes_on_from_there(tmp_path, monkeypatch, capsys):
+def test_a_tolerance_is_reached_and_a_smaller_one_goes_on_from_there(out, adapt, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
-    assert adapt(tmp_path / "out", "--adapt", "0.15") == 0
-    printed = capsys.readouterr().out
+    printed = adapt("0.15")
     assert "≤ 0.15, the tolerance is reached" in printed
     assert "guaranteed" in printed
     table = printed.partition("\n\n")[2]
     assert max(map(len, table.splitlines())) <= 80
-    directory = tmp_path / "out" / "square"
+    directory = out / "square"
     rows = pd.read_csv(directory / "adaptive.csv")
     assert rows["bound"].iloc[-1] <= 0.15 < rows["bound"].iloc[-2]
     assert (rows["kind"] == GUARANTEED).all()
@@ -256,27 +254,25 @@ def test_a_tolerance_is_reached_and_a_smaller_one_goes_on_from_there(tmp_path, m
 
     before, calls = adaptive.adapted, []
     monkeypatch.setattr(adaptive, "adapted", lambda *given: calls.append(given) or before(*given))
-    assert adapt(tmp_path / "out", "--adapt", "0.15") == 0
+    adapt("0.15")
     assert not calls
-    assert adapt(tmp_path / "out", "--adapt", "0.11") == 0
+    adapt("0.11")
     again = pd.read_csv(directory / "adaptive.csv")
     assert len(calls) == len(again) - len(rows) > 0
     pd.testing.assert_frame_equal(again[: len(rows)], rows)
 
 
-def test_a_limit_stops_with_the_reason_and_keeps_what_there_is(tmp_path, capsys):
-    assert adapt(tmp_path / "out", "--adapt", "1e-6", "--cells", "10") == 1
-    printed = " ".join(capsys.readouterr().out.split())
+def test_a_limit_stops_with_the_reason_and_keeps_what_there_is(out, adapt):
+    printed = " ".join(adapt("1e-6 --cells 10", code=1).split())
     assert "> 1e-06, the tolerance is not reached: the next mesh has" in printed
     assert "10 are permitted: raise --cells or the tolerance" in printed
-    assert pd.read_csv(tmp_path / "out" / "square" / "adaptive.csv")["cells"].max() <= 10
+    assert pd.read_csv(out / "square" / "adaptive.csv")["cells"].max() <= 10
 
 
 @pytest.mark.slow
-def test_memory_that_is_not_there_stops_with_the_reason(tmp_path, monkeypatch, capsys):
+def test_memory_that_is_not_there_stops_with_the_reason(adapt, monkeypatch):
     monkeypatch.setattr("study.run.executor.available", lambda: 0.5 * 2.0**30)
-    assert adapt(tmp_path / "out", "--adapt", "1e-6") == 1
-    assert "GiB of memory" in capsys.readouterr().out
+    assert "GiB of memory" in adapt("1e-6", code=1)
 
 
 def test_a_table_shows_the_order_of_each_mesh_with_more_unknowns_than_the_one_before():

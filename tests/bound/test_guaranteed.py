@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from bodies import LAW
+from costly_cases import slow
 from sympy import Rational, exp, pi, sin
 
 from benchmarks.trials.known import Feature, Known, Trial, random_trial
@@ -48,7 +49,7 @@ def assert_inside(trial, seed=0):
     assert outcome(trial, found, np.random.default_rng(seed).random(TIMES))[0] == ENCLOSED
 
 
-SEEDS = [1003, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (4, 8, 11, *range(1000, 1010)) if seed != 1003)]
+SEEDS = [1003, *(slow(seed) for seed in (4, 8, 11, *range(1000, 1010)) if seed != 1003)]
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bodies import CLAMPED, CONTACT, LAW, LOADED
+from commands import study
+from costly_cases import slow, slow_unless
 from places import CERTIFICATES, ROOT
 from sympy import Rational, sin, sqrt
 
@@ -33,15 +35,13 @@ from study.certify import certified, checker
 from study.certify.certified import check_certifiable, make_certificate, write
 from study.certify.statement import in_doubles, rational, rational_mesh, statement, voigt
 from study.certify.witnesses import value_of
-from study.cli.main import main
 from study.fem.mesh import OneDiagonal, Shaken, Unstructured
 from study.ledger.files import write_text
 from study.solve.tableau import MIDPOINT
 
 SMALL = Path(__file__).parent / "square-2.json.gz"
 COMMITTED = [
-    pytest.param(path, id=path.name, marks=() if path.name.startswith("bracket") else pytest.mark.slow)
-    for path in sorted(CERTIFICATES.glob("*.json.gz"))
+    slow_unless(path.name.startswith("bracket"), path, id=path.name) for path in sorted(CERTIFICATES.glob("*.json.gz"))
 ]
 """One is checked by the quick tests; `make certificates-check` checks all of them."""
 
@@ -146,27 +146,26 @@ def test_what_is_not_served_is_refused_in_words_before_it_is_computed(name):
         check_certifiable(data)
 
 
-def test_cases_are_refused_by_the_command(capsys, tmp_path):
-    assert main(["certify", "full-contact", "--out", str(tmp_path)]) == 2
-    assert "certificates support data that are formulas" in capsys.readouterr().err
+def test_cases_are_refused_by_the_command(told, tmp_path):
+    assert "certificates support data that are formulas" in told(f"certify full-contact --out {tmp_path}")
 
 
-@pytest.mark.parametrize("name", ["bracket", pytest.param("wedge", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["bracket", slow("wedge")])
 def test_the_command_writes_certificates_checks_them_and_keeps_none_of_another_problem(name, capsys, tmp_path):
     out = tmp_path / name
     for file, content in ((".lock", ""), ("problem.txt", "another problem"), ("../certificate-9.json.gz", "")):
         write_text(out / "data" / file, content)
-    options = ["--levels", "2", "3", "--steps", "2", "--refine", "0", "--shorter", "1", "--out", str(tmp_path)]
-    assert main(["certify", f"{CERTIFICATES / 'problems.py'}:{name}", *options]) == 0
+    options = f"--levels 2 3 --steps 2 --refine 0 --shorter 1 --out {tmp_path}"
+    assert study(f"certify {CERTIFICATES}/problems.py:{name} {options}") == 0
     told = capsys.readouterr()
     assert told.out.count("cells, h = ") == 2
     assert f"removed from {out}: results of other data" in told.err
     assert {path.name for path in out.glob("*.gz")} == {"certificate-2.json.gz", "certificate-3.json.gz"}
 
 
-def test_more_refinements_than_the_checker_accepts_are_refused(capsys, tmp_path):
-    assert main(["certify", f"{CERTIFICATES / 'problems.py'}:square", "--refine", "9", "--out", str(tmp_path)]) == 2
-    assert "--refine 9: a certificate allows at most 8 refinements" in capsys.readouterr().err
+def test_more_refinements_than_the_checker_accepts_are_refused(told, tmp_path):
+    said = told(f"certify {CERTIFICATES}/problems.py:square --refine 9 --out {tmp_path}")
+    assert "--refine 9: a certificate allows at most 8 refinements" in said
 
 
 def test_doubles_are_read_as_the_fractions_that_are_meant():

@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from commands import study
 from places import ROOT
 
 from study.cli import check, present, run
-from study.cli.main import main
 from study.fem.naming import resolve
 from study.present.figures import drawings
 from study.run.executor import GIB, Pool
@@ -54,12 +54,12 @@ def run_tutorial(directory):
     code = re.findall(r":caption: pocket.py\n\n(.*?)```", TUTORIAL.read_text(encoding="utf-8"), re.DOTALL)[0]
     assert len(code.splitlines()) < 25
     (directory / "pocket.py").write_text(code, encoding="utf-8")
-    command = ["run", "--case", f"{directory}/pocket.py:pocket", "--levels", "8", "16", "32", "--figures"]
     with pytest.MonkeyPatch.context() as patch:
         shorten(patch)
         # Drawing all figures takes most of the time, and tests/present draws them.
         patch.setattr(present, "drawings", lambda directory: drawings(directory)[:1])
-        assert main([*command, "--out", str(directory / "results")]) == 0
+        case = f"{directory}/pocket.py:pocket"
+        assert study(f"run --case {case} --levels 8 16 32 --figures --out {directory}/results") == 0
 
 
 @pytest.fixture(scope="session")
@@ -88,17 +88,3 @@ def own(made, tmp_path):
     shutil.copytree(made, tmp_path, dirs_exist_ok=True, ignore=shutil.ignore_patterns("jobs", "figures"))
     resolve.cache_clear()
     return tmp_path / "results"
-
-
-@pytest.fixture
-def told(capsys):
-    """Runs a command that must end with an exit code, 2 unless told otherwise; returns all that it printed."""
-
-    def run(*arguments, code=2):
-        capsys.readouterr()
-        assert main([*arguments]) == code
-        printed = capsys.readouterr()
-        assert "Traceback" not in printed.err
-        return printed.out + printed.err
-
-    return run

@@ -17,11 +17,11 @@ import numpy as np
 import pytest
 import run_codes
 import this_study
+from commands import study
 from jsonschema import Draft202012Validator
 from judged_codes import exported, judged, read, task
 from places import CODES, RESULTS, ROOT
 
-from study.cli.main import main
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
 from study.run.tasks import frozen, march, with_foundation, write_task
@@ -318,17 +318,14 @@ def test_version_1_is_read_and_is_the_same_task():
     assert judged(this_study.make, task).verdict == "exact for P1"
 
 
-def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tmp_path, capsys):
-    command = ["export", "full-contact", "layered", "--levels", "4", "--instants", "0.5", "--out", str(tmp_path)]
-    assert main(command) == 0
+def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tmp_path, told):
+    assert study(f"export full-contact layered --levels 4 --instants 0.5 --out {tmp_path}") == 0
     names = {path.name for path in tmp_path.glob("*.xz")}
     assert names == {"full-contact-one-diagonal-frozen-4.json.xz", "layered-criss-cross-frozen-4.json.xz"}
-    assert main(["export", "cube-two-faces", "--levels", "4", "--out", str(tmp_path)]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith("study: case cube-two-faces on one-diagonal meshes of level 4: ")
-    assert told.endswith("levels that would do: 3, 6\n")
-    assert main(["export", "full-contact", "full-contact", "--out", str(tmp_path)]) == 2
-    assert "give each case once" in capsys.readouterr().err
+    said = told(f"export cube-two-faces --levels 4 --out {tmp_path}")
+    assert said.startswith("study: case cube-two-faces on one-diagonal meshes of level 4: ")
+    assert said.endswith("levels that would do: 3, 6\n")
+    assert "give each case once" in told(f"export full-contact full-contact --out {tmp_path}")
 
 
 WRONG_ARRAYS = {

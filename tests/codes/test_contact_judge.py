@@ -12,10 +12,10 @@ import faults
 import numpy as np
 import pytest
 import this_study as ours
+from commands import study
 from judged_codes import exported, judged, read, task
 from places import CODES
 
-from study.cli.main import main
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.run.tasks import frozen, with_foundation, write_task
@@ -281,14 +281,14 @@ def test_exponents_of_fortran_are_read(tmp_path):
     assert (judge.read_answer(tmp_path, one) == u).all()
 
 
-def test_the_command_writes_the_same_bytes_again_and_their_sums_and_names_a_line_that_is_none(tmp_path, capsys):
+def test_the_command_writes_the_same_bytes_again_and_their_sums_and_names_a_line_that_is_none(tmp_path, told):
     def files():
         return {path.name: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
 
-    command = ["export", "full-contact", "--levels", "4", "--instants", "0.5", "--to", str(tmp_path)]
-    assert main(command) == 0
+    command = f"export full-contact --levels 4 --instants 0.5 --to {tmp_path}"
+    assert study(command) == 0
     before = files()
-    assert main(command) == 0
+    assert study(command) == 0
     assert files() == before
     (name,) = before.keys() - {"SHA256SUMS"}
     judge.read_tasks(tmp_path)
@@ -298,26 +298,23 @@ def test_the_command_writes_the_same_bytes_again_and_their_sums_and_names_a_line
     with (tmp_path / "SHA256SUMS").open("a") as sums:
         sums.write("mine\n")
     before = files()
-    capsys.readouterr()
-    assert main([*command, "--scale", "2"]) == 2
     named = "SHA256SUMS, line 2: found 'mine', expected a checksum and a file: remove the line"
-    assert named in capsys.readouterr().err
+    assert named in told(f"{command} --scale 2")
     assert files() == before
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["yield-and-release"], "not linear"),
-        (["full-contact", "--instants", "2"], "--instants"),
-        (["full-contact", "--steps", "3"], "--steps"),
-        (["full-contact", "--mode", "march", "--instants", "0.5"], "--instants"),
+        ("yield-and-release", "not linear"),
+        ("full-contact --instants 2", "--instants"),
+        ("full-contact --steps 3", "--steps"),
+        ("full-contact --mode march --instants 0.5", "--instants"),
     ],
 )
-def test_what_cannot_be_exported_is_refused(options, message, tmp_path, capsys):
-    assert main(["export", *options, "--to", str(tmp_path / "out")]) == 2
-    assert message in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
+def test_what_cannot_be_exported_is_refused(options, message, out, told):
+    assert message in told(f"export {options} --to {out}")
+    assert not out.exists()
 
 
 def test_tasks_for_two_levels_are_small_enough_to_commit(tmp_path):

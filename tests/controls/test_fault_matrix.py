@@ -1,17 +1,15 @@
 """Deliberate faults are measured as the matrix says, and each is the fault that its name promises."""
 
 import math
-import subprocess
-import sys
 from dataclasses import replace
 from importlib.util import find_spec
 
 import numpy as np
 import pandas as pd
 import pytest
+from commands import python, study
 
 from manufactured.law import isotropic_matrix
-from study.cli.main import main
 from study.controls.faults import FAULTS, Frictional, axes_exchanged, exchanged, friction, shear_scaled, tangents
 from study.controls.matrix import distance_of_solutions, measured_on, rows_of
 from study.fem.naming import resolve
@@ -195,16 +193,16 @@ own = replace(named("full-contact"), name="own")
 
 
 @pytest.mark.parametrize("own", [False, True])
-def test_the_command_writes_the_matrix_and_continues(monkeypatch, tmp_path, capsys, own):
+def test_the_command_writes_the_matrix_and_continues(monkeypatch, tmp_path, out, capsys, own):
     (tmp_path / "own.py").write_text(OWN, encoding="utf-8")
     case = f"{tmp_path}/own.py:own" if own else "full-contact"
-    command = ["faults", "--case", case, "--fault", "no contact", "--jobs", "1", "--out", str(tmp_path / "out")]
-    assert main(command) == 0
-    table = pd.read_csv(tmp_path / "out" / "data" / "faults.csv")
+    command = f"faults --case {case} --fault 'no contact' --jobs 1 --out {out}"
+    assert study(command) == 0
+    table = pd.read_csv(out / "data" / "faults.csv")
     assert table[["fault", "case"]].to_numpy().tolist() == [["no contact", "own" if own else "full-contact"]]
     assert "noticed by errors" in capsys.readouterr().out
     monkeypatch.setattr("study.controls.matrix.rows_of", None)  # nothing is measured again
-    assert main(command) == 0
+    assert study(command) == 0
 
 
 MARCH = """
@@ -224,8 +222,8 @@ assert last.time == space.body.T
 
 def test_the_stress_problem_loads_no_solver_of_displacements_while_it_marches():
     """So it cannot call one, not even on a copy of the other problem, which no change of that one would show."""
-    command = [sys.executable, "-c", f"{MARCH}\nimport sys; print(*sys.modules)"]
-    loaded = set(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+    printed, _ = python(f"{MARCH}\nimport sys; print(*sys.modules)")
+    loaded = set(printed.split())
     assert "clarabel" in loaded
     names = "signorini multigrid solver_choice evolution tableau fixed_point factorisation"
     solvers = {f"study.solve.{name}" for name in names.split()}

@@ -7,11 +7,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from commands import study
 from places import RESULTS
 from scipy import stats
 
 from study.cli import controls
-from study.cli.main import main
 from study.controls.seeded import SeededScope, on_shaken, rules, seeded
 from study.fem.mesh import Shaken
 from study.fem.naming import family_named, resolve
@@ -149,17 +149,17 @@ def quick(monkeypatch):
 
 @pytest.mark.usefixtures("quick")
 def test_seeds_are_drawn_fresh_and_added_to_the_record_and_one_can_be_repeated(tmp_path, capsys):
-    seeds_of(tmp_path, "--seeds", "2")
+    seeds_of(tmp_path, "--seeds 2")
     first = SeedRecord.read(tmp_path)
     assert [(row.judged > 0, row.alarms) for row in first.rows] == [(True, 0)] * 2
-    seeds_of(tmp_path, "--seeds", "1")
+    seeds_of(tmp_path, "--seeds 1")
     record = SeedRecord.read(tmp_path)
     assert record.rows[:2] == first.rows
     assert len({row.seed for row in record.rows}) == FalseAlarms(record).seeds == 3
     assert not any((tmp_path / "seeds").iterdir())
-    assert seeds_of(tmp_path, "--seed", str(first.rows[0].seed)) == 0
+    assert seeds_of(tmp_path, f"--seed {first.rows[0].seed}") == 0
     assert f"the record has {first.rows[0].judged} checks and 0 false alarms" in capsys.readouterr().out
-    assert seeds_of(tmp_path, "--seed", "5") == 0
+    assert seeds_of(tmp_path, "--seed 5") == 0
     assert "the record does not have this seed" in capsys.readouterr().out
     assert SeedRecord.read(tmp_path) == record
 
@@ -170,16 +170,16 @@ def test_an_interrupted_run_loses_nothing(tmp_path):
 
     The second look at the clock, after the beginning, comes when one job is done.
     """
-    two_seconds = "--minutes", "0.03"
-    assert seeds_of(tmp_path, *two_seconds) == 3
+    two_seconds = "--minutes 0.03"
+    assert seeds_of(tmp_path, two_seconds) == 3
     begun = SeedRecord.read(tmp_path).pending()
     assert begun is not None
     finished = [*tmp_path.glob("seeds/*/data/jobs/*.json")]
     assert len(finished) == 1
     written = finished[0].stat().st_mtime_ns
-    seeds_of(tmp_path, *two_seconds)
+    seeds_of(tmp_path, two_seconds)
     assert finished[0].stat().st_mtime_ns == written
-    seeds_of(tmp_path, "--seeds", "1")
+    seeds_of(tmp_path, "--seeds 1")
     (row,) = SeedRecord.read(tmp_path).rows
     assert (row.seed, row.judged > 0) == (begun.seed, True)
 
@@ -188,15 +188,15 @@ def test_an_interrupted_run_loses_nothing(tmp_path):
 def test_an_alarm_is_counted_printed_and_fails(tmp_path, monkeypatch, capsys):
     first, *others = BoundedVelocity.checks
     monkeypatch.setattr(BoundedVelocity, "checks", (replace(first, window=at_most(-1, low=-2)), *others))
-    seeds_of(tmp_path, "--seeds", "1")
+    seeds_of(tmp_path, "--seeds 1")
     (row,) = SeedRecord.read(tmp_path).rows
     assert row.alarms > 0
     assert f"{BoundedVelocity.label}, {first.key}" in capsys.readouterr().out
-    assert seeds_of(tmp_path, "--seed", str(row.seed)) == 1
+    assert seeds_of(tmp_path, f"--seed {row.seed}") == 1
 
 
-def seeds_of(directory, *options):
-    return main(["seeds", *options, "--jobs", "1", "--out", str(directory)])
+def seeds_of(directory, options):
+    return study(f"seeds {options} --jobs 1 --out {directory}")
 
 
 def test_a_window_quantity_or_level_changes_the_hash_of_rules_and_another_seed_does_not():

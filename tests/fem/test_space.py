@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from bodies import ANGLE, CLAMPED, CONTACT, LOADED, SQUARE, TURNED
 from changed import smallest_angle
+from costly_cases import slow
 from skfem import Basis, BilinearForm, ElementTetP1, ElementTriP1, ElementVector, MeshTri
 from skfem.helpers import ddot, sym_grad, trace
 
@@ -312,7 +313,7 @@ def test_the_load_from_stresses_is_the_load_from_forces_if_the_force_is_smooth(n
     ("family", "name", "n", "tolerance"),
     [
         *((family, "full-contact", 24, 3e-3) for family in FOR_SQUARES),
-        pytest.param(Shaken(), "cube-disc", 12, 0.05, marks=pytest.mark.slow),
+        slow(Shaken(), "cube-disc", 12, 0.05),
     ],
 )
 def test_the_leading_term_is_the_interpolation_error_on_fine_meshes(family, name, n, tolerance):

@@ -4,6 +4,7 @@ import shutil
 
 import pandas as pd
 from places import DATA
+from tables import texts
 
 TABLES = ("bounds", "cases", "claims", "enclosures", "equivalence", "rates", "stresses")
 SMOOTH, ROUGH = CASES = ("advance-recede", "rough-1.75")
@@ -29,7 +30,7 @@ LEDGER_COLUMNS += ["key", "family", "kind", "window_low", "window_high"]
 
 def committed(name, cases=CASES):
     """The rows of some cases in a committed data file; the numbers as they are written."""
-    table = pd.read_csv(DATA / f"{name}.csv", dtype=str, keep_default_na=False)
+    table = texts(DATA / f"{name}.csv")
     return table[table["case"].isin([*cases, "all cases"])]
 
 

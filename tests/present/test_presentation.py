@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 from committed import CASES, CORNER, ROUGH, SMOOTH, copy_results, write_ledger
 from matplotlib.mathtext import MathTextParser
+from tables import texts
 
 from study.ledger.datafiles import DataError, read_claims, read_rates, read_uncompressed
 from study.ledger.files import write_packed, write_text
@@ -67,7 +68,7 @@ def test_tables_agree_with_the_data_to_four_digits(tables):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_markdown_has_each_row_of_the_csv_table_below_the_heading_of_its_group(tables, name):
-    cells = pd.read_csv(tables / "tables" / f"{name}.csv", dtype=str, keep_default_na=False)
+    cells = texts(tables / "tables" / f"{name}.csv")
     shown = (tables / "tables" / f"{name}.md").read_text(encoding="utf-8")
     shown = re.sub(r"\\(.)", r"\1", shown)
     grouped = 4 if name == "rates" else 2

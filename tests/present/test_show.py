@@ -6,12 +6,12 @@ from xml.etree import ElementTree
 import meshio
 import numpy as np
 import pytest
+from commands import study
 from matplotlib.text import Annotation
 from PIL import Image
 
 from manufactured.colours import VERMILLION
 from manufactured.tensors import full, mandel
-from study.cli.main import main
 from study.cli.show import SHOWN_EVERY, affordable_family, mesh_series, solve_showcase
 from study.fem.mesh import FAMILIES
 from study.fem.naming import resolve
@@ -138,19 +138,17 @@ wrong = replace(case, solution=solution)
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["hexagon", "--mp4"], "--mp4: ffmpeg is missing: install it, or `python -m pip install imageio-ffmpeg`"),
-        (["{file}:wrong"], "violated"),
-        (["full-contact", "--out", "{file}"], "cannot write {file}/full-contact/data/.lock: "),
+        ("hexagon --mp4", "--mp4: ffmpeg is missing: install it, or `python -m pip install imageio-ffmpeg`"),
+        ("{file}:wrong", "violated"),
+        ("full-contact --out {file}", "cannot write {file}/full-contact/data/.lock: "),
     ],
     ids=["no ffmpeg", "no solution", "not a directory"],
 )
-def test_what_cannot_be_shown_is_refused(arguments, complaint, tmp_path, monkeypatch, capsys):
+def test_what_cannot_be_shown_is_refused(arguments, complaint, tmp_path, monkeypatch, out, told):
     monkeypatch.setattr("study.cli.show.find_ffmpeg", lambda: None)
     file = tmp_path / "wrong.py"
     file.write_text(WITH_A_GAP_OF_THE_WRONG_SIGN)
-    command = ["show", "--out", str(tmp_path / "out"), *(argument.format(file=file) for argument in arguments)]
-    assert main(command) == 2
-    assert complaint.format(file=file) in capsys.readouterr().err
+    assert complaint.format(file=file) in told(f"show --out {out} {arguments.format(file=file)}")
     assert [*tmp_path.iterdir()] == [file]
 
 
@@ -169,7 +167,7 @@ def test_a_problem_is_drawn_as_it_is_stated(tmp_path, monkeypatch):
     draw = problem.draw_problem
     monkeypatch.setattr(problem, "draw_problem", lambda picture: figures.append(draw(picture)) or figures[-1])
     (tmp_path / "clip.py").write_text(CLIP)
-    assert main(["show", f"{tmp_path}/clip.py:clip", "--out", str(tmp_path)]) == 0
+    assert study(f"show {tmp_path}/clip.py:clip --out {tmp_path}") == 0
     assert {"problem.png", "problem.svg", "problem.txt"} <= {path.name for path in (tmp_path / "clip").iterdir()}
     (axes,) = figures[0].axes
     texts = [text.get_text() for text in axes.texts]

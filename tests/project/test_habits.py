@@ -13,13 +13,14 @@ import pandas as pd
 import pytest
 import yaml
 from case_docstrings import missing_parts
+from commands import study
 from pages import PAGES, Page
 from places import EXAMPLES, ROOT
 
 import manufactured
 from manufactured import prove
 from manufactured.catalogue import NAMES
-from study.cli.main import main, parser
+from study.cli.main import parser
 from study.controls import faults
 from study.controls.matrix import distance_of_solutions
 from study.fem.mesh import OneDiagonal
@@ -97,8 +98,8 @@ def test_the_example_prints_its_table_which_holds_and_a_table_that_loses_its_ord
     assert capsys.readouterr().out == TABLE.read_text()
     table, worse = pd.read_csv(TABLE), tmp_path / "errors.csv"
     table.assign(error=table["error"] + 0.1).to_csv(worse, index=False)
-    for file, expected, code in ((TABLE, "1", 0), (TABLE, "2", 1), (worse, "1", 1), (tmp_path / "none.csv", "1", 2)):
-        assert main(["rates", str(file), "--expected", expected]) == code
+    for file, expected, code in ((TABLE, 1, 0), (TABLE, 2, 1), (worse, 1, 1), (tmp_path / "none.csv", 1, 2)):
+        assert study(f"rates {file} --expected {expected}") == code
 
 
 # The recipes of CONTRIBUTING.md.

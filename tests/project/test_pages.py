@@ -11,6 +11,7 @@ from contextlib import redirect_stdout
 from functools import cache
 
 import pytest
+from costly_cases import slow_unless
 from pages import PAGES, README, SITE, words
 from places import EXAMPLES, RESULTS, ROOT
 
@@ -86,7 +87,7 @@ def expect(said, output):
 
 
 def marked(pages, long):
-    items = [pytest.param(page, id=page.name, marks=pytest.mark.slow if page.name in long else ()) for page in pages]
+    items = [slow_unless(page.name not in long, page, id=page.name) for page in pages]
     return pytest.mark.parametrize("page", items)
 
 

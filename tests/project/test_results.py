@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import pandas as pd
 import pytest
+from costly_cases import slow, slow_unless
 from places import DATA, RESULTS
 
 from study.fem.naming import resolve
@@ -38,9 +39,15 @@ MEASURED = ["h", "error", "at", "interpolation_error", "discrete_error", "time_s
 MEASURED += ["quadrature_change"]
 
 
+def assert_agree(again, row, columns, rel=1e-5, **options):
+    """Assert that some columns of a row that was measured again are those of a committed row."""
+    found, committed = ([each[column] for column in columns] for each in (again, row))
+    assert found == pytest.approx(committed, rel=rel, **options), row
+
+
 def slow_except(quick, names, *more):
     """Parameters of a test, of which only a few are quick; the nightly job tests all."""
-    return [pytest.param(name, *more, marks=() if name in quick else pytest.mark.slow) for name in names]
+    return [slow_unless(name in quick, name, *more) for name in names]
 
 
 FEW = ("advance-recede", "yield-on-a-part", "layered", "re-entrant")
@@ -56,10 +63,8 @@ def test_rows_measured_again_agree_with_the_committed_ones(case, place):
     for row in committed.iloc[families].drop_duplicates().to_dict("records"):
         again = FirstOrder().run(RateSetting(case, row["family"], row["level"], MIDPOINT.name, row["steps"]))
         assert again["dofs"] == row["dofs"]
-        for column in MEASURED:
-            # Multigrid, in space, stops when this residual is reached; another processor may need another iteration.
-            solved = max(1e-9, solver_choice.residual(row["dim"], row["dofs"]))
-            assert again[column] == pytest.approx(row[column], rel=1e-5, abs=solved), (row["family"], column)
+        # Multigrid, in space, stops when this residual is reached; another processor may need another iteration.
+        assert_agree(again, row, MEASURED, abs=max(1e-9, solver_choice.residual(row["dim"], row["dofs"])))
 
 
 WITH_SEVERAL_LAWS = ("advance-recede", "layered", "softening", "yield-on-a-part")
@@ -80,8 +85,7 @@ def test_stresses_measured_again_agree_with_the_committed_ones():
     committed = pd.read_csv(DATA / "stresses.csv").query("level == 8")
     for row in committed.iloc[::16].to_dict("records"):
         again = OwnSpace().run(Setting(row["case"], row["family"], row["level"]))
-        for column in ("unknowns", "h", "steps", *STRESS_ERRORS, "time_share"):
-            assert again[column] == pytest.approx(row[column], rel=1e-5), (row["case"], column)
+        assert_agree(again, row, ("unknowns", "h", "steps", *STRESS_ERRORS, "time_share"))
 
 
 @pytest.mark.parametrize("statement", BOUNDS, ids=lambda statement: statement.label)
@@ -98,15 +102,14 @@ def test_bounds_measured_again_agree_with_the_committed_ones(statement):
     for setting in settings:
         again = statement.run(setting)["row"]
         row = committed.loc[tuple(again[name] for name in BOUND_KEY)]
-        for column in (*BOUNDED, *BOUND_PARTS):
-            assert again[column] == pytest.approx(row[column], rel=1e-5, abs=1e-9, nan_ok=True), (setting, column)
+        assert_agree(again, row, (*BOUNDED, *BOUND_PARTS), abs=1e-9, nan_ok=True)
 
 
 DEAR = ("Landings", "WorkOfContact", "SolutionDivergence", "NoPotential", "Rollers", "BackwardEuler",
         "FullyDiscrete")  # fmt: skip
 """Statements whose coarsest setting takes some seconds and more."""
 LISTS = [
-    pytest.param(statement, id=name, marks=[pytest.mark.slow] if name in DEAR else [])
+    slow_unless(name not in DEAR, statement, id=name)
     for statement in STATEMENTS
     for name in [type(statement).__name__]
     if isinstance(statement, ListedNumbers) and statement.label in {*STATEMENT_NUMBERS["label"]}
@@ -141,7 +144,7 @@ def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(stat
     assert again >= set(committed["quantity"])
 
 
-@pytest.mark.parametrize("case", ["advance-recede", pytest.param("corner", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("case", ["advance-recede", slow("corner")])
 def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_ones(case):
     """Differences of both solvers are quadrature errors of the load, and belong to the rules of both."""
     committed = pd.read_csv(DATA / "recomputed.csv").query("case == @case")
@@ -150,8 +153,8 @@ def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_one
     setting = min(settings, key=lambda s: s.level)
     (row,) = committed[committed["family"] == setting.family].to_dict("records")
     again = statement.run(setting)
-    for column, relative in {**dict.fromkeys(OF_SECOND, 1e-6), "displacement": 1e-2, "multipliers": 1e-2}.items():
-        assert again[column] == pytest.approx(row[column], rel=relative), column
+    assert_agree(again, row, OF_SECOND, rel=1e-6)
+    assert_agree(again, row, ("displacement", "multipliers"), rel=1e-2)
 
 
 def test_contact_forces_measured_again_agree_with_the_committed_ones():
@@ -160,7 +163,7 @@ def test_contact_forces_measured_again_agree_with_the_committed_ones():
     row = committed.sort_values("level").iloc[0]
     assert len(resolve(row["case"]).solution.faces) == 2
     again = ContactForce().run(Setting(row["case"], row["family"], int(row["level"])))
-    assert again == pytest.approx(row[[*again]].to_dict(), rel=1e-5, abs=1e-9)
+    assert_agree(again, row, again, abs=1e-9)
 
 
 def test_every_column_of_the_committed_tables_has_a_unit_and_a_meaning():

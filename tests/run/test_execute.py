@@ -22,13 +22,14 @@ from threading import Thread, Timer
 
 import psutil
 import pytest
+from commands import study
+from costly_cases import slow
 from distributed import LocalCluster
 
 from manufactured.self_proof import SelfProofError
 from manufactured.self_proof.finding import Finding
 from study.bound.trajectory import Refined
 from study.cli import run as run_command
-from study.cli.main import main
 from study.ledger.files import StoreError, UsageError
 from study.run.executor import (
     GIB,
@@ -294,7 +295,7 @@ EVERY = [
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is no /proc")
 @pytest.mark.parametrize(
     "job",
-    [full_contact(48), *(pytest.param(job, marks=pytest.mark.slow) for job in EVERY)],
+    [full_contact(48), *(slow(job) for job in EVERY)],
     ids=lambda job: job.key,
 )
 def test_no_job_takes_more_memory_than_estimated_nor_much_less(job):
@@ -393,14 +394,13 @@ def test_a_file_of_an_interrupted_result_is_not_taken_for_that_of_an_earlier_one
     assert file.read_text() == "midpoint"
 
 
-def test_a_job_file_that_may_not_be_read_is_refused_by_name(tmp_path, capsys, monkeypatch):
+def test_a_job_file_that_may_not_be_read_is_refused_by_name(tmp_path, told):
     """Root may read all files: a link to itself is one that nobody can."""
     path = Store(tmp_path).path(full_contact(2).key)
     path.parent.mkdir(parents=True)
     path.symlink_to(path)
-    arguments = ["run", "--case", "full-contact", "--levels", "2", "--jobs", "1", "--out", str(tmp_path)]
-    assert main(arguments) == 2
-    assert f"study: cannot read {path}: Too many levels" in capsys.readouterr().err
+    said = told(f"run --case full-contact --levels 2 --jobs 1 --out {tmp_path}")
+    assert f"study: cannot read {path}: Too many levels" in said
 
 
 MINE = """
@@ -429,7 +429,7 @@ def cluster():
         yield started.scheduler_address
 
 
-@pytest.mark.parametrize("executor", ["processes", pytest.param("cluster", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("executor", ["processes", slow("cluster")])
 def test_another_executor_gives_the_same_files_byte_for_byte(executor, tmp_path, request):
     levels = Levels((2, 4))
     few = replace(quick(), cases=("advance-recede",), plane=levels, rough=levels, equivalence=(2,))
@@ -441,11 +441,11 @@ def test_another_executor_gives_the_same_files_byte_for_byte(executor, tmp_path,
     assert any(name.startswith("data/jobs/rates__advance-recede") for name in files)
 
 
-def test_a_cluster_is_refused_with_the_mend_where_there_is_none(tmp_path, capsys, monkeypatch):
+def test_a_cluster_is_refused_with_the_mend_where_there_is_none(out, told, monkeypatch):
     def refusal(address):
-        assert main(["run", "--case", "full-contact", "--cluster", address, "--out", str(tmp_path / "r")]) == 2
-        assert not (tmp_path / "r").exists()
-        return capsys.readouterr().err
+        said = told(f"run --case full-contact --cluster {address} --out {out}")
+        assert not out.exists()
+        return said
 
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
@@ -478,7 +478,7 @@ def test_two_workers_on_loopback_measure_a_case_in_a_file_that_is_given_without_
 ):
     (tmp_path / "mine.py").write_text(MINE)
     monkeypatch.chdir(tmp_path)
-    assert main(["run", "--case", "mine.py:mine", "--levels", "2", "--out", "r", "--cluster", cluster]) == 3
+    assert study(f"run --case mine.py:mine --levels 2 --out r --cluster {cluster}") == 3
     assert (tmp_path / "r/data/jobs/rates__mine__criss-cross__midpoint__00002.json").exists()
 
 
@@ -564,7 +564,7 @@ def results(out):
     return {path: path.stat().st_mtime_ns for path in out.glob("data/jobs/*.json")}
 
 
-RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "3", "--jobs", "2", "--out"]
+RUN = "run --case full-contact advance-recede --levels 2 3 --jobs 2 --out"
 
 
 def started(out):
@@ -582,7 +582,7 @@ def command(out):
             os.dup2(nowhere.fileno(), stream)
     Plan.check = lambda *arguments: None  # type: ignore[method-assign]
     run_command.prove = lambda *arguments: []
-    os._exit(main([*RUN, str(out)]))
+    os._exit(study(f"{RUN} {out}"))
 
 
 def written(out):

@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from costly_cases import slow_unless
 
 from manufactured.catalogue import NAMES
 from study.fem.mesh import Skin
@@ -15,11 +16,7 @@ from study.solve.motion import Motion
 from study.statements import pictures
 from study.statements.pictures import record
 
-SOLIDS = [
-    pytest.param(name, marks=() if name == "cube-disc" else pytest.mark.slow)
-    for name in NAMES
-    if name.startswith("cube")
-]
+SOLIDS = [slow_unless(name == "cube-disc", name) for name in NAMES if name.startswith("cube")]
 """One solid is quick; the formulas of each take seconds to compile."""
 
 

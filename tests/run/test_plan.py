@@ -8,11 +8,11 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from commands import study
 
 from manufactured import catalogue, named, unit_square
 from manufactured.catalogue import NAMES
 from manufactured.data import Data
-from study.cli.main import main
 from study.fem.mesh import FAMILIES, MeshError, OneDiagonal
 from study.fem.naming import resolve, resolve_data
 from study.ledger.files import UsageError
@@ -385,10 +385,10 @@ def asked(tmp_path, monkeypatch):
     def ask(store, key, fingerprint, *others):
         raise Asked(fingerprint)
 
-    def asked(problem, options, *command):
-        words = [word for name, value in options.items() for word in (f"--{name}", value)]
+    def asked(problem, options, command=""):
+        words = " ".join(f"--{name} {value}" for name, value in options.items())
         with pytest.raises(Asked) as found:
-            main(["bound", problem, *words, *command, "--out", str(tmp_path)])
+            study(f"bound {problem} {words} {command} --out {tmp_path}")
         return str(found.value)
 
     monkeypatch.setattr(Store, "cached", ask)
@@ -397,11 +397,11 @@ def asked(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(
     ("option", "command"),
-    [*((option, ()) for option in BOUND), *((option, ("--adapt", "0.1")) for option in [*BOUND][:4])],
+    [*((option, "") for option in BOUND), *((option, "--adapt 0.1") for option in [*BOUND][:4])],
 )
 def test_each_option_of_study_bound_changes_the_key(option, command, asked):
-    before = asked("ramp", BOUND, *command)
-    assert asked("ramp", BOUND, *command) == before != asked("ramp", BOUND | {option: OTHERS[option]}, *command)
+    before = asked("ramp", BOUND, command)
+    assert asked("ramp", BOUND, command) == before != asked("ramp", BOUND | {option: OTHERS[option]}, command)
 
 
 def test_each_array_of_a_displacement_changes_its_key(tmp_path, asked):
@@ -412,5 +412,5 @@ def test_each_array_of_a_displacement_changes_its_key(tmp_path, asked):
     for name, change in {"": 0, "points": inside, "times": [0, 0.1, 0], "u": inside}.items():
         changed = {key: array + change if key == name else array for key, array in arrays.items()}
         np.savez(tmp_path / "mine.npz", **changed)
-        keys.add(asked("full-contact", {"displacement": str(tmp_path / "mine.npz"), "refine": "0"}))
+        keys.add(asked("full-contact", {"displacement": tmp_path / "mine.npz", "refine": 0}))
     assert len(keys) == 4

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sps
 from bodies import TURNED
+from costly_cases import slow
 from hypothesis import given
 from hypothesis import strategies as st
 from random_examples import COSTLY
@@ -60,21 +61,25 @@ SETTINGS = [
 ]
 
 
-@pytest.fixture(scope="module", params=SETTINGS, ids=lambda setting: f"{setting[0]}-{setting[1].name}")
-def matrices(request):
-    """Return S of a time step and N."""
-    name, family, n = request.param
+def name_of(setting):
+    return f"{setting[0]}-{setting[1].name}"
+
+
+@cache
+def matrices(name, family, n):
+    """S of a time step, N, and the free vertices."""
     body = TURNED if name == "turned" else named(name).solution.body
     space = Space(family(body, n), body)
-    return step_matrix("full-contact" if name == "turned" else name, space), space.N
+    return step_matrix("full-contact" if name == "turned" else name, space), space.N, space.free_points
 
 
 def close(one, other, tolerance):
     return bool(np.linalg.norm(one - other) <= tolerance * np.linalg.norm(other))
 
 
-def test_the_condensed_solve_satisfies_the_optimality_conditions(matrices):
-    S, N = matrices
+@pytest.mark.parametrize("setting", SETTINGS, ids=name_of)
+def test_the_condensed_solve_satisfies_the_optimality_conditions(setting):
+    S, N, _ = matrices(*setting)
     solve = Signorini(S, N)
     for seed in range(4):
         b = S @ np.random.default_rng(seed).standard_normal(S.shape[0])
@@ -151,20 +156,12 @@ def disturbed(S, N, count=3):
     return [smooth + k * forces for k in range(count)]
 
 
-@cache
-def large_matrices(name, family, n):
-    """S of a time step, large enough for coarse levels, N, and the free vertices."""
-    body = named(name).solution.body
-    space = Space(family(body, n), body)
-    assert space.dofs > COARSEST * space.dim
-    return step_matrix(name, space), space.N, space.free_points
-
-
 @pytest.mark.parametrize("tolerance", [1e-3, EXACT])
-@pytest.mark.parametrize("setting", LARGE, ids=lambda setting: f"{setting[0]}-{setting[1].name}")
+@pytest.mark.parametrize("setting", LARGE, ids=name_of)
 def test_the_optimality_conditions_hold_to_the_tolerance_from_any_start(setting, tolerance):
     """The solver starts from the solution for the load before."""
-    S, N, x = large_matrices(*setting)
+    S, N, x = matrices(*setting)
+    assert S.shape[0] > COARSEST * len(x)
     solve = Multigrid(S, N, x, tolerance)
     for b in disturbed(S, N):
         solution = solve(b)
@@ -176,9 +173,9 @@ def test_the_optimality_conditions_hold_to_the_tolerance_from_any_start(setting,
     ("name", "family", "levels"),
     [
         ("cube-disc", Shaken(), (3, 6)),
-        pytest.param("cube-two-faces", OneDiagonal(), (6, 9), marks=pytest.mark.slow),
-        pytest.param("yield-and-release", Shaken(), (16, 32), marks=pytest.mark.slow),
-        pytest.param("re-entrant", Graded(), (16, 32), marks=pytest.mark.slow),
+        slow("cube-two-faces", OneDiagonal(), (6, 9)),
+        slow("yield-and-release", Shaken(), (16, 32)),
+        slow("re-entrant", Graded(), (16, 32)),
     ],
 )
 def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(name, family, levels, monkeypatch):
@@ -208,7 +205,7 @@ def iterations(name, n, every):
     return len(count)
 
 
-@pytest.mark.parametrize(("name", "n"), [("full-contact", 32), pytest.param("cube-disc", 6, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("name", "n"), [("full-contact", 32), slow("cube-disc", 6)])
 def test_iterations_grow_slowly_with_what_is_held_and_hardly_without(name, n):
     """Coarse matrices that know nothing of what is held cost up to h^{-1/2}."""
     assert iterations(name, 2 * n, None) <= 1.2 * iterations(name, n, None)
@@ -218,7 +215,7 @@ def test_iterations_grow_slowly_with_what_is_held_and_hardly_without(name, n):
 
 def test_the_same_matrix_gives_the_same_solution_to_the_bit():
     """pyamg draws random numbers; nobody else's change."""
-    S, N, x = large_matrices(*LARGE[0])
+    S, N, x = matrices(*LARGE[0])
     b = disturbed(S, N)[1]
     np.random.seed(3)
     first, drawn = Multigrid(S, N, x, 1e-6)(b), np.random.random()
@@ -287,7 +284,7 @@ def test_constraints_of_another_form_and_other_vertices_are_refused(N, message):
 
 
 def test_a_tolerance_below_rounding_is_refused():
-    S, N, x = large_matrices(*LARGE[0])
+    S, N, x = matrices(*LARGE[0])
     with pytest.raises(MultigridError, match="so take a larger one"):
         Multigrid(S, N, x, 1e-20)(disturbed(S, N)[1])
 

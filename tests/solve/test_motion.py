@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from changed import problems
+from costly_cases import slow
 
 from manufactured import named
 from manufactured.law import NonSymmetric
@@ -59,7 +60,7 @@ def test_von_mises_is_the_stress_of_a_pull_ignores_pressure_and_is_least_in_the_
     assert float(von_mises(mandel(plane))) == pytest.approx(von_mises(mandel(solid)).min(), abs=1e-4)
 
 
-@pytest.mark.parametrize("name", ["advance-recede", pytest.param("yield-and-release", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["advance-recede", slow("yield-and-release")])
 def test_what_the_duality_gap_allows_holds_for_a_solver_that_stops_early(name, monkeypatch):
     """With gaps of 1e-4 the solutions differ by 1e-6 and more of their size, and by no more than the gap allows."""
     monkeypatch.setattr(stress_problem, "AIM", Accuracy(1e-4, stress_problem.AIM.feasibility))

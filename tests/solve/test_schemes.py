@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sps
 from changed import problems
+from costly_cases import slow
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from on_floor import on_floor
@@ -29,9 +30,10 @@ from study.statements.shared.base import Experiment, Setting
 from study.statements.thm_4_2 import StressExperiment
 
 K = 0.1
+with_every_scheme = pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
 
 
-@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+@with_every_scheme
 def test_a_scheme_differentiates_polynomials_of_its_order_exactly_where_it_takes_the_load(scheme):
     times = K * np.arange(-len(scheme.past), 1)
     at = K * (scheme.theta - 1)
@@ -49,7 +51,7 @@ def test_steps_grow_with_level_and_pace_and_those_of_stresses_are_even():
     assert all(stress_steps(T, n, 5.0) % 2 == 0 for T in (0.3, 1.0) for n in range(2, 40))
 
 
-@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+@with_every_scheme
 def test_a_march_has_a_step_or_more_and_asks_for_loads_at_the_times_that_its_scheme_says(scheme):
     setup = Experiment.of(named("full-contact").solution, OneDiagonal(), 4, scheme, 7)
     with pytest.raises(StepsError, match="one step or more"):
@@ -66,7 +68,7 @@ def test_a_march_has_a_step_or_more_and_asks_for_loads_at_the_times_that_its_sch
 
 
 @pytest.mark.parametrize("case", ["advance-recede", "yield-on-a-part"])
-@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+@with_every_scheme
 def test_every_step_balances_forces_as_its_scheme_says(scheme, case):
     """M δu_n + G(θ u_n + (1 − θ) u_{n−1}) + Nᵀλ_n = F, the first steps by the scheme that takes them."""
     setup = Experiment.of(resolve(case).solution, OneDiagonal(), 6, scheme, 9)
@@ -103,7 +105,7 @@ def test_where_g_is_a_multiple_of_a_no_longer_step_would_do(scheme):
     assert least(problem, scheme, 0.999 * longest) > 0 > least(problem, scheme, 1.001 * longest)
 
 
-@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+@with_every_scheme
 def test_every_step_serves_a_monotone_law_and_steps_below_m_a_over_l_g_serve_every_law(scheme):
     assert scheme.longest(named("yield-on-a-part").solution.law.growth) == math.inf
     for name in ("softening", "double-well"):
@@ -113,7 +115,7 @@ def test_every_step_serves_a_monotone_law_and_steps_below_m_a_over_l_g_serve_eve
     assert BDF2.longest(2.0) == BACKWARD_EULER.longest(2.0) == 0.5 < BDF2.newest / 2.0
 
 
-@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+@with_every_scheme
 def test_longer_steps_are_refused_before_anything_is_factorised(monkeypatch, scheme):
     def never(S, N):
         raise AssertionError("a matrix was factorised")
@@ -162,7 +164,7 @@ def trajectory(name, scheme, steps):
     return problem, path(problem, scheme, steps)
 
 
-@pytest.mark.parametrize("name", ["advance-recede", pytest.param("yield-and-release", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["advance-recede", slow("yield-and-release")])
 @pytest.mark.parametrize(
     ("scheme", "low", "high"), [(BACKWARD_EULER, 0.8, 1.2), (BDF2, 1.3, 2.2), (MIDPOINT, 1.4, 2.3)]
 )

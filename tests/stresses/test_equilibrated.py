@@ -6,6 +6,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
+from costly_cases import slow, slow_unless
 from skfem import Basis, ElementTriP4, ElementVector
 
 from manufactured import isotropic, t, unit_square, x2
@@ -42,7 +43,7 @@ BODIES = ("advance-recede", "rotated", "layered", "corner", "hexagon", "re-entra
 DEGREES = (1, 2)
 SERVED = [(name, family) for name, family in product(BODIES, FAMILIES) if family.serves(resolve(name).solution.body)]
 MESHED = [
-    pytest.param(*one, degree, id=f"{one[0]}-{one[1].name}-{degree}", marks=() if n % 5 == 0 else pytest.mark.slow)
+    slow_unless(n % 5 == 0, *one, degree, id=f"{one[0]}-{one[1].name}-{degree}")
     for n, (one, degree) in enumerate(product(SERVED, DEGREES))
 ]
 """A fifth of all, with the degrees in turn; the nightly job takes both degrees everywhere."""
@@ -165,8 +166,8 @@ def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme, d
     ("name", "family", "degree"),
     [
         *(("layered", Shaken(), 2), ("advance-recede", Shaken(), 2)),
-        *(pytest.param(*one, marks=pytest.mark.slow) for one in (("corner", Shaken(), 1), ("layered", Shaken(), 1))),
-        pytest.param("hexagon", Unstructured(), 1, marks=pytest.mark.slow),
+        *(slow(*one) for one in (("corner", Shaken(), 1), ("layered", Shaken(), 1))),
+        slow("hexagon", Unstructured(), 1),
     ],
     ids=lambda value: getattr(value, "name", str(value)),
 )
