@@ -351,6 +351,23 @@ def test_files_of_other_programs_are_read(suffix, form, degree, tmp_path, monkey
     assert found.degree == degree
 
 
+MESH = """
+<Geometry GeometryType="XY"><DataItem DataType="Float" Dimensions="3 2" Format="XML">0 0 1 0 0 1</DataItem></Geometry>
+<Topology TopologyType="Triangle"><DataItem DataType="Int" Dimensions="1 3" Format="XML">0 1 2</DataItem></Topology>
+"""
+FIELD = """
+<Attribute Name="u" Center="Node">
+<DataItem DataType="Float" Dimensions="3 2" Format="XML">0 0 0 0 0 0</DataItem>
+</Attribute>
+"""
+SERIES = """
+<Xdmf Version="3.0"><Domain><Grid GridType="Collection" CollectionType="Temporal">
+<Grid GridType="Uniform"><Time Value="0"/>{mesh}{u}</Grid>
+<Grid GridType="Uniform"><Time Value="1"/>{later}{u}</Grid>
+</Grid></Domain></Xdmf>
+"""
+
+
 @pytest.mark.parametrize(
     ("name", "field_name", "message"),
     [
@@ -398,20 +415,9 @@ def test_files_without_a_displacement_are_refused(tmp_path, name, field_name, me
     np.savez_compressed(tmp_path / "broken.npz", **field())
     whole = (tmp_path / "broken.npz").read_bytes()
     (tmp_path / "broken.npz").write_bytes(whole[:120] + bytes(40) + whole[160:])
-    item = '<DataItem DataType="{}" Dimensions="{}" Format="XML">{}</DataItem>'
-    geometry = '<Geometry GeometryType="XY">' + item.format("Float", "3 2", "0 0 1 0 0 {}") + "</Geometry>"
-    topology = '<Topology TopologyType="Triangle">' + item.format("Int", "1 3", "0 1 2") + "</Topology>"
-    u = '<Attribute Name="u" Center="Node">' + item.format("Float", "3 2", "0 0 0 0 0 0") + "</Attribute>"
-    for file, first, second in (
-        ("moved.xdmf", geometry.format(1) + topology, geometry.format(2) + topology),
-        ("strange.xdmf", geometry.format(1) + topology, "<Geometry/>"),
-    ):
-        steps = "".join(
-            f'<Grid GridType="Uniform"><Time Value="{time}"/>{content}{u}</Grid>'
-            for time, content in enumerate((first, second))
-        )
-        series = f'<Grid GridType="Collection" CollectionType="Temporal">{steps}</Grid>'
-        (tmp_path / file).write_text(f'<Xdmf Version="3.0"><Domain>{series}</Domain></Xdmf>')
+    moved = MESH.replace("0 0 1 0 0 1", "0 0 1 0 0 2")
+    for file, later in (("moved.xdmf", moved), ("strange.xdmf", "<Geometry/>")):
+        (tmp_path / file).write_text(SERIES.format(mesh=MESH, later=later, u=FIELD))
     with pytest.raises(BoundError, match=message):
         read(tmp_path / name, field_name)
 

@@ -43,16 +43,15 @@ def test_tables_are_printed_with_the_error_between_its_ends_and_all_ends_rounded
     assert "exact solution known" in printed
     assert re.search(r"t +lower +error +upper +% of u +upper/lower +from u_h alone", printed)
     line = r"^ +([\d.]+) +([\d.]+) +([\d.]+) +([\d.]+) +\[[\d.]+, [\d.]+\] +\S+ +([\d.]+)$"
-    rows = re.findall(line, printed, re.MULTILINE)
+    rows = np.array(re.findall(line, printed, re.MULTILINE), dtype=float)
     assert len(rows) == 8
-    assert all(float(low) <= float(error) <= float(high) for _, low, error, high, _ in rows)
-    assert all(float(error) <= float(alone) for _, _, error, _, alone in rows)
+    times, low, error, high, alone = rows.T
+    assert ((low <= error) & (error <= high) & (error <= alone)).all()
     levels, series = (pd.read_csv(directory / name) for name in ("levels.csv", "enclosure.csv"))
     finest = series[series["level"] == 4]
-    for time, low, _, high, alone in (map(float, row) for row in rows):
-        there = finest.iloc[abs(finest["time"] - time).argmin()]
-        assert low <= there["lower"] <= there["upper"] <= high
-        assert there["plain"] <= alone
+    there = finest.iloc[[abs(finest["time"] - time).argmin() for time in times]]
+    assert ((low <= there["lower"]) & (there["lower"] <= there["upper"]) & (there["upper"] <= high)).all()
+    assert (there["plain"] <= alone).all()
     lines = re.findall(r"^ +[34] +\[[\d.]+, [\d.]+\] +\[[\d.]+, [\d.]+\].*", printed, re.MULTILINE)
     assert len(lines) == len(levels)
     for line, row in zip(lines, levels.itertuples(), strict=True):
