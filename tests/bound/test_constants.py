@@ -8,18 +8,17 @@ import pytest
 from scipy.sparse.linalg import eigsh
 from skfem import Basis, BilinearForm, ElementTriP2, ElementVector, FacetBasis, MeshTri
 from skfem.helpers import ddot, dot, sym_grad
-from test_terms import BODY, LAW
+from test_terms import BODY, LAW, discretised
 
-from manufactured import Data, Kind, unit_square
+from manufactured import Kind, unit_square
 from manufactured.problems import problems
 from manufactured.symbols import t
 from study.bound import enclosing, problem
-from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose, relative
 from study.bound.problem import load_constants
 from study.bound.remainders import Evidence
 from study.bound.trajectory import Parabola, SmoothedInTime, compute
-from study.fem.mesh import OneDiagonal, Unstructured
+from study.fem.mesh import Unstructured
 from study.solve.tableau import MIDPOINT
 from study.stresses.oscillation import cell_constants, loaded_sides
 
@@ -111,7 +110,7 @@ def test_both_ends_of_an_enclosure_differ_from_the_distance_by_the_bound():
 
 
 def test_between_knots_the_bound_inside_an_interval_and_the_distance_both_count(monkeypatch):
-    d = Discretisation(Data.formulas(BODY, LAW, (0, t), {}, (0, 0)), OneDiagonal()(BODY, 2))
+    d = discretised((0, t))
     monkeypatch.setattr(enclosing, "largest_distance", lambda *arguments: 7.0)
     found = enclose(d, compute(d, MIDPOINT, 2), SmoothedInTime())
     assert found.between == pytest.approx([one.inside + 7 for one in found.intervals], rel=1e-14)
@@ -119,7 +118,7 @@ def test_between_knots_the_bound_inside_an_interval_and_the_distance_both_count(
 
 def on_a_square():
     """A discretisation, and a random displacement of the norm 1."""
-    d = Discretisation(Data.formulas(BODY, LAW, (0, 0), {}, (0, 0)), OneDiagonal()(BODY, 2))
+    d = discretised()
     v = np.random.default_rng(0).standard_normal(len(d.displacements.free))
     return d, v / d.norm(v)
 

@@ -25,6 +25,11 @@ HOLE = [(0.7, 0.3), (0.8, 0.7), (1.2, 0.6), (1.1, 0.3)]
 G = plane_stress(E=2.0, nu=0.25)
 
 
+def pierced(hole, outline=OUTLINE):
+    """A body with a hole that is clamped at the bottom."""
+    return polygon(outline, [CLAMPED, FREE, FREE, FREE], holes=[(hole, [FREE] * 4)])
+
+
 @pytest.mark.parametrize("how", ["prescribed", "loaded", "in time"])
 def test_a_uniform_stress_around_a_hole_is_exact_up_to_rounding(how):
     """σ_11 = 0.02 and no other stress: u = (0.01 x1, −0.0025 x2); the hole is loaded by σν.
@@ -76,21 +81,19 @@ def test_rollers_in_one_direction_do_not_hold_a_body(kinds):
 @pytest.mark.parametrize("size", [1e-20, 1e10])
 def test_bodies_with_holes_have_any_size(size):
     outline, hole = (size * np.array(corners) for corners in (OUTLINE, HOLE))
-    body = polygon(outline, [CLAMPED, FREE, FREE, FREE], holes=[(hole, [FREE] * 4)])
-    assert [len(loop) for loop in body.loops] == [4, 4]
+    assert [len(loop) for loop in pierced(hole, outline).loops] == [4, 4]
 
 
 @pytest.mark.parametrize("shift", [(0.8, 0), (0, 0.5), (3, 0)])
 def test_holes_that_leave_the_outline_are_refused(shift):
     with pytest.raises(BodyError, match="does not lie inside the outline"):
-        polygon(OUTLINE, [CLAMPED, FREE, FREE, FREE], holes=[(np.array(HOLE) + shift, [FREE] * 4)])
+        pierced(np.array(HOLE) + shift)
 
 
 def test_certificates_refuse_what_the_checker_does_not_know():
     law = KelvinVoigt(G, G, "G")
     rolling = polygon(OUTLINE, [CONTACT, ROLLER, FREE, CLAMPED])
-    pierced = polygon(OUTLINE, [CONTACT, FREE, FREE, CLAMPED], holes=[(HOLE, [FREE] * 4)])
-    for body in (rolling, pierced):
+    for body in (rolling, pierced(HOLE)):
         with pytest.raises(BoundError, match="neither ROLLER sides nor holes"):
             statement(Data.formulas(body, law, (0, 0)))
     moved = static(polygon(OUTLINE, [CLAMPED, FREE, FREE, FREE]), G, u={0: (1, 0)})
@@ -123,7 +126,7 @@ def test_slanted_rollers_and_holes_in_the_wrong_direction_are_refused():
     with pytest.raises(BodyError, match=r"the ROLLER side from \[2.0, 0.0\] .* not parallel to an axis"):
         polygon([(0, 0), (2, 0), (1.8, 1), (0, 1)], [CLAMPED, ROLLER, FREE, FREE])
     with pytest.raises(BodyError, match="is listed counter-clockwise"):
-        polygon(OUTLINE, [CLAMPED, FREE, FREE, FREE], holes=[(HOLE[::-1], [FREE] * 4)])
+        pierced(HOLE[::-1])
 
 
 @pytest.mark.parametrize(

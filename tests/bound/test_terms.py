@@ -50,8 +50,8 @@ EDGE, CELL = 1 / N, 1 / (2 * N * N)
 """Length of an edge and area of a cell."""
 
 
-def discretised(f0=(0, 0), f2=None, u0=(0, 0)):
-    return Discretisation(Data.formulas(BODY, LAW, f0, f2 or {}, u0), OneDiagonal()(BODY, N))
+def discretised(f0=(0, 0), f2=None, u0=(0, 0), law=LAW):
+    return Discretisation(Data.formulas(BODY, law, f0, f2 or {}, u0), OneDiagonal()(BODY, N))
 
 
 def stretch(d):
@@ -64,12 +64,12 @@ def stretch(d):
 # ---- what samples miss
 
 
-def missed(expected, f0=(0, 0), f2=None, a=0.25, b=0.5):
+def missed(expected, f0=(0, 0), f2=None, a=0.25):
     """In the dual of V: C_Ω or C_Γ times a norm."""
     d = discretised(f0, f2)
     constants = load_constants(BODY, LAW.A)
     constant = constants.surface if f2 else constants.volume
-    return d.sampling.missed(d.oscillation, a, b).everywhere, constant * expected
+    return d.sampling.missed(d.oscillation, a, 0.5).everywhere, constant * expected
 
 
 def missed_in_cells(f0=(0, 0), f2=None, inside=0.0, on_edges=0.0):
@@ -168,7 +168,7 @@ def curvature(which):
     """β k |ε̇| 2θ(1 − θ) has the mean β k |ε̇|/3 and is β k |ε̇|/2 at most; |ε̇| is larger at the end of this piece."""
     beta, k = 4.0, 0.5
     law = KelvinVoigt(isotropic(1, 0), Yield(beta, FrobeniusBall(1e-3)), "yields at once")
-    d = Discretisation(Data.formulas(BODY, law, (0, 0), {}, (0, 0)), OneDiagonal()(BODY, N))
+    d = discretised(law=law)
     v = stretch(d)
     rest = getattr(terms_of(d, Parabola(0.0, k, v, 1.1 * v, 1.5 * v)).step(), which).rest
     return rest, beta * 2 * (1.5 - 1.1) / {"mean": 3, "largest": 2}[which] / math.sqrt(2)

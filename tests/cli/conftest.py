@@ -14,6 +14,7 @@ from places import ROOT
 
 from study.cli import check, present, run
 from study.fem.naming import resolve
+from study.ledger.files import write_text
 from study.present.figures import drawings
 from study.run.executor import GIB, Pool
 from study.statements.shared.scope import Scope
@@ -88,3 +89,17 @@ def own(made, tmp_path):
     shutil.copytree(made, tmp_path, dirs_exist_ok=True, ignore=shutil.ignore_patterns("jobs", "figures"))
     resolve.cache_clear()
     return tmp_path / "results"
+
+
+@pytest.fixture
+def refusal_of_case(told, out, tmp_path):
+    """Runs the case ``mine`` of a file, which must be refused before anything is written; returns what is said."""
+
+    def run(code):
+        resolve.cache_clear()
+        path = write_text(tmp_path / "mine.py", code)
+        said = told(f"run --case {path}:mine --levels 8 16 32 --out {out}")
+        assert not out.exists()
+        return said
+
+    return run

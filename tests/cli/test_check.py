@@ -48,8 +48,8 @@ def to(value):
     return lambda cell: value
 
 
-def twice(name, row=1):
-    return rewritten(lambda table: pd.concat([table, table.iloc[[row]]]), name)
+def twice(name):
+    return rewritten(lambda table: pd.concat([table, table.iloc[[1]]]), name)
 
 
 def recorded(change):

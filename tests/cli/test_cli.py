@@ -12,7 +12,7 @@ from commands import python, study
 
 from manufactured.catalogue import OTHER_NAMES
 from study.cli.common import code_of, progress_bar
-from study.fem.naming import outside_the_catalogue, resolve
+from study.fem.naming import outside_the_catalogue
 from study.ledger.files import UsageError, write_text
 from study.ledger.verdict import FAILS, HOLDS, MISSED, UNDECIDED, Verdict
 from study.present.outcome import ledger_text
@@ -41,13 +41,8 @@ def changed(**c): return replace(case, name="mine", solution=replace(case.soluti
         ("other = case", r"defines no 'mine'"),
     ],
 )
-def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(told, tmp_path, out, line, message):
-    resolve.cache_clear()
-    path = tmp_path / "mine.py"
-    path.write_text(HEAD + line + "\n")
-    said = told(f"run --case {path}:mine --levels 8 16 32 --out {out}")
-    assert re.search(message, said, re.DOTALL)
-    assert not out.exists()
+def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(refusal_of_case, line, message):
+    assert re.search(message, refusal_of_case(HEAD + line), re.DOTALL)
 
 
 def test_data_of_another_version_are_refused_by_name_and_no_data_with_the_command(told, tmp_path):

@@ -82,10 +82,8 @@ RIGHT = OWN.format(face=LINEAR.format("pos(-z, 4)", "pos(z, 3)", "z"), of="")
         (PRESCRIBED.format("pos(-z, 4)", "-Max(z, 0)**2"), "Max(0, -s + t/2)**2", "pos(-s + t/2, 2)"),
     ],
 )
-def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(face, kink, instead, tmp_path, out, told):
-    path = tmp_path / "mine.py"
-    path.write_text(OWN.format(face=face, of=", dim=3"), encoding="utf-8")
-    said = told(f"run --case {path}:mine --levels 4 --out {out}")
+def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(face, kink, instead, refusal_of_case):
+    said = refusal_of_case(OWN.format(face=face, of=", dim=3"))
     assert said.endswith(f"instead of {kink} write {instead}; correct the file\n")
     assert "label" not in said
     assert len(said.splitlines()) == 1
@@ -111,14 +109,12 @@ def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(face, ki
     ],
     ids=["no return", "complex", "another body", "no potential", "a low body"],
 )
-def test_a_case_that_cannot_be_measured_is_refused_with_what_to_change(lines, said, tmp_path, out, told):
+def test_a_case_that_cannot_be_measured_is_refused_with_what_to_change(lines, said, refusal_of_case):
     skew = "skew = NonSymmetric(isotropic(1, 1).matrix + [[0, 0.1, 0], [-0.1, 0, 0], [0, 0, 0]])\n"
     other = "from sympy import I\nother = unit_square()\n"
     other += "sides = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]\n"
     other += "low = polygon([(0, 0), (1, 0), (1, 0.5), (0, 0.5)], sides)\n"
-    path = tmp_path / "mine.py"
-    path.write_text(f"from manufactured import *\n{skew}{other}{lines}", encoding="utf-8")
-    assert said in told(f"run --case {path}:mine --levels 4 8 16 --out {out}")
+    assert said in refusal_of_case(f"from manufactured import *\n{skew}{other}{lines}")
 
 
 def test_help_names_what_there_is_in_80_columns_and_needs_nothing_that_takes_time():

@@ -43,12 +43,12 @@ def quadratic(body):
 def discretisation(body, refinements=0):
     found, family = BODIES[body]
     data = Data.formulas(found, anisotropic() if body == "square" else not_proportional(), f0=(0, 0))
-    return Discretisation(data, family(found, LEVEL).refined(refinements) if refinements else family(found, LEVEL))
+    return Discretisation(data, family(found, LEVEL).refined(refinements))
 
 
-def in_cells(space, rng, q=5):
-    """Random barycentric coordinates (3, q), the same in every cell, and their points (2, cells, q)."""
-    barycentric = rng.dirichlet(np.ones(3), q).T
+def in_cells(space, rng):
+    """Random barycentric coordinates (3, 5), the same in every cell, and their points (2, cells, 5)."""
+    barycentric = rng.dirichlet(np.ones(3), 5).T
     return barycentric, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], barycentric)
 
 

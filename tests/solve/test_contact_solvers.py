@@ -149,11 +149,11 @@ LARGE = [
 """Meshes that are large enough for coarse levels."""
 
 
-def disturbed(S, N, count=3):
+def disturbed(S, N):
     """Loads that press some vertices on the foundation and lift others, more and more of them."""
     rng = np.random.default_rng(5)
     smooth, forces = S @ rng.standard_normal(S.shape[0]), N.T @ rng.standard_normal(N.shape[0])
-    return [smooth + k * forces for k in range(count)]
+    return [smooth + k * forces for k in range(3)]
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, EXACT])

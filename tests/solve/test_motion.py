@@ -26,11 +26,11 @@ RNG = np.random.default_rng(2002)
 
 
 @lru_cache
-def moved(case, steps=8):
+def moved(case):
     """A case on a coarse mesh."""
     solution = resolve(case).solution
     family = Unstructured() if solution.body.dim == 2 else FAMILIES[0]
-    return Motion.of(solution, family, 6 if solution.body.dim == 2 else 3, steps)
+    return Motion.of(solution, family, 6 if solution.body.dim == 2 else 3, 8)
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -217,32 +217,32 @@ FINE = 256
 """Intervals of the grid in time, and steps of the reference."""
 
 
-def random_problem(seed, n=3):
+def random_problem(seed):
     """M u̇ + C u + N_K(u) ∋ F with C neither symmetric nor monotone, a load with a jump, κ and γ."""
     rng = np.random.default_rng(seed)
-    root = rng.standard_normal((n, n))
-    M = root @ root.T + 0.3 * np.eye(n)
+    root = rng.standard_normal((3, 3))
+    M = root @ root.T + 0.3 * np.eye(3)
     L = np.linalg.cholesky(M)
-    B = rng.standard_normal((n, n))
-    B *= rng.uniform(0.2, 3) / np.linalg.norm(B, 2)
-    kappa = np.linalg.norm(B, 2)
-    gamma = max(0.0, -np.linalg.eigvalsh(B + B.T)[0] / 2)
+    B = rng.standard_normal((3, 3))
+    kappa = rng.uniform(0.2, 3)
+    B *= kappa / np.linalg.norm(B, 2)
+    gamma = float(max(0.0, -np.linalg.eigvalsh(B + B.T)[0] / 2))
     C = L @ B @ L.T
     symmetric = (C + C.T) / 2
     skew = (C - C.T) / 2
-    amplitude = rng.standard_normal((3, n))
+    amplitude = rng.standard_normal((3, 3))
     frequency = rng.uniform(0, 12)
     jump = rng.uniform(0.1, 0.9)
 
     def load(t):
         return amplitude.T @ [np.ones(t.size), np.sin(frequency * t), 2.0 * (t > jump)]
 
-    u0 = np.where(rng.random(n) < 0.5, 0.0, rng.random(n))
+    u0 = np.where(rng.random(3) < 0.5, 0.0, rng.random(3))
     problem = SemiDiscrete(
-        sps.csc_array(M), sps.csc_array(symmetric), skew.__matmul__, sps.csr_array(-np.eye(n)), load, u0, 1.0,
-        growth=float(gamma),
+        sps.csc_array(M), sps.csc_array(symmetric), skew.__matmul__, sps.csr_array(-np.eye(3)), load, u0, 1.0,
+        growth=gamma,
     )  # fmt: skip
-    return problem, float(kappa), float(gamma)
+    return problem, kappa, gamma
 
 
 @settings(max_examples=6, deadline=None)

@@ -50,11 +50,11 @@ MESHED = [
 LAW = KelvinVoigt(isotropic(2, 3), isotropic(1, 0.5), "linear")
 
 
-def stress_at(solution, family, degree, now=0.4):
+def stress_at(solution, family, degree):
     space = StressSpace(family(solution.body, 4), solution.body, degree)
-    loads = ProjectedLoads(Data.of(solution), space)(now)
+    loads = ProjectedLoads(Data.of(solution), space)(0.4)
     equilibrium = Equilibrium(space, np.linalg.inv(solution.law.A.matrix))
-    strain = solution.at(space.points).strain(now)
+    strain = solution.at(space.points).strain(0.4)
     return space, loads, equilibrium, equilibrium(loads, -strain)
 
 
