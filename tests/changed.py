@@ -28,13 +28,6 @@ def turned(solution, angle):
     return ExactSolution(moved, solution.law, tuple(replace(face, part=part) for face, part in faces))
 
 
-def smallest_angle(corners):
-    """The smallest angle of triangles (2, 3, n)."""
-    sides = np.roll(corners, -1, axis=1) - corners
-    unit = sides / np.linalg.norm(sides, axis=0)
-    return np.arccos((-unit * np.roll(unit, 1, axis=1)).sum(axis=0)).min()
-
-
 def problems(solution, family, level):
     """Problems 3.1 and 3.2 of an exact solution on one mesh."""
     setup = Experiment.of(solution, family, level, BACKWARD_EULER, 1)

@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from bodies import ANGLE, CLAMPED, CONTACT, LAW, LOADED
-from changed import smallest_angle
 from hypothesis import given
 from hypothesis import strategies as st
+from measures import smallest_angle
 from places import CERTIFICATES
 from sympy import Rational, exp
 from test_terms import discretised, terms_of

@@ -11,6 +11,7 @@ from changed import problems
 from costly_cases import slow
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from measures import close
 from on_floor import on_floor
 from sympy import Rational
 
@@ -80,7 +81,7 @@ def test_every_step_balances_forces_as_its_scheme_says(scheme, case):
         between = taken.theta * u + (1 - taken.theta) * before[-1]
         load = problem.load(taken.balanced(n, k))
         inner = problem.M @ taken.rate(u, before, k) + problem.elastic(between)
-        assert abs(inner + problem.N.T @ states[n].multipliers - load).max() <= 1e-9 * abs(load).max()
+        assert close(inner + problem.N.T @ states[n].multipliers, load, 1e-9)
 
 
 BODY = unit_square()
