@@ -9,6 +9,7 @@ from fractions import Fraction
 import pandas as pd
 import pytest
 from commands import python, study
+from tables import everything
 
 from manufactured.catalogue import OTHER_NAMES
 from study.cli.common import code_of, progress_bar
@@ -126,7 +127,7 @@ def test_what_misses_a_claim_is_told_with_the_reason(own, change, message):
 
 def test_a_second_run_computes_only_what_is_missing_and_gives_the_same_data(made, told, monkeypatch):
     data = made / "results" / "data"
-    before = {path: path.read_bytes() for path in data.rglob("*") if path.is_file()}
+    before = everything(data)
     jobs = sorted((data / "jobs").glob("rates__*__00008.json"))
     jobs[0].unlink()
     jobs[1].write_text(jobs[1].read_text()[:100])
@@ -135,7 +136,7 @@ def test_a_second_run_computes_only_what_is_missing_and_gives_the_same_data(made
     # Verdicts are printed when the last measurement of a statement has ended, and only for what was measured.
     assert re.search(r"Prop\. 5\.4, pocket: \d+ holds", said)
     assert "Thm 4.2, pocket" not in said
-    assert {path: path.read_bytes() for path in data.rglob("*") if path.is_file()} == before
+    assert everything(data) == before
     assert {path: path.stat().st_mtime_ns for path in untouched} == untouched
 
 

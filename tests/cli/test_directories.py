@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from commands import study
 from places import CERTIFICATES
-from tables import texts
+from tables import everything, texts
 
 from study.bound import bounded
 from study.cli import run
@@ -30,10 +30,6 @@ from study.run.tasks import TaskStore
 COARSE = "--steps 2 --refine 0 --shorter 1"
 COMMANDS = ["run --case full-contact --levels 2 4 8", "check", "tables", "figures", "report"]
 COMMANDS += ["faults --case full-contact", "seeds --seeds 1"]
-
-
-def everything(directory):
-    return {path: path.read_bytes() for path in directory.rglob("*") if path.is_file()}
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -25,6 +25,7 @@ import pytest
 from commands import study
 from costly_cases import slow
 from distributed import LocalCluster
+from tables import everything
 
 from manufactured.self_proof import SelfProofError
 from manufactured.self_proof.finding import Finding
@@ -69,7 +70,7 @@ def computed(scope, directory, jobs_of):
     plan, store = Plan.of(scope), Store(directory)
     execute(plan.jobs, store, jobs_of, ignore)
     collect(plan, store)
-    return {str(path.relative_to(directory)): path.read_bytes() for path in directory.rglob("*") if path.is_file()}
+    return {str(path.relative_to(directory)): content for path, content in everything(directory).items()}
 
 
 class AtOnce(Executor):

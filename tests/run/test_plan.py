@@ -31,7 +31,7 @@ from study.statements.thm_4_2 import SameMesh
 from study.statements.time_steps import FullyDiscrete, Landings
 from study.statements.work_of_contact import Rollers, WorkOfContact
 
-SCOPES = ("quick", "full")
+in_both_studies = pytest.mark.parametrize("name", ["quick", "full"])
 
 
 @cache
@@ -48,7 +48,7 @@ def rates(name):
     return [job.setting for job in plan(name).jobs if isinstance(job.statement, Rates)]
 
 
-@pytest.mark.parametrize("name", SCOPES)
+@in_both_studies
 def test_every_case_has_enough_levels_for_its_verdict_and_both_formulations_compared(name):
     compared = {job.setting.case for job in plan(name).jobs if isinstance(job.statement, SameMesh)}
     for case in scope(name).resolved():
@@ -68,7 +68,7 @@ def test_the_full_study_uses_named_and_regular_families_for_some_cases_all_and_t
     assert {setting.family for setting in rates("quick")} == {f.name for f in FAMILIES}
 
 
-@pytest.mark.parametrize("name", SCOPES)
+@in_both_studies
 def test_another_case_or_mesh_family_adds_measurements_and_changes_none(name, monkeypatch):
     before = {job.identity for job in plan(name).jobs}
     inserted = ModuleType("inserted")
@@ -105,7 +105,7 @@ FULL_ONLY = {FullyDiscrete(), WorkOfContact(), Landings(), Rollers()}
 """Left to the full study: nothing is claimed of them on meshes as coarse as those of the quick one."""
 
 
-@pytest.mark.parametrize("name", SCOPES)
+@in_both_studies
 def test_every_statement_is_measured_on_cases_and_problems_that_exist(name):
     jobs = plan(name).jobs
     missing = {job.statement for job in plan("full").jobs} - {job.statement for job in jobs}
@@ -114,21 +114,21 @@ def test_every_statement_is_measured_on_cases_and_problems_that_exist(name):
         assert resolve_problem(job.setting.case).name == job.setting.case
 
 
-@pytest.mark.parametrize("name", SCOPES)
+@in_both_studies
 def test_no_statement_but_its_own_is_measured_on_a_gap(name):
     gaps = {case.name for case in catalogue() if case.solution.has_initial_gap}
     about = {type(job.statement) for job in plan(name).jobs if job.setting.case in gaps}
     assert about == {InitialGap, Pictures}
 
 
-@pytest.mark.parametrize("name", SCOPES)
+@in_both_studies
 def test_no_two_measurements_have_one_name_or_give_the_same_rows(name):
     """Two statements may share a label, but not what they write."""
     jobs = plan(name).jobs
     assert len({job.key for job in jobs}) == len({job.identity for job in jobs}) == len(jobs)
 
 
-@pytest.mark.parametrize("name", SCOPES)
+@in_both_studies
 def test_what_is_measured_is_judged_by_a_statement_of_the_list_and_the_others_measure_nothing(name):
     assert len(set(STATEMENTS)) == len(STATEMENTS)
     measured = {job.statement for job in plan(name).jobs}
@@ -138,7 +138,7 @@ def test_what_is_measured_is_judged_by_a_statement_of_the_list_and_the_others_me
             statement.measure(Setting("full-contact", "shaken", 4))
 
 
-@pytest.mark.parametrize("name", SCOPES)
+@in_both_studies
 def test_a_study_begins_with_the_case_of_the_readme_and_leaves_nothing_out(name):
     first, rest = plan(name).stages()
     assert {job.case for job in first} == {"advance-recede"}
