@@ -1,4 +1,4 @@
-"""How close arrays are, and how thin triangles."""
+"""How close arrays are, how thin triangles, and Gauss's rule."""
 
 import numpy as np
 
@@ -13,3 +13,9 @@ def smallest_angle(corners):
     sides = np.roll(corners, -1, axis=1) - corners
     unit = sides / np.linalg.norm(sides, axis=0)
     return np.arccos((-unit * np.roll(unit, 1, axis=1)).sum(axis=0)).min()
+
+
+def gauss(n):
+    """The points and weights of Gauss's rule on [0, 1]."""
+    x, weights = np.polynomial.legendre.leggauss(n)
+    return (1 + x) / 2, weights / 2
