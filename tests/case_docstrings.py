@@ -3,7 +3,6 @@
 import re
 from fractions import Fraction
 
-from manufactured import Case
 from manufactured.case import INITIAL_GAP
 
 FORMULAS = ("w =", "p =", "ψ =")
@@ -11,7 +10,7 @@ PREDICTION = re.compile(r"^Predicted order ([\d./]+)[^:]*: (.+?)(?=\n\n|\Z)", re
 REASON = {"Prop. 5.4": "(5.36)", "Prop. 5.3": "H^{1+s}", INITIAL_GAP: "(5.36)"}
 
 
-def missing_parts(docstring: str | None, case: Case) -> list[str]:
+def missing_parts(docstring, case):
     """Returns what is missing of gap, pressure, zone and slip, and then of the predicted order and its reason."""
     text = (docstring or "").strip()
     found = PREDICTION.search(text)

@@ -2,10 +2,9 @@
 
 import gc
 import os
-from collections.abc import Iterator
-from typing import Any
 
 import pytest
+from commands import study
 from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
@@ -24,7 +23,7 @@ os.environ["COLUMNS"] = "110"
 gc.disable()
 
 
-def pytest_collection_finish() -> None:
+def pytest_collection_finish():
     """From here on tests run."""
     gc.freeze()
     gc.set_threshold(200_000, 20, 50)
@@ -32,7 +31,7 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+def pytest_xdist_make_scheduler(config, log):
     """A process gets whole files, so that what they share is made once, and takes tests from others when it has none.
 
     Without pytest-xdist nobody asks.
@@ -43,7 +42,27 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 
 @pytest.fixture(autouse=True, scope="session")
-def one_thread() -> Iterator[None]:
+def one_thread():
     """Tests run in parallel: the processes share the cores already."""
     with threadpool_limits(1):
         yield
+
+
+@pytest.fixture
+def out(tmp_path):
+    """A directory that is not there."""
+    return tmp_path / "out"
+
+
+@pytest.fixture
+def told(capsys):
+    """Runs a command that must end with an exit code, 2 unless told otherwise; returns all that it printed."""
+
+    def run(line, code=2):
+        capsys.readouterr()
+        assert study(line) == code
+        printed = capsys.readouterr()
+        assert "Traceback" not in printed.err
+        return printed.out + printed.err
+
+    return run

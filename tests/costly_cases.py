@@ -1,7 +1,5 @@
 """The cases that take the most time are left to the slow tests."""
 
-from collections.abc import Iterable
-
 import pytest
 
 BEYOND_THE_CATALOGUE = ("trains", "breathing-trains", "natural-motion", "roller-8", "standing-8")
@@ -11,6 +9,15 @@ DEAR = (
 )
 
 
-def by_cost(names: Iterable[str]) -> list:
+def slow_unless(quick, *values, **options):
+    """Parameters of a test, which is slow unless a condition holds."""
+    return pytest.param(*values, marks=() if quick else pytest.mark.slow, **options)
+
+
+def slow(*values):
+    return slow_unless(False, *values)
+
+
+def by_cost(names):
     """Parameters of a test; `make study` and the slow tests prove and measure the costly cases as well."""
-    return [pytest.param(name, marks=pytest.mark.slow if name in DEAR else ()) for name in names]
+    return [slow_unless(name not in DEAR, name) for name in names]

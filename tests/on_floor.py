@@ -2,10 +2,10 @@
 
 import sympy as sp
 
-from manufactured import ContactFace, ExactSolution, KelvinVoigt, Kind, unit_square
+from manufactured import ContactFace, ExactSolution, Kind, unit_square
 
 
-def on_floor(law: KelvinVoigt, gap, pressure, level=1, T: float = 1.0, **options) -> ExactSolution:
+def on_floor(law, gap, pressure, level=1, T=1.0, **options):
     """The solution for a linear law; the options are those of ``ContactFace.linear``."""
     body = unit_square(T)
     (floor,) = body.of(Kind.CONTACT)

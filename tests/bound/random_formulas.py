@@ -1,16 +1,13 @@
 """Random formulas with kinks and jumps, and their exact values in fractions, by none of the code under test."""
 
-from __future__ import annotations
-
 import math
 import operator
-from collections.abc import Mapping
 from fractions import Fraction
 
 import mpmath
 import numpy as np
 import sympy as sp
-from sympy import Expr, Rational, sin
+from sympy import Rational, sin
 
 from manufactured import pos, t
 from manufactured.factor import x1, x2
@@ -36,10 +33,10 @@ SMOOTH = (operator.add, operator.mul, lambda a, b: a**2, lambda a, b: sin(a))
 class RandomFormula:
     """Makes formulas whose conditions change at multiples of 1/4, many of them on sets of positive measure."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed):
         self.rng = np.random.default_rng(seed)
 
-    def __call__(self, depth: int) -> Expr:
+    def __call__(self, depth):
         if depth == 0:
             return self._chosen(x1, x2, t, x1 - x2) - Rational(int(self.rng.integers(5)), 4)
         a, b = self(depth - 1), self(int(self.rng.integers(depth)))
@@ -52,7 +49,7 @@ class RandomFormula:
                 return self(depth)
         return self._chosen(*KINKS, *KINKS, *JUMPS, *SMOOTH)(a, b)
 
-    def condition(self, depth: int) -> sp.Basic:
+    def condition(self, depth):
         relation = self._chosen(sp.Gt, sp.Ge, sp.Lt, sp.Le, sp.Eq, sp.Ne)
         # A kink is compared with 0, because Max(…, 0) and 0 are equal on sets of positive measure.
         single = relation(self._chosen(*KINKS)(self(depth), self(0)), self._chosen(0, 0, Rational(1, 4), x2))
@@ -66,7 +63,7 @@ class RandomFormula:
         return choices[int(self.rng.integers(len(choices)))]
 
 
-def exact(formula: sp.Basic, at: Mapping[sp.Symbol, Fraction]):
+def exact(formula, at):
     """Return the value of a formula or condition at a point: a fraction, or rounded to 50 digits if it has a sine."""
     if formula.is_Symbol:
         return at[formula]
@@ -77,7 +74,7 @@ def exact(formula: sp.Basic, at: Mapping[sp.Symbol, Fraction]):
     return EXACT[formula.func](*[exact(argument, at) for argument in formula.args])
 
 
-def _sine(x: Fraction) -> Fraction:
+def _sine(x):
     with mpmath.workdps(50):
         value = mpmath.sin(mpmath.mpf(x.numerator) / x.denominator)
     return Fraction(int(mpmath.ldexp(value, 160))) / 2**160

@@ -1,52 +1,47 @@
 """Shares of a bound add up to it, meshes follow them, and a tolerance that is said to be reached is guaranteed."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from bodies import ANGLE, CLAMPED, CONTACT, LAW, LOADED
 from hypothesis import given
 from hypothesis import strategies as st
+from measures import smallest_angle
+from places import CERTIFICATES
 from sympy import Rational, exp
 from test_terms import discretised, terms_of
 
-from manufactured import Case, Data, KelvinVoigt, Kind, isotropic, named, polygon, pos, static, t
+from manufactured import Data, isotropic, named, polygon, pos, static, t
 from manufactured.factor import x1, x2
 from study.bound import adaptive
-from study.bound.adaptive import Adapted, Stage, adapted, marked, next_stage
+from study.bound.adaptive import Stage, adapted, marked, next_stage
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose
 from study.bound.remainders import GUARANTEED
 from study.bound.static import compute_static, enclose_static
-from study.bound.terms import Majorant, Shares, part_that_changes
+from study.bound.terms import Majorant, part_that_changes
 from study.bound.trajectory import Refined, SmoothedInTime, compute
-from study.cli.main import main
 from study.cli.problem import contact_edges
-from study.fem.mesh import Unstructured, boundary_parts, facet_measures
+from study.fem.mesh import Unstructured, boundary_parts, cell_volumes, facet_measures
 from study.present.bounds import adaptive_text
 from study.solve.tableau import MIDPOINT
 
-LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
-CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
 
-
-def wedge(**load) -> Data:
+def wedge(**load):
     """On a slanted foundation."""
     body = polygon([(0, 0), (2, -0.5), (2, 1), (0, 1)], [CONTACT, LOADED, LOADED, CLAMPED])
     return Data.formulas(body, LAW, **load)
 
 
-def first_stage(data: Data, level: int = 2, steps: int = 4) -> Stage:
+def first_stage(data, level=2, steps=4):
     mesh = Unstructured()(data.body, level)
     return Stage(mesh, steps)
 
 
-def stages(data: Data, count: int, first: Stage, case: Case | None = None) -> Iterator[tuple[Stage, Adapted]]:
+def stages(data, count, first, case=None):
     stage = first
     for _ in range(count):
         found = adapted(data, case, stage, MIDPOINT)
@@ -66,7 +61,7 @@ PROBLEMS = {
 
 @pytest.mark.parametrize("name", PROBLEMS)
 @pytest.mark.parametrize("trajectory", [SmoothedInTime(), Refined(0, 2)], ids=["u_h alone", "enclosure"])
-def test_shares_are_not_negative_and_add_up_to_the_bound(name: str, trajectory) -> None:
+def test_shares_are_not_negative_and_add_up_to_the_bound(name, trajectory):
     data = wedge(**PROBLEMS[name])
     discretisation = Discretisation(data, Unstructured()(data.body, 2))
     enclosure = enclose(discretisation, compute(discretisation, MIDPOINT, 3), trajectory)
@@ -78,7 +73,7 @@ def test_shares_are_not_negative_and_add_up_to_the_bound(name: str, trajectory) 
         assert one.shares.total == pytest.approx(left, abs=1e-12)
 
 
-def test_shares_of_a_static_bound_belong_to_cells_alone_and_add_up_to_the_bound() -> None:
+def test_shares_of_a_static_bound_belong_to_cells_alone_and_add_up_to_the_bound():
     data = static(wedge(f0=(0, 0)).body, isotropic(2.0, 3.0), (0, -1))
     discretisation = Discretisation(data, Unstructured()(data.body, 2))
     enclosure, shares = enclose_static(discretisation, compute_static(discretisation), None)
@@ -87,7 +82,7 @@ def test_shares_of_a_static_bound_belong_to_cells_alone_and_add_up_to_the_bound(
     assert shares.cells.min() >= 0
 
 
-def test_what_comes_after_the_largest_bound_has_no_share_in_it() -> None:
+def test_what_comes_after_the_largest_bound_has_no_share_in_it():
     data = wedge(**PROBLEMS["rolling"])
     discretisation = Discretisation(data, Unstructured()(data.body, 2))
     found = enclose(discretisation, compute(discretisation, MIDPOINT, 3), SmoothedInTime())
@@ -100,7 +95,7 @@ def test_what_comes_after_the_largest_bound_has_no_share_in_it() -> None:
     assert same.cells == pytest.approx(one.cells)
 
 
-def test_a_load_on_few_cells_gives_them_the_shares() -> None:
+def test_a_load_on_few_cells_gives_them_the_shares():
     place = np.array([1.5, 0.3])
     bump = exp(-20 * ((x1 - place[0]) ** 2 + (x2 - place[1]) ** 2))
     data = wedge(f0=(0, -50 * t * bump))
@@ -108,12 +103,12 @@ def test_a_load_on_few_cells_gives_them_the_shares() -> None:
     mesh, shares = last.mesh, found.shares
     middles = mesh.p[:, mesh.t].mean(axis=1)
     near = np.linalg.norm(middles - place[:, None], axis=0) < 0.5
-    volumes = abs(np.linalg.det(np.moveaxis(mesh.p[:, mesh.t[1:]] - mesh.p[:, mesh.t[:1]], 2, 0)))
+    volumes = cell_volumes(mesh)
     assert shares.cells[near].sum() / shares.cells.sum() > 1.5 * volumes[near].sum() / volumes.sum()
     assert stage.cells < mesh.t.shape[1]
 
 
-def test_the_verdict_on_a_tolerance_is_about_the_last_mesh() -> None:
+def test_the_verdict_on_a_tolerance_is_about_the_last_mesh():
     numbers = {"mesh": 1, "cells": 8, "dofs": 9, "steps": 4, "order": 0.5, "in_time": 0.1, "error": np.nan}
     rows = pd.DataFrame([{**numbers, "bound": 0.4, "percent": 20.0}, {**numbers, "bound": 0.125, "percent": 5.0}])
     first, *_ = adaptive_text("ramp", rows, "6 %", "", [])
@@ -122,7 +117,7 @@ def test_the_verdict_on_a_tolerance_is_about_the_last_mesh() -> None:
 
 
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=8), st.floats(0.05, 1))
-def test_marked_cells_are_the_fewest_that_have_a_part(shares: list[float], part: float) -> None:
+def test_marked_cells_are_the_fewest_that_have_a_part(shares, part):
     values = np.array(shares)
     chosen = marked(values, part)
     enough = part * values.sum() * (1 - 1e-9)
@@ -131,8 +126,8 @@ def test_marked_cells_are_the_fewest_that_have_a_part(shares: list[float], part:
     assert all(values[list(some)].sum() < part * values.sum() * (1 + 1e-9) or values.sum() == 0 for some in fewer)
 
 
-def test_what_changes_within_a_piece_is_that_of_time() -> None:
-    def share(coefficients: list[float]) -> float:
+def test_what_changes_within_a_piece_is_that_of_time():
+    def share(coefficients):
         products = np.multiply.outer(coefficients, coefficients)
         quadratic = np.array([[6, 3, 1], [3, 4, 3], [1, 3, 6]]) / 30
         return float(part_that_changes(products[..., None], np.array([np.vdot(quadratic, products)]))[0])
@@ -144,11 +139,11 @@ def test_what_changes_within_a_piece_is_that_of_time() -> None:
     assert share([0.0, 0.0, 0.0]) == 0
 
 
-def test_the_shares_of_cells_and_of_time_are_linear_in_the_part_that_changes(monkeypatch) -> None:
+def test_the_shares_of_cells_and_of_time_are_linear_in_the_part_that_changes(monkeypatch):
     d = discretised((t**3, 0))
     terms = terms_of(d)
 
-    def shares(part: float) -> Shares:
+    def shares(part):
         monkeypatch.setattr("study.bound.terms.part_that_changes", lambda _, squares: np.full_like(squares, part))
         return Majorant(d)._interval(terms, 0.0).shares
 
@@ -160,17 +155,11 @@ def test_the_shares_of_cells_and_of_time_are_linear_in_the_part_that_changes(mon
 # ---- meshes and steps
 
 
-def smallest_angle(stage: Stage) -> float:
-    sides = stage.mesh.p[:, np.roll(stage.mesh.t, -1, axis=0)] - stage.mesh.p[:, stage.mesh.t]
-    unit = sides / np.linalg.norm(sides, axis=0)
-    return float(np.arccos((-unit * np.roll(unit, 1, axis=1)).sum(axis=0)).min())
-
-
-def test_parts_of_the_boundary_stay_and_angles_do_not_degenerate() -> None:
+def test_parts_of_the_boundary_stay_and_angles_do_not_degenerate():
     """By marks at random, concentrated at one end of the slanted foundation, many times."""
     data, rng = wedge(f0=(0, 0)), np.random.default_rng(0)
     stage = first_stage(data)
-    least = smallest_angle(stage)
+    least = smallest_angle(stage.mesh.p[:, stage.mesh.t])
     for _ in range(14):
         middles = stage.mesh.p[:, stage.mesh.t].mean(axis=1)
         shares = rng.random(stage.cells) / np.linalg.norm(middles - [[2.0], [-0.5]], axis=0) ** 4
@@ -179,12 +168,12 @@ def test_parts_of_the_boundary_stay_and_angles_do_not_degenerate() -> None:
         assert stage.cells > coarser.cells
         for part, facets in zip(data.body.parts, boundary_parts(stage.mesh, data.body), strict=True):
             assert facet_measures(stage.mesh, facets).sum() == pytest.approx(part.measure)
-    assert smallest_angle(stage) > least / 2.01
+    assert smallest_angle(stage.mesh.p[:, stage.mesh.t]) > least / 2.01
     edges = facet_measures(stage.mesh, stage.mesh.boundary_facets())
     assert edges.max() > 30 * edges.min()
 
 
-def test_time_is_refined_where_it_has_the_share_and_space_where_cells_have_it() -> None:
+def test_time_is_refined_where_it_has_the_share_and_space_where_cells_have_it():
     stage = first_stage(wedge(f0=(0, 0)))
     ones = np.ones(stage.cells)
     only_space, both, only_time = (next_stage(stage, ones, part * stage.cells) for part in (0.1, 1.0, 10.0))
@@ -192,7 +181,7 @@ def test_time_is_refined_where_it_has_the_share_and_space_where_cells_have_it() 
     assert only_space.cells == both.cells > only_time.cells == stage.cells
 
 
-def test_edges_of_the_foundation_are_in_contact_where_nothing_opens() -> None:
+def test_edges_of_the_foundation_are_in_contact_where_nothing_opens():
     data = wedge(f0=(0, 0))
     mesh = Unstructured()(data.body, 4)
     normal = next(part.normal for part in data.body.parts if part.kind is CONTACT)
@@ -205,7 +194,7 @@ def test_edges_of_the_foundation_are_in_contact_where_nothing_opens() -> None:
 # ---- the tolerance
 
 
-def test_no_error_is_above_a_tolerance_that_is_reached() -> None:
+def test_no_error_is_above_a_tolerance_that_is_reached():
     case, bounds = named("advance-recede"), []
     data = Data.of(case.solution)
     for _, found in stages(data, 2, first_stage(data, 2, 2), case):
@@ -215,10 +204,9 @@ def test_no_error_is_above_a_tolerance_that_is_reached() -> None:
 
 
 @pytest.mark.slow
-def test_the_bracket_has_the_best_order_in_unknowns_on_adapted_meshes_and_not_on_others() -> None:
+def test_the_bracket_has_the_best_order_in_unknowns_on_adapted_meshes_and_not_on_others():
     """The corner's exponent 0.54 allows N^{−0.27} on meshes that are refined everywhere."""
-    corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
-    body = polygon(corners, [CONTACT, LOADED, LOADED, LOADED, CLAMPED, LOADED])
+    body = polygon(ANGLE, [CONTACT, LOADED, LOADED, LOADED, CLAMPED, LOADED])
     data = Data.formulas(body, LAW, f0=(0, -t), f2={1: (2 * t, 0)})
     orders = []
     for everywhere in (False, True):
@@ -239,23 +227,22 @@ def test_the_bracket_has_the_best_order_in_unknowns_on_adapted_meshes_and_not_on
 # ---- the command
 
 
-SQUARE = f"{Path(__file__).parents[2]}/examples/certificates/problems.py:square"
-
-
-def adapt(out: Path, *options: str) -> int:
-    return main(["bound", SQUARE, "--levels", "2", "--steps", "4", "--out", str(out), *options])
+@pytest.fixture
+def adapt(out, told):
+    """``study bound --adapt`` for the square of the certificates, with a tolerance and further options."""
+    command = f"bound {CERTIFICATES}/problems.py:square --levels 2 --steps 4 --out {out} --adapt"
+    return lambda options, code=0: told(f"{command} {options}", code)
 
 
 @pytest.mark.slow
-def test_a_tolerance_is_reached_and_a_smaller_one_goes_on_from_there(tmp_path, monkeypatch, capsys) -> None:
+def test_a_tolerance_is_reached_and_a_smaller_one_goes_on_from_there(out, adapt, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
-    assert adapt(tmp_path / "out", "--adapt", "0.15") == 0
-    printed = capsys.readouterr().out
+    printed = adapt("0.15")
     assert "≤ 0.15, the tolerance is reached" in printed
     assert "guaranteed" in printed
     table = printed.partition("\n\n")[2]
     assert max(map(len, table.splitlines())) <= 80
-    directory = tmp_path / "out" / "square"
+    directory = out / "square"
     rows = pd.read_csv(directory / "adaptive.csv")
     assert rows["bound"].iloc[-1] <= 0.15 < rows["bound"].iloc[-2]
     assert (rows["kind"] == GUARANTEED).all()
@@ -267,30 +254,28 @@ def test_a_tolerance_is_reached_and_a_smaller_one_goes_on_from_there(tmp_path, m
 
     before, calls = adaptive.adapted, []
     monkeypatch.setattr(adaptive, "adapted", lambda *given: calls.append(given) or before(*given))
-    assert adapt(tmp_path / "out", "--adapt", "0.15") == 0
+    adapt("0.15")
     assert not calls
-    assert adapt(tmp_path / "out", "--adapt", "0.11") == 0
+    adapt("0.11")
     again = pd.read_csv(directory / "adaptive.csv")
     assert len(calls) == len(again) - len(rows) > 0
     pd.testing.assert_frame_equal(again[: len(rows)], rows)
 
 
-def test_a_limit_stops_with_the_reason_and_keeps_what_there_is(tmp_path, capsys) -> None:
-    assert adapt(tmp_path / "out", "--adapt", "1e-6", "--cells", "10") == 1
-    printed = " ".join(capsys.readouterr().out.split())
+def test_a_limit_stops_with_the_reason_and_keeps_what_there_is(out, adapt):
+    printed = " ".join(adapt("1e-6 --cells 10", code=1).split())
     assert "> 1e-06, the tolerance is not reached: the next mesh has" in printed
     assert "10 are permitted: raise --cells or the tolerance" in printed
-    assert pd.read_csv(tmp_path / "out" / "square" / "adaptive.csv")["cells"].max() <= 10
+    assert pd.read_csv(out / "square" / "adaptive.csv")["cells"].max() <= 10
 
 
 @pytest.mark.slow
-def test_memory_that_is_not_there_stops_with_the_reason(tmp_path, monkeypatch, capsys) -> None:
+def test_memory_that_is_not_there_stops_with_the_reason(adapt, monkeypatch):
     monkeypatch.setattr("study.run.executor.available", lambda: 0.5 * 2.0**30)
-    assert adapt(tmp_path / "out", "--adapt", "1e-6") == 1
-    assert "GiB of memory" in capsys.readouterr().out
+    assert "GiB of memory" in adapt("1e-6", code=1)
 
 
-def test_a_table_shows_the_order_of_each_mesh_with_more_unknowns_than_the_one_before() -> None:
+def test_a_table_shows_the_order_of_each_mesh_with_more_unknowns_than_the_one_before():
     same = {"cells": 1, "steps": 1, "percent": 1.0, "in_time": 0.5, "error": 1.0}
     rows = [same | {"mesh": n, "dofs": 4 ** min(n, 3), "bound": 2.0**-n} for n in (1, 2, 3, 4)]
     shown = adaptive_text("x", adaptive.table(rows), "0.1", "", [])

@@ -1,7 +1,5 @@
 """Constants of bodies and cells against suprema on fine meshes, and how an enclosure is made of distance and bound."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -10,20 +8,17 @@ import pytest
 from scipy.sparse.linalg import eigsh
 from skfem import Basis, BilinearForm, ElementTriP2, ElementVector, FacetBasis, MeshTri
 from skfem.helpers import ddot, dot, sym_grad
-from test_terms import BODY, LAW
+from test_terms import BODY, LAW, discretised
 
-from manufactured import Data, Kind, unit_square
-from manufactured.body import Body
+from manufactured import Kind, unit_square
 from manufactured.problems import problems
 from manufactured.symbols import t
-from manufactured.tensors import Array
 from study.bound import enclosing, problem
-from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose, relative
 from study.bound.problem import load_constants
 from study.bound.remainders import Evidence
 from study.bound.trajectory import Parabola, SmoothedInTime, compute
-from study.fem.mesh import OneDiagonal, Unstructured
+from study.fem.mesh import Unstructured
 from study.solve.tableau import MIDPOINT
 from study.stresses.oscillation import cell_constants, loaded_sides
 
@@ -43,10 +38,10 @@ def mass(u, v, w):
 # ---- constants
 
 
-def suprema(body: Body, mesh: MeshTri) -> tuple[float, float]:
+def suprema(body, mesh):
     """sup ‖v‖_H/‖v‖_V and sup ‖v‖_{L²(Γ2)}/‖v‖_V for v of degree 2 on a mesh."""
 
-    def on(kind: Kind):
+    def on(kind):
         return mesh.facets_satisfying(lambda x: np.any([p.contains(x, 1e-9) for p in body.of(kind)], axis=0), True)
 
     basis = Basis(mesh, P2)
@@ -62,7 +57,7 @@ def suprema(body: Body, mesh: MeshTri) -> tuple[float, float]:
     [(BODY, 13 / 12), (unit_square(), 1.5), *((problem.data.body, 1.5) for problem in problems())],
     ids=lambda value: getattr(value, "name", None),
 )
-def test_load_constants_are_above_the_suprema_on_a_fine_mesh_and_close(body: Body, most: float) -> None:
+def test_load_constants_are_above_the_suprema_on_a_fine_mesh_and_close(body, most):
     """On the square held at its left side by less than a twelfth, so that a constant scaled by 0.9 lies below."""
     found = load_constants(body, LAW.A)
     mesh = MeshTri.init_tensor(*2 * [np.linspace(0, 1, 13)]) if body is BODY else Unstructured()(body, 6)
@@ -70,13 +65,13 @@ def test_load_constants_are_above_the_suprema_on_a_fine_mesh_and_close(body: Bod
         assert 1 <= constant / supremum < most
 
 
-def test_load_constants_contain_what_projections_of_loads_leave_out(monkeypatch) -> None:
+def test_load_constants_contain_what_projections_of_loads_leave_out(monkeypatch):
     """C² is a sum: with twice the constant c of the rest of a load, C² grows by 3c². No supremum is close enough.
 
     On sides the constants differ, and the largest one counts.
     """
 
-    def constants_of() -> np.ndarray:
+    def constants_of():
         found = load_constants.__wrapped__(BODY, LAW.A)
         return np.array([found.volume, found.surface]) ** 2
 
@@ -100,7 +95,7 @@ def test_load_constants_contain_what_projections_of_loads_leave_out(monkeypatch)
 # ---- the ends
 
 
-def test_both_ends_of_an_enclosure_differ_from_the_distance_by_the_bound() -> None:
+def test_both_ends_of_an_enclosure_differ_from_the_distance_by_the_bound():
     """Three times with distances d and bounds y."""
     times, distance, bound = np.array([0.25, 0.5, 1.0]), np.array([2.0, 1.0, 0.25]), np.array([0.5, 2.0, 0.25])
     rest = np.full(3, math.nan), (), 1.0, np.zeros(1), np.array([2.75, 3.5, 1.0]), Evidence(()), (4.0, 5.0)
@@ -114,16 +109,16 @@ def test_both_ends_of_an_enclosure_differ_from_the_distance_by_the_bound() -> No
     assert replace(found, start=4.0).highest == 4.0
 
 
-def test_between_knots_the_bound_inside_an_interval_and_the_distance_both_count(monkeypatch) -> None:
-    d = Discretisation(Data.formulas(BODY, LAW, (0, t), {}, (0, 0)), OneDiagonal()(BODY, 2))
+def test_between_knots_the_bound_inside_an_interval_and_the_distance_both_count(monkeypatch):
+    d = discretised((0, t))
     monkeypatch.setattr(enclosing, "largest_distance", lambda *arguments: 7.0)
     found = enclose(d, compute(d, MIDPOINT, 2), SmoothedInTime())
     assert found.between == pytest.approx([one.inside + 7 for one in found.intervals], rel=1e-14)
 
 
-def on_a_square() -> tuple[Discretisation, Array]:
+def on_a_square():
     """A discretisation, and a random displacement of the norm 1."""
-    d = Discretisation(Data.formulas(BODY, LAW, (0, 0), {}, (0, 0)), OneDiagonal()(BODY, 2))
+    d = discretised()
     v = np.random.default_rng(0).standard_normal(len(d.displacements.free))
     return d, v / d.norm(v)
 
@@ -138,7 +133,7 @@ def on_a_square() -> tuple[Discretisation, Array]:
     ],
     ids=["in the middle", "between the times that are sampled"],
 )
-def test_the_distance_between_knots_is_the_largest_of_a_parabola(control, end, least: float, most: float) -> None:
+def test_the_distance_between_knots_is_the_largest_of_a_parabola(control, end, least, most):
     """u_h = 0, and ũ from 0 by the given multiples of v."""
     d, v = on_a_square()
     piece = Parabola(0.0, 0.25, 0 * v, control * v, end * v)
@@ -146,7 +141,7 @@ def test_the_distance_between_knots_is_the_largest_of_a_parabola(control, end, l
     assert least * (1 - 1e-12) <= found <= most * (1 + 1e-12)
 
 
-def test_the_distance_is_cut_at_every_time_of_u_h() -> None:
+def test_the_distance_is_cut_at_every_time_of_u_h():
     """u_h is 0 except for a narrow peak within the piece, of which ends and middle of the piece see nothing."""
     d, v = on_a_square()
     piece, times = Parabola(0.0, 0.25, 0 * v, 0 * v, 0 * v), np.array([0.0, 0.05, 0.07, 0.09, 1.0])

@@ -1,13 +1,9 @@
 """Displacements of another program: enclosed whatever they are, and refused by name where they do not fit."""
 
-from __future__ import annotations
-
 import re
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import h5py
 import meshio
@@ -29,7 +25,6 @@ from manufactured import (
     unit_square,
     x2,
 )
-from manufactured.tensors import Array
 from study.bound.bounded import contact_sentences
 from study.bound.discretisation import Discretisation
 from study.bound.fields import _together, read
@@ -45,7 +40,7 @@ from study.solve.tableau import MIDPOINT
 KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
 
-def of_degree_2(points: Array, triangles: Array) -> tuple[Array, Array]:
+def of_degree_2(points, triangles):
     """Return points and triangles with the midpoints of 01, 12 and 20; neighbours repeat the one that they share.
 
     The corners are not in the order of their numbers, as in files of most programs.
@@ -56,7 +51,7 @@ def of_degree_2(points: Array, triangles: Array) -> tuple[Array, Array]:
     return np.vstack([points, middles.reshape(-1, 2)]), np.hstack([triangles, numbers])
 
 
-CHANGES: dict[str, Callable[[Array, Array], Array]] = {
+CHANGES = {
     "the interpolant": lambda u, into: u,
     "too small": lambda u, into: 0.9 * u,
     "pushed into the foundation": lambda u, into: u + 0.3 * abs(u).max() * into,
@@ -66,9 +61,7 @@ CHANGES: dict[str, Callable[[Array, Array], Array]] = {
 
 @pytest.mark.parametrize("degree", [1, 2])
 @pytest.mark.parametrize("change", CHANGES)
-def test_the_known_error_of_any_displacement_on_an_irregular_mesh_with_unequal_steps_is_enclosed(
-    change: str, degree: int
-) -> None:
+def test_the_known_error_of_any_displacement_on_an_irregular_mesh_with_unequal_steps_is_enclosed(change, degree):
     case, times = named("rotated"), np.array([0.0, 1, 3, 4.5, 6]) / 6
     mesh = Unstructured()(case.solution.body, 3)
     points, triangles = mesh.p.T, np.roll(mesh.t.T, 1, axis=1)  # corners in another order than the one of MeshTri
@@ -87,7 +80,7 @@ def test_the_known_error_of_any_displacement_on_an_irregular_mesh_with_unequal_s
     assert not found.plain or one.error.max() <= found.plain.highest
 
 
-def test_sixteen_contact_sides_of_a_half_disk_are_called_a_curved_foundation() -> None:
+def test_sixteen_contact_sides_of_a_half_disk_are_called_a_curved_foundation():
     angles = np.pi * (1 + np.linspace(0, 1, 17))
     disk = polygon(np.stack([np.cos(angles), np.sin(angles)], axis=1).tolist(), [Kind.CONTACT] * 16 + [Kind.CLAMPED])
     (sentence,) = contact_sentences(disk)
@@ -97,25 +90,24 @@ def test_sixteen_contact_sides_of_a_half_disk_are_called_a_curved_foundation() -
     assert contact_sentences(in_two) == []
 
 
-def square(T: float = 1.0) -> Data:
-    body = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], KINDS, T=T)
-    return Data.formulas(body, KelvinVoigt(isotropic(1, 0.5), isotropic(1, 1), "linear"), (0, -t), {1: (t * x2, 0)})
+LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(1, 1), "linear")
+PROBLEM = Data.formulas(unit_square(), LAW, (0, -t), {1: (t * x2, 0)})
 
 
-def field() -> dict[str, Array]:
+def field():
     """Return a mesh of the unit square with a displacement that vanishes on its top."""
-    mesh = Shaken()(square().body, 2)
+    mesh = Shaken()(unit_square(), 2)
     times = np.array([0.0, 0.5, 1.0])
     u = times[:, None, None] * (1 - mesh.p.T[None, :, 1:]) * np.array([0.1, 0.2])
     return {"points": mesh.p.T, "triangles": mesh.t.T, "times": times, "u": u}
 
 
 @pytest.mark.parametrize("degree", [1, 2])
-def test_polynomials_of_the_degree_of_u_h_are_the_same_on_a_refinement(degree: int) -> None:
+def test_polynomials_of_the_degree_of_u_h_are_the_same_on_a_refinement(degree):
     mesh = Shaken()(unit_square(), 3)
     fine = mesh.refined(2)
 
-    def values(x: np.ndarray) -> np.ndarray:
+    def values(x):
         return np.array([(1 + x[0] - 3 * x[1]) ** degree, (2 + x[0] + x[1]) ** degree])
 
     nodes = mesh.p if degree == 1 else np.hstack([mesh.p, mesh.p[:, mesh.facets].mean(axis=1)])
@@ -126,8 +118,8 @@ def test_polynomials_of_the_degree_of_u_h_are_the_same_on_a_refinement(degree: i
     np.testing.assert_allclose(at_middle, values(fine.p[:, fine.facets].mean(axis=1)), atol=1e-12)
 
 
-def test_arrays_of_other_shapes_mean_the_same() -> None:
-    plain = given(square(), **field())
+def test_arrays_of_other_shapes_mean_the_same():
+    plain = given(PROBLEM, **field())
     solid = {key: np.dstack([a, 0 * a[..., :1]]) if key == "u" else a for key, a in field().items()}
     solid["points"] = np.column_stack([solid["points"], np.ones(len(solid["points"]))])
     # Every triangle with points of its own, and points that belong to no triangle.
@@ -138,20 +130,20 @@ def test_arrays_of_other_shapes_mean_the_same() -> None:
     torn |= {"triangles": np.arange(len(corners)).reshape(-1, 3)}
     single = field() | {"points": field()["points"].astype(np.float32), "u": field()["u"].astype(np.float32)}
     for arrays in (solid, torn, single):
-        found = given(square(), **arrays)
+        found = given(PROBLEM, **arrays)
         assert found.mesh.t.shape == plain.mesh.t.shape
         order = [np.lexsort(np.round(each.mesh.p, 5)) for each in (found, plain)]
         values = [each.at(0.7).reshape(-1, 2)[at] for each, at in zip((found, plain), order, strict=True)]
         assert np.allclose(*values, atol=1e-6)
 
 
-def with_value(array: Array, place: Any, value: Any) -> Array:
+def with_value(array, place, value):
     changed = array.copy()
     changed[place] = value
     return changed
 
 
-FAULTS: dict[str, tuple[str, Callable[[Array], Array], str]] = {
+FAULTS = {
     "hole": ("triangles", lambda c: c[1:], r"does not cover the body: . sides .* near x = \("),
     "other body": ("points", lambda p: p * [1.0, 2.0], r"\(0, 0\) to \(1, 2\).* the mesh of another body"),
     "metres": ("points", lambda p: p / 1000, "mesh is smaller than the body by the factor 1000: give both"),
@@ -182,16 +174,16 @@ FAULTS: dict[str, tuple[str, Callable[[Array], Array], str]] = {
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_what_does_not_fit_is_refused_by_name(name: str) -> None:
+def test_what_does_not_fit_is_refused_by_name(name):
     array, change, message = FAULTS[name]
     with pytest.raises(BoundError, match=message):
-        given(square(), **(field() | {array: change(field()[array])}))
+        given(PROBLEM, **(field() | {array: change(field()[array])}))
 
 
 @pytest.mark.parametrize("aspect", [5e3, 1e5, 1e7])
 @pytest.mark.parametrize("in_time", [True, False])
-def test_triangles_too_thin_for_double_precision_are_refused_with_their_place(aspect: float, in_time: bool) -> None:
-    data = square() if in_time else static(square().body, isotropic(1, 1), (0, -1))
+def test_triangles_too_thin_for_double_precision_are_refused_with_their_place(aspect, in_time):
+    data = PROBLEM if in_time else static(unit_square(), isotropic(1, 1), (0, -1))
     mesh = MeshTri.init_tensor(np.array([0, 0.5, 0.5 + 0.5 / aspect, 1]), np.linspace(0, 1, 3))
     times = np.linspace(0, 1, 3) if in_time else np.zeros(1)
     with pytest.raises(MeshError, match=r"x = \(0.5, .* times as long as high"):
@@ -199,50 +191,49 @@ def test_triangles_too_thin_for_double_precision_are_refused_with_their_place(as
 
 
 @pytest.mark.parametrize("size", [0.01, 1, 100])
-def test_vertices_are_moved_to_a_side_from_a_distance_relative_to_the_size_of_the_body(size: int) -> None:
+def test_vertices_are_moved_to_a_side_from_a_distance_relative_to_the_size_of_the_body(size):
     body = polygon([(0, 0), (size, 0), (size, size), (0, size)], KINDS)
     p = size * np.array([[0.4, 0.6], [0.5 * SINGLE, 2 * SINGLE]])
     assert np.abs(_on_boundary(body, p)[1] / (size * SINGLE)).tolist() == pytest.approx([0, 2], abs=1e-6)
 
 
-def test_a_small_cell_far_from_another_one_has_an_area() -> None:
+def test_a_small_cell_far_from_another_one_has_an_area():
     corner = np.array([[0, 1, 0], [0, 0, 1]])
     _check_cells(MeshTri(np.hstack([1e-7 * corner, 1 + 1e-7 * corner]), np.arange(6).reshape(2, 3).T))
 
 
-def test_curved_triangles_and_a_single_time_are_refused() -> None:
+def test_curved_triangles_and_a_single_time_are_refused():
     arrays = field()
     points, six = of_degree_2(arrays["points"], arrays["triangles"])
     points[len(arrays["points"]) :] += 0.01
     curved = {"points": points, "triangles": six, "u": np.zeros((3, len(points), 2))}
     for changed, message in ((curved, "curved tri"), ({"times": np.zeros(1), "u": arrays["u"][:1]}, "one time only")):
         with pytest.raises(BoundError, match=message):
-            given(square(), **(arrays | changed))
+            given(PROBLEM, **(arrays | changed))
 
 
-def test_a_static_problem_takes_one_time_only() -> None:
-    problem = static(square().body, plane_stress(2.0, 0.3), (0, -1))
+def test_a_static_problem_takes_one_time_only():
+    problem = static(unit_square(), plane_stress(2.0, 0.3), (0, -1))
     with pytest.raises(BoundError, match="static, and u_h has 3 times"):
         given(problem, **field())
     assert given(problem, **(field() | {"times": None, "u": field()["u"][-1]})).T == 1
 
 
-def test_values_on_the_clamped_part_are_replaced_and_the_change_is_added_to_the_error() -> None:
+def test_values_on_the_clamped_part_are_replaced_and_the_change_is_added_to_the_error():
     bent = field() | {"u": field()["u"] + 0.01 * field()["points"][:, :1] * field()["times"][:, None, None]}
-    bounded = bound_displacement(square(), **bent, nearest=True, refine=0, shorter=1, steps=2)
+    bounded = bound_displacement(PROBLEM, **bent, nearest=True, refine=0, shorter=1, steps=2)
     nodes = bounded.computed.nodes.reshape(bent["u"].shape)
     assert abs(nodes[:, bent["points"][:, 1] == 1]).max() == 0
     offset, ends = bounded.computed.offset, re.findall(r"lies in \[(.*), (.*)\]$", bounded.remarks[-1])
     held_below = Space(bounded.computed.mesh, polygon(CORNERS, [Kind.CLAMPED, *3 * [Kind.LOADED]]))
     v = (bent["u"] - nodes)[-1].ravel()[held_below.free]
-    assert offset == pytest.approx(np.sqrt(v @ form(held_below, square().law.A) @ v), rel=1e-9)
+    assert offset == pytest.approx(np.sqrt(v @ form(held_below, LAW.A) @ v), rel=1e-9)
     assert any("u_h is changed by up to 0.01 on side 2 (CLAMPED)" in remark for remark in bounded.remarks)
     low, high = (float(end) for end in ends[0])
     assert low == pytest.approx(max(0.0, bounded.enclosure.lowest - offset), rel=1e-3)
     assert high == pytest.approx(bounded.enclosure.highest + offset, rel=1e-3)
 
 
-PLATE = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], KINDS)
 PLANE = {"stress": plane_stress(2.0, 0.3), "strain": plane_strain(2.0, 0.3)}
 
 
@@ -261,11 +252,11 @@ PLANE = {"stress": plane_stress(2.0, 0.3), "strain": plane_strain(2.0, 0.3)}
 )
 @pytest.mark.parametrize("level", [2, 6])
 def test_the_usual_mistakes_are_named_by_the_factor_of_the_displacement_on_coarse_and_fine_meshes(
-    level: int, here: str, there: str, factor: float, question: str
-) -> None:
+    level, here, there, factor, question
+):
     """The displacement solves the problem with the law ``there``, and is bounded for the one with the law ``here``."""
-    given_problem, problem = (static(PLATE, PLANE[law], (0, -1), {1: (1, 0)}) for law in (there, here))
-    coarse = Discretisation(given_problem, Shaken()(PLATE, level))
+    given_problem, problem = (static(unit_square(), PLANE[law], (0, -1), {1: (1, 0)}) for law in (there, here))
+    coarse = Discretisation(given_problem, Shaken()(unit_square(), level))
     solution = compute_static(coarse)
     u = factor * solution.at_vertices[0].T
     found = bound_displacement(problem, coarse.mesh.p.T, coarse.mesh.t.T, None, u)
@@ -275,31 +266,29 @@ def test_the_usual_mistakes_are_named_by_the_factor_of_the_displacement_on_coars
 
 
 @pytest.mark.parametrize(("factor", "named"), [(1.0, False), (1.05, False), (1000.0, True)])
-def test_in_time_a_factor_of_some_per_cent_may_come_from_long_steps_and_a_large_one_is_named(
-    factor: float, named: bool
-) -> None:
-    coarse = Discretisation(square(), Shaken()(square().body, 3))
+def test_in_time_a_factor_of_some_per_cent_may_come_from_long_steps_and_a_large_one_is_named(factor, named):
+    coarse = Discretisation(PROBLEM, Shaken()(unit_square(), 3))
     solution = compute(coarse, MIDPOINT, 2)
     u = factor * solution.at_vertices.swapaxes(1, 2)
     arrays = {"points": coarse.mesh.p.T, "triangles": coarse.mesh.t.T, "times": solution.times, "u": u}
-    found = bound_displacement(square(), **arrays, refine=0, shorter=1)
+    found = bound_displacement(PROBLEM, **arrays, refine=0, shorter=1)
     assert any("metres and millimetres?" in remark for remark in found.remarks) == named
     assert any("times the one" in remark for remark in found.remarks) == named
 
 
 @pytest.mark.parametrize("wrong", [{"refine": -1}, {"shorter": 0}, {"steps": 1.5}, {"refine": 0.5}, {"nearest": "no"}])
-def test_arguments_that_make_no_sense_are_refused_by_name(wrong: dict[str, object]) -> None:
+def test_arguments_that_make_no_sense_are_refused_by_name(wrong):
     with pytest.raises(BoundError, match=r"(refine|shorter|steps|nearest).* has to be"):
-        bound_displacement(square(), **field(), **wrong)
+        bound_displacement(PROBLEM, **field(), **wrong)
 
 
-def test_a_displacement_of_another_shape_is_called_no_multiple() -> None:
-    turned = bound_displacement(square(), **(field() | {"u": field()["u"][..., ::-1] * [1, -1]}), refine=0, shorter=1)
+def test_a_displacement_of_another_shape_is_called_no_multiple():
+    turned = bound_displacement(PROBLEM, **(field() | {"u": field()["u"][..., ::-1] * [1, -1]}), refine=0, shorter=1)
     assert not any("times the one" in remark for remark in turned.remarks)
 
 
-def test_a_lower_end_of_zero_for_degree_2_says_which_refinement_to_take() -> None:
-    mesh, data = Shaken()(PLATE, 3), static(PLATE, PLANE["stress"], (0, -1), {1: (1, 0)})
+def test_a_lower_end_of_zero_for_degree_2_says_which_refinement_to_take():
+    mesh, data = Shaken()(unit_square(), 3), static(unit_square(), PLANE["stress"], (0, -1), {1: (1, 0)})
     fine = StaticDiscretisation(data, mesh)
     u, _ = Signorini(fine.M, fine.displacements.N, fine.displacements.free_points)(fine.load(0.0))
     coefficients = np.zeros(2 * fine.displacements.count)
@@ -314,10 +303,10 @@ def test_a_lower_end_of_zero_for_degree_2_says_which_refinement_to_take() -> Non
     assert ends[0] == 0 < ends[2]
 
 
-def test_penetration_is_reported_with_its_place() -> None:
+def test_penetration_is_reported_with_its_place():
     arrays = field()
     arrays["u"] = arrays["u"] * [1, -1]
-    (remark,) = given(square(), **arrays).remarks
+    (remark,) = given(PROBLEM, **arrays).remarks
     assert remark.startswith("u_h penetrates the foundation at its nodes by up to 0.2, 100 % of its largest comp")
     assert "at t = 1" in remark
 
@@ -325,7 +314,7 @@ def test_penetration_is_reported_with_its_place() -> None:
 # Files.
 
 
-def write(path: Path, arrays: dict[str, Array], name: str = "displacement", form: str = "XML") -> Path:
+def write(path, arrays, name="displacement", form="XML"):
     points = np.column_stack([arrays["points"], 0 * arrays["points"][:, 0]])
     kind = {3: "triangle", 6: "triangle6"}[arrays["triangles"].shape[1]]
     cells = [(kind, arrays["triangles"]), ("line", arrays["triangles"][:1, :2])]
@@ -349,17 +338,34 @@ def write(path: Path, arrays: dict[str, Array], name: str = "displacement", form
 
 @pytest.mark.parametrize(("suffix", "form"), [(".npz", ""), (".pvd", ""), (".xdmf", "XML"), (".xdmf", "HDF")])
 @pytest.mark.parametrize("degree", [1, 2])
-def test_files_of_other_programs_are_read(suffix: str, form: str, degree: int, tmp_path: Path, monkeypatch) -> None:
+def test_files_of_other_programs_are_read(suffix, form, degree, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # meshio writes the file .h5 of an .xdmf file into the working directory.
     arrays = field()
     if degree == 2:
         arrays["points"], arrays["triangles"] = of_degree_2(arrays["points"], arrays["triangles"])
         arrays["u"] = arrays["times"][:, None, None] * (1 - arrays["points"][None, :, 1:] ** 2) * np.array([0.1, 0.2])
-    expected = given(square(), **arrays)
-    found = given(square(), **vars(read(write(tmp_path / f"mine{suffix}", arrays, form=form))))
+    expected = given(PROBLEM, **arrays)
+    found = given(PROBLEM, **vars(read(write(tmp_path / f"mine{suffix}", arrays, form=form))))
     assert np.allclose(found.times, expected.times)
     assert np.allclose(found.nodes, expected.nodes)
     assert found.degree == degree
+
+
+MESH = """
+<Geometry GeometryType="XY"><DataItem DataType="Float" Dimensions="3 2" Format="XML">0 0 1 0 0 1</DataItem></Geometry>
+<Topology TopologyType="Triangle"><DataItem DataType="Int" Dimensions="1 3" Format="XML">0 1 2</DataItem></Topology>
+"""
+FIELD = """
+<Attribute Name="u" Center="Node">
+<DataItem DataType="Float" Dimensions="3 2" Format="XML">0 0 0 0 0 0</DataItem>
+</Attribute>
+"""
+SERIES = """
+<Xdmf Version="3.0"><Domain><Grid GridType="Collection" CollectionType="Temporal">
+<Grid GridType="Uniform"><Time Value="0"/>{mesh}{u}</Grid>
+<Grid GridType="Uniform"><Time Value="1"/>{later}{u}</Grid>
+</Grid></Domain></Xdmf>
+"""
 
 
 @pytest.mark.parametrize(
@@ -384,7 +390,7 @@ def test_files_of_other_programs_are_read(suffix: str, form: str, degree: int, t
         ("moved.xdmf", None, r"moved.xdmf has another mesh at t = 1.0 than before"),
     ],
 )
-def test_files_without_a_displacement_are_refused(tmp_path: Path, name: str, field_name, message: str) -> None:
+def test_files_without_a_displacement_are_refused(tmp_path, name, field_name, message):
     write(tmp_path / "mine.pvd", field())
     np.savez(tmp_path / "short.npz", points=field()["points"])
     for noise in ("noise.vtu", "noise.npz", "noise.frd"):
@@ -409,26 +415,15 @@ def test_files_without_a_displacement_are_refused(tmp_path: Path, name: str, fie
     np.savez_compressed(tmp_path / "broken.npz", **field())
     whole = (tmp_path / "broken.npz").read_bytes()
     (tmp_path / "broken.npz").write_bytes(whole[:120] + bytes(40) + whole[160:])
-    item = '<DataItem DataType="{}" Dimensions="{}" Format="XML">{}</DataItem>'
-    geometry = '<Geometry GeometryType="XY">' + item.format("Float", "3 2", "0 0 1 0 0 {}") + "</Geometry>"
-    topology = '<Topology TopologyType="Triangle">' + item.format("Int", "1 3", "0 1 2") + "</Topology>"
-    u = '<Attribute Name="u" Center="Node">' + item.format("Float", "3 2", "0 0 0 0 0 0") + "</Attribute>"
-    for file, first, second in (
-        ("moved.xdmf", geometry.format(1) + topology, geometry.format(2) + topology),
-        ("strange.xdmf", geometry.format(1) + topology, "<Geometry/>"),
-    ):
-        steps = "".join(
-            f'<Grid GridType="Uniform"><Time Value="{time}"/>{content}{u}</Grid>'
-            for time, content in enumerate((first, second))
-        )
-        series = f'<Grid GridType="Collection" CollectionType="Temporal">{steps}</Grid>'
-        (tmp_path / file).write_text(f'<Xdmf Version="3.0"><Domain>{series}</Domain></Xdmf>')
+    moved = MESH.replace("0 0 1 0 0 1", "0 0 1 0 0 2")
+    for file, later in (("moved.xdmf", moved), ("strange.xdmf", "<Geometry/>")):
+        (tmp_path / file).write_text(SERIES.format(mesh=MESH, later=later, u=FIELD))
     with pytest.raises(BoundError, match=message):
         read(tmp_path / name, field_name)
 
 
 @pytest.mark.parametrize("series", [True, False])
-def test_a_file_that_needs_a_missing_package_says_which(series: bool, tmp_path: Path, monkeypatch) -> None:
+def test_a_file_that_needs_a_missing_package_says_which(series, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     path, arrays = tmp_path / "mine.xdmf", field()
     if series:
@@ -444,7 +439,7 @@ CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 HALVES = [[0, 1, 2], [0, 2, 3]]
 
 
-def mesh(points: Array = CORNERS, triangles: list[list[int]] = HALVES, name: str = "u") -> SimpleNamespace:
+def mesh(points=CORNERS, triangles=HALVES, name="u"):
     """A mesh as meshio reads it, with a field of vectors at its points."""
     cells = [SimpleNamespace(type="triangle", data=np.array(triangles))]
     return SimpleNamespace(points=points, cells=cells, point_data={name: 0 * points}, cell_data={})
@@ -458,12 +453,12 @@ def mesh(points: Array = CORNERS, triangles: list[list[int]] = HALVES, name: str
         (mesh(name="w"), r"has no field 'u' at t = 1\.0: give the same field at all times"),
     ],
 )
-def test_a_mesh_or_a_field_that_changes_between_two_times_is_refused(later: SimpleNamespace, message: str) -> None:
+def test_a_mesh_or_a_field_that_changes_between_two_times_is_refused(later, message):
     with pytest.raises(BoundError, match=message):
         _together(Path("u.pvd"), [(0.0, mesh()), (1.0, later)], None)
 
 
-def test_of_several_fields_of_other_names_the_displacement_has_to_be_named() -> None:
+def test_of_several_fields_of_other_names_the_displacement_has_to_be_named():
     several = mesh(name="velocity")
     several.point_data["depl"] = 1 + several.points
     with pytest.raises(BoundError, match="fields at points are velocity, depl; choose one with --field NAME"):
@@ -474,7 +469,7 @@ def test_of_several_fields_of_other_names_the_displacement_has_to_be_named() -> 
 
 
 @pytest.mark.parametrize("degree", [1, 2])
-def test_lagrange_triangles_of_vtk_are_read_as_triangles_of_their_degree(degree: int, tmp_path: Path) -> None:
+def test_lagrange_triangles_of_vtk_are_read_as_triangles_of_their_degree(degree, tmp_path):
     points, cells, name = CORNERS, np.array(HALVES), "triangle"
     if degree == 2:
         (points, cells), name = of_degree_2(points, cells), "triangle6"

@@ -1,15 +1,12 @@
 """Intervals of ‖u‖² contain values from textbooks and handbooks; the page on bounds shows them."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
+from places import ROOT
 from scipy.integrate import quad
 
-from manufactured import Data, Kind, plane_strain, plane_stress, polygon, static
+from manufactured import Kind, plane_strain, plane_stress, polygon, static
 from study.bound.bounded import bounded_solution
 from study.bound.trajectory import Refined
 from study.fem.naming import family_named
@@ -18,11 +15,11 @@ from study.solve.tableau import MIDPOINT
 
 pytestmark = pytest.mark.slow
 CLAMPED, FREE, ROLLER = Kind.CLAMPED, Kind.LOADED, Kind.ROLLER
-PAGE = (Path(__file__).parents[2] / "docs" / "explanation" / "bounds.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "explanation" / "bounds.md").read_text(encoding="utf-8")
 LENGTHS = 0.3, 0.6
 
 
-def energy(data: Data, level: int) -> tuple[float, float]:
+def energy(data, level):
     """Return the interval of ‖u‖²."""
     found = bounded_solution(
         data, None, family_named("graded" if data.body.refine else "unstructured"), level, MIDPOINT, 1, Refined(1, 1)
@@ -32,7 +29,7 @@ def energy(data: Data, level: int) -> tuple[float, float]:
     return low**2, high**2
 
 
-def cracked(tip: float, *kinds: Kind) -> Data:
+def cracked(tip, *kinds):
     """Return a quarter of a strip of the width 2 that is pulled at its ends; on x2 = 0 the kind changes at the tip."""
     outline = [(0, 0), (tip, 0), (1, 0), (1, 3), (0, 3)]
     return static(
@@ -40,16 +37,16 @@ def cracked(tip: float, *kinds: Kind) -> Data:
     )
 
 
-def central(a: float) -> float:
+def central(a):
     return (1 - 0.025 * a**2 + 0.06 * a**4) * math.sqrt(1 / math.cos(math.pi * a / 2))
 
 
-def two_edges(a: float) -> float:
+def two_edges(a):
     ligament = math.pi * a / 2
     return (1 + 0.122 * math.cos(ligament) ** 4) * math.sqrt(math.tan(ligament) / ligament)
 
 
-def test_the_membrane_of_cook() -> None:
+def test_the_membrane_of_cook():
     outline = [(0, 0), (48, 44), (48, 60), (0, 44)]
     cook = static(polygon(outline, [FREE, FREE, FREE, CLAMPED]), plane_stress(1, 1 / 3), f2={1: (0, 1 / 16)})
     low, high = energy(cook, 16)
@@ -58,7 +55,7 @@ def test_the_membrane_of_cook() -> None:
     assert interval(low, high, 5) in PAGE
 
 
-def test_a_layer_of_soil_under_its_weight() -> None:
+def test_a_layer_of_soil_under_its_weight():
     body = polygon([(0, 0), (2, 0), (2, 3), (0, 3)], [ROLLER, ROLLER, FREE, ROLLER])
     low, high = energy(static(body, plane_strain(1, 0.25), f0=(0, -1)), 4)
     # σ_22 = x2 − 3 and the constrained modulus 1.2: ∫ σ_22²/1.2 = 15.
@@ -67,7 +64,7 @@ def test_a_layer_of_soil_under_its_weight() -> None:
 
 
 @pytest.mark.parametrize("factor", [central, two_edges])
-def test_the_energy_that_is_released_by_cracks(factor: Callable[[float], float]) -> None:
+def test_the_energy_that_is_released_by_cracks(factor):
     if factor is central:
         short, long = (energy(cracked(a, FREE, ROLLER), 16) for a in LENGTHS)
     else:

@@ -1,28 +1,25 @@
 """Every formula of the data is served, or refused by a sentence: never a traceback, never a range that is too small."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from functools import cache
 
 import numpy as np
 import pytest
 import sympy as sp
+from bodies import LAW
 from random_formulas import RandomFormula, exact
 from scipy.interpolate import BarycentricInterpolator
-from sympy import Expr, Float, Integer, Rational, exp, log, sin, sqrt, tanh
+from sympy import Float, Integer, Rational, exp, log, sin, sqrt, tanh
 
-from manufactured import KelvinVoigt, isotropic, pos, t, unit_square
+from manufactured import pos, t, unit_square
 from manufactured.compiled import function
 from manufactured.data import Data, LoadError
 from manufactured.data.compiled_formulas import PIECES, compiled, gradient, own_formula
 from manufactured.factor import x1, x2
 from manufactured.symbols import FormulaError
-from manufactured.tensors import Array
 from study.bound.ranges import KNOWN, Boxes, RangeError, _truncated, coefficients, require_known
 from study.bound.remainders import CUBIC, PARABOLA, in_space, in_time
 
-LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
 HALF = Rational(1, 2)
 SERVED = {
     **{function.__name__: function for function in (*KNOWN, sp.sinh, sp.cosh, sp.tan, sp.cot)},
@@ -50,7 +47,7 @@ INNER = ("sin", "Max", "tan", "gamma")
 
 
 @pytest.mark.parametrize("outer", [*SERVED, *OTHERS])
-def test_any_function_is_served_or_refused_by_a_sentence(outer: str) -> None:
+def test_any_function_is_served_or_refused_by_a_sentence(outer):
     """A refusal by a sentence is an error of one of three kinds."""
     for inner in INNER:
         formula, refused = (SERVED | OTHERS)[inner](x1 * t + x2 / 3 + Rational(1, 7)), ""
@@ -66,7 +63,7 @@ def test_any_function_is_served_or_refused_by_a_sentence(outer: str) -> None:
         assert not (refused and {outer, inner} <= set(SERVED)) or "is not finite at" in refused
 
 
-def random_boxes(variables: tuple[sp.Symbol, ...], order: int, count: int):
+def random_boxes(variables, order, count):
     """Boxes for formulas of x1, x2 and t, and a function that gives random points (3, boxes) in them."""
     rng = np.random.default_rng(0)
     low = rng.random((3, count))
@@ -75,14 +72,14 @@ def random_boxes(variables: tuple[sp.Symbol, ...], order: int, count: int):
     return boxes, lambda: low + rng.random((3, count)) * (high - low)
 
 
-def assert_between(low, values, high, name: str) -> None:
+def assert_between(low, values, high, name):
     known, slack = np.isfinite(values), 1e-9 * abs(values) + 1e-12
     assert (low - slack <= values)[known].all(), name
     assert (values <= high + slack)[known].all(), name
 
 
 @pytest.mark.parametrize("outer", SERVED)
-def test_ranges_of_composed_functions_contain_their_values(outer: str) -> None:
+def test_ranges_of_composed_functions_contain_their_values(outer):
     """A quarter of all pairs: each function with five others inside it, and inside five others."""
     boxes, random_points = random_boxes((t,), 2, 30)
     for inner in list(SERVED)[-list(SERVED).index(outer) % 4 :: 4]:
@@ -97,13 +94,13 @@ def test_ranges_of_composed_functions_contain_their_values(outer: str) -> None:
 
 
 @cache
-def evaluated(name: str):
+def evaluated(name):
     """(x1, x2, t) ↦ a function of ``SERVED`` at x1."""
     return function((x1, x2, t), [own_formula(SERVED[name](x1))])
 
 
 @pytest.mark.parametrize("known", KNOWN, ids=lambda known: known.__name__)
-def test_ranges_of_taylor_coefficients_are_those_that_sampling_finds(known) -> None:
+def test_ranges_of_taylor_coefficients_are_those_that_sampling_finds(known):
     """Neither too small nor too large: scaled by 0.9, or with the smaller end for the larger, they would differ."""
     x = sp.Symbol("x", real=True)
     terms = [sp.lambdify(x, sp.diff(known(x), x, order) / sp.factorial(order), "numpy") for order in range(5)]
@@ -130,7 +127,7 @@ def test_ranges_of_taylor_coefficients_are_those_that_sampling_finds(known) -> N
     ],
     ids=["DiracDelta", "complex", "infinite", "huge", "tiny"],
 )
-def test_what_cannot_be_evaluated_is_refused_before_time_is_spent(formula: sp.Expr, names: str) -> None:
+def test_what_cannot_be_evaluated_is_refused_before_time_is_spent(formula, names):
     start = 0, sp.sympify(formula).subs(t, 0)
     for load in ({"f0": (0, formula)}, {"f0": (0, 0), "f2": {1: (formula, 0)}}, {"f0": (0, 0), "u0": start}):
         with pytest.raises(FormulaError) as error:
@@ -149,12 +146,12 @@ def test_what_cannot_be_evaluated_is_refused_before_time_is_spent(formula: sp.Ex
     ],
     ids=["condition", "atan", "exponent", "base 0", "negative base"],
 )
-def test_the_part_of_a_formula_that_has_no_range_is_named(formula: sp.Expr, message: str) -> None:
+def test_the_part_of_a_formula_that_has_no_range_is_named(formula, message):
     with pytest.raises(RangeError, match=message):
         require_known(formula)
 
 
-def test_a_factor_that_overflows_or_underflows_in_the_ranges_does_not_hide_the_others() -> None:
+def test_a_factor_that_overflows_or_underflows_in_the_ranges_does_not_hide_the_others():
     """e^y/(e^y + e^{−y}) is 1 for y of 800 or more, where e^y is infinite in double precision and e^{−y} is 0."""
     y = 400 * (2 + x1)
     one = (sp.exp(y) - sp.exp(-y)) / (sp.exp(y) + sp.exp(-y))
@@ -173,20 +170,20 @@ NAMES = (x1, x2, t)
 DEPTHS = (1, 1, 1, 2)
 
 
-def places_in(low: Array, high: Array, rng: np.random.Generator) -> Array:
+def places_in(low, high, rng):
     """Ends of boxes, at which conditions change, and points between them, all exact in binary, (6, 3, boxes)."""
     ends = np.where(rng.random((3, *low.shape)) < 1 / 2, low, high)
     return np.concatenate([ends, low + (high - low) * rng.integers(1, 8, size=(3, *low.shape)) / 8])
 
 
-def exact_at(formula: Expr, places: Array) -> Array:
+def exact_at(formula, places):
     """The exact values of a formula, (places, 3, boxes) → (places, boxes)."""
     points = np.moveaxis(places, 1, 2)
     values = [exact(formula, dict(zip(NAMES, map(Fraction, point), strict=True))) for point in points.reshape(-1, 3)]
     return np.array(values, dtype=object).reshape(points.shape[:2])
 
 
-def assert_random_formulas_agree(seed: int, count: int, depths: tuple[int, ...] = DEPTHS) -> None:
+def assert_random_formulas_agree(seed, count, depths=DEPTHS):
     """Ranges of values contain exact values, ranges of slopes bound differences, and NumPy gives the exact values."""
     random_formula, rng = RandomFormula(seed), np.random.default_rng(seed)
     for number in range(count):
@@ -211,13 +208,13 @@ def assert_random_formulas_agree(seed: int, count: int, depths: tuple[int, ...] 
             assert (abs(numerical - values) <= 1e-9).all(), name
 
 
-def test_ranges_contain_the_exact_values_of_random_formulas_also_where_conditions_change() -> None:
+def test_ranges_contain_the_exact_values_of_random_formulas_also_where_conditions_change():
     assert_random_formulas_agree(seed=0, count=350)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(1, 6))
-def test_ranges_contain_the_exact_values_of_thousands_of_nested_formulas(seed: int) -> None:
+def test_ranges_contain_the_exact_values_of_thousands_of_nested_formulas(seed):
     assert_random_formulas_agree(seed, count=1000, depths=(2, 2, 3))
 
 
@@ -230,13 +227,13 @@ SAME_UNDER_ROUNDING = {
 
 
 @pytest.mark.parametrize("formula", SAME_UNDER_ROUNDING.values(), ids=SAME_UNDER_ROUNDING)
-def test_no_condition_is_decided_by_rounding(formula: Expr) -> None:
+def test_no_condition_is_decided_by_rounding(formula):
     """On [1/2, 3/4] each condition holds in exact arithmetic."""
     found = Boxes({x1: (np.array([0.5]), np.array([0.75]))}, (x1,), 0)(own_formula(formula))
     assert found.high[0] == 1
 
 
-def test_numbers_that_cancel_do_not_change_what_numpy_computes() -> None:
+def test_numbers_that_cancel_do_not_change_what_numpy_computes():
     formula = sp.Piecewise((1, 1 + Float("1e-20") * x1 > 1), (0, True))
     assert compiled([formula], 1, "f", (x1, x2))(np.full((2, 1), 0.5)) == 1
 
@@ -250,7 +247,7 @@ def test_numbers_that_cancel_do_not_change_what_numpy_computes() -> None:
     ],
     ids=["equal on a set", "Min and Abs", "continuous product"],
 )
-def test_the_derivative_of_a_formula_with_kinks_is_that_of_the_branch(formula: Expr, slopes: tuple[int, int]) -> None:
+def test_the_derivative_of_a_formula_with_kinks_is_that_of_the_branch(formula, slopes):
     """At x1 = 1/4 and x1 = 5/8."""
     found = compiled(gradient([formula], (x1,)), 1, "∇f", (x1, x2))(np.array([[0.25, 0.625], [0.0, 0.0]]))
     assert found.tolist() == [list(slopes)]
@@ -270,7 +267,7 @@ FORMULAS = [
 
 @pytest.mark.parametrize("formula", FORMULAS, ids=str)
 @pytest.mark.parametrize("variables", [(x1, x2), (t,)], ids=["space", "time"])
-def test_taylor_coefficients_lie_in_their_ranges(formula: Expr, variables: tuple[sp.Symbol, ...]) -> None:
+def test_taylor_coefficients_lie_in_their_ranges(formula, variables):
     boxes, random_points = random_boxes(variables, 4, 40)
     found = boxes(formula)
     modules = [{"pos": lambda x, a: np.where(x > 0, np.maximum(x, 1e-300) ** a, 0.0)}, "numpy"]
@@ -284,12 +281,12 @@ def test_taylor_coefficients_lie_in_their_ranges(formula: Expr, variables: tuple
                 assert_between(low, values(*random_points()) * np.ones(40), high, str(key))
 
 
-def test_a_negative_power_has_no_bound_on_a_box_that_begins_at_its_kink() -> None:
+def test_a_negative_power_has_no_bound_on_a_box_that_begins_at_its_kink():
     low, high = _truncated((np.zeros(1), np.ones(1)), -0.5)
     assert (low[0], high[0]) == (-np.inf, np.inf)
 
 
-def test_no_derivative_is_known_beyond_the_order_of_a_kink() -> None:
+def test_no_derivative_is_known_beyond_the_order_of_a_kink():
     low, high = np.array([0.0, 0.6]), np.array([1.0, 0.9])
     found = Boxes({x1: (low, high)}, (x1,), 4)(pos(x1 - Rational(1, 2), 2))
     assert np.isfinite(found.high[:3]).all()
@@ -300,7 +297,7 @@ def test_no_derivative_is_known_beyond_the_order_of_a_kink() -> None:
 BOX = {x1: (np.array([0.2]), np.array([0.4])), x2: (np.array([0.1]), np.array([0.3]))}
 
 
-def test_polynomials_of_degree_three_have_no_remainder_and_others_have_that_of_taylor() -> None:
+def test_polynomials_of_degree_three_have_no_remainder_and_others_have_that_of_taylor():
     assert in_space(BOX, [x1**3 - x1 * x2**2 + t**5], 0.0, 1.0) == 0
     assert in_space(BOX, [x1**4], 0.0, 1.0) == pytest.approx(0.1**4)
     assert in_space(BOX, [pos(x1 - Rational(3, 10), 1)], 0.0, 1.0) <= 0.1
@@ -309,14 +306,14 @@ def test_polynomials_of_degree_three_have_no_remainder_and_others_have_that_of_t
     assert in_time(BOX, [t**3], 0.0, 1.0)[0] > 0 == in_time(BOX, [t**3], 0.0, 1.0)[1]
 
 
-def test_the_remainder_of_a_vector_is_the_euclidean_norm_of_the_remainders_of_its_components() -> None:
+def test_the_remainder_of_a_vector_is_the_euclidean_norm_of_the_remainders_of_its_components():
     single = in_space(BOX, [x1**4], 0.0, 1.0), *in_time(BOX, [t**4], 0.0, 1.0)
     double = in_space(BOX, [3 * x1**4, 4 * x1**4], 0.0, 1.0), *in_time(BOX, [3 * t**4, 4 * t**4], 0.0, 1.0)
     np.testing.assert_allclose(double, 5 * np.array(single))
 
 
 @pytest.mark.parametrize(("factor", "nodes"), [(PARABOLA, (0, 0.5, 1)), (CUBIC, (0, 0.25, 0.5, 1))], ids=str)
-def test_factors_of_interpolation_are_one_plus_lebesgue_constants(factor: float, nodes: tuple[float, ...]) -> None:
+def test_factors_of_interpolation_are_one_plus_lebesgue_constants(factor, nodes):
     x = np.linspace(0, 1, 10007)
     constant = sum(abs(BarycentricInterpolator(nodes, unit)(x)) for unit in np.eye(len(nodes))).max()
     assert 1 + constant <= factor <= 1 + 1.002 * constant
@@ -324,6 +321,6 @@ def test_factors_of_interpolation_are_one_plus_lebesgue_constants(factor: float,
 
 @pytest.mark.parametrize("end", [0.0, 0.5])
 @pytest.mark.parametrize("change", [sp.Piecewise((-5, x1 <= Rational(1, 2)), (-1, True)), sp.Max(x1 - x2, 0)])
-def test_what_changes_in_space_alone_has_no_error_of_interpolation_in_time(change: Expr, end: float) -> None:
+def test_what_changes_in_space_alone_has_no_error_of_interpolation_in_time(change, end):
     sides = {variable: (np.array([0.0]), np.array([1.0])) for variable in (x1, x2)}
     assert (in_time(sides, (change,), 0.0, end) == 0).all()

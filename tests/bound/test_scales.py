@@ -1,7 +1,5 @@
 """Problems in other units: the bounds follow the units, or the problem is refused by a sentence. None is NaN or 0."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import lru_cache
@@ -13,7 +11,6 @@ from sympy import Float, Rational, exp
 from manufactured import Data, KelvinVoigt, Kind, Linear, isotropic_matrix, named, polygon, t
 from manufactured.factor import x1, x2
 from study.bound.bounded import BoundedSolution, bounded_solution, check_bound
-from study.bound.enclosing import Enclosure
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.cli.refusals import REFUSALS
@@ -25,7 +22,7 @@ from study.solve.tableau import MIDPOINT
 KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
 
-def problem(length=1.0, time=1.0, A=1.0, G=1.0, f0=1.0, f2=1.0, u0=1.0) -> Data:
+def problem(length=1.0, time=1.0, A=1.0, G=1.0, f0=1.0, f2=1.0, u0=1.0):
     """The same formulas in x/length and t/time, with data and moduli multiplied by numbers."""
     body = polygon([(0, 0), (length, 0), (length, length), (0, length)], KINDS, T=time)
     law = KelvinVoigt(Linear(A * isotropic_matrix(1, 0.5)), Linear(G * isotropic_matrix(2, 3)), "scaled")
@@ -35,19 +32,19 @@ def problem(length=1.0, time=1.0, A=1.0, G=1.0, f0=1.0, f2=1.0, u0=1.0) -> Data:
     return Data.formulas(body, law, force, {1: (-Float(f2) * T * X2, 0)}, start)
 
 
-def bounded(data: Data) -> Enclosure:
+def bounded(data):
     check_bound(data, OneDiagonal(), [2], 2, Refined(0, 1))
     return bounded_solution(data, None, OneDiagonal(), 2, MIDPOINT, 2, Refined(0, 1)).enclosure
 
 
 @lru_cache
-def unscaled() -> Enclosure:
+def unscaled():
     return bounded(problem())
 
 
 @pytest.mark.parametrize("size", [1e-20, 1e20])
 @pytest.mark.parametrize("unit", ["force", "length", "time", "all"])
-def test_bounds_follow_the_units(unit: str, size: float) -> None:
+def test_bounds_follow_the_units(unit, size):
     """With u = U û(x/L, t/T) and A of the unit F: f_0 = F U/(T L²), f_2 = F U/(T L), ‖u‖_V = √F U in the plane."""
     L, T = (size if unit in (name, "all") else 1.0 for name in ("length", "time"))
     F = size if unit == "force" else 1.0
@@ -70,12 +67,12 @@ HOSTILE = [
 
 
 @pytest.mark.parametrize("sizes", HOSTILE, ids=str)
-def test_extreme_sizes_are_refused_by_a_sentence(sizes: dict[str, float]) -> None:
+def test_extreme_sizes_are_refused_by_a_sentence(sizes):
     with pytest.raises(REFUSALS, match=r"units|number|finite"):
         bounded(problem(**sizes))
 
 
-def test_a_bound_whose_square_is_too_small_for_a_number_is_raised_to_the_least_bound() -> None:
+def test_a_bound_whose_square_is_too_small_for_a_number_is_raised_to_the_least_bound():
     """u_0 = 0 and f_0 ~ t³⁰⁰, so bounds at early times are far below 1e-50 although no datum is zero."""
     usual = problem()
     found = bounded(Data.formulas(usual.body, usual.law, (0, t**300 * (1 + x1)), {}, (0, 0)))
@@ -83,7 +80,7 @@ def test_a_bound_whose_square_is_too_small_for_a_number_is_raised_to_the_least_b
     assert found.bound.min() == 1e-50
 
 
-def test_data_that_are_zero_have_the_bound_zero() -> None:
+def test_data_that_are_zero_have_the_bound_zero():
     found = bounded(problem(**NONE))
     assert found.highest == 0
     assert not found.upper.any()
@@ -97,7 +94,7 @@ def test_data_that_are_zero_have_the_bound_zero() -> None:
     ],
     ids=["a peak that no sample sees, and its range does", "no finite range"],
 )
-def test_data_whose_ranges_are_not_finite_are_refused(force) -> None:
+def test_data_whose_ranges_are_not_finite_are_refused(force):
     data = problem()
     with pytest.raises(BoundError, match="not a finite number"):
         bounded(Data.formulas(data.body, data.law, (0, force)))
@@ -105,7 +102,7 @@ def test_data_whose_ranges_are_not_finite_are_refused(force) -> None:
 
 @pytest.mark.parametrize("name", ["distance", "bound", "between", "start", "error"])
 @pytest.mark.parametrize("value", [math.nan, math.inf])
-def test_no_enclosure_is_made_of_what_is_no_number(name: str, value: float) -> None:
+def test_no_enclosure_is_made_of_what_is_no_number(name, value):
     found = replace(unscaled(), error=np.zeros(3))
     values = getattr(found, name)
     changed = value if name == "start" else np.where(np.arange(np.size(values)) == 1, value, values)
@@ -113,7 +110,7 @@ def test_no_enclosure_is_made_of_what_is_no_number(name: str, value: float) -> N
         replace(found, **{name: changed})
 
 
-def test_no_interval_has_crossed_ends() -> None:
+def test_no_interval_has_crossed_ends():
     found = unscaled()
     for crossed in ({"bound": found.bound * [1, -1, 1]}, {"norm": found.norm[::-1]}):
         with pytest.raises(BoundError, match="crossed ends"):
@@ -123,7 +120,7 @@ def test_no_interval_has_crossed_ends() -> None:
         print(contradiction.error)
 
 
-def test_an_error_that_is_no_number_is_not_measured() -> None:
+def test_an_error_that_is_no_number_is_not_measured():
     solution = named("full-contact").solution
     space = Space(OneDiagonal()(solution.body, 2), solution.body)
     v_norm = ErrorNorm(solution, space)

@@ -5,8 +5,6 @@
 from the file, so that they do not depend on the program that makes certificates.
 """
 
-from __future__ import annotations
-
 import copy
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The checker stands alone, judges the file that it reads, and proves what ``study bound`` computes."""
 
-from __future__ import annotations
-
 import runpy
 import subprocess
 import sys
@@ -10,13 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bodies import CLAMPED, CONTACT, LAW, LOADED
+from commands import study
+from costly_cases import slow, slow_unless
+from places import CERTIFICATES, ROOT
 from sympy import Rational, sin, sqrt
 
 from manufactured import (
     Data,
     FrobeniusBall,
     KelvinVoigt,
-    Kind,
     Yield,
     isotropic,
     polygon,
@@ -34,17 +35,13 @@ from study.certify import certified, checker
 from study.certify.certified import check_certifiable, make_certificate, write
 from study.certify.statement import in_doubles, rational, rational_mesh, statement, voigt
 from study.certify.witnesses import value_of
-from study.cli.main import main
 from study.fem.mesh import OneDiagonal, Shaken, Unstructured
 from study.ledger.files import write_text
 from study.solve.tableau import MIDPOINT
 
-ROOT = Path(__file__).parents[2]
-EXAMPLES = ROOT / "examples" / "certificates"
 SMALL = Path(__file__).parent / "square-2.json.gz"
-CERTIFICATES = [
-    pytest.param(path, id=path.name, marks=() if path.name.startswith("bracket") else pytest.mark.slow)
-    for path in sorted(EXAMPLES.glob("*.json.gz"))
+COMMITTED = [
+    slow_unless(path.name.startswith("bracket"), path, id=path.name) for path in sorted(CERTIFICATES.glob("*.json.gz"))
 ]
 """One is checked by the quick tests; `make certificates-check` checks all of them."""
 
@@ -62,7 +59,7 @@ def test_a_copy_of_the_file_checks_a_certificate_without_any_package(tmp_path):
     assert "8 cells, h = 0.5000: max ‖u − u_h‖_V in [0.0" in done.stdout
 
 
-@pytest.mark.parametrize("path", CERTIFICATES)
+@pytest.mark.parametrize("path", COMMITTED)
 def test_committed_certificates_prove_positive_intervals(path):
     found = checker.verified(checker.load(path))
     assert 0 < found.low < found.high < 10 * found.low
@@ -77,9 +74,8 @@ def test_certificates_of_two_problems_give_no_order(certificate, tmp_path, capsy
     assert "its problem differs from the problem of the first file" in capsys.readouterr().out
 
 
-FUNCTIONS = runpy.run_path(str(EXAMPLES / "problems.py"))
+FUNCTIONS = runpy.run_path(str(CERTIFICATES / "problems.py"))
 PROBLEMS = {name: FUNCTIONS[name]() for name in ("square", "wedge", "bracket")}
-LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -92,10 +88,9 @@ def constants_of_a_coarse_mesh():
 
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_committed_certificates_state_the_problems_beside_them(name):
-    assert checker.load(EXAMPLES / f"{name}-4.json.gz")["problem"] == statement(PROBLEMS[name])
+    assert checker.load(CERTIFICATES / f"{name}-4.json.gz")["problem"] == statement(PROBLEMS[name])
 
 
-CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
 TWO_FACES = polygon([(0, 0), (2, 0), (3, 1), (3, 2), (0, 2)], [CONTACT, CONTACT, LOADED, CLAMPED, LOADED])
 IRRATIONAL = polygon([(0, 0), (1, -(0.3**0.5)), (1, 1), (0, 1)], [CONTACT, LOADED, LOADED, CLAMPED])
 
@@ -151,27 +146,26 @@ def test_what_is_not_served_is_refused_in_words_before_it_is_computed(name):
         check_certifiable(data)
 
 
-def test_cases_are_refused_by_the_command(capsys, tmp_path):
-    assert main(["certify", "full-contact", "--out", str(tmp_path)]) == 2
-    assert "certificates support data that are formulas" in capsys.readouterr().err
+def test_cases_are_refused_by_the_command(told, tmp_path):
+    assert "certificates support data that are formulas" in told(f"certify full-contact --out {tmp_path}")
 
 
-@pytest.mark.parametrize("name", ["bracket", pytest.param("wedge", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["bracket", slow("wedge")])
 def test_the_command_writes_certificates_checks_them_and_keeps_none_of_another_problem(name, capsys, tmp_path):
     out = tmp_path / name
     for file, content in ((".lock", ""), ("problem.txt", "another problem"), ("../certificate-9.json.gz", "")):
         write_text(out / "data" / file, content)
-    options = ["--levels", "2", "3", "--steps", "2", "--refine", "0", "--shorter", "1", "--out", str(tmp_path)]
-    assert main(["certify", f"{EXAMPLES / 'problems.py'}:{name}", *options]) == 0
+    options = f"--levels 2 3 --steps 2 --refine 0 --shorter 1 --out {tmp_path}"
+    assert study(f"certify {CERTIFICATES}/problems.py:{name} {options}") == 0
     told = capsys.readouterr()
     assert told.out.count("cells, h = ") == 2
     assert f"removed from {out}: results of other data" in told.err
     assert {path.name for path in out.glob("*.gz")} == {"certificate-2.json.gz", "certificate-3.json.gz"}
 
 
-def test_more_refinements_than_the_checker_accepts_are_refused(capsys, tmp_path):
-    assert main(["certify", f"{EXAMPLES / 'problems.py'}:square", "--refine", "9", "--out", str(tmp_path)]) == 2
-    assert "--refine 9: a certificate allows at most 8 refinements" in capsys.readouterr().err
+def test_more_refinements_than_the_checker_accepts_are_refused(told, tmp_path):
+    said = told(f"certify {CERTIFICATES}/problems.py:square --refine 9 --out {tmp_path}")
+    assert "--refine 9: a certificate allows at most 8 refinements" in said
 
 
 def test_doubles_are_read_as_the_fractions_that_are_meant():

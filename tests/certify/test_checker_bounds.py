@@ -1,19 +1,16 @@
 """Every inequality of the checker, on problems of one or two cells where the exact value is known in closed form."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction as Q
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 import pytest
+from places import CERTIFICATES
 
 from study.certify import checker
 from study.certify.checker import Enclosure, Loads, Mesh, Piece, Problem, RefusedError, Stresses, X, Y
 
-EXAMPLES = Path(__file__).parents[2] / "examples" / "certificates"
 GRID = Q(1, 1 << checker.GRID)
 ROWS = [["4", "1", "1/2"], ["1", "3", "1/4"], ["1/2", "1/4", "2"]]
 UNIT = [["1", "0", "0"], ["0", "1", "0"], ["0", "0", "1"]]
@@ -50,7 +47,7 @@ def mesh_of(corners, h):
 
 @pytest.fixture(scope="module")
 def element():
-    return checker.Element.of(checker.load(EXAMPLES / "square-4.json.gz")["element"])
+    return checker.Element.of(checker.load(CERTIFICATES / "square-4.json.gz")["element"])
 
 
 # The problem
@@ -358,7 +355,7 @@ def test_damping_that_the_law_has_not_is_refused():
 
 @pytest.fixture(scope="module")
 def bracket():
-    return checker.Certificate(checker.load(EXAMPLES / "bracket-4.json.gz"))
+    return checker.Certificate(checker.load(CERTIFICATES / "bracket-4.json.gz"))
 
 
 def on_grid(grid, call):
@@ -407,7 +404,7 @@ def energy(problem, mesh, strains):
 @pytest.mark.parametrize("name", ["bracket", "wedge", "bracket with few bits"])
 def test_distances_are_integrals_rounded_outward(name):
     """‖v − u_h(t)‖²_V with v = ũ's control point, u_h(t) from the doubles in the file; the wedge refines its mesh."""
-    data = checker.load(EXAMPLES / f"{name.split()[0]}-4.json.gz")
+    data = checker.load(CERTIFICATES / f"{name.split()[0]}-4.json.gz")
     if "few" in name:
         data["computed"] = [[round(64 * x) / 64 for x in row] for row in data["computed"]]
     certificate = checker.Certificate(data)
@@ -452,7 +449,7 @@ def test_the_distance_of_the_start_is_an_integral_rounded_up():
 
 def test_the_work_of_contact_is_the_integral_of_its_bernstein_polynomials_and_not_negative():
     """∫∫ σ̃_ν ũ_ν on a slanted foundation."""
-    wedge = checker.Certificate(checker.load(EXAMPLES / "wedge-4.json.gz"))
+    wedge = checker.Certificate(checker.load(CERTIFICATES / "wedge-4.json.gz"))
     rng, edges, mesh = np.random.default_rng(7), wedge.stresses.contact, wedge.mesh
     x, y = mesh.along(edges[0])
     depths, slides = rng.integers(0, 2**20, (2, 3, mesh.nodes, 1))
@@ -550,7 +547,7 @@ def test_results_are_printed_outward_and_orders_from_coarse_to_fine_whatever_com
     """h is counted on the meshes; of equal meshes, or if an error may be 0, there is no order."""
     last = Enclosure(128, Q(2, 3), Q(-1, 3), Q(2, 3), Q(0))
     results = iter([proved(32, "1/2", "1/2"), proved(8, 1, 1), proved(8, 0, 1), last])
-    path = str(EXAMPLES / "square-4.json.gz")
+    path = str(CERTIFICATES / "square-4.json.gz")
     monkeypatch.setattr(checker, "load", lambda path: {"problem": {"T": "1"}})
     monkeypatch.setattr(checker, "verified", lambda data: next(results))
     assert checker.main([path] * 4) == 0

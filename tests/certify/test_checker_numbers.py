@@ -3,8 +3,6 @@
 A bound must be on the safe side of the exact value, and so near to it that a value rounded the other way would not be.
 """
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction as Q
 from itertools import pairwise, product

@@ -1,7 +1,5 @@
 """Files that are wrong, tampered with, or made to harm: each is refused with one sentence that prints safely."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import math

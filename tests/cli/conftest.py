@@ -1,7 +1,5 @@
 """A small finished run, which most commands start from."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import re
@@ -11,15 +9,17 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from commands import study
+from places import ROOT
 
 from study.cli import check, present, run
-from study.cli.main import main
 from study.fem.naming import resolve
+from study.ledger.files import write_text
 from study.present.figures import drawings
 from study.run.executor import GIB, Pool
 from study.statements.shared.scope import Scope
 
-TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorials" / "own-case.md"
+TUTORIAL = ROOT / "docs" / "tutorials" / "own-case.md"
 FAMILIES_OF = Scope.families_of
 
 
@@ -55,12 +55,12 @@ def run_tutorial(directory):
     code = re.findall(r":caption: pocket.py\n\n(.*?)```", TUTORIAL.read_text(encoding="utf-8"), re.DOTALL)[0]
     assert len(code.splitlines()) < 25
     (directory / "pocket.py").write_text(code, encoding="utf-8")
-    command = ["run", "--case", f"{directory}/pocket.py:pocket", "--levels", "8", "16", "32", "--figures"]
     with pytest.MonkeyPatch.context() as patch:
         shorten(patch)
         # Drawing all figures takes most of the time, and tests/present draws them.
         patch.setattr(present, "drawings", lambda directory: drawings(directory)[:1])
-        assert main([*command, "--out", str(directory / "results")]) == 0
+        case = f"{directory}/pocket.py:pocket"
+        assert study(f"run --case {case} --levels 8 16 32 --figures --out {directory}/results") == 0
 
 
 @pytest.fixture(scope="session")
@@ -92,14 +92,14 @@ def own(made, tmp_path):
 
 
 @pytest.fixture
-def told(capsys):
-    """Runs a command that must end with an exit code, 2 unless told otherwise; returns all that it printed."""
+def refusal_of_case(told, out, tmp_path):
+    """Runs the case ``mine`` of a file, which must be refused before anything is written; returns what is said."""
 
-    def run(*arguments, code=2):
-        capsys.readouterr()
-        assert main([*arguments]) == code
-        printed = capsys.readouterr()
-        assert "Traceback" not in printed.err
-        return printed.out + printed.err
+    def run(code):
+        resolve.cache_clear()
+        path = write_text(tmp_path / "mine.py", code)
+        said = told(f"run --case {path}:mine --levels 8 16 32 --out {out}")
+        assert not out.exists()
+        return said
 
     return run

@@ -1,26 +1,21 @@
 """``study check`` trusts nothing: every edit is noticed and named, and --again measures a sample of the rows again."""
 
-from __future__ import annotations
-
 import json
 import re
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
+from commands import study
+from tables import texts
 
 from study.cli import check
-from study.cli.main import main
 from study.ledger.datafiles import DataError, nested_keys, planned_keys, write_csv
 from study.run.check import draw_jobs, expected_seconds, planned_jobs, verify
 from study.run.judgement import verdicts
 from study.run.provenance import compare_sums
-
-Edit = Callable[[Path], None]
 
 
 def rewritten(change, name):
@@ -28,7 +23,7 @@ def rewritten(change, name):
 
     def change_it(directory):
         path = directory / "data" / name
-        write_csv(path, change(pd.read_csv(path, dtype=str, keep_default_na=False)))
+        write_csv(path, change(texts(path)))
 
     return change_it
 
@@ -53,8 +48,8 @@ def to(value):
     return lambda cell: value
 
 
-def twice(name, row=1):
-    return rewritten(lambda table: pd.concat([table, table.iloc[[row]]]), name)
+def twice(name):
+    return rewritten(lambda table: pd.concat([table, table.iloc[[1]]]), name)
 
 
 def recorded(change):
@@ -80,7 +75,7 @@ def emptied(directory):
 @pytest.fixture
 def refusal(told):
     """Checks a directory; returns what the command says."""
-    return lambda directory, code=2: told("check", "--out", str(directory), code=code)
+    return lambda directory, code=2: told(f"check --out {directory}", code)
 
 
 RATES, CASES, EQUIVALENCE = "rates.csv", "cases.csv", "equivalence.csv"
@@ -110,9 +105,6 @@ EDITS = {
         for name, column in ((RATES, "error"), (EQUIVALENCE, "h"))
     },
 }
-
-
-Part = Callable[[Path], object]
 
 
 def verdicts_as_written(directory):
@@ -154,7 +146,7 @@ def test_errors_that_fit_each_other_and_miss_the_claim_fail(own, refusal):
     recorded(lambda made: made.pop("sha256"))(own)
     assert "fails: Prop. 5.4, pocket: order of the error, extrapolated" in refusal(own, code=1)
     report = own.parent / "ledger.xml"
-    assert main(["check", "--out", str(own), "--junit", str(report)]) == 1
+    assert study(f"check --out {own} --junit {report}") == 1
     assert 'failures="0"' not in report.read_text(encoding="utf-8")
 
 
@@ -191,8 +183,8 @@ def test_a_case_whose_file_predicts_something_else_now_is_refused(own, refusal):
 def test_tables_writes_what_check_asks_for_and_check_writes_nothing(own, refusal):
     edit("claims.csv", "observed", to("0.5"), rows=1)(own)
     assert "`study tables" in refusal(own)
-    assert main(["report", "--out", str(own)]) == 2
-    assert main(["tables", "--out", str(own)]) == 0
+    assert study(f"report --out {own}") == 2
+    assert study(f"tables --out {own}") == 0
     written = {path: path.stat().st_mtime_ns for path in own.rglob("*.*") if path.name != ".lock"}
     refusal(own, code=0)
     assert {path: path.stat().st_mtime_ns for path in own.rglob("*.*") if path.name != ".lock"} == written
@@ -200,13 +192,7 @@ def test_tables_writes_what_check_asks_for_and_check_writes_nothing(own, refusal
     assert "claims.csv is missing: `study tables" in refusal(own)
 
 
-@pytest.fixture
-def checked(told):
-    """``study check`` in one process, with further options."""
-    return partial(told, "check", "--jobs", "1")
-
-
-def test_rows_that_were_changed_are_noticed(own, checked, monkeypatch):
+def test_rows_that_were_changed_are_noticed(own, told, monkeypatch):
     """Without checksums, only a measurement shows these changes, in the first rows."""
     changes = {"rates.csv": ("quadrature_change", 1.001), "equivalence.csv": ("steps", 2.0)}
     jobs = planned_jobs(own)
@@ -214,19 +200,19 @@ def test_rows_that_were_changed_are_noticed(own, checked, monkeypatch):
     monkeypatch.setattr("study.cli.check.draw_jobs", lambda jobs, count, seed: first)
     for file, (column, factor) in changes.items():
         path = own / "data" / file
-        table = pd.read_csv(path, dtype=str, keep_default_na=False)
+        table = texts(path)
         table.loc[0, column] = f"{factor * float(table.loc[0, column]):.12g}"
         write_csv(path, table)
-    assert "was changed after the run that wrote it" in checked("--out", str(own), code=2)
+    assert "was changed after the run that wrote it" in told(f"check --jobs 1 --out {own}")
     recorded(lambda made: made.pop("sha256"))(own)
-    said = checked("--again", "1000", "--out", str(own), code=1)
+    said = told(f"check --jobs 1 --again 1000 --out {own}", code=1)
     for file, (column, _) in changes.items():
         assert f"{file}: differs" in said
         assert f"{column}: 1 beyond tolerance" in said
 
 
-def test_a_seed_without_rows_to_draw_is_refused(checked):
-    assert "--seed chooses the rows of --again: give --again N with it" in checked("--seed", "1")
+def test_a_seed_without_rows_to_draw_is_refused(told):
+    assert "--seed chooses the rows of --again: give --again N with it" in told("check --seed 1")
 
 
 def test_a_sample_is_repeated_by_its_seed_and_its_expected_time_is_bounded():

@@ -1,21 +1,19 @@
 """Commands: what they print, what they refuse, what they leave on disk, and their exit codes."""
 
-from __future__ import annotations
-
 import json
 import re
-import subprocess
 import sys
 from dataclasses import replace
 from fractions import Fraction
 
 import pandas as pd
 import pytest
+from commands import python, study
+from tables import everything
 
 from manufactured.catalogue import OTHER_NAMES
 from study.cli.common import code_of, progress_bar
-from study.cli.main import main
-from study.fem.naming import outside_the_catalogue, resolve
+from study.fem.naming import outside_the_catalogue
 from study.ledger.files import UsageError, write_text
 from study.ledger.verdict import FAILS, HOLDS, MISSED, UNDECIDED, Verdict
 from study.present.outcome import ledger_text
@@ -44,30 +42,24 @@ def changed(**c): return replace(case, name="mine", solution=replace(case.soluti
         ("other = case", r"defines no 'mine'"),
     ],
 )
-def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(told, tmp_path, line, message):
-    resolve.cache_clear()
-    path, out = tmp_path / "mine.py", tmp_path / "r"
-    path.write_text(HEAD + line + "\n")
-    said = told("run", "--case", f"{path}:mine", "--levels", "8", "16", "32", "--out", str(out))
-    assert re.search(message, said, re.DOTALL)
-    assert not out.exists()
+def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(refusal_of_case, line, message):
+    assert re.search(message, refusal_of_case(HEAD + line), re.DOTALL)
 
 
 def test_data_of_another_version_are_refused_by_name_and_no_data_with_the_command(told, tmp_path):
-    assert "study run" in told("check", "--out", str(tmp_path))
+    assert "study run" in told(f"check --out {tmp_path}")
     write_text(tmp_path / "data" / "provenance.json", json.dumps({"format": STORE_FORMAT + 1}))
-    for command in (["run", "--case", "full-contact"], ["check"]):
-        assert re.search(
-            rf"provenance.json.*format {STORE_FORMAT + 1}", told(*command, "--out", str(tmp_path)), re.DOTALL
-        )
+    for command in ("run --case full-contact", "check"):
+        said = told(f"{command} --out {tmp_path}")
+        assert re.search(rf"provenance.json.*format {STORE_FORMAT + 1}", said, re.DOTALL)
 
 
 def test_the_catalogue_is_listed_as_text_without_making_a_case_and_as_json(capsys, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(sys.modules["manufactured.catalogue"], "import_module", None)
-        assert main(["cases"]) == 0
+        assert study("cases") == 0
     text = capsys.readouterr().out
-    assert main(["cases", "--json"]) == 0
+    assert study("cases --json") == 0
     listed = json.loads(capsys.readouterr().out)
     assert {"case", "dimension", "law", "zone", "regularity", "expected_order", "statements"} <= set(listed[0])
     printed = {name: float(Fraction(order)) for name, order in re.findall(r"^(\S+) +order (\S+)$", text, re.MULTILINE)}
@@ -87,11 +79,10 @@ catalogue.import_module = lambda name: made.append(name) or load(name)
 main(sys.argv[1:])
 print(made)
 """
-    words = ["run", "--case", "full-contact", "--levels", "2", "--jobs", "1", "--out", str(tmp_path)]
+    words = f"run --case full-contact --levels 2 --jobs 1 --out {tmp_path}"
     for more, folders in (([], {"data"}), (["--figures"], {"data", "figures", "tables"})):
-        command = [sys.executable, "-c", script, *words, *more]
-        run = subprocess.run(command, check=True, capture_output=True, text=True)
-        assert run.stdout.splitlines()[-1] == "['manufactured.cases.full_contact']"
+        printed, _ = python(script, *words.split(), *more)
+        assert printed.splitlines()[-1] == "['manufactured.cases.full_contact']"
         assert {path.name for path in tmp_path.iterdir()} == folders
 
 
@@ -110,8 +101,8 @@ def test_a_users_case_goes_through_the_same_line_to_a_judged_table(made):
 
 
 def test_a_run_that_would_drop_rows_of_a_finished_one_is_refused(told, made):
-    command = ["run", "--case", f"{made}/pocket.py:pocket", "--levels", "8", "16", "--out", f"{made}/results"]
-    assert re.search(r"pocket one-diagonal 32.*--out", told(*command), re.DOTALL)
+    said = told(f"run --case {made}/pocket.py:pocket --levels 8 16 --out {made}/results")
+    assert re.search(r"pocket one-diagonal 32.*--out", said, re.DOTALL)
 
 
 def spoil(data, change):
@@ -136,17 +127,16 @@ def test_what_misses_a_claim_is_told_with_the_reason(own, change, message):
 
 def test_a_second_run_computes_only_what_is_missing_and_gives_the_same_data(made, told, monkeypatch):
     data = made / "results" / "data"
-    before = {path: path.read_bytes() for path in data.rglob("*") if path.is_file()}
+    before = everything(data)
     jobs = sorted((data / "jobs").glob("rates__*__00008.json"))
     jobs[0].unlink()
     jobs[1].write_text(jobs[1].read_text()[:100])
     untouched = {path: path.stat().st_mtime_ns for path in (data / "jobs").iterdir() if path not in jobs[:2]}
-    command = ["run", "--case", f"{made}/pocket.py:pocket", "--levels", "8", "16", "32", "--jobs", "1"]
-    said = told(*command, "--out", f"{made}/results", code=0)
+    said = told(f"run --case {made}/pocket.py:pocket --levels 8 16 32 --jobs 1 --out {made}/results", code=0)
     # Verdicts are printed when the last measurement of a statement has ended, and only for what was measured.
     assert re.search(r"Prop\. 5\.4, pocket: \d+ holds", said)
     assert "Thm 4.2, pocket" not in said
-    assert {path: path.read_bytes() for path in data.rglob("*") if path.is_file()} == before
+    assert everything(data) == before
     assert {path: path.stat().st_mtime_ns for path in untouched} == untouched
 
 

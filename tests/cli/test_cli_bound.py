@@ -1,17 +1,14 @@
 """The command ``study bound``: what it prints, writes and refuses."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 
-import meshio
 import numpy as np
 import pandas as pd
 import pytest
 import scipy.sparse as sps
+from commands import study
 
-from study.cli.main import main
 from study.cli.refusals import exit_code_and_message
 from study.fem.naming import resolve_data
 from study.ledger.files import UsageError, write_text
@@ -32,31 +29,29 @@ def wrong_part():
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory) -> tuple[Path, str]:
+def finished(tmp_path_factory):
     out = tmp_path_factory.mktemp("bounds")
     with pytest.MonkeyPatch.context() as patch:
-        printed: list[str] = []
+        printed = []
         patch.setattr("builtins.print", lambda *text, **_: printed.append(" ".join(map(str, text))))
-        options = ["--levels", "3", "4", "--refine", "0", "--shorter", "2", "--out", str(out)]
-        assert main(["bound", "advance-recede", *options]) == 0
+        assert study(f"bound advance-recede --levels 3 4 --refine 0 --shorter 2 --out {out}") == 0
     return out / "advance-recede", "\n".join(printed)
 
 
-def test_tables_are_printed_with_the_error_between_its_ends_and_all_ends_rounded_outwards(finished) -> None:
+def test_tables_are_printed_with_the_error_between_its_ends_and_all_ends_rounded_outwards(finished):
     directory, printed = finished
     assert "exact solution known" in printed
     assert re.search(r"t +lower +error +upper +% of u +upper/lower +from u_h alone", printed)
     line = r"^ +([\d.]+) +([\d.]+) +([\d.]+) +([\d.]+) +\[[\d.]+, [\d.]+\] +\S+ +([\d.]+)$"
-    rows = re.findall(line, printed, re.MULTILINE)
+    rows = np.array(re.findall(line, printed, re.MULTILINE), dtype=float)
     assert len(rows) == 8
-    assert all(float(low) <= float(error) <= float(high) for _, low, error, high, _ in rows)
-    assert all(float(error) <= float(alone) for _, _, error, _, alone in rows)
+    times, low, error, high, alone = rows.T
+    assert ((low <= error) & (error <= high) & (error <= alone)).all()
     levels, series = (pd.read_csv(directory / name) for name in ("levels.csv", "enclosure.csv"))
     finest = series[series["level"] == 4]
-    for time, low, _, high, alone in (map(float, row) for row in rows):
-        there = finest.iloc[abs(finest["time"] - time).argmin()]
-        assert low <= there["lower"] <= there["upper"] <= high
-        assert there["plain"] <= alone
+    there = finest.iloc[[abs(finest["time"] - time).argmin() for time in times]]
+    assert ((low <= there["lower"]) & (there["lower"] <= there["upper"]) & (there["upper"] <= high)).all()
+    assert (there["plain"] <= alone).all()
     lines = re.findall(r"^ +[34] +\[[\d.]+, [\d.]+\] +\[[\d.]+, [\d.]+\].*", printed, re.MULTILINE)
     assert len(lines) == len(levels)
     for line, row in zip(lines, levels.itertuples(), strict=True):
@@ -71,7 +66,7 @@ def test_tables_are_printed_with_the_error_between_its_ends_and_all_ends_rounded
     assert {"problem.png", "problem.svg"} <= {file.name for file in files}
 
 
-def test_the_tables_on_disk_enclose_the_error_and_the_order(finished) -> None:
+def test_the_tables_on_disk_enclose_the_error_and_the_order(finished):
     directory, _ = finished
     levels, series = (pd.read_csv(directory / name) for name in ("levels.csv", "enclosure.csv"))
     assert list(levels["level"]) == [3, 4]
@@ -91,23 +86,22 @@ def test_the_tables_on_disk_enclose_the_error_and_the_order(finished) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["nonsense"], "unknown problem 'nonsense'; known: .*advance-recede.*ramp, bracket"),
-        (["full-contact", "--levels", "1", "4"], "levels must be 2 or more and increase, got 1 4"),
-        (["full-contact", "--scheme", "rk4"], "unknown scheme 'rk4'; known: backward-euler, bdf2, midpoint"),
-        (["full-contact", "--family", "x"], "unknown mesh family 'x'; known: one-diagonal"),
-        (["bracket", "--family", "one-diagonal"], "does not mesh this body; take one of unstructured"),
-        (["corner", "--family", "one-diagonal", "--levels", "3"], "not a vertex of the mesh"),
-        (["{}:infinite"], "f_0 is not finite at x = .* at t = 0"),
-        (["{}:number"], "is a int, expected manufactured.Data or a manufactured.Case"),
-        (["{}:wrong_part"], "f2 is given on part 0, but the LOADED parts have the numbers"),
-        (["{}:missing"], "defines no 'missing'"),
+        ("nonsense", "unknown problem 'nonsense'; known: .*advance-recede.*ramp, bracket"),
+        ("full-contact --levels 1 4", "levels must be 2 or more and increase, got 1 4"),
+        ("full-contact --scheme rk4", "unknown scheme 'rk4'; known: backward-euler, bdf2, midpoint"),
+        ("full-contact --family x", "unknown mesh family 'x'; known: one-diagonal"),
+        ("bracket --family one-diagonal", "does not mesh this body; take one of unstructured"),
+        ("corner --family one-diagonal --levels 3", "not a vertex of the mesh"),
+        ("{}:infinite", "f_0 is not finite at x = .* at t = 0"),
+        ("{}:number", "is a int, expected manufactured.Data or a manufactured.Case"),
+        ("{}:wrong_part", "f2 is given on part 0, but the LOADED parts have the numbers"),
+        ("{}:missing", "defines no 'missing'"),
     ],
 )
-def test_what_cannot_be_bounded_is_refused_with_the_reason(told, tmp_path, arguments, message: str) -> None:
+def test_what_cannot_be_bounded_is_refused_with_the_reason(told, tmp_path, out, arguments, message):
     resolve_data.cache_clear()
-    problem, *options = arguments
-    user, out = write_text(tmp_path / "mine.py", USER), tmp_path / "out"
-    assert re.search(message, told("bound", problem.format(user), *options, "--out", str(out)), re.DOTALL)
+    user = write_text(tmp_path / "mine.py", USER)
+    assert re.search(message, told(f"bound {arguments.format(user)} --out {out}"), re.DOTALL)
     assert not out.exists()
 
 
@@ -127,50 +121,39 @@ supported, hanging = plate(Kind.CONTACT), plate(Kind.LOADED)
 
 
 @pytest.fixture
-def static(tmp_path: Path) -> str:
-    return str(write_text(tmp_path / "static.py", STATIC))
+def static(tmp_path):
+    return write_text(tmp_path / "static.py", STATIC)
 
 
-def test_a_static_problem_is_bounded_and_its_own_displacement_again_from_a_file(static: str, tmp_path, capsys) -> None:
-    out = tmp_path / "out"
-    assert main(["bound", f"{static}:supported", "--levels", "2", "4", "--out", str(out)]) == 0
-    printed = " ".join(capsys.readouterr().out.split())
+def test_a_static_problem_is_bounded_and_its_own_displacement_again_from_a_file(static, out, tmp_path, told):
+    printed = " ".join(told(f"bound {static}:supported --levels 2 4 --out {out}", code=0).split())
     assert "supported: ‖u − u_h‖_G enclosed, solution unknown guaranteed" in printed
     assert "The 2 CONTACT sides do not lie on one line" in printed
     computed = pd.read_csv(out / "supported" / "levels.csv").set_index("level").loc[4]
     assert 0 < computed["percent_low"] < computed["percent_high"]
     with np.load(out / "supported" / "trajectory-4.npz") as found:
         np.savez(tmp_path / "mine.npz", points=found["p"].T, triangles=found["t"].T, u=found["u"][0].T)
-    file = str(tmp_path / "mine.npz")
-    assert main(["bound", f"{static}:supported", "--displacement", file, "--out", str(out)]) == 0
+    printed = told(f"bound {static}:supported --displacement {tmp_path}/mine.npz --out {out}", code=0)
+    assert "weighted by the elasticity G" in printed
     again = pd.read_csv(out / "supported-mine" / "levels.csv").iloc[0]
     names = ["h", "lowest", "highest", "plain", "percent_low", "percent_high"]
     assert again[names].tolist() == pytest.approx(computed[names].tolist(), rel=1e-6)
 
 
-def test_a_static_body_without_contact_is_adapted_and_bounded_from_a_vtu_file(static: str, tmp_path, capsys) -> None:
-    out = tmp_path / "out"
-    assert main(["bound", f"{static}:hanging", "--levels", "2", "--adapt", "40%", "--out", str(out)]) == 0
-    assert "≤ 40 %, the tolerance is reached" in " ".join(capsys.readouterr().out.split())
+def test_a_static_body_without_contact_is_adapted(static, out, told):
+    printed = told(f"bound {static}:hanging --levels 2 --adapt 40% --out {out}", code=0)
+    assert "≤ 40 %, the tolerance is reached" in " ".join(printed.split())
     rows = pd.read_csv(out / "hanging" / "adaptive.csv")
     assert rows["percent"].iloc[-1] <= 40 < rows["percent"].iloc[-2]
-    with np.load(out / "hanging" / "adapted-0.npz") as found:
-        p, cells, u = found["p"].T, found["t"].T, found["u"][0].T
-    file = tmp_path / "mine.vtu"
-    meshio.Mesh(p, [("triangle", cells)], point_data={"displacement": np.pad(u, ((0, 0), (0, 1)))}).write(file)
-    assert main(["bound", f"{static}:hanging", "--displacement", str(file), "--out", str(out)]) == 0
-    assert "weighted by the elasticity G" in capsys.readouterr().out
-    plain = pd.read_csv(out / "hanging-mine" / "levels.csv")["plain"].iloc[0]
-    assert plain == pytest.approx(rows["bound"].iloc[0], rel=1e-6)
 
 
-def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_path, capsys) -> None:
+def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_path, told):
     """The displacements that the study has written itself: the same errors, enclosed again."""
     directory, _ = finished
-    files = [str(directory / f"trajectory-{level}.npz") for level in (4, 3)]
-    options = ["--refine", "0", "--shorter", "2", "--out", str(tmp_path)]
-    assert main(["bound", "advance-recede", "--displacement", *files, *options]) == 0
-    assert "trajectory-4.npz: degree 1," in " ".join(capsys.readouterr().out.split())
+    files = f"{directory}/trajectory-4.npz {directory}/trajectory-3.npz"
+    options = f"--refine 0 --shorter 2 --out {tmp_path}"
+    printed = told(f"bound advance-recede --displacement {files} {options}", code=0)
+    assert "trajectory-4.npz: degree 1," in " ".join(printed.split())
     found = pd.read_csv(tmp_path / "advance-recede-trajectory-3-trajectory-4" / "levels.csv")
     before = pd.read_csv(directory / "levels.csv")
     names = ["h", "steps", "lowest", "highest", "plain", "order_low", "order_high"]
@@ -183,25 +166,24 @@ def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_pat
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--nearest"], "--nearest need a file"),
-        (["--displacement", "none.npz"], "there is no file none.npz"),
-        (["--displacement", "."], ". is a directory: give the file in it"),
-        (["--displacement", "none.npz", "--adapt", "1"], "not both"),
-        *((["--adapt", text], "a tolerance that is a positive number") for text in ("0", "nan", "inf", "5 percent")),
+        ("--nearest", "--nearest need a file"),
+        ("--displacement none.npz", "there is no file none.npz"),
+        ("--displacement .", ". is a directory: give the file in it"),
+        ("--displacement none.npz --adapt 1", "not both"),
+        *((f"--adapt {text}", "a tolerance that is a positive number") for text in ("0", "nan", "inf", "'5 percent'")),
     ],
 )
-def test_options_that_make_no_sense_are_refused(told, tmp_path, options: list[str], message: str) -> None:
-    assert message in told("bound", "full-contact", *options, "--out", str(tmp_path / "out"))
+def test_options_that_make_no_sense_are_refused(told, out, options, message):
+    assert message in told(f"bound full-contact {options} --out {out}")
 
 
-def test_a_mesh_too_large_for_the_memory_is_refused(finished, tmp_path, told, monkeypatch) -> None:
+def test_a_mesh_too_large_for_the_memory_is_refused(finished, out, told, monkeypatch):
     monkeypatch.setattr("study.run.executor.available", lambda: 0.45 * 2.0**30)
-    file = str(finished[0] / "trajectory-4.npz")
-    said = told("bound", "advance-recede", "--displacement", file, "--refine", "4", "--out", str(tmp_path / "out"))
+    said = told(f"bound advance-recede --displacement {finished[0]}/trajectory-4.npz --refine 4 --out {out}")
     assert re.search(r"with \d+ triangles and --refine 4 needs about [\d.]+ GiB .* coarser mesh", said)
 
 
-def test_more_triangles_than_can_be_factorised_are_refused_with_a_refinement_that_is_served(monkeypatch) -> None:
+def test_more_triangles_than_can_be_factorised_are_refused_with_a_refinement_that_is_served(monkeypatch):
     with pytest.raises(
         UsageError, match=r"10830 triangles with --refine 1 .* take --refine 0, or a mesh of at most 8250"
     ):

@@ -1,7 +1,5 @@
 """What a command does to directories, disks, data and terminals that are not as one would wish."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os
@@ -13,8 +11,10 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-import pandas as pd
 import pytest
+from commands import study
+from places import CERTIFICATES
+from tables import everything, texts
 
 from study.bound import bounded
 from study.cli import run
@@ -27,13 +27,9 @@ from study.run.provenance import commit, provenance, read_provenance
 from study.run.store import Store
 from study.run.tasks import TaskStore
 
-COARSE = ["--steps", "2", "--refine", "0", "--shorter", "1"]
+COARSE = "--steps 2 --refine 0 --shorter 1"
 COMMANDS = ["run --case full-contact --levels 2 4 8", "check", "tables", "figures", "report"]
 COMMANDS += ["faults --case full-contact", "seeds --seeds 1"]
-
-
-def everything(directory):
-    return {path: path.read_bytes() for path in directory.rglob("*") if path.is_file()}
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -41,17 +37,17 @@ def test_files_that_the_study_did_not_write_are_never_overwritten(command, tmp_p
     write_text(tmp_path / "data" / "rates.csv", "mine")
     write_text(tmp_path / "figures" / "convergence.png", "mine")
     before = everything(tmp_path)
-    said = told(*command.split(), "--out", str(tmp_path))
+    said = told(f"{command} --out {tmp_path}")
     assert "no finished run" in said or f"{tmp_path}/data/rates.csv was not written by a study" in said
     assert everything(tmp_path) == before
 
 
-SQUARE = f"{Path(__file__).parents[2]}/examples/certificates/problems.py:square"
+SQUARE = f"{CERTIFICATES}/problems.py:square"
 OWNED = [
-    (["bound", "ramp", "--levels", "4", *COARSE], "ramp"),
-    (["show", "full-contact"], "full-contact"),
-    (["export", "full-contact", "--levels", "4"], ""),
-    (["certify", SQUARE, "--family", "one-diagonal", "--levels", "2", *COARSE], "square"),
+    (f"bound ramp --levels 4 {COARSE}", "ramp"),
+    ("show full-contact", "full-contact"),
+    ("export full-contact --levels 4", ""),
+    (f"certify {SQUARE} --family one-diagonal --levels 2 {COARSE}", "square"),
 ]
 """Commands whose directory is theirs alone, and its name below ``--out``."""
 
@@ -60,7 +56,7 @@ OWNED = [
 def test_a_folder_of_somebody_else_is_left_alone(command, folder, tmp_path, told):
     write_text(tmp_path / folder / "notes.txt", "mine")
     mine = tmp_path / folder / "notes.txt"
-    assert f"{mine} was not written by a study" in told(*command, "--out", str(tmp_path))
+    assert f"{mine} was not written by a study" in told(f"{command} --out {tmp_path}")
     assert list(everything(tmp_path)) == [mine]
 
 
@@ -76,18 +72,18 @@ def test_a_bound_resumes_with_the_levels_that_are_not_done_and_removes_those_of_
 
     monkeypatch.setattr(bounded, "bounded_solution", counted)
     monkeypatch.setattr("study.cli.bound.draw_one", lambda *_: [])
-    command = ["bound", "ramp", *COARSE, "--out", str(tmp_path), "--levels", "2"]
+    command = f"bound ramp {COARSE} --out {tmp_path} --levels 2"
     for file, content in ((".lock", ""), ("problem.txt", "another problem"), ("../trajectory-9.npz", "")):
         write_text(tmp_path / "ramp" / "data" / file, content)
-    assert main(command) == main([*command, "4"]) == 0
+    assert study(command) == study(f"{command} 4") == 0
     (printed, removed), whole = capsys.readouterr(), everything(tmp_path)
     assert f"removed from {tmp_path}/ramp: results of other data" in removed
     assert tmp_path / "ramp" / "trajectory-9.npz" not in whole
-    assert main([*command, "4"]) == 0
+    assert study(f"{command} 4") == 0
     assert capsys.readouterr().out.split("enclosed")[-1] == printed.split("enclosed")[-1]
     assert (asked, everything(tmp_path)) == ([2, 4], whole)
     (tmp_path / "ramp" / "trajectory-4.npz").unlink()
-    assert main([*command, "4", "--scheme", "bdf2"]) == 0
+    assert study(f"{command} 4 --scheme bdf2") == 0
     assert asked == [2, 4, 2, 4]
 
 
@@ -102,7 +98,7 @@ def hold(store):
 
 @pytest.mark.parametrize(
     ("store", "command", "folder"),
-    [(Store, *OWNED[0]), (TaskStore, *OWNED[2]), (Store, ["run", "--case", "full-contact", "--levels", "2", "4"], "")],
+    [(Store, *OWNED[0]), (TaskStore, *OWNED[2]), (Store, "run --case full-contact --levels 2 4", "")],
     ids=["bound", "export", "run"],
 )
 def test_two_commands_on_one_directory_are_refused_by_name_until_the_first_one_ends(
@@ -110,7 +106,7 @@ def test_two_commands_on_one_directory_are_refused_by_name_until_the_first_one_e
 ):
     with Processes(1) as other:
         other.submit(hold, store(tmp_path / folder)).result()
-        said = told(*command, "--out", str(tmp_path))
+        said = told(f"{command} --out {tmp_path}")
         if store is Store:
             with pytest.raises(StoreError, match="another run works on"), Store(tmp_path / folder).steady():
                 pass
@@ -147,7 +143,7 @@ def test_ctrl_c_says_what_is_true_of_the_command(command, said, tmp_path, told, 
     # A command that is not stopped writes here, not into the committed results.
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("importlib.import_module", stop)
-    assert told(*command.split(), code=INTERRUPTED) == f"study: interrupted; {said}\n"
+    assert told(command, code=INTERRUPTED) == f"study: interrupted; {said}\n"
 
 
 ASLEEP = """
@@ -241,10 +237,10 @@ def test_levels_can_be_added_to_a_directory(tmp_path, capsys):
 )
 def test_a_word_in_place_of_a_number_is_named_by_file_line_and_column(command, column, word, own, told):
     path = own / "data" / "rates.csv"
-    table = pd.read_csv(path, dtype=str, keep_default_na=False)
+    table = texts(path)
     table.loc[2, column] = word
     table.to_csv(path, index=False)
-    said = told(command, "--out", str(own))
+    said = told(f"{command} --out {own}")
     assert f"{path}, line 4, column {column}: found {word!r}, expected a number" in said
     assert f"--levels 8 16 32 --out {own}`" in said
 
@@ -270,19 +266,18 @@ mine = Data.formulas(body, law, f0=(0, 0))
 """
 
 
-def test_what_would_take_for_ever_is_refused_at_once(tmp_path, told):
+def test_what_would_take_for_ever_is_refused_at_once(tmp_path, out, told):
     path = write_text(tmp_path / "sliver.py", SLIVER)
-    assert "so thin that rounding errors hide" in told("bound", f"{path}:mine", "--out", str(tmp_path / "out"))
-    out = ["--out", str(tmp_path / "out")]
+    assert "so thin that rounding errors hide" in told(f"bound {path}:mine --out {out}")
     for command in ("run --levels", "run --jobs", "bound ramp --steps"):
         with pytest.raises(SystemExit, match="2"):
-            main([*command.split(), "9" * 400])
+            study(command + " " + "9" * 400)
     for command in (
         "run --case full-contact --step 1e-12",
         "bound ramp --steps 10000000",
         "export full-contact --mode march --steps 10000000",
     ):
-        assert "time steps were asked for, but only 1 to 1e+06 are allowed" in told(*command.split(), *out)
+        assert "time steps were asked for, but only 1 to 1e+06 are allowed" in told(f"{command} --out {out}")
     for command in (
         "run --case full-contact --levels 8 16 99999",
         "bound ramp --levels 8 99999",
@@ -290,9 +285,9 @@ def test_what_would_take_for_ever_is_refused_at_once(tmp_path, told):
         "show full-contact --level 99999",
         "export full-contact --levels 99999",
     ):
-        said = told(*command.split(), *out)
+        said = told(f"{command} --out {out}")
         assert re.search(r"99999 needs about \d+\.\d GiB of memory, .* are available; take coarser levels", said), said
-    assert not (tmp_path / "out").exists()
+    assert not out.exists()
 
 
 @pytest.mark.parametrize("command", ["run --case full-contact --levels 2 4 8", "export corner --levels 4", "tables"])
@@ -304,11 +299,12 @@ def test_what_would_take_for_ever_is_refused_at_once(tmp_path, told):
         (errno.EROFS, "{}; give a directory you may write with --out"),
     ],
 )
-def test_a_disk_that_cannot_be_written_is_named_by_every_command(command, code, said, own, told, monkeypatch):
+def test_a_disk_that_cannot_be_written_is_named_by_every_command(command, code, said, own, out, told, monkeypatch):
     def unwritable(*_):
         raise OSError(code, os.strerror(code))
 
     monkeypatch.setattr("os.replace", unwritable)
-    printed = told(*command.split(), "--out", str(own if command == "tables" else own.parent / "out"))
+    directory = own if command == "tables" else out
+    printed = told(f"{command} --out {directory}")
     assert "cannot write" in printed
     assert said.format(os.strerror(code)) in printed

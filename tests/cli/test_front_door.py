@@ -1,17 +1,13 @@
 """What a newcomer types by mistake is answered with what to type instead, and nothing is lost."""
 
-from __future__ import annotations
-
 import os
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from commands import python, study
 
 import manufactured
-from study.cli.main import main
 from study.cli.options import COMPARE_TOLERANCE, FAMILY_NAMES, SCHEME_NAMES, parser
 from study.cli.run import on_finer_meshes, scope_from_options
 from study.fem.mesh import FAMILIES, Alternating
@@ -37,26 +33,25 @@ def file(tmp_path):
     return path
 
 
-def test_a_name_with_a_slip_is_answered_with_the_nearest_one(told, tmp_path):
-    out = tmp_path / "out"
-    said = told("run", "--case", "hexgon", "--out", str(out))
+def test_a_name_with_a_slip_is_answered_with_the_nearest_one(told, out):
+    said = told(f"run --case hexgon --out {out}")
     assert "unknown case 'hexgon'; did you mean hexagon? All: full-contact" in said
-    assert "did you mean midpoint?" in told("run", "--scheme", "midpiont", "--out", str(out))
-    assert "midpoint" in told("run", "--scheme", "rk4", "--out", str(out))
+    assert "did you mean midpoint?" in told(f"run --scheme midpiont --out {out}")
+    assert "midpoint" in told(f"run --scheme rk4 --out {out}")
     assert not out.exists()
 
 
 def test_an_option_with_a_slip_is_answered_with_the_nearest_one_and_all_options_of_the_command(capsys):
     with pytest.raises(SystemExit, match="2"):
-        main(["run", "--cases", "hexagon"])
+        study("run --cases hexagon")
     said = " ".join(capsys.readouterr().err.split())
     assert said.startswith("usage: study run [-h]")
     assert said.endswith("unrecognized arguments: --cases hexagon; did you mean --case?")
 
 
 @pytest.mark.parametrize("name", ["", ":pach"])
-def test_a_file_without_a_name_it_defines_is_answered_with_those_it_does(file, name, told, tmp_path):
-    said = told("run", "--case", f"{file}{name}", "--out", str(tmp_path / "out"))
+def test_a_file_without_a_name_it_defines_is_answered_with_those_it_does(file, name, told, out):
+    said = told(f"run --case {file}{name} --out {out}")
     assert f"give {file}:front or {file}:patch" in said
     assert "_hidden" not in said
     assert "named" not in said
@@ -87,10 +82,8 @@ RIGHT = OWN.format(face=LINEAR.format("pos(-z, 4)", "pos(z, 3)", "z"), of="")
         (PRESCRIBED.format("pos(-z, 4)", "-Max(z, 0)**2"), "Max(0, -s + t/2)**2", "pos(-s + t/2, 2)"),
     ],
 )
-def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(face, kink, instead, tmp_path, told):
-    path = tmp_path / "mine.py"
-    path.write_text(OWN.format(face=face, of=", dim=3"), encoding="utf-8")
-    said = told("run", "--case", f"{path}:mine", "--levels", "4", "--out", str(tmp_path / "out"))
+def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(face, kink, instead, refusal_of_case):
+    said = refusal_of_case(OWN.format(face=face, of=", dim=3"))
     assert said.endswith(f"instead of {kink} write {instead}; correct the file\n")
     assert "label" not in said
     assert len(said.splitlines()) == 1
@@ -116,25 +109,22 @@ def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(face, ki
     ],
     ids=["no return", "complex", "another body", "no potential", "a low body"],
 )
-def test_a_case_that_cannot_be_measured_is_refused_with_what_to_change(lines, said, tmp_path, told):
+def test_a_case_that_cannot_be_measured_is_refused_with_what_to_change(lines, said, refusal_of_case):
     skew = "skew = NonSymmetric(isotropic(1, 1).matrix + [[0, 0.1, 0], [-0.1, 0, 0], [0, 0, 0]])\n"
     other = "from sympy import I\nother = unit_square()\n"
     other += "sides = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]\n"
     other += "low = polygon([(0, 0), (1, 0), (1, 0.5), (0, 0.5)], sides)\n"
-    path = tmp_path / "mine.py"
-    path.write_text(f"from manufactured import *\n{skew}{other}{lines}", encoding="utf-8")
-    assert said in told("run", "--case", f"{path}:mine", "--levels", "4", "8", "16", "--out", str(tmp_path / "out"))
+    assert said in refusal_of_case(f"from manufactured import *\n{skew}{other}{lines}")
 
 
 def test_help_names_what_there_is_in_80_columns_and_needs_nothing_that_takes_time():
     asked = (
         "import sys; from study.cli.options import parser; parser().print_help(); print(*sys.modules, file=sys.stderr)"
     )
-    environment = {**os.environ, "COLUMNS": "80"}
-    done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True, env=environment)
-    assert not {"numpy", "sympy", "pandas", "matplotlib", "skfem", "scipy"} & set(done.stderr.split())
-    assert {*SCHEME_NAMES, *FAMILY_NAMES} <= set(done.stdout.replace(",", " ").replace(".", " ").split())
-    assert max(map(len, done.stdout.splitlines())) <= 80
+    printed, modules = python(asked, env={**os.environ, "COLUMNS": "80"})
+    assert not {"numpy", "sympy", "pandas", "matplotlib", "skfem", "scipy"} & set(modules.split())
+    assert {*SCHEME_NAMES, *FAMILY_NAMES} <= set(printed.replace(",", " ").replace(".", " ").split())
+    assert max(map(len, printed.splitlines())) <= 80
     assert set(SCHEME_NAMES) == {scheme.name for scheme in SCHEMES}
     assert [*FAMILY_NAMES] == [*(family.name for family in FAMILIES), Alternating().name]
     assert Tolerance.relative == COMPARE_TOLERANCE
@@ -142,7 +132,7 @@ def test_help_names_what_there_is_in_80_columns_and_needs_nothing_that_takes_tim
 
 def test_names_of_the_package_are_found_when_they_are_asked_for():
     asked = "import manufactured.catalogue, sys; print('sympy' in sys.modules); from manufactured import *; print(pos)"
-    printed = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True).stdout
+    printed, _ = python(asked)
     assert printed.split() == ["False", "pos"]
     assert {*manufactured.__all__} < {*dir(manufactured)}
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
@@ -173,13 +163,12 @@ def test_a_number_that_is_not_permitted_is_refused_before_a_module_is_imported(c
     monkeypatch.setattr("importlib.import_module", None)
     *_, flag, value = command.split()
     with pytest.raises(SystemExit, match="2"):
-        main(command.split())
+        study(command)
     assert capsys.readouterr().err.endswith(f"error: argument {flag}: must be {words}, got {value}\n")
 
 
-def test_an_own_case_with_the_name_of_another_is_refused(file, told, tmp_path):
-    out = tmp_path / "out"
-    said = told("run", "--case", f"{file}:front", "--levels", "2", "4", "8", "--out", str(out))
+def test_an_own_case_with_the_name_of_another_is_refused(file, told, out):
+    said = told(f"run --case {file}:front --levels 2 4 8 --out {out}")
     assert "cases.py:front has the name advance-recede of a case of the catalogue; give it another name" in said
     assert not out.exists()
 
@@ -189,15 +178,15 @@ def test_too_few_levels_are_named_before_anything_is_measured(told, tmp_path, mo
         raise UsageError("here it would begin")
 
     monkeypatch.setattr("study.cli.run.refuse_too_large", stop)
-    said = told("run", "--case", "corner", "full-contact", "--levels", "8", "--out", str(tmp_path))
+    said = told(f"run --case corner full-contact --levels 8 --out {tmp_path}")
     few = "a verdict on an order needs {} levels, not only 8; give {} or more, such as --levels {}"
     assert said.splitlines() == [
         f"study: corner: {few.format(3, 3, '8 16 32')}",
         f"study: full-contact: {few.format(3, 3, '8 16 32')}",
         "study: here it would begin",
     ]
-    assert "needs 4 levels" in told("run", "--case", "rough-1.75", "--levels", "8", "16", "32", "--out", str(tmp_path))
-    assert told("run", "--out", str(tmp_path)) == "study: here it would begin\n"
+    assert "needs 4 levels" in told(f"run --case rough-1.75 --levels 8 16 32 --out {tmp_path}")
+    assert told(f"run --out {tmp_path}") == "study: here it would begin\n"
 
 
 def test_finer_meshes_are_one_line_to_copy(file):

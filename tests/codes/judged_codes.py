@@ -1,11 +1,7 @@
 """Tasks of cases as another code reads them, and the judgement of a code that solves them."""
 
-from __future__ import annotations
-
 import json
-from collections.abc import Callable
 from functools import cache
-from typing import Any
 
 import contact_judge as judge
 import numpy as np
@@ -13,8 +9,6 @@ import numpy as np
 from study.fem.naming import family_named, resolve
 from study.run.tasks import frozen, march, plain
 from study.statements.shared.tasks import Task
-
-Make = Callable[[Any], Callable[[np.ndarray, np.ndarray], np.ndarray]]
 
 
 def task(case, level=8, family="one-diagonal"):

@@ -1,15 +1,13 @@
 """Adapters are driven as they are stated, ``make codes`` keeps what the judge says, and the command of the judge."""
 
-from __future__ import annotations
-
 import json
 import lzma
 import os
+import shlex
 import shutil
 import subprocess
 import sys
 from dataclasses import fields
-from pathlib import Path
 from types import SimpleNamespace
 from xml.etree import ElementTree
 
@@ -20,15 +18,15 @@ import numpy as np
 import pytest
 import run_codes
 import this_study
+from commands import study
 from jsonschema import Draft202012Validator
 from judged_codes import exported, judged, read, task
+from places import CODES, RESULTS, ROOT
 
-from study.cli.main import main
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
 from study.run.tasks import frozen, march, with_foundation, write_task
 
-RESULTS = Path(__file__).parents[2] / "results"
 KEY = ["code", "variant", "case", "family"]
 
 
@@ -135,8 +133,8 @@ def place(packed, tmp_path):
     return tmp_path
 
 
-def run(place, *options):
-    return judge.main([str(place / "tasks"), str(place / "answers"), *options])
+def run(place, options=""):
+    return judge.main(shlex.split(f"{place}/tasks {place}/answers {options}"))
 
 
 def change_answer(place, change):
@@ -212,11 +210,9 @@ def test_what_cannot_be_read_is_named_and_the_exit_code_is_2(name, place, capsys
     assert told.out == ""
 
 
-@pytest.mark.parametrize(
-    "options", [["--tolerance", "-1"], ["--tolerance", "nan"], ["--junit", "/no/such/place/x.xml"]]
-)
+@pytest.mark.parametrize("options", ["--tolerance -1", "--tolerance nan", "--junit /no/such/place/x.xml"])
 def test_options_that_cannot_be_used_are_refused(options, place, capsys):
-    assert run(place, *options) == 2
+    assert run(place, options) == 2
     assert capsys.readouterr().err.startswith("contact_judge: ")
 
 
@@ -226,15 +222,15 @@ def test_one_missing_answer_does_not_stop_the_judge_and_a_subset_leaves_it_out(p
     told = capsys.readouterr()
     assert "layered-one-diagonal-frozen-4/u.txt is missing" in told.err
     assert "exact for P1" in told.out
-    assert run(place, "--only", "full-*") == run(place, "--only", "full-contact") == 0
-    assert run(place, "--only", "corner") == 2
+    assert run(place, "--only full-*") == run(place, "--only full-contact") == 0
+    assert run(place, "--only corner") == 2
     assert "--only corner is no case and no task; there are tasks of full-contact, layered" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("change", [lambda u: 1.5 * u, lambda u: u])
 def test_a_picture_has_the_mesh_and_the_forces_that_remain(change, place, tmp_path):
     change_answer(place, change)
-    run(place, "--plot", str(tmp_path / "a.svg"))
+    run(place, f"--plot {tmp_path}/a.svg")
     mesh, face, arrows, dots = ElementTree.parse(tmp_path / "a.svg").getroot().findall("{*}path")
     assert [one.get("d", "").count("M") for one in (mesh, face)] == [32, 4]
     remaining = 0 if change(1) == 1 else 20
@@ -242,7 +238,7 @@ def test_a_picture_has_the_mesh_and_the_forces_that_remain(change, place, tmp_pa
 
 
 def test_a_reader_who_closes_the_pipe_causes_no_traceback(place):
-    judge_file = str(RESULTS.parent / "examples" / "codes" / "contact_judge.py")
+    judge_file = str(CODES / "contact_judge.py")
     command = [sys.executable, judge_file, str(place / "tasks"), str(place / "answers"), "--json"]
     reader, writer = os.pipe()
     os.close(reader)
@@ -255,13 +251,13 @@ def test_exit_codes_and_tolerance(place, capsys):
     assert run(place) == 0
     change_answer(place, lambda u: 1.0001 * u)
     assert run(place) == 3
-    assert run(place, "--tolerance", "1e-9") == 3
-    assert run(place, "--tolerance", "0.5") == 0
+    assert run(place, "--tolerance 1e-9") == 3
+    assert run(place, "--tolerance 0.5") == 0
     assert "passes: at most 0.5 of the error" in capsys.readouterr().out
     change_answer(place, lambda u: u + 1000)
-    assert run(place, "--tolerance", "1e9") == 1
+    assert run(place, "--tolerance 1e9") == 1
     change_answer(place, lambda u: np.nan * u)
-    assert run(place, "--tolerance", "1e9") == 1
+    assert run(place, "--tolerance 1e9") == 1
 
 
 def test_a_series_that_fails_counts_more_than_one_that_is_undecided(place):
@@ -272,17 +268,17 @@ def test_a_series_that_fails_counts_more_than_one_that_is_undecided(place):
     assert run(place) == 1
 
 
-@pytest.mark.parametrize("output", [[], ["--json"]])
+@pytest.mark.parametrize("output", ["", "--json"])
 def test_junit_has_a_case_for_each_series_and_no_control_characters(output, place, tmp_path, capsys):
-    assert run(place, "--junit", str(tmp_path / "a.xml")) == 0
+    assert run(place, f"--junit {tmp_path}/a.xml") == 0
     suite = ElementTree.parse(tmp_path / "a.xml").getroot()
     assert (suite.get("tests"), suite.get("failures")) == ("1", "0")
     change_answer(place, lambda u: 1.001 * u)
-    assert run(place, "--junit", str(tmp_path / "a.xml")) == 3
+    assert run(place, f"--junit {tmp_path}/a.xml") == 3
     (failure,) = ElementTree.parse(tmp_path / "a.xml").getroot().iter("failure")
     assert "undecided" in str(failure.get("message"))
     task_with(case="a\x1bc")(place)
-    assert run(place, "--junit", str(tmp_path / "a.xml"), *output) == 3
+    assert run(place, f"--junit {tmp_path}/a.xml {output}") == 3
     (one,) = ElementTree.parse(tmp_path / "a.xml").getroot()
     assert str(one.get("name")).startswith(r"a\u001bc")
     assert "\x1b" not in capsys.readouterr().out
@@ -290,7 +286,7 @@ def test_junit_has_a_case_for_each_series_and_no_control_characters(output, plac
 
 
 def schema(name):
-    return Draft202012Validator(json.loads((RESULTS.parent / "docs" / "reference" / name).read_text(encoding="utf-8")))
+    return Draft202012Validator(json.loads((ROOT / "docs" / "reference" / name).read_text(encoding="utf-8")))
 
 
 def test_the_json_is_valid_and_fits_its_schema_even_without_numbers(place, capsys):
@@ -321,17 +317,14 @@ def test_version_1_is_read_and_is_the_same_task():
     assert judged(this_study.make, task).verdict == "exact for P1"
 
 
-def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tmp_path, capsys):
-    command = ["export", "full-contact", "layered", "--levels", "4", "--instants", "0.5", "--out", str(tmp_path)]
-    assert main(command) == 0
+def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tmp_path, told):
+    assert study(f"export full-contact layered --levels 4 --instants 0.5 --out {tmp_path}") == 0
     names = {path.name for path in tmp_path.glob("*.xz")}
     assert names == {"full-contact-one-diagonal-frozen-4.json.xz", "layered-criss-cross-frozen-4.json.xz"}
-    assert main(["export", "cube-two-faces", "--levels", "4", "--out", str(tmp_path)]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith("study: case cube-two-faces on one-diagonal meshes of level 4: ")
-    assert told.endswith("levels that would do: 3, 6\n")
-    assert main(["export", "full-contact", "full-contact", "--out", str(tmp_path)]) == 2
-    assert "give each case once" in capsys.readouterr().err
+    said = told(f"export cube-two-faces --levels 4 --out {tmp_path}")
+    assert said.startswith("study: case cube-two-faces on one-diagonal meshes of level 4: ")
+    assert said.endswith("levels that would do: 3, 6\n")
+    assert "give each case once" in told(f"export full-contact full-contact --out {tmp_path}")
 
 
 WRONG_ARRAYS = {

@@ -1,23 +1,21 @@
 """Tasks read back give our own errors, and every class of the judge has an answer that it is given to."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import lzma
 import subprocess
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import contact_judge as judge
 import faults
 import numpy as np
 import pytest
 import this_study as ours
+from commands import study
 from judged_codes import exported, judged, read, task
+from places import CODES
 
-from study.cli.main import main
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.run.tasks import frozen, with_foundation, write_task
@@ -25,7 +23,6 @@ from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import Experiment
 from study.statements.shared.tasks import FROZEN_TIMES
 
-CODES = Path(__file__).parents[2] / "examples" / "codes"
 LEVELS, TIMES = (4, 8, 16), (0.15, 0.55)
 
 
@@ -284,14 +281,14 @@ def test_exponents_of_fortran_are_read(tmp_path):
     assert (judge.read_answer(tmp_path, one) == u).all()
 
 
-def test_the_command_writes_the_same_bytes_again_and_their_sums_and_names_a_line_that_is_none(tmp_path, capsys):
+def test_the_command_writes_the_same_bytes_again_and_their_sums_and_names_a_line_that_is_none(tmp_path, told):
     def files():
         return {path.name: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
 
-    command = ["export", "full-contact", "--levels", "4", "--instants", "0.5", "--to", str(tmp_path)]
-    assert main(command) == 0
+    command = f"export full-contact --levels 4 --instants 0.5 --to {tmp_path}"
+    assert study(command) == 0
     before = files()
-    assert main(command) == 0
+    assert study(command) == 0
     assert files() == before
     (name,) = before.keys() - {"SHA256SUMS"}
     judge.read_tasks(tmp_path)
@@ -301,26 +298,23 @@ def test_the_command_writes_the_same_bytes_again_and_their_sums_and_names_a_line
     with (tmp_path / "SHA256SUMS").open("a") as sums:
         sums.write("mine\n")
     before = files()
-    capsys.readouterr()
-    assert main([*command, "--scale", "2"]) == 2
     named = "SHA256SUMS, line 2: found 'mine', expected a checksum and a file: remove the line"
-    assert named in capsys.readouterr().err
+    assert named in told(f"{command} --scale 2")
     assert files() == before
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["yield-and-release"], "not linear"),
-        (["full-contact", "--instants", "2"], "--instants"),
-        (["full-contact", "--steps", "3"], "--steps"),
-        (["full-contact", "--mode", "march", "--instants", "0.5"], "--instants"),
+        ("yield-and-release", "not linear"),
+        ("full-contact --instants 2", "--instants"),
+        ("full-contact --steps 3", "--steps"),
+        ("full-contact --mode march --instants 0.5", "--instants"),
     ],
 )
-def test_what_cannot_be_exported_is_refused(options, message, tmp_path, capsys):
-    assert main(["export", *options, "--to", str(tmp_path / "out")]) == 2
-    assert message in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
+def test_what_cannot_be_exported_is_refused(options, message, out, told):
+    assert message in told(f"export {options} --to {out}")
+    assert not out.exists()
 
 
 def test_tasks_for_two_levels_are_small_enough_to_commit(tmp_path):

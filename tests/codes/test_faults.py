@@ -1,17 +1,14 @@
 """Every fault is seen by the covering set of cases, and the judge names its cause; right answers have none."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import contact_judge as judge
 import faults
 import numpy as np
 import pytest
 import this_study
 from judged_codes import assessed, exported, judged
+from places import CODES
 
-PAGE = (Path(__file__).parents[2] / "examples" / "codes" / "faults.md").read_text(encoding="utf-8")
+PAGE = (CODES / "faults.md").read_text(encoding="utf-8")
 FAULTS = {fault.name: fault for fault in faults.FAULTS}
 
 

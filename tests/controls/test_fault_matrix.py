@@ -1,20 +1,17 @@
 """Deliberate faults are measured as the matrix says, and each is the fault that its name promises."""
 
-from __future__ import annotations
-
 import math
-import subprocess
-import sys
 from dataclasses import replace
 from importlib.util import find_spec
 
 import numpy as np
 import pandas as pd
 import pytest
+from commands import python, study
+from measures import close
 
 from manufactured.law import isotropic_matrix
-from study.cli.main import main
-from study.controls.faults import FAULTS, Fault, Frictional, axes_exchanged, exchanged, friction, shear_scaled, tangents
+from study.controls.faults import FAULTS, Frictional, axes_exchanged, exchanged, friction, shear_scaled, tangents
 from study.controls.matrix import distance_of_solutions, measured_on, rows_of
 from study.fem.naming import resolve
 from study.ledger import controls
@@ -36,18 +33,18 @@ SEVERAL_KINDS = (
 )
 
 
-def experiment(name: str, level: int = 6) -> Experiment:
+def experiment(name, level=6):
     case = resolve(name)
     return Experiment.at(Setting(name, regular(case).name, level), MIDPOINT, 4)
 
 
-def test_no_two_faults_have_one_name_and_sizes_fall() -> None:
+def test_no_two_faults_have_one_name_and_sizes_fall():
     assert len(BY_NAME) == len(FAULTS)
     assert all(list(fault.sizes) == sorted(fault.sizes, reverse=True) for fault in FAULTS)
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
-def test_a_fault_changes_what_is_solved_in_some_case_and_leaves_the_norm_alone(fault: Fault) -> None:
+def test_a_fault_changes_what_is_solved_in_some_case_and_leaves_the_norm_alone(fault):
     for case in SEVERAL_KINDS:
         right = experiment(case)
         if np.any(right.problem.gap):
@@ -67,7 +64,7 @@ def test_a_fault_changes_what_is_solved_in_some_case_and_leaves_the_norm_alone(f
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.2, np.inf])
-def test_friction_obeys_coulombs_law_at_every_vertex(mu: float) -> None:
+def test_friction_obeys_coulombs_law_at_every_vertex(mu):
     """|λ_τ| ≤ μ λ_ν; where it is less, nothing slides; and λ_τ opposes the sliding."""
     setup = experiment("corner", 8)
     solved = friction(setup, mu).solved
@@ -86,13 +83,13 @@ def test_friction_obeys_coulombs_law_at_every_vertex(mu: float) -> None:
     assert (shear * slides >= -1e-9 * size).all()
 
 
-def test_without_friction_the_frictional_solver_is_the_right_one() -> None:
+def test_without_friction_the_frictional_solver_is_the_right_one():
     setup = experiment("corner", 8)
     solver = friction(setup, 0.0).solved.solver(setup.problem.M, setup.problem.N)
     u, pressure = solver(load := setup.problem.load(0.7))
     v, right = Signorini(setup.problem.M, setup.problem.N)(load)
-    assert u == pytest.approx(v, abs=1e-9 * abs(v).max())
-    assert pressure == pytest.approx(right, abs=1e-9 * right.max())
+    assert close(u, v, 1e-9)
+    assert close(pressure, right, 1e-9)
 
 
 A = np.arange(9.0).reshape(3, 3)
@@ -109,7 +106,7 @@ B = np.diag([1.0, 2, 3, 4, 5, 6])
         (exchanged, isotropic_matrix(1, 3, 3), 0.5, isotropic_matrix(2, 2, 3)),
     ],
 )
-def test_faults_of_a_tensor_change_it_as_they_say(change, matrix: np.ndarray, size: float, expected) -> None:
+def test_faults_of_a_tensor_change_it_as_they_say(change, matrix, size, expected):
     assert change(matrix, size) == pytest.approx(np.array(expected))
 
 
@@ -123,14 +120,14 @@ FORCE = ["Prop. 5.4", "contact force", "Thm 4.2"]
         ("junction", ["Prop. 5.3", "Thm 4.2"], 4),
     ],
 )
-def test_a_case_meets_the_statements_about_it_on_levels_of_the_quick_study(case, labels, coarsest: int) -> None:
+def test_a_case_meets_the_statements_about_it_on_levels_of_the_quick_study(case, labels, coarsest):
     every = measured_on(case)
     assert [one.statement.label for one in every] == labels
     assert every[-1].settings[0].level == coarsest
     assert len(every[0].settings) > 2
 
 
-def test_vertices_that_are_never_released_stay_on_the_foundation_while_they_are_pulled() -> None:
+def test_vertices_that_are_never_released_stay_on_the_foundation_while_they_are_pulled():
     faulty = BY_NAME["no lift-off after contact"].change(experiment("advance-recede", 8), 1.0)
     states = [*faulty.march(8)]
     forces = np.array([state.multipliers for state in states])
@@ -141,7 +138,7 @@ def test_vertices_that_are_never_released_stay_on_the_foundation_while_they_are_
     assert forces.min() < 0
 
 
-def test_the_matrix_tells_by_which_checks_and_in_which_cases_a_fault_is_noticed() -> None:
+def test_the_matrix_tells_by_which_checks_and_in_which_cases_a_fault_is_noticed():
     chosen = [BY_NAME[name] for name in ("no lift-off", "initial gap reversed")]
     rows = pd.DataFrame(rows_of("advance-recede", chosen)).set_index(["fault", "size"])
     assert "order" in rows.loc[("no lift-off", 1.0), "by_error"]
@@ -154,7 +151,7 @@ def test_the_matrix_tells_by_which_checks_and_in_which_cases_a_fault_is_noticed(
     assert same["by_error"] == same["by_others"] == ""
 
 
-def test_nothing_is_concluded_where_a_check_fails_without_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_concluded_where_a_check_fails_without_a_fault(monkeypatch):
     for one in measured_on("full-contact"):
         assert one.failing() == []
     monkeypatch.setattr("study.controls.matrix.FAILS", "holds")
@@ -162,7 +159,7 @@ def test_nothing_is_concluded_where_a_check_fails_without_a_fault(monkeypatch: p
         next(rows_of("full-contact"))
 
 
-def matrix(*rows: tuple[str, float, str, int, str, str]) -> pd.DataFrame:
+def matrix(*rows):
     names = ["fault", "size", "case", "dim", "by_error", "by_others"]
     table = pd.DataFrame(rows, columns=names).assign(equation="(2.5)", distance=1.0, error=1.0)
     return table.assign(single=table["fault"].str.contains("vertex").astype(int))
@@ -185,7 +182,7 @@ SEEN, UNSEEN = "order", ""
         ([("one vertex", 1.0, c, 2, UNSEEN, "Thm 4.2 stress") for c in "ab"], "one vertex, in the plane"),
     ],
 )
-def test_a_fault_must_be_noticed_in_two_plane_cases_and_in_one_in_space(rows, lacking: str) -> None:
+def test_a_fault_must_be_noticed_in_two_plane_cases_and_in_one_in_space(rows, lacking):
     assert controls.in_words(controls.missed(matrix(*rows))) == lacking
 
 
@@ -197,16 +194,16 @@ own = replace(named("full-contact"), name="own")
 
 
 @pytest.mark.parametrize("own", [False, True])
-def test_the_command_writes_the_matrix_and_continues(monkeypatch, tmp_path, capsys, own: bool) -> None:
+def test_the_command_writes_the_matrix_and_continues(monkeypatch, tmp_path, out, capsys, own):
     (tmp_path / "own.py").write_text(OWN, encoding="utf-8")
     case = f"{tmp_path}/own.py:own" if own else "full-contact"
-    command = ["faults", "--case", case, "--fault", "no contact", "--jobs", "1", "--out", str(tmp_path / "out")]
-    assert main(command) == 0
-    table = pd.read_csv(tmp_path / "out" / "data" / "faults.csv")
+    command = f"faults --case {case} --fault 'no contact' --jobs 1 --out {out}"
+    assert study(command) == 0
+    table = pd.read_csv(out / "data" / "faults.csv")
     assert table[["fault", "case"]].to_numpy().tolist() == [["no contact", "own" if own else "full-contact"]]
     assert "noticed by errors" in capsys.readouterr().out
     monkeypatch.setattr("study.controls.matrix.rows_of", None)  # nothing is measured again
-    assert main(command) == 0
+    assert study(command) == 0
 
 
 MARCH = """
@@ -224,10 +221,10 @@ assert last.time == space.body.T
 """
 
 
-def test_the_stress_problem_loads_no_solver_of_displacements_while_it_marches() -> None:
+def test_the_stress_problem_loads_no_solver_of_displacements_while_it_marches():
     """So it cannot call one, not even on a copy of the other problem, which no change of that one would show."""
-    command = [sys.executable, "-c", f"{MARCH}\nimport sys; print(*sys.modules)"]
-    loaded = set(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+    printed, _ = python(f"{MARCH}\nimport sys; print(*sys.modules)")
+    loaded = set(printed.split())
     assert "clarabel" in loaded
     names = "signorini multigrid solver_choice evolution tableau fixed_point factorisation"
     solvers = {f"study.solve.{name}" for name in names.split()}

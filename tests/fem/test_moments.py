@@ -5,6 +5,7 @@ import pytest
 from costly_cases import BEYOND_THE_CATALOGUE, by_cost
 from hypothesis import given
 from hypothesis import strategies as st
+from measures import close
 
 from manufactured.catalogue import NAMES
 from manufactured.law import Linear
@@ -28,7 +29,7 @@ def test_the_modes_of_a_solution_sum_to_its_strain_and_its_rate_at_one_and_at_ma
             found[..., part.points] += np.einsum("kD,kn,tkn->tDn", part.tensors, part.shapes, amplitudes)
             each = np.array([part.amplitudes(time, rate)[:, part.places] for time in times.tolist()])
             np.testing.assert_allclose(amplitudes, each, rtol=1e-13, atol=1e-14 * abs(each).max(initial=0.0))
-        assert abs(found - expected).max() <= 1e-13 * abs(expected).max(), rate
+        assert close(found, expected, 1e-13), rate
 
 
 @pytest.mark.parametrize("name", by_cost(n for n in NAMES if not n.startswith("yield") and n != "double-well"))
@@ -73,7 +74,7 @@ def test_means_oscillation_and_load_are_integrals_over_the_points_of_the_rules(c
         mean = np.einsum("Inq,nq->In", strain, weights) / weights.sum(axis=1)
         apart = strain - mean[..., None]
         oscillation += np.einsum("Inq,Inq,nq->", np.tensordot(A.matrix, apart, axes=1), apart, weights)
-        assert abs(sample.means[:, rule.cells] - mean).max() <= 1e-12 * abs(mean).max()
+        assert close(sample.means[:, rule.cells], mean, 1e-12)
         integrals[:, rule.cells] = np.einsum("Inq,nq->In", fields.stress(time), rule.weights)
     assert sample.oscillation == pytest.approx(oscillation, rel=1e-10)
     for face in solution.faces:
@@ -82,7 +83,7 @@ def test_means_oscillation_and_load_are_integrals_over_the_points_of_the_rules(c
         local = np.einsum("anq,nq->an", on.shapes, on.weights * solution.on(face, on.s).pressure(time))
         nodal += space.scatter(space.mesh.facets[:, on.facets], np.multiply.outer(face.part.normal, local))
     expected = space.functional(integrals / space.volumes) + space.interpolate(nodal)
-    assert abs(v_norm.load(time) - expected).max() <= 1e-12 * abs(expected).max()
+    assert close(v_norm.load(time), expected, 1e-12)
 
 
 @given(seed=st.integers(0, 10**6), degree=st.sampled_from([4, 6]), angle=st.floats(0.2, 2.9), both=st.booleans())

@@ -4,10 +4,11 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from bodies import CLAMPED, CONTACT, LOADED, SQUARE
 from hypothesis import given
 from hypothesis import strategies as st
 
-from manufactured import Kind, named, polygon, unit_square
+from manufactured import named, polygon, unit_square
 from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.data import Data
 from manufactured.problems import problems
@@ -22,11 +23,10 @@ from study.fem.quadrature import simplex_rule
 from study.fem.space import Space
 from study.stresses.composite import bernstein
 
-CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
 BODIES = {
     "square": (unit_square(), Shaken()),
     "criss-cross": (unit_square(), CrissCross()),
-    "corner of Γ3": (polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [CONTACT, LOADED, CLAMPED, CONTACT]), OneDiagonal()),
+    "corner of Γ3": (polygon(SQUARE, [CONTACT, LOADED, CLAMPED, CONTACT]), OneDiagonal()),
     "hexagon": (named("hexagon").solution.body, Unstructured()),
     "bracket": (next(p.data.body for p in problems() if p.name == "bracket"), Unstructured()),
 }
@@ -43,12 +43,12 @@ def quadratic(body):
 def discretisation(body, refinements=0):
     found, family = BODIES[body]
     data = Data.formulas(found, anisotropic() if body == "square" else not_proportional(), f0=(0, 0))
-    return Discretisation(data, family(found, LEVEL).refined(refinements) if refinements else family(found, LEVEL))
+    return Discretisation(data, family(found, LEVEL).refined(refinements))
 
 
-def in_cells(space, rng, q=5):
-    """Random barycentric coordinates (3, q), the same in every cell, and their points (2, cells, q)."""
-    barycentric = rng.dirichlet(np.ones(3), q).T
+def in_cells(space, rng):
+    """Random barycentric coordinates (3, 5), the same in every cell, and their points (2, cells, 5)."""
+    barycentric = rng.dirichlet(np.ones(3), 5).T
     return barycentric, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], barycentric)
 
 

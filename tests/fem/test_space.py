@@ -5,6 +5,9 @@ from math import factorial
 
 import numpy as np
 import pytest
+from bodies import ANGLE, CLAMPED, CONTACT, LOADED, SQUARE, TURNED
+from costly_cases import slow
+from measures import close, smallest_angle
 from skfem import Basis, BilinearForm, ElementTetP1, ElementTriP1, ElementVector, MeshTri
 from skfem.helpers import ddot, sym_grad, trace
 
@@ -26,14 +29,10 @@ from study.fem.quadrature import Line, cell_rules, facet_rule, simplex_rule
 from study.fem.space import Space
 from study.statements.shared.meshes import body_of, first_with_each, fits, spacing
 
-CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
 SKEW = np.array([[1.2, 0.3, 0.1], [0.0, 0.9, 0.2], [-0.2, 0.0, 1.1]])
 FOR_SQUARES = [family for family in FAMILIES if family.serves(unit_square())]
-TURNED = polygon([(0, 0), (0.8, 0.6), (0.2, 1.4), (-0.6, 0.8)], [CONTACT, LOADED, CLAMPED, CONTACT])
 PENTAGON = polygon([(0, 0), (1, 0), (1.3, 0.7), (0.5, 1.2), (-0.2, 0.6)], [CONTACT, LOADED, CLAMPED, LOADED, CONTACT])
-PLAN = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
-ANGLE = polygon(PLAN, [CONTACT, LOADED, LOADED, LOADED, CLAMPED, LOADED], refine=[(1, 1), (0, 2)])
-SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
+GRADED = polygon(ANGLE, [CONTACT, LOADED, LOADED, LOADED, CLAMPED, LOADED], refine=[(1, 1), (0, 2)])
 LAYERED = {
     name: polygon(SQUARE, [CONTACT, LOADED, CLAMPED, LOADED], refine=[(1, 1)], interfaces=interfaces)
     for name, interfaces in (
@@ -67,7 +66,7 @@ HALF = split_bottom(face(CONTACT, O, Y, Y + X / 2, X / 2), face(LOADED, X / 2, X
 
 def prism():
     """Return an L-shaped polygon times (0, 1): not convex, its flat ends cut into squares."""
-    outline = [x * X + y * Y for x, y in PLAN]
+    outline = [x * X + y * Y for x, y in ANGLE]
     sides = [face(LOADED, a, b, b + Z, a + Z) for a, b in zip(outline, outline[1:] + outline[:1], strict=True)]
     squares = [[corner, corner + Y, corner + XY, corner + X] for corner in (O, X, Y)]
     bottom = [face(CONTACT, *square) for square in squares]
@@ -75,13 +74,13 @@ def prism():
     return Body((*sides, *bottom, *top))
 
 
-BODIES = {"cube": box(), "slab": box((2.0, 1.0, 0.5), left=CONTACT), "skewed": skewed(), "half": HALF}
+SLAB = box((2.0, 1.0, 0.5), left=CONTACT)
 
 # ---- polyhedra
 
 
 @pytest.mark.parametrize(
-    ("body", "volume"), [(BODIES["slab"], 1.0), (skewed(), np.linalg.det(SKEW)), (HALF, 1.0), (prism(), 3.0)]
+    ("body", "volume"), [(SLAB, 1.0), (skewed(), np.linalg.det(SKEW)), (HALF, 1.0), (prism(), 3.0)]
 )
 def test_the_volume_follows_from_the_divergence_theorem(body, volume):
     assert body.measure == pytest.approx(volume)
@@ -193,11 +192,13 @@ def test_graded_meshes_shrink_towards_their_points_and_change_nothing_elsewhere(
     """The cells at c have diameters of the order n^{-5/2}, the others of the order 1/n."""
     nearest, largest = [], []
     for n in (16, 32, 64):
-        space, plain = Space(Graded()(ANGLE, n), ANGLE), Unstructured()(ANGLE, n).p
+        space, plain = Space(Graded()(GRADED, n), GRADED), Unstructured()(GRADED, n).p
         nearest.append(np.sort(np.linalg.norm(space.mesh.p - 1, axis=0))[1])
         largest.append(np.sqrt(space.volumes.max()))
         moved = abs(space.mesh.p - plain).max(axis=0) > 0
-        near = [np.linalg.norm(plain - np.array(c)[:, None], axis=0) < Graded().radius(ANGLE, c) for c in ANGLE.refine]
+        near = [
+            np.linalg.norm(plain - np.array(c)[:, None], axis=0) < Graded().radius(GRADED, c) for c in GRADED.refine
+        ]
         assert (moved <= np.any(near, axis=0)).all()
     assert np.allclose(np.log2(np.divide(nearest[:-1], nearest[1:])), 2.5, atol=0.25)
     assert np.allclose(np.log2(np.divide(largest[:-1], largest[1:])), 1, atol=0.2)
@@ -278,13 +279,11 @@ def test_the_matrix_of_a_form_is_the_one_that_scikit_fem_assembles(family, body)
 
     expected = form.assemble(basis)[space.free][:, space.free]
     C, v = isotropic(mu, lam, body.dim).matrix, np.random.default_rng(0).standard_normal(space.dofs)
-    assert abs(space.form(C) - expected).max() < 1e-12 * abs(expected).max()
-    assert space.functional(C @ space.strain(v)) == pytest.approx(expected @ v, abs=1e-12 * abs(expected @ v).max())
+    assert close(space.form(C), expected, 1e-12)
+    assert close(space.functional(C @ space.strain(v)), expected @ v, 1e-12)
 
 
-@pytest.mark.parametrize(
-    ("family", "body", "both"), [*((f, TURNED, 1) for f in FOR_SQUARES), (Shaken(), BODIES["slab"], 5)]
-)
+@pytest.mark.parametrize(("family", "body", "both"), [*((f, TURNED, 1) for f in FOR_SQUARES), (Shaken(), SLAB, 5)])
 def test_constraints_are_v_dot_nu_on_every_face_and_twice_where_two_faces_meet(family, body, both):
     space = Space(family(body, 4), body)
     v = np.random.default_rng(3).normal(size=space.dofs)
@@ -312,7 +311,7 @@ def test_the_load_from_stresses_is_the_load_from_forces_if_the_force_is_smooth(n
     ("family", "name", "n", "tolerance"),
     [
         *((family, "full-contact", 24, 3e-3) for family in FOR_SQUARES),
-        pytest.param(Shaken(), "cube-disc", 12, 0.05, marks=pytest.mark.slow),
+        slow(Shaken(), "cube-disc", 12, 0.05),
     ],
 )
 def test_the_leading_term_is_the_interpolation_error_on_fine_meshes(family, name, n, tolerance):
@@ -324,14 +323,6 @@ def test_the_leading_term_is_the_interpolation_error_on_fine_meshes(family, name
 
 
 # ---- random meshes
-
-
-def smallest_angle(corners):
-    """Of triangles (2, 3, n), in degrees."""
-    sides = np.roll(corners, -1, axis=1) - corners
-    lengths = np.linalg.norm(sides, axis=0)
-    cosines = -np.sum(sides * np.roll(sides, 1, axis=1), axis=0) / (lengths * np.roll(lengths, 1, axis=0))
-    return float(np.degrees(np.arccos(cosines.max())))
 
 
 @pytest.mark.parametrize(("body", "n"), [(unit_square(), 24), (box(), 9)], ids=["square", "cube"])
@@ -365,4 +356,4 @@ def test_no_cell_is_close_to_degenerate(name):
             if body.dim == 3:
                 assert volumes.min() > 0.2 * volumes.mean(), (family.name, n)
             else:
-                assert smallest_angle(mesh.p[:, mesh.t]) > family.least_angle, (family.name, n)
+                assert np.degrees(smallest_angle(mesh.p[:, mesh.t])) > family.least_angle, (family.name, n)

@@ -10,15 +10,16 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from commands import study
+from places import DATA, RESULTS
+from tables import texts
 
-from study.cli.main import main
 from study.ledger.compare import Tolerance, as_text, compare
 from study.ledger.datafiles import DataError, read_uncompressed
 from study.ledger.files import write_packed
 from study.ledger.pictures import Packed
 
-RESULTS = Path(__file__).parents[2] / "results"
-FILES = [path.name for path in (RESULTS / "data").glob("*.csv")]
+FILES = [path.name for path in DATA.glob("*.csv")]
 SPACE, PLANE = "pictures/cube-disc.json", "pictures/full-contact.json"
 
 
@@ -27,8 +28,8 @@ def committed(tmp_path_factory):
     """The committed data; of the largest tables only one case."""
     data = tmp_path_factory.mktemp("committed") / "data"
     (data / "pictures").mkdir(parents=True)
-    for path in [*(RESULTS / "data").glob("*.csv"), *(RESULTS / "data" / f"{name}.gz" for name in (SPACE, PLANE))]:
-        shutil.copy(path, data / path.relative_to(RESULTS / "data"))
+    for path in [*DATA.glob("*.csv"), *(DATA / f"{name}.gz" for name in (SPACE, PLANE))]:
+        shutil.copy(path, data / path.relative_to(DATA))
     for name in ("statements.csv", "enclosures.csv"):
         change(data.parent, name, lambda table: table[table["case"] == "full-contact"])
     (data / ".lock").touch()
@@ -47,12 +48,12 @@ def new(old):
 
 def change(directory, name, how):
     path = directory / "data" / name
-    how(pd.read_csv(path, dtype=str, keep_default_na=False)).to_csv(path, index=False, lineterminator="\n")
+    how(texts(path)).to_csv(path, index=False, lineterminator="\n")
 
 
 def place(directory, name, **cells):
     """The first row with some cells."""
-    table = pd.read_csv(directory / "data" / name, dtype=str, keep_default_na=False)
+    table = texts(directory / "data" / name)
     return int(table.index[(table[list(cells)] == pd.Series(cells)).all(axis=1)][0])
 
 
@@ -139,7 +140,7 @@ def test_changed_verdicts_come_first_in_words_and_in_json(old, new, capsys):
     head, line = as_text(compared(old, new, 1)).splitlines()[:2]
     assert head == "verdicts: 1 changed"
     assert line.strip() == "Prop. 5.4, order, full-contact: holds → fails"
-    assert main(["compare", str(old), str(new), "--json"]) == 1
+    assert study(f"compare {old} {new} --json") == 1
     said = json.loads(capsys.readouterr().out)
     assert said["counts"] == {"identical": 12, "within": 0, "differs": 2, "left out": 0}
     assert (said["differs"], said["tolerance"]) == (True, {"relative": 1e-12, "absolute": 0.0})
@@ -217,6 +218,6 @@ def test_exit_codes_tell_equal_from_different_and_nothing_is_written(old, new):
     upper = float(pd.read_csv(new / "data" / "bounds.csv")["upper"][0])
     write(new, "bounds.csv", "upper", 0, str(upper * (1 + 3e-6)))
     before = {*old.parent.rglob("*")}
-    for options, code in (([], 1), (["--tolerance", "1e-5"], 0), (["--absolute", "1"], 0)):
-        assert main(["compare", str(old), str(new), *options]) == code
+    for options, code in (("", 1), ("--tolerance 1e-5", 0), ("--absolute 1", 0)):
+        assert study(f"compare {old} {new} {options}") == code
     assert {*old.parent.rglob("*")} == before

@@ -1,7 +1,6 @@
 """Arguments of another type: they are converted with the right meaning, or refused with a sentence."""
 
 from inspect import signature
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -69,7 +68,7 @@ LINEAR, BALL = Linear(MATRIX), FrobeniusBall(1.0)
 FIELD = SingularField((0.0, 0.0), FACE.part.frame, *kolosov(2.0, 1j, -0.5j, 1.5), t, depth=ROUND)
 PLAIN = Data.formulas(BODY, LAW, (0, 0))
 
-VALUES: dict[str, Any] = {
+VALUES = {
     **{name: 2.0 for name in ("T", "mu", "lam", "radius", "beta", "low", "depth", "E", "ratio", "kappa")},
     **{name: s * t for name in ("gap", "pressure")},
     **{name: s for name in ("initial", "initial_gap", "level")},
@@ -100,7 +99,7 @@ VALUES: dict[str, Any] = {
     "place": HALF + t / 4,
 }
 """Correct arguments by their names, each in the form in which it is stored."""
-CALLS: dict[Any, dict[str, Any]] = {
+CALLS = {
     Part: {"corners": np.array([[0.0, 1.0], [0.0, 0.0]])},
     Body: {"parts": BODY.parts, "interfaces": ()},
     polygon: {
@@ -156,7 +155,7 @@ CALLS: dict[Any, dict[str, Any]] = {
 """The public constructors and functions, with the correct arguments that differ from those above."""
 
 
-def arguments(target: Any) -> dict[str, Any]:
+def arguments(target):
     """Return correct arguments of a function, without those whose default is not replaced here."""
     names = signature(target).parameters
     given = {**VALUES, **CALLS[target]}
@@ -194,7 +193,7 @@ SPEAKING = {pos: "pos.*: give a formula", named: "no case is called", evaluate: 
 """Messages that do not have the name of the argument."""
 
 
-def permitted(value: object, other: str, target: object, name: str) -> bool:
+def permitted(value, other, target, name):
     """Return whether a value of another kind is correct in place of a value."""
     if other == "None":
         return name in OPTIONAL.get(target, ())
@@ -223,25 +222,25 @@ OPTIONAL = {
 }
 
 
-def first_entry(value: object) -> object:
+def first_entry(value):
     """Return the first entry of nested tuples and dicts."""
     if isinstance(value, tuple | dict) and value:
         return first_entry(next(iter(value.values() if isinstance(value, dict) else value)))
     return value
 
 
-def with_first_entry(value: object, wrong: object) -> object:
+def with_first_entry(value, wrong):
     if isinstance(value, dict):
         return {key: with_first_entry(entry, wrong) for key, entry in value.items()}
     return (with_first_entry(value[0], wrong), *value[1:]) if isinstance(value, tuple) and value else wrong
 
 
-def call(target, given: dict) -> object:
+def call(target, given):
     return target(*given.values()) if target is pos else target(**given)
 
 
 @pytest.mark.parametrize("target", CALLS, ids=lambda target: target.__qualname__)
-def test_an_argument_of_another_type_is_refused_with_its_name(target) -> None:
+def test_an_argument_of_another_type_is_refused_with_its_name(target):
     correct = arguments(target)
     call(target, correct)
     for name, value in correct.items():
@@ -253,12 +252,12 @@ def test_an_argument_of_another_type_is_refused_with_its_name(target) -> None:
                         print(f"{other} for {name} gives", call(target, correct | {name: changed}))
 
 
-def test_a_masked_array_is_refused_because_its_masked_numbers_are_missing() -> None:
+def test_a_masked_array_is_refused_because_its_masked_numbers_are_missing():
     with pytest.raises(ValueError, match="matrix has to be an array"):
         Linear(np.ma.array(MATRIX, mask=MATRIX > 2))
 
 
-def test_a_table_is_no_tuple_because_its_entries_are_the_names_of_its_columns() -> None:
+def test_a_table_is_no_tuple_because_its_entries_are_the_names_of_its_columns():
     with pytest.raises(ValueError, match="f0 has to be"):
         Data.formulas(BODY, LAW, pd.DataFrame([[1.0, 2.0]]))
 
@@ -267,7 +266,7 @@ def test_a_table_is_no_tuple_because_its_entries_are_the_names_of_its_columns() 
     "make", [cutoff, slab, lambda depth: layered(0.5, 2.0, depth), lambda end: Piecewise((end,), ((1.0,),))]
 )
 @pytest.mark.parametrize("depth", [0.0, -1.0])
-def test_a_depth_that_is_not_positive_is_refused(make, depth: float) -> None:
+def test_a_depth_that_is_not_positive_is_refused(make, depth):
     with pytest.raises(ValueError, match=r"has to be a finite real number from 1e-30 to 1e\+30, got"):
         make(depth)
 
@@ -297,13 +296,13 @@ SENSELESS = {
 
 
 @pytest.mark.parametrize("target", SENSELESS, ids=lambda target: target.__qualname__)
-def test_a_value_that_makes_no_sense_is_refused_with_its_name(target) -> None:
+def test_a_value_that_makes_no_sense_is_refused_with_its_name(target):
     for name, values in SENSELESS[target].items():
         for value in values:
             with pytest.raises(ValueError, match=rf"{name}(\[\d\])* (has|have|need)"):
                 print(f"{value!r} for {name} gives", call(target, arguments(target) | {name: value}))
 
 
-def test_layered_profiles_need_an_interface_above_the_depth() -> None:
+def test_layered_profiles_need_an_interface_above_the_depth():
     with pytest.raises(ValueError, match="to increase"):
         layered(1.0, 2.0, 1.0)

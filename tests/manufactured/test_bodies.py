@@ -1,7 +1,6 @@
 """General bodies: turned axes, other sides, several contact faces, one long side, an end time other than 1."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -38,7 +37,7 @@ SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 @pytest.mark.parametrize(
     ("name", "rounding"), [("advance-recede", 1e-10), ("yield-on-a-part", 1e-9), ("rough-1.75", 1e-6)]
 )
-def test_a_turned_body_has_the_errors_of_the_unturned_one(name: str, rounding: float, angle: float) -> None:
+def test_a_turned_body_has_the_errors_of_the_unturned_one(name, rounding, angle):
     """To round-off, which a singular strain magnifies near its front."""
     solution = named(name).solution
     other = turned(solution, angle)
@@ -48,7 +47,7 @@ def test_a_turned_body_has_the_errors_of_the_unturned_one(name: str, rounding: f
         assert same[quantity] == pytest.approx(one[quantity], rel=rounding), quantity
 
 
-def square(**options: Any) -> Body:
+def square(**options):
     return polygon([(0, 0), (1, 0), (1, 1), (0, 1)], SIDES, **options)
 
 
@@ -73,7 +72,7 @@ def square(**options: Any) -> Body:
         (lambda: Body(unit_square().parts, interfaces=(unit_square().parts[0],)), "has the kind"),
     ],
 )
-def test_a_body_that_is_none_or_that_no_mesh_could_serve_is_refused(make, message: str) -> None:
+def test_a_body_that_is_none_or_that_no_mesh_could_serve_is_refused(make, message):
     with pytest.raises(BodyError, match=message):
         make()
 
@@ -86,7 +85,7 @@ TRIANGLE = np.array([[0.0, 1, 0], [0, 0, 1], [0, 0, 0]])
     [(np.eye(2), True), (TRIANGLE, True), (np.eye(2)[:, :1], False), (TRIANGLE[:2], False), (TRIANGLE[:, :2], False)]
     + [(np.arange(20.0).reshape(4, 5) ** 2, False)],
 )
-def test_a_part_has_two_corners_in_the_plane_and_three_or_more_in_space(corners: np.ndarray, served: bool) -> None:
+def test_a_part_has_two_corners_in_the_plane_and_three_or_more_in_space(corners, served):
     if served:
         assert Part(Kind.LOADED, corners).dim == len(corners)
     else:
@@ -95,14 +94,14 @@ def test_a_part_has_two_corners_in_the_plane_and_three_or_more_in_space(corners:
 
 
 @pytest.mark.parametrize(("moved", "count"), [(1e-14, 4), (1e-6, 8)])
-def test_corners_are_one_vertex_if_they_differ_by_rounding_only(moved: float, count: int) -> None:
+def test_corners_are_one_vertex_if_they_differ_by_rounding_only(moved, count):
     parts = [replace(part, corners=part.corners + [[0, moved], [0, moved]]) for part in unit_square().parts]
     lone = object.__new__(Body)
     vars(lone).update(parts=tuple(parts))
     assert lone.vertices.shape == (2, count)
 
 
-def test_the_sides_of_a_body_meet_up_to_rounding_of_its_size() -> None:
+def test_the_sides_of_a_body_meet_up_to_rounding_of_its_size():
     scale = 1e-3
     first, *others = polygon(scale * np.array([(0, 0), (1, 0), (1, 1), (0, 1)]), SIDES).parts
     for moved, refused in ((1e-13, False), (1e-7, True)):
@@ -115,7 +114,7 @@ def test_the_sides_of_a_body_meet_up_to_rounding_of_its_size() -> None:
             assert Body(parts).measure == pytest.approx(scale**2)
 
 
-def test_a_front_passes_each_point_at_its_own_times_and_missing_times_are_the_final_one() -> None:
+def test_a_front_passes_each_point_at_its_own_times_and_missing_times_are_the_final_one():
     """ψ = sin(2πt) − s: twice at s = 1/2, once more at s = 0, never at s = 2."""
     passes = front(sp.sin(2 * sp.pi * t) - s, (s,)).passes(np.array([[0.5, 2.0, -0.5]]), 1.0)
     expected = [[1 / 12, 5 / 12], [1.0, 1.0], [7 / 12, 11 / 12]]
@@ -123,7 +122,7 @@ def test_a_front_passes_each_point_at_its_own_times_and_missing_times_are_the_fi
 
 
 @pytest.mark.parametrize(("depth", "refused"), [(0.0, False), (1e-14, False), (1e-9, True)])
-def test_an_initial_gap_is_negative_nowhere_on_its_face_but_for_rounding(depth: float, refused: bool) -> None:
+def test_an_initial_gap_is_negative_nowhere_on_its_face_but_for_rounding(depth, refused):
     """It is least in the middle of the face, where neither end shows it."""
     law = KelvinVoigt(isotropic(1, 0.5), isotropic(1, 0.5), "linear")
     gap = (s - 0.5) ** 2 - depth

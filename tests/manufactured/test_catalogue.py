@@ -9,16 +9,16 @@ from manufactured import cases, catalogue, named
 from manufactured.catalogue import NAMES, module_of
 
 
-def documentation(name: str) -> str:
+def documentation(name):
     return str(import_module(module_of(name)).__doc__)
 
 
-def test_every_module_that_makes_a_case_is_in_the_catalogue_under_the_name_of_the_case() -> None:
+def test_every_module_that_makes_a_case_is_in_the_catalogue_under_the_name_of_the_case():
     modules = [import_module(f"{cases.__name__}.{info.name}") for info in iter_modules(cases.__path__)]
     assert {module.__name__ for module in modules if hasattr(module, "case")} == set(map(module_of, NAMES))
     assert [named(name).name for name in NAMES] == [*NAMES]
 
 
-def test_the_module_of_a_case_states_its_formulas_and_then_the_order_that_they_predict() -> None:
+def test_the_module_of_a_case_states_its_formulas_and_then_the_order_that_they_predict():
     found = {case.name: missing_parts(documentation(case.name), case) for case in catalogue()}
     assert {name: missing for name, missing in found.items() if missing} == {}

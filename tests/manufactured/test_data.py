@@ -1,7 +1,6 @@
 """Data without a solution: what formulas become, what an exact solution gives, what is refused, and their names."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -43,11 +42,11 @@ RIGHT, LEFT = 1, 3
 X = np.array([[0.0, 0.0], [0.2, 0.8]])
 
 
-def data(f0=(0, 0), **others) -> Data:
+def data(f0=(0, 0), **others):
     return Data.formulas(SQUARE, LAW, f0=f0, **others)
 
 
-def test_data_of_formulas_are_their_values() -> None:
+def test_data_of_formulas_are_their_values():
     rng = np.random.default_rng(1)
     x, y = rng.random((2, 30)), rng.random(10)
     made = data((x1 * t, x2), f2={RIGHT: (x2 * t, x1)}, u0=(0, x1 * (1 - x2**2)))
@@ -60,7 +59,7 @@ def test_data_of_formulas_are_their_values() -> None:
     assert made.initial(x) == pytest.approx(np.array([0 * shear, -2 * x[0] * x[1], shear]))
 
 
-def test_symbols_of_the_same_name_and_texts_are_the_coordinates() -> None:
+def test_symbols_of_the_same_name_and_texts_are_the_coordinates():
     """A derivative of x2² in another symbol that is called x2 would be 0."""
     expected = data((x1, x2 * t), u0=(0, x2 * (1 - x2)))
     x = np.random.default_rng(0).random((2, 6))
@@ -72,7 +71,7 @@ def test_symbols_of_the_same_name_and_texts_are_the_coordinates() -> None:
 
 
 @pytest.mark.parametrize("name", [*by_cost(name for name in NAMES if not name.startswith("cube")), "problems"])
-def test_no_exact_solution_of_a_plane_body_and_no_problem_is_refused(name: str) -> None:
+def test_no_exact_solution_of_a_plane_body_and_no_problem_is_refused(name):
     for found in [problem.data for problem in problems()] if name == "problems" else [Data.of(named(name).solution)]:
         found.check()
 
@@ -103,7 +102,7 @@ LOG = sp.log(x1 - sp.Rational(1, 2))
         ({"u0": (0, pos(x1 - sp.Rational(9, 10), 2) * (x2 - 1))}, LoadError, "u_0ν is 0.00.* > 0 on a CONTACT part"),
     ],
 )
-def test_formulas_that_are_no_data_or_to_which_no_solution_belongs_are_refused(wrong, error, message: str) -> None:
+def test_formulas_that_are_no_data_or_to_which_no_solution_belongs_are_refused(wrong, error, message):
     with pytest.raises(error, match=message):
         data(**wrong).check()
 
@@ -116,8 +115,8 @@ def test_formulas_that_are_no_data_or_to_which_no_solution_belongs_are_refused(w
         ({"f0": (LOG, 0)}, r"^f_0 is not finite at x = \[[^=]*\], so no stress"),
     ],
 )
-def test_a_static_problem_has_the_solution_zero_without_loads_and_no_times(loads, message: str) -> None:
-    def problem(**loads) -> Data:
+def test_a_static_problem_has_the_solution_zero_without_loads_and_no_times(loads, message):
+    def problem(**loads):
         return static(SQUARE, plane_stress(2.0, 0.3), **loads)
 
     problem().check()
@@ -127,7 +126,7 @@ def test_a_static_problem_has_the_solution_zero_without_loads_and_no_times(loads
         problem(**loads).check()
 
 
-def test_loads_of_a_wrong_shape_are_refused() -> None:
+def test_loads_of_a_wrong_shape_are_refused():
     plain = data()
     wrong = Data(SQUARE, LAW, lambda x: lambda time: np.zeros(2), plain.surface_load, plain.start, plain.initial)
     with pytest.raises(LoadError, match=r"f_0 has the shape \(2,\) at points \(2, 64\) at t = 0"):
@@ -135,7 +134,7 @@ def test_loads_of_a_wrong_shape_are_refused() -> None:
 
 
 @pytest.mark.parametrize("constant", [float("nan"), -float("inf")])
-def test_a_law_without_a_usable_monotonicity_constant_is_refused_before_time_is_spent(constant: float) -> None:
+def test_a_law_without_a_usable_monotonicity_constant_is_refused_before_time_is_spent(constant):
     stating = type("Stating", (Yield,), {"monotonicity": constant})
     law = KelvinVoigt(isotropic(1, 1), stating(1.0, FrobeniusBall(1.0)), "my law")
     plain = Data.formulas(SQUARE, law, f0=(0, 0))
@@ -145,7 +144,7 @@ def test_a_law_without_a_usable_monotonicity_constant_is_refused_before_time_is_
         check_bound(plain, OneDiagonal(), [4], None, Refined())
 
 
-def test_a_solid_is_refused_whatever_the_meshes() -> None:
+def test_a_solid_is_refused_whatever_the_meshes():
     solid = Data.formulas(box(), not_proportional(3), f0=(0, 0, 0))
     for family in (OneDiagonal(), Unstructured()):
         with pytest.raises(BoundError, match="dimension 3; give a plane body"):
@@ -154,7 +153,7 @@ def test_a_solid_is_refused_whatever_the_meshes() -> None:
         Discretisation(solid, OneDiagonal()(solid.body, 2))
 
 
-def test_names_stand_for_cases_problems_and_users_data(tmp_path) -> None:
+def test_names_stand_for_cases_problems_and_users_data(tmp_path):
     mine = tmp_path / "mine.py"
     mine.write_text(
         "from manufactured import *\nfrom manufactured.data import Data\n"
@@ -191,7 +190,7 @@ UNUSABLE = {
 }
 
 
-def test_usable_names_and_an_endless_name_of_a_mesh_family() -> None:
+def test_usable_names_and_an_endless_name_of_a_mesh_family():
     names = ["front", "rough-1.75", "a b", "würfel", "_own", "console", "com10", "x" * 100]
     assert {name: fault for name in names if (fault := file_name_fault(name))} == {}
     assert family_named("shaken-7").name == "shaken-7"
@@ -200,7 +199,7 @@ def test_usable_names_and_an_endless_name_of_a_mesh_family() -> None:
 
 
 @pytest.mark.parametrize("name", UNUSABLE, ids=ascii)
-def test_unusable_names_of_problems_and_cases_are_refused(name: str, tmp_path: Path) -> None:
+def test_unusable_names_of_problems_and_cases_are_refused(name, tmp_path):
     path = tmp_path / "own.py"
     head = "from dataclasses import replace\nfrom manufactured.problems import problems\n"
     path.write_text(head + f"mine = replace(problems()[0], name={name!a})", encoding="utf-8")

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from on_floor import on_floor
 
-from manufactured import Case, ExactSolution, named, prove
+from manufactured import named, prove
 from manufactured.factor import Factor, x1
 from manufactured.law import (
     Combined,
@@ -41,7 +41,7 @@ YIELDING = [Yield(3.0, ball(2.0)) for ball in (FrobeniusBall, DeviatoricBall)]
 strains = st.lists(st.floats(-20, 20), min_size=3, max_size=3).map(np.array)
 
 
-def test_a_mandel_vector_keeps_inner_products_and_turns_by_an_orthogonal_matrix() -> None:
+def test_a_mandel_vector_keeps_inner_products_and_turns_by_an_orthogonal_matrix():
     rng = np.random.default_rng(1)
     for dim in (2, 3):
         a, b = (x + x.T for x in rng.normal(size=(2, dim, dim)))
@@ -52,7 +52,7 @@ def test_a_mandel_vector_keeps_inner_products_and_turns_by_an_orthogonal_matrix(
         assert np.isclose(identity(dim) @ mandel(a), np.trace(a))
 
 
-def test_the_constants_of_a_linear_operator_are_its_extreme_eigenvalues() -> None:
+def test_the_constants_of_a_linear_operator_are_its_extreme_eigenvalues():
     A = isotropic(1.0, 0.5)
     assert (A.ellipticity, A.lipschitz) == pytest.approx((2.0, 3.0))
     assert A.normal_modulus(np.array([0.0, -1.0])) == pytest.approx(2.5)
@@ -69,7 +69,7 @@ def test_the_constants_of_a_linear_operator_are_its_extreme_eigenvalues() -> Non
 @pytest.mark.parametrize(
     ("law", "along", "across"), [(plane_stress, 1 / 2, -0.3 / 2), (plane_strain, 0.91 / 2, -0.3 * 1.3 / 2)]
 )
-def test_a_pull_stretches_a_plate_and_narrows_it(law, along: float, across: float) -> None:
+def test_a_pull_stretches_a_plate_and_narrows_it(law, along, across):
     """Under σ_11 = 1 strains are 1/E and −ν/E, in plane strain (1 − ν²)/E and −ν(1 + ν)/E; σ_12 = E/(1 + ν) ε_12."""
     matrix = law(2.0, 0.3).matrix
     assert np.linalg.solve(matrix, [1.0, 0.0, 0.0]) == pytest.approx([along, across, 0.0])
@@ -78,7 +78,7 @@ def test_a_pull_stretches_a_plate_and_narrows_it(law, along: float, across: floa
 
 @pytest.mark.parametrize("G", [SOFT, COMBINED, SHEARED, *YIELDING, law_without_potential().G])
 @given(a=strains, b=strains)
-def test_no_pair_of_strains_violates_the_stated_constants(G, a, b) -> None:
+def test_no_pair_of_strains_violates_the_stated_constants(G, a, b):
     change, apart = G(a) - G(b), a - b
     assert np.linalg.norm(change) <= G.lipschitz * np.linalg.norm(apart) * (1 + 1e-12) + 1e-12
     assert change @ apart >= G.monotonicity * (apart @ apart) * (1 + 1e-12) - 1e-12
@@ -86,13 +86,13 @@ def test_no_pair_of_strains_violates_the_stated_constants(G, a, b) -> None:
 
 @pytest.mark.parametrize("G", YIELDING)
 @given(a=strains)
-def test_the_law_3_3_is_monotone_and_zero_exactly_on_the_convex_set(G, a) -> None:
+def test_the_law_3_3_is_monotone_and_zero_exactly_on_the_convex_set(G, a):
     assert G.monotonicity == 0
     projected = np.linalg.norm(G.convex.projector @ a)
     assert np.any(G(a) != 0) == (projected > G.convex.radius) or projected == pytest.approx(G.convex.radius)
 
 
-def energy(G: Combined, strain: np.ndarray) -> complex:
+def energy(G, strain):
     """The stored energy W(ε) = S·ε + ½ Cε·ε + β/2 dist²(ε, K)."""
     resisting = G.yielding(strain)
     return G.prestress @ strain + strain @ G.linear(strain) / 2 + resisting @ resisting / (2 * G.yielding.beta)
@@ -100,7 +100,7 @@ def energy(G: Combined, strain: np.ndarray) -> complex:
 
 @pytest.mark.parametrize("G", [COMBINED, SHEARED], ids=["ball", "cylinder"])
 @given(a=strains, direction=strains)
-def test_an_operator_is_the_derivative_of_its_energy_and_has_its_own_derivative(G, a, direction) -> None:
+def test_an_operator_is_the_derivative_of_its_energy_and_has_its_own_derivative(G, a, direction):
     if abs(np.linalg.norm(G.yielding.convex.projector @ a) - G.yielding.convex.radius) < 1e-3:
         return
     step = 1e-30j * direction
@@ -108,14 +108,14 @@ def test_an_operator_is_the_derivative_of_its_energy_and_has_its_own_derivative(
     assert np.imag(G(a + step)) / 1e-30 == pytest.approx(G.derivative(a, direction), rel=1e-9, abs=1e-9)
 
 
-def on_coupled(matrix: np.ndarray) -> ExactSolution:
+def on_coupled(matrix):
     law = KelvinVoigt(isotropic(1, 0), NonSymmetric(matrix), "coupled")
     return on_floor(law, t * pos(s - 0.5, 4), t * pos(0.5 - s, 2), 0.5 - s)
 
 
 @pytest.mark.parametrize("G", [COMBINED, SHEARED, *YIELDING])
 @given(q=st.floats(0.01, 30))
-def test_the_normal_response_is_the_nn_component_under_compression(G, q) -> None:
+def test_the_normal_response_is_the_nn_component_under_compression(G, q):
     n = np.array([0.6, -0.8])
     rest, g, b, edge = (0.0, 0.0, *G.normal_response(n))[-4:]
     assert G(-q * dyad(n, n)) @ dyad(n, n) == pytest.approx(rest - g * q - b * max(q - edge, 0))
@@ -140,7 +140,7 @@ def test_the_normal_response_is_the_nn_component_under_compression(G, q) -> None
         *((partial(on_coupled, matrix), "prescribe the strain") for matrix in (COUPLED, COUPLED.T)),
     ],
 )
-def test_what_is_no_law_or_needs_a_prescribed_strain_is_refused(make, message: str) -> None:
+def test_what_is_no_law_or_needs_a_prescribed_strain_is_refused(make, message):
     with pytest.raises(LawError, match=message):
         make()
 
@@ -148,7 +148,7 @@ def test_what_is_no_law_or_needs_a_prescribed_strain_is_refused(make, message: s
 LITERAL = "softening", "travelling-patch", "corner"
 
 
-def variation(case: Case, intervals: int) -> float:
+def variation(case, intervals):
     """Σ ‖f_0(t_{i+1}) − f_0(t_i)‖ in L² of a line along Γ3, at the depth 0.3."""
     s, times = (np.arange(1000) + 0.5) / 1000, np.linspace(0, 1, intervals + 1)
     f0 = case.solution.at([s, np.full(1000, 0.3)]).body_force(times)
@@ -156,7 +156,7 @@ def variation(case: Case, intervals: int) -> float:
 
 
 @pytest.mark.parametrize(("name", "literal"), [(n, True) for n in LITERAL] + [("advance-recede", False)])
-def test_a_moving_case_satisfies_3_4_literally_if_its_exponents_say_so(name: str, literal: bool) -> None:
+def test_a_moving_case_satisfies_3_4_literally_if_its_exponents_say_so(name, literal):
     """With α > 9/2 and m > 5/2, f_0 is of bounded variation in time; else it jumps at the front, and half the intervals
     have 1/√2 of the variation."""
     case = named(name)
@@ -165,6 +165,6 @@ def test_a_moving_case_satisfies_3_4_literally_if_its_exponents_say_so(name: str
     assert growth < 1.02 if literal else growth > 1.25
 
 
-def test_the_case_without_a_potential_proves_itself_is_found_by_its_name() -> None:
+def test_the_case_without_a_potential_proves_itself_is_found_by_its_name():
     assert all(finding.passes for finding in prove(no_potential().solution, NAME))
     assert resolve(NAME).order == 1

@@ -16,7 +16,6 @@ from manufactured import (
     PARABOLA,
     Case,
     CaseError,
-    ExactSolution,
     FormulaError,
     FrobeniusBall,
     KelvinVoigt,
@@ -43,20 +42,20 @@ from manufactured.self_proof.finding import ROUND_OFF, Finding, worst
 
 @pytest.mark.parametrize("name", by_cost(NAMES))
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
-def test_every_case_satisfies_the_problem_to_round_off(name: str, seed: int) -> None:
+def test_every_case_satisfies_the_problem_to_round_off(name, seed):
     findings = examine(named(name).solution, seed)
     assert all(finding.passes for finding in findings), "\n".join(map(str, findings))
     assert max(finding.defect for finding in findings if finding.tolerance == ROUND_OFF) < 1e-10
 
 
-def with_face(name: str = "advance-recede", **changes) -> ExactSolution:
+def with_face(name="advance-recede", **changes):
     """The solution of a case with other contact data."""
     solution = named(name).solution
     (face,) = solution.faces
     return replace(solution, faces=(replace(face, **changes),))
 
 
-def slipping(stress: sp.Expr) -> Memory:
+def slipping(stress):
     """The strain of advance-recede with an additional stress from slip."""
     return Memory(20 * pos(C - s, 2), 3, 3, 1.0, slip_stress=stress)
 
@@ -82,14 +81,14 @@ C, SHIFT, EARLY = sp.Rational(1, 4) + 2 * t * (1 - t), sp.Rational(1, 50), sp.Ra
         ({"strain": Prescribed(((1.0, -20 * pos(C - s, 2)),))}, "σ_ν ≤ 0"),
     ],
 )
-def test_data_that_violate_a_condition_are_refused_by_name_place_and_size(changes, condition: str) -> None:
+def test_data_that_violate_a_condition_are_refused_by_name_place_and_size(changes, condition):
     with pytest.raises(SelfProofError, match=condition) as refusal:
         prove(with_face(**changes), "faulty")
     assert "relative defect" in str(refusal.value)
     assert "t = " in str(refusal.value)
 
 
-def test_a_strain_that_jumps_and_jumps_back_is_refused() -> None:
+def test_a_strain_that_jumps_and_jumps_back_is_refused():
     phases = ((0.3, -t), (0.6, -t - sp.Rational(1, 2)), (1.0, -t))
     with pytest.raises(SelfProofError, match="∫u̇"):
         prove(with_face("full-contact", strain=Prescribed(phases)), "jumps")
@@ -112,14 +111,14 @@ def test_a_strain_that_jumps_and_jumps_back_is_refused() -> None:
         ("rough-1.75", Regularity(gap=1.75, pressure=0.75, kink=True)),
     ],
 )
-def test_a_label_that_promises_more_or_less_than_the_formulas_is_refused(name: str, label: Regularity) -> None:
+def test_a_label_that_promises_more_or_less_than_the_formulas_is_refused(name, label):
     with pytest.raises(CaseError) as refusal:
         replace(named(name), regularity=label, order=label.order)
     correct = named(name).regularity
     assert f"labelled {label}, but its formulas say {correct}; correct the label to Regularity(" in str(refusal.value)
 
 
-def labelled(gap: sp.Expr, label: Regularity, pressure: sp.Expr | int = 0, **initial) -> Case:
+def labelled(gap, label, pressure=0, **initial):
     """A case with these formulas on the floor of the unit square; it need not prove itself."""
     law = KelvinVoigt(isotropic(1, 0.5), isotropic(0.5, 0), "linear, g = 1")
     return Case("mine", "", on_floor(law, gap, pressure, **initial), label, label.order, "the exponents")
@@ -130,7 +129,7 @@ eighths = st.integers(13, 40).map(lambda n: sp.Rational(n, 8))
 
 @COSTLY
 @given(eighths, eighths, eighths, st.booleans())
-def test_exactly_the_exponents_in_the_formulas_are_accepted_as_a_label(alpha, m, other, moving) -> None:
+def test_exactly_the_exponents_in_the_formulas_are_accepted_as_a_label(alpha, m, other, moving):
     c = sp.Rational(1, 3) + (t / 4 if moving else 0)
     m = m if not moving else sp.Integer(int(m) + 1)  # whose memory is known in closed form
     gap, pressure = (1 + t) * pos(s - c, alpha) / (1 + s), (1 + s) * pos(c - s, m)
@@ -160,7 +159,7 @@ FRONT = s - HALF
         (pos(s, 5 * HALF), 2.5),
     ],
 )
-def test_the_exponent_is_that_of_the_least_smooth_front_on_the_face(gap: sp.Expr, alpha: float) -> None:
+def test_the_exponent_is_that_of_the_least_smooth_front_on_the_face(gap, alpha):
     """Of products their sum; a front beyond the face, or a natural power at an end of it, is none."""
     right = Regularity(gap=alpha)
     assert labelled(gap, right).regularity == right
@@ -168,7 +167,7 @@ def test_the_exponent_is_that_of_the_least_smooth_front_on_the_face(gap: sp.Expr
         labelled(gap, Regularity(gap=1.75))
 
 
-def test_a_front_that_stays_and_is_rougher_than_a_moving_one_has_no_label() -> None:
+def test_a_front_that_stays_and_is_rougher_than_a_moving_one_has_no_label():
     """(2.75, moving) would say u̇ ∈ H^{1+s} for s < 1/4 only, but u̇ ∈ H²."""
     gap = pos(s - HALF - t / 4, 4) + pos(s - HALF, sp.Rational(11, 4))
     with pytest.raises(CaseError, match=r"stays with α = 2\.75 beside moving ones with α = 4.*one label cannot"):
@@ -190,7 +189,7 @@ def test_a_front_that_stays_and_is_rougher_than_a_moving_one_has_no_label() -> N
         (sp.tan(2 * s), r"tan\(2\*s\)"),
     ],
 )
-def test_a_part_that_is_rough_on_the_face_and_no_truncated_power_is_refused(formula, part: str) -> None:
+def test_a_part_that_is_rough_on_the_face_and_no_truncated_power_is_refused(formula, part):
     """A label is compared with the exponents of pos(x, a), so nothing else may be rough, in gap or pressure."""
     with pytest.raises(CaseError, match=rf"{part} in .*not known to be smooth.*write .* as pos\(x, a\)"):
         labelled(formula, Regularity())
@@ -211,11 +210,11 @@ def test_a_part_that_is_rough_on_the_face_and_no_truncated_power_is_refused(form
         (t + 1) ** (3 * HALF) + t ** (3 * HALF),
     ],
 )
-def test_powers_and_logarithms_that_are_smooth_on_the_face_are_accepted(formula: sp.Expr) -> None:
+def test_powers_and_logarithms_that_are_smooth_on_the_face_are_accepted(formula):
     assert labelled(formula, Regularity()).proposition == "Prop. 5.4"
 
 
-def with_gap(g: sp.Expr, name: str = "parabolic-gap") -> Case:
+def with_gap(g, name="parabolic-gap"):
     return replace(named(name), solution=with_face(name, initial_gap=g))
 
 
@@ -243,7 +242,7 @@ NONLINEAR = KelvinVoigt(isotropic(1, 1), Yield(1.0, FrobeniusBall(1)), "(3.3)")
         (lambda: with_gap(sp.sqrt(s)), CaseError, "not known to be smooth"),
     ],
 )
-def test_contact_data_and_initial_gaps_that_define_no_solution_are_refused(make, error, message: str) -> None:
+def test_contact_data_and_initial_gaps_that_define_no_solution_are_refused(make, error, message):
     with pytest.raises(error, match=message):
         make()
 
@@ -257,13 +256,13 @@ def test_contact_data_and_initial_gaps_that_define_no_solution_are_refused(make,
         ({"order": 1.0, "reason": "s < 1/2"}, r"gives min\(1, s\) = 0.25"),
     ],
 )
-def test_a_case_needs_a_predicted_order_that_its_exponents_give_and_a_reason(stated: dict, message: str) -> None:
+def test_a_case_needs_a_predicted_order_that_its_exponents_give_and_a_reason(stated, message):
     rough = named("rough-1.75")
     with pytest.raises(CaseError, match=message):
         Case("mine", "", rough.solution, rough.regularity, **stated)
 
 
-def test_a_gap_that_is_open_where_contact_meets_the_clamp_is_no_solution() -> None:
+def test_a_gap_that_is_open_where_contact_meets_the_clamp_is_no_solution():
     """u = 0 on Γ1, so g = w where Γ3 ends at Γ1."""
     with pytest.raises(SelfProofError, match=r"\(2\.3\)"):
         prove(with_gap(sp.Rational(1, 10) + s, "contact-at-clamp").solution, "open")
@@ -276,11 +275,11 @@ def test_a_gap_that_is_open_where_contact_meets_the_clamp_is_no_solution() -> No
 PATCH = named("travelling-patch").solution
 
 
-def off_by_a_millionth(values: np.ndarray) -> np.ndarray:
+def off_by_a_millionth(values):
     return (1 + 1e-6) * values
 
 
-def no_number_at_one_point(values: np.ndarray) -> np.ndarray:
+def no_number_at_one_point(values):
     damaged = np.array(values)
     damaged[..., 0] = math.nan
     return damaged
@@ -300,7 +299,7 @@ def no_number_at_one_point(values: np.ndarray) -> np.ndarray:
         (FaceFields, "stated_pressure", r"(2.5) p = −σ_ν"),
     ],
 )
-def test_a_damaged_field_violates_its_condition(monkeypatch, where, name, condition: str, damaged) -> None:
+def test_a_damaged_field_violates_its_condition(monkeypatch, where, name, condition, damaged):
     right = getattr(where, name)
     monkeypatch.setattr(where, name, lambda *given, **options: damaged(right(*given, **options)))
     with pytest.raises(SelfProofError) as refusal:
@@ -309,7 +308,7 @@ def test_a_damaged_field_violates_its_condition(monkeypatch, where, name, condit
 
 
 @pytest.mark.parametrize("defect", [math.nan, math.inf])
-def test_what_is_no_number_passes_nothing(defect: float) -> None:
+def test_what_is_no_number_passes_nothing(defect):
     assert not Finding("(2.2)", defect, 1e-9, (0.0,), 0.0).passes
     x, scale = np.zeros((2, 2)), np.ones((1, 2))
     assert not worst("(2.2)", x, np.zeros(1), np.array([[0.0, defect]]), scale).passes

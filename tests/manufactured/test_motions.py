@@ -27,7 +27,7 @@ RETURN = sp.Rational(3, 10) + sp.Rational(7, 20) * sp.sin(sp.pi * t) ** 2
 @COSTLY
 @given(*2 * [st.floats(0.05, 0.95)], *2 * [st.floats(0.1, 50)])
 @pytest.mark.parametrize("pressure", [20 * pos(ADVANCE - s, 2) * (1 + t), 40 * pos(RETURN - s, 2) * sp.cos(t)])
-def test_the_strain_solves_its_differential_equation(pressure, place: float, time: float, a: float, g: float) -> None:
+def test_the_strain_solves_its_differential_equation(pressure, place, time, a, g):
     """Against adaptive quadrature, for slow and fast decay, λ = g/a."""
     at_place = Memory(pressure, a, g, 1.0).at(np.array([[place]]))
     (strain,), (rate,) = (at_place(time, of_rate, 0) for of_rate in (False, True))
@@ -50,7 +50,7 @@ def test_the_strain_solves_its_differential_equation(pressure, place: float, tim
         (pos(QUARTER - s, 2) * (1 + sp.sin(3000 * t)), "changes so fast in t"),
     ],
 )
-def test_a_pressure_whose_memory_is_not_known_or_that_is_too_fast_is_refused(pressure, message: str) -> None:
+def test_a_pressure_whose_memory_is_not_known_or_that_is_too_fast_is_refused(pressure, message):
     with pytest.raises(FormulaError, match=message):
         Memory(pressure, 1.0, 1.0, 1.0).at(PLACES)(1.0, False, 0)
 
@@ -70,7 +70,7 @@ FRONT = sp.Rational(1, 2) + t * (1 - t) / 3 - s**2
     ],
     ids=["and its negative", "inside a front", "of one term"],
 )
-def test_derivatives_of_functions_of_a_front_are_those_of_the_formula_in_place_and_time(formula: sp.Expr) -> None:
+def test_derivatives_of_functions_of_a_front_are_those_of_the_formula_in_place_and_time(formula):
     places, time = np.linspace(0, 1, 41), 0.37
     found = Jet(formula).rate()(places[None], time, 2)
     plain = {"pos": lambda x, a: np.where(x > 0, abs(x) ** float(a), 0.0)}

@@ -10,8 +10,6 @@ from on_floor import on_floor
 from sympy import Abs, Integer, Rational, cos, expand, sin
 
 from manufactured import (
-    Body,
-    Case,
     ContactFace,
     DeviatoricBall,
     ExactSolution,
@@ -65,7 +63,7 @@ VARIABLE_DEPTH = "trains", "roller-8"
 
 
 @pytest.mark.parametrize("name", by_cost([*NAMES, "natural-motion", *VARIABLE_DEPTH]))
-def test_fields_at_many_times_are_those_at_each(name: str) -> None:
+def test_fields_at_many_times_are_those_at_each(name):
     """At points of which many share their coordinates along a face, as on a mesh; the times come last."""
     case = resolve(name)
     body = case.solution.body
@@ -77,7 +75,7 @@ def test_fields_at_many_times_are_those_at_each(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["junction", "natural-front"])
-def test_williams_fields_need_no_force_where_nothing_cuts_them_off(name: str) -> None:
+def test_williams_fields_need_no_force_where_nothing_cuts_them_off(name):
     """Div σ = 0 for the eigenfunctions; the cut-off of the natural front brings forces of its own."""
     solution = named(name).solution
     face = solution.faces[0]
@@ -86,7 +84,7 @@ def test_williams_fields_need_no_force_where_nothing_cuts_them_off(name: str) ->
     assert abs(fields.body_force(0.7)).max() < 1e-10 * abs(fields.stress(0.7)).max() / 0.05
 
 
-def test_a_law_that_couples_nn_with_sn_needs_a_shear_on_the_face() -> None:
+def test_a_law_that_couples_nn_with_sn_needs_a_shear_on_the_face():
     (face,) = named("anisotropic").solution.faces
     assert isinstance(face.strain, Coupled)
     q, r = face.strain.at(np.linspace(0.1, 0.6, 7)[None])(0.8, False, 0)
@@ -100,21 +98,21 @@ SLIP = {2: (t * (1 + t) * sin(2 * s + 1),), 3: (t * sin(s1 + 2 * s2), (1 + t**2)
 """Slips z(s, t) along a contact face, by the dimension of the body."""
 
 
-def with_slip(solution: ExactSolution) -> ExactSolution:
+def with_slip(solution):
     """The solution for a linear law and one contact face, with the same gap and pressure and another slip."""
     (face,), law, body = solution.faces, solution.law, solution.body
     data = face.part, law, body.T, face.gap, face.strain.pressure, face.level
     return replace(solution, faces=(ContactFace.linear(*data, slip=SLIP[body.dim]),))
 
 
-def coupled(dim: int) -> KelvinVoigt:
+def coupled(dim):
     """A law that couples every strain on a face with every other, with A and G not proportional."""
     size = dim * (dim + 1) // 2
     matrices = [np.eye(size) * 4 + np.cos(k + np.add.outer(*[np.arange(size) ** 2] * 2)) / 2 for k in range(2)]
     return KelvinVoigt(*map(Linear, matrices), "coupled")
 
 
-def not_symmetric() -> KelvinVoigt:
+def not_symmetric():
     """A law whose G has A_nnss ≠ A_ssnn, which does not couple normal strains with shear."""
     G = NonSymmetric(np.array([[3.0, 1.0, 0.0], [2.0, 5.0, 0.0], [0.0, 0.0, 2.0]]))
     return KelvinVoigt(isotropic(1, 0.5), G, "not symmetric")
@@ -125,7 +123,7 @@ LAWS = {"rotated": coupled(2), "cube-disc": coupled(3), "advance-recede": not_sy
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_a_face_slips_without_friction_under_laws_that_no_case_has(name: str) -> None:
+def test_a_face_slips_without_friction_under_laws_that_no_case_has(name):
     slipping = with_slip(replace(named(name).solution, law=LAWS[name]))
     assert all(finding.passes for finding in examine(slipping, points=8, times=3))
     (face,) = slipping.faces
@@ -137,7 +135,7 @@ def test_a_face_slips_without_friction_under_laws_that_no_case_has(name: str) ->
 
 @pytest.mark.parametrize("convex", [FrobeniusBall, DeviatoricBall])
 @pytest.mark.parametrize("body", [unit_square(), box()], ids=["square", "cube"])
-def test_under_the_law_3_3_the_whole_face_can_slip_while_it_is_pressed(convex: type, body: Body) -> None:
+def test_under_the_law_3_3_the_whole_face_can_slip_while_it_is_pressed(convex, body):
     """The strain, to which ε_ss = sym ∇_s z belongs, leaves K; still σ_τ = 0, and p ≥ 0 follows from the law."""
     law = KelvinVoigt(isotropic(1, 0.5, body.dim), Yield(6.0, convex(0.5, body.dim)), "(3.3)")
     (floor,) = body.of(Kind.CONTACT)
@@ -147,12 +145,12 @@ def test_under_the_law_3_3_the_whole_face_can_slip_while_it_is_pressed(convex: t
 
 
 @pytest.mark.parametrize(("slip", "told"), [((s, s), "has 2 components"), ((Abs(s),), "write fronts with pos")])
-def test_a_slip_with_a_wrong_number_of_components_or_with_a_kink_is_refused(slip: tuple, told: str) -> None:
+def test_a_slip_with_a_wrong_number_of_components_or_with_a_kink_is_refused(slip, told):
     with pytest.raises(FormulaError, match=told):
         on_floor(not_proportional(), 0, 3 + s, slip=slip)
 
 
-def test_a_lifting_without_a_kink_at_an_interface_is_refused() -> None:
+def test_a_lifting_without_a_kink_at_an_interface_is_refused():
     factor = layers((0.0, 1.0), 0.5, 4.0)
     law, pressure = not_proportional(2, factor, factor), (3 + s) * (1 + t)
     prove(on_floor(law, 0, pressure, profile=layered(0.5, 4.0)), "right")
@@ -161,7 +159,7 @@ def test_a_lifting_without_a_kink_at_an_interface_is_refused() -> None:
             prove(on_floor(law, 0, pressure, profile=profile), "wrong ratio, or no kink")
 
 
-def test_a_relaxation_rate_is_a_number_where_factors_agree_along_the_face_and_is_refused_where_it_varies() -> None:
+def test_a_relaxation_rate_is_a_number_where_factors_agree_along_the_face_and_is_refused_where_it_varies():
     factor = (1 + s / 2) * (2 + s)
     assert relaxation_rate(3 * expand(factor), factor) == 3
     assert relaxation_rate(sin(s) ** 2 + cos(s) ** 2, 2.0) == 0.5
@@ -170,7 +168,7 @@ def test_a_relaxation_rate_is_a_number_where_factors_agree_along_the_face_and_is
         on_floor(law, 0, 3 + s)
 
 
-def test_bounds_of_a_factor_that_do_not_hold_are_found() -> None:
+def test_bounds_of_a_factor_that_do_not_hold_are_found():
     law = KelvinVoigt(isotropic(1, 1, factor=Factor(1 + x2, 1.0, 1.5)), isotropic(1, 1), "wrong bounds")
     with pytest.raises(SelfProofError, match=r"\(3.1\) bounds of the factor"):
         prove(on_floor(law, 0, 3 + s), "wrong bounds")
@@ -193,7 +191,7 @@ def test_bounds_of_a_factor_that_do_not_hold_are_found() -> None:
         (Regularity(kink=True), 0.5, 0.5, "Prop. 5.3"),
     ],
 )
-def test_exponents_say_what_to_expect_and_what_the_proof_gives(regularity, order, proved, proposition) -> None:
+def test_exponents_say_what_to_expect_and_what_the_proof_gives(regularity, order, proved, proposition):
     assert regularity.order == pytest.approx(order)
     assert regularity.proved_order == pytest.approx(proved)
     assert regularity.proposition == proposition
@@ -210,7 +208,7 @@ NATURAL = r"natural-front of the catalogue.*SingularFace.*on_contact=1\.5"
         *(({"gap": gap, "pressure": 0.5}, NATURAL) for gap in (2, 1.5)),
     ],
 )
-def test_exponents_of_no_solution_in_h_1_or_of_no_contact_face_are_refused(label: dict, message: str) -> None:
+def test_exponents_of_no_solution_in_h_1_or_of_no_contact_face_are_refused(label, message):
     with pytest.raises(ValueError, match=message):
         Regularity(**label)
 
@@ -220,13 +218,13 @@ CASE = natural_motion()
 RECEDING = natural_motion(Rational(7, 10) - 2 * t / 5)
 
 
-def test_the_natural_front_that_advances_is_an_exact_solution_and_one_that_recedes_pulls() -> None:
+def test_the_natural_front_that_advances_is_an_exact_solution_and_one_that_recedes_pulls():
     assert [finding for finding in examine(CASE.solution) if not finding.passes] == []
     (finding,) = (finding for finding in examine(RECEDING.solution) if not finding.passes)
     assert "σ_ν ≤ 0" in finding.condition
 
 
-def test_a_field_with_a_cut_off_of_the_distance_does_not_travel() -> None:
+def test_a_field_with_a_cut_off_of_the_distance_does_not_travel():
     field = FACE.field
     assert isinstance(field, TravellingField)
     with pytest.raises(ValueError, match="give `depth`, not `radial`"):
@@ -240,7 +238,7 @@ TIME = 0.4
 
 
 @pytest.mark.parametrize("name", by_cost(NAMES))
-def test_the_gradient_has_the_strain_as_its_symmetric_part_and_all_else_is_what_the_fields_say(name: str) -> None:
+def test_the_gradient_has_the_strain_as_its_symmetric_part_and_all_else_is_what_the_fields_say(name):
     case = named(name)
     body = case.solution.body
     x = body.sample(np.random.default_rng(5), 5)
@@ -257,7 +255,7 @@ BRACKET = named("re-entrant").solution
 
 
 @pytest.mark.parametrize("point", [(5, 5), (1.5, 1.5), (-1e-6, 0.5), (np.nan, 0.5), (np.inf, 0.5)])
-def test_a_point_outside_the_body_is_refused_also_at_a_re_entrant_corner(point: tuple[float, float]) -> None:
+def test_a_point_outside_the_body_is_refused_also_at_a_re_entrant_corner(point):
     with pytest.raises(ValueError, match=r"lies outside the body.*1 of 2 points.*\[0, 2\] × \[0, 2\]"):
         BRACKET.at(np.array([point, (0.5, 0.5)]).T)
     for by in (1e-12, 1e-30j):
@@ -265,7 +263,7 @@ def test_a_point_outside_the_body_is_refused_also_at_a_re_entrant_corner(point: 
 
 
 @pytest.mark.parametrize("time", [3, -0.1, 1 + 1e-6, np.nan])
-def test_a_time_outside_the_interval_is_refused_alone_and_among_others(time: float) -> None:
+def test_a_time_outside_the_interval_is_refused_alone_and_among_others(time):
     fields, on_face = BRACKET.at([[0.5], [0.5]]), BRACKET.on(BRACKET.faces[0], [[0.5]])
     fields.displacement(1 + 1e-12)
     for field in (fields.displacement, fields.stress, fields.body_force, on_face.gap, on_face.pressure):
@@ -284,7 +282,7 @@ def test_a_time_outside_the_interval_is_refused_alone_and_among_others(time: flo
         ([[0, 1], [0]], "rows of different lengths"),
     ],
 )
-def test_a_wrong_shape_says_which_shape_is_wanted(x: object, told: str) -> None:
+def test_a_wrong_shape_says_which_shape_is_wanted(x, told):
     with pytest.raises(ValueError, match=told):
         BRACKET.at(x)
     with pytest.raises(ValueError, match=told):
@@ -294,7 +292,7 @@ def test_a_wrong_shape_says_which_shape_is_wanted(x: object, told: str) -> None:
 # Cases with contact at many scales, and rollers, with details of the widths that they state.
 
 
-def alone(case: Case, j: int) -> ExactSolution:
+def alone(case, j):
     """One train on a body no deeper than its lifting: random points of the unit square would hardly ever meet it."""
     face = case.solution.faces[j]
     assert isinstance(face, StripFace)
@@ -308,11 +306,11 @@ def alone(case: Case, j: int) -> ExactSolution:
     ("number", "j"),
     [(0, 6), *(pytest.param(*one, marks=pytest.mark.slow) for one in ((0, 0), (1, 3), (1, 0), (0, 3), (1, 6)))],
 )
-def test_every_train_is_an_exact_solution(number: int, j: int) -> None:
+def test_every_train_is_an_exact_solution(number, j):
     assert [finding for finding in examine(alone(multiscale()[number], j)) if not finding.passes] == []
 
 
-def test_theorems_raise_the_proved_order_only_of_a_rough_trace_and_of_a_junction() -> None:
+def test_theorems_raise_the_proved_order_only_of_a_rough_trace_and_of_a_junction():
     orders = {case.name: (proved_order(case), case.regularity.proved_order) for case in catalogue()}
     raised = {name: order for name, (order, source) in orders.items() if order > source}
     assert raised == pytest.approx({"rough-trace": 1, "junction": 0.5})
@@ -326,14 +324,14 @@ HISTORY = "(2.6)"
 
 @pytest.mark.parametrize("level", [16, pytest.param(64, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("kind", [1, *(pytest.param(kind, marks=pytest.mark.slow) for kind in (0, 2, 3))])
-def test_every_roller_is_an_exact_solution(kind: int, level: int) -> None:
+def test_every_roller_is_an_exact_solution(kind, level):
     case = rollers(level)[kind]
     found = [finding for finding in examine(case.solution) if not finding.passes]
     assert [finding for finding in found if not finding.condition.startswith(HISTORY)] == []
 
 
-def test_in_most_cases_the_body_slides_where_it_touches_by_a_fifth_of_its_displacement_on_the_face() -> None:
-    def slides(name: str) -> bool:
+def test_in_most_cases_the_body_slides_where_it_touches_by_a_fifth_of_its_displacement_on_the_face():
+    def slides(name):
         solution = named(name).solution
         for part, time in product(solution.body.of(Kind.CONTACT), np.linspace(0, solution.body.T, 5)[1:]):
             u = solution.at(part.sample(np.random.default_rng(0), 100)).displacement(time)

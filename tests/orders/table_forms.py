@@ -1,7 +1,4 @@
-"""Writes a table in the forms in which programs print tables."""
-
-Cells = list[list[str]]
-"""The names of the columns, and a list of cells for each mesh."""
+"""Writes a table, given by the names of its columns and a list of cells for each mesh, as programs print tables."""
 
 
 def joined(sign):

@@ -23,7 +23,7 @@ SIZES = {
 """Name of a column of sizes ↦ its cell for n cells along a side and a level."""
 
 
-def table(draw: random.Random, orders: list[float]) -> str:
+def table(draw, orders):
     """A table with a series of errors of each order, one below the other, in a random form."""
     levels, first = draw.randint(3, 6), draw.choice([4, 5, 10])
     size, printed = draw.choice([*SIZES, ""]), draw.choice(["eoc", "eoc", "", "", ""])
@@ -42,7 +42,7 @@ def table(draw: random.Random, orders: list[float]) -> str:
     return draw.choice(FORMS)(rows)
 
 
-def damage(draw: random.Random, text: str) -> str:
+def damage(draw, text):
     """The text with one random change of a line or a sign."""
     lines = text.split("\n")
     i, j = draw.randrange(len(lines)), draw.randrange(len(lines))
@@ -70,7 +70,7 @@ def damage(draw: random.Random, text: str) -> str:
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_500_damaged_tables_of_a_wrong_order_never_hold_and_never_end_with_a_traceback(seed, tmp_path, capsys) -> None:
+def test_500_damaged_tables_of_a_wrong_order_never_hold_and_never_end_with_a_traceback(seed, tmp_path, capsys):
     draw = random.Random(seed)
     for _ in range(500):
         orders = [EXPECTED] * draw.choice([0, 0, 1, 2])

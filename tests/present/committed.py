@@ -1,11 +1,11 @@
 """Copies of the committed results of a few cases, small enough to draw and to damage in a test."""
 
 import shutil
-from pathlib import Path
 
 import pandas as pd
+from places import DATA
+from tables import texts
 
-RESULTS = Path(__file__).parents[2] / "results"
 TABLES = ("bounds", "cases", "claims", "enclosures", "equivalence", "rates", "stresses")
 SMOOTH, ROUGH = CASES = ("advance-recede", "rough-1.75")
 """A case of Proposition 5.4 and one of Proposition 5.3."""
@@ -28,13 +28,13 @@ LEDGER_COLUMNS = ["label", "statement", "case", "quantity", "expected", "observe
 LEDGER_COLUMNS += ["key", "family", "kind", "window_low", "window_high"]
 
 
-def committed(name: str, cases: tuple[str, ...] = CASES) -> pd.DataFrame:
+def committed(name, cases=CASES):
     """The rows of some cases in a committed data file; the numbers as they are written."""
-    table = pd.read_csv(RESULTS / "data" / f"{name}.csv", dtype=str, keep_default_na=False)
+    table = texts(DATA / f"{name}.csv")
     return table[table["case"].isin([*cases, "all cases"])]
 
 
-def copy_results(directory: Path, cases: tuple[str, ...] = CASES, pictures: tuple[str, ...] = (CORNER, SOLID)) -> Path:
+def copy_results(directory, cases=CASES, pictures=(CORNER, SOLID)):
     """Writes the committed tables of some cases, and pictures of some of them, into ``directory / "data"``."""
     data = directory / "data"
     (data / "pictures").mkdir(parents=True)
@@ -43,10 +43,10 @@ def copy_results(directory: Path, cases: tuple[str, ...] = CASES, pictures: tupl
         chosen = (*cases, *pictures) if name == "cases" else cases
         committed(name, chosen).to_csv(data / f"{name}.csv", index=False)
     for case in pictures:
-        shutil.copy(RESULTS / "data" / "pictures" / f"{case}.json.gz", data / "pictures")
+        shutil.copy(DATA / "pictures" / f"{case}.json.gz", data / "pictures")
     return directory
 
 
-def write_ledger(directory: Path) -> None:
+def write_ledger(directory):
     """Replaces the ledger by ``LEDGER``."""
     pd.DataFrame(LEDGER, columns=LEDGER_COLUMNS).to_csv(directory / "data" / "claims.csv", index=False)

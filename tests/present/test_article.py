@@ -9,13 +9,13 @@ from collections import Counter
 from copy import copy
 from fractions import Fraction
 from itertools import pairwise
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 from changed import overridden
+from places import DATA, RESULTS, ROOT
 
 from study.ledger.datafiles import DataError
 from study.ledger.verdict import CheckKind, window_share, worst_value
@@ -24,8 +24,7 @@ from study.present.notation import prose
 from study.present.pages import expected_texts
 from study.present.templates import EVIDENCE_TITLES, FullRun, context, evidence, percent, power, render
 
-ROOT = Path(__file__).parents[2]
-PAPER, RESULTS = ROOT / "paper", ROOT / "results"
+PAPER = ROOT / "paper"
 SOURCES = sorted(PAPER.glob("*.tex"))
 
 SETTINGS = {
@@ -42,7 +41,7 @@ LABEL = r"\\label\{([^}]*)\}"
 MACRO = re.compile(r"\\newcommand\{\\([A-Za-z]+)\}\{(.*)\}")
 
 
-def text(path: Path) -> str:
+def text(path):
     """The LaTeX source without its comments."""
     return re.sub(r"(?<!\\)%.*", "", path.read_text(encoding="utf-8"))
 
@@ -51,14 +50,14 @@ EVERYTHING = "\n".join(map(text, SOURCES))
 """The LaTeX sources of all documents."""
 
 
-def typed_results(source: str) -> list[str]:
+def typed_results(source):
     """Decimal numbers, percentages and powers of ten that are no numbers of statements, layout or settings."""
     bare = re.sub(f"{STATEMENT}|{EQUATION}|{LAYOUT}", "", source)
     found = re.findall(r"\d*\.\d+|\d+(?=(?:\\,|~|\s)*\\%)|10\^\{?-?\d+", bare)
     return [number for number in found if number not in SETTINGS]
 
 
-def macros(content: str) -> dict[str, str]:
+def macros(content):
     return {match[1]: match[2] for line in content.splitlines() if (match := MACRO.fullmatch(line))}
 
 
@@ -66,31 +65,31 @@ NUMBERS = macros((RESULTS / "article" / "numbers.tex").read_text(encoding="utf-8
 """The macros in the committed file: name ↦ number."""
 
 
-def cells_of(name: str) -> list[list[str]]:
+def cells_of(name):
     """The rows of a committed LaTeX table as cells, headings included."""
     lines = (RESULTS / "article" / f"{name}.tex").read_text(encoding="utf-8").splitlines()
     return [[cell.strip(" \\") for cell in line.split("&")] for line in lines if "&" in line]
 
 
 @pytest.fixture(scope="module")
-def full() -> FullRun:
+def full():
     found = FullRun.read(RESULTS)
     assert found is not None
     return found
 
 
 @pytest.fixture(scope="module")
-def claims(full: FullRun) -> pd.DataFrame:
+def claims(full):
     return full.claims
 
 
-def test_no_result_is_typed_into_a_paper() -> None:
+def test_no_result_is_typed_into_a_paper():
     assert typed_results("orders (0.97) by Proposition~5.4 and (5.36), width .48\\linewidth") == ["0.97"]
     assert typed_results(r"the share is 2\,\%, the gap $10^{-7}$") == ["2", "10^{-7"]
     assert {source.name: typed for source in SOURCES if (typed := typed_results(text(source)))} == {}
 
 
-def test_everything_that_follows_from_the_committed_data_is_what_they_say() -> None:
+def test_everything_that_follows_from_the_committed_data_is_what_they_say():
     """Tables, inputs of the papers, captions of figures, badges and README."""
     expected = expected_texts(RESULTS)
     assert set(article(RESULTS)) == set((RESULTS / "article").iterdir()) < set(expected)
@@ -98,7 +97,7 @@ def test_everything_that_follows_from_the_committed_data_is_what_they_say() -> N
     assert stale == {}
 
 
-def test_every_macro_is_used_and_every_file_exists() -> None:
+def test_every_macro_is_used_and_every_file_exists():
     commands = set(re.findall(r"\\([A-Za-z]+)", EVERYTHING))
     assert set(NUMBERS) <= commands
     for name in re.findall(r"\\input\{([^}]*)\}", EVERYTHING):
@@ -106,20 +105,20 @@ def test_every_macro_is_used_and_every_file_exists() -> None:
         assert name.startswith("build/") or (PAPER / f"{name}.tex").is_file(), name
 
 
-def test_every_reference_is_cited_and_every_citation_has_one() -> None:
+def test_every_reference_is_cited_and_every_citation_has_one():
     cited = {key for keys in re.findall(r"\\cite\{([^}]*)\}", EVERYTHING) for key in keys.split(",")}
     listed = re.findall(r"@\w+\{(\w+),", (PAPER / "references.bib").read_text(encoding="utf-8"))
     assert Counter(listed) == Counter(cited)
 
 
-def whole(name: str) -> str:
+def whole(name):
     """A document with everything that it inputs from its own directory."""
     found = text(PAPER / f"{name}.tex")
     return re.sub(r"\\input\{(\w+)\}", lambda match: whole(match[1]), found)
 
 
 @pytest.mark.parametrize("names", [("theory",), ("study", "supplement")], ids=" and ".join)
-def test_every_statement_has_one_proof_and_every_reference_a_label_in_the_paper_or_its_supplement(names) -> None:
+def test_every_statement_has_one_proof_and_every_reference_a_label_in_the_paper_or_its_supplement(names):
     source = "".join(map(whole, names))
     labels = re.findall(LABEL, source)
     assert len(set(labels)) == len(labels)
@@ -135,7 +134,7 @@ def test_every_statement_has_one_proof_and_every_reference_a_label_in_the_paper_
 
 
 @pytest.mark.parametrize("name", ["theory", "study", "supplement"])
-def test_every_figure_and_table_is_mentioned_before_its_place(name: str) -> None:
+def test_every_figure_and_table_is_mentioned_before_its_place(name):
     """The package flafter keeps LaTeX from moving a figure or table to a place before it."""
     source = whole(name)
     floats = re.findall(r"\\label\{((?:fig|tab):[\w-]+)\}", source)
@@ -146,7 +145,7 @@ def test_every_figure_and_table_is_mentioned_before_its_place(name: str) -> None
         assert 0 <= mention < source.index(rf"\label{{{label}}}"), label
 
 
-def test_figures_are_set_as_they_are_drawn_and_two_fill_a_line() -> None:
+def test_figures_are_set_as_they_are_drawn_and_two_fill_a_line():
     """A line is 164 mm wide."""
     names = re.findall(r"\\includegraphics\{([^}]*)\}", EVERYTHING)
     assert len(names) == EVERYTHING.count(r"\includegraphics") > 6
@@ -156,7 +155,7 @@ def test_figures_are_set_as_they_are_drawn_and_two_fill_a_line() -> None:
     assert 0.98 * 164 < 2 * 25.4 * float(width) <= 164
 
 
-def test_extremes_are_rounded_outwards_and_zero_is_zero(full: FullRun, claims: pd.DataFrame) -> None:
+def test_extremes_are_rounded_outwards_and_zero_is_zero(full, claims):
     rows = (claims["label"] == "Prop. 5.4") & (claims["key"] == "order")
     wide = claims.assign(low=claims["low"].mask(rows, 0.8999), high=claims["high"].mask(rows, 1.1001))
     changed = overridden(copy(full), claims=wide, equivalence=full.equivalence.assign(membership=0.0))
@@ -165,7 +164,7 @@ def test_extremes_are_rounded_outwards_and_zero_is_zero(full: FullRun, claims: p
     assert (percent(0.01201), power(2.01e-7)) == (r"1.3\,\%", r"\(2.1\cdot 10^{-7}\)")
 
 
-def test_enclosures_in_the_table_enclose_those_of_the_data(full: FullRun) -> None:
+def test_enclosures_in_the_table_enclose_those_of_the_data(full):
     rows = full.bounds.query("trajectory == 'enclosure'").set_index(["case", "level"])
     cells = cells_of("enclosures")
     assert len(cells) > 3
@@ -175,7 +174,7 @@ def test_enclosures_in_the_table_enclose_those_of_the_data(full: FullRun) -> Non
         assert float(high) - float(low) <= 1.02 * (row["highest"] - row["lowest"]) + 0.01 * row["highest"]
 
 
-def test_every_row_is_counted_once_in_the_table_and_is_evidence_of_one_kind(claims) -> None:
+def test_every_row_is_counted_once_in_the_table_and_is_evidence_of_one_kind(claims):
     """Rows that hold are evidence of the first four kinds, all others are reported or missed predictions."""
     *groups, total = np.array([cells[1:] for cells in cells_of("verdicts")[1:]], dtype=int)
     assert (np.sum(groups, axis=0) == total).all()
@@ -189,26 +188,26 @@ def test_every_row_is_counted_once_in_the_table_and_is_evidence_of_one_kind(clai
     assert (kinds[stated.index] == stated).all()
 
 
-def test_an_order_of_the_source_that_is_wrong_by_one_would_fail(claims: pd.DataFrame) -> None:
+def test_an_order_of_the_source_that_is_wrong_by_one_would_fail(claims):
     orders = claims[(claims["kind"] == CheckKind.CLAIM) & claims["key"].str.startswith("order")]
     orders = orders[orders["verdict"].isin(["holds", "fails"])]
     assert len(orders) > 20
     assert (orders["window_high"] - orders["window_low"] < 1).all()
 
 
-def program(name: str) -> SimpleNamespace:
+def program(name):
     """The names of a program in the directory of the papers."""
     return SimpleNamespace(**runpy.run_path(str(PAPER / f"{name}.py")))
 
 
 @pytest.mark.slow
-def test_the_certified_interval_contains_the_true_error() -> None:
+def test_the_certified_interval_contains_the_true_error():
     low, high, error, cells = program("certified").interval_and_error()
     assert low < error < high
     assert cells == 32
 
 
-def test_the_certificate_is_about_the_problem_with_the_known_solution() -> None:
+def test_the_certificate_is_about_the_problem_with_the_known_solution():
     """The moduli and the body force that the certificate states are those of the solution in the program."""
     certified = program("certified")
     data = certified.known()
@@ -227,22 +226,22 @@ def test_the_certificate_is_about_the_problem_with_the_known_solution() -> None:
 
 
 @pytest.mark.slow
-def test_the_supplement_has_the_formulas_of_every_case() -> None:
+def test_the_supplement_has_the_formulas_of_every_case():
     formulas = program("formulas").written()
     names = re.findall(r"\\textbf\{([^}]*)\}", formulas)
-    assert names == [prose(name) for name in pd.read_csv(RESULTS / "data" / "cases.csv")["case"]]
+    assert names == [prose(name) for name in pd.read_csv(DATA / "cases.csv")["case"]]
     (line,) = (line for line in formulas.splitlines() if "textbf{advance-recede}" in line)
     assert r"w=20 (s - 2 t (1 - t) - 1 / 4)_+^{4}" in line
 
 
-def test_the_example_of_the_study_paper_defines_a_case(tmp_path: Path) -> None:
+def test_the_example_of_the_study_paper_defines_a_case(tmp_path):
     (listing,) = re.findall(r"\\begin\{verbatim\}\n(from .*?)\\end\{verbatim\}", text(PAPER / "study.tex"), re.DOTALL)
     path = tmp_path / "pocket.py"
     path.write_text(listing, encoding="utf-8")
     assert runpy.run_path(str(path))["pocket"].order == 1
 
 
-def test_a_statement_belongs_to_the_group_with_the_longest_beginning() -> None:
+def test_a_statement_belongs_to_the_group_with_the_longest_beginning():
     assert group_of("(5.36)") == group_of("Prop. 5.4") != group_of("(5.23)")
     assert group_of("beyond: rollers") == group_of("a statement of tomorrow") == BEYOND
 
@@ -251,11 +250,11 @@ def test_a_statement_belongs_to_the_group_with_the_longest_beginning() -> None:
     ("low", "high", "shown"),
     [(0.85, 1.15, "[0.85, 1.15]"), (0, 0.02, "≤ 0.02"), (-np.inf, 1e-12, "≤ 1e-12"), (0.5, np.inf, "≥ 0.5")],
 )
-def test_a_table_shows_the_ends_of_a_window(low: float, high: float, shown: str) -> None:
+def test_a_table_shows_the_ends_of_a_window(low, high, shown):
     assert window_ends(pd.Series({"window_low": low, "window_high": high})) == shown
 
 
-def test_a_row_holds_if_and_only_if_it_uses_at_most_its_window_and_its_worst_value_is_shown(claims) -> None:
+def test_a_row_holds_if_and_only_if_it_uses_at_most_its_window_and_its_worst_value_is_shown(claims):
     judged = claims[claims["verdict"].isin(["holds", "fails"])]
     shares = judged.apply(window_share, axis=1).dropna()
     assert len(shares) > 0.95 * len(judged)
@@ -266,8 +265,8 @@ def test_a_row_holds_if_and_only_if_it_uses_at_most_its_window_and_its_worst_val
 
 
 @pytest.mark.parametrize("lacking", ["a full plan", "the cases that papers name", "faults.csv"])
-def test_only_a_full_run_with_its_faults_makes_the_inputs_of_the_papers(lacking: str, tmp_path: Path) -> None:
-    data = shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("pictures", "jobs"))
+def test_only_a_full_run_with_its_faults_makes_the_inputs_of_the_papers(lacking, tmp_path):
+    data = shutil.copytree(DATA, tmp_path / "data", ignore=shutil.ignore_patterns("pictures", "jobs"))
     if lacking == "a full plan":
         plan = data / "provenance.json"
         plan.write_text(plan.read_text("utf-8").replace('"plan":"full"', '"plan":"quick"'), "utf-8")
@@ -278,7 +277,7 @@ def test_only_a_full_run_with_its_faults_makes_the_inputs_of_the_papers(lacking:
     assert article(tmp_path) == {}
 
 
-def test_a_row_that_a_paper_names_may_not_be_missing(full: FullRun, claims: pd.DataFrame) -> None:
+def test_a_row_that_a_paper_names_may_not_be_missing(full, claims):
     with pytest.raises(DataError, match="natural-front"):
         overridden(copy(full), claims=claims[claims["case"] != "natural-front"]).checks(
             "(5.36)", "order", case="natural-front"

@@ -3,14 +3,14 @@
 import math
 import re
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from committed import RESULTS, SMOOTH
+from committed import SMOOTH
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from places import DATA, RESULTS, ROOT
 
 from study.fem.mesh import FAMILIES
 from study.ledger.datafiles import read_rates
@@ -22,7 +22,7 @@ from study.present.report import svg_chart
 
 @pytest.fixture(scope="module")
 def enclosed():
-    rows = pd.read_csv(RESULTS / "data" / "enclosures.csv")
+    rows = pd.read_csv(DATA / "enclosures.csv")
     rows = rows.query(f"trajectory == 'enclosure' and case == {SMOOTH!r} and family == 'shaken'")
     return rows[rows["level"] == rows["level"].min()]
 
@@ -126,7 +126,7 @@ def test_random_meshes_of_rollers_are_one_curve_with_their_range():
 # Colours: every variable has one, and every text is readable.
 
 
-CSS = (Path(__file__).parents[2] / "study" / "present" / "page" / "page.css").read_text(encoding="utf-8")
+CSS = (ROOT / "study" / "present" / "page" / "page.css").read_text(encoding="utf-8")
 THEMES = [dict(re.findall(r"--(\w+): ([^;]+);", line)) for line in CSS.splitlines() if ":root" in line]
 TEXTS = ("ink", "soft", "link", "good", "bad", "warn")
 

@@ -9,11 +9,13 @@ import numpy as np
 import pandas as pd
 import pytest
 from changed import overridden
-from committed import CORNER, RESULTS, SMOOTH, SOLID, copy_results
+from commands import study
+from committed import CORNER, SMOOTH, SOLID, copy_results
+from costly_cases import slow
 from matplotlib.text import Text
 from PIL import Image
+from places import DATA, RESULTS
 
-from study.cli.main import main
 from study.ledger.datafiles import read_rates
 from study.ledger.files import UsageError
 from study.ledger.text import above, below
@@ -76,7 +78,7 @@ def cut_off_or_tiny(figure):
     return beyond + [text.get_text() for text in shown if text.get_fontsize() < SMALLEST]
 
 
-@pytest.mark.parametrize("every", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["some", "all"])
+@pytest.mark.parametrize("every", [False, slow(True)], ids=["some", "all"])
 def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(figures, every):
     with in_style():
         narrowest, widest = column_width(), page_width()
@@ -94,7 +96,7 @@ def test_every_caption_says_what_to_see_with_numbers(figures):
 
 # Old versions of Matplotlib use names of pyparsing that are deprecated.
 @pytest.mark.filterwarnings("error::UserWarning", "ignore::DeprecationWarning")
-@pytest.mark.parametrize("level", [-1.0, pytest.param(1.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("level", [-1.0, slow(1.0)])
 def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured, level):
     solid, pressure = read_pictures(measured)[-1], max(level, 0.0)
     given = {"level": level, "pressure": pressure, "pressure_exact": pressure, "gap": 0.0, "gap_exact": 0.0}
@@ -156,15 +158,14 @@ def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_l
     assert slow.startswith("on these meshes the error is not O(h): observed orders 0.")
 
 
-def test_figures_are_drawn_by_name_from_one_directory_into_another(alone, tmp_path, capsys):
-    shutil.copy(RESULTS / "data" / "provenance.json", alone / "data")
-    command = ["figures", "--data", str(alone), "--out", str(tmp_path / "talk"), "--jobs", "1", "--only"]
-    assert main([*command, "problem", "orders", "--format", "png"]) == 0
-    written = {path.name for path in (tmp_path / "talk" / "figures").iterdir()}
+def test_figures_are_drawn_by_name_from_one_directory_into_another(alone, out, told):
+    shutil.copy(DATA / "provenance.json", alone / "data")
+    command = f"figures --data {alone} --out {out} --jobs 1 --only"
+    assert study(f"{command} problem orders --format png") == 0
+    written = {path.name for path in (out / "figures").iterdir()}
     assert written == {"orders.csv", "orders.png", "orders.txt", "problem.png", "problem.txt"}
     assert not (alone / "figures").exists()
-    assert main([*command, "order"]) == 2
-    assert re.search(rf"--only order: {alone} has no such figure, only .*orders", capsys.readouterr().err)
+    assert re.search(rf"--only order: {alone} has no such figure, only .*orders", told(f"{command} order"))
 
 
 def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(figures, tmp_path):

@@ -21,7 +21,7 @@ NUMBERED = (*(f"({section}.{n})" for section, last in FORMULAS.items() for n in 
 
 
 @pytest.fixture(scope="module")
-def claims() -> pd.DataFrame:
+def claims():
     """One row for each statement that is measured, and all lines of the others."""
     rows = []
     for statement in STATEMENTS:
@@ -32,13 +32,13 @@ def claims() -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def test_every_number_of_the_paper_has_checks_or_a_reason_why_it_has_none(claims: pd.DataFrame) -> None:
+def test_every_number_of_the_paper_has_checks_or_a_reason_why_it_has_none(claims):
     has_reason = claims["label"].isin((NO_ROW, NOT_TESTED))
     texts = {*claims["label"][~has_reason], *claims["case"][has_reason]}
     assert set().union(*map(named, texts)) == set(NUMBERED)
 
 
-def test_labels_name_formulas_of_the_source_and_lines_without_a_row_those_that_have_none(claims: pd.DataFrame) -> None:
+def test_labels_name_formulas_of_the_source_and_lines_without_a_row_those_that_have_none(claims):
     for label, rows in claims[claims["label"] != "slips"].groupby("label"):
         places = rows["case"] if label in (NO_ROW, NOT_TESTED) else [label]
         assert set().union(*map(named, places)) <= set(NUMBERED), label

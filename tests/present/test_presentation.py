@@ -2,13 +2,13 @@
 
 import re
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from committed import CASES, CORNER, ROUGH, SMOOTH, copy_results, write_ledger
 from matplotlib.mathtext import MathTextParser
+from tables import texts
 
 from study.ledger.datafiles import DataError, read_claims, read_rates, read_uncompressed
 from study.ledger.files import write_packed, write_text
@@ -19,16 +19,15 @@ from study.present.notation import encode
 from study.present.outcome import ledger_text, observed_text, orders_text, rates_text
 from study.present.picture import read_pictures
 
-ROOT = Path(__file__).parents[2]
 NAMES = ("bounds", "equivalence", "ledger", "rates", "stresses")
 
 
-def draw_some(directory: Path) -> list[Path]:
+def draw_some(directory):
     return draw_figures(directory, drawings(directory)[::8])
 
 
 @pytest.fixture(scope="module")
-def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def tables(tmp_path_factory):
     """A directory with data and tables; tests only read it."""
     directory = copy_results(tmp_path_factory.mktemp("results"), pictures=(CORNER,))
     write_ledger(directory)
@@ -37,16 +36,16 @@ def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def data(tables: Path, tmp_path: Path) -> Path:
+def data(tables, tmp_path):
     shutil.copytree(tables / "data", tmp_path / "data")
     return tmp_path
 
 
-def files(directory: Path) -> list[str]:
+def files(directory):
     return sorted(path.name for path in directory.iterdir())
 
 
-def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over(data: Path) -> None:
+def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over(data):
     write_tables(data)
     draw_some(data)
     assert files(data / "tables") == [f"{name}.{form}" for name in NAMES for form in ("csv", "md", "tex")]
@@ -58,7 +57,7 @@ def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over
     assert files(data / "figures") == sorted(f"{name}.{form}" for name in known[::8] for form in forms)
 
 
-def test_tables_agree_with_the_data_to_four_digits(tables: Path) -> None:
+def test_tables_agree_with_the_data_to_four_digits(tables):
     table, source = pd.read_csv(tables / "tables" / "rates.csv"), read_rates(tables)
     names = ["h", "error", "at", "interpolation_error", "discrete_error"]
     np.testing.assert_allclose(table[names], source[names], rtol=5e-4)
@@ -68,8 +67,8 @@ def test_tables_agree_with_the_data_to_four_digits(tables: Path) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_markdown_has_each_row_of_the_csv_table_below_the_heading_of_its_group(tables: Path, name: str) -> None:
-    cells = pd.read_csv(tables / "tables" / f"{name}.csv", dtype=str, keep_default_na=False)
+def test_markdown_has_each_row_of_the_csv_table_below_the_heading_of_its_group(tables, name):
+    cells = texts(tables / "tables" / f"{name}.csv")
     shown = (tables / "tables" / f"{name}.md").read_text(encoding="utf-8")
     shown = re.sub(r"\\(.)", r"\1", shown)
     grouped = 4 if name == "rates" else 2
@@ -82,7 +81,7 @@ def test_markdown_has_each_row_of_the_csv_table_below_the_heading_of_its_group(t
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_latex_is_well_formed(tables: Path, name: str) -> None:
+def test_latex_is_well_formed(tables, name):
     text = (tables / "tables" / f"{name}.tex").read_text(encoding="utf-8")
     bare = re.sub(r"\\[{}&%]", "", text.partition("\n")[2])
     assert text.isascii()
@@ -108,11 +107,11 @@ def test_latex_is_well_formed(tables: Path, name: str) -> None:
         ("☃ é", r"\texttt{U+2603} é"),
     ],
 )
-def test_unicode_becomes_mathematics(text: str, latex: str) -> None:
+def test_unicode_becomes_mathematics(text, latex):
     assert encode(text) == latex
 
 
-def test_the_rate_text_has_one_line_per_case_and_family(tables: Path) -> None:
+def test_the_rate_text_has_one_line_per_case_and_family(tables):
     lines, rates = rates_text(tables).splitlines(), read_rates(tables)
     assert len([line for line in lines if line.startswith(CASES)]) == len(rates.groupby(["case", "family"]))
     (cells,) = (line.split() for line in lines if line.startswith(SMOOTH) and "shaken" in line)
@@ -123,21 +122,21 @@ def test_the_rate_text_has_one_line_per_case_and_family(tables: Path) -> None:
     assert cells[6:] == ["1", *orders[-len(cells[7:]) :]]
 
 
-def test_a_range_with_one_end_is_a_bound() -> None:
+def test_a_range_with_one_end_is_a_bound():
     assert observed_text(3.0, -np.inf, 3.2724) == "at most 3.272"
     assert observed_text(3.0, 1.5, np.inf) == "at least 1.500"
     assert observed_text(0.98, 0.97, 1.01) == "0.9800 in [0.9700, 1.010]"
     assert observed_text(np.nan, -np.inf, np.inf) == "no number"
 
 
-def test_the_conclusion_says_how_far_observed_orders_are_from_the_predicted_ones(tables: Path) -> None:
+def test_the_conclusion_says_how_far_observed_orders_are_from_the_predicted_ones(tables):
     last = ledger_text(read_claims(tables), orders_text(tables)).replace("\n", " ").rpartition("Conclusion: ")[2]
     number = r"-?\d\.\d\d"
     differ = f"observed orders of the error over two refinements differ from the predicted ones by {number} to {number}"
     assert re.fullmatch(rf"1 check contradicted a statement; {differ}\. ", last)
 
 
-def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_hold(tables: Path) -> None:
+def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_hold(tables):
     claims = read_claims(tables)
     text = ledger_text(claims)
     assert re.search(r"^statement +cases +holds +reported +missed +undecided +fails$", text, re.MULTILINE)
@@ -170,7 +169,7 @@ def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_ho
         (lambda directory: ledger_text(read_claims(directory)), "claims.csv"),
     ],
 )
-def test_a_missing_file_is_named_with_the_command_that_makes_it(data: Path, present, name: str) -> None:
+def test_a_missing_file_is_named_with_the_command_that_makes_it(data, present, name):
     missing = data / "data" / name
     shutil.rmtree(missing) if missing.is_dir() else missing.unlink()
     with pytest.raises(DataError, match=rf"{name} is missing.*study run"):
@@ -187,7 +186,7 @@ def test_a_missing_file_is_named_with_the_command_that_makes_it(data: Path, pres
         (read_pictures, "pictures/corner.json.gz", '"zone_exact"', '"zone"', "corner.json.gz is not a picture"),
     ],
 )
-def test_a_damaged_file_is_named(data: Path, present, name: str, old: str, new: str, complaint: str) -> None:
+def test_a_damaged_file_is_named(data, present, name, old, new, complaint):
     path = data / "data" / name
     write = write_packed if path.suffix == ".gz" else write_text
     write(path, read_uncompressed(path).decode().replace(old, new))

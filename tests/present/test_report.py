@@ -10,8 +10,9 @@ from io import BytesIO
 import numpy as np
 import pandas as pd
 import pytest
-from committed import RESULTS, TABLES, copy_results
+from committed import TABLES, copy_results
 from PIL import Image
+from places import DATA, ROOT
 
 from study.ledger.datafiles import DataError
 from study.ledger.files import write_packed
@@ -20,7 +21,6 @@ from study.present.notation import typeset
 from study.present.picture import Picture, picture_path, read_record
 from study.present.report import PAGE_TEXTS, all_rows, draw_case, write_report
 from study.present.tables import bounds, columns_of, equivalence, rates, stresses
-from study.run.fingerprint import ROOT
 from study.run.plan import full
 from study.run.provenance import read_provenance, sources
 from study.statements.pictures import Pictures
@@ -33,13 +33,13 @@ def write_data(directory):
     """Copies the committed data of three cases and adds text that is hard on HTML."""
     copy_results(directory, (*PLANE, SOLID), (*PLANE, SOLID))
     data = directory / "data"
-    shutil.copy(RESULTS / "data" / "faults.csv", data)
+    shutil.copy(DATA / "faults.csv", data)
     for name, columns in (("cases", ["summary"]), ("claims", ["case", "quantity"]), ("faults", ["fault"])):
         table = pd.read_csv(data / f"{name}.csv", dtype=str)
         row = table.index[table["case"] == SOLID] if name == "cases" else table.index[-1:]
         table.loc[row, columns] = HOSTILE
         table.to_csv(data / f"{name}.csv", index=False)
-    provenance = json.loads((RESULTS / "data" / "provenance.json").read_text(encoding="utf-8"))
+    provenance = json.loads((DATA / "provenance.json").read_text(encoding="utf-8"))
     (data / "provenance.json").write_text(json.dumps(provenance | {"machine": HOSTILE}))
     return directory
 
@@ -224,7 +224,7 @@ def test_scripts_are_raised_and_lowered_and_the_rest_is_escaped(plain_text, html
 
 @pytest.mark.slow
 def test_the_page_of_the_committed_run_has_at_most_7_megabytes_and_its_pictures_70_kilobytes(tmp_path):
-    shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs"))
+    shutil.copytree(DATA, tmp_path / "data", ignore=shutil.ignore_patterns("jobs"))
     for setting in Pictures().settings(full()):
         (path,) = Pictures.file.write(tmp_path / "data", [Pictures().measure(setting)])
         assert path.stat().st_size <= 70e3

@@ -4,14 +4,15 @@ import os
 import re
 import shutil
 
-import pandas as pd
 import pytest
+from costly_cases import slow
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
+from tables import texts
 from test_report import PLANE, SOLID, report, write_data
 
 OF_CASES = [f"case/{case}" for case in [*PLANE, SOLID]]
@@ -78,7 +79,7 @@ def page(chromium, directory):
 
 @pytest.fixture(scope="module")
 def claims(directory):
-    return pd.read_csv(directory / "data" / "claims.csv", dtype=str).fillna("")
+    return texts(directory / "data" / "claims.csv")
 
 
 def shown_rows(browser):
@@ -186,7 +187,7 @@ def test_play_runs_through_the_times_and_pauses(page):
     assert later == paused
 
 
-@pytest.mark.parametrize("pixels", [360, pytest.param(1280, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("pixels", [360, slow(1280)])
 def test_no_section_is_wider_than_the_screen(page, pixels):
     page.width(pixels)
     for section in PAGES:

@@ -1,18 +1,17 @@
 """What `study show` writes can be read back, and shows the motion that was solved."""
 
 from itertools import pairwise
-from pathlib import Path
 from xml.etree import ElementTree
 
 import meshio
 import numpy as np
 import pytest
+from commands import study
 from matplotlib.text import Annotation
 from PIL import Image
 
 from manufactured.colours import VERMILLION
 from manufactured.tensors import full, mandel
-from study.cli.main import main
 from study.cli.show import SHOWN_EVERY, affordable_family, mesh_series, solve_showcase
 from study.fem.mesh import FAMILIES
 from study.fem.naming import resolve
@@ -24,21 +23,19 @@ from study.solve.motion import Motion, von_mises
 from study.statements import pictures
 
 CASE = "hexagon"
-Shown = tuple[Path, list[Path], list[str]]
-"""The directory, the files that were written, and those that were left out with the reasons."""
 
 
 @pytest.fixture(scope="module")
-def motion() -> Motion:
+def motion():
     return Motion.of(resolve(CASE).solution, pictures.FAMILY, 6, 8)
 
 
-def picture_of(motion: Motion) -> Picture:
+def picture_of(motion):
     return Picture(pictures.record("any", motion, SHOWN_EVERY)).at_all_times()
 
 
 @pytest.fixture(scope="module")
-def shown(tmp_path_factory: pytest.TempPathFactory) -> Shown:
+def shown(tmp_path_factory):
     """A case on a coarse mesh with few steps, where there is no ffmpeg any more."""
     directory, case, notified = tmp_path_factory.mktemp("shows"), resolve(CASE), []
     (directory / "animation.mp4").touch()
@@ -51,7 +48,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Shown:
     return directory, *files
 
 
-def test_everything_written_is_reported_and_what_is_left_out_has_its_reason(shown: Shown) -> None:
+def test_everything_written_is_reported_and_what_is_left_out_has_its_reason(shown):
     directory, written, left_out = shown
     assert sorted(written) == sorted(path for path in directory.rglob("*") if path.is_file())
     names = {path.name for path in written}
@@ -59,7 +56,7 @@ def test_everything_written_is_reported_and_what_is_left_out_has_its_reason(show
     assert left_out == [f"animation.mp4: {NO_FFMPEG}"]
 
 
-def test_the_collection_lists_every_file_with_its_time(shown: Shown) -> None:
+def test_the_collection_lists_every_file_with_its_time(shown):
     folder = shown[0] / "vtk"
     root = ElementTree.parse(folder / f"{CASE}.pvd").getroot()
     assert (root.tag, root.get("type")) == ("VTKFile", "Collection")
@@ -68,7 +65,7 @@ def test_the_collection_lists_every_file_with_its_time(shown: Shown) -> None:
     assert sorted(entry["file"] for entry in sets) == sorted(path.name for path in folder.glob("*.vtu"))
 
 
-def test_a_vtu_file_reads_back_as_the_mesh_and_the_fields_of_its_frame(shown, motion: Motion) -> None:
+def test_a_vtu_file_reads_back_as_the_mesh_and_the_fields_of_its_frame(shown, motion):
     frame, space = motion.frames[-1], motion.space
     read = meshio.read(shown[0] / "vtk" / f"{CASE}-004.vtu")
     np.testing.assert_array_equal(read.cells_dict["triangle"], space.mesh.t.T)
@@ -86,7 +83,7 @@ def test_a_vtu_file_reads_back_as_the_mesh_and_the_fields_of_its_frame(shown, mo
         assert pressure[vertices].max() > 0
 
 
-def test_a_solid_has_tetrahedra_and_all_nine_stresses() -> None:
+def test_a_solid_has_tetrahedra_and_all_nine_stresses():
     motion = Motion.of(resolve("cube-disc").solution, FAMILIES[0], 2, 2)
     frame, series = motion.frames[-1], mesh_series(motion, 1)
     mesh = mesh_of(series, series.fields[-1])
@@ -95,7 +92,7 @@ def test_a_solid_has_tetrahedra_and_all_nine_stresses() -> None:
     assert {"gap", "pressure"} <= set(mesh.point_data)
 
 
-def test_the_animation_has_a_frame_for_every_time_and_moves(shown: Shown) -> None:
+def test_the_animation_has_a_frame_for_every_time_and_moves(shown):
     with Image.open(shown[0] / "animation.gif") as film_on_disk:
         assert film_on_disk.n_frames == 8 // SHOWN_EVERY + 1
         images = []
@@ -110,7 +107,7 @@ def test_the_animation_has_a_frame_for_every_time_and_moves(shown: Shown) -> Non
     assert (shown[0] / "animation.gif").stat().st_size < 5e6
 
 
-def test_the_shapes_of_an_animation_are_those_of_the_motion(motion: Motion) -> None:
+def test_the_shapes_of_an_animation_are_those_of_the_motion(motion):
     shown, frames = picture_of(motion), motion.frames[::SHOWN_EVERY]
     assert shown.times.tolist() == [frame.time for frame in frames]
     for found, expected in (
@@ -121,7 +118,7 @@ def test_the_shapes_of_an_animation_are_those_of_the_motion(motion: Motion) -> N
 
 
 @pytest.mark.slow
-def test_a_film_is_written_by_the_ffmpeg_of_a_package_where_the_system_has_none(motion, tmp_path, monkeypatch) -> None:
+def test_a_film_is_written_by_the_ffmpeg_of_a_package_where_the_system_has_none(motion, tmp_path, monkeypatch):
     pytest.importorskip("imageio_ffmpeg")
     monkeypatch.setenv("PATH", "")
     path = write_mp4(tmp_path / "film.mp4", picture_of(motion))
@@ -141,19 +138,17 @@ wrong = replace(case, solution=solution)
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["hexagon", "--mp4"], "--mp4: ffmpeg is missing: install it, or `python -m pip install imageio-ffmpeg`"),
-        (["{file}:wrong"], "violated"),
-        (["full-contact", "--out", "{file}"], "cannot write {file}/full-contact/data/.lock: "),
+        ("hexagon --mp4", "--mp4: ffmpeg is missing: install it, or `python -m pip install imageio-ffmpeg`"),
+        ("{file}:wrong", "violated"),
+        ("full-contact --out {file}", "cannot write {file}/full-contact/data/.lock: "),
     ],
     ids=["no ffmpeg", "no solution", "not a directory"],
 )
-def test_what_cannot_be_shown_is_refused(arguments, complaint: str, tmp_path: Path, monkeypatch, capsys) -> None:
+def test_what_cannot_be_shown_is_refused(arguments, complaint, tmp_path, monkeypatch, out, told):
     monkeypatch.setattr("study.cli.show.find_ffmpeg", lambda: None)
     file = tmp_path / "wrong.py"
     file.write_text(WITH_A_GAP_OF_THE_WRONG_SIGN)
-    command = ["show", "--out", str(tmp_path / "out"), *(argument.format(file=file) for argument in arguments)]
-    assert main(command) == 2
-    assert complaint.format(file=file) in capsys.readouterr().err
+    assert complaint.format(file=file) in told(f"show --out {out} {arguments.format(file=file)}")
     assert [*tmp_path.iterdir()] == [file]
 
 
@@ -166,13 +161,13 @@ clip = static(body, plane_stress(E=200.0, nu=0.3), f0=(0, -7), f2={1: (3, 0), 2:
 """
 
 
-def test_a_problem_is_drawn_as_it_is_stated(tmp_path: Path, monkeypatch) -> None:
+def test_a_problem_is_drawn_as_it_is_stated(tmp_path, monkeypatch):
     """Numbers of sides, largest loads, and arrows: those that push end at their side, those that pull start there."""
     figures = []
     draw = problem.draw_problem
     monkeypatch.setattr(problem, "draw_problem", lambda picture: figures.append(draw(picture)) or figures[-1])
     (tmp_path / "clip.py").write_text(CLIP)
-    assert main(["show", f"{tmp_path}/clip.py:clip", "--out", str(tmp_path)]) == 0
+    assert study(f"show {tmp_path}/clip.py:clip --out {tmp_path}") == 0
     assert {"problem.png", "problem.svg", "problem.txt"} <= {path.name for path in (tmp_path / "clip").iterdir()}
     (axes,) = figures[0].axes
     texts = [text.get_text() for text in axes.texts]

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+from places import ROOT
+
 BLOCK = re.compile(
     r"^(?P<fence>`{3,})(?P<language>[^\n]*)\n(?::caption: (?P<name>\S+)\n\n)?(?P<text>.*?)^(?P=fence)$",
     re.DOTALL | re.MULTILINE,
@@ -25,33 +26,33 @@ class Page:
     path: Path
 
     @property
-    def name(self) -> str:
+    def name(self):
         return str(self.path.relative_to(ROOT))
 
     @cached_property
-    def text(self) -> str:
+    def text(self):
         return self.path.read_text(encoding="utf-8")
 
     @cached_property
-    def prose(self) -> str:
+    def prose(self):
         return re.sub(r"^\|.*?$", "", BLOCK.sub("", self.text), flags=re.MULTILINE)
 
     @property
-    def files(self) -> dict[str, str]:
+    def files(self):
         """Name ↦ content of what the page tells to save."""
         named = {block["language"].partition(" ")[2]: block["text"] for block in BLOCK.finditer(self.text)}
         python = {name: text for name, text in named.items() if name.endswith(".py")}
         return python | {block["name"]: block["text"] for block in BLOCK.finditer(self.text) if block["name"]}
 
     @property
-    def downloads(self) -> list[Path]:
+    def downloads(self):
         return [self.path.with_name(name) for name in re.findall(r"{download}`([^`]+)`", self.text)]
 
     @property
-    def session(self) -> str:
+    def session(self):
         return "\n".join(self._blocks(self.text, "python"))
 
-    def printed(self, by: str) -> list[str]:
+    def printed(self, by):
         """What the page says that its Python, or its shell, prints: blocks of text after one of these."""
         found, last = [], ""
         for block in BLOCK.finditer(self.text):
@@ -63,17 +64,17 @@ class Page:
         return found
 
     @property
-    def prepared(self) -> list[str]:
+    def prepared(self):
         """The commands of the study that are typed before the Python is run."""
         before = self.text.partition("\n```python\n")[0]
         return [line for line in self._lines(before) if words(line)[0] == "study"]
 
     @property
-    def typed(self) -> list[str]:
+    def typed(self):
         return self._lines(self.text)
 
     @classmethod
-    def _lines(cls, text: str) -> list[str]:
+    def _lines(cls, text):
         return [
             line
             for block in cls._blocks(text, "sh")
@@ -82,12 +83,12 @@ class Page:
         ]
 
     @staticmethod
-    def _blocks(text: str, language: str) -> list[str]:
+    def _blocks(text, language):
         found = BLOCK.finditer(text)
         return [block["text"] for block in found if block["language"].strip() == language and not block["name"]]
 
 
-def words(line: str) -> list[str]:
+def words(line):
     """A line for the shell without its comment, the program by its plain name."""
     return shlex.split(line.removeprefix(".venv/bin/"), comments=True)
 

@@ -6,21 +6,21 @@ import runpy
 import shlex
 import sys
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 import pandas as pd
 import pytest
 import yaml
 from case_docstrings import missing_parts
+from commands import study
 from pages import PAGES, Page
+from places import EXAMPLES, ROOT
 
 import manufactured
 from manufactured import prove
 from manufactured.catalogue import NAMES
-from study.cli.main import main, parser
+from study.cli.main import parser
 from study.controls import faults
 from study.controls.matrix import distance_of_solutions
 from study.fem.mesh import OneDiagonal
@@ -30,10 +30,9 @@ from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import FirstOrder, SizeOfInterpolation, measure
 from study.statements.shared.base import Experiment, Setting
 
-ROOT = Path(__file__).parents[2]
-WORKFLOWS = [*sorted((ROOT / ".github" / "workflows").glob("*.yml")), ROOT / "examples" / "convergence-check.yml"]
+WORKFLOWS = [*sorted((ROOT / ".github" / "workflows").glob("*.yml")), EXAMPLES / "convergence-check.yml"]
 RUN_THE_STUDY = ROOT / "docs" / "how-to" / "run-the-study.md"
-TYPED = [ROOT / "README.md", RUN_THE_STUDY, ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md"]
+TYPED = [ROOT / "README.md", RUN_THE_STUDY, ROOT / "CONTRIBUTING.md", EXAMPLES / "README.md"]
 """Pages whose commands have no words in capitals in place of a name."""
 TARGETS = set(re.findall(r"^([a-z][a-z-]*):", (ROOT / "Makefile").read_text(), re.MULTILINE))
 
@@ -44,11 +43,11 @@ RECIPES = {
 }
 
 
-def steps(workflow: Path) -> list[dict[str, object]]:
+def steps(workflow):
     return [step for job in yaml.safe_load(workflow.read_text())["jobs"].values() for step in job["steps"]]
 
 
-def commands(path: Path) -> Iterator[list[str]]:
+def commands(path):
     """Every command line of a workflow, or of a page in shell blocks and within sentences, without redirections."""
     if path.suffix == ".yml":
         texts = [str(step["run"]) for step in steps(path) if "run" in step]
@@ -59,7 +58,7 @@ def commands(path: Path) -> Iterator[list[str]]:
             yield words
 
 
-def module(monkeypatch: pytest.MonkeyPatch, name: str) -> ModuleType:
+def module(monkeypatch, name):
     """The module of a recipe, as if its file were there."""
     found = ModuleType(name)
     monkeypatch.setitem(sys.modules, name, found)
@@ -73,7 +72,7 @@ def module(monkeypatch: pytest.MonkeyPatch, name: str) -> ModuleType:
 # Workflows.
 
 
-def test_every_make_target_and_study_command_of_workflows_and_pages_exists() -> None:
+def test_every_make_target_and_study_command_of_workflows_and_pages_exists():
     for path in [*WORKFLOWS, *(page.path for page in PAGES)]:
         for words in commands(path):
             if words[0] == "make":
@@ -83,7 +82,7 @@ def test_every_make_target_and_study_command_of_workflows_and_pages_exists() -> 
 
 
 @pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.name)
-def test_workflows_use_actions_of_a_fixed_commit_and_may_write_nothing(workflow: Path) -> None:
+def test_workflows_use_actions_of_a_fixed_commit_and_may_write_nothing(workflow):
     assert yaml.safe_load(workflow.read_text())["permissions"] == {"contents": "read"}
     used = re.findall(r"uses: (.+)", workflow.read_text())
     assert used and all(re.fullmatch(r"actions/[a-z-]+@[0-9a-f]{40} # v[\d.]+", action) for action in used)  # noqa: PT018
@@ -91,23 +90,23 @@ def test_workflows_use_actions_of_a_fixed_commit_and_may_write_nothing(workflow:
 
 # The example for other projects.
 
-TABLE = ROOT / "examples" / "errors.csv"
+TABLE = EXAMPLES / "errors.csv"
 
 
-def test_the_example_prints_its_table_which_holds_and_a_table_that_loses_its_order_does_not(tmp_path, capsys) -> None:
-    runpy.run_path(str(ROOT / "examples" / "errors.py"), run_name="__main__")
+def test_the_example_prints_its_table_which_holds_and_a_table_that_loses_its_order_does_not(tmp_path, capsys):
+    runpy.run_path(str(EXAMPLES / "errors.py"), run_name="__main__")
     assert capsys.readouterr().out == TABLE.read_text()
     table, worse = pd.read_csv(TABLE), tmp_path / "errors.csv"
     table.assign(error=table["error"] + 0.1).to_csv(worse, index=False)
-    for file, expected, code in ((TABLE, "1", 0), (TABLE, "2", 1), (worse, "1", 1), (tmp_path / "none.csv", "1", 2)):
-        assert main(["rates", str(file), "--expected", expected]) == code
+    for file, expected, code in ((TABLE, 1, 0), (TABLE, 2, 1), (worse, 1, 1), (tmp_path / "none.csv", 1, 2)):
+        assert study(f"rates {file} --expected {expected}") == code
 
 
 # The recipes of CONTRIBUTING.md.
 
 
 @pytest.mark.slow
-def test_the_case_of_the_recipe_is_new_proves_itself_and_has_the_order_that_its_docstring_predicts(monkeypatch) -> None:
+def test_the_case_of_the_recipe_is_new_proves_itself_and_has_the_order_that_its_docstring_predicts(monkeypatch):
     recipe = module(monkeypatch, "manufactured.cases.breathing_patch")
     case = recipe.case()
     assert missing_parts(recipe.__doc__, case) == []
@@ -125,15 +124,15 @@ def test_the_case_of_the_recipe_is_new_proves_itself_and_has_the_order_that_its_
     assert [verdict.key for found in by_statement for verdict in found if verdict.verdict != HOLDS] == []
 
 
-def test_the_statement_of_the_recipe_holds_and_its_own_test_breaks_it(monkeypatch) -> None:
+def test_the_statement_of_the_recipe_holds_and_its_own_test_breaks_it(monkeypatch):
     module(monkeypatch, "study.statements.trace")
     recipe = module(monkeypatch, "tests.statements.test_trace")
     recipe.test_the_trace_on_contact_is_bounded_uniformly()
     recipe.test_sums_over_vertices_are_not(monkeypatch)
 
 
-def test_the_fault_of_the_recipe_changes_what_is_solved() -> None:
-    added: dict[str, Any] = {}
+def test_the_fault_of_the_recipe_changes_what_is_solved():
+    added = {}
     exec(RECIPES["study/controls/faults.py"], vars(faults), added)
     (fault,) = (value for value in added.values() if isinstance(value, faults.Fault))
     assert fault.name not in {known.name for known in faults.FAULTS}
@@ -141,7 +140,7 @@ def test_the_fault_of_the_recipe_changes_what_is_solved() -> None:
     assert distance_of_solutions(right, fault.change(right, fault.sizes[0])) > 1e-6
 
 
-def test_every_public_name_is_documented() -> None:
+def test_every_public_name_is_documented():
     """Constants are documented in the docstring of the package."""
     for name in manufactured.__all__:
         value = getattr(manufactured, name)
@@ -152,7 +151,7 @@ def test_every_public_name_is_documented() -> None:
             assert f"``{name}``" in str(manufactured.__doc__)
 
 
-def test_a_tree_that_is_heavier_than_recorded_fails_and_limits_only_go_down(tmp_path: Path) -> None:
+def test_a_tree_that_is_heavier_than_recorded_fails_and_limits_only_go_down(tmp_path):
     module = runpy.run_path(str(ROOT / ".ci" / "weight.py"))
     texts = {
         "study/fem/a.py": '"""A docstring."""\nSMALL = [1, 2]  # four expressions\n',

@@ -2,12 +2,12 @@
 
 import re
 from copy import copy
-from pathlib import Path
 
 import pandas as pd
 import pytest
 from changed import overridden
-from pages import README, ROOT, SITE, Page
+from pages import README, SITE, Page
+from places import RESULTS, ROOT
 
 from manufactured.catalogue import NAMES
 from manufactured.colours import VERMILLION
@@ -23,8 +23,8 @@ CHANGES = Page(ROOT / "CHANGELOG.md")
 
 
 @pytest.fixture(scope="module")
-def full() -> FullRun:
-    data = FullRun.read(ROOT / "results")
+def full():
+    data = FullRun.read(RESULTS)
     assert data is not None
     return data
 
@@ -32,7 +32,7 @@ def full() -> FullRun:
 @pytest.mark.parametrize(
     "path", [README, *(page for page in SITE if "<!-- end -->" in page.text)], ids=lambda p: p.name
 )
-def test_the_tables_of_a_page_come_from_the_committed_data(path: Page, full: FullRun, tmp_path: Path) -> None:
+def test_the_tables_of_a_page_come_from_the_committed_data(path, full, tmp_path):
     copy = tmp_path / "page.md"
     copy.write_text(path.text, encoding="utf-8")
     assert not refresh(copy, full), "run: make pages"
@@ -45,11 +45,11 @@ def test_the_tables_of_a_page_come_from_the_committed_data(path: Page, full: Ful
         (["holds", "fails", "undecided", "undecided"], "of 4 checks 1 fail, 2 undecided, 1 hold"),
     ],
 )
-def test_all_checks_hold_only_if_none_fails_or_is_undecided(verdicts: list[str], words: str) -> None:
+def test_all_checks_hold_only_if_none_fails_or_is_undecided(verdicts, words):
     assert verdicts_in_words(pd.DataFrame({"verdict": verdicts}), "checks") == words
 
 
-def test_badges_are_red_where_a_row_fails_and_a_defect_goes_unseen(full: FullRun) -> None:
+def test_badges_are_red_where_a_row_fails_and_a_defect_goes_unseen(full):
     """That they say what is so, is tested with everything else that follows from the data."""
     failing = full.claims.assign(verdict=["fails", *full.claims["verdict"][1:]])
     unseen = full.faults.assign(by_error="", by_others="")
@@ -69,12 +69,12 @@ def test_badges_are_red_where_a_row_fails_and_a_defect_goes_unseen(full: FullRun
         (r"at most (\d+) % of the errors", round(100 * ERROR_LIMIT.high)),
     ],
 )
-def test_a_number_is_the_same_on_all_pages_and_in_the_program(pattern: str, number: int) -> None:
+def test_a_number_is_the_same_on_all_pages_and_in_the_program(pattern, number):
     said = [found for page in (README, CHANGES, *SITE) for found in re.findall(pattern, " ".join(page.text.split()))]
     assert {int(found) for found in said} == {number}
 
 
-def test_a_page_without_marks_and_data_of_no_full_run_are_refused(full: FullRun, tmp_path, monkeypatch) -> None:
+def test_a_page_without_marks_and_data_of_no_full_run_are_refused(full, tmp_path, monkeypatch):
     (tmp_path / "README.md").write_text("# Nothing\n")
     with pytest.raises(DataError, match="has no place for a table"):
         refresh(tmp_path / "README.md", full)

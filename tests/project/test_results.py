@@ -4,13 +4,12 @@ They were measured by an older commit: cases, statements and columns that came l
 """
 
 import shutil
-from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import pandas as pd
 import pytest
+from costly_cases import slow, slow_unless
+from places import DATA, RESULTS
 
 from study.fem.naming import resolve
 from study.ledger.datafiles import read_claims
@@ -32,19 +31,24 @@ from study.statements.prop_5_4 import FirstOrder, RateSetting
 from study.statements.shared.base import ListedNumbers, Setting
 from study.statements.thm_4_2 import RELATIVE_TO, OwnSpace, SameMesh
 
-RESULTS = Path(__file__).parents[2] / "results"
-RATES = pd.read_csv(RESULTS / "data" / "rates.csv")
+RATES = pd.read_csv(DATA / "rates.csv")
 CASES = [*RATES["case"].unique()]
-EQUIVALENCE = pd.read_csv(RESULTS / "data" / "equivalence.csv")
-STATEMENT_NUMBERS = pd.read_csv(RESULTS / "data" / "statements.csv")
+EQUIVALENCE = pd.read_csv(DATA / "equivalence.csv")
+STATEMENT_NUMBERS = pd.read_csv(DATA / "statements.csv")
 BOUNDS = [statement for statement in STATEMENTS if isinstance(statement, Bounds)]
 MEASURED = ["h", "error", "at", "interpolation_error", "discrete_error", "time_share", "predicted_interpolation"]
 MEASURED += ["quadrature_change"]
 
 
-def slow_except(quick: Sequence[str], names: Sequence[str], *more: int) -> list[Any]:
+def assert_agree(again, row, columns, rel=1e-5, **options):
+    """Assert that some columns of a row that was measured again are those of a committed row."""
+    found, committed = ([each[column] for column in columns] for each in (again, row))
+    assert found == pytest.approx(committed, rel=rel, **options), row
+
+
+def slow_except(quick, names, *more):
     """Parameters of a test, of which only a few are quick; the nightly job tests all."""
-    return [pytest.param(name, *more, marks=() if name in quick else pytest.mark.slow) for name in names]
+    return [slow_unless(name in quick, name, *more) for name in names]
 
 
 FEW = ("advance-recede", "yield-on-a-part", "layered", "re-entrant")
@@ -52,7 +56,7 @@ FEW = ("advance-recede", "yield-on-a-part", "layered", "re-entrant")
 
 
 @pytest.mark.parametrize(("case", "place"), [*slow_except(FEW, CASES, 0), *slow_except((), CASES, 2)])
-def test_rows_measured_again_agree_with_the_committed_ones(case: str, place: int) -> None:
+def test_rows_measured_again_agree_with_the_committed_ones(case, place):
     """The coarsest level and the third, on the first and the last family; of solids the coarsest level on the last."""
     mine = RATES[RATES["case"] == case]
     committed = mine[mine["level"] == sorted(mine["level"].unique())[place]]
@@ -60,17 +64,15 @@ def test_rows_measured_again_agree_with_the_committed_ones(case: str, place: int
     for row in committed.iloc[families].drop_duplicates().to_dict("records"):
         again = FirstOrder().run(RateSetting(case, row["family"], row["level"], MIDPOINT.name, row["steps"]))
         assert again["dofs"] == row["dofs"]
-        for column in MEASURED:
-            # Multigrid, in space, stops when this residual is reached; another processor may need another iteration.
-            solved = max(1e-9, solver_choice.residual(row["dim"], row["dofs"]))
-            assert again[column] == pytest.approx(row[column], rel=1e-5, abs=solved), (row["family"], column)
+        # Multigrid, in space, stops when this residual is reached; another processor may need another iteration.
+        assert_agree(again, row, MEASURED, abs=max(1e-9, solver_choice.residual(row["dim"], row["dofs"])))
 
 
 WITH_SEVERAL_LAWS = ("advance-recede", "layered", "softening", "yield-on-a-part")
 
 
 @pytest.mark.parametrize("case", slow_except(WITH_SEVERAL_LAWS, EQUIVALENCE["case"].unique()))
-def test_both_formulations_agree_again(case: str) -> None:
+def test_both_formulations_agree_again(case):
     committed = EQUIVALENCE.query(f"case == '{case}'").iloc[0]
     statement, place = SameMesh(), Setting(case, committed["family"], int(committed["level"]))
     ((_, row),) = statement.records(place, statement.run(place))
@@ -79,19 +81,18 @@ def test_both_formulations_agree_again(case: str) -> None:
     assert {verdict.verdict for verdict in SameMesh().judge(pd.DataFrame([row]))} == {HOLDS}
 
 
-def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
+def test_stresses_measured_again_agree_with_the_committed_ones():
     """Level 8, on some of the cases."""
-    committed = pd.read_csv(RESULTS / "data" / "stresses.csv").query("level == 8")
+    committed = pd.read_csv(DATA / "stresses.csv").query("level == 8")
     for row in committed.iloc[::16].to_dict("records"):
         again = OwnSpace().run(Setting(row["case"], row["family"], row["level"]))
-        for column in ("unknowns", "h", "steps", *RELATIVE_TO, "stress_sup", "time_share"):
-            assert again[column] == pytest.approx(row[column], rel=1e-5), (row["case"], column)
+        assert_agree(again, row, ("unknowns", "h", "steps", *RELATIVE_TO, "stress_sup", "time_share"))
 
 
 @pytest.mark.parametrize("statement", BOUNDS, ids=lambda statement: statement.label)
-def test_bounds_measured_again_agree_with_the_committed_ones(statement: Bounds) -> None:
+def test_bounds_measured_again_agree_with_the_committed_ones(statement):
     """One of those that cost least, and one with a law that is not linear."""
-    committed = pd.read_csv(RESULTS / "data" / "bounds.csv").set_index(list(BOUNDS_FILE.key))
+    committed = pd.read_csv(DATA / "bounds.csv").set_index(list(BOUNDS_FILE.key))
     planned = sorted(statement.planned(full()), key=statement.cost)
     every = [
         setting
@@ -102,22 +103,21 @@ def test_bounds_measured_again_agree_with_the_committed_ones(statement: Bounds) 
     for setting in settings:
         again = statement.run(setting)["row"]
         row = committed.loc[tuple(again[name] for name in BOUNDS_FILE.key)]
-        for column in committed.columns:
-            assert again[column] == pytest.approx(row[column], rel=1e-5, abs=1e-9, nan_ok=True), (setting, column)
+        assert_agree(again, row, committed.columns, abs=1e-9, nan_ok=True)
 
 
 DEAR = ("Landings", "WorkOfContact", "SolutionDivergence", "NoPotential", "Rollers", "BackwardEuler",
         "FullyDiscrete")  # fmt: skip
 """Statements whose coarsest setting takes some seconds and more."""
 LISTS = [
-    pytest.param(statement, id=name, marks=[pytest.mark.slow] if name in DEAR else [])
+    slow_unless(name not in DEAR, statement, id=name)
     for statement in STATEMENTS
     for name in [type(statement).__name__]
     if isinstance(statement, ListedNumbers) and statement.label in {*STATEMENT_NUMBERS["label"]}
 ]
 
 
-def fewest_settings(statement: ListedNumbers, numbers: dict[Setting, pd.Series]) -> Iterator[Setting]:
+def fewest_settings(statement, numbers):
     """Yield settings that together have all quantities: the cheapest of the settings with most new quantities."""
     missing = {quantity for values in numbers.values() for quantity in values.index}
     while missing:
@@ -127,7 +127,7 @@ def fewest_settings(statement: ListedNumbers, numbers: dict[Setting, pd.Series])
 
 
 @pytest.mark.parametrize("statement", LISTS)
-def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(statement: ListedNumbers) -> None:
+def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(statement):
     """Every quantity on one setting in the plane; what is rounding on one machine is rounding on another."""
     committed = STATEMENT_NUMBERS[STATEMENT_NUMBERS["label"] == statement.label]
     everywhere = {
@@ -145,37 +145,37 @@ def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(stat
     assert again >= set(committed["quantity"])
 
 
-@pytest.mark.parametrize("case", ["advance-recede", pytest.param("corner", marks=pytest.mark.slow)])
-def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_ones(case: str) -> None:
+@pytest.mark.parametrize("case", ["advance-recede", slow("corner")])
+def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_ones(case):
     """Differences of both solvers are quadrature errors of the load, and belong to the rules of both."""
-    committed = pd.read_csv(RESULTS / "data" / "recomputed.csv").query("case == @case")
+    committed = pd.read_csv(DATA / "recomputed.csv").query("case == @case")
     statement = Recomputed()
     settings = (s for s in statement.settings(replace(full(), cases=(case,))) if s.family == "one-diagonal")
     setting = min(settings, key=lambda s: s.level)
     (row,) = committed[committed["family"] == setting.family].to_dict("records")
     again = statement.run(setting)
-    for column, relative in {**dict.fromkeys(OF_SECOND, 1e-6), "displacement": 1e-2, "multipliers": 1e-2}.items():
-        assert again[column] == pytest.approx(row[column], rel=relative), column
+    assert_agree(again, row, OF_SECOND, rel=1e-6)
+    assert_agree(again, row, ("displacement", "multipliers"), rel=1e-2)
 
 
-def test_contact_forces_measured_again_agree_with_the_committed_ones() -> None:
+def test_contact_forces_measured_again_agree_with_the_committed_ones():
     """On a body with two contact faces."""
-    committed = pd.read_csv(RESULTS / "data" / "contact.csv").query("case == 'corner'")
+    committed = pd.read_csv(DATA / "contact.csv").query("case == 'corner'")
     row = committed.sort_values("level").iloc[0]
     assert len(resolve(row["case"]).solution.faces) == 2
     again = ContactForce().run(Setting(row["case"], row["family"], int(row["level"])))
-    assert again == pytest.approx(row[[*again]].to_dict(), rel=1e-5, abs=1e-9)
+    assert_agree(again, row, again, abs=1e-9)
 
 
-def test_every_column_of_the_committed_tables_has_a_unit_and_a_meaning() -> None:
-    for path in RESULTS.glob("data/*.csv"):
+def test_every_column_of_the_committed_tables_has_a_unit_and_a_meaning():
+    for path in DATA.glob("*.csv"):
         described = TABLES[path.name].columns
         assert set(pd.read_csv(path, nrows=0)) <= {*described}
         assert all(column.unit in (TEXT, COUNT, "1") and column.meaning for column in described.values())
 
 
-def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tmp_path: Path) -> None:
-    shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs", "pictures"))
+def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tmp_path):
+    shutil.copytree(DATA, tmp_path / "data", ignore=shutil.ignore_patterns("jobs", "pictures"))
     shutil.copytree(RESULTS / "codes", tmp_path / "codes")
     judge(tmp_path)
     again, committed = (read_claims(directory).set_index([*ROW_KEY]) for directory in (tmp_path, RESULTS))
@@ -183,15 +183,15 @@ def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tm
     assert committed["verdict"].isin((HOLDS, *UNCLAIMED)).all()
 
 
-def test_every_row_without_a_claim_says_why_there_is_none() -> None:
-    claims = pd.read_csv(RESULTS / "data" / "claims.csv", keep_default_na=False)
+def test_every_row_without_a_claim_says_why_there_is_none():
+    claims = pd.read_csv(DATA / "claims.csv", keep_default_na=False)
     assert not claims["expected"].isin(["", "reported"]).any()
     predicted = claims[(claims["verdict"] == REPORTED) & claims["expected"].str.startswith("predicted ")]
     assert len(predicted) > 0
     assert predicted["expected"].str.contains(r" \((?:met|undecided)\); no claim, because .").all()
 
 
-def test_every_statement_is_in_the_ledger_in_their_order_with_rows_that_differ() -> None:
+def test_every_statement_is_in_the_ledger_in_their_order_with_rows_that_differ():
     """Pictures claim nothing."""
     claims = read_claims(RESULTS)
     listed = [statement for statement in STATEMENTS if not isinstance(statement, Pictures)]

@@ -22,13 +22,15 @@ from threading import Thread, Timer
 
 import psutil
 import pytest
+from commands import study
+from costly_cases import slow
 from distributed import LocalCluster
+from tables import everything
 
 from manufactured.self_proof import SelfProofError
 from manufactured.self_proof.finding import Finding
 from study.bound.trajectory import Refined
 from study.cli import run as run_command
-from study.cli.main import main
 from study.ledger.files import StoreError, UsageError
 from study.run.executor import (
     GIB,
@@ -68,7 +70,7 @@ def computed(scope, directory, jobs_of):
     plan, store = Plan.of(scope), Store(directory)
     execute(plan.jobs, store, jobs_of, ignore)
     collect(plan, store)
-    return {str(path.relative_to(directory)): path.read_bytes() for path in directory.rglob("*") if path.is_file()}
+    return {str(path.relative_to(directory)): content for path, content in everything(directory).items()}
 
 
 class AtOnce(Executor):
@@ -294,7 +296,7 @@ EVERY = [
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is no /proc")
 @pytest.mark.parametrize(
     "job",
-    [full_contact(48), *(pytest.param(job, marks=pytest.mark.slow) for job in EVERY)],
+    [full_contact(48), *(slow(job) for job in EVERY)],
     ids=lambda job: job.key,
 )
 def test_no_job_takes_more_memory_than_estimated_nor_much_less(job):
@@ -393,14 +395,13 @@ def test_a_file_of_an_interrupted_result_is_not_taken_for_that_of_an_earlier_one
     assert file.read_text() == "midpoint"
 
 
-def test_a_job_file_that_may_not_be_read_is_refused_by_name(tmp_path, capsys, monkeypatch):
+def test_a_job_file_that_may_not_be_read_is_refused_by_name(tmp_path, told):
     """Root may read all files: a link to itself is one that nobody can."""
     path = Store(tmp_path).path(full_contact(2).key)
     path.parent.mkdir(parents=True)
     path.symlink_to(path)
-    arguments = ["run", "--case", "full-contact", "--levels", "2", "--jobs", "1", "--out", str(tmp_path)]
-    assert main(arguments) == 2
-    assert f"study: cannot read {path}: Too many levels" in capsys.readouterr().err
+    said = told(f"run --case full-contact --levels 2 --jobs 1 --out {tmp_path}")
+    assert f"study: cannot read {path}: Too many levels" in said
 
 
 MINE = """
@@ -429,7 +430,7 @@ def cluster():
         yield started.scheduler_address
 
 
-@pytest.mark.parametrize("executor", ["processes", pytest.param("cluster", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("executor", ["processes", slow("cluster")])
 def test_another_executor_gives_the_same_files_byte_for_byte(executor, tmp_path, request):
     levels = Levels((2, 4))
     few = replace(quick(), cases=("advance-recede",), plane=levels, rough=levels, equivalence=(2,))
@@ -441,11 +442,11 @@ def test_another_executor_gives_the_same_files_byte_for_byte(executor, tmp_path,
     assert any(name.startswith("data/jobs/rates__advance-recede") for name in files)
 
 
-def test_a_cluster_is_refused_with_the_mend_where_there_is_none(tmp_path, capsys, monkeypatch):
+def test_a_cluster_is_refused_with_the_mend_where_there_is_none(out, told, monkeypatch):
     def refusal(address):
-        assert main(["run", "--case", "full-contact", "--cluster", address, "--out", str(tmp_path / "r")]) == 2
-        assert not (tmp_path / "r").exists()
-        return capsys.readouterr().err
+        said = told(f"run --case full-contact --cluster {address} --out {out}")
+        assert not out.exists()
+        return said
 
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
@@ -478,7 +479,7 @@ def test_two_workers_on_loopback_measure_a_case_in_a_file_that_is_given_without_
 ):
     (tmp_path / "mine.py").write_text(MINE)
     monkeypatch.chdir(tmp_path)
-    assert main(["run", "--case", "mine.py:mine", "--levels", "2", "--out", "r", "--cluster", cluster]) == 3
+    assert study(f"run --case mine.py:mine --levels 2 --out r --cluster {cluster}") == 3
     assert (tmp_path / "r/data/jobs/rates__mine__criss-cross__midpoint__00002.json").exists()
 
 
@@ -564,7 +565,7 @@ def results(out):
     return {path: path.stat().st_mtime_ns for path in out.glob("data/jobs/*.json")}
 
 
-RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "3", "--jobs", "2", "--out"]
+RUN = "run --case full-contact advance-recede --levels 2 3 --jobs 2 --out"
 
 
 def started(out):
@@ -582,7 +583,7 @@ def command(out):
             os.dup2(nowhere.fileno(), stream)
     Plan.check = lambda *arguments: None  # type: ignore[method-assign]
     run_command.prove = lambda *arguments: []
-    os._exit(main([*RUN, str(out)]))
+    os._exit(study(f"{RUN} {out}"))
 
 
 def written(out):
@@ -594,7 +595,7 @@ def written(out):
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
     """The files that an undisturbed run writes."""
-    out: Path = tmp_path_factory.mktemp("undisturbed")
+    out = tmp_path_factory.mktemp("undisturbed")
     run = started(out)
     run.join()
     assert run.exitcode in (0, 1)
@@ -610,7 +611,7 @@ def gone(process):
 def test_killed_workers_and_runs_change_no_byte_of_what_is_written_in_the_end(seed, undisturbed, tmp_path):
     """Nothing of the run may live on when it is killed, and what was finished is not done again."""
     total, moment = sum("jobs" in name for name in undisturbed), random.Random(seed)
-    kept: dict[Path, int] = {}
+    kept = {}
     for victim in ("worker", "run", "run"):
         run = started(tmp_path)
         # At least one job more than there are: nothing works before that but imports.

@@ -1,13 +1,11 @@
 """The picture of a solid: its surface and what happens on its contact faces, as solved, in little space."""
 
-from __future__ import annotations
-
 import json
 from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+from costly_cases import slow_unless
 
 from manufactured.catalogue import NAMES
 from study.fem.mesh import Skin
@@ -18,12 +16,7 @@ from study.solve.motion import Motion
 from study.statements import pictures
 from study.statements.pictures import record
 
-Array = NDArray[np.float64]
-SOLIDS = [
-    pytest.param(name, marks=() if name == "cube-disc" else pytest.mark.slow)
-    for name in NAMES
-    if name.startswith("cube")
-]
+SOLIDS = [slow_unless(name == "cube-disc", name) for name in NAMES if name.startswith("cube")]
 """One solid is quick; the formulas of each take seconds to compile."""
 
 

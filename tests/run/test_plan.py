@@ -1,7 +1,5 @@
 """What the quick and the full study measure, and the cache keys of the results: nothing is left out or confused."""
 
-from __future__ import annotations
-
 import shutil
 import sys
 from dataclasses import replace
@@ -10,11 +8,11 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from commands import study
 
 from manufactured import catalogue, named, unit_square
 from manufactured.catalogue import NAMES
 from manufactured.data import Data
-from study.cli.main import main
 from study.fem.mesh import FAMILIES, MeshError, OneDiagonal
 from study.fem.naming import resolve, resolve_data
 from study.ledger.files import UsageError
@@ -33,7 +31,7 @@ from study.statements.thm_4_2 import SameMesh
 from study.statements.time_steps import FullyDiscrete, Landings
 from study.statements.work_of_contact import Rollers, WorkOfContact
 
-SCOPES = ("quick", "full")
+in_both_studies = pytest.mark.parametrize("name", ["quick", "full"])
 
 
 @cache
@@ -50,7 +48,7 @@ def rates(name):
     return [job.setting for job in plan(name).jobs if isinstance(job.statement, Rates)]
 
 
-@pytest.mark.parametrize("name", SCOPES)
+@in_both_studies
 def test_every_case_has_enough_levels_for_its_verdict_and_both_formulations_compared(name):
     compared = {job.setting.case for job in plan(name).jobs if isinstance(job.statement, SameMesh)}
     for case in scope(name).resolved():
@@ -70,7 +68,7 @@ def test_the_full_study_uses_named_and_regular_families_for_some_cases_all_and_t
     assert {setting.family for setting in rates("quick")} == {f.name for f in FAMILIES}
 
 
-@pytest.mark.parametrize("name", SCOPES)
+@in_both_studies
 def test_another_case_or_mesh_family_adds_measurements_and_changes_none(name, monkeypatch):
     before = {job.identity for job in plan(name).jobs}
     inserted = ModuleType("inserted")
@@ -107,7 +105,7 @@ FULL_ONLY = {FullyDiscrete(), WorkOfContact(), Landings(), Rollers()}
 """Left to the full study: nothing is claimed of them on meshes as coarse as those of the quick one."""
 
 
-@pytest.mark.parametrize("name", SCOPES)
+@in_both_studies
 def test_every_statement_is_measured_on_cases_and_problems_that_exist(name):
     jobs = plan(name).jobs
     missing = {job.statement for job in plan("full").jobs} - {job.statement for job in jobs}
@@ -116,21 +114,21 @@ def test_every_statement_is_measured_on_cases_and_problems_that_exist(name):
         assert resolve_problem(job.setting.case).name == job.setting.case
 
 
-@pytest.mark.parametrize("name", SCOPES)
+@in_both_studies
 def test_no_statement_but_its_own_is_measured_on_a_gap(name):
     gaps = {case.name for case in catalogue() if case.solution.has_initial_gap}
     about = {type(job.statement) for job in plan(name).jobs if job.setting.case in gaps}
     assert about == {InitialGap, Pictures}
 
 
-@pytest.mark.parametrize("name", SCOPES)
+@in_both_studies
 def test_no_two_measurements_have_one_name_or_give_the_same_rows(name):
     """Two statements may share a label, but not what they write."""
     jobs = plan(name).jobs
     assert len({job.key for job in jobs}) == len({job.identity for job in jobs}) == len(jobs)
 
 
-@pytest.mark.parametrize("name", SCOPES)
+@in_both_studies
 def test_what_is_measured_is_judged_by_a_statement_of_the_list_and_the_others_measure_nothing(name):
     assert len(set(STATEMENTS)) == len(STATEMENTS)
     measured = {job.statement for job in plan(name).jobs}
@@ -140,7 +138,7 @@ def test_what_is_measured_is_judged_by_a_statement_of_the_list_and_the_others_me
             statement.measure(Setting("full-contact", "shaken", 4))
 
 
-@pytest.mark.parametrize("name", SCOPES)
+@in_both_studies
 def test_a_study_begins_with_the_case_of_the_readme_and_leaves_nothing_out(name):
     first, rest = plan(name).stages()
     assert {job.case for job in first} == {"advance-recede"}
@@ -387,10 +385,10 @@ def asked(tmp_path, monkeypatch):
     def ask(store, key, fingerprint, *others):
         raise Asked(fingerprint)
 
-    def asked(problem, options, *command):
-        words = [word for name, value in options.items() for word in (f"--{name}", value)]
+    def asked(problem, options, command=""):
+        words = " ".join(f"--{name} {value}" for name, value in options.items())
         with pytest.raises(Asked) as found:
-            main(["bound", problem, *words, *command, "--out", str(tmp_path)])
+            study(f"bound {problem} {words} {command} --out {tmp_path}")
         return str(found.value)
 
     monkeypatch.setattr(Store, "cached", ask)
@@ -399,11 +397,11 @@ def asked(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(
     ("option", "command"),
-    [*((option, ()) for option in BOUND), *((option, ("--adapt", "0.1")) for option in [*BOUND][:4])],
+    [*((option, "") for option in BOUND), *((option, "--adapt 0.1") for option in [*BOUND][:4])],
 )
 def test_each_option_of_study_bound_changes_the_key(option, command, asked):
-    before = asked("ramp", BOUND, *command)
-    assert asked("ramp", BOUND, *command) == before != asked("ramp", BOUND | {option: OTHERS[option]}, *command)
+    before = asked("ramp", BOUND, command)
+    assert asked("ramp", BOUND, command) == before != asked("ramp", BOUND | {option: OTHERS[option]}, command)
 
 
 def test_each_array_of_a_displacement_changes_its_key(tmp_path, asked):
@@ -414,5 +412,5 @@ def test_each_array_of_a_displacement_changes_its_key(tmp_path, asked):
     for name, change in {"": 0, "points": inside, "times": [0, 0.1, 0], "u": inside}.items():
         changed = {key: array + change if key == name else array for key, array in arrays.items()}
         np.savez(tmp_path / "mine.npz", **changed)
-        keys.add(asked("full-contact", {"displacement": str(tmp_path / "mine.npz"), "refine": "0"}))
+        keys.add(asked("full-contact", {"displacement": tmp_path / "mine.npz", "refine": 0}))
     assert len(keys) == 4

@@ -1,13 +1,12 @@
 """The forces of a motion are in equilibrium; Problem 3.2 on the strains of V^h has the stresses of the motion."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 import pytest
 from changed import problems
+from costly_cases import slow
 
 from manufactured import named
 from manufactured.law import NonSymmetric
@@ -27,15 +26,15 @@ RNG = np.random.default_rng(2002)
 
 
 @lru_cache
-def moved(case: str, steps: int = 8) -> Motion:
+def moved(case):
     """A case on a coarse mesh."""
     solution = resolve(case).solution
     family = Unstructured() if solution.body.dim == 2 else FAMILIES[0]
-    return Motion.of(solution, family, 6 if solution.body.dim == 2 else 3, steps)
+    return Motion.of(solution, family, 6 if solution.body.dim == 2 else 3, 8)
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_stress_and_contact_forces_are_in_equilibrium_with_the_load(case) -> None:
+def test_stress_and_contact_forces_are_in_equilibrium_with_the_load(case):
     """To round-off or the tolerance of the fixed point."""
     motion = moved(case)
     space, load = motion.space, ErrorNorm(motion.solution, motion.space).load
@@ -45,7 +44,7 @@ def test_stress_and_contact_forces_are_in_equilibrium_with_the_load(case) -> Non
         assert np.linalg.norm(defect) <= 1e-10 * np.linalg.norm(force)
 
 
-def test_von_mises_is_the_stress_of_a_pull_ignores_pressure_and_is_least_in_the_plane() -> None:
+def test_von_mises_is_the_stress_of_a_pull_ignores_pressure_and_is_least_in_the_plane():
     """In the plane it is the smallest value for any stress across the plane."""
     pull = np.zeros((3, 3))
     pull[1, 1] = -7.0
@@ -61,8 +60,8 @@ def test_von_mises_is_the_stress_of_a_pull_ignores_pressure_and_is_least_in_the_
     assert float(von_mises(mandel(plane))) == pytest.approx(von_mises(mandel(solid)).min(), abs=1e-4)
 
 
-@pytest.mark.parametrize("name", ["advance-recede", pytest.param("yield-and-release", marks=pytest.mark.slow)])
-def test_what_the_duality_gap_allows_holds_for_a_solver_that_stops_early(name: str, monkeypatch) -> None:
+@pytest.mark.parametrize("name", ["advance-recede", slow("yield-and-release")])
+def test_what_the_duality_gap_allows_holds_for_a_solver_that_stops_early(name, monkeypatch):
     """With gaps of 1e-4 the solutions differ by 1e-6 and more of their size, and by no more than the gap allows."""
     monkeypatch.setattr(stress_problem, "AIM", Accuracy(1e-4, stress_problem.AIM.feasibility))
     found = gaps(*problems(named(name).solution, Shaken(), 6), steps=12)
@@ -70,7 +69,7 @@ def test_what_the_duality_gap_allows_holds_for_a_solver_that_stops_early(name: s
     assert 1e-6 <= found.stress_gap <= found.stress_bound
 
 
-def test_an_interior_point_that_rounding_breaks_off_is_asked_for_less(monkeypatch) -> None:
+def test_an_interior_point_that_rounding_breaks_off_is_asked_for_less(monkeypatch):
     """On a mesh on which the programme at t = T breaks off before its aim."""
     _, stresses = problems(named("yield-on-a-part").solution, Shaken(7), 4)
     assert len(list(stresses.march(8))) == 9
@@ -80,14 +79,14 @@ def test_an_interior_point_that_rounding_breaks_off_is_asked_for_less(monkeypatc
 
 
 @pytest.mark.parametrize("name", ["advance-recede", "yield-and-release"])
-def test_the_history_of_strains_is_compatible_though_it_knows_no_displacement(name: str) -> None:
+def test_the_history_of_strains_is_compatible_though_it_knows_no_displacement(name):
     _, stresses = problems(named(name).solution, Shaken(), 6)
     for state in stresses.march(10):
         strain = stresses.space.strain(state.u)
         assert abs(state.strain - strain).max() <= 1e-7 * max(abs(strain).max(), 1e-3)
 
 
-def test_a_law_without_a_known_potential_and_a_run_without_steps_are_refused() -> None:
+def test_a_law_without_a_known_potential_and_a_run_without_steps_are_refused():
     _, stresses = problems(named("advance-recede").solution, OneDiagonal(), 4)
     with pytest.raises(StepsError, match="one step or more"):
         list(stresses.march(0))
@@ -99,9 +98,7 @@ def test_a_law_without_a_known_potential_and_a_run_without_steps_are_refused() -
 
 
 @pytest.mark.parametrize(("law", "u", "stress", "gap"), [(1, 4, 4, 16), (4, 1, 4, 4)], ids=["loads", "all forces"])
-def test_four_times_the_loads_or_all_forces_change_the_solution_and_its_duality_gap_in_their_units(
-    law: int, u: int, stress: int, gap: int
-) -> None:
+def test_four_times_the_loads_or_all_forces_change_the_solution_and_its_duality_gap_in_their_units(law, u, stress, gap):
     """Powers of two change no digit."""
     _, one = problems(named("full-contact").solution, OneDiagonal(), 4)
     A, G = (replace(operator, matrix=law * operator.matrix) for operator in (one.law.A, one.law.G))
@@ -113,6 +110,6 @@ def test_four_times_the_loads_or_all_forces_change_the_solution_and_its_duality_
     assert second.gap / first.gap == pytest.approx(gap)
 
 
-def test_theorem_4_2_is_not_about_a_gap() -> None:
+def test_theorem_4_2_is_not_about_a_gap():
     with pytest.raises(StressError, match="initial gap"):
         problems(named("closing-gap").solution, OneDiagonal(), 4)

@@ -1,27 +1,24 @@
 """Rows as a study hands them to ``judge``, measured or invented, and verdicts by their keys."""
 
-from collections.abc import Mapping, Sequence
 from functools import cache
 
 import numpy as np
 import pandas as pd
 
-from study.statements.shared.base import ListedNumbers, Setting, Statement
 
-
-def measured(statement: Statement, settings: Sequence[Setting]) -> pd.DataFrame:
+def measured(statement, settings):
     return pd.DataFrame([row for s in settings for _, row in statement.records(s, statement.run(s))])
 
 
 @cache
-def quick_rows(statement: ListedNumbers) -> pd.DataFrame:
+def quick_rows(statement):
     """The rows of the first and the last case of the quick settings."""
     settings = statement.places(full=False)
     cases = settings[0].case, settings[-1].case
     return measured(statement, [setting for setting in settings if setting.case in cases])
 
 
-def invented(quantities: Mapping[str, object], levels: Sequence[int] = (8, 16, 32), **where: str) -> pd.DataFrame:
+def invented(quantities, levels=(8, 16, 32), **where):
     """Rows of one case: one value, or one for each level, of each quantity."""
     place = {"case": "a", "family": "one-diagonal", **where}
     return pd.DataFrame(
@@ -33,11 +30,11 @@ def invented(quantities: Mapping[str, object], levels: Sequence[int] = (8, 16, 3
     )
 
 
-def verdicts(statement: Statement, rows: pd.DataFrame) -> dict[str, str]:
+def verdicts(statement, rows):
     """Key ↦ verdict."""
     return {verdict.key: verdict.verdict for verdict in statement.judge(rows)}
 
 
-def wrong_values(rows: pd.DataFrame, quantity: str, change) -> pd.DataFrame:
+def wrong_values(rows, quantity, change):
     """The rows with other values of a quantity, a function of value and level."""
     return rows.assign(value=rows["value"].where(rows["quantity"] != quantity, change(rows["value"], rows["level"])))

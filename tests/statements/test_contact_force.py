@@ -14,7 +14,7 @@ LEVELS = np.array([8.0, 16.0, 32.0])
 STATEMENT = ContactForce()
 
 
-def table(case: str = "a", family: str = "one-diagonal", **changes) -> pd.DataFrame:
+def table(case="a", family="one-diagonal", **changes):
     h = 1 / LEVELS
     rows = {"case": case, "family": family, "level": LEVELS, "h": h, "penetration": 1e-16, "pulling": 0.0, "clamped": 0}
     rows |= {"pressure": h**1.3, "dual": h**1.7, "resultant": h**2}
@@ -22,14 +22,14 @@ def table(case: str = "a", family: str = "one-diagonal", **changes) -> pd.DataFr
     return pd.DataFrame(rows).assign(**changes)
 
 
-def test_the_predicted_behaviour_holds_in_every_row_and_two_levels_leave_orders_undecided() -> None:
+def test_the_predicted_behaviour_holds_in_every_row_and_two_levels_leave_orders_undecided():
     assert set(verdicts(STATEMENT, pd.concat([table(), table(family="criss-cross")])).values()) == {HOLDS}
     found = verdicts(STATEMENT, table().iloc[:2])
     assert {key for key, verdict in found.items() if verdict == UNDECIDED} == {key for key in found if "order" in key}
 
 
 @pytest.mark.parametrize("family", ["shaken", "unstructured"])
-def test_on_irregular_meshes_a_low_order_of_the_pressure_is_a_missed_prediction_and_no_failure(family: str) -> None:
+def test_on_irregular_meshes_a_low_order_of_the_pressure_is_a_missed_prediction_and_no_failure(family):
     found = verdicts(STATEMENT, pd.concat([table(), table(family=family, pressure=0.2)]))
     assert found.pop("order-pressure-irregular") == MISSED
     assert set(found.values()) == {HOLDS}
@@ -50,11 +50,11 @@ def test_on_irregular_meshes_a_low_order_of_the_pressure_is_a_missed_prediction_
         ("pulling", 1e-9, "pulling"),
     ],
 )
-def test_a_wrong_force_fails(column: str, value, key: str) -> None:
+def test_a_wrong_force_fails(column, value, key):
     assert verdicts(STATEMENT, table(**{column: value}))[key] == FAILS
 
 
-def test_no_order_of_the_resultant_is_claimed_if_a_face_meets_the_clamped_side() -> None:
+def test_no_order_of_the_resultant_is_claimed_if_a_face_meets_the_clamped_side():
     found = verdicts(STATEMENT, table(clamped=1, resultant=1 / LEVELS**0.5))
     assert found["order-resultant"] == MISSED
     assert found["resultant"] not in UNCLAIMED
@@ -64,17 +64,17 @@ def test_no_order_of_the_resultant_is_claimed_if_a_face_meets_the_clamped_side()
 
 
 @pytest.mark.parametrize(("name", "pieces"), [("hexagon", 2), ("contact-at-clamp", 1), ("layered", 0), ("corner", 0)])
-def test_the_pieces_of_the_contact_side_that_meet_the_clamped_side_are_counted(name: str, pieces: int) -> None:
+def test_the_pieces_of_the_contact_side_that_meet_the_clamped_side_are_counted(name, pieces):
     assert Forces(Experiment.at(Setting(name, "unstructured", 4), MIDPOINT, 2)).clamped == pieces
 
 
 @pytest.fixture(scope="module")
-def setup() -> Experiment:
+def setup():
     return Experiment.at(Setting("full-contact", "one-diagonal", 4), MIDPOINT, 4)
 
 
 @pytest.mark.parametrize("factor", [1.0, 1.2])
-def test_forces_too_large_by_a_factor_are_wrong_by_it_in_the_dual_norm_and_the_resultant(setup, factor: float) -> None:
+def test_forces_too_large_by_a_factor_are_wrong_by_it_in_the_dual_norm_and_the_resultant(setup, factor):
     """Right moments of the pressure leave an error in L² alone."""
     forces, times = Forces(setup), np.array([0.3, 0.7])
     pressures = [face.weights[:, None] * face.exact.pressure(times).reshape(-1, 2) for face in forces.faces]

@@ -1,17 +1,14 @@
 """The work of contact: the lemma on one edge, its rows, and what must break them."""
 
-from collections.abc import Callable, Iterator
-
 import numpy as np
 import pandas as pd
 import pytest
 from measured_rows import invented, measured
 
 from manufactured.exact.solution import FaceFields
-from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.statements.shared.base import Setting, grid
 from study.statements.shared.meshes import space_of
 from study.statements.work_of_contact import (
@@ -36,7 +33,7 @@ GRID = "one-diagonal"
 RHO = 0.05, 0.25, 0.5
 
 
-def test_a_cell_is_as_deep_as_the_thinnest_contact_data_in_it_and_other_cells_have_none() -> None:
+def test_a_cell_is_as_deep_as_the_thinnest_contact_data_in_it_and_other_cells_have_none():
     """Of the trains, the j-th lies on the j-th seventh of the bottom, with data up to ℓ/4 = 2^{−(j + 5)} inside."""
     solution = resolve("trains").solution
     first, second = (float(face.part.start[0] + face.part.measure / 2) for face in solution.faces[:2])
@@ -49,7 +46,7 @@ def test_a_cell_is_as_deep_as_the_thinnest_contact_data_in_it_and_other_cells_ha
 
 
 @pytest.mark.parametrize("rho", RHO)
-def test_the_seminorm_of_a_straight_line_is_known_and_hat_functions_have_the_one_of_their_matrix(rho: float) -> None:
+def test_the_seminorm_of_a_straight_line_is_known_and_hat_functions_have_the_one_of_their_matrix(rho):
     """∬ |x − y|^{1−2ϱ} = 2/((2 − 2ϱ)(3 − 2ϱ))."""
     assert seminorm(FIRST[0], SECOND[0], rho) ** 2 == pytest.approx(2 / ((2 - 2 * rho) * (3 - 2 * rho)), rel=2e-3)
     v, nodes = np.random.default_rng(0).normal(size=PANELS + 1), np.linspace(0, 1, PANELS + 1)
@@ -57,12 +54,12 @@ def test_the_seminorm_of_a_straight_line_is_known_and_hat_functions_have_the_one
     assert v @ gram(PANELS, 0.5) @ v == pytest.approx(float(direct) ** 2)
 
 
-def test_both_bounds_meet_where_the_constant_of_the_article_is() -> None:
+def test_both_bounds_meet_where_the_constant_of_the_article_is():
     assert beta(np.array(EQUAL_BRANCHES)) == pytest.approx(C_0)
     assert beta(np.linspace(0.001, 0.999, 999)).max() <= C_0 < 0.388
 
 
-def contact_sets() -> Iterator[Array]:
+def contact_sets():
     """Random sets of contact on (0, 1), as unions of panels."""
     rng = np.random.default_rng(2002)
     for changes in (1, 1, 1, 2, 2, 3, 5, 9) * 5:
@@ -72,15 +69,15 @@ def contact_sets() -> Iterator[Array]:
 
 
 @pytest.mark.parametrize("rho", RHO)
-def test_no_pressure_and_no_gap_exceed_the_bound_on_an_edge_and_some_are_not_small(rho: float) -> None:
+def test_no_pressure_and_no_gap_exceed_the_bound_on_an_edge_and_some_are_not_small(rho):
     assert 0.02 < max(supremum(touching, rho) for touching in contact_sets()) <= 1
 
 
-def verdict_of(verdicts: list[Verdict], key: str) -> set[str]:
+def verdict_of(verdicts, key):
     return {verdict.verdict for verdict in verdicts if verdict.key == key}
 
 
-def test_the_work_on_every_edge_is_within_its_bound_unless_there_is_pressure_off_the_contact_zone(monkeypatch) -> None:
+def test_the_work_on_every_edge_is_within_its_bound_unless_there_is_pressure_off_the_contact_zone(monkeypatch):
     """A constant is added to the pressure: the seminorm does not see it."""
     settings, stated = grid(("merging-patches",), (GRID,), (16, 32)), FaceFields.stated_pressure
     assert {verdict.verdict for verdict in EdgeWork().judge(measured(EdgeWork(), settings))} == {HOLDS}
@@ -98,7 +95,7 @@ def test_the_work_on_every_edge_is_within_its_bound_unless_there_is_pressure_off
         (BRANCHES, 0, "branches"),
     ],
 )
-def test_every_row_about_edges_can_fail(quantities: tuple[str, ...], value: float, key: str) -> None:
+def test_every_row_about_edges_can_fail(quantities, value, key):
     numbers = {WORK: 0.5, OF_ALL: 0.5, OVERALL: 0.1, **dict.fromkeys(BRANCHES, 3)}
     right = invented(numbers, (16,))
     assert verdict_of(EdgeWork().judge(right), key) == {HOLDS}
@@ -106,7 +103,7 @@ def test_every_row_about_edges_can_fail(quantities: tuple[str, ...], value: floa
     assert verdict_of(EdgeWork().judge(wrong), key) == {FAILS}
 
 
-def work_rows(work: Callable[[int], float], spread: float = 0.5) -> pd.DataFrame:
+def work_rows(work, spread=0.5):
     """Rows with h = 1/n, an error of order 1 and work as given."""
     levels = np.array([16, 32, 64, 128])
     works = [work(n) for n in levels.tolist()]
@@ -114,7 +111,7 @@ def work_rows(work: Callable[[int], float], spread: float = 0.5) -> pd.DataFrame
     return pd.concat([invented(numbers, levels.tolist(), case="trains", family=f) for f in (GRID, "shaken")])
 
 
-def test_work_of_order_one_holds_and_is_reported_on_irregular_meshes_and_too_few_levels_decide_nothing() -> None:
+def test_work_of_order_one_holds_and_is_reported_on_irregular_meshes_and_too_few_levels_decide_nothing():
     rows = work_rows(lambda n: 1 / n)
     verdicts = WorkOfContact().judge(rows)
     assert verdict_of(verdicts, "order") == verdict_of(verdicts, "spread") == verdict_of(verdicts, "share") == {HOLDS}
@@ -122,7 +119,7 @@ def test_work_of_order_one_holds_and_is_reported_on_irregular_meshes_and_too_few
     assert verdict_of(WorkOfContact().judge(rows[rows["level"] <= 32]), "order") == {UNDECIDED}
 
 
-def test_work_of_another_order_a_spread_that_stays_and_work_that_cannot_be_seen_fail() -> None:
+def test_work_of_another_order_a_spread_that_stays_and_work_that_cannot_be_seen_fail():
     for order in (0.8, 1.5):
         verdicts = WorkOfContact().judge(work_rows(lambda n, order=order: float(n) ** -order))
         assert verdict_of(verdicts, "order") == verdict_of(verdicts, "order-mean") == {FAILS}
@@ -131,11 +128,11 @@ def test_work_of_another_order_a_spread_that_stays_and_work_that_cannot_be_seen_
 
 
 @pytest.fixture(scope="module")
-def coarse() -> Resolved:
+def coarse():
     return Resolved(resolve("trains").solution, space_of(Setting("trains", "shaken", 16)))
 
 
-def test_the_work_is_the_same_through_the_load_and_on_the_face(coarse: Resolved) -> None:
+def test_the_work_is_the_same_through_the_load_and_on_the_face(coarse):
     """R grows like t², whose midpoint rule with eight nodes is known."""
     solution, space = coarse.solution, coarse.space
     at_end = -pressing_on(coarse)(1.0) @ space.interpolate(solution.at(space.mesh.p).displacement(1.0))

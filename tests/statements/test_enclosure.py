@@ -11,7 +11,7 @@ from study.statements import enclosure
 from study.statements.enclosure import BoundedError, EnclosedError
 
 
-def bounds(trajectory: str, levels: tuple[int, ...] = (8, 16), case: str = "a", **changes) -> pd.DataFrame:
+def bounds(trajectory, levels=(8, 16), case="a", **changes):
     """Rows of ``bounds.csv`` with errors of order 1, which the ends miss by one per cent."""
     h = 1 / np.array(levels)
     rows = {"trajectory": trajectory, "case": case, "family": "shaken", "scheme": "midpoint", "level": levels, "h": h}
@@ -24,7 +24,7 @@ UNKNOWN = bounds("enclosure", known=False, error=math.nan, above=math.nan, below
 """Rows of a problem whose solution nobody knows."""
 
 
-def test_errors_inside_hold_and_the_distance_of_the_ends_is_reported() -> None:
+def test_errors_inside_hold_and_the_distance_of_the_ends_is_reported():
     assert verdicts(BoundedError(), bounds("bound")) == {"above": HOLDS, "upper": REPORTED}
     expected = {"above": HOLDS, "below": HOLDS, "upper": REPORTED, "order": REPORTED}
     assert verdicts(EnclosedError(), bounds("enclosure")) == expected
@@ -32,7 +32,7 @@ def test_errors_inside_hold_and_the_distance_of_the_ends_is_reported() -> None:
     assert [verdicts(one, both)["above"] for one in (BoundedError(), EnclosedError())] == [FAILS, HOLDS]
 
 
-def test_one_error_outside_on_one_mesh_fails() -> None:
+def test_one_error_outside_on_one_mesh_fails():
     for value in (1.0001, math.nan):
         assert verdicts(BoundedError(), bounds("bound", above=[0.9, value]))["above"] == FAILS
         for end in ("above", "below"):
@@ -40,7 +40,7 @@ def test_one_error_outside_on_one_mesh_fails() -> None:
             assert [key for key, verdict in found.items() if verdict == FAILS] == [end]
 
 
-def test_an_order_is_judged_where_nobody_knows_the_error() -> None:
+def test_an_order_is_judged_where_nobody_knows_the_error():
     assert verdicts(EnclosedError(), UNKNOWN) == {"order": HOLDS}
     assert verdicts(EnclosedError(), UNKNOWN.assign(expected_order=1.5)) == {"order": FAILS}
     assert verdicts(EnclosedError(), UNKNOWN.assign(highest=1.2 * UNKNOWN["highest"])) == {"order": UNDECIDED}

@@ -1,7 +1,6 @@
 """Every statement that lists its numbers: quick settings hold, each row can fail, and any part can be judged."""
 
 import math
-from collections.abc import Iterable
 from dataclasses import replace
 
 import pytest
@@ -12,14 +11,13 @@ from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED
 from study.run.plan import quick
 from study.statements.error_estimate import ErrorBounds, InterpolationInV, InterpolationOnContact
 from study.statements.load_and_traction import NaturalConditions
-from study.statements.shared.base import ListedNumbers
 from study.statements.shared.meshes import EVERY_FAMILY, body_of, first_with_each, place, space_of
-from study.statements.shared.scope import Levels, Scope
+from study.statements.shared.scope import Levels
 from study.statements.uniqueness import OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence, Korn
 
 EVOLUTION = OneTrajectory(), BoundedVelocity(), Dependence(), NaturalConditions(), ErrorBounds()
-STATEMENTS: tuple[ListedNumbers, ...] = (Korn(), InterpolationInV(), InterpolationOnContact(), *EVOLUTION)
+STATEMENTS = (Korn(), InterpolationInV(), InterpolationOnContact(), *EVOLUTION)
 ORDERS_AND_CHANGES = Korn(), InterpolationInV(), InterpolationOnContact(), NaturalConditions(), ErrorBounds()
 """Statements about orders, and changes under refinement."""
 DEAR = {
@@ -29,14 +27,14 @@ DEAR = {
 """Statements whose quick settings take more than a second."""
 
 
-def each(statements: Iterable[ListedNumbers], dear: Iterable[ListedNumbers] = DEAR) -> pytest.MarkDecorator:
+def each(statements, dear=DEAR):
     marks = {statement: [pytest.mark.slow] if statement in dear else [] for statement in statements}
     items = [pytest.param(one, id=type(one).__name__, marks=marks[one]) for one in statements]
     return pytest.mark.parametrize("statement", items)
 
 
 @each(STATEMENTS)
-def test_two_cases_of_the_quick_settings_hold_and_each_case_is_judged_by_its_own_rows(statement) -> None:
+def test_two_cases_of_the_quick_settings_hold_and_each_case_is_judged_by_its_own_rows(statement):
     """The quick study has them all."""
     rows = quick_rows(statement)
     assert all(type(value) is float for value in rows["value"])
@@ -50,7 +48,7 @@ def test_two_cases_of_the_quick_settings_hold_and_each_case_is_judged_by_its_own
 
 
 @each(ORDERS_AND_CHANGES)
-def test_one_level_decides_neither_orders_nor_changes(statement: ListedNumbers) -> None:
+def test_one_level_decides_neither_orders_nor_changes(statement):
     rows = quick_rows(statement)
     found = verdicts(statement, rows[rows["level"] == rows["level"].min()]).values()
     assert UNDECIDED in found
@@ -58,14 +56,14 @@ def test_one_level_decides_neither_orders_nor_changes(statement: ListedNumbers) 
 
 
 @each(EVOLUTION)
-def test_every_judged_row_can_fail_and_without_a_quantity_its_row_is_undecided(statement: ListedNumbers) -> None:
+def test_every_judged_row_can_fail_and_without_a_quantity_its_row_is_undecided(statement):
     rows = quick_rows(statement)
     for wrong in (math.nan, 5.0 * rows["level"] ** 3):
         assert set(verdicts(statement, rows.assign(value=wrong)).values()) - {*UNCLAIMED} == {FAILS}
     assert UNDECIDED in verdicts(statement, rows[rows["quantity"] == rows["quantity"].iloc[0]]).values()
 
 
-def test_levels_are_moved_to_where_the_ends_of_parts_are_vertices() -> None:
+def test_levels_are_moved_to_where_the_ends_of_parts_are_vertices():
     assert all(space_of(setting).dofs for setting in place(first_with_each(body_of), EVERY_FAMILY, (5,), (2,)))
 
 
@@ -77,7 +75,7 @@ SOFT = replace(quick(), cases=("full-contact", "softening"), scheme="backward-eu
 
 
 @pytest.mark.parametrize("scope", [ONE, SOFT, replace(ONE, k=1.0), replace(SOFT, k=0.25)], ids=["1", "2", "3", "4"])
-def test_steps_up_to_the_final_time_and_short_enough_for_a_softening_law_are_accepted(scope: Scope) -> None:
+def test_steps_up_to_the_final_time_and_short_enough_for_a_softening_law_are_accepted(scope):
     scope.check()
 
 
@@ -99,6 +97,6 @@ def test_steps_up_to_the_final_time_and_short_enough_for_a_softening_law_are_acc
     ],
     ids=str,
 )
-def test_impossible_time_steps_and_levels_are_refused(changes: dict[str, object], message: str) -> None:
+def test_impossible_time_steps_and_levels_are_refused(changes, message):
     with pytest.raises(UsageError, match=message):
         replace(SOFT, **changes).check()

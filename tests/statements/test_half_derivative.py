@@ -1,6 +1,5 @@
 """Half a derivative of the velocity, nodal errors of P_h, and the work at an advancing front: each check can fail."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import count
 
@@ -17,10 +16,10 @@ from study.solve.evolution import SemiDiscrete
 from study.solve.signorini import Signorini
 from study.statements import moving_fronts
 from study.statements.moving_fronts import AdvancingFront, HalfDerivative, NodalErrors
-from study.statements.shared.base import ListedNumbers, Setting
+from study.statements.shared.base import Setting
 
 
-def rows(statement: ListedNumbers, settings: list[Setting], change: Callable = lambda setup: setup) -> pd.DataFrame:
+def rows(statement, settings, change=lambda setup: setup):
     """The rows that a statement measures if its setups are changed."""
     return pd.DataFrame(
         [
@@ -31,17 +30,17 @@ def rows(statement: ListedNumbers, settings: list[Setting], change: Callable = l
     )
 
 
-def every_second_step(S: object, N: object) -> Callable:
+def every_second_step(S, N):
     """A contact solver that imposes the constraint in every second step only."""
     contact, free, calls = Signorini(S, N), Signorini(S, N[:0]), count()
 
-    def solve(b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def solve(b):
         return contact(b) if next(calls) % 2 else (free(b)[0], np.zeros(N.shape[0]))
 
     return solve
 
 
-def test_velocities_without_half_a_derivative_are_noticed() -> None:
+def test_velocities_without_half_a_derivative_are_noticed():
     """They jump back and forth in a body that is held by its foundation in every second step only."""
 
     def bouncing(setup):
@@ -53,7 +52,7 @@ def test_velocities_without_half_a_derivative_are_noticed() -> None:
     assert set(verdicts(statement, rows(statement, settings, bouncing)).values()) == {FAILS}
 
 
-def test_the_quotient_of_a_velocity_that_jumps_once_is_known() -> None:
+def test_the_quotient_of_a_velocity_that_jumps_once_is_known():
     """u̇ = 1 up to T/2, then 0, with g = 1 and K = (−∞, T/2].
 
     So M = Ξ = 1, W = 0, C_2 = 3/2, and both sides are δ/2 and C_2 δ.
@@ -66,14 +65,14 @@ def test_the_quotient_of_a_velocity_that_jumps_once_is_known() -> None:
     assert moving_fronts.half_quotient(problem, states) == pytest.approx(1 / 3)
 
 
-def test_nodal_errors_of_a_projection_in_another_norm_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nodal_errors_of_a_projection_in_another_norm_are_noticed(monkeypatch):
     statement, settings = NodalErrors(), [Setting(NAME, "one-diagonal", 16)]
     assert verdicts(statement, rows(statement, settings)) == {"constant": HOLDS}
     monkeypatch.setattr(moving_fronts, "form", lambda space, tensor: form(space, tensor) / 4)
     assert verdicts(statement, rows(statement, settings)) == {"constant": FAILS}
 
 
-def test_with_one_diagonal_the_nodal_errors_have_one_sign_and_shaken_meshes_are_needed_for_both() -> None:
+def test_with_one_diagonal_the_nodal_errors_have_one_sign_and_shaken_meshes_are_needed_for_both():
     """The fault is a family of shaken meshes whose vertices do not move."""
     statement = NodalErrors()
     settings = [Setting(NAME, family, 32) for family in ("shaken", "shaken-1")]
@@ -91,7 +90,7 @@ def test_with_one_diagonal_the_nodal_errors_have_one_sign_and_shaken_meshes_are_
     ],
     ids=["normals reversed", "weights that do not travel"],
 )
-def test_at_an_advancing_front_a_wrong_normal_or_a_front_at_rest_is_noticed(monkeypatch, name, wrong, key) -> None:
+def test_at_an_advancing_front_a_wrong_normal_or_a_front_at_rest_is_noticed(monkeypatch, name, wrong, key):
     monkeypatch.setattr(moving_fronts, "FROM", 8)
     statement, settings = AdvancingFront(), [Setting(NAME, "one-diagonal", n) for n in (8, 16)]
     assert verdicts(statement, rows(statement, settings))[key] == HOLDS

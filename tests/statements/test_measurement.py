@@ -6,25 +6,23 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from manufactured.exact import ExactSolution
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.datafiles import CsvFile
 from study.ledger.verdict import FAILS, HOLDS
 from study.run.judgement import joined
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.other_solvers import Recomputed, recompute
-from study.statements.prop_5_4 import RATES, Measurement, measure
+from study.statements.prop_5_4 import RATES, measure
 from study.statements.shared.base import Experiment, Setting
 
 
-def measured(solution: ExactSolution, n: int = 8) -> Measurement:
+def measured(solution, n=8):
     return measure(Experiment.of(solution, OneDiagonal(), n, MIDPOINT, 8))
 
 
-def test_u_h_on_the_clamped_part_is_relative_to_its_largest_value(monkeypatch) -> None:
+def test_u_h_on_the_clamped_part_is_relative_to_its_largest_value(monkeypatch):
     found = measured(resolve("no-contact").solution, 4)
     assert found.clamped() == 0
     inside, off = Space.nodal, np.array([[0.3], [0.4]])
@@ -36,7 +34,7 @@ def test_u_h_on_the_clamped_part_is_relative_to_its_largest_value(monkeypatch) -
 @pytest.mark.parametrize(
     "name", ["no-contact", "advance-recede", "heterogeneous", pytest.param("cube-disc", marks=pytest.mark.slow)]
 )
-def test_the_parallelogram_law_fails_if_u_minus_its_interpolant_is_recorded_as_the_error_alone(name: str) -> None:
+def test_the_parallelogram_law_fails_if_u_minus_its_interpolant_is_recorded_as_the_error_alone(name):
     """Also where the largest error is the error of the start, which both share."""
     found = measured(resolve(name).solution)
     time, _, interpolation, *others = found.history
@@ -45,7 +43,7 @@ def test_the_parallelogram_law_fails_if_u_minus_its_interpolant_is_recorded_as_t
 
 
 @pytest.mark.parametrize("name", ["travelling-patch", "advance-recede"])
-def test_the_quadrature_is_refined_for_the_state_with_the_largest_error(name: str) -> None:
+def test_the_quadrature_is_refined_for_the_state_with_the_largest_error(name):
     found = measured(resolve(name).solution)
     times, errors, *_ = found.history
     assert found.worst.time == times[errors.argmax()]
@@ -54,12 +52,12 @@ def test_the_quadrature_is_refined_for_the_state_with_the_largest_error(name: st
 # Numbers that are computed again by the second solver.
 
 
-def recomputed(tables: dict[CsvFile, pd.DataFrame]) -> dict[str, str]:
+def recomputed(tables):
     return {verdict.key: verdict.verdict for verdict in Recomputed().judge(joined(Recomputed(), tables))}
 
 
 @pytest.mark.parametrize("case", ["yield-and-release", "natural-front", pytest.param("corner", marks=pytest.mark.slow)])
-def test_both_ways_agree_and_a_reported_size_that_is_missing_or_wrong_by_a_factor_is_caught(case: str) -> None:
+def test_both_ways_agree_and_a_reported_size_that_is_missing_or_wrong_by_a_factor_is_caught(case):
     known, place = resolve(case), Setting(case, "one-diagonal", 8)
     setup = Experiment.at(place, MIDPOINT, rate_steps(known.solution.body.T, place.level, known.pace))
     row = {**vars(place), **measure(setup).row()}

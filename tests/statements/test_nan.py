@@ -19,7 +19,7 @@ NAN = math.nan
 
 
 @pytest.mark.parametrize("place", range(3))
-def test_extremes_of_values_with_nan_are_nan(place: int) -> None:
+def test_extremes_of_values_with_nan_are_nan(place):
     values = [1.0, 2.0, 3.0]
     assert (maximum(values), minimum(values)) == (3.0, 1.0)
     values[place] = NAN
@@ -27,7 +27,7 @@ def test_extremes_of_values_with_nan_are_nan(place: int) -> None:
 
 
 @pytest.mark.parametrize(("value", "verdict"), [(1.5, HOLDS), (NAN, FAILS)])
-def test_a_range_with_nan_in_one_family_does_not_hold(value: float, verdict: str) -> None:
+def test_a_range_with_nan_in_one_family_does_not_hold(value, verdict):
     check = Check("a", "a", quantities.values("value"), at_most(2.0), CheckKind.CLAIM)
     groups = {name: pd.DataFrame({"h": 1.0, "value": [1.0, last]}) for name, last in (("b", 1.0), ("c", value))}
     assert check.verdict(prop_5_4.FirstOrder(), "case", groups).verdict == verdict

@@ -14,9 +14,9 @@ from manufactured.tensors import full
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve
 from study.ledger.codes import FROZEN, MARCH, MESH_KEY, NOT_EXPRESSED
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.run.judgement import joined
-from study.statements.other_solvers import PEERS, THIS_STUDY, OtherCodes, Peer
+from study.statements.other_solvers import PEERS, THIS_STUDY, OtherCodes
 from study.statements.shared.base import LISTED, grid
 from study.statements.shared.tasks import Task
 
@@ -28,26 +28,26 @@ Change = Callable[[pd.DataFrame], pd.DataFrame]
 
 
 @lru_cache
-def ours() -> pd.DataFrame:
+def ours():
     """The errors of this study on a part of the meshes."""
     settings = grid(("advance-recede", "corner"), ("one-diagonal", "shaken"), (8, 16))
     return measured(OtherCodes(), settings)
 
 
-def judged(change: Change = lambda table: table) -> dict[str, Verdict]:
+def judged(change=lambda table: table):
     tables = {LISTED: ours(), OTHERS: change(OTHERS.read(RESULTS))}
     return {verdict.key: verdict for verdict in OtherCodes().judge(joined(OtherCodes(), tables))}
 
 
-def verdicts(change: Change = lambda table: table) -> dict[str, str]:
+def verdicts(change=lambda table: table):
     return {key: verdict.verdict for key, verdict in judged(change).items()}
 
 
-def of(table: pd.DataFrame, code: str, variant: str) -> pd.Series:
+def of(table, code, variant):
     return (table["code"] == code) & (table["variant"] == variant)
 
 
-def one(table: pd.DataFrame, peer: Peer, mode: str = FROZEN) -> int:
+def one(table, peer, mode=FROZEN):
     """The place of an error of a code on one of the meshes."""
     on = (table["case"] == "advance-recede") & (table["level"] == 16) & (table["mode"] == mode)
     return int(np.flatnonzero(of(table, peer.code, peer.variant) & on)[0])
@@ -57,7 +57,7 @@ EVERY = {peer.key: HOLDS for peer in PEERS} | {"own-digits": HOLDS}
 
 
 @pytest.mark.parametrize("name", ["full-contact", "hexagon"])
-def test_resultants_of_a_task_are_what_vertices_carry_of_the_exact_pressure(name: str) -> None:
+def test_resultants_of_a_task_are_what_vertices_carry_of_the_exact_pressure(name):
     """∫ p Σ_i φ_i over the vertices i of a piece of Γ3 that are not clamped; a front may cross a facet."""
     task = Task(resolve(name), Unstructured(), 8)
     time, p = 0.61 * task.solution.body.T, task.space.mesh.p
@@ -80,7 +80,7 @@ def test_resultants_of_a_task_are_what_vertices_carry_of_the_exact_pressure(name
         pytest.param("cube-two-faces", OneDiagonal(), 3, marks=pytest.mark.slow),
     ],
 )
-def test_tractions_of_a_task_are_stresses_at_the_vertices_of_each_facet_times_the_normal(name, family, level) -> None:
+def test_tractions_of_a_task_are_stresses_at_the_vertices_of_each_facet_times_the_normal(name, family, level):
     """On several faces with different normals."""
     task = Task(resolve(name), family, level)
     mesh, time = task.space.mesh, 0.61 * task.solution.body.T
@@ -92,14 +92,14 @@ def test_tractions_of_a_task_are_stresses_at_the_vertices_of_each_facet_times_th
             np.testing.assert_allclose(found, expected.T, rtol=1e-9, atol=1e-9 * abs(stress).max())
 
 
-def test_errors_of_other_codes_are_ours() -> None:
+def test_errors_of_other_codes_are_ours():
     assert verdicts() == EVERY
 
 
 @pytest.mark.parametrize("mode", [FROZEN, MARCH])
 @pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)
-def test_an_error_that_is_another_turns_the_row_of_its_code_to_fails(peer: Peer, mode: str) -> None:
-    def change(table: pd.DataFrame) -> pd.DataFrame:
+def test_an_error_that_is_another_turns_the_row_of_its_code_to_fails(peer, mode):
+    def change(table):
         found = table.copy()
         found.loc[one(table, peer, mode), "error"] *= 1 + 3 * peer.window.high
         return found
@@ -108,10 +108,10 @@ def test_an_error_that_is_another_turns_the_row_of_its_code_to_fails(peer: Peer,
 
 
 @pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)
-def test_a_column_that_was_copied_is_noticed(peer: Peer) -> None:
+def test_a_column_that_was_copied_is_noticed(peer):
     """From this study to the code, on all meshes that both have."""
 
-    def change(table: pd.DataFrame) -> pd.DataFrame:
+    def change(table):
         found, place = table.copy(), [*MESH_KEY, "mode"]
         source = table[of(table, *THIS_STUDY)].set_index(place)["distance"]
         chosen = of(table, peer.code, peer.variant) & (table["class"] != NOT_EXPRESSED)
@@ -124,7 +124,7 @@ def test_a_column_that_was_copied_is_noticed(peer: Peer) -> None:
 
 
 @pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)
-def test_a_mesh_or_a_code_that_is_left_out_without_a_reason_leaves_its_row_undecided(peer: Peer) -> None:
+def test_a_mesh_or_a_code_that_is_left_out_without_a_reason_leaves_its_row_undecided(peer):
     without = judged(lambda table: table.drop(index=one(table, peer)))[peer.key]
     assert without.verdict == UNDECIDED
     assert "1 problems lack an error" in without.expected
@@ -132,7 +132,7 @@ def test_a_mesh_or_a_code_that_is_left_out_without_a_reason_leaves_its_row_undec
     assert (gone.verdict, np.isnan(gone.observed)) == (UNDECIDED, True)
 
 
-def test_codes_that_nobody_ran_are_said_to_be_missing(tmp_path: Path) -> None:
+def test_codes_that_nobody_ran_are_said_to_be_missing(tmp_path):
     tables = {LISTED: ours(), OTHERS: OTHERS.read(tmp_path)}
     for rows in (joined(OtherCodes(), tables), ours()):
         (only,) = OtherCodes().judge(rows)

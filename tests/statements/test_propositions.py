@@ -12,7 +12,7 @@ from study.ledger import quantities
 from study.ledger.check import Check
 from study.ledger.datafiles import read_rates
 from study.ledger.quantities import weighted_order
-from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, CheckKind, Verdict
+from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, CheckKind
 from study.ledger.window import STEEPER, Window
 from study.run.judgement import with_reasons
 from study.run.provenance import Complete
@@ -22,7 +22,7 @@ from study.statements.shared.meshes import CELL_POWER, LEADING, in_leading_term,
 from study.statements.thm_4_2 import SameMesh, growth
 
 
-def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="criss-cross", **changes) -> pd.DataFrame:
+def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="criss-cross", **changes):
     h = 1 / np.array(levels, dtype=float)
     rows = {"claim": claim, "case": case, "family": family, "dim": 2, "level": levels, "h": h, "dofs": 2 / h**2}
     rows |= {"error": 0.97 * h**order, "interpolation_error": h**order, "predicted_interpolation": h**order}
@@ -31,32 +31,32 @@ def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="cr
     return pd.DataFrame(rows).assign(**changes)
 
 
-def rough(order: float = 0.5, **changes) -> pd.DataFrame:
+def rough(order=0.5, **changes):
     return table(order, FOUR, "Prop. 5.3", **changes)
 
 
-def prop_5_4(rows: pd.DataFrame, order: float = 1.0) -> list[Verdict]:
+def prop_5_4(rows, order=1.0):
     return [*FirstOrder().judge(rows.assign(expected_order=order)), *SizeOfInterpolation().judge(rows)]
 
 
-def prop_5_3(rows: pd.DataFrame, order: float = 0.5) -> list[Verdict]:
+def prop_5_3(rows, order=0.5):
     return Convergence().judge(rows.assign(expected_order=order))
 
 
-def pairs(found: list[Verdict]) -> list[tuple[str, str]]:
+def pairs(found):
     return [(verdict.key, verdict.verdict) for verdict in found]
 
 
-def verdicts(found: list[Verdict]) -> dict[str, str]:
+def verdicts(found):
     return dict(pairs(found))
 
 
-def claimed(found) -> set[str]:
+def claimed(found):
     """All verdicts except on the limit for another order than the predicted one, about which nothing is claimed."""
     return {verdict.verdict for verdict in found if verdict.key != "limit-steeper"}
 
 
-def test_the_predicted_behaviour_holds_in_every_row_and_an_order_too_low_or_too_good_fails() -> None:
+def test_the_predicted_behaviour_holds_in_every_row_and_an_order_too_low_or_too_good_fails():
     assert set(verdicts(prop_5_4(table())).values()) == {HOLDS}
     assert {verdicts(prop_5_4(table(order)))["order"] for order in (0.0, 0.5, 0.8, 1.2, 1.5, 2.0)} == {FAILS}
     solid = [verdicts(prop_5_4(table(order, dim=3)))["order-finest"] for order in (0.97, 0.88)]
@@ -88,7 +88,7 @@ def test_the_predicted_behaviour_holds_in_every_row_and_an_order_too_low_or_too_
         ),
     ],
 )
-def test_each_piece_of_evidence_fails_alone_if_it_is_wrong_or_missing_on_one_level(changes, key: str) -> None:
+def test_each_piece_of_evidence_fails_alone_if_it_is_wrong_or_missing_on_one_level(changes, key):
     assert verdicts(prop_5_4(table(**changes)))[key] == FAILS
 
 
@@ -96,25 +96,25 @@ def test_each_piece_of_evidence_fails_alone_if_it_is_wrong_or_missing_on_one_lev
     ("start", "interpolation", "verdict"),
     [(0.5, 1.03, HOLDS), (1.0, 1.03, REPORTED), (1.0, 1.24, REPORTED), (1.0, 1.27, FAILS), (1.0, 0.999, FAILS)],
 )
-def test_an_error_largest_at_the_start_is_the_predicted_interpolation_error(start, interpolation, verdict: str) -> None:
+def test_an_error_largest_at_the_start_is_the_predicted_interpolation_error(start, interpolation, verdict):
     """Start and interpolation error are multiples of the largest error."""
     error = table()["error"]
     rows = table(initial_error=start * error, interpolation_error=interpolation * error)
     assert verdicts(prop_5_4(rows))["start-share"] == verdict
 
 
-def test_missing_rows_leave_the_data_undecided() -> None:
+def test_missing_rows_leave_the_data_undecided():
     planned = {("a", "criss-cross", "midpoint", "8"), ("a", "criss-cross", "midpoint", "16")}
     assert [Complete().judge(planned, found).verdict for found in (planned, set())] == [HOLDS, UNDECIDED]
 
 
-def test_two_levels_leave_the_order_undecided_and_one_bad_family_is_enough_to_fail() -> None:
+def test_two_levels_leave_the_order_undecided_and_one_bad_family_is_enough_to_fail():
     found = verdicts(prop_5_4(table(levels=(8, 16))))
     assert found["order"] == found["order-extrapolated"] == UNDECIDED
     assert verdicts(prop_5_4(pd.concat([table(), table(0.7, family="one-diagonal")])))["order-extrapolated"] == FAILS
 
 
-def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit_and_no_rising_error() -> None:
+def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit_and_no_rising_error():
     rows = rough()
     assert claimed(prop_5_3(rows)) == {HOLDS}
     (steeper,) = [verdict for verdict in prop_5_3(rows) if verdict.key == "limit-steeper"]
@@ -123,7 +123,7 @@ def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit_and_no_risi
     assert verdicts(prop_5_3(rows.assign(error=rows["error"].to_numpy()[::-1])))["falling"] == FAILS
 
 
-def test_on_random_meshes_a_limit_is_reported_only_and_other_meshes_still_decide() -> None:
+def test_on_random_meshes_a_limit_is_reported_only_and_other_meshes_still_decide():
     random, plain = rough(family="shaken-7"), rough()
     alone = verdicts(prop_5_3(random))
     assert "limit" not in alone
@@ -131,26 +131,26 @@ def test_on_random_meshes_a_limit_is_reported_only_and_other_meshes_still_decide
     assert verdicts(prop_5_3(pd.concat([random, plain.assign(error=plain["error"] + 0.5)])))["limit"] == FAILS
 
 
-def test_graded_meshes_must_regain_the_order_that_uniform_ones_lose() -> None:
+def test_graded_meshes_must_regain_the_order_that_uniform_ones_lose():
     regained, lost = (prop_5_3(pd.concat([rough(), rough(order, family="graded")])) for order in (1.0, 0.5))
     assert claimed(regained) == {HOLDS}
     assert verdicts(lost)["order-graded"] == FAILS
 
 
-def test_the_order_without_5_36_is_reported_with_the_order_of_the_proof() -> None:
+def test_the_order_without_5_36_is_reported_with_the_order_of_the_proof():
     row, judged = RegularityNeeded().judge(rough(1.0, proved_order=0.75))
     assert (row.verdict, row.window_low) == (REPORTED, 0.75)
     assert (judged.verdict, judged.window_low) == (HOLDS, pytest.approx(0.65))
     assert row.observed == judged.observed == pytest.approx(1.0)
 
 
-def test_an_order_far_below_the_proved_one_fails() -> None:
+def test_an_order_far_below_the_proved_one_fails():
     """A mesh that is too coarse may cost 0.1."""
     found = [RegularityNeeded().judge(rough(order, proved_order=1.0))[1].verdict for order in (0.92, 0.85)]
     assert found == [HOLDS, FAILS]
 
 
-def test_theorem_4_2_fails_above_the_bound_by_the_duality_gap_and_where_the_bound_is_vacuous() -> None:
+def test_theorem_4_2_fails_above_the_bound_by_the_duality_gap_and_where_the_bound_is_vacuous():
     defects = dict.fromkeys(["admissibility", "energy_gap", "membership"], 1e-9)
     gaps = dict.fromkeys(["displacement_gap", "stress_gap"], 1e-8)
     bounds = dict.fromkeys(["displacement_bound", "stress_bound"], 1e-7)
@@ -173,14 +173,14 @@ WRONG = [
 ]
 
 
-def solids(order: float, **changes: object) -> pd.DataFrame:
+def solids(order, **changes):
     """Rows on several families, whose errors have an order and are predicted to have the order 1."""
     families = ("one-diagonal", "criss-cross", "shaken")
     each = [table(order, FOUR, INITIAL_GAP, family=family, **changes) for family in families]
     return pd.concat(each).assign(dim=3, expected_order=1.0)
 
 
-def test_every_row_about_an_initial_gap_can_fail() -> None:
+def test_every_row_about_an_initial_gap_can_fail():
     keys = {key for key, _ in pairs(InitialGap().judge(solids(1.0)))}
     wrong = [solids(0.5), *(solids(1.0, **{column: value}) for column, value in WRONG)]
     assert {key for rows in wrong for key, verdict in pairs(InitialGap().judge(rows)) if verdict == FAILS} == keys
@@ -191,7 +191,7 @@ def test_every_row_about_an_initial_gap_can_fail() -> None:
     [(1.0, "Prop. 5.4", prop_5_4), (0.5, "Prop. 5.3", prop_5_3)],
     ids=["smooth", "rough"],
 )
-def test_a_case_has_the_verdicts_of_the_proposition_about_its_regularity(order: float, claim: str, judge) -> None:
+def test_a_case_has_the_verdicts_of_the_proposition_about_its_regularity(order, claim, judge):
     rows = solids(order).assign(expected_order=order)
     found = InitialGap().judge(rows)
     assert pairs(found) == pairs(judge(rows.assign(claim=claim), order))
@@ -202,7 +202,7 @@ def test_a_case_has_the_verdicts_of_the_proposition_about_its_regularity(order: 
 # A user's own case that is a poor test is undecided, with what to do; it fails where the data contradict.
 
 
-def following(orders: list[float], **changes: object) -> pd.DataFrame:
+def following(orders, **changes):
     """Rows whose errors have these orders from level to level."""
     levels = tuple(8 * 2**i for i in range(len(orders) + 1))
     error = 0.1 * 0.5 ** np.cumsum([0.0, *orders])
@@ -213,11 +213,11 @@ def following(orders: list[float], **changes: object) -> pd.DataFrame:
 GOOD = following([1.0, 1.0])
 
 
-def own(rows: pd.DataFrame) -> dict[str, Verdict]:
+def own(rows):
     return {verdict.key: verdict for verdict in judge_own(prop_5_4(rows), rows)}
 
 
-def reason(verdict: Verdict) -> str:
+def reason(verdict):
     assert verdict.verdict == UNDECIDED
     return verdict.expected.partition(BECAUSE)[2]
 
@@ -225,7 +225,7 @@ def reason(verdict: Verdict) -> str:
 @pytest.mark.parametrize(
     "orders", [[0.5, 0.5], [0.5, 0.55], [0.8, 0.7], [1.5, 1.5], [0.4, 0.6, 0.62], [0.99, 0.7, 0.6]]
 )
-def test_orders_that_stay_away_contradict_the_statement_also_on_one_family_alone(orders: list[float]) -> None:
+def test_orders_that_stay_away_contradict_the_statement_also_on_one_family_alone(orders):
     rows = following(orders)
     assert own(rows)["order"].verdict == FAILS
     assert own(pd.concat([following([0.6, 0.8]), rows.assign(family="one-diagonal")]))["order"].verdict == FAILS
@@ -253,7 +253,7 @@ def test_orders_that_stay_away_contradict_the_statement_also_on_one_family_alone
         ([0.5, 0.5], {"quadrature_change": 0.1, "time_share": 0.1}, "order", "time steps and quadrature disturb"),
     ],
 )
-def test_what_an_own_case_leaves_undecided_is_told_with_its_reason_and_what_to_do(orders, changes, key, told) -> None:
+def test_what_an_own_case_leaves_undecided_is_told_with_its_reason_and_what_to_do(orders, changes, key, told):
     assert told in reason(own(following(orders, **changes))[key])
 
 
@@ -269,7 +269,7 @@ def test_what_an_own_case_leaves_undecided_is_told_with_its_reason_and_what_to_d
         ((0.95, 0.8), "values scatter"),
     ],
 )
-def test_a_missed_order_is_explained_unless_two_values_stay_on_one_side_and_hardly_approach(ends, reason: str) -> None:
+def test_a_missed_order_is_explained_unless_two_values_stay_on_one_side_and_hardly_approach(ends, reason):
     """The order 1 with the tolerance 0.15; an approach takes off a fifth of the distance or more."""
     assert why_missed([np.array(ends)], 1.0, 0.15, "").removesuffix(": ") == reason
 
@@ -282,18 +282,18 @@ def test_a_missed_order_is_explained_unless_two_values_stay_on_one_side_and_hard
         ({"error": np.nan}, "order"),
     ],
 )
-def test_violated_identities_a_wrong_start_and_errors_that_are_no_numbers_fail_for_everybody(changes, key) -> None:
+def test_violated_identities_a_wrong_start_and_errors_that_are_no_numbers_fail_for_everybody(changes, key):
     assert own(GOOD.assign(**changes))[key].verdict == FAILS
 
 
-def own_rough(errors: np.ndarray | list[float]) -> dict[str, str]:
+def own_rough(errors):
     e = np.array(errors)
     rows = table(levels=FOUR, claim="Prop. 5.3", error=e, discrete_error=0.24 * e, expected_order=0.5)
     rows = rows.assign(interpolation_error=e / 0.97)
     return verdicts(judge_own(prop_5_3(rows, 0.5), rows))
 
 
-def test_no_rate_is_claimed_of_a_rough_own_case_and_a_limit_contradicts() -> None:
+def test_no_rate_is_claimed_of_a_rough_own_case_and_a_limit_contradicts():
     predicted, slower = (2.0 ** (-order * np.arange(4)) for order in (0.5, 0.2))
     assert {key for key, verdict in own_rough(predicted).items() if verdict != HOLDS} == {"limit-steeper"}
     for errors, expected in (
@@ -305,7 +305,7 @@ def test_no_rate_is_claimed_of_a_rough_own_case_and_a_limit_contradicts() -> Non
         assert own_rough(errors).items() >= expected.items()
 
 
-def test_a_case_of_the_catalogue_fails_as_before() -> None:
+def test_a_case_of_the_catalogue_fails_as_before():
     rows = pd.concat([following([0.6, 0.8]).assign(case=case) for case in ("corner", "a")])
     judged = prop_5_4(rows)
     found = with_reasons(judged, rows)
@@ -313,7 +313,7 @@ def test_a_case_of_the_catalogue_fails_as_before() -> None:
     assert [(v.case, v.verdict) for v in found if v.key == "order"] == [("corner", FAILS), ("a", UNDECIDED)]
 
 
-def test_levels_to_try_are_finer_in_space_not_too_fine_and_as_many_as_an_order_needs() -> None:
+def test_levels_to_try_are_finer_in_space_not_too_fine_and_as_many_as_an_order_needs():
     assert [finer(levels, 2) for levels in ([8, 16, 32], [9, 12, 15])] == [[16, 32, 64], [12, 15, 18]]
     assert [finer(levels, 3) for levels in ([6, 9, 12], [8, 16, 32])] == [[9, 12, 15], [16, 32, 48]]
     cases = (([8], 3, 2, [8, 16, 32]), ([9, 12], 4, 2, [9, 12, 15, 18]), ([8], 3, 3, [8, 12, 16]))
@@ -321,11 +321,11 @@ def test_levels_to_try_are_finer_in_space_not_too_fine_and_as_many_as_an_order_n
     assert (least_levels("Prop. 5.3"), least_levels("Prop. 5.4")) == (4, 3)
 
 
-def force(key: str, verdict: str, observed: float) -> Verdict:
+def force(key, verdict, observed):
     return replace(own(GOOD)["order"], label="contact force", key=key, verdict=verdict, observed=observed)
 
 
-def test_orders_of_the_contact_force_say_nothing_where_meshes_do_not_resolve_contact() -> None:
+def test_orders_of_the_contact_force_say_nothing_where_meshes_do_not_resolve_contact():
     order = force("order-pressure", HOLDS, 1.2)
     assert [one.verdict for one in judge_own([order, force("resultant", HOLDS, 0.01)], GOOD)] == [HOLDS, HOLDS]
     for label, key in (("Prop. 5.4", "leading-order"), ("Thm 4.2", "allowed")):
@@ -335,7 +335,7 @@ def test_orders_of_the_contact_force_say_nothing_where_meshes_do_not_resolve_con
         assert "the force on a face is wrong by 20% on the finest" in reason(one)
 
 
-def test_a_missed_order_of_the_contact_force_is_undecided_or_reported_and_penetration_fails() -> None:
+def test_a_missed_order_of_the_contact_force_is_undecided_or_reported_and_penetration_fails():
     rows = [force("order-pressure", FAILS, 0.5), force("penetration", FAILS, 0.1), force("resultant", HOLDS, 0.01)]
     missed, inside, _ = judge_own(rows, GOOD)
     assert "not converged on these meshes" in reason(missed)
@@ -345,7 +345,7 @@ def test_a_missed_order_of_the_contact_force_is_undecided_or_reported_and_penetr
     assert [row.verdict for row in judge_own(rows, GOOD)] == [REPORTED, UNDECIDED]
 
 
-def test_a_time_share_of_the_contact_force_says_nothing_about_the_errors() -> None:
+def test_a_time_share_of_the_contact_force_says_nothing_about_the_errors():
     rows = [force("time-share", FAILS, 0.6), *prop_5_4(following([0.5, 0.5]))]
     share, *others = judge_own(rows, following([0.5, 0.5]))
     assert "raise `pace`" in reason(share)
@@ -358,13 +358,13 @@ def test_a_time_share_of_the_contact_force_says_nothing_about_the_errors() -> No
 H = 1 / np.array([8.0, 16.0, 32.0])
 
 
-def test_a_weighted_order_is_exact_for_powers_and_sees_what_is_wrong_on_the_finest_level() -> None:
+def test_a_weighted_order_is_exact_for_powers_and_sees_what_is_wrong_on_the_finest_level():
     assert weighted_order(H, 3 * H**1.5, CELL_POWER) == pytest.approx(1.5)
     stagnating = np.array([1.0, 0.5, 0.4])
     assert weighted_order(H, stagnating, CELL_POWER) < weighted_order(H, stagnating, 0)
 
 
-def test_growth_is_that_of_a_power_over_all_levels_and_errors_without_an_order_fail() -> None:
+def test_growth_is_that_of_a_power_over_all_levels_and_errors_without_an_order_fail():
     assert growth(H, 1.7 * H**-0.25) == pytest.approx(4**0.25)
     levels = pd.DataFrame({"h": H, "e": [1.0, 0.0, 0.5]})
     check = Check("key", "quantity", quantities.fitted("e", power=CELL_POWER), Window(0, 2), CheckKind.CLAIM)
@@ -372,17 +372,17 @@ def test_growth_is_that_of_a_power_over_all_levels_and_errors_without_an_order_f
 
 
 @pytest.fixture
-def rates() -> pd.DataFrame:
+def rates():
     """Committed rows on shaken meshes."""
     found = read_rates(Path(__file__).parents[2] / "results").assign(expected_order=1.0)
     return found[(found["claim"] == "Prop. 5.4") & (found["family"] == "shaken")].copy()
 
 
-def of_front(rates: pd.DataFrame) -> dict[str, str]:
+def of_front(rates):
     return verdicts(FirstOrder().judge(rates[rates["case"] == "advance-recede"]))
 
 
-def test_orders_are_taken_in_the_leading_term_on_random_meshes_alone(rates: pd.DataFrame) -> None:
+def test_orders_are_taken_in_the_leading_term_on_random_meshes_alone(rates):
     names = "shaken", "shaken-7", "unstructured", "one-diagonal"
     assert [is_random(name) for name in names] == [True, True, False, False]
     found = in_leading_term({"shaken-3": rates, "one-diagonal": rates})
@@ -390,7 +390,7 @@ def test_orders_are_taken_in_the_leading_term_on_random_meshes_alone(rates: pd.D
     assert (found["one-diagonal"]["h"] == rates["h"]).all()
 
 
-def test_a_mesh_that_happens_to_be_bad_is_no_alarm(rates: pd.DataFrame) -> None:
+def test_a_mesh_that_happens_to_be_bad_is_no_alarm(rates):
     """One on which interpolation, its leading term and the error are 12 % larger: in h the order would be 0.8."""
     mine = rates["case"] == "advance-recede"
     for name in ("error", "interpolation_error", "discrete_error", "initial_error", LEADING):
@@ -399,7 +399,7 @@ def test_a_mesh_that_happens_to_be_bad_is_no_alarm(rates: pd.DataFrame) -> None:
     assert quantities.fitted("error")(rates[mine & (rates["level"] <= 16)]) < 0.85
 
 
-def test_an_error_that_stagnates_and_a_leading_term_that_is_not_of_order_h_are_alarms(rates: pd.DataFrame) -> None:
+def test_an_error_that_stagnates_and_a_leading_term_that_is_not_of_order_h_are_alarms(rates):
     """If both were of order 1/2, the order of the error in the leading term would be 1."""
     stagnating = rates["error"].where(rates["level"] != 64, 1.3 * rates["error"])
     assert of_front(rates.assign(error=stagnating))["order"] == FAILS

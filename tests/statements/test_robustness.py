@@ -4,7 +4,6 @@ The changes are no faults, so no verdict may change.
 """
 
 from dataclasses import dataclass, fields, replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,7 +11,7 @@ import pytest
 from sympy import Rational
 
 import manufactured as m
-from manufactured import Case, KelvinVoigt, Yield, named
+from manufactured import KelvinVoigt, Yield, named
 from manufactured.catalogue import NAMES
 from study.fem.mesh import Graded
 from study.ledger.verdict import HOLDS, REPORTED
@@ -50,7 +49,7 @@ FIFTH = 3 / 16
 heterogeneous body needs."""
 
 
-def changed(case: Case, by: Constants) -> Case:
+def changed(case, by):
     """The case with other constants and the same predictions."""
     if case.name == "lift-and-land":  # p jumps by a ẇ at the landing
         by = replace(by, pressure=by.gap * by.A)
@@ -61,7 +60,7 @@ def changed(case: Case, by: Constants) -> Case:
     )
 
 
-def other(operator: Any, scale: float) -> Any:
+def other(operator, scale):
     """A multiple of an operator; of the law (3.3) a multiple of β."""
     if isinstance(operator, m.Combined):
         parts = other(operator.linear, scale), other(operator.yielding, scale)
@@ -71,7 +70,7 @@ def other(operator: Any, scale: float) -> Any:
     return type(operator)(scale * operator.matrix, operator.factor)
 
 
-def other_face(face: m.ContactFace, law: KelvinVoigt, T: float, by: Constants) -> m.ContactFace:
+def other_face(face, law, T, by):
     gap, pressure = Rational(by.gap), Rational(by.pressure)
     strain, slip = face.strain, tuple(Rational(by.slip) * z for z in face.slip)
     if isinstance(strain, m.Prescribed):
@@ -83,7 +82,7 @@ def other_face(face: m.ContactFace, law: KelvinVoigt, T: float, by: Constants) -
     return m.ContactFace.linear(*data, initial, face.profile, face.rough, slip=slip)
 
 
-def alarms(case: Case) -> list[str]:
+def alarms(case):
     """The rows of the ledger that do not hold at the levels of the quick study.
 
     Meshes are those of the first family that meshes the body, and graded ones where corners need them.
@@ -103,13 +102,13 @@ def alarms(case: Case) -> list[str]:
     return [f"{v.quantity}: {v.observed:.4g} in [{v.low:.4g}, {v.high:.4g}]" for v in bad]
 
 
-def alone(name: str, constant: str) -> Case:
+def alone(name, constant):
     """A case with one constant changed."""
     return changed(named(name), Constants(**{constant: 1 + FIFTH}))
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_unchanged_constants_leave_a_case_as_it_is(name: str) -> None:
+def test_unchanged_constants_leave_a_case_as_it_is(name):
     """Nothing is lost when a case is made again from its parts."""
     assert by_value(changed(named(name), Constants()).solution) == by_value(named(name).solution)
 
@@ -120,7 +119,7 @@ SLOW = [("anisotropic", 0, 1), *((name, 1, side) for name in CASES for side in (
 @pytest.mark.parametrize(
     ("name", "seed", "side"), [("full-contact", 0, 1), *(pytest.param(*one, marks=pytest.mark.slow) for one in SLOW)]
 )
-def test_no_alarm_for_constants_a_fifth_larger_or_smaller(name: str, seed: int, side: int) -> None:
+def test_no_alarm_for_constants_a_fifth_larger_or_smaller(name, seed, side):
     """All at once; both sides together have every constant larger and smaller."""
     signs = np.random.default_rng(seed).choice([-1, 1], len(CONSTANTS))
     case = changed(named(name), Constants(**dict(zip(CONSTANTS, (1 + side * FIFTH * signs).tolist(), strict=True))))

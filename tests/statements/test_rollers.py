@@ -21,35 +21,35 @@ from study.statements.shared.meshes import space_of
 from study.statements.work_of_contact import Resolved
 
 
-def test_every_level_has_its_rollers_by_name_and_other_names_mean_none() -> None:
+def test_every_level_has_its_rollers_by_name_and_other_names_mean_none():
     assert [resolve(f"{kind}-8").name for kind in ROLLERS] == [case.name for case in rollers(8)]
     for name in ("standing-4", "rolling-12", "roller"):
         with pytest.raises(UsageError, match=f"unknown case '{name}'"):
             resolve(name)
 
 
-def trajectories(family: str, level: int) -> own.Trajectories:
+def trajectories(family, level):
     solution, space = rollers(level)[0].solution, space_of(Setting(f"{own.ROLLER}-{level}", family, level))
     return own.Trajectories.of(own.OnContact(Resolved(solution, space)), round(own.PER_H * level * space.body.T))
 
 
 @pytest.fixture(scope="module")
-def coarse() -> own.Trajectories:
+def coarse():
     return trajectories("shaken", 8)
 
 
-def test_the_problem_on_contact_is_problem_5_1_with_all_unknowns_eliminated_off_it(coarse: own.Trajectories) -> None:
+def test_the_problem_on_contact_is_problem_5_1_with_all_unknowns_eliminated_off_it(coarse):
     """The load of a step is that of the midpoint rule with P_hu̇ and P_hu from both ends."""
     on, k = coarse.on, coarse.k
     space, law = on.at.space, on.at.solution.law
     exact = [on.projected(n * k) for n in range(coarse.steps + 1)]
 
-    def free_load(time: float) -> np.ndarray:
+    def free_load(time):
         n = round(time / k - 0.5)
         moved = (exact[n + 1] - exact[n]) / k + (exact[n + 1] + exact[n]) / 2
         return on.M @ moved
 
-    def load(time: float) -> np.ndarray:
+    def load(time):
         return free_load(time) + space.N.T @ coarse.forces[round(time / k - 0.5)]
 
     problem = SemiDiscrete.of(space, law, partial(at_each, of=load), on.start)
@@ -64,14 +64,14 @@ def test_the_problem_on_contact_is_problem_5_1_with_all_unknowns_eliminated_off_
     assert coarse.excess().max() == pytest.approx(np.sqrt(np.sum(away * (on.M @ away.T).T, axis=1).max()))
 
 
-def test_both_sides_of_the_bound_are_ordered_and_contact_costs_nothing_as_a_traction(coarse: own.Trajectories) -> None:
+def test_both_sides_of_the_bound_are_ordered_and_contact_costs_nothing_as_a_traction(coarse):
     found = own.sides(coarse)
     assert 0 < found["E_h"] <= found["error"] < found["right side"]
     assert found["M_h"] > found["J_h"] > 0
     assert replace(coarse, contact=coarse.linear).excess().max() == 0 < coarse.excess().max() - 0.01
 
 
-def predicted(kind: str, family: str, n: int) -> float:
+def predicted(kind, family, n):
     """The excess as it was predicted, with a scatter over shaken meshes that falls like n^{−1/2}."""
     if kind == own.STANDING or family in own.PLAIN_FAMILIES:
         return 0.1 / n
@@ -79,7 +79,7 @@ def predicted(kind: str, family: str, n: int) -> float:
     return by_chance * 0.1 / n**0.5
 
 
-def data(excess=predicted, right: float = 2.0, changed: float = 1.001, step: float = 2.0) -> pd.DataFrame:
+def data(excess=predicted, right=2.0, changed=1.001, step=2.0):
     found = []
     for setting in own.Rollers().places(full=True):
         family, n = setting.family, setting.level
@@ -93,12 +93,12 @@ def data(excess=predicted, right: float = 2.0, changed: float = 1.001, step: flo
     return pd.DataFrame(found)
 
 
-def verdicts(rows: pd.DataFrame) -> dict[tuple[str, str], str]:
+def verdicts(rows):
     """(case, key) ↦ verdict."""
     return {(verdict.case, verdict.key): verdict.verdict for verdict in own.Rollers().judge(rows)}
 
 
-def test_the_predicted_behaviour_holds_in_every_row() -> None:
+def test_the_predicted_behaviour_holds_in_every_row():
     found = verdicts(data())
     reported = "scatter", "best", "share", "order-unstructured", "order-end", "nodal-beside", "order-standing-shaken"
     assert sorted(key for (_, key), verdict in found.items() if verdict == REPORTED) == sorted(reported)
@@ -123,6 +123,6 @@ def test_the_predicted_behaviour_holds_in_every_row() -> None:
     ],
     ids=["bound", "time", "step", "first order everywhere", "half the order everywhere"],
 )
-def test_every_row_about_rollers_can_fail(wrong, places: set[tuple[str, str]]) -> None:
+def test_every_row_about_rollers_can_fail(wrong, places):
     found = verdicts(data(**wrong))
     assert {place for place, verdict in found.items() if verdict == FAILS} == places

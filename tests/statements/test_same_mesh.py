@@ -1,6 +1,6 @@
 """Theorem 4.2 on one mesh: the bounds are the proved ones, and no step is left out."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -12,14 +12,14 @@ from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.solve.stress_problem import StressProblem, StressState
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.thm_4_2 import Gaps, gaps
+from study.statements.thm_4_2 import gaps
 
 STEPS = 4
 Change = Callable[[int, StressState], StressState]
 
 
 @lru_cache
-def both(name: str = "full-contact"):
+def both(name="full-contact"):
     return problems(resolve(name).solution, OneDiagonal(), 4)
 
 
@@ -30,19 +30,19 @@ class Changed(StressProblem):
     honest: StressProblem
     change: Change
 
-    def march(self, steps: int) -> Iterator[StressState]:
+    def march(self, steps):
         for n, state in enumerate(self.honest.march(steps)):
             yield self.change(n, state)
 
 
-def found(change: Change, name: str = "full-contact") -> Gaps:
+def found(change, name="full-contact"):
     displacements, honest = both(name)
     changed = Changed(honest.space, honest.law, honest.N, honest.load, honest.u0, honest, change)
     return gaps(displacements, changed, STEPS)
 
 
 @pytest.mark.parametrize(("name", "q"), [("full-contact", 1.0), ("softening", 4 / 3)])
-def test_the_bounds_are_those_of_the_proof_for_the_duality_gaps_of_the_steps(name: str, q: float) -> None:
+def test_the_bounds_are_those_of_the_proof_for_the_duality_gaps_of_the_steps(name, q):
     """(q k)^{1/2} R and (L_A/k + L_G)^{1/2} R over the largest sizes by hand, R = Σ q^{N−n} g_n^{1/2}, kγ = 1 − 1/q."""
     displacements, stresses = both(name)
     law, space, k = stresses.law, stresses.space, displacements.T / STEPS
@@ -69,10 +69,10 @@ def test_the_bounds_are_those_of_the_proof_for_the_duality_gaps_of_the_steps(nam
         ("stress", {"stress_gap", "admissibility", "energy_gap"}),
     ],
 )
-def test_no_step_is_left_out(step: int | None, what: str, seen_by: set[str]) -> None:
+def test_no_step_is_left_out(step, what, seen_by):
     """1 % of random numbers in the displacement or the stress of one step."""
 
-    def off(n: int, state: StressState) -> StressState:
+    def off(n, state):
         value = getattr(state, what)
         noise = np.random.default_rng(n).standard_normal(value.shape) * abs(value).max()
         return replace(state, **{what: value + 0.01 * noise}) if n == step else state

@@ -20,7 +20,7 @@ LAWS = [named(name).solution.law for name in ("softening", "double-well")]
 
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
-def test_a_law_is_scaled_to_any_omega_and_multiples_of_other_laws_are_not_known(law: KelvinVoigt) -> None:
+def test_a_law_is_scaled_to_any_omega_and_multiples_of_other_laws_are_not_known(law):
     strain = np.array([[0.3], [-2.0], [1.0]])
     for omega in (0.1, 10.0):
         assert divergence.scaled(law, omega).kappa == pytest.approx(omega)
@@ -30,24 +30,24 @@ def test_a_law_is_scaled_to_any_omega_and_multiples_of_other_laws_are_not_known(
 
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
-def test_the_softest_mode_stays_in_contact_and_grows_no_faster_than_proved(law: KelvinVoigt) -> None:
+def test_the_softest_mode_stays_in_contact_and_grows_no_faster_than_proved(law):
     c, v, force = divergence.softest_mode(SPACE, law)
     assert 0 < c <= law.growth * (1 + 1e-12)
     assert abs(SPACE.N @ v).max() <= 1e-12 * abs(v).max()
     assert force.any()
 
 
-def test_the_softest_rate_is_omega_where_g_is_a_multiple_of_a_and_a_monotone_law_has_no_growth() -> None:
+def test_the_softest_rate_is_omega_where_g_is_a_multiple_of_a_and_a_monotone_law_has_no_growth():
     assert divergence.softest_mode(SPACE, divergence.even_law(2, 3.0))[0] == pytest.approx(3.0)
     assert divergence.softest_mode(SPACE, KelvinVoigt(isotropic(1, 0.5), isotropic(1, 1), "monotone"))[0] < 0
 
 
-def test_a_law_that_is_softer_than_it_says_diverges_faster_than_its_bound() -> None:
+def test_a_law_that_is_softer_than_it_says_diverges_faster_than_its_bound():
     """The steps are for ω = 1.1, the bound for ω = 1."""
 
     class Modest(KelvinVoigt):
         @property
-        def growth(self) -> float:
+        def growth(self):
             return 1.0
 
     law, setup = divergence.even_law(2, 1.1), Experiment.at(Setting("softening", "one-diagonal", 2), MIDPOINT, 1)
@@ -61,7 +61,7 @@ def test_a_law_that_is_softer_than_it_says_diverges_faster_than_its_bound() -> N
 @pytest.mark.parametrize(
     "law", [divergence.even_law(2, 10.0), LAWS[0]], ids=["without a contact force", "with a contact force"]
 )
-def test_the_measured_rate_is_the_rate_of_the_midpoint_rule(law: KelvinVoigt) -> None:
+def test_the_measured_rate_is_the_rate_of_the_midpoint_rule(law):
     """For G = −ωA no force is needed to keep the softest mode on the foundation."""
     c = divergence.softest_mode(SPACE, law)[0]
     z = c / divergence.steps_for(law, 1.0)

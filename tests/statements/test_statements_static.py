@@ -19,7 +19,7 @@ H = 1 / np.array([8.0, 16.0, 32.0])
 # (2.17).
 
 
-def test_eigenvalues_that_rise_or_tend_to_zero_fail() -> None:
+def test_eigenvalues_that_rise_or_tend_to_zero_fail():
     for values in ((0.3, 0.2, 0.21), (0.4, 0.2, 0.1), (1 / 3, 1 / 4, 1 / 5), (0.3, 0.25, np.nan)):
         assert FAILS in verdicts(Korn(), invented({"smallest eigenvalue": values})).values(), values
 
@@ -31,7 +31,7 @@ def test_eigenvalues_that_rise_or_tend_to_zero_fail() -> None:
 @pytest.mark.parametrize(
     ("order", "verdict"), [(1.0, HOLDS), (0.8, FAILS), (1.2, FAILS), (2.0, FAILS), (np.nan, FAILS)]
 )
-def test_the_order_in_v_is_judged_from_both_sides(order: float, verdict: str, family: str, scatter: float) -> None:
+def test_the_order_in_v_is_judged_from_both_sides(order, verdict, family, scatter):
     """On random meshes the scatter of the coarsest one hardly counts."""
     errors = dict.fromkeys(error_estimate.INTERPOLATED.values(), H**order * [scatter, 1, 1])
     assert set(verdicts(InterpolationInV(), invented(errors, family=family)).values()) == {verdict}
@@ -45,13 +45,13 @@ def test_the_order_in_v_is_judged_from_both_sides(order: float, verdict: str, fa
         *((1.75, order, verdict) for order, verdict in ((1.7, REPORTED), (1.0, MISSED))),
     ],
 )
-def test_the_order_of_traces_is_two_where_it_is_claimed(tau: float, order: float, verdict: str) -> None:
+def test_the_order_of_traces_is_two_where_it_is_claimed(tau, order, verdict):
     column = error_estimate.TRACE_ERROR.format(next(iter(error_estimate.FUNCTIONS)), 1)
     rows = invented({error_estimate.REGULARITY: tau, "size of Γ3,1": H, column: H**order})
     assert {*verdicts(InterpolationOnContact(), rows).values()} == {verdict}
 
 
-def test_a_trace_that_is_zero_has_no_order_to_be_judged() -> None:
+def test_a_trace_that_is_zero_has_no_order_to_be_judged():
     rows = measured(InterpolationOnContact(), grid(("full-contact",), ("shaken",), (4, 8, 16)))
     assert list(verdicts(InterpolationOnContact(), rows)) == ["smooth-face-1"]
 

@@ -17,13 +17,13 @@ from study.statements.time_steps import BackwardEuler, Landings, solution_of_two
 
 
 @pytest.fixture(scope="module")
-def in_time() -> pd.DataFrame:
+def in_time():
     """Errors on one mesh, as if three meshes had the same; the quick study measures all three."""
     rows = measured(BackwardEuler(), grid(("advance-recede",), ("shaken",), (4,)))
     return pd.concat([rows.assign(level=4 * n, h=rows["h"] / n) for n in (1, 2, 4)])
 
 
-def test_backward_euler_is_judged_by_its_theorem(in_time: pd.DataFrame) -> None:
+def test_backward_euler_is_judged_by_its_theorem(in_time):
     keys = ["data", "solution", "constant", "between", "midpoint", "order", "uniform", "reference"]
     assert verdicts(BackwardEuler(), in_time) == dict.fromkeys(keys, HOLDS)
 
@@ -42,25 +42,25 @@ def test_backward_euler_is_judged_by_its_theorem(in_time: pd.DataFrame) -> None:
         ("reference", lambda value, level: 0 * value, "reference"),
     ],
 )
-def test_every_row_about_backward_euler_can_fail(in_time: pd.DataFrame, quantity: str, change, key: str) -> None:
+def test_every_row_about_backward_euler_can_fail(in_time, quantity, change, key):
     assert verdicts(BackwardEuler(), wrong_values(in_time, quantity, change))[key] == FAILS
 
 
-def error_over_k(scheme, steps: int) -> float:
+def error_over_k(scheme, steps):
     problem, exact = two_unknowns(), solution_of_two_unknowns(np.arange(steps + 1) / steps)
     return steps * furthest(problem, path(problem, scheme, steps), exact)
 
 
 @pytest.mark.parametrize("scheme", [BACKWARD_EULER, MIDPOINT], ids=lambda scheme: scheme.name)
 @pytest.mark.parametrize("j", [1, 2, 3, 4, 5, 6, 8, 10])
-def test_two_unknowns_leave_second_order_schemes_the_order_one(scheme, j: int) -> None:
+def test_two_unknowns_leave_second_order_schemes_the_order_one(scheme, j):
     """√2 (1 − θ)·3k/40 for a landing at (n + θ)k, θ ≥ 3/20, exactly."""
     theta = 0.4 * 2**j % 1
     assert error_over_k(scheme, 2**j) == pytest.approx(math.sqrt(2) * 0.075 * (1 - theta), rel=1e-6)
 
 
 @pytest.mark.parametrize("steps", [32, 33, 64, 128, 256, 391, 512])
-def test_two_unknowns_leave_bdf2_the_order_one_whatever_the_place_of_the_landing(steps: int) -> None:
+def test_two_unknowns_leave_bdf2_the_order_one_whatever_the_place_of_the_landing(steps):
     """√2 (17/80)(1 − 2θ)k or √2 (26θ − 9)k/80 after many steps, at least √2·17k/600."""
     theta = 0.4 * steps % 1
     left = 17 / 80 * (1 - 2 * theta) if theta <= 13 / 30 else (26 * theta - 9) / 80
@@ -68,7 +68,7 @@ def test_two_unknowns_leave_bdf2_the_order_one_whatever_the_place_of_the_landing
     assert left >= 17 / 600
 
 
-def test_landings_are_judged_and_a_scheme_without_loss_would_be_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_landings_are_judged_and_a_scheme_without_loss_would_be_noticed(monkeypatch):
     """The problem with two unknowns takes the place of finite elements, whose orders are only reported."""
     monkeypatch.setattr(time_steps, "LANDING_STEPS", 1024)
     small = SimpleNamespace(problem=two_unknowns(), space=SimpleNamespace(dofs=2, h=0.25))

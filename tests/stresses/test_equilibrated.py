@@ -6,6 +6,8 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
+from costly_cases import slow, slow_unless
+from measures import close, gauss
 from skfem import Basis, ElementTriP4, ElementVector
 
 from manufactured import isotropic, t, unit_square, x2
@@ -42,18 +44,18 @@ BODIES = ("advance-recede", "rotated", "layered", "corner", "hexagon", "re-entra
 DEGREES = (1, 2)
 SERVED = [(name, family) for name, family in product(BODIES, FAMILIES) if family.serves(resolve(name).solution.body)]
 MESHED = [
-    pytest.param(*one, degree, id=f"{one[0]}-{one[1].name}-{degree}", marks=() if n % 5 == 0 else pytest.mark.slow)
+    slow_unless(n % 5 == 0, *one, degree, id=f"{one[0]}-{one[1].name}-{degree}")
     for n, (one, degree) in enumerate(product(SERVED, DEGREES))
 ]
 """A fifth of all, with the degrees in turn; the nightly job takes both degrees everywhere."""
 LAW = KelvinVoigt(isotropic(2, 3), isotropic(1, 0.5), "linear")
 
 
-def stress_at(solution, family, degree, now=0.4):
+def stress_at(solution, family, degree):
     space = StressSpace(family(solution.body, 4), solution.body, degree)
-    loads = ProjectedLoads(Data.of(solution), space)(now)
+    loads = ProjectedLoads(Data.of(solution), space)(0.4)
     equilibrium = Equilibrium(space, np.linalg.inv(solution.law.A.matrix))
-    strain = solution.at(space.points).strain(now)
+    strain = solution.at(space.points).strain(0.4)
     return space, loads, equilibrium, equilibrium(loads, -strain)
 
 
@@ -73,7 +75,7 @@ def fitted(space, values):
     def at(y, where):
         return np.einsum("Itm,mtq->Itq", coefficients[:, where], monomials(y, where))
 
-    assert abs(at(x, every) - values).max() <= 1e-10 * abs(values).max()
+    assert close(at(x, every), values, 1e-10)
     return at
 
 
@@ -117,10 +119,10 @@ def test_a_stress_is_admissible_on_every_mesh_and_body(name, family, degree):
 
 def moments_of(space, displacement):
     """∫_e v B_i in the axes of the edges, (edges, n, 2)."""
-    x, weights = np.polynomial.legendre.leggauss(6)
-    along = np.array([1 - x, 1 + x]) / 2
+    x, weights = gauss(6)
+    along = np.array([1 - x, x])
     v = displacement(np.einsum("den,eq->dnq", space.mesh.p[:, space.mesh.facets], along))
-    shapes = bernstein(space.degree, along) * weights / 2
+    shapes = bernstein(space.degree, along) * weights
     return np.einsum("nij,jnq,aq,n->nai", space.frames, v, shapes, space.lengths)
 
 
@@ -165,8 +167,8 @@ def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme, d
     ("name", "family", "degree"),
     [
         *(("layered", Shaken(), 2), ("advance-recede", Shaken(), 2)),
-        *(pytest.param(*one, marks=pytest.mark.slow) for one in (("corner", Shaken(), 1), ("layered", Shaken(), 1))),
-        pytest.param("hexagon", Unstructured(), 1, marks=pytest.mark.slow),
+        *(slow(*one) for one in (("corner", Shaken(), 1), ("layered", Shaken(), 1))),
+        slow("hexagon", Unstructured(), 1),
     ],
     ids=lambda value: getattr(value, "name", str(value)),
 )
@@ -184,7 +186,7 @@ def test_a_stress_of_least_energy_satisfies_the_variational_inequality(name, fam
     stress = equilibrium(loads, strain)
     target = act(tensor_at(solution.law.A, space.points), -strain)
     nearest = equilibrium.nearest(loads, target, np.zeros((len(equilibrium.contact), degree + 1)))
-    assert nearest.values + target == pytest.approx(stress.values, abs=1e-10 * abs(stress.values).max())
+    assert close(nearest.values + target, stress.values, 1e-10)
     others = strain[:, None] + abs(strain).max() * np.random.default_rng(1).normal(size=(3, 40, *space.weights.shape))
     differences = equilibrium(together([loads] * 40), others).values - stress.values[:, None]
     work = np.einsum("Icq,Iicq,cq->i", act(compliance, stress.values) + strain, differences, space.weights)
@@ -292,16 +294,16 @@ def test_a_traction_that_no_admissible_stress_has_is_measured(kind, traction, vi
 
 def fluxes(solution, corners, fronts, time):
     """∮ σν along n triangles (2, 3, n), whose sides are cut at the fronts, the lines of constant x_1: (2, n)."""
-    x, w = np.polynomial.legendre.leggauss(12)
+    x, w = gauss(12)
     ends = np.roll(corners, -1, axis=1)
     along = ends - corners
     with np.errstate(divide="ignore"):
         crossings = [(front - corners[0]) / along[0] for front in fronts]
     cuts = np.sort([0 * along[0], *np.clip(crossings, 0, 1), 0 * along[0] + 1], axis=0)[..., None]
-    places = (cuts[:-1] + np.diff(cuts, axis=0) * (1 + x) / 2)[None]
+    places = (cuts[:-1] + np.diff(cuts, axis=0) * x)[None]
     stress = solution.at(corners[:, None, ..., None] + along[:, None, ..., None] * places).stress(time)
     normals = np.array([along[1], -along[0]]) * np.sign(np.linalg.det(np.moveaxis(along[:, :2], 2, 0)))
-    return np.einsum("ijpvnq,jvn,pvn,q->in", full(stress), normals, np.diff(cuts, axis=0)[..., 0], w / 2)
+    return np.einsum("ijpvnq,jvn,pvn,q->in", full(stress), normals, np.diff(cuts, axis=0)[..., 0], w)
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from itertools import product
 import numpy as np
 import pytest
 import scipy.sparse as sps
+from costly_cases import slow_unless
 from scipy.linalg import eigh, null_space
 from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshTri
@@ -67,7 +68,7 @@ def largest(F, C, q, side=None):
 
 
 EVERY = [
-    pytest.param(shape, tensor, marks=() if (i + j) % 3 == 0 else pytest.mark.slow)
+    slow_unless((i + j) % 3 == 0, shape, tensor)
     for i, shape in enumerate(TRIANGLES)
     for j, tensor in enumerate(TENSORS)
 ]
