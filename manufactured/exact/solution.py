@@ -190,7 +190,10 @@ class Fields:
         return self._total("strain", time, rate=True)
 
     def modes(self) -> list[Modes]:
-        """Return ε(u) as sums of products, one sum for each displacement field; points are in the order of ``x``."""
+        """Return the strain of each displacement field as a sum of products of functions of the point and of time.
+
+        Points are in the order of ``x``.
+        """
         return [part.modes() for part in self._parts]
 
     def strain_gradient(self, time: Array | complex) -> Array:

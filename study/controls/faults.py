@@ -195,7 +195,10 @@ def whole_load(setup: Experiment, time: float) -> Array:
 
 @lru_cache(maxsize=4096)
 def traction_load(setup: Experiment, time: float, kind: Kind = Kind.LOADED) -> Array:
-    """Return the load vector of the exact traction at a time, (dofs,): of f_2, or of σν on another boundary."""
+    """Return the load vector of the exact traction σν at a time on the boundary parts of one kind, (dofs,).
+
+    On the loaded parts, the default, σν = f_2.
+    """
     return work_on(kind, setup.solution, setup.space, time)
 
 

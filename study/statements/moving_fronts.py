@@ -319,8 +319,9 @@ class AdvancingFront(ListedNumbers):
       1.
     * The *excess* ‖u^h − u^h_lin‖ has an order between 1 and 3/2; the proof gives 1/2. Here u^h_lin solves the linear
       problem in which the exact normal stress σ_ν is a given traction. The front passes a cell in a time ~ h, during
-      which velocities have an error of h^{1/2}. So an error of h^{3/2} remains in each of h^{−1} cells. If this error
-      is the same in all cells, the sum is smooth and of order h^{3/2}; otherwise the sum is of order h.
+      which velocities have an error of h^{1/2}. So an error of the size h^{3/2} remains in each of h^{−1} cells. If
+      these errors have independent signs, they add up to h^{3/2} h^{−1/2} = h. If they are the same in all cells, their
+      sum is a smooth field of order h^{3/2}.
 
     **Predicted** for what the proofs of these theorems use, from a prototype with one diagonal and n ≤ 128. L is |log
     h|:
