@@ -24,6 +24,11 @@ SHOWN_RATES = ["h", "dofs", "steps", "error", "order", "at", "interpolation_erro
 SERIES = ["claim", "case", "family", "scheme"]
 
 
+Key = tuple[str, ...]
+"""Texts that identify a row: the name of its file, and the cells of the key columns."""
+Row = Mapping[str, Any]
+
+
 class DataError(ValueError):
     """Raised if a data file is missing, damaged or edited.
 
@@ -100,13 +105,13 @@ def nested_keys(keys: Iterable[Sequence[str]]) -> dict[str, Any]:
     return tree
 
 
-def planned_keys(provenance: Mapping[str, Any]) -> list[tuple[str, ...]]:
+def planned_keys(provenance: Mapping[str, Any]) -> list[Key]:
     """Return the keys of the rows that a run planned, from the content of its ``provenance.json``.
 
     The entry ``planned`` has the form that ``nested_keys`` returns. Without this entry the list is empty.
     """
 
-    def flatten(tree: Mapping[str, Any], start: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+    def flatten(tree: Mapping[str, Any], start: Key) -> Iterator[Key]:
         for text, rest in tree.items():
             if isinstance(rest, Mapping):
                 yield from flatten(rest, (*start, text))
@@ -196,9 +201,6 @@ def table_text(table: pd.DataFrame) -> str:
     return str(table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
 
 
-Row = Mapping[str, Any]
-
-
 @dataclass(frozen=True)
 class CsvFile:
     """A CSV file of measurements.
@@ -231,7 +233,7 @@ class CsvFile:
         """Return the table from the file in a result directory; raises DataError if it is missing or damaged."""
         return read_csv(directory, self.name)
 
-    def keys(self, table: pd.DataFrame) -> set[tuple[str, ...]]:
+    def keys(self, table: pd.DataFrame) -> set[Key]:
         """Return the keys of all rows of a table, as texts.
 
         A key is a tuple of the name of the file and the cells of the key columns.

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from study.fem.naming import describe, resolve
-from study.ledger.datafiles import DataError, made_by, nested_keys, planned_keys, read_uncompressed
+from study.ledger.datafiles import DataError, Key, made_by, nested_keys, planned_keys, read_uncompressed
 from study.ledger.files import StoreError, UsageError
 from study.ledger.verdict import HOLDS, UNDECIDED, CheckKind, Verdict, row
 from study.ledger.window import at_most
@@ -156,7 +156,7 @@ class Complete:
     label: str = "data"
     claim: str = "all planned measurements are present"
 
-    def judge(self, planned: set[tuple[str, ...]], measured: set[tuple[str, ...]]) -> Verdict:
+    def judge(self, planned: set[Key], measured: set[Key]) -> Verdict:
         """Return the verdict on completeness: undecided if the tables lack rows that were planned.
 
         Parameters:
