@@ -146,7 +146,7 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
         return FacetRule(facets, s, shapes, np.multiply.outer(facet_measures(mesh, facets), weights))
     ends = np.stack([part.coordinates(mesh.p[:, v])[0][0] for v in mesh.facets[:, facets]])
     low, high = ends.min(axis=0), ends.max(axis=0)
-    nodes = np.sort(np.vstack([low, high, *[np.clip(np.full_like(low, c), low, high) for c in rough]]), axis=0)
+    nodes = np.sort(np.vstack([low, high, *(np.clip(c, low, high) for c in rough)]), axis=0)
     xi, w = gauss(points)
     places, of_pieces = [], []
     for left, right in pairwise(nodes):
@@ -345,7 +345,7 @@ def _slab_rule(
         slope = np.divide(r[high] - r[low], length, out=np.zeros_like(length), where=length > 0)
         return r[low][:, None] + slope[:, None] * (x - s[low][:, None])
 
-    ends = np.sort(np.vstack([s, *(np.clip(np.full_like(s[0], c), s[0], s[2]) for c in offsets)]), axis=0)
+    ends = np.sort(np.vstack([s, *(np.clip(c, s[0], s[2]) for c in offsets)]), axis=0)
     eta, we = gauss(degree // 2 + 2)
     slabs = []
     for left, right in pairwise(ends):

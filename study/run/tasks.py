@@ -16,6 +16,7 @@ import numpy as np
 
 from manufactured.body import Kind
 from manufactured.tensors import Array
+from study.fem.mesh import determinants
 from study.fem.space import means
 from study.ledger.files import StoreError, write_text, write_whole
 from study.run.store import Store
@@ -143,8 +144,7 @@ def oriented(points: Array, cells: Array) -> Array:
         points: coordinates of the vertices, (d, vertices).
         cells: vertex numbers, (d + 1, cells).
     """
-    corners = points[:, cells]
-    negative = np.linalg.det(np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)) < 0
+    negative = determinants(points, cells) < 0
     turned = cells.copy()
     turned[-2:, negative] = turned[:-3:-1, negative]
     return turned

@@ -31,7 +31,7 @@ from scipy.linalg import null_space
 from skfem import Mesh, MeshTri
 
 from manufactured.tensors import Array, Points, basis
-from study.fem.quadrature import simplex_rule
+from study.fem.quadrature import gauss, simplex_rule
 
 CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 """Vertices of the reference triangle as columns, (2, 3)."""
@@ -75,9 +75,9 @@ def interval_mass(degree: int, other: int) -> Array:
 
     The shape is (degree + 1, other + 1).
     """
-    x, w = np.polynomial.legendre.leggauss((degree + other) // 2 + 1)
-    first, second = (bernstein(k, np.array([1 - x, 1 + x]) / 2) for k in (degree, other))
-    return (first * w / 2) @ second.T
+    x, weights = gauss((degree + other) // 2 + 1)
+    first, second = (bernstein(k, np.array([1 - x, x])) for k in (degree, other))
+    return (first * weights) @ second.T
 
 
 def triangle_mass(degree: int) -> Array:
@@ -219,6 +219,13 @@ def composite(degree: int) -> CompositeElement:
     if degree < 1:
         raise ValueError(f"a composite element needs a degree of 1 or more, got {degree}")
     return CompositeElement(degree)
+
+
+def piola(F: Array) -> Array:
+    """Return the matrices of the Piola transformations σ̂ ↦ F σ̂ Fᵀ / det F, (cells, 2, 2) → (cells, 3, 3)."""
+    E = basis(2)
+    pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / np.linalg.det(F)[:, None, None, None]
+    return np.einsum("Iil,cJil->cIJ", E, pushed)
 
 
 def thirds(corners: Points) -> Points:
