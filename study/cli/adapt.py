@@ -69,7 +69,8 @@ def do_adapt(options: argparse.Namespace) -> int:
             print(f"mesh {number}: {stage.cells} cells, bound {up(rows['bound'].iloc[-1], SHOWN)}", flush=True)
             with np.load(path) as arrays:
                 following = adaptive.next_stage(stage, arrays["shares"], float(arrays["in_time"]))
-                edges, closed = contact_edges(data, stage.mesh, arrays["u"][-1])
+                at_vertices = arrays["times"], arrays["u"]
+            edges, closed = contact_edges(data, stage.mesh, at_vertices[1][-1])
             reached = tolerance.reached(rows.iloc[-1])
             stopped = "" if reached else _limit(following, options.cells)
             if reached or stopped:
@@ -83,8 +84,6 @@ def do_adapt(options: argparse.Namespace) -> int:
         shown = Triangulation(*stage.mesh.p, stage.mesh.t.T)
         result = AdaptiveRefinement(name, error, shown, edges, closed, rows, uniform)
         written += draw_one(store.directory, figure("adaptive", result, about=name))
-        with np.load(path) as arrays:
-            at_vertices = arrays["times"], arrays["u"]
         written += draw_problem(store.directory, name, data, (stage.mesh.p, stage.mesh.t), at_vertices)
     tell_written(written)
     sentences = [*results[-1]["sentences"], *bounded.contact_sentences(data.body)]

@@ -15,7 +15,6 @@ import pandas as pd
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.self_proof import prove
-from manufactured.tensors import Array
 from study.bound import bounded
 from study.bound.discretisation import check_force
 from study.bound.problem import place
@@ -24,7 +23,7 @@ from study.cli.adapt import do_adapt
 from study.cli.common import tell_written, with_progress
 from study.cli.displacement import Displacement, displacements_in_files
 from study.cli.options import FAILED, OK
-from study.cli.problem import OUTPUT, draw_problem
+from study.cli.problem import OUTPUT, MeshInTime, draw_problem
 from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError
@@ -118,7 +117,7 @@ def computed_displacements(
 
         cache_key = of_problem(data, case, (family, level, scheme, steps, refined))
 
-        def shown() -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        def shown() -> MeshInTime:
             with np.load(file) as arrays:
                 return (arrays["p"], arrays["t"]), (arrays["times"], arrays["u"])
 

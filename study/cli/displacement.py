@@ -10,11 +10,11 @@ from typing import Any
 
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.tensors import Array
 from study.bound import bounded, fields
 from study.bound.given import bounded_displacement, given
 from study.bound.trajectory import Computed, Refined
 from study.cli.common import with_progress
+from study.cli.problem import MeshInTime
 from study.run.executor import require_bound
 from study.run.fingerprint import of_problem
 
@@ -36,7 +36,7 @@ class Displacement:
     cache_key: str
     compute: Callable[[], dict[str, Any]]
     files: tuple[Path, ...]
-    shown: Callable[[], tuple[tuple[Array, Array], tuple[Array, Array]]]
+    shown: Callable[[], MeshInTime]
     file_name: str = ""
     remark: str = ""
 
@@ -66,7 +66,7 @@ def displacements_in_files(
         cache_key = of_problem(data, case, (content, u_h.steps, u_h.remarks, refined))
         remark = f"{path}: degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"
 
-        def shown() -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        def shown() -> MeshInTime:
             return (u_h.mesh.p, u_h.mesh.t), (u_h.times, u_h.at_vertices)
 
         return Displacement(f"displacement-{number}", cache_key, compute, (), shown, path.name, remark)

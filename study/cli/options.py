@@ -95,13 +95,14 @@ def enclosed(levels: tuple[int, ...], shorter: int) -> list[Option]:
     return [
         option("--levels", nargs="+", type=int, default=list(levels), metavar="N", help=increasing),
         option("--family", default="unstructured", help=f"meshes: {', '.join(FAMILY_NAMES)} (default unstructured)"),
-        option("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEME_NAMES)} (default midpoint)"),
+        SCHEME,
         option("--steps", type=int, within=FROM_1, metavar="N", help="time steps of the displacement on every level"),
         option("--refine", type=int, within=Range(0, "0 to 20", 20), default=1, metavar="R", help=refine),
         option("--shorter", type=int, within=FROM_1, default=shorter, metavar="Q", help=steps),
     ]
 
 
+SCHEME = option("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEME_NAMES)} (default midpoint)")
 JSON = option("--json", action="store_true", help="print as JSON")
 JOBS = option("--jobs", type=int, within=Range(1, "1 to 1024", 1024), default=os.cpu_count() or 1,
               help="number of processes (default: all cores)")  # fmt: skip
@@ -141,7 +142,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--case", action="extend", nargs="+", metavar=CASE,
                help="measure only these cases, by name or from your own file"),
         option("--levels", nargs="+", type=int, metavar="N", help="meshes: numbers of cells along a side, increasing"),
-        option("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEME_NAMES)} (default midpoint)"),
+        SCHEME,
         option("--step", type=float, metavar="K", help="time step on all levels (default: chosen for each case)"),
         JOBS,
         option("--cluster", metavar="ADDRESS", help=CLUSTER),

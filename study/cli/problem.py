@@ -8,11 +8,13 @@ from skfem import Mesh
 from manufactured.body import Kind, Part
 from manufactured.data import Data
 from manufactured.tensors import Array
-from study.fem.mesh import boundary_parts
+from study.fem.mesh import MeshedBody
 from study.ledger.files import UsageError
 from study.present.drawing import Output, draw_one
 from study.present.problem import ProblemPicture, Side
 
+MeshInTime = tuple[tuple[Array, Array], tuple[Array, Array]]
+"""A mesh and a displacement over time, as ``draw_problem`` takes them."""
 OUTPUT = Output(formats=("png", "svg"))
 ARROWS = 7
 """Number of arrows of the traction on a side."""
@@ -87,10 +89,9 @@ def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, A
     # Bodies without contact have no array to concatenate, so each list starts with an empty array.
     ends, closed = [np.empty((2, 2, 0))], [np.empty(0, dtype=bool)]
     size = max(float(abs(displacement).max()), np.finfo(float).tiny)
-    for part, facets in zip(data.body.parts, boundary_parts(mesh, data.body), strict=True):
-        if part.kind is Kind.CONTACT:
-            vertices = mesh.facets[:, facets]
-            ends.append(mesh.p[:, vertices])
-            opening = -np.einsum("d,den->en", part.normal, displacement[:, vertices])
-            closed.append((opening <= TOUCHING * size).all(axis=0))
+    for part, facets in MeshedBody(mesh, data.body).on(Kind.CONTACT):
+        vertices = mesh.facets[:, facets]
+        ends.append(mesh.p[:, vertices])
+        opening = -np.einsum("d,den->en", part.normal, displacement[:, vertices])
+        closed.append((opening <= TOUCHING * size).all(axis=0))
     return np.concatenate(ends, axis=2), np.concatenate(closed)

@@ -214,8 +214,8 @@ class CrissCross(Structured):
 
     def __call__(self, body: Body, n: int) -> Mesh:
         require_plane(self, body)
-        points, a = mapped(body, grid_vertices(n, 2)), lowest_corners(n, 2)
-        b, c, d = a + 1, a + n + 2, a + n + 1
+        points = mapped(body, grid_vertices(n, 2))
+        a, b, c, d = squares(n)
         centres = (points[:, a] + points[:, b] + points[:, c] + points[:, d]) / 4
         m = points.shape[1] + np.arange(n * n)
         return simplicial_mesh(np.hstack([points, centres]), np.hstack([[a, b, m], [b, c, m], [c, d, m], [d, a, m]]))
@@ -235,8 +235,7 @@ class Alternating(Structured):
 
     def __call__(self, body: Body, n: int) -> Mesh:
         require_plane(self, body)
-        a = lowest_corners(n, 2)
-        b, c, d = a + 1, a + n + 2, a + n + 1
+        a, b, c, d = squares(n)
         odd = np.indices((n, n)).sum(axis=0).ravel() % 2 == 1
         rising = np.hstack([[a, b, c], [a, c, d]])
         falling = np.hstack([[a, b, d], [b, c, d]])
@@ -293,6 +292,11 @@ def lowest_corners(n: int, dim: int) -> Array:
     """Return the number of the vertex with the smallest coordinates of every cube of the grid, (n^d,)."""
     steps = (n + 1) ** np.arange(dim)
     return sum(step * i.ravel("F") for step, i in zip(steps, np.indices((n,) * dim), strict=True))
+
+
+def squares(n: int) -> Array:
+    """Return the vertices of every square of a plane grid, counter-clockwise from the lowest one, (4, n²)."""
+    return lowest_corners(n, 2) + np.array([[0], [1], [n + 2], [n + 1]])
 
 
 def kuhn(n: int, dim: int) -> Array:

@@ -112,8 +112,7 @@ def _head(task: Task, mode: str, scale: float) -> Data:
         gaps = [{"gap": scale * gap} for gap in np.split(task.gap, np.cumsum(counts)[:-1])]
     for name, tensor in (("A", law.A), ("G", law.G)):
         factor = means(space, tensor.factor)
-        one = np.ptp(factor) == 0 and factor[0] == 1
-        numbers[name] = {"matrix": tensor.matrix, "factor": 1.0 if one else factor}
+        numbers[name] = {"matrix": tensor.matrix, "factor": 1.0 if np.all(factor == 1) else factor}
     return {
         "format": TASK_FORMAT,
         "version": TASK_VERSION,
