@@ -350,8 +350,7 @@ def prove(jobs: Iterable[Job], cases: Iterable[str], store: Store, pool: Pool) -
     """
     measured = {job.case for job in jobs}
     proofs = unfinished([Proof(case) for case in cases if case in measured], store)
-    executors = cycle(pool.executors)
-    futures = [next(executors).submit(run_job, proof) for proof in proofs]
+    futures = [executor.submit(run_job, proof) for executor, proof in zip(cycle(pool.executors), proofs, strict=False)]
     for proof, future in zip(proofs, futures, strict=True):
         if violated := future.result()["violated"]:
             raise SelfProofError(f"case {resolve(proof.case).name}", violated)

@@ -15,7 +15,7 @@ import platform
 import subprocess
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -146,15 +146,14 @@ def refuse_to_replace(plan: Plan, directory: Path) -> None:
             )
 
 
-@dataclass(frozen=True)
 class Complete:
     """The first check of the ledger: no planned measurement is missing.
 
     Without this check, a missing mesh family or level could make other checks hold.
     """
 
-    label: str = "data"
-    claim: str = "all planned measurements are present"
+    label = "data"
+    claim = "all planned measurements are present"
 
     def judge(self, planned: set[Key], measured: set[Key]) -> Verdict:
         """Return the verdict on completeness: undecided if the tables lack rows that were planned.

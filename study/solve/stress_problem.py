@@ -172,7 +172,8 @@ class Programme:
     strains in these units times the norm of the compliance, so that the tolerances of the solver are relative.
     """
 
-    def __init__(self, space: Space, N: sps.csr_array, potential: Potential) -> None:
+    def __init__(self, space: Space, potential: Potential) -> None:
+        N = space.N
         cells, m = len(space.volumes), N.shape[0]
         D, p = potential.stress.shape
         self.dofs, self.potential = space.dofs, potential
@@ -248,21 +249,14 @@ class StressProblem:
     Attributes:
         space: the space V^h.
         law: the material law.
-        N: the constraint matrix, (m, dofs): K^h = {v : N v ≤ 0}.
         load: the function from a time to the load vector F(t), (dofs,).
         u0: the initial displacement u_0^h, (dofs,).
     """
 
     space: Space
     law: KelvinVoigt
-    N: sps.csr_array
     load: Callable[[float], Array]
     u0: Array
-
-    @classmethod
-    def of(cls, space: Space, law: KelvinVoigt, load: Callable[[float], Array], u0: Array) -> StressProblem:
-        """Return Problem 3.2 on a space for a law, a load and an initial displacement."""
-        return cls(space, law, space.N, load, u0)
 
     def march(self, steps: int) -> Iterator[StressState]:
         """Solve Problem 3.2 by backward Euler and yield the states at t_0, t_1, …, t_steps.
@@ -273,9 +267,9 @@ class StressProblem:
         """
         k = step_size(self.space.body.T, steps)
         require_unique("backward Euler", k, self.law.growth, longest_step(self.law.growth))
-        programme = Programme(self.space, self.N, potential(self.space, self.law, k))
+        programme = Programme(self.space, potential(self.space, self.law, k))
         strain = self.space.strain(self.u0)
-        nan = np.full(self.N.shape[0], np.nan)
+        nan = np.full(self.space.N.shape[0], np.nan)
         yield StressState(0.0, np.full_like(strain, np.nan), strain, self.u0, nan, 0.0)
         for n in range(1, steps + 1):
             state = programme(n * k, self.load(n * k), strain)

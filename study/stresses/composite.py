@@ -119,14 +119,14 @@ class CompositeElement:
         """
         k = self.degree
         lower = indices(self.degree - 1)
-        place = {alpha: row for row, alpha in enumerate(indices(k))}
+        upper = indices(k)
         matrix = np.zeros((3, len(lower), 2, 3, self.polynomials, 3))
         for third, vertices in enumerate(np.moveaxis(thirds(CORNERS), 2, 0)):
             slopes = np.linalg.inv(np.vstack([np.ones(3), vertices]))[:, 1:]
             for vertex, gradient in enumerate(slopes):
                 for row, beta in enumerate(lower):
                     alpha = tuple(b + (i == vertex) for i, b in enumerate(beta))
-                    matrix[third, row, :, third, place[alpha]] += k * np.einsum("Iij,j->iI", basis(2), gradient)
+                    matrix[third, row, :, third, upper.index(alpha)] += k * np.einsum("Iij,j->iI", basis(2), gradient)
         return matrix
 
     def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
@@ -141,13 +141,13 @@ class CompositeElement:
             The matrix, (k + 1, 2; 3, polynomials, 3). Row axes: Bernstein coefficient, traction component. Column axes:
             subtriangle, Bernstein polynomial, Mandel component.
         """
-        place = {alpha: row for row, alpha in enumerate(indices(self.degree))}
+        polynomials = indices(self.degree)
         matrix = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3))
         normal = np.array([along[1], -along[0]])
         for step in range(self.degree + 1):
             alpha = [0, 0, 0]
             alpha[first], alpha[second] = self.degree - step, step
-            matrix[step, :, third, place[tuple(alpha)]] = np.einsum("Iij,j->iI", basis(2), normal)
+            matrix[step, :, third, polynomials.index(tuple(alpha))] = np.einsum("Iij,j->iI", basis(2), normal)
         return matrix
 
     @cached_property
