@@ -421,23 +421,17 @@ class Unstructured(MeshFamily):
         return body.dim == 2
 
     def __call__(self, body: Body, n: int) -> Mesh:
-        boundary, inside, free = self.points(body, n)
-        fixed = np.hstack([boundary, inside])
-        points = np.hstack([fixed, free])
-        for _ in range(self.sweeps):
-            cells = _delaunay(body, points)
-            points = np.hstack([fixed, _star_centroids(points, cells)[:, fixed.shape[1] :]])
-        return simplicial_mesh(points, _delaunay(body, points))
-
-    def points(self, body: Body, n: int) -> tuple[Array, Array, Array]:
-        """Return the vertices before Lloyd's iteration: on the boundary, on interfaces, inside, (2, n) each."""
         require_plane(self, body)
         spacing = 1.15 * np.sqrt(body.measure) / n
         boundary = [_divide(part, body, spacing) for part in body.parts]
         # The start of an interface lies on the boundary and is already among the boundary points.
         inside = [_divide(interface, body, spacing)[:, 1:] for interface in body.interfaces]
-        free = _lattice(body, spacing, np.random.default_rng([self.seed, n]))
-        return np.hstack(boundary), np.hstack([np.empty((2, 0)), *inside]), free
+        fixed = np.hstack([*boundary, *inside])
+        points = np.hstack([fixed, _lattice(body, spacing, np.random.default_rng([self.seed, n]))])
+        for _ in range(self.sweeps):
+            cells = _delaunay(body, points)
+            points = np.hstack([fixed, _star_centroids(points, cells)[:, fixed.shape[1] :]])
+        return simplicial_mesh(points, _delaunay(body, points))
 
 
 @dataclass(frozen=True)

@@ -355,17 +355,19 @@ def in_series(table: pd.DataFrame, column: str) -> pd.Series:
     """
     orders = pd.Series(np.nan, table.index)
     for _, group in table.groupby(SERIES, sort=False):
-        orders[group.index] = since_before(group["h"].to_numpy(), group[column].to_numpy())
+        orders[group.index] = since_before(group, column)
     return orders
 
 
-def since_before(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.float64]:
+def since_before(table: pd.DataFrame, column: str) -> NDArray[np.float64]:
     """Return for each level the observed order between this level and the level before, (levels,).
 
     The order is NaN on the first level. It is also NaN if an error is zero, negative or not finite.
 
     Parameters:
-        h, error: mesh sizes and errors, (levels,), coarse to fine.
+        table: a table with one row for each level, coarse to fine, and the column h.
+        column: the column with the errors.
     """
+    h, error = table["h"].to_numpy(), table[column].to_numpy()
     orders = consecutive_orders(h, np.where(error > 0, error, np.nan))
     return np.append(np.nan, np.where(np.diff(h) < 0, orders, np.nan))
