@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from manufactured.case import Case
 from manufactured.data import Data
@@ -15,6 +14,7 @@ from study.bound.given import bounded_displacement, given
 from study.bound.trajectory import Computed, Refined
 from study.cli.common import with_progress
 from study.cli.problem import MeshInTime
+from study.ledger.files import Json
 from study.run.executor import require_bound
 from study.run.fingerprint import of_problem
 
@@ -34,7 +34,7 @@ class Displacement:
 
     key: str
     cache_key: str
-    compute: Callable[[], dict[str, Any]]
+    compute: Callable[[], Json]
     files: tuple[Path, ...]
     shown: Callable[[], MeshInTime]
     file_name: str = ""
@@ -57,7 +57,7 @@ def displacements_in_files(
     read.sort(key=lambda pair: -pair[1].h)
 
     def displacement(number: int, path: Path, u_h: Computed) -> Displacement:
-        def compute() -> dict[str, Any]:
+        def compute() -> Json:
             found = with_progress(str(path), u_h.T, partial(bounded_displacement, data, u_h, refined, case))
             return bounded.record(u_h.level, found)
 

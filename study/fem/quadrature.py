@@ -32,6 +32,10 @@ It turns (s − c)^{2(α−2)}, the square of a singular second derivative, into
 """
 
 
+PointsAndWeights = tuple[Array, Array]
+"""The points of a quadrature rule, in coordinates that each function names, and their weights."""
+
+
 @dataclass(frozen=True, eq=False)
 class CellRule:
     """A quadrature rule on several cells, with equally many points in each cell.
@@ -65,7 +69,7 @@ class FacetRule:
 
 
 @lru_cache
-def gauss(count: int) -> tuple[Array, Array]:
+def gauss(count: int) -> PointsAndWeights:
     """Return nodes and weights of the Gauss–Legendre rule with ``count`` points on (0, 1)."""
     x, w = np.polynomial.legendre.leggauss(count)
     found = (x + 1) / 2, w / 2
@@ -74,7 +78,7 @@ def gauss(count: int) -> tuple[Array, Array]:
     return found
 
 
-def graded(near: Array, far: Array, count: int, power: Array | int = 1) -> tuple[Array, Array]:
+def graded(near: Array, far: Array, count: int, power: Array | int = 1) -> PointsAndWeights:
     """Return Gauss rules on n intervals, after the substitution s = near + (far − near) ξ^power with ξ in (0, 1).
 
     Args:
@@ -89,7 +93,7 @@ def graded(near: Array, far: Array, count: int, power: Array | int = 1) -> tuple
     return near + (far - near) * xi**power, abs(far - near) * power * xi ** (power - 1.0) * w
 
 
-def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
+def simplex_rule(dim: int, degree: int) -> PointsAndWeights:
     """Return a rule of the given degree on a simplex: barycentric points (d+1, q) and weights (q,) with sum 1.
 
     On triangles the degree can be up to 19, on tetrahedra up to 8. Rules of scikit-fem 12 are used. On tetrahedra its
@@ -100,7 +104,7 @@ def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
     return np.vstack([1 - reference.sum(axis=0), reference]), weights / weights.sum()
 
 
-def duffy(along: int, across: int, grading: int = 1) -> tuple[Array, Array]:
+def duffy(along: int, across: int, grading: int = 1) -> PointsAndWeights:
     """Return Duffy's rule on a triangle, graded towards its first vertex v_0.
 
     Gauss rules in ξ and η on the unit square are mapped to the triangle by x = v_0 + ξ^g ((1−η)(v_1 − v_0) + η
@@ -276,7 +280,7 @@ def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
     the end of the slab that is nearer to the line.
     """
 
-    def towards_line(left: Array, right: Array) -> tuple[Array, Array]:
+    def towards_line(left: Array, right: Array) -> PointsAndWeights:
         near_left = abs(left) <= abs(right)
         near, far = np.where(near_left, left, right), np.where(near_left, right, left)
         return graded(near, far, degree + GRADING, GRADING)
@@ -322,7 +326,7 @@ def _slab_rule(
     cells: Array,
     line: Line,
     offsets: Sequence[float],
-    across: Callable[[Array, Array], tuple[Array, Array]],
+    across: Callable[[Array, Array], PointsAndWeights],
     degree: int,
 ) -> CellRule:
     """Return a quadrature rule on triangles that are cut into slabs parallel to a line.
@@ -415,7 +419,7 @@ def cell_rules(
 
 def shared(
     corners: Array, gradients: Array, barycentric: Array, weights: Array, lines: Sequence[Line]
-) -> tuple[Array, Array]:
+) -> PointsAndWeights:
     """Move the points of a quadrature rule on triangles so that few different distances to given lines occur.
 
     The reason is run time: formulas of an exact solution in (s, t) are expensive, where s is the distance to a line,

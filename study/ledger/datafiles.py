@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from study.ledger.files import write_packed, write_text
+from study.ledger.files import Json, write_packed, write_text
 from study.ledger.schema import TABLES, TEXTS
 from study.ledger.verdict import HOLDS, VERDICTS, CheckKind
 from study.orders import consecutive_orders
@@ -87,7 +87,7 @@ def made_by(directory: Path) -> str:
     return f"{command} --out {shlex.quote(str(directory))}"
 
 
-def nested_keys(keys: Iterable[Sequence[str]]) -> dict[str, Any]:
+def nested_keys(keys: Iterable[Sequence[str]]) -> Json:
     """Return the keys of rows as nested dictionaries, which store each common beginning once.
 
     Parameters:
@@ -96,7 +96,7 @@ def nested_keys(keys: Iterable[Sequence[str]]) -> dict[str, Any]:
     Returns:
         First text ↦ second text ↦ … ↦ list of the last texts of all keys that begin with these texts.
     """
-    tree: dict[str, Any] = {}
+    tree: Json = {}
     for *start, before_last, last in keys:
         branch = tree
         for text in start:

@@ -33,6 +33,10 @@ OVERHEAD = 0.3e6
 formulas, which does not grow with the number of cells and steps."""
 
 
+Result = Mapping[str, Any]
+"""The result of a job: the measured numbers by their names."""
+
+
 @dataclass(frozen=True)
 class Job:
     """One measurement: a statement, and the case and mesh on which it is measured.
@@ -75,7 +79,7 @@ class Job:
         """Return the cache key of the result of this job."""
         return fingerprint(self.statement, self.setting)
 
-    def run(self) -> Mapping[str, Any]:
+    def run(self) -> Result:
         """Measure, and return the measured numbers by their names."""
         return self.statement.run(self.setting)
 

@@ -15,7 +15,7 @@ from skfem import Mesh
 from manufactured.body import Body, Kind
 from manufactured.tensors import Array, Points, Tensors
 from study.fem.mesh import MeshedBody, MeshError
-from study.fem.quadrature import simplex_rule
+from study.fem.quadrature import PointsAndWeights, simplex_rule
 from study.stresses.composite import SIDES, CompositeElement, bernstein, composite, piola, thirds
 
 LEAST_DEGREE = 4
@@ -112,7 +112,7 @@ class StressSpace(MeshedBody):
         return piola(self.map)
 
     @cached_property
-    def _rule(self) -> tuple[Array, Array]:
+    def _rule(self) -> PointsAndWeights:
         """The quadrature rule on a subtriangle of a cell.
 
         Returns:
