@@ -377,7 +377,7 @@ def _parallelepiped(body: Body) -> Points | None:
         edges = edges[:, [1, 0, 2]]
     images = first + edges @ grid_vertices(1, 3)
     apart = np.linalg.norm(images[:, :, None] - corners[:, None, :], axis=0)
-    volume = np.linalg.det(images[:, [1, 2, 4]] - images[:, :1])
+    volume = np.linalg.det(edges)
     fills = apart.min(axis=1).max() <= tolerance and abs(volume - body.measure) <= 1e-9 * volume
     return images if fills else None
 
@@ -475,9 +475,10 @@ class Graded(MeshFamily):
         points = mesh.p.copy()
         for point in body.refine:
             centre, radius = np.array(point)[:, None], self.radius(body, point)
-            share = np.linalg.norm(mesh.p - centre, axis=0) / radius
+            away = mesh.p - centre
+            share = np.linalg.norm(away, axis=0) / radius
             inside = share < 1
-            points[:, inside] = centre + (mesh.p - centre)[:, inside] * share[inside] ** (self.exponent - 1)
+            points[:, inside] = centre + away[:, inside] * share[inside] ** (self.exponent - 1)
         if (determinants(points, mesh.t) * determinants(mesh.p, mesh.t) <= 0).any():
             raise MeshError(f"grading inverts cells of the mesh of level {n}; take a finer level")
         return simplicial_mesh(points, mesh.t)
@@ -617,9 +618,10 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
                 f"(the nearest is {off:.3g} away); {mend}"
             )
     found = [_covering(mesh, facets, part, length) for part in body.parts]
-    if sum(map(len, found)) != len(facets):
+    left_out = len(facets) - sum(map(len, found))
+    if left_out:
         raise MeshError(
-            f"{len(facets) - sum(map(len, found))} boundary facets of the mesh lie on no part of the body, or on two: "
+            f"{left_out} boundary facets of the mesh lie on no part of the body, or on two: "
             "the mesh belongs to another body, or parts overlap"
         )
     for interface in body.interfaces:
@@ -675,10 +677,9 @@ class Skin:
         facets = mesh.boundary_facets()
         cells, corners = mesh.f2t[0, facets], mesh.facets[:, facets]
         fourth = mesh.t[:, cells].sum(axis=0) - corners.sum(axis=0)
-        a, b, c, d = (mesh.p[:, vertex].T for vertex in (*corners, fourth))
         # The orientation is chosen such that the corners run counter-clockwise if seen from outside. The fourth vertex
         # of the cell lies inside.
-        seen_from_inside = np.linalg.det(np.stack([b - a, c - a, d - a], axis=1)) > 0
+        seen_from_inside = determinants(mesh.p, np.vstack([corners, fourth])) > 0
         outer = np.where(seen_from_inside, corners[[0, 2, 1]], corners)
         vertices, triangles = np.unique(outer, return_inverse=True)
         return cls(vertices, triangles.reshape(outer.shape), cells)

@@ -55,7 +55,8 @@ def power_of_ten(value: float, least: float) -> float:
     if not math.isfinite(value) or value <= least:
         return max(value, least)
     exponent = Decimal(value).adjusted()
-    return float(f"1e{exponent}") if value <= float(f"1e{exponent}") else float(f"1e{exponent + 1}")
+    lower = float(f"1e{exponent}")
+    return lower if value <= lower else float(f"1e{exponent + 1}")
 
 
 def _to_decimals(value: float, decimals: int, rounding: str) -> str:

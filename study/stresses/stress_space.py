@@ -58,7 +58,7 @@ class StressSpace(MeshedBody):
     def map(self) -> Array:
         """The matrices F of the affine maps from the reference triangle to the cells, (cells, 2, 2)."""
         corners = self.mesh.p[:, self.mesh.t]
-        return np.moveaxis(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=1), 2, 0)
+        return np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)
 
     @cached_property
     def determinant(self) -> Array:
