@@ -1,4 +1,4 @@
-"""Observed orders of errors, and the quantities that many checks use: values on levels, quotients, and orders.
+"""Observed orders of errors, and the quantities that many checks use: quotients and orders.
 
 In the functions ``orders`` to ``limit``, ``h`` are the mesh sizes and ``error`` the errors, both (levels,), coarse to
 fine. Each other function returns a function of the table of one mesh family, coarse to fine, with the columns level, h
