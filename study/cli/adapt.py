@@ -5,7 +5,6 @@ Each mesh is written when it is finished, so that the command continues after Ct
 
 import argparse
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -19,7 +18,7 @@ from study.cli.common import tell_written
 from study.cli.options import FAILED, OK
 from study.cli.problem import contact_edges, draw_problem
 from study.fem.naming import choose, family_named, resolve_data
-from study.ledger.files import UsageError, write_text
+from study.ledger.files import Json, UsageError, write_text
 from study.ledger.text import up
 from study.present.bounds import NORM, SHOWN, adaptive_text
 from study.present.charts import AdaptiveRefinement
@@ -47,7 +46,7 @@ def do_adapt(options: argparse.Namespace) -> int:
     bounded.check_bound(data, family, [level], options.steps, Refined(0, 1))
     stage = Stage(family(data.body, level), bounded.steps_on(data, level, options.steps))
     store = Store(options.out / name, written=(".",))
-    results: list[dict[str, Any]] = []
+    results: list[Json] = []
     with store.locked():
         store.begin(of_data(data))
         while True:
@@ -57,7 +56,7 @@ def do_adapt(options: argparse.Namespace) -> int:
             cache_key = of_problem(data, case, (stage.mesh.p, stage.mesh.t, stage.steps, scheme))
             path = adaptive.stage_file(store.directory, number)
 
-            def compute(stage: Stage = stage, number: int = number, path: Path = path) -> dict[str, Any]:
+            def compute(stage: Stage = stage, number: int = number, path: Path = path) -> Json:
                 found = adaptive.adapted(data, case, stage, scheme)
                 shares = {"shares": found.shares.cells, "in_time": np.array(found.shares.time)}
                 bounded.write_displacement(path, found.computed, **shares)
@@ -69,7 +68,8 @@ def do_adapt(options: argparse.Namespace) -> int:
             print(f"mesh {number}: {stage.cells} cells, bound {up(rows['bound'].iloc[-1], SHOWN)}", flush=True)
             with np.load(path) as arrays:
                 following = adaptive.next_stage(stage, arrays["shares"], float(arrays["in_time"]))
-                edges, closed = contact_edges(data, stage.mesh, arrays["u"][-1])
+                at_vertices = arrays["times"], arrays["u"]
+            edges, closed = contact_edges(data, stage.mesh, at_vertices[1][-1])
             reached = tolerance.reached(rows.iloc[-1])
             stopped = "" if reached else _limit(following, options.cells)
             if reached or stopped:
@@ -83,9 +83,7 @@ def do_adapt(options: argparse.Namespace) -> int:
         shown = Triangulation(*stage.mesh.p, stage.mesh.t.T)
         result = AdaptiveRefinement(name, error, shown, edges, closed, rows, uniform)
         written += draw_one(store.directory, figure("adaptive", result, about=name))
-        with np.load(path) as arrays:
-            at_vertices = arrays["times"], arrays["u"]
-        written += draw_problem(store.directory, name, data, (stage.mesh.p, stage.mesh.t), at_vertices)
+        written += draw_problem(store.directory, name, data, ((stage.mesh.p, stage.mesh.t), at_vertices))
     tell_written(written)
     sentences = [*results[-1]["sentences"], *bounded.contact_sentences(data.body)]
     print("\n" + "\n".join(adaptive_text(name, rows, str(tolerance), stopped, sentences, data.in_time)) + "\n")

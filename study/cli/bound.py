@@ -7,7 +7,6 @@ import argparse
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -15,7 +14,6 @@ import pandas as pd
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.self_proof import prove
-from manufactured.tensors import Array
 from study.bound import bounded
 from study.bound.discretisation import check_force
 from study.bound.problem import place
@@ -24,10 +22,10 @@ from study.cli.adapt import do_adapt
 from study.cli.common import tell_written, with_progress
 from study.cli.displacement import Displacement, displacements_in_files
 from study.cli.options import FAILED, OK
-from study.cli.problem import OUTPUT, draw_problem
+from study.cli.problem import OUTPUT, MeshInTime, draw_problem
 from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve_data
-from study.ledger.files import UsageError
+from study.ledger.files import Json, UsageError
 from study.ledger.text import folded
 from study.present.bounds import text, worst_tenth
 from study.present.drawing import draw_one
@@ -72,11 +70,12 @@ def do_bound(options: argparse.Namespace) -> int:
             # Its data are in enclosure.csv already, rounded outwards.
             drawing = replace(figure("enclosure", over_time, name), table=lambda: None)
             written += draw_one(store.directory, drawing)
-        mesh, displacement_over_time = displacements[-1].shown()
-        written += draw_problem(store.directory, name, data, mesh, displacement_over_time)
+        solved = displacements[-1].shown()
+        written += draw_problem(store.directory, name, data, solved)
+        vertices, triangles = solved[0]
         squares = rows[-1]["on_cells"]
         if any(squares):
-            written += draw_one(store.directory, error_map(name, *mesh, squares), OUTPUT)
+            written += draw_one(store.directory, error_map(name, vertices, triangles, squares), OUTPUT)
     tell_written(written)
     names = [one.file_name for one in displacements if one.file_name]
     if data.in_time and not one_of_each_size:
@@ -86,7 +85,7 @@ def do_bound(options: argparse.Namespace) -> int:
             print(folded(one.remark))
     sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
     if any(squares):
-        worst = mesh[0][:, mesh[1][:, int(np.argmax(squares))]].mean(axis=1)
+        worst = vertices[:, triangles[:, int(np.argmax(squares))]].mean(axis=1)
         sentences.append(f"{worst_tenth(squares)}; the worst one is near x = {place(worst)}")
     last = pd.DataFrame(rows[-1]["series"])
     print(f"\n{text(name, table, last, sentences, data.in_time, names or None)}\n")
@@ -110,7 +109,7 @@ def computed_displacements(
     def displacement(level: int) -> Displacement:
         steps, file = bounded.steps_on(data, level, options.steps), bounded.trajectory_file(directory, level)
 
-        def compute() -> dict[str, Any]:
+        def compute() -> Json:
             solve = partial(bounded.bounded_solution, data, case, family, level, scheme, steps, refined)
             found = with_progress(f"level {level}", data.body.T, solve)
             bounded.write_displacement(file, found.computed)
@@ -118,7 +117,7 @@ def computed_displacements(
 
         cache_key = of_problem(data, case, (family, level, scheme, steps, refined))
 
-        def shown() -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        def shown() -> MeshInTime:
             with np.load(file) as arrays:
                 return (arrays["p"], arrays["t"]), (arrays["times"], arrays["u"])
 

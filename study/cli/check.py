@@ -2,7 +2,7 @@
 
 import argparse
 import secrets
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from study.cli.common import code_of, known_undecided, progress_bar
@@ -100,25 +100,14 @@ def as_written(directory: Path, judged: Sequence[Verdict]) -> set[Path]:
     """
     compare_claims(directory, judged)
     read_claims(directory)
-    return {claims_file(directory), *compare_texts(expected_texts(directory))}
-
-
-def compare_texts(expected: Mapping[Path, tuple[str, str]]) -> set[Path]:
-    """Compare files with their expected texts and return the files.
-
-    Parameters:
-        expected: file ↦ (its expected text, the command that writes it).
-
-    Raises:
-        DataError: a file differs; the message names the first line, both texts, and the command that mends it.
-    """
+    expected = expected_texts(directory)
     for file, (text, command) in expected.items():
         if differs := difference(file, text):
             raise DataError(
                 f"{differs}: the file or the data from which it is made were changed; if the data are right, "
                 f"`{command}` writes the file again"
             )
-    return set(expected)
+    return {claims_file(directory), *expected}
 
 
 def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list[Path]]:

@@ -6,15 +6,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.tensors import Array
 from study.bound import bounded, fields
 from study.bound.given import bounded_displacement, given
 from study.bound.trajectory import Computed, Refined
 from study.cli.common import with_progress
+from study.cli.problem import MeshInTime
+from study.ledger.files import Json
 from study.run.executor import require_bound
 from study.run.fingerprint import of_problem
 
@@ -34,9 +34,9 @@ class Displacement:
 
     key: str
     cache_key: str
-    compute: Callable[[], dict[str, Any]]
+    compute: Callable[[], Json]
     files: tuple[Path, ...]
-    shown: Callable[[], tuple[tuple[Array, Array], tuple[Array, Array]]]
+    shown: Callable[[], MeshInTime]
     file_name: str = ""
     remark: str = ""
 
@@ -57,7 +57,7 @@ def displacements_in_files(
     read.sort(key=lambda pair: -pair[1].h)
 
     def displacement(number: int, path: Path, u_h: Computed) -> Displacement:
-        def compute() -> dict[str, Any]:
+        def compute() -> Json:
             found = with_progress(str(path), u_h.T, partial(bounded_displacement, data, u_h, refined, case))
             return bounded.record(u_h.level, found)
 
@@ -66,7 +66,7 @@ def displacements_in_files(
         cache_key = of_problem(data, case, (content, u_h.steps, u_h.remarks, refined))
         remark = f"{path}: degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"
 
-        def shown() -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        def shown() -> MeshInTime:
             return (u_h.mesh.p, u_h.mesh.t), (u_h.times, u_h.at_vertices)
 
         return Displacement(f"displacement-{number}", cache_key, compute, (), shown, path.name, remark)

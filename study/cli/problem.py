@@ -8,11 +8,13 @@ from skfem import Mesh
 from manufactured.body import Kind, Part
 from manufactured.data import Data
 from manufactured.tensors import Array
-from study.fem.mesh import boundary_parts
+from study.fem.mesh import MeshedBody
 from study.ledger.files import UsageError
 from study.present.drawing import Output, draw_one
 from study.present.problem import ProblemPicture, Side
 
+MeshInTime = tuple[tuple[Array, Array], tuple[Array, Array]]
+"""A mesh and a displacement over time, as ``draw_problem`` takes them."""
 OUTPUT = Output(formats=("png", "svg"))
 ARROWS = 7
 """Number of arrows of the traction on a side."""
@@ -28,16 +30,15 @@ def draw_problem(
     directory: Path,
     name: str,
     data: Data,
-    mesh: tuple[Array, Array] | None = None,
-    over_time: tuple[Array, Array] | None = None,
+    solved: MeshInTime | None = None,
 ) -> list[Path]:
     """Draw a problem, and perhaps a mesh with its displacement; return the files.
 
     Parameters:
         directory: the directory of the files.
         name, data: the name and the data of the problem.
-        mesh: vertices (2, n) and triangles (3, cells).
-        over_time: times (k,), and displacements of the vertices, (k, 2, n). The largest one is drawn.
+        solved: the mesh, by vertices (2, n) and triangles (3, cells); and times (k,) with displacements of the
+            vertices, (k, 2, n). The largest displacement is drawn.
 
     Raises:
         UsageError: the body is not plane.
@@ -45,12 +46,12 @@ def draw_problem(
     body = data.body
     if body.dim != 2:
         raise UsageError(f"{name} has a body in {body.dim} dimensions; pictures of problems show plane bodies")
-    if mesh is None or over_time is None:
+    if solved is None:
         vertices, cells, displacement = body.vertices, np.zeros((3, 0), dtype=int), np.zeros_like(body.vertices)
         times = np.linspace(0.0, body.T, TIMES if data.in_time else 1)
         time = max(times, key=lambda time: max(abs(_traction(data, part, time)[1]).max() for part in body.parts))
     else:
-        (vertices, cells), (times, displacements) = mesh, over_time
+        (vertices, cells), (times, displacements) = solved
         largest = int(abs(displacements).max(axis=(1, 2)).argmax())
         time, displacement = times[largest], displacements[largest]
     sides = []
@@ -87,10 +88,9 @@ def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, A
     # Bodies without contact have no array to concatenate, so each list starts with an empty array.
     ends, closed = [np.empty((2, 2, 0))], [np.empty(0, dtype=bool)]
     size = max(float(abs(displacement).max()), np.finfo(float).tiny)
-    for part, facets in zip(data.body.parts, boundary_parts(mesh, data.body), strict=True):
-        if part.kind is Kind.CONTACT:
-            vertices = mesh.facets[:, facets]
-            ends.append(mesh.p[:, vertices])
-            opening = -np.einsum("d,den->en", part.normal, displacement[:, vertices])
-            closed.append((opening <= TOUCHING * size).all(axis=0))
+    for part, facets in MeshedBody(mesh, data.body).on(Kind.CONTACT):
+        vertices = mesh.facets[:, facets]
+        ends.append(mesh.p[:, vertices])
+        opening = -np.einsum("d,den->en", part.normal, displacement[:, vertices])
+        closed.append((opening <= TOUCHING * size).all(axis=0))
     return np.concatenate(ends, axis=2), np.concatenate(closed)

@@ -2,7 +2,6 @@
 
 import argparse
 from collections.abc import Callable, Iterator
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from study.cli.options import OK
 from study.cli.problem import draw_problem
 from study.fem.mesh import MeshFamily
 from study.fem.naming import resolve_data
-from study.ledger.files import UsageError
+from study.ledger.files import Json, UsageError
 from study.ledger.pictures import MeshFields, MeshSeries
 from study.ledger.text import folded
 from study.present.show import NO_FFMPEG, draw_show, find_ffmpeg
@@ -33,9 +32,7 @@ SHOWN_LEVELS = {2: pictures.LEVEL, 3: 9}
 face of the cube is divided."""
 
 
-def solve_showcase(
-    case: Case, family: MeshFamily, level: int, notify: Callable[[], object]
-) -> tuple[dict[str, Any], MeshSeries]:
+def solve_showcase(case: Case, family: MeshFamily, level: int, notify: Callable[[], object]) -> tuple[Json, MeshSeries]:
     """Solve a case on one mesh for display.
 
     Parameters:

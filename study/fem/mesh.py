@@ -214,8 +214,8 @@ class CrissCross(Structured):
 
     def __call__(self, body: Body, n: int) -> Mesh:
         require_plane(self, body)
-        points, a = mapped(body, grid_vertices(n, 2)), lowest_corners(n, 2)
-        b, c, d = a + 1, a + n + 2, a + n + 1
+        points = mapped(body, grid_vertices(n, 2))
+        a, b, c, d = squares(n)
         centres = (points[:, a] + points[:, b] + points[:, c] + points[:, d]) / 4
         m = points.shape[1] + np.arange(n * n)
         return simplicial_mesh(np.hstack([points, centres]), np.hstack([[a, b, m], [b, c, m], [c, d, m], [d, a, m]]))
@@ -235,8 +235,7 @@ class Alternating(Structured):
 
     def __call__(self, body: Body, n: int) -> Mesh:
         require_plane(self, body)
-        a = lowest_corners(n, 2)
-        b, c, d = a + 1, a + n + 2, a + n + 1
+        a, b, c, d = squares(n)
         odd = np.indices((n, n)).sum(axis=0).ravel() % 2 == 1
         rising = np.hstack([[a, b, c], [a, c, d]])
         falling = np.hstack([[a, b, d], [b, c, d]])
@@ -293,6 +292,11 @@ def lowest_corners(n: int, dim: int) -> Array:
     """Return the number of the vertex with the smallest coordinates of every cube of the grid, (n^d,)."""
     steps = (n + 1) ** np.arange(dim)
     return sum(step * i.ravel("F") for step, i in zip(steps, np.indices((n,) * dim), strict=True))
+
+
+def squares(n: int) -> Array:
+    """Return the vertices of every square of a plane grid, counter-clockwise from the lowest one, (4, n²)."""
+    return lowest_corners(n, 2) + np.array([[0], [1], [n + 2], [n + 1]])
 
 
 def kuhn(n: int, dim: int) -> Array:
@@ -373,7 +377,7 @@ def _parallelepiped(body: Body) -> Points | None:
         edges = edges[:, [1, 0, 2]]
     images = first + edges @ grid_vertices(1, 3)
     apart = np.linalg.norm(images[:, :, None] - corners[:, None, :], axis=0)
-    volume = np.linalg.det(images[:, [1, 2, 4]] - images[:, :1])
+    volume = np.linalg.det(edges)
     fills = apart.min(axis=1).max() <= tolerance and abs(volume - body.measure) <= 1e-9 * volume
     return images if fills else None
 
@@ -417,23 +421,17 @@ class Unstructured(MeshFamily):
         return body.dim == 2
 
     def __call__(self, body: Body, n: int) -> Mesh:
-        boundary, inside, free = self.points(body, n)
-        fixed = np.hstack([boundary, inside])
-        points = np.hstack([fixed, free])
-        for _ in range(self.sweeps):
-            cells = _delaunay(body, points)
-            points = np.hstack([fixed, _star_centroids(points, cells)[:, fixed.shape[1] :]])
-        return simplicial_mesh(points, _delaunay(body, points))
-
-    def points(self, body: Body, n: int) -> tuple[Array, Array, Array]:
-        """Return the vertices before Lloyd's iteration: on the boundary, on interfaces, inside, (2, n) each."""
         require_plane(self, body)
         spacing = 1.15 * np.sqrt(body.measure) / n
         boundary = [_divide(part, body, spacing) for part in body.parts]
         # The start of an interface lies on the boundary and is already among the boundary points.
         inside = [_divide(interface, body, spacing)[:, 1:] for interface in body.interfaces]
-        free = _lattice(body, spacing, np.random.default_rng([self.seed, n]))
-        return np.hstack(boundary), np.hstack([np.empty((2, 0)), *inside]), free
+        fixed = np.hstack([*boundary, *inside])
+        points = np.hstack([fixed, _lattice(body, spacing, np.random.default_rng([self.seed, n]))])
+        for _ in range(self.sweeps):
+            cells = _delaunay(body, points)
+            points = np.hstack([fixed, _star_centroids(points, cells)[:, fixed.shape[1] :]])
+        return simplicial_mesh(points, _delaunay(body, points))
 
 
 @dataclass(frozen=True)
@@ -477,9 +475,10 @@ class Graded(MeshFamily):
         points = mesh.p.copy()
         for point in body.refine:
             centre, radius = np.array(point)[:, None], self.radius(body, point)
-            share = np.linalg.norm(mesh.p - centre, axis=0) / radius
+            away = mesh.p - centre
+            share = np.linalg.norm(away, axis=0) / radius
             inside = share < 1
-            points[:, inside] = centre + (mesh.p - centre)[:, inside] * share[inside] ** (self.exponent - 1)
+            points[:, inside] = centre + away[:, inside] * share[inside] ** (self.exponent - 1)
         if (determinants(points, mesh.t) * determinants(mesh.p, mesh.t) <= 0).any():
             raise MeshError(f"grading inverts cells of the mesh of level {n}; take a finer level")
         return simplicial_mesh(points, mesh.t)
@@ -619,9 +618,10 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
                 f"(the nearest is {off:.3g} away); {mend}"
             )
     found = [_covering(mesh, facets, part, length) for part in body.parts]
-    if sum(map(len, found)) != len(facets):
+    left_out = len(facets) - sum(map(len, found))
+    if left_out:
         raise MeshError(
-            f"{len(facets) - sum(map(len, found))} boundary facets of the mesh lie on no part of the body, or on two: "
+            f"{left_out} boundary facets of the mesh lie on no part of the body, or on two: "
             "the mesh belongs to another body, or parts overlap"
         )
     for interface in body.interfaces:
@@ -677,10 +677,9 @@ class Skin:
         facets = mesh.boundary_facets()
         cells, corners = mesh.f2t[0, facets], mesh.facets[:, facets]
         fourth = mesh.t[:, cells].sum(axis=0) - corners.sum(axis=0)
-        a, b, c, d = (mesh.p[:, vertex].T for vertex in (*corners, fourth))
         # The orientation is chosen such that the corners run counter-clockwise if seen from outside. The fourth vertex
         # of the cell lies inside.
-        seen_from_inside = np.linalg.det(np.stack([b - a, c - a, d - a], axis=1)) > 0
+        seen_from_inside = determinants(mesh.p, np.vstack([corners, fourth])) > 0
         outer = np.where(seen_from_inside, corners[[0, 2, 1]], corners)
         vertices, triangles = np.unique(outer, return_inverse=True)
         return cls(vertices, triangles.reshape(outer.shape), cells)

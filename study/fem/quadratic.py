@@ -14,7 +14,7 @@ import scipy.sparse as sps
 from manufactured.body import Part
 from manufactured.tensors import Array, Points, Tensors, basis, mandel
 from study.fem.mesh import barycentric, barycentric_gradients
-from study.fem.quadrature import simplex_rule
+from study.fem.quadrature import PointsAndWeights, placed, simplex_rule
 from study.fem.space import Displacements
 
 EDGES = ((0, 1), (1, 2), (0, 2))
@@ -46,14 +46,14 @@ class Quadratic(Displacements):
         return np.unique(self.on_edges(self.facets(part)))
 
     @cached_property
-    def rule(self) -> tuple[Array, Array]:
+    def rule(self) -> PointsAndWeights:
         """The quadrature rule on a cell: barycentric coordinates of three points, (3, 3), and weights with sum 1."""
         return simplex_rule(2, 2)
 
     @cached_property
     def points(self) -> Array:
         """The quadrature points, (2, cells, 3)."""
-        return np.einsum("dvc,vq->dcq", self.mesh.p[:, self.mesh.t], self.rule[0])
+        return placed(self.mesh.p, self.mesh.t, self.rule[0])
 
     @cached_property
     def weights(self) -> Array:

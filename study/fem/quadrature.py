@@ -32,6 +32,10 @@ It turns (s − c)^{2(α−2)}, the square of a singular second derivative, into
 """
 
 
+PointsAndWeights = tuple[Array, Array]
+"""The points of a quadrature rule, in coordinates that each function names, and their weights."""
+
+
 @dataclass(frozen=True, eq=False)
 class CellRule:
     """A quadrature rule on several cells, with equally many points in each cell.
@@ -65,7 +69,7 @@ class FacetRule:
 
 
 @lru_cache
-def gauss(count: int) -> tuple[Array, Array]:
+def gauss(count: int) -> PointsAndWeights:
     """Return nodes and weights of the Gauss–Legendre rule with ``count`` points on (0, 1)."""
     x, w = np.polynomial.legendre.leggauss(count)
     found = (x + 1) / 2, w / 2
@@ -74,7 +78,22 @@ def gauss(count: int) -> tuple[Array, Array]:
     return found
 
 
-def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
+def graded(near: Array, far: Array, count: int, power: Array | int = 1) -> PointsAndWeights:
+    """Return Gauss rules on n intervals, after the substitution s = near + (far − near) ξ^power with ξ in (0, 1).
+
+    Args:
+        near, far: the ends of the intervals, (n, 1); a power above 1 concentrates the points at ``near``.
+        count: the number of points in each interval.
+        power: the exponent, one for all intervals or one for each, (n, 1).
+
+    Returns:
+        Points and weights, (n, count) each.
+    """
+    xi, w = gauss(count)
+    return near + (far - near) * xi**power, abs(far - near) * power * xi ** (power - 1.0) * w
+
+
+def simplex_rule(dim: int, degree: int) -> PointsAndWeights:
     """Return a rule of the given degree on a simplex: barycentric points (d+1, q) and weights (q,) with sum 1.
 
     On triangles the degree can be up to 19, on tetrahedra up to 8. Rules of scikit-fem 12 are used. On tetrahedra its
@@ -85,7 +104,7 @@ def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
     return np.vstack([1 - reference.sum(axis=0), reference]), weights / weights.sum()
 
 
-def duffy(along: int, across: int, grading: int = 1) -> tuple[Array, Array]:
+def duffy(along: int, across: int, grading: int = 1) -> PointsAndWeights:
     """Return Duffy's rule on a triangle, graded towards its first vertex v_0.
 
     Gauss rules in ξ and η on the unit square are mapped to the triangle by x = v_0 + ξ^g ((1−η)(v_1 − v_0) + η
@@ -146,24 +165,20 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
         return FacetRule(facets, s, shapes, np.multiply.outer(facet_measures(mesh, facets), weights))
     ends = np.stack([part.coordinates(mesh.p[:, v])[0][0] for v in mesh.facets[:, facets]])
     low, high = ends.min(axis=0), ends.max(axis=0)
-    nodes = np.sort(np.vstack([low, high, *[np.clip(np.full_like(low, c), low, high) for c in rough]]), axis=0)
-    xi, w = gauss(points)
-    places, of_pieces = [], []
-    for left, right in pairwise(nodes):
+    nodes = np.sort(np.vstack([low, high, *(np.clip(c, low, high) for c in rough)]), axis=0)
+    pieces = []
+    for left, right in pairwise(nodes[..., None]):
         # Whether an end of the piece is one of the coordinates ``rough``, up to round-off.
-        graded = [
-            np.any([abs(end - c) <= TOUCHING * (high - low) for c in (*rough, np.inf)], axis=0)[:, None]
+        is_rough = [
+            np.any([abs(end - c) <= TOUCHING * (high - low)[:, None] for c in (*rough, np.inf)], axis=0)
             for end in (left, right)
         ]
-        length = (right - left)[:, None]
-        power = np.where(graded[0] | graded[1], GRADING, 1)
-        local, jacobian = xi**power, power * xi ** (power - 1.0) * w
-        local = np.where(graded[1] & ~graded[0], 1 - local, local)
-        places.append(left[:, None] + length * local)
-        of_pieces.append(length * jacobian)
-    place = np.concatenate(places, axis=1)
+        towards_right = is_rough[1] & ~is_rough[0]
+        near, far = np.where(towards_right, right, left), np.where(towards_right, left, right)
+        pieces.append(graded(near, far, points, np.where(is_rough[0] | is_rough[1], GRADING, 1)))
+    place, weights = (np.concatenate(parts, axis=1) for parts in zip(*pieces, strict=True))
     first = (ends[1][:, None] - place) / (ends[1] - ends[0])[:, None]
-    return FacetRule(facets, place[None], np.stack([first, 1 - first]), np.concatenate(of_pieces, axis=1))
+    return FacetRule(facets, place[None], np.stack([first, 1 - first]), weights)
 
 
 # Cells in 2D in which the integrand is not smooth: how they are found, and their quadrature rules.
@@ -264,14 +279,13 @@ def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
     the line is a Gauss rule after the substitution s = c + L ξ^8, where s is the signed distance from the line and c
     the end of the slab that is nearer to the line.
     """
-    xi, wx = gauss(degree + GRADING)
 
-    def graded(left: Array, right: Array) -> tuple[Array, Array]:
+    def towards_line(left: Array, right: Array) -> PointsAndWeights:
         near_left = abs(left) <= abs(right)
-        near, far = np.where(near_left, left, right)[:, None], np.where(near_left, right, left)[:, None]
-        return near + (far - near) * xi**GRADING, abs(far - near) * GRADING * xi ** (GRADING - 1) * wx
+        near, far = np.where(near_left, left, right), np.where(near_left, right, left)
+        return graded(near, far, degree + GRADING, GRADING)
 
-    return _slab_rule(mesh, cells, line, [0.0], graded, degree)
+    return _slab_rule(mesh, cells, line, [0.0], towards_line, degree)
 
 
 def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) -> Iterator[CellRule]:
@@ -303,13 +317,8 @@ def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) ->
 
 def sliced_rule(mesh: Mesh, cells: Array, lines: Sequence[Line], degree: int) -> CellRule:
     """Return a quadrature rule on cells cut along parallel lines, at which the integrand may jump."""
-    x, w = gauss(degree // 2 + 2)
-
-    def plain(left: Array, right: Array) -> tuple[Array, Array]:
-        width = (right - left)[:, None]
-        return left[:, None] + width * x, width * w
-
-    return _slab_rule(mesh, cells, lines[0], [line.offset - lines[0].offset for line in lines], plain, degree)
+    offsets = [line.offset - lines[0].offset for line in lines]
+    return _slab_rule(mesh, cells, lines[0], offsets, partial(graded, count=degree // 2 + 2), degree)
 
 
 def _slab_rule(
@@ -317,7 +326,7 @@ def _slab_rule(
     cells: Array,
     line: Line,
     offsets: Sequence[float],
-    across: Callable[[Array, Array], tuple[Array, Array]],
+    across: Callable[[Array, Array], PointsAndWeights],
     degree: int,
 ) -> CellRule:
     """Return a quadrature rule on triangles that are cut into slabs parallel to a line.
@@ -330,7 +339,7 @@ def _slab_rule(
         cells: numbers of the n cells.
         line: the line s = 0.
         offsets: the values of s of further cuts.
-        across: function from the ends of a slab, (n,) each, to points and weights of a rule in s, (n, p) each.
+        across: function from the ends of a slab, (n, 1) each, to points and weights of a rule in s, (n, p) each.
         degree: degree of the rule in r.
     """
     corners = mesh.p[:, mesh.t[:, cells]]
@@ -345,10 +354,10 @@ def _slab_rule(
         slope = np.divide(r[high] - r[low], length, out=np.zeros_like(length), where=length > 0)
         return r[low][:, None] + slope[:, None] * (x - s[low][:, None])
 
-    ends = np.sort(np.vstack([s, *(np.clip(np.full_like(s[0], c), s[0], s[2]) for c in offsets)]), axis=0)
+    ends = np.sort(np.vstack([s, *(np.clip(c, s[0], s[2]) for c in offsets)]), axis=0)
     eta, we = gauss(degree // 2 + 2)
     slabs = []
-    for left, right in pairwise(ends):
+    for left, right in pairwise(ends[..., None]):
         x, weights = across(left, right)
         long = chord(x, 0, 2)
         # Which edges bound the slab is decided by its last point, because rounding can put the first point outside the
@@ -410,7 +419,7 @@ def cell_rules(
 
 def shared(
     corners: Array, gradients: Array, barycentric: Array, weights: Array, lines: Sequence[Line]
-) -> tuple[Array, Array]:
+) -> PointsAndWeights:
     """Move the points of a quadrature rule on triangles so that few different distances to given lines occur.
 
     The reason is run time: formulas of an exact solution in (s, t) are expensive, where s is the distance to a line,

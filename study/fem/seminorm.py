@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from manufactured.tensors import Array
-from study.fem.quadrature import gauss
+from study.fem.quadrature import PointsAndWeights, gauss
 
 PANELS, POINTS = 64, 3
 """The quadrature of the double integral: number of equal panels of (0, 1), and number of Gauss points in each panel.
@@ -17,7 +17,7 @@ The rule in y has one more point in each panel than the rule in x, so that x = y
 """
 
 
-def composite_gauss(panels: int, points: int) -> tuple[Array, Array]:
+def composite_gauss(panels: int, points: int) -> PointsAndWeights:
     """Return nodes and weights of the Gauss rule repeated on equal panels of (0, 1), (panels · points,) each."""
     x, w = gauss(points)
     return ((np.arange(panels)[:, None] + x) / panels).ravel(), np.tile(w / panels, panels)
@@ -27,7 +27,7 @@ FIRST, SECOND = composite_gauss(PANELS, POINTS), composite_gauss(PANELS, POINTS 
 """The quadrature rules of the double integral, in x and in y."""
 
 
-def _kernel(first: tuple[Array, Array], second: tuple[Array, Array], rho: float) -> Array:
+def _kernel(first: PointsAndWeights, second: PointsAndWeights, rho: float) -> Array:
     """Return the products of the weights of two quadrature rules with |x − y|^{−1−2ϱ} at all pairs of nodes, (n, m)."""
     (x, wx), (y, wy) = first, second
     return np.asarray(np.multiply.outer(wx, wy) * abs(x[:, None] - y) ** (-1 - 2 * rho))

@@ -304,8 +304,7 @@ def means(space: Space, factor: Factor) -> Array:
     if factor is UNIFORM:
         return np.ones(len(space.volumes))
     found = np.empty(len(space.volumes))
-    steps = tuple(Line(direction, offset) for direction, offset in factor.steps)
-    for rule in cell_rules(space.mesh, FACTOR_DEGREE, steps):
+    for rule in cell_rules(space.mesh, FACTOR_DEGREE, [Line(*step) for step in factor.steps]):
         found[rule.cells] = np.sum(factor(rule.points) * rule.weights, axis=1) / space.volumes[rule.cells]
     return found
 

@@ -42,7 +42,8 @@ class Check:
     Attributes:
         key: short name of the check.
         quantity: the quantity in words.
-        value: computes the quantity from the levels of one mesh family.
+        value: computes the quantity from the levels of one mesh family; or the names of one or several columns, all
+            values of which are judged.
         window: the tolerance window.
         kind: what the check tests.
         levels: the least number of levels; with fewer levels the check is undecided.
@@ -54,7 +55,7 @@ class Check:
 
     key: str
     quantity: str
-    value: Value
+    value: Value | str | list[str]
     window: Window
     kind: CheckKind
     levels: int = 1
@@ -94,7 +95,8 @@ class Check:
         if len(table) < self.levels:
             return None
         try:
-            found = np.atleast_1d(np.asarray(self.value(table), dtype=float))
+            measured = self.value(table) if callable(self.value) else table[self.value]
+            found = np.asarray(measured, dtype=float).ravel()
             return found if found.size else None
         except KeyError:
             return None

@@ -21,6 +21,7 @@ MESH_KEY = ["case", "family", "level"]
 NOT_EXPRESSED = "not expressed"
 GRADES = ("exact for P1", "consistent", "stagnates", "wrong", "undecided")
 MADE = "make codes"
+AGAIN = f"make it again with `{MADE}`"
 FOLDER, MARCHES = "codes", "codes/march"
 """Folders of a result directory with the results on static problems, and on problems in time."""
 FROZEN, MARCH = "frozen", "march"
@@ -51,12 +52,12 @@ class Codes:
         if not place.is_dir():
             return None
         errors, classes = (read_checked(place / name, f"codes/{name}", MADE) for name in ("errors.csv", "classes.csv"))
-        refuse_repeated(place / "classes.csv", classes, CODE_SERIES, f"make it again with `{MADE}`")
+        refuse_repeated(place / "classes.csv", classes, CODE_SERIES, AGAIN)
         if (unknown := ~errors["series"].isin(classes["series"]).to_numpy()).any():
             row = int(unknown.argmax())
             where = f"{place / 'errors.csv'}, line {line(row)}, column series"
             found = f"found {errors['series'].iloc[row]}, expected a series of classes.csv"
-            raise DataError(f"{where}: {found}; make it again with `{MADE}`")
+            raise DataError(f"{where}: {found}; {AGAIN}")
         return cls(errors.merge(classes[["series", *CODE_SERIES]], on="series"), classes)
 
     def series(self) -> pd.DataFrame:

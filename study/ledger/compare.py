@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from study.ledger.datafiles import DataError, made_by, read_table, read_uncompressed
+from study.ledger.files import Json
 from study.ledger.pictures import Packed
 from study.ledger.schema import TABLES, TEXTS, Table
 
@@ -79,7 +80,7 @@ class Comparison:
         """The rows of ``cells`` with changed verdicts."""
         return self.cells[self.cells["column"] == "verdict"]
 
-    def as_json(self) -> dict[str, Any]:
+    def as_json(self) -> Json:
         """Return the comparison as a dictionary that can be written as JSON."""
         cells, verdicts = (table.astype(object).where(table.notna(), None) for table in (self.cells, self.verdicts))
         return {

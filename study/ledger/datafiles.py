@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from study.ledger.files import write_packed, write_text
+from study.ledger.files import Json, write_packed, write_text
 from study.ledger.schema import TABLES, TEXTS
 from study.ledger.verdict import HOLDS, VERDICTS, CheckKind
 from study.orders import consecutive_orders
@@ -22,6 +22,11 @@ from study.orders import consecutive_orders
 SHOWN_RATES = ["h", "dofs", "steps", "error", "order", "at", "interpolation_error", "discrete_error", "time_share"]
 """Columns of ``rates.csv`` without which tables and figures cannot be made."""
 SERIES = ["claim", "case", "family", "scheme"]
+
+
+Key = tuple[str, ...]
+"""Texts that identify a row: the name of its file, and the cells of the key columns."""
+Row = Mapping[str, Any]
 
 
 class DataError(ValueError):
@@ -82,7 +87,7 @@ def made_by(directory: Path) -> str:
     return f"{command} --out {shlex.quote(str(directory))}"
 
 
-def nested_keys(keys: Iterable[Sequence[str]]) -> dict[str, Any]:
+def nested_keys(keys: Iterable[Sequence[str]]) -> Json:
     """Return the keys of rows as nested dictionaries, which store each common beginning once.
 
     Parameters:
@@ -91,7 +96,7 @@ def nested_keys(keys: Iterable[Sequence[str]]) -> dict[str, Any]:
     Returns:
         First text ↦ second text ↦ … ↦ list of the last texts of all keys that begin with these texts.
     """
-    tree: dict[str, Any] = {}
+    tree: Json = {}
     for *start, before_last, last in keys:
         branch = tree
         for text in start:
@@ -100,13 +105,13 @@ def nested_keys(keys: Iterable[Sequence[str]]) -> dict[str, Any]:
     return tree
 
 
-def planned_keys(provenance: Mapping[str, Any]) -> list[tuple[str, ...]]:
+def planned_keys(provenance: Mapping[str, Any]) -> list[Key]:
     """Return the keys of the rows that a run planned, from the content of its ``provenance.json``.
 
     The entry ``planned`` has the form that ``nested_keys`` returns. Without this entry the list is empty.
     """
 
-    def flatten(tree: Mapping[str, Any], start: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+    def flatten(tree: Mapping[str, Any], start: Key) -> Iterator[Key]:
         for text, rest in tree.items():
             if isinstance(rest, Mapping):
                 yield from flatten(rest, (*start, text))
@@ -196,9 +201,6 @@ def table_text(table: pd.DataFrame) -> str:
     return str(table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
 
 
-Row = Mapping[str, Any]
-
-
 @dataclass(frozen=True)
 class CsvFile:
     """A CSV file of measurements.
@@ -231,7 +233,7 @@ class CsvFile:
         """Return the table from the file in a result directory; raises DataError if it is missing or damaged."""
         return read_csv(directory, self.name)
 
-    def keys(self, table: pd.DataFrame) -> set[tuple[str, ...]]:
+    def keys(self, table: pd.DataFrame) -> set[Key]:
         """Return the keys of all rows of a table, as texts.
 
         A key is a tuple of the name of the file and the cells of the key columns.
@@ -353,17 +355,19 @@ def in_series(table: pd.DataFrame, column: str) -> pd.Series:
     """
     orders = pd.Series(np.nan, table.index)
     for _, group in table.groupby(SERIES, sort=False):
-        orders[group.index] = since_before(group["h"].to_numpy(), group[column].to_numpy())
+        orders[group.index] = since_before(group, column)
     return orders
 
 
-def since_before(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.float64]:
+def since_before(table: pd.DataFrame, column: str) -> NDArray[np.float64]:
     """Return for each level the observed order between this level and the level before, (levels,).
 
     The order is NaN on the first level. It is also NaN if an error is zero, negative or not finite.
 
     Parameters:
-        h, error: mesh sizes and errors, (levels,), coarse to fine.
+        table: a table with one row for each level, coarse to fine, and the column h.
+        column: the column with the errors.
     """
+    h, error = table["h"].to_numpy(), table[column].to_numpy()
     orders = consecutive_orders(h, np.where(error > 0, error, np.nan))
     return np.append(np.nan, np.where(np.diff(h) < 0, orders, np.nan))

@@ -10,7 +10,10 @@ from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TextIO
+from typing import Any, TextIO
+
+Json = dict[str, Any]
+"""An object for a JSON file: name ↦ number, text, array, list or further object."""
 
 FULL = (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC))
 """Error numbers of a full disk and of an exhausted quota. Windows has no error number for quotas."""

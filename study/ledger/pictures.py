@@ -34,7 +34,7 @@ class Packed:
     multiples: NDArray[np.int16]
 
     @classmethod
-    def of(cls, values: NDArray[np.float64], steps: int = UNITS) -> Packed:
+    def of(cls, values: Array, steps: int = UNITS) -> Packed:
         """Return values over time in rounded form.
 
         Parameters:
@@ -45,7 +45,7 @@ class Packed:
         return cls(unit, np.round(values / unit).astype(np.int16))
 
     @property
-    def values(self) -> NDArray[np.float64]:
+    def values(self) -> Array:
         """The rounded values; the first axis is the time."""
         return self.unit * self.multiples.astype(np.float64)
 
@@ -76,7 +76,7 @@ class Packed:
         return cls(float(record["unit"]), np.cumsum(changes, axis=0, dtype=np.int16))
 
 
-def short(values: NDArray[np.float64]) -> Any:
+def short(values: Array) -> Any:
     """Return an array as nested lists with numbers of four significant digits, which suffice for a figure."""
     return np.vectorize(lambda v: float(f"{v:.4g}"), otypes=[float])(values).tolist()
 
@@ -158,5 +158,5 @@ class MeshSeries:
     """
 
     vertices: Array
-    cells: NDArray[np.int64]
+    cells: Numbers
     fields: Sequence[MeshFields]

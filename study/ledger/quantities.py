@@ -1,4 +1,4 @@
-"""Observed orders of errors, and the quantities that many checks use: values on levels, quotients, and orders.
+"""Observed orders of errors, and the quantities that many checks use: quotients and orders.
 
 In the functions ``orders`` to ``limit``, ``h`` are the mesh sizes and ``error`` the errors, both (levels,), coarse to
 fine. Each other function returns a function of the table of one mesh family, coarse to fine, with the columns level, h
@@ -12,7 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 import study.orders
-from study.orders import consecutive_orders, fitted_order
+from study.orders import consecutive_orders
 
 Array = NDArray[np.float64]
 
@@ -35,14 +35,18 @@ def orders(h: Array, error: Array) -> Array:
     return consecutive_orders(h, error)
 
 
-def fit(h: Array, error: Array) -> float:
-    """Return the observed order over all levels: the least-squares slope of log(error) over log(h).
+def fit(h: Array, error: Array, power: float = 0) -> float:
+    """Return the observed order over all levels by least squares of log(error) over log(h), with the weights h^−power.
+
+    The weights are optimal if the variance of the logarithm of an error is proportional to h^power.
 
     Raises:
         RatesError: mesh sizes do not decrease, or errors are not positive and finite.
     """
     orders(h, error)
-    return fitted_order(h, error)
+    x, y, weights = np.log(h), np.log(error), np.asarray(h, dtype=float) ** -power
+    x = x - np.average(x, weights=weights)
+    return float((weights * x) @ y / ((weights * x) @ x))
 
 
 def extrapolated_order(h: Array, error: Array) -> float:
@@ -57,20 +61,6 @@ def extrapolated_order(h: Array, error: Array) -> float:
     """
     orders(h, error)
     return study.orders.extrapolated_order(h, error)
-
-
-def weighted_order(h: Array, error: Array, power: float) -> float:
-    """Return the observed order by least squares of log(error) over log(h), with the weights h^−power.
-
-    The weights are optimal if the variance of the logarithm of an error is proportional to h^power.
-
-    Raises:
-        RatesError: mesh sizes do not decrease, or errors are not positive and finite.
-    """
-    orders(h, error)
-    x, y, weights = np.log(h), np.log(error), np.asarray(h, dtype=float) ** -power
-    x = x - np.average(x, weights=weights)
-    return float((weights * x) @ y / ((weights * x) @ x))
 
 
 def limit(h: Array, error: Array, order: float) -> float:
@@ -91,11 +81,6 @@ def limit(h: Array, error: Array, order: float) -> float:
 
 Value = Callable[[pd.DataFrame], float | Array]
 """Function that computes a quantity, or several values of it, from the levels of one mesh family."""
-
-
-def values(*columns: str) -> Value:
-    """Return the function that gives all values in some columns."""
-    return lambda table: table[list(columns)].to_numpy().ravel()
 
 
 def finest(column: str) -> Value:
@@ -152,9 +137,7 @@ def over_refinements(column: str, refinements: int) -> Value:
 
 def fitted(column: str, last: int = 0, power: int = 0) -> Value:
     """Return the function for the observed order by least squares with the weights h^−``power``."""
-    if power:
-        return of_errors(column, lambda h, e: weighted_order(h, e, power), last)
-    return of_errors(column, fit, last)
+    return of_errors(column, lambda h, e: fit(h, e, power), last)
 
 
 def extrapolated(column: str) -> Value:

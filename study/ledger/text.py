@@ -55,17 +55,22 @@ def power_of_ten(value: float, least: float) -> float:
     if not math.isfinite(value) or value <= least:
         return max(value, least)
     exponent = Decimal(value).adjusted()
-    return float(f"1e{exponent}") if value <= float(f"1e{exponent}") else float(f"1e{exponent + 1}")
+    lower = float(f"1e{exponent}")
+    return lower if value <= lower else float(f"1e{exponent + 1}")
+
+
+def _to_decimals(value: float, decimals: int, rounding: str) -> str:
+    return str(Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-decimals), rounding))
 
 
 def below(value: float, decimals: int) -> str:
     """Return a number as text, rounded down to a number of decimal places; it remains a lower bound."""
-    return str(Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-decimals), ROUND_FLOOR))
+    return _to_decimals(value, decimals, ROUND_FLOOR)
 
 
 def above(value: float, decimals: int) -> str:
     """Return a number as text, rounded up to a number of decimal places; it remains an upper bound."""
-    return str(Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-decimals), ROUND_CEILING))
+    return _to_decimals(value, decimals, ROUND_CEILING)
 
 
 def interval(low: float, high: float, digits: int) -> str:

@@ -175,7 +175,7 @@ def window_share(row: pd.Series) -> float:
     Parameters:
         row: a row of ``claims.csv``.
     """
-    return max((_share(value, row) for value in _judged(row)), default=math.nan)
+    return max(_shares(row), default=(math.nan, math.nan))[0]
 
 
 def worst_value(row: pd.Series) -> float:
@@ -186,7 +186,7 @@ def worst_value(row: pd.Series) -> float:
     Parameters:
         row: a row of ``claims.csv``.
     """
-    return max(_judged(row), key=lambda value: _share(value, row), default=float(row["observed"]))
+    return max(_shares(row), default=(math.nan, row.observed))[1]
 
 
 def agreement(found: Verdict | pd.Series) -> str:
@@ -201,22 +201,18 @@ def agreement(found: Verdict | pd.Series) -> str:
     return "met" if inside and not math.isnan(found.observed) else "undecided"
 
 
-def _judged(row: pd.Series) -> list[float]:
-    """Return the values of a check that were compared with its tolerance window.
+def _shares(row: pd.Series) -> list[tuple[float, float]]:
+    """Return the values of a check that were compared with its tolerance window, each after the share that it uses.
 
     These are both ends of the range. If the check holds although its range reaches beyond the window, it is the
     observed value alone.
     """
-    low, high = float(row["window_low"]), float(row["window_high"])
+    low, high = row.window_low, row.window_high
     if not low < high or (low <= 0 and math.isinf(high)):
         return []
-    ends, observed = [float(row["low"]), float(row["high"])], float(row["observed"])
-    if row["verdict"] != HOLDS or all(low <= value <= high for value in ends):
-        return ends
-    return [observed] if low <= observed <= high else []
-
-
-def _share(value: float, row: pd.Series) -> float:
-    low, high = float(row["window_low"]), float(row["window_high"])
-    found = position(value, low, high)
-    return abs(found) if is_two_sided(low, high) else found
+    window, judged = Window(low, high), [row.low, row.high]
+    if row.verdict == HOLDS and not window.contains(*judged):
+        judged = [row.observed] if window.contains(row.observed) else []
+    positions = [position(value, low, high) for value in judged]
+    shares = map(abs, positions) if is_two_sided(low, high) else positions
+    return list(zip(shares, judged, strict=True))

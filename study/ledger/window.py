@@ -63,7 +63,7 @@ class Window:
         """
         if math.isinf(self.high) and math.isfinite(self.low):
             distances = [-value for value in values]
-        elif self.low > SMALL_END * self.high or -math.inf < self.low < 0 or self.predicted:
+        elif is_two_sided(self.low, self.high) or self.predicted:
             distances = [abs(value - (self.low + self.high) / 2) for value in values]
         else:
             distances = list(values)

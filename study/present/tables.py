@@ -159,7 +159,7 @@ def stresses(directory: Path) -> Table:
     series = [values.assign(order=math.nan).head(0)]
     for _, rows in values.groupby(["case", "family"], sort=False):
         rows = rows.sort_values("level")
-        series.append(rows.assign(order=since_before(rows["h"].to_numpy(), rows["stress"].to_numpy())))
+        series.append(rows.assign(order=since_before(rows, "stress")))
     sorted_values = pd.concat(series) if len(series) > 1 else series[0]
     return Table.of("stresses", sorted_values.assign(time_share_percent=100 * sorted_values["time_share"]))
 

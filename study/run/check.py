@@ -8,15 +8,14 @@ is also measured again.
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.compare import Comparison, Tolerance, compare, difference
-from study.ledger.datafiles import CsvFile, DataError, line, made_by, read_csv, table_text, write_csv
-from study.ledger.files import UsageError
+from study.ledger.datafiles import CsvFile, DataError, Key, line, made_by, read_csv, table_text, write_csv
+from study.ledger.files import Json, UsageError
 from study.run.executor import Notify, Pool, execute
 from study.run.judgement import PREDICTED, read_tables, stored_rows
 from study.run.plan import Job
@@ -61,7 +60,7 @@ def verify(directory: Path) -> str:
     )
 
 
-def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, again: str) -> set[tuple[str, ...]]:
+def _plan(directory: Path, record: Json, expectation: Expectation, again: str) -> set[Key]:
     """Return the keys of all measurements in the recorded plan of a run.
 
     Raises:
@@ -80,9 +79,7 @@ def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, aga
     return set(recorded)
 
 
-def _refuse_unplanned(
-    directory: Path, file: CsvFile, table: pd.DataFrame, planned: set[tuple[str, ...]], again: str
-) -> None:
+def _refuse_unplanned(directory: Path, file: CsvFile, table: pd.DataFrame, planned: set[Key], again: str) -> None:
     """Raise DataError if a table has a row that is not in the plan of the run.
 
     Rows that are in the plan but not in the table are no error here. The first check of the ledger reports them.

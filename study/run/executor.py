@@ -15,7 +15,7 @@ import os
 import re
 import signal
 import socket
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ from manufactured.self_proof import SelfProofError, examine
 from study.fem.naming import name_of, resolve
 from study.ledger.files import JobsError, UsageError
 from study.run.fingerprint import ALL_CODE, code_hash, of_solution, problem, versions
-from study.run.plan import Job
+from study.run.plan import Job, Result
 from study.run.store import Store
 from study.statements.enclosure import resolve_problem
 from study.statements.shared import estimates
@@ -171,7 +171,7 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
     """
     waiting = unfinished(jobs, store)
     refuse_too_large(waiting, pool)
-    running: dict[Future[Mapping[str, Any]], tuple[int, Job]] = {}
+    running: dict[Future[Result], tuple[int, Job]] = {}
     cases: dict[int, str] = {}
     suspects: set[str] = set()
     failures: list[str] = []
@@ -228,7 +228,7 @@ def next_job(
     return max(waiting, key=lambda job: (job.key not in suspects, job.case == case), default=None)
 
 
-def run_job(job: Job | Proof) -> Mapping[str, Any]:
+def run_job(job: Job | Proof) -> Result:
     """Run a job in one thread and return its result; the other cores are used by other worker processes."""
     try:
         with threadpool_limits(1):
@@ -238,7 +238,7 @@ def run_job(job: Job | Proof) -> Mapping[str, Any]:
             gc.collect()
 
 
-def _failure(job: Job | Proof, future: Future[Mapping[str, Any]]) -> str:
+def _failure(job: Job | Proof, future: Future[Result]) -> str:
     """Return why a job that has ended has no result; an empty text if it has one."""
     if future.cancelled():
         return f"{job.key}: its cluster no longer answers; run the same command again"
@@ -333,7 +333,7 @@ class Proof:
         """Return the cache key of the result."""
         return of_solution(self.case)
 
-    def run(self) -> Mapping[str, Any]:
+    def run(self) -> Result:
         """Examine the solution; return the violated conditions under the key "violated"."""
         findings = examine(resolve(self.case).solution)
         return {"violated": [finding for finding in findings if not finding.passes]}
@@ -350,8 +350,7 @@ def prove(jobs: Iterable[Job], cases: Iterable[str], store: Store, pool: Pool) -
     """
     measured = {job.case for job in jobs}
     proofs = unfinished([Proof(case) for case in cases if case in measured], store)
-    executors = cycle(pool.executors)
-    futures = [next(executors).submit(run_job, proof) for proof in proofs]
+    futures = [executor.submit(run_job, proof) for executor, proof in zip(cycle(pool.executors), proofs, strict=False)]
     for proof, future in zip(proofs, futures, strict=True):
         if violated := future.result()["violated"]:
             raise SelfProofError(f"case {resolve(proof.case).name}", violated)

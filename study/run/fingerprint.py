@@ -179,22 +179,19 @@ def _parsed(module: str) -> tuple[str, frozenset[str]]:
             names |= {source, *(f"{source}.{alias.name}" for alias in node.names)}
         elif isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
-    return _digest(_without_docstrings(tree)), frozenset(file for name in names for file in _files(name))
+    return _digest(ast.dump(_WithoutTexts().visit(tree))), frozenset(file for name in names for file in _files(name))
 
 
 def _hash_of(modules: Iterable[str]) -> str:
     return _digest([(module, _parsed(module)[0]) for module in sorted(modules)])
 
 
-def _without_docstrings(node: object) -> object:
-    """Return a syntax tree as nested lists, without docstrings and other strings that are statements."""
-    if isinstance(node, ast.AST):
-        return [type(node).__name__, *[_without_docstrings(getattr(node, field, None)) for field in node._fields]]
-    return [_without_docstrings(item) for item in node if not _is_text(item)] if isinstance(node, list) else node
+class _WithoutTexts(ast.NodeTransformer):
+    """Removes docstrings and other strings that are statements from a syntax tree."""
 
-
-def _is_text(node: object) -> bool:
-    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+    def visit_Expr(self, node: ast.Expr) -> ast.Expr | None:
+        is_text = isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+        return None if is_text else node
 
 
 @cache

@@ -59,13 +59,6 @@ def stored_rows(jobs: Iterable[Job], store: Store) -> dict[DataFile, list[Row]]:
     return rows
 
 
-def stored_tables(jobs: Sequence[Job], store: Store) -> dict[DataFile, pd.DataFrame]:
-    """Return tables of the stored results of jobs on one case, with the predictions for this case."""
-    predictions = pd.DataFrame([describe(resolve(jobs[0].case))])
-    rows = stored_rows(jobs, store)
-    return {file: predicted(pd.DataFrame(rows[file]), predictions) for file in rows if isinstance(file, CsvFile)}
-
-
 def judge_stored(jobs: Sequence[Job], store: Store) -> list[Verdict]:
     """Judge the stored results of jobs of one statement and one case, before the data files are written.
 
@@ -75,8 +68,10 @@ def judge_stored(jobs: Sequence[Job], store: Store) -> list[Verdict]:
     statement, case = jobs[0].statement, jobs[0].case
     if statement.joined_file or case not in NAMES:
         return []
-    tables = stored_tables(jobs, store)
-    return statement.judge(tables[statement.file]) if statement.file in tables else []
+    rows = stored_rows(jobs, store)
+    if not isinstance(statement.file, CsvFile) or statement.file not in rows:
+        return []
+    return statement.judge(predicted(pd.DataFrame(rows[statement.file]), pd.DataFrame([describe(resolve(case))])))
 
 
 def collect(plan: Plan, store: Store) -> None:

@@ -19,7 +19,7 @@ from manufactured.law import NonSymmetric
 from study.fem.mesh import MeshError, boundary_parts
 from study.fem.naming import family_named, name_of, resolve
 from study.fem.quadrature import Line, rough_cells
-from study.ledger.datafiles import CsvFile
+from study.ledger.datafiles import CsvFile, Key
 from study.ledger.files import UsageError
 from study.run.fingerprint import fingerprint
 from study.statements import STATEMENTS
@@ -33,6 +33,10 @@ OVERHEAD = 0.3e6
 formulas, which does not grow with the number of cells and steps."""
 
 
+Result = Mapping[str, Any]
+"""The result of a job: the measured numbers by their names."""
+
+
 @dataclass(frozen=True)
 class Job:
     """One measurement: a statement, and the case and mesh on which it is measured.
@@ -44,7 +48,7 @@ class Job:
     setting: Setting
 
     @property
-    def identity(self) -> tuple[str, ...]:
+    def identity(self) -> Key:
         """Texts that identify the job: name of its data file, then the key cells that are equal in all its rows."""
         known = {"label": self.statement.label, "case": name_of(self.setting.case)}
         key = (str(known.get(column) or getattr(self.setting, column)) for column in self.statement.file.key)
@@ -75,7 +79,7 @@ class Job:
         """Return the cache key of the result of this job."""
         return fingerprint(self.statement, self.setting)
 
-    def run(self) -> Mapping[str, Any]:
+    def run(self) -> Result:
         """Measure, and return the measured numbers by their names."""
         return self.statement.run(self.setting)
 
@@ -131,7 +135,7 @@ class Plan:
             return [list(self.jobs)]
         return [first, [job for job in self.jobs if job not in first]]
 
-    def keys(self) -> list[tuple[str, ...]]:
+    def keys(self) -> list[Key]:
         """Return the sorted identities of all jobs whose results are rows of tables. Pictures are left out."""
         return sorted(job.identity for job in self.jobs if isinstance(job.statement.file, CsvFile))
 

@@ -15,14 +15,14 @@ import platform
 import subprocess
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from study.fem.naming import describe, resolve
-from study.ledger.datafiles import DataError, made_by, nested_keys, planned_keys, read_uncompressed
-from study.ledger.files import StoreError, UsageError
+from study.ledger.datafiles import DataError, Key, made_by, nested_keys, planned_keys, read_uncompressed
+from study.ledger.files import Json, StoreError, UsageError
 from study.ledger.verdict import HOLDS, UNDECIDED, CheckKind, Verdict, row
 from study.ledger.window import at_most
 from study.run.fingerprint import ROOT, packages
@@ -36,7 +36,7 @@ SUMS = "sha256"
 """The key in ``provenance.json`` for the checksums: name of a file in ``data`` ↦ SHA-256 of its text."""
 
 
-def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
+def provenance(plan: Plan, directory: Path) -> Json:
     """Return the content of ``provenance.json`` without the checksums.
 
     It contains no date, so that equal runs give equal files.
@@ -65,7 +65,7 @@ def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
     }
 
 
-def commit() -> dict[str, Any]:
+def commit() -> Json:
     """Return the commit of the code, and whether no file of ``study`` and ``manufactured`` differs from the commit.
 
     Without a git repository, as after an installation from a wheel, the commit is empty.
@@ -83,7 +83,7 @@ def _git(*words: str) -> str:
     return subprocess.run(["git", *words], cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
 
 
-def sources() -> dict[str, dict[str, Any]]:
+def sources() -> dict[str, Json]:
     """Return the code files and the data files of each statement.
 
     Returns:
@@ -93,7 +93,7 @@ def sources() -> dict[str, dict[str, Any]]:
     for statement in STATEMENTS:
         data = "claims.csv" if isinstance(statement, Listed) else statement.file.name
         places.append((type(statement), statement.label, data))
-    entries: dict[str, dict[str, Any]] = {}
+    entries: dict[str, Json] = {}
     for kind, label, data in places:
         code = Path(inspect.getfile(kind)).relative_to(ROOT).as_posix()
         entry = entries.setdefault(label, {"code": [], "data": []})
@@ -103,7 +103,7 @@ def sources() -> dict[str, dict[str, Any]]:
     return entries
 
 
-def read_provenance(directory: Path) -> dict[str, Any]:
+def read_provenance(directory: Path) -> Json:
     """Return the content of ``provenance.json`` in a result directory, with the keys of planned rows as a list.
 
     Raises:
@@ -146,17 +146,16 @@ def refuse_to_replace(plan: Plan, directory: Path) -> None:
             )
 
 
-@dataclass(frozen=True)
 class Complete:
     """The first check of the ledger: no planned measurement is missing.
 
     Without this check, a missing mesh family or level could make other checks hold.
     """
 
-    label: str = "data"
-    claim: str = "all planned measurements are present"
+    label = "data"
+    claim = "all planned measurements are present"
 
-    def judge(self, planned: set[tuple[str, ...]], measured: set[tuple[str, ...]]) -> Verdict:
+    def judge(self, planned: set[Key], measured: set[Key]) -> Verdict:
         """Return the verdict on completeness: undecided if the tables lack rows that were planned.
 
         Parameters:

@@ -19,7 +19,7 @@ from typing import Any
 import psutil
 from filelock import FileLock, Timeout
 
-from study.ledger.files import StoreError, unwritable, write_text
+from study.ledger.files import Json, StoreError, unwritable, write_text
 
 STORE_FORMAT = 2
 """Version of the format of data files. It changes if this program can no longer read older files."""
@@ -165,7 +165,7 @@ class Store:
         }
         write_text(self.path(key), json.dumps(content, indent=None) + "\n")
 
-    def load(self, key: str, fingerprint: str) -> dict[str, Any] | None:
+    def load(self, key: str, fingerprint: str) -> Json | None:
         """Return the stored result of a job; None if its file is missing or damaged, or has another cache key.
 
         Raises:
@@ -182,7 +182,7 @@ class Store:
             return None
         return result if isinstance(result, dict) else None
 
-    def cached(self, key: str, fingerprint: str, compute: Callable[[], dict[str, Any]], *files: Path) -> dict[str, Any]:
+    def cached(self, key: str, fingerprint: str, compute: Callable[[], Json], *files: Path) -> Json:
         """Return the stored result of a job; if it is missing, compute and store it.
 
         Parameters:
@@ -199,7 +199,7 @@ class Store:
         return stored
 
     @staticmethod
-    def read(path: Path) -> dict[str, Any] | None:
+    def read(path: Path) -> Json | None:
         """Return the JSON object in a file; None if the file is missing or damaged.
 
         Raises:
@@ -227,7 +227,7 @@ def _checksum(result: object) -> str:
     return hashlib.sha256(json.dumps(result).encode()).hexdigest()
 
 
-def require_format(path: Path, content: dict[str, Any] | None) -> None:
+def require_format(path: Path, content: Json | None) -> None:
     """Raise StoreError if a data file has another version of the format than this program reads."""
     stored = None if content is None else content.get("format")
     if stored != STORE_FORMAT:

@@ -16,13 +16,13 @@ import numpy as np
 
 from manufactured.body import Kind
 from manufactured.tensors import Array
+from study.fem.mesh import determinants
 from study.fem.space import means
-from study.ledger.files import StoreError, write_text, write_whole
+from study.ledger.files import Json, StoreError, write_text, write_whole
 from study.run.store import Store
 from study.statements.shared.tasks import Task
 
 TASK_FORMAT, TASK_VERSION = "contact-task", 2
-Data = dict[str, Any]
 FOUNDATION_MARGIN, FOUNDATION_DEPTH = 0.25, 0.25
 """The length by which the mesh of a foundation extends beyond its contact face on each side, and its thickness. Both
 are relative to the length of the face."""
@@ -35,7 +35,7 @@ displacement may
 be zero, and their rounding errors grow like 1/h."""
 
 
-def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Data:
+def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Json:
     """Return the data of a file with static problems, one for each of some times.
 
     The exact solution of a static problem is the solution of the case at this time.
@@ -59,7 +59,7 @@ def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Data:
     return {**_head(task, "frozen", scale), "steps": loads, "judge": judge}
 
 
-def march(task: Task, steps: int, scale: float = 1.0) -> Data:
+def march(task: Task, steps: int, scale: float = 1.0) -> Json:
     """Return the data of a file with a problem in time, for the midpoint rule with equal steps.
 
     Loads are given at the middle of each step, solutions at its end.
@@ -80,7 +80,7 @@ def march(task: Task, steps: int, scale: float = 1.0) -> Data:
     return {**_head(task, "march", scale), "step": k, "start": moved, "steps": loads, "judge": judge}
 
 
-def _judged(task: Task, time: float, balanced: float, reference: Array) -> Data:
+def _judged(task: Task, time: float, balanced: float, reference: Array) -> Json:
     """Return the exact and the reference solution with which the answer of a code at one time is compared.
 
     Parameters:
@@ -101,18 +101,17 @@ def _judged(task: Task, time: float, balanced: float, reference: Array) -> Data:
     }
 
 
-def _head(task: Task, mode: str, scale: float) -> Data:
+def _head(task: Task, mode: str, scale: float) -> Json:
     space, law = task.space, task.solution.law
     mesh, clamped = space.mesh, [space.vertices(part) for part, _ in space.on(Kind.CLAMPED)]
-    numbers: Data = {}
+    numbers: Json = {}
     counts = [len(vertices) for _, vertices in space.contact]
-    gaps: list[Data] = [{} for _ in counts]
+    gaps: list[Json] = [{} for _ in counts]
     if task.solution.has_initial_gap:
         gaps = [{"gap": scale * gap} for gap in np.split(task.gap, np.cumsum(counts)[:-1])]
     for name, tensor in (("A", law.A), ("G", law.G)):
         factor = means(space, tensor.factor)
-        one = np.ptp(factor) == 0 and factor[0] == 1
-        numbers[name] = {"matrix": tensor.matrix, "factor": 1.0 if one else factor}
+        numbers[name] = {"matrix": tensor.matrix, "factor": 1.0 if np.all(factor == 1) else factor}
     return {
         "format": TASK_FORMAT,
         "version": TASK_VERSION,
@@ -143,14 +142,13 @@ def oriented(points: Array, cells: Array) -> Array:
         points: coordinates of the vertices, (d, vertices).
         cells: vertex numbers, (d + 1, cells).
     """
-    corners = points[:, cells]
-    negative = np.linalg.det(np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)) < 0
+    negative = determinants(points, cells) < 0
     turned = cells.copy()
     turned[-2:, negative] = turned[:-3:-1, negative]
     return turned
 
 
-def with_foundation(data: Data, segments: int) -> Data:
+def with_foundation(data: Json, segments: int) -> Json:
     """Return the data of a problem in the plane with a mesh of the foundation below each contact face.
 
     Parameters:
@@ -164,7 +162,7 @@ def with_foundation(data: Data, segments: int) -> Data:
     return {**data, "foundation": pieces}
 
 
-def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
+def slab(face: Array, normal: Array, segments: int) -> Json:
     """Return a mesh of a rigid foundation below a straight contact face: equal segments with two triangles each.
 
     Parameters:
@@ -220,7 +218,7 @@ class TaskStore(Store):
                     self.lock.unlink(missing_ok=True)
 
 
-def write_task(directory: Path, data: dict[str, Any]) -> Path:
+def write_task(directory: Path, data: Json) -> Path:
     """Write a contact problem into a file NAME.json.xz, and its checksum into SHA256SUMS; return the path.
 
     Equal data give identical files.

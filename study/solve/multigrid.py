@@ -224,15 +224,15 @@ def local_bases(N: sps.csr_array, d: int) -> tuple[Array, NDArray[np.int64]]:
         ValueError: a row of N has entries at several vertices or at none, or the rows of a vertex are linearly
             dependent.
     """
-    N = sps.csr_array(N)
-    vertices = np.full(N.shape[0], -1)
-    for i, (start, end) in enumerate(zip(N.indptr[:-1], N.indptr[1:], strict=True)):
-        at = np.unique(N.indices[start:end][N.data[start:end] != 0] // d)
-        if len(at) != 1:
-            raise ValueError(
-                f"row {i} of N has entries at {len(at)} vertices, expected 1: give one normal at one vertex in each row"
-            )
-        vertices[i] = at[0]
+    rows, columns = N.nonzero()
+    rows, vertices = np.unique([rows, columns // d], axis=1)
+    counts = np.bincount(rows, minlength=N.shape[0])
+    if (counts != 1).any():
+        row = int((counts != 1).argmax())
+        raise ValueError(
+            f"row {row} of N has entries at {counts[row]} vertices, expected 1: give one normal at one vertex in each "
+            "row"
+        )
     blocks = np.tile(np.eye(d), (N.shape[1] // d, 1, 1))
     unknowns = np.empty(N.shape[0], dtype=np.int64)
     for vertex in np.unique(vertices):

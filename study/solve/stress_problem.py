@@ -27,7 +27,8 @@ The potential of a step. A step maps the strain ε_n to the stress σ_n = A (ε_
   where h_K, the support function of K = {|Pτ| ≤ r}, is r |s₂| on the range of the projector P and infinite elsewhere;
 
 * for a sum of both, G ε = S + C ε + β (ε − P_K ε), with Ĉ = A/k + C positive and the strain
-  r = Ĉ⁻¹((A/k) ε_{n−1} − S): as for (3.3), with Ĉ⁻¹ in place of k A⁻¹ and r in place of ε_{n−1}.
+  r = Ĉ⁻¹((A/k) ε_{n−1} − S): as for (3.3), with Ĉ⁻¹ in place of k A⁻¹ and r in place of ε_{n−1}. The law (3.3) alone
+  is the case C = 0, S = 0, in which Ĉ⁻¹ = k A⁻¹ and r = ε_{n−1}.
 
 Every Φ is the integral of a density ½ Q y·y + g(ε_{n−1})·y, where y is an unknown on every cell that determines τ
 there. For (3.3), a part (ρ, z) of y lies in the second-order cone ρ ≥ |z|.
@@ -101,45 +102,37 @@ def potential(space: Space, law: KelvinVoigt, k: float) -> Potential:
         StressError: G is neither linear, nor (3.3), nor a sum of both, so its potential is not known.
     """
     A, G = law.A, law.G
+    match G:
+        case Linear():
+            elasticity, yielding = np.multiply.outer(means(space, G.factor), G.matrix), None
+        case Yield():
+            elasticity, yielding = np.zeros_like(A.matrix), G
+        case Combined():
+            elasticity, yielding = G.linear.matrix, G.yielding
+        case _:
+            raise StressError(
+                "Problem 3.2 on the strains of V^h needs a law whose complementary potential is known: Linear, Yield "
+                f"or Combined, got {type(G).__name__}; take one of these, or solve Problem 3.1 only"
+            )
     viscosity = np.multiply.outer(means(space, A.factor), A.matrix / k)
-    if isinstance(G, Linear):
-        compliance = np.linalg.inv(viscosity + np.multiply.outer(means(space, G.factor), G.matrix))
-        compliance = (compliance + compliance.swapaxes(1, 2)) / 2
-        return Potential(
-            compliance, compliance, np.eye(len(A.matrix)), lambda strain: _act(compliance, _act(viscosity, strain))
-        )
-    if isinstance(G, Yield):
-        inverse = k * np.linalg.inv(A.matrix)
-        compliance = np.multiply.outer(1 / means(space, A.factor), (inverse + inverse.T) / 2)
-        # G is 0 inside K, so in a step without stress the strain does not change.
-        return _with_cone(compliance, G, lambda strain: strain)
-    if isinstance(G, Combined):
-        compliance = np.linalg.inv(viscosity + G.linear.matrix)
-        compliance = (compliance + compliance.swapaxes(1, 2)) / 2
-        rest = G.at_rest[:, None]
-        return _with_cone(compliance, G.yielding, lambda strain: _act(compliance, _act(viscosity, strain) - rest))
-    raise StressError(
-        "Problem 3.2 on the strains of V^h needs a law whose complementary potential is known: Linear, Yield or "
-        f"Combined, got {type(G).__name__}; take one of these, or solve Problem 3.1 only"
-    )
+    compliance = np.linalg.inv(viscosity + elasticity)
+    compliance = (compliance + compliance.swapaxes(1, 2)) / 2
+    at_rest = G.at_rest[:, None]
 
+    def released(strain: Tensors) -> Tensors:
+        return _act(compliance, _act(viscosity, strain) - at_rest)
 
-def _with_cone(compliance: Array, G: Yield, released: Callable[[Tensors], Tensors]) -> Potential:
-    """Return the potential for a law that contains (3.3), in the unknown y = (s₁, ρ, z) of ``Potential``.
-
-    Args:
-        compliance: the matrix from a stress to the strain that it adds in a step, (cells, D, D).
-        G: the part (3.3) of the law.
-        released: see ``Potential``.
-    """
-    values, vectors = np.linalg.eigh(G.convex.projector)
+    D = len(A.matrix)
+    if yielding is None:
+        return Potential(compliance, compliance, np.eye(D), released)
+    values, vectors = np.linalg.eigh(yielding.convex.projector)
     R = vectors[:, values > 0.5]
-    D, rank = R.shape
+    rank = R.shape[1]
     quadratic = np.zeros((len(compliance), D + 1 + rank, D + 1 + rank))
     quadratic[:, :D, :D] = compliance
-    quadratic[:, D + 1 :, D + 1 :] = np.eye(rank) / G.beta
+    quadratic[:, D + 1 :, D + 1 :] = np.eye(rank) / yielding.beta
     stress = np.hstack([np.eye(D), np.zeros((D, 1)), R])
-    return Potential(compliance, quadratic, stress, released, 1 + rank, G.convex.radius)
+    return Potential(compliance, quadratic, stress, released, 1 + rank, yielding.convex.radius)
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +172,8 @@ class Programme:
     strains in these units times the norm of the compliance, so that the tolerances of the solver are relative.
     """
 
-    def __init__(self, space: Space, N: sps.csr_array, potential: Potential) -> None:
+    def __init__(self, space: Space, potential: Potential) -> None:
+        N = space.N
         cells, m = len(space.volumes), N.shape[0]
         D, p = potential.stress.shape
         self.dofs, self.potential = space.dofs, potential
@@ -255,21 +249,14 @@ class StressProblem:
     Attributes:
         space: the space V^h.
         law: the material law.
-        N: the constraint matrix, (m, dofs): K^h = {v : N v ≤ 0}.
         load: the function from a time to the load vector F(t), (dofs,).
         u0: the initial displacement u_0^h, (dofs,).
     """
 
     space: Space
     law: KelvinVoigt
-    N: sps.csr_array
     load: Callable[[float], Array]
     u0: Array
-
-    @classmethod
-    def of(cls, space: Space, law: KelvinVoigt, load: Callable[[float], Array], u0: Array) -> StressProblem:
-        """Return Problem 3.2 on a space for a law, a load and an initial displacement."""
-        return cls(space, law, space.N, load, u0)
 
     def march(self, steps: int) -> Iterator[StressState]:
         """Solve Problem 3.2 by backward Euler and yield the states at t_0, t_1, …, t_steps.
@@ -280,9 +267,9 @@ class StressProblem:
         """
         k = step_size(self.space.body.T, steps)
         require_unique("backward Euler", k, self.law.growth, longest_step(self.law.growth))
-        programme = Programme(self.space, self.N, potential(self.space, self.law, k))
+        programme = Programme(self.space, potential(self.space, self.law, k))
         strain = self.space.strain(self.u0)
-        nan = np.full(self.N.shape[0], np.nan)
+        nan = np.full(self.space.N.shape[0], np.nan)
         yield StressState(0.0, np.full_like(strain, np.nan), strain, self.u0, nan, 0.0)
         for n in range(1, steps + 1):
             state = programme(n * k, self.load(n * k), strain)

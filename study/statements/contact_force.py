@@ -58,7 +58,7 @@ from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
 from study.ledger.datafiles import CsvFile
-from study.ledger.quantities import finest, values
+from study.ledger.quantities import finest
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
@@ -239,14 +239,14 @@ FORCE_NORMS = (
     accuracy(
         "time-share",
         "error in time / error, for both norms of p − p^h",
-        values(*TIME_SHARES[:2]),
+        [*TIME_SHARES[:2]],
         at_most(0.5, "of each error; half as many steps show the error in time"),
     ),
 )
 FORCE_ROUND_OFF = at_most(1e-10, "only rounding, because faces are straight and elements linear")
 EXACT = (
-    identity("penetration", "max (u^h_ν)_+ between vertices / max |u^h|", values("penetration"), FORCE_ROUND_OFF),
-    identity("pulling", "max λ_− / max |λ|", values("pulling"), FORCE_ROUND_OFF),
+    identity("penetration", "max (u^h_ν)_+ between vertices / max |u^h|", "penetration", FORCE_ROUND_OFF),
+    identity("pulling", "max λ_− / max |λ|", "pulling", FORCE_ROUND_OFF),
 )
 
 

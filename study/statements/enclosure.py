@@ -30,7 +30,7 @@ from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve
 from study.ledger.check import Groups, consequence, identity
 from study.ledger.datafiles import CsvFile, Row
-from study.ledger.quantities import orders, values
+from study.ledger.quantities import orders
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, CheckKind, Span, Verdict, row
 from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.evolution import Scheme
@@ -262,21 +262,19 @@ class Bounds(Statement):
 
 # The quotient error / upper bound must be positive. The quotient lower bound / error may be 0, because the lower bound
 # may be 0 on coarse meshes.
-ABOVE_ERROR = identity(
-    "above", "largest error / upper bound", values("above"), positive_at_most(1.0, "at every sampled time")
-)
-BELOW_ERROR = identity("below", "largest lower bound / error", values("below"), at_most(1.0, "at every sampled time"))
+ABOVE_ERROR = identity("above", "largest error / upper bound", "above", positive_at_most(1.0, "at every sampled time"))
+BELOW_ERROR = identity("below", "largest lower bound / error", "below", at_most(1.0, "at every sampled time"))
 REACH = consequence(
     "upper",
     "largest upper bound / error over [T/2, T]",
-    values("upper"),
+    "upper",
     Window(),
     if_missed="this shows how sharp the bound is; the claim is only that the error never exceeds it",
 )
 HERE = f"at n = {CHECKED_LEVEL}"
 TIGHT = (
-    consequence("tight-above", f"upper bound / error {HERE}", values("upper"), Window(1.0, 1.15, "over [T/2, T]")),
-    consequence("tight-below", f"lower bound / error {HERE}", values("lower"), Window(0.85, 1.0, "over [T/2, T]")),
+    consequence("tight-above", f"upper bound / error {HERE}", "upper", Window(1.0, 1.15, "over [T/2, T]")),
+    consequence("tight-below", f"lower bound / error {HERE}", "lower", Window(0.85, 1.0, "over [T/2, T]")),
 )
 INTERVAL_TOLERANCE = 0.15
 """Tolerance around a predicted order. Other statements use the same tolerance for orders between levels."""

@@ -31,7 +31,6 @@ from study.ledger.quantities import (
     level_by_level,
     of_errors,
     over_refinements,
-    values,
 )
 from study.ledger.window import Window, around, at_least, at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete
@@ -118,12 +117,10 @@ class NodalStart(ListedNumbers):
         consequence(
             "size",
             "‖Π^h u_0‖_V / ((3μ + λ)(n − 4))^{1/2}",
-            values("size / predicted"),
+            "size / predicted",
             around(1, 0.05, "spikes of u_0 interpolate to hat functions of known norm"),
         ),
-        identity(
-            "proved", "(5 m_A n/16)^{1/2} / ‖Π^h u_0‖_V", values("proved / size"), positive_at_most(1.0, "proved")
-        ),
+        identity("proved", "(5 m_A n/16)^{1/2} / ‖Π^h u_0‖_V", "proved / size", positive_at_most(1.0, "proved")),
         consequence(
             "growth",
             "order in h of ‖Π^h u_0‖_V − ‖u_0‖_V ≤ ‖u_0 − Π^h u_0‖_V",
@@ -406,25 +403,23 @@ class ResidualBound(ListedNumbers):
     label = "(5.27)"
     claim = "|R(s; v)| ≤ c (‖u‖_{W^{1,∞}(0,T;V)} + ‖f‖_{L∞(0,T;V)} + ‖G(·, 0)‖_Q) ‖v‖_V, c and G(·, 0) explicit"
     checks = (
-        paper_claim(
-            "bound", "max_s ‖R(s)‖ / the bound, exact solution", values("bound"), positive_at_most(1.0, "proved")
-        ),
+        paper_claim("bound", "max_s ‖R(s)‖ / the bound, exact solution", "bound", positive_at_most(1.0, "proved")),
         identity(
             "rest",
             "G(·, 0) = A ε(z): distance of −R from the contact forces / its size",
-            values("rest"),
+            "rest",
             positive_at_most(1e-10, "0 up to rounding: u^h ≡ 0 is the solution, although the printed bound is 0"),
         ),
         identity(
             "prestress",
             "G(·, 0) = A ε(z): ‖R‖ / (‖G(·, 0)‖_Q / √m_A)",
-            values("prestress"),
+            "prestress",
             at_most(1 + ROUNDING, "proved"),
         ),
         identity(
             "attained",
             "‖R‖ / (‖G(·, 0)‖_Q / √m_A) over √(m_A/‖A‖), its least possible value",
-            values("attained"),
+            "attained",
             Window(1 - ROUNDING, np.inf, "over √(m_A/‖A‖)"),
         ),
     )
@@ -590,7 +585,7 @@ class ErrorBounds(ListedNumbers):
                 paper_claim(
                     f"constant-{number}",
                     share,
-                    values(f"{bound}, c"),
+                    f"{bound}, c",
                     positive_at_most(1.0, "with the constant c of the proof"),
                 ),
                 groups,

@@ -15,7 +15,7 @@ from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.quadrature import facet_rule
 from study.fem.space import on_cells
 from study.ledger.check import ENOUGH, ROUNDING, Groups, consequence, paper_claim
-from study.ledger.quantities import change, values
+from study.ledger.quantities import change
 from study.ledger.window import Window, around, between
 from study.solve.factorisation import Cholesky
 from study.solve.tableau import MIDPOINT
@@ -90,13 +90,13 @@ class LoadInTime(ListedNumbers):
         paper_claim(
             "variation",
             f"variation of f^h on {LOAD_INTERVALS} intervals / on {LOAD_INTERVALS // 2} intervals",
-            values("variation"),
+            "variation",
             Window(1 - ROUNDING, 1.01, "the variation cannot fall; without a bound it grows by a power of 2"),
         ),
         consequence(
             "increments",
             f"largest increment of f^h / largest increment over {COARSER} times as long intervals",
-            values("increments"),
+            "increments",
             Window(1 / 32, 0.6, f"1/{COARSER} where ḟ is bounded, 1/2 for (t − t_0)^{{1/4}}, 1 for a jump"),
         ),
         paper_claim(

@@ -20,7 +20,7 @@ from study.fem.mesh import barycentric_gradients
 from study.fem.quadrature import gauss
 from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
-from study.ledger.quantities import change, over_refinements, values
+from study.ledger.quantities import change, over_refinements
 from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
@@ -58,7 +58,7 @@ HALF_DERIVATIVE = (
     identity(
         "half",
         "mean of ‖u̇^h(t + τ) − u̇^h(t)‖² over τ < δ, integrated over t / (C_2 δ), largest over δ",
-        values("half"),
+        "half",
         PROVED_BELOW_1,
     ),
     consequence(
@@ -158,7 +158,7 @@ class HalfDerivative(ListedNumbers):
     effort = 10
     checks = (
         *HALF_DERIVATIVE,
-        identity("euler", "backward Euler: Σ ‖δ_n − δ_{n−1}‖² / its bound", values("euler"), PROVED_BELOW_1),
+        identity("euler", "backward Euler: Σ ‖δ_n − δ_{n−1}‖² / its bound", "euler", PROVED_BELOW_1),
     )
     quick = grid(("advance-recede",), ("one-diagonal",), (4, 8, 16))
     full = grid(("advance-recede", "travelling-patch", "yield-and-release"), ("one-diagonal",), (8, 16, 32))
@@ -226,7 +226,7 @@ class NodalErrors(ListedNumbers):
             consequence(
                 "constant",
                 "largest |(P_hu_s − Π^hu_s)_ν(a)| (h + |a − x|)^{1/2} / (θ h² |log h|)",
-                values("constant"),
+                "constant",
                 at_most(1.5, "bounded on every mesh family"),
             ),
             groups,
@@ -366,11 +366,11 @@ class AdvancingFront(ListedNumbers):
             "excess",
             between(1, 1.5, STEEPER, STEEPER, "3/2 if the front leaves the same error in every cell, 1 if not"),
         ),
-        accuracy("time", "change of u^h with half the time step / error", values("time share"), NEGLIGIBLE_SHARE),
+        accuracy("time", "change of u^h with half the time step / error", "time share", NEGLIGIBLE_SHARE),
         consequence(
             "local",
             "work of the contact forces on violations of the constraint by P_hu / (h |log h|)²",
-            values("local"),
+            "local",
             at_most(0.01, "h² |log h|² is proved; 0.05 to 0.16 without cancellation"),
         ),
         consequence(
@@ -383,7 +383,7 @@ class AdvancingFront(ListedNumbers):
         accuracy(
             "quadrature",
             "bound of the change of u^h under finer quadrature of f_0 / error",
-            values("quadrature"),
+            "quadrature",
             NEGLIGIBLE_SHARE,
         ),
     )

@@ -24,7 +24,7 @@ from study.fem.quadrature import facet_rule
 from study.ledger.check import accuracy
 from study.ledger.codes import FROZEN, MADE, MARCH, NOT_EXPRESSED, OtherErrors
 from study.ledger.datafiles import CsvFile
-from study.ledger.quantities import quotients, values
+from study.ledger.quantities import quotients
 from study.ledger.verdict import BECAUSE, HOLDS, NOWHERE, REPORTED, UNDECIDED, Verdict, row
 from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.tableau import MIDPOINT
@@ -285,26 +285,24 @@ FORCES = "|λ − λ̃| / |λ̃| over all steps"
 DISPLACEMENTS = "max_n ‖u^h_n − ũ^h_n‖_V / max_n ‖ũ^h_n‖_V"
 BOTH_SAME_LOAD = "both with the same load"
 TRAJECTORIES = (
-    accuracy(
-        "start", "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V", values("start"), at_most(1e-10, "of ‖Π^h u_0‖_V; only rounding")
-    ),
+    accuracy("start", "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V", "start", at_most(1e-10, "of ‖Π^h u_0‖_V; only rounding")),
     accuracy(
         "displacement",
         DISPLACEMENTS,
-        values("displacement"),
+        "displacement",
         at_most(2e-3, "of ‖u^h‖_V; the load is integrated by two rules"),
     ),
-    accuracy("multipliers", FORCES, values("multipliers"), at_most(0.01, "of λ; the load is integrated by two rules")),
+    accuracy("multipliers", FORCES, "multipliers", at_most(0.01, "of λ; the load is integrated by two rules")),
     accuracy(
         "displacement-same-load",
         f"{DISPLACEMENTS}, {BOTH_SAME_LOAD}",
-        values("displacement_same_load"),
+        "displacement_same_load",
         positive_at_most(1e-9, "of ‖u^h‖_V; tolerances of both solvers"),
     ),
     accuracy(
         "multipliers-same-load",
         f"{FORCES}, {BOTH_SAME_LOAD}",
-        values("multipliers_same_load"),
+        "multipliers_same_load",
         at_most(1e-9, "of λ; tolerances of both solvers"),
     ),
 )

@@ -164,7 +164,7 @@ def reason_of_force(verdict: Verdict, verdicts: Sequence[Verdict], remedy: str) 
 
 def orders_of(groups: Groups, column: str) -> list[Array]:
     """Return for every mesh family the observed orders of a column from level to level, without NaN."""
-    series = [since_before(group["h"].to_numpy(), group[column].to_numpy()) for group in groups.values()]
+    series = [since_before(group, column) for group in groups.values()]
     return [orders[~np.isnan(orders)] for orders in series]
 
 

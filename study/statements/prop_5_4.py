@@ -58,7 +58,6 @@ from study.ledger.quantities import (
     over_refinements,
     quotients,
     ratios,
-    values,
 )
 from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
 from study.solve import solver_choice
@@ -311,10 +310,10 @@ EVIDENCE = (
     identity(
         "parallelogram",
         "parallelogram law of u − u^h and u − Π^h u",
-        values("parallelogram"),
+        "parallelogram",
         positive_at_most(1e-3, "an identity, up to rounding and the quadrature of the factor of A"),
     ),
-    accuracy("time-share", "time share: error in time / error", values("time_share"), SMALL_SHARE),
+    accuracy("time-share", "time share: error in time / error", "time_share", SMALL_SHARE),
     accuracy(
         "residual",
         "residual of the contact solves / largest accepted residual",
@@ -323,8 +322,8 @@ EVIDENCE = (
             1.0, f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
         ),
     ),
-    accuracy("clamped", "u^h = 0 on Γ1", values("clamped"), at_most(1e-10, "rounding")),
-    accuracy("quadrature", "change of the error under finer quadrature", values("quadrature_change"), SMALL_SHARE),
+    accuracy("clamped", "u^h = 0 on Γ1", "clamped", at_most(1e-10, "rounding")),
+    accuracy("quadrature", "change of the error under finer quadrature", "quadrature_change", SMALL_SHARE),
 )
 
 # Further criteria, which hold only with the regularity that Proposition 5.4 assumes.
@@ -387,7 +386,7 @@ DISCRETE_SIZES = (
     accuracy(
         "discrete-time-share",
         "time share of ‖Π^h u − u^h‖_V: error in time / discrete error",
-        values("discrete_time_share"),
+        "discrete_time_share",
         positive_at_most(0.3, "of the discrete error"),
     ),
 )

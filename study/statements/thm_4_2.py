@@ -81,7 +81,7 @@ from study.fem.quadrature import facet_rule, gauss
 from study.fem.space import Space, on_cells
 from study.ledger.check import Check, accuracy, consequence, identity, paper_claim
 from study.ledger.datafiles import CsvFile, Row
-from study.ledger.quantities import fitted, of_errors, quotients, values, weighted_order
+from study.ledger.quantities import fit, fitted, of_errors, quotients
 from study.ledger.text import power_of_ten
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, at_least, at_most, between, positive_at_most
@@ -141,7 +141,7 @@ def stress_problem(setup: Experiment) -> StressProblem:
             "(4.14), lacks the work of σ_ν on the gap; take a case whose initial_gap is 0"
         )
     u0 = setup.v_norm.sample(0.0).interpolant
-    return StressProblem.of(setup.space, setup.solution.law, setup.problem.load, u0)
+    return StressProblem(setup.space, setup.solution.law, setup.problem.load, u0)
 
 
 def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:
@@ -259,12 +259,12 @@ class SameMesh(Statement):
                 1e-5, "32 steps, each with the root of a duality gap of 1e-15, and norms that differ by a factor 10"
             ),
         ),
-        identity("admissibility", "violation of σ^h ∈ Σ^h(t)", values("admissibility"), AGREEMENT),
-        identity("energy", "violation of (σ, ε(u))_Q = (f, u)_V, (4.14)", values("energy_gap"), AGREEMENT),
+        identity("admissibility", "violation of σ^h ∈ Σ^h(t)", "admissibility", AGREEMENT),
+        identity("energy", "violation of (σ, ε(u))_Q = (f, u)_V, (4.14)", "energy_gap", AGREEMENT),
         paper_claim(
             "membership",
             "violation of u ∈ K^h, which Problem 3.2 does not impose",
-            values("membership"),
+            "membership",
             at_most(1e-7, "at every step"),
         ),
     )
@@ -660,7 +660,7 @@ def checks_of(regularity: Regularity, family: str) -> Iterator[Check]:
         )
     # The ratio on the finest level is displayed, because it matters most.
     larger = "the best polynomials come from a larger space"
-    yield consequence("ratio", RATIO, values("ratio"), at_least(1), finest=True, if_missed=larger)
+    yield consequence("ratio", RATIO, "ratio", at_least(1), finest=True, if_missed=larger)
     scatter = at_most(1.35, "bounded; two standard deviations are added for random meshes")
     grown = f"growth of {RATIO}, from the coarsest to the finest mesh, fitted"
     yield consequence(
@@ -669,13 +669,13 @@ def checks_of(regularity: Regularity, family: str) -> Iterator[Check]:
     yield identity(
         "admissible",
         "pointwise violation of: σ^hν continuous, equal to P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3",
-        values("admissibility"),
+        "admissibility",
         positive_at_most(1e-9),
     )
     yield accuracy(
         "time-share",
         "error of time steps and quadrature / ‖σ − σ^h‖_Q",
-        values("time_share"),
+        "time_share",
         positive_at_most(0.5, "with the order 3/2 in k, time steps then contribute at most 0.27 of the error"),
     )
     # On other meshes theory predicts the same order for the largest error in time as for the error in L²(0,T).
@@ -693,7 +693,7 @@ def checks_of(regularity: Regularity, family: str) -> Iterator[Check]:
 
 def growth(h: Array, ratio: Array) -> float:
     """Return the growth of a ratio from the coarsest to the finest mesh, by a fit with the weights h^−2."""
-    return float((h[-1] / h[0]) ** weighted_order(h, ratio, CELL_POWER))
+    return float((h[-1] / h[0]) ** fit(h, ratio, CELL_POWER))
 
 
 class OwnSpace(Statement):

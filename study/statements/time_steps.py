@@ -19,7 +19,7 @@ from manufactured.no_potential import NAME
 from manufactured.tensors import Array
 from study.fem.space import Space
 from study.ledger.check import ENOUGH, ROUNDING, Check, accuracy, consequence, identity
-from study.ledger.quantities import Value, change, fit, fitted, values
+from study.ledger.quantities import Value, change, fit, fitted
 from study.ledger.window import Window, around, between, positive_at_most
 from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.gradient_flow import EulerBounds, GradientFlow, backward_euler
@@ -45,11 +45,6 @@ def columns(template: str, counts: Sequence[int]) -> list[str]:
         counts: the numbers of steps.
     """
     return [template.format(count) for count in counts]
-
-
-def for_all(template: str, counts: Sequence[int]) -> Value:
-    """Return the function that gives a measured number for all numbers of time steps; see ``columns``."""
-    return values(*columns(template, counts))
 
 
 def orders_in_k(template: str, counts: Sequence[int]) -> Value:
@@ -96,25 +91,25 @@ class BackwardEuler(ListedNumbers):
         identity(
             "data",
             f"{ERROR_IN_TIME} / its bound from the data",
-            for_all("{} by data", HALVING_COUNTS),
+            columns("{} by data", HALVING_COUNTS),
             PROVED_BELOW_1,
         ),
         identity(
             "solution",
             f"{ERROR_IN_TIME} / its bound from the computed values U_n",
-            for_all("{} by solution", HALVING_COUNTS),
+            columns("{} by solution", HALVING_COUNTS),
             PROVED_BELOW_1,
         ),
         identity(
             "constant",
             "error in time of the piecewise constant function with the value U_n on (t_{n−1}, t_n] / its bound",
-            for_all("{} constant", HALVING_COUNTS),
+            columns("{} constant", HALVING_COUNTS),
             PROVED_BELOW_1,
         ),
         consequence(
             "between",
             "error of u^h interpolated linearly between time nodes / (k/4 · largest change of u̇^h within a step)",
-            for_all("{} between", HALVING_COUNTS),
+            columns("{} between", HALVING_COUNTS),
             Window(
                 0.2,
                 1 + ROUNDING,
@@ -125,7 +120,7 @@ class BackwardEuler(ListedNumbers):
         identity(
             "midpoint",
             "midpoint rule: error in time at all t / (largest error at the nodes + k/2 (‖u̇^h(0+)‖_V + Var f))",
-            for_all("{} midpoint", HALVING_COUNTS),
+            columns("{} midpoint", HALVING_COUNTS),
             PROVED_BELOW_1,
         ),
         consequence(
@@ -146,7 +141,7 @@ class BackwardEuler(ListedNumbers):
             "reference",
             f"change of the reference solution u^h from {REFERENCE_COUNT // 2} to {REFERENCE_COUNT} steps "
             "/ smallest error in time",
-            values("reference"),
+            "reference",
             positive_at_most(0.1, "the reference solution hardly changes the error"),
         ),
     )
@@ -284,7 +279,7 @@ class NoPotential(ListedNumbers):
             identity(
                 f"{source}-{kind}",
                 f"{INTERPOLANT_ERROR} / its bound from the {source}, {kind} steps",
-                for_all(f"{kind} {{}} by {source}", STEP_COUNTS),
+                columns(f"{kind} {{}} by {source}", STEP_COUNTS),
                 positive_at_most(1.0, "proved for every h and k"),
             )
             for source, kind in product(("data", "solution"), GRID_KINDS)
@@ -315,13 +310,13 @@ class NoPotential(ListedNumbers):
         consequence(
             "rotation",
             "error of a rotation in the plane / its bound from the data",
-            values("rotation"),
+            "rotation",
             Window(0.8, 1.0, "0.855 predicted; a constant below 0.8 κT/2 would be too small"),
         ),
         accuracy(
             "reference",
             f"change of u^h from {REFERENCE_STEPS // 2} to {REFERENCE_STEPS} steps / smallest error",
-            values("reference"),
+            "reference",
             positive_at_most(0.1, "so the reference solution hardly changes the error"),
         ),
     )
@@ -559,7 +554,7 @@ class Landings(ListedNumbers):
             identity(
                 f"{name}-two",
                 f"{name}: error / k for a problem with two unknowns",
-                for_all(f"two {name} {{}}", HALVED_STEPS),
+                columns(f"two {name} {{}}", HALVED_STEPS),
                 Window(
                     math.sqrt(2) * 0.2 * RISE * (1 - 1e-9),
                     math.sqrt(2) * 0.8 * RISE * (1 + 1e-9),

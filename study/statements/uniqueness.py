@@ -16,7 +16,6 @@ from scipy.optimize import nnls
 from manufactured.tensors import Array, Points, Tensors
 from study.fem.mesh import size as mesh_size
 from study.ledger.check import Check, consequence
-from study.ledger.quantities import values
 from study.ledger.window import at_most, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.interior_point import Accuracy, settings
@@ -64,7 +63,7 @@ def differences(of: str, *ways: str, on: str = "") -> tuple[Check, ...]:
         on: text to add to the description of the interior point method.
     """
     texts = {name: f"difference of the {of} {WAYS[name][0]}{on if name == 'interior point' else ''}" for name in ways}
-    return tuple(consequence(name.replace(" ", "-"), text, values(name), WAYS[name][1]) for name, text in texts.items())
+    return tuple(consequence(name.replace(" ", "-"), text, name, WAYS[name][1]) for name, text in texts.items())
 
 
 class OneTrajectory(ListedNumbers):

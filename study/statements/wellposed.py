@@ -26,7 +26,7 @@ from manufactured.tensors import Array, size
 from study.fem.naming import resolve
 from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, ROUNDING, consequence, identity, paper_claim
-from study.ledger.quantities import finest, ratios, values
+from study.ledger.quantities import finest, ratios
 from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
 from study.solve.factorisation import Cholesky
@@ -142,7 +142,7 @@ class BoundedVelocity(ListedNumbers):
         paper_claim(
             "bounded",
             "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k",
-            values(*STEPS_BY_K),
+            [*STEPS_BY_K],
             Window(0.5, 1.5, "for all h and k"),
         ),
         consequence(
@@ -207,17 +207,17 @@ class Dependence(ListedNumbers):
     label = "Thm 2.2"
     claim = "u^h depends continuously on f and u_0, with the rate ω = L_G/m_A: what Thm 2.2 gives on V^h"
     checks = (
-        paper_claim("bound", "‖u − v‖_V / e^{ωt}(‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = L_G/m_A", values("bound"), NEVER),
+        paper_claim("bound", "‖u − v‖_V / e^{ωt}(‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = L_G/m_A", "bound", NEVER),
         paper_claim(
             "monotone",
             "‖u − v‖_V / (‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = 0, allowed by monotone G",
-            values("monotone"),
+            "monotone",
             NEVER,
         ),
         consequence(
             "first-step",
             "‖u − v‖_V / its bound after one step, ω = L_G/m_A, f − g constant and not acting on the contact",
-            values("first step"),
+            "first step",
             Window(0.5, 1 + 1e-7, "without contact it is at least e^{−ωk}/(1 + ωk), ωk ≤ 1/4"),
         ),
     )
@@ -357,22 +357,22 @@ class SolutionDivergence(ListedNumbers):
         consequence(
             "rate",
             f"{GROWTH_OVER_RATE} c, scaled law of the case, {EVERY_RATE}",
-            values(*columns("own", "rate")),
+            columns("own", "rate"),
             RATE_SEEN,
         ),
         consequence(
-            "rate-even", f"{GROWTH_OVER_RATE} ω, law G = −ωA, {EVERY_RATE}", values(*columns("even", "rate")), RATE_SEEN
+            "rate-even", f"{GROWTH_OVER_RATE} ω, law G = −ωA, {EVERY_RATE}", columns("even", "rate"), RATE_SEEN
         ),
         paper_claim(
             "bound",
             f"{DISTANCE_OVER_BOUND}, scaled law of the case, {EVERY_RATE}",
-            values(*columns("own", "bound")),
+            columns("own", "bound"),
             positive_at_most(1 + 1e-7, "proved; tolerance for fixed-point iterations"),
         ),
         identity(
             "bound-even",
             f"{DISTANCE_OVER_BOUND}, law G = −ωA, {EVERY_RATE}",
-            values(*columns("even", "bound")),
+            columns("even", "bound"),
             Window(1 - 1e-7, 1 + 1e-7, "equality up to rounding, because B = −ωI"),
         ),
     )

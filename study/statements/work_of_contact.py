@@ -31,7 +31,7 @@ from study.fem.refining import inclusion_of, refined
 from study.fem.seminorm import FIRST, PANELS, SECOND, composite_gauss, gram, seminorm
 from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, Check, Groups, accuracy, consequence, identity
-from study.ledger.quantities import level_by_level, quotients, values
+from study.ledger.quantities import level_by_level, quotients
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_least, at_most
 from study.solve.evolution import SemiDiscrete
@@ -99,16 +99,14 @@ class EdgeWork(ListedNumbers):
         *grid(("merging-patches", "natural-front", "rough-1.75"), ("one-diagonal", "unstructured"), (8, 16, 32, 64)),
     )
     checks = (
-        identity("solution", "|R_E| / (β h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", values(WORK), PROVED_ON_EDGES),
+        identity("solution", "|R_E| / (β h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", WORK, PROVED_ON_EDGES),
         identity(
             "all",
             "supremum of |R_E| / bound over all σ_ν, u_ν' with the same contact zone, s = 0.55, 0.75, 1",
-            values(OF_ALL),
+            OF_ALL,
             PROVED_ON_EDGES,
         ),
-        identity(
-            "constant", "|R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", values(OVERALL), at_most(C_0, "proved")
-        ),
+        identity("constant", "|R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", OVERALL, at_most(C_0, "proved")),
     )
 
     def settings(self, scope: Scope) -> Sequence[Setting]:

@@ -31,7 +31,7 @@ from scipy.linalg import null_space
 from skfem import Mesh, MeshTri
 
 from manufactured.tensors import Array, Points, basis
-from study.fem.quadrature import simplex_rule
+from study.fem.quadrature import gauss, simplex_rule
 
 CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 """Vertices of the reference triangle as columns, (2, 3)."""
@@ -75,9 +75,9 @@ def interval_mass(degree: int, other: int) -> Array:
 
     The shape is (degree + 1, other + 1).
     """
-    x, w = np.polynomial.legendre.leggauss((degree + other) // 2 + 1)
-    first, second = (bernstein(k, np.array([1 - x, 1 + x]) / 2) for k in (degree, other))
-    return (first * w / 2) @ second.T
+    x, weights = gauss((degree + other) // 2 + 1)
+    first, second = (bernstein(k, np.array([1 - x, x])) for k in (degree, other))
+    return (first * weights) @ second.T
 
 
 def triangle_mass(degree: int) -> Array:
@@ -119,14 +119,14 @@ class CompositeElement:
         """
         k = self.degree
         lower = indices(self.degree - 1)
-        place = {alpha: row for row, alpha in enumerate(indices(k))}
+        upper = indices(k)
         matrix = np.zeros((3, len(lower), 2, 3, self.polynomials, 3))
         for third, vertices in enumerate(np.moveaxis(thirds(CORNERS), 2, 0)):
             slopes = np.linalg.inv(np.vstack([np.ones(3), vertices]))[:, 1:]
             for vertex, gradient in enumerate(slopes):
                 for row, beta in enumerate(lower):
                     alpha = tuple(b + (i == vertex) for i, b in enumerate(beta))
-                    matrix[third, row, :, third, place[alpha]] += k * np.einsum("Iij,j->iI", basis(2), gradient)
+                    matrix[third, row, :, third, upper.index(alpha)] += k * np.einsum("Iij,j->iI", basis(2), gradient)
         return matrix
 
     def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
@@ -141,13 +141,13 @@ class CompositeElement:
             The matrix, (k + 1, 2; 3, polynomials, 3). Row axes: Bernstein coefficient, traction component. Column axes:
             subtriangle, Bernstein polynomial, Mandel component.
         """
-        place = {alpha: row for row, alpha in enumerate(indices(self.degree))}
+        polynomials = indices(self.degree)
         matrix = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3))
         normal = np.array([along[1], -along[0]])
         for step in range(self.degree + 1):
             alpha = [0, 0, 0]
             alpha[first], alpha[second] = self.degree - step, step
-            matrix[step, :, third, place[tuple(alpha)]] = np.einsum("Iij,j->iI", basis(2), normal)
+            matrix[step, :, third, polynomials.index(tuple(alpha))] = np.einsum("Iij,j->iI", basis(2), normal)
         return matrix
 
     @cached_property
@@ -219,6 +219,13 @@ def composite(degree: int) -> CompositeElement:
     if degree < 1:
         raise ValueError(f"a composite element needs a degree of 1 or more, got {degree}")
     return CompositeElement(degree)
+
+
+def piola(F: Array) -> Array:
+    """Return the matrices of the Piola transformations σ̂ ↦ F σ̂ Fᵀ / det F, (cells, 2, 2) → (cells, 3, 3)."""
+    E = basis(2)
+    pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / np.linalg.det(F)[:, None, None, None]
+    return np.einsum("Iil,cJil->cIJ", E, pushed)
 
 
 def thirds(corners: Points) -> Points:

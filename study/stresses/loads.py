@@ -11,7 +11,7 @@ on one-diagonal meshes was 2.4 times as large at n = 64, and the error of the pr
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -115,14 +115,7 @@ class ProjectedLoads:
 
     def __call__(self, time: float) -> Loads:
         """Return the projected loads P f_0 and P f_2 at a time."""
-        space = self.space
-        force = np.empty((3 * space.cells, space.degree * (space.degree + 1) // 2, 2))
-        for block, values in self._evaluated(time):
-            force[block.rule.cells] = block.projected(values)
-        surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
-        for part in self._parts:
-            surface[part.edges] = part.projected(part.load(time))
-        return Loads(force.reshape(space.cells, 3, -1, 2), surface)
+        return self.at(time).loads
 
     def _block(self, rule: CellRule) -> _Block:
         mesh = self.space.mesh
@@ -131,7 +124,7 @@ class ProjectedLoads:
         local = barycentric(self._corners[:, :, rule.cells], rule.points)
         # The subtriangles 3 n, 3 n + 1 and 3 n + 2 belong to the cell n.
         cells = mesh.p[:, mesh.t[:, rule.cells // 3]]
-        return _Block(rule, bernstein(degree - 1, local), lambda: bernstein(degree, barycentric(cells, rule.points)))
+        return _Block(rule, bernstein(degree - 1, local), bernstein(degree, barycentric(cells, rule.points)))
 
     @cached_property
     def _blocks(self) -> list[tuple[_Block, ForceInTime]]:
@@ -191,14 +184,15 @@ class _Projection:
         weighted = self._shapes.swapaxes(1, 2) * weights[:, None]
         self._matrix = np.linalg.inv(weighted @ self._shapes) @ weighted
 
-    def __call__(self, field: Vectors) -> Array:
-        """Return the coefficients of the projection of a vector field: (2, n, q) → (n, basis, 2)."""
-        return self._matrix @ field.transpose(1, 2, 0)
+    def __call__(self, field: Vectors) -> tuple[Array, Array]:
+        """Split a vector field, (2, n, q), into its projection and the rest.
 
-    def split(self, field: Vectors) -> tuple[Array, Array]:
-        """Return the coefficients of the projection, (n, basis, 2), and the rest at the points, (n, q, 2)."""
-        coefficients = self(field)
-        return coefficients, field.transpose(1, 2, 0) - self._shapes @ coefficients
+        Returns:
+            The coefficients of the projection, (n, basis, 2), and the rest at the points, (n, q, 2).
+        """
+        at_points = field.transpose(1, 2, 0)
+        coefficients = self._matrix @ at_points
+        return coefficients, at_points - self._shapes @ coefficients
 
 
 class _Block:
@@ -208,22 +202,14 @@ class _Block:
         rule: the quadrature rule, with q points on each of the n subtriangles.
         shapes: the values of the ``lower`` Bernstein polynomials of degree k − 1 of the subtriangles at the points,
             (lower, n, q).
-        whole: a function that returns the values of the ``more`` Bernstein polynomials of degree k of the whole cells
-            at the points, (more, n, q). It is called only if ``split`` is called.
+        whole: the values of the ``more`` Bernstein polynomials of degree k of the whole cells at the points,
+            (more, n, q).
     """
 
-    def __init__(self, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:
+    def __init__(self, rule: CellRule, shapes: Array, whole: Array) -> None:
         self.rule = rule
-        self._make_whole = whole
-        self.projected = _Projection(shapes, rule.weights)
-
-    @cached_property
-    def _whole(self) -> Array:
-        """The values at the points of the Bernstein polynomials of degree k of the whole cells, (n, more, q).
-
-        Axes: subtriangle, Bernstein polynomial, quadrature point.
-        """
-        return np.ascontiguousarray(np.moveaxis(self._make_whole(), 0, 1))
+        self._whole = np.ascontiguousarray(np.moveaxis(whole, 0, 1))
+        self._projection = _Projection(shapes, rule.weights)
 
     def split(self, force: Vectors) -> tuple[Array, Array, Array]:
         """Split the body force f_0, given at the quadrature points, (2, n, q), into P f_0 and g = f_0 − P f_0.
@@ -232,7 +218,7 @@ class _Block:
             P f_0, (n, lower, 2); the squares ‖g‖² on the subtriangles, (n,); and the integrals ∫ g B_α over the
             subtriangles with the Bernstein polynomials B_α of degree k of the cells, (n, more, 2).
         """
-        coefficients, rest = self.projected.split(force)
+        coefficients, rest = self._projection(force)
         weighted = rest * self.rule.weights[..., None]
         return coefficients, np.einsum("nqx,nqx->n", rest, weighted), self._whole @ weighted
 
@@ -271,12 +257,12 @@ class _Edges:
         rule = graded(GRADED_POINTS) if crossings else _divided(graded(EDGE_POINTS))
         self.edges = edges
         self.weights = rule.weights
-        self.projected = _Projection(bernstein(space.degree, rule.shapes), rule.weights)
+        self._projection = _Projection(bernstein(space.degree, rule.shapes), rule.weights)
         self.load = data.surface_load(part, part.point(rule.s))
 
     def split(self, time: float) -> tuple[Array, Array]:
         """Return the projected traction P f_2 at a time, (n, k + 1, 2), and the norms ‖f_2 − P f_2‖_e, (n,)."""
-        coefficients, rest = self.projected.split(self.load(time))
+        coefficients, rest = self._projection(self.load(time))
         return coefficients, np.sqrt(np.einsum("nqd,nqd,nq->n", rest, rest, self.weights))
 
 

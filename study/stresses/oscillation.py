@@ -36,9 +36,9 @@ import numpy as np
 from scipy.linalg import null_space
 
 from manufactured.body import Kind
-from manufactured.tensors import Array, basis
+from manufactured.tensors import Array
 from study.fem.quadrature import simplex_rule
-from study.stresses.composite import CORNERS, SIDES, bernstein, composite, indices, thirds, triangle_mass
+from study.stresses.composite import CORNERS, SIDES, bernstein, composite, indices, piola, thirds, triangle_mass
 from study.stresses.loads import LeftOut
 from study.stresses.stress_space import StressSpace
 
@@ -153,10 +153,8 @@ class BalancingStresses:
             compliance: the inverse A⁻¹ of the viscosity in Mandel form, (3, 3) or (cells, 3, 3).
             scale: the factor with ‖load‖² = scale × ∫ |F d|² for loads d on the reference triangle, (cells,).
         """
-        J = abs(np.linalg.det(F))
-        E = basis(2)
-        push = np.einsum("Iil,cij,Jjk,clk->cIJ", E, F, E, F, optimize=True) / J[:, None, None]
-        metric = push.swapaxes(1, 2) @ compliance @ push * J[:, None, None]
+        push = piola(F)
+        metric = push.swapaxes(1, 2) @ compliance @ push * abs(np.linalg.det(F))[:, None, None]
         every = np.concatenate([self.free, self.lifts], axis=2)
         products = np.einsum("qIp,qJr,q->IJpr", every, every, self.weights, optimize=True)
         energy = np.tensordot(metric, products, axes=2)

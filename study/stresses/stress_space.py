@@ -13,10 +13,10 @@ import numpy as np
 from skfem import Mesh
 
 from manufactured.body import Body, Kind
-from manufactured.tensors import Array, Points, Tensors, basis
+from manufactured.tensors import Array, Points, Tensors
 from study.fem.mesh import MeshedBody, MeshError
-from study.fem.quadrature import simplex_rule
-from study.stresses.composite import SIDES, CompositeElement, bernstein, composite, thirds
+from study.fem.quadrature import PointsAndWeights, simplex_rule
+from study.stresses.composite import SIDES, CompositeElement, bernstein, composite, piola, thirds
 
 LEAST_DEGREE = 4
 """Least degree of the quadrature rule on the subtriangles of a cell.
@@ -58,7 +58,7 @@ class StressSpace(MeshedBody):
     def map(self) -> Array:
         """The matrices F of the affine maps from the reference triangle to the cells, (cells, 2, 2)."""
         corners = self.mesh.p[:, self.mesh.t]
-        return np.moveaxis(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=1), 2, 0)
+        return np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)
 
     @cached_property
     def determinant(self) -> Array:
@@ -108,14 +108,11 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def _piola(self) -> Array:
-        """The Piola transformation σ̂ ↦ F σ̂ Fᵀ / det F from the reference triangle, in Mandel form, (cells, 3, 3)."""
-        F = self.map
-        E = basis(2)
-        pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / self.determinant[:, None, None, None]
-        return np.einsum("Iil,cJil->cIJ", E, pushed)
+        """The Piola transformation from the reference triangle to every cell, in Mandel form, (cells, 3, 3)."""
+        return piola(self.map)
 
     @cached_property
-    def _rule(self) -> tuple[Array, Array]:
+    def _rule(self) -> PointsAndWeights:
         """The quadrature rule on a subtriangle of a cell.
 
         Returns:

@@ -216,7 +216,7 @@ space = Space(OneDiagonal()(solution.body, 4), solution.body)
 v_norm = ErrorNorm(solution, space)
 data = space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant
 from study.solve.stress_problem import StressProblem
-*_, last = StressProblem.of(*data).march(8)
+*_, last = StressProblem(*data).march(8)
 assert last.time == space.body.T
 """
 

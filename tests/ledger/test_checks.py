@@ -88,15 +88,15 @@ def test_the_extrapolated_order_is_free_of_corrections_of_first_order(correction
 @pytest.mark.parametrize(
     ("value", "window", "observed"),
     [
-        (quantities.values("e"), at_most(5), 4.0),
-        (quantities.values("e"), around(3, 2), 1.0),
+        ("e", at_most(5), 4.0),
+        ("e", around(3, 2), 1.0),
         (quantities.finest("e"), at_most(5), 2.0),
         (quantities.change("e"), at_most(5), 0.5),
         (quantities.change("e", since=-2), at_most(5), 2 / 3),
         (quantities.ratios("e"), at_most(5), 3.0),
         (quantities.quotients("e", "h"), at_most(128), 128.0),
         (quantities.finest_quotient("e", "h"), at_most(128), 128.0),
-        (quantities.values("e"), Window(), 4.0),
+        ("e", Window(), 4.0),
     ],
 )
 def test_what_is_taken_of_the_levels(value, window, observed):
@@ -108,7 +108,7 @@ def test_what_is_taken_of_the_levels(value, window, observed):
 
 
 def test_one_family_that_cannot_tell_leaves_all_undecided_and_one_that_fails_is_shown():
-    largest = check(quantities.values("e"), at_most(1))
+    largest = check("e", at_most(1))
     assert judged(largest, levels(0.5), levels(0.7)).observed == 0.7
     found = judged(largest, levels(0.5), levels(2.0))
     assert (found.verdict, found.observed, found.low, found.high) == (FAILS, 2.0, 0.5, 2.0)

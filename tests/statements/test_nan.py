@@ -8,7 +8,6 @@ import math
 import pandas as pd
 import pytest
 
-from study.ledger import quantities
 from study.ledger.check import Check
 from study.ledger.verdict import FAILS, HOLDS, CheckKind
 from study.ledger.window import at_most
@@ -28,6 +27,6 @@ def test_extremes_of_values_with_nan_are_nan(place):
 
 @pytest.mark.parametrize(("value", "verdict"), [(1.5, HOLDS), (NAN, FAILS)])
 def test_a_range_with_nan_in_one_family_does_not_hold(value, verdict):
-    check = Check("a", "a", quantities.values("value"), at_most(2.0), CheckKind.CLAIM)
+    check = Check("a", "a", "value", at_most(2.0), CheckKind.CLAIM)
     groups = {name: pd.DataFrame({"h": 1.0, "value": [1.0, last]}) for name, last in (("b", 1.0), ("c", value))}
     assert check.verdict(prop_5_4.FirstOrder(), "case", groups).verdict == verdict

@@ -11,7 +11,7 @@ from manufactured.case import INITIAL_GAP
 from study.ledger import quantities
 from study.ledger.check import Check
 from study.ledger.datafiles import read_rates
-from study.ledger.quantities import weighted_order
+from study.ledger.quantities import fit
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, CheckKind
 from study.ledger.window import STEEPER, Window
 from study.run.judgement import with_reasons
@@ -359,9 +359,9 @@ H = 1 / np.array([8.0, 16.0, 32.0])
 
 
 def test_a_weighted_order_is_exact_for_powers_and_sees_what_is_wrong_on_the_finest_level():
-    assert weighted_order(H, 3 * H**1.5, CELL_POWER) == pytest.approx(1.5)
+    assert fit(H, 3 * H**1.5, CELL_POWER) == pytest.approx(1.5)
     stagnating = np.array([1.0, 0.5, 0.4])
-    assert weighted_order(H, stagnating, CELL_POWER) < weighted_order(H, stagnating, 0)
+    assert fit(H, stagnating, CELL_POWER) < fit(H, stagnating, 0)
 
 
 def test_growth_is_that_of_a_power_over_all_levels_and_errors_without_an_order_fail():

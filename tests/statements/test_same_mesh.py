@@ -37,7 +37,7 @@ class Changed(StressProblem):
 
 def found(change, name="full-contact"):
     displacements, honest = both(name)
-    changed = Changed(honest.space, honest.law, honest.N, honest.load, honest.u0, honest, change)
+    changed = Changed(honest.space, honest.law, honest.load, honest.u0, honest, change)
     return gaps(displacements, changed, STEPS)
 
 

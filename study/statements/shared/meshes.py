@@ -12,7 +12,7 @@ On 8 × 8 cells with a contact front δ_n is about 1/20. Two remedies reduce thi
   tests whether the leading term is of order h.
 * *Weights.* A sum over N independent cells has the relative variance 1/N, up to a factor. By the theorem of Gauss and
   Markov the best estimate of the order in h is then the least-squares fit with the numbers of cells as weights
-  (``study.ledger.quantities.weighted_order``). In the pilot study the logarithms of stress errors scattered by 0.05,
+  (``study.ledger.quantities.fit``). In the pilot study the logarithms of stress errors scattered by 0.05,
   0.015 and 0.006 for n = 8, 16 and 32, so nearly all scatter of an order came from the coarsest mesh.
 """
 
