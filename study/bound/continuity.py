@@ -78,7 +78,7 @@ def _violation(part: Part, start: Array) -> tuple[float, Points]:
 
     def largest(low: Points, high: Points) -> Array:
         boxes = Boxes({ARC: (low[0], high[0])}, (), 0)
-        return np.max([boxes(formula).high[0] for formula in formulas], axis=0)
+        return np.max([boxes(formula).values[1] for formula in formulas], axis=0)
 
     return _largest(np.zeros((1, 1)), np.full((1, 1), part.measure), largest)
 
@@ -133,10 +133,10 @@ def _meets(body: Body, low: Points, high: Points, margin: float) -> Array:
 
 def _spread_of_formulas(formulas: Sequence[sp.Expr]) -> Spread:
     def spread(low: Points, high: Points) -> Array:
-        boxes, widths = Boxes(dict(zip((x1, x2), zip(low, high, strict=True), strict=True)), (x1, x2), 1), []
+        boxes, widths = Boxes({x1: (low[0], high[0]), x2: (low[1], high[1])}, (x1, x2), 1), []
         for series in map(boxes, formulas):
             is_lipschitz = np.isfinite(series.largest).all(axis=0)
-            widths.append(np.where(is_lipschitz, 0.0, series.high[0] - series.low[0]))
+            widths.append(np.where(is_lipschitz, 0.0, np.ptp(series.values, axis=0)))
         return np.max(widths, axis=0)
 
     return spread

@@ -130,7 +130,7 @@ def _by_order(
         # Where a box has no width, nothing changes, even if there is no bound of the derivative.
         sizes = np.where(powers == 0, 0.0, series.largest) * powers
         by_order = (sizes[orders == order].sum(axis=0) for order in range(1, ORDER + 1))
-        found.append(np.array([(series.high[0] - series.low[0]) / 2, *by_order]))
+        found.append(np.array([np.ptp(series.values, axis=0) / 2, *by_order]))
     return [*found, np.zeros((ORDER + 1, count))]
 
 
