@@ -165,7 +165,7 @@ def record(number: int, found: Adapted) -> dict[str, Any]:
     row = {
         "mesh": number,
         "cells": int(found.computed.mesh.t.shape[1]),
-        "dofs": len(found.computed.free),
+        "dofs": found.computed.space.dofs,
         "steps": found.computed.steps,
         "error": float(enclosure.error.max()),
         "bound": enclosure.highest,

@@ -367,8 +367,9 @@ def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, in
     midpoints[sides] = numbers
     if (midpoints[sides] != numbers).any():
         raise BoundError("two triangles have different midpoints of a common side; number the midpoint once")
-    off = np.linalg.norm(points[midpoints].T - p[:, mesh.facets].mean(axis=1), axis=0)
-    lengths = np.linalg.norm(np.diff(p[:, mesh.facets], axis=1)[:, 0], axis=0)
+    ends = p[:, mesh.facets]
+    off = np.linalg.norm(points[midpoints].T - ends.mean(axis=1), axis=0)
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0)
     if (off > 10 * SINGLE * lengths).any():
         worst = int((off / lengths).argmax())
         raise BoundError(
@@ -413,10 +414,10 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
     """Raise BoundError unless the mesh covers the body and follows the parts of its boundary."""
     tolerance = 1e-8 * math.sqrt(body.measure)
     border = mesh.boundary_facets()
-    ends, middle = mesh.p[:, mesh.facets[:, border]], mesh.p[:, mesh.facets[:, border]].mean(axis=1)
+    ends = mesh.p[:, mesh.facets[:, border]]
     on_part = np.any([part.contains(ends, tolerance).all(axis=0) for part in body.parts], axis=0)
     if not on_part.all():
-        stray = middle[:, ~on_part]
+        stray = ends.mean(axis=1)[:, ~on_part]
         raise BoundError(
             f"the mesh does not cover the body: {stray.shape[1]} sides of triangles have a triangle on one side only "
             f"and lie on no part of the boundary, the first near x = {place(stray[:, 0])}. The mesh has a hole "
@@ -430,12 +431,11 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
 
 def _penetration(found: Computed, moving: bool) -> list[str]:
     """Return a list with a sentence that says how far u_h penetrates the foundation; empty if it does not."""
-    space = Quadratic(found.mesh, found.body)
+    space = found.space
     values = found.nodes.reshape(len(found.times), -1, 2)
     normal = np.zeros(values.shape[:2])
     for part in found.body.of(Kind.CONTACT):
         on = space.numbers_on(part)
-        on = on[on < values.shape[1]]
         normal[:, on] = np.maximum(normal[:, on], values[:, on] @ part.normal)
     time, node = np.unravel_index(normal.argmax(), normal.shape)
     depth = normal[time, node]
@@ -463,31 +463,32 @@ def _clamped(data: Data, found: Computed, nearest: bool) -> Computed:
     the values at the nodes of these sides are replaced. If ``nearest`` is false, BoundError is raised.
     """
     mesh, body, size = found.mesh, found.body, float(abs(found.nodes).max())
-    V = Quadratic(mesh, body)
-    fixed = np.setdiff1d(np.arange(found.nodes.shape[1]), V.free)
+    space = found.space
+    fixed = np.setdiff1d(np.arange(found.nodes.shape[1]), space.free)
     # Prescribed displacements are linear on a side, so their Bernstein coefficients are their values at the nodes.
-    beyond = found.nodes[:, fixed] - V.prescribed[fixed]
+    prescribed = space.prescribed[fixed]
+    beyond = found.nodes[:, fixed] - prescribed
     largest = float(abs(beyond).max(initial=0.0))
     # Prescribed values may have rounding errors, and a common motion of all points would hide errors of the strain.
     if largest <= (AS_PRESCRIBED if body.is_moved else CLAMPED) * size:
         return found
     values = found.nodes.copy()
-    values[:, fixed] = V.prescribed[fixed]
-    J = on_refinement(mesh, found.degree, mesh)
-    M = J.T @ _Unclamped(mesh, body).form(data.law.A.matrix, data.law.A.factor(V.points)) @ J
+    values[:, fixed] = prescribed
+    V, J = _Unclamped(mesh, body), on_refinement(mesh, found.degree, mesh)
+    M = J.T @ V.form(data.law.A.matrix, data.law.A.factor(V.points)) @ J
     squares = (np.einsum("ti,it->t", v, M @ v.T).max() for v in (found.nodes - values, found.nodes))
     offset, whole = (math.sqrt(max(square, 0.0)) for square in squares)
     share = f"{offset:.3g} = {_percent(offset / whole if whole else math.inf)} of the largest ‖u_h‖_V"
     time, worst = np.unravel_index(abs(beyond).argmax(), beyond.shape)
     node, direction = divmod(int(fixed[worst]), 2)
     held = (part for part in body.parts if part.kind in (Kind.CLAMPED, Kind.ROLLER))
-    side = next(part for part in held if part.contains(V.nodes[:, node], SINGLE * body.extent))
-    wanted = V.prescribed[fixed[worst]]
+    x = space.nodes[:, node]
+    side = next(part for part in held if part.contains(x, SINGLE * body.extent))
     where = f"side {body.parts.index(side)} ({side.kind.name})"
     if not (nearest or (body.is_moved and largest <= SINGLE * size)):
         raise BoundError(
             f"u_h is {found.nodes[time, fixed[worst]]:.4g} in the direction x{direction + 1} at x = "
-            f"{place(V.nodes[:, node])} on {where}, and has to be {wanted:.4g} there. With --nearest (nearest=True) "
+            f"{place(x)} on {where}, and has to be {prescribed[worst]:.4g} there. With --nearest (nearest=True) "
             f"the values at the nodes of such sides are replaced, which changes u_h by {share}"
         )
     changed = f"u_h is changed by up to {largest:.3g} on {where}, to the prescribed values, and in ‖·‖_V by {share}"

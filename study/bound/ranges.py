@@ -377,34 +377,27 @@ class Boxes:
         """Return the series of Max(first, second); derivatives of order 1 exist on both sides of its kink."""
         a, b, difference = self(first), self(second), self(first - second)
         never, always = ORDERED[sp.Ge](*difference.values)
-        found = self._union([(a, never, always), (b, always, ~always)], self._smooth(first - second, kinks=1))
+        found = self._union([(a, never, always), (b, always, ~always)], first - second, 1)
         found.ends[:, 0] = np.where(never | always, found.values, np.maximum(a.values, b.values))
         return found
 
     def _piecewise(self, formula: sp.Piecewise) -> Series:
         """Return the series of a Piecewise function, whose derivatives do not exist where its branches may change."""
+        _, conditions = zip(*formula.args, strict=True)
         branches = [(self(value), *self._truth(condition)) for value, condition in formula.args]
-        if sp.Or(*(condition for _, condition in formula.args)) == sp.true:
+        if sp.Or(*conditions) == sp.true:
             # One of the conditions holds everywhere, so the last branch is reached wherever no earlier one holds.
             value, never, _ = branches.pop()
             branches.append((value, never, ~never))
-        return self._union(branches, self._smooth(sp.Tuple(*(condition for _, condition in formula.args)), kinks=0))
+        return self._union(branches, sp.Tuple(*conditions), 0)
 
-    def _smooth(self, change: sp.Basic, kinks: int) -> int:
-        """Return the highest order of the derivatives that exist where branches change.
-
-        Args:
-            change: what decides the branch. If it depends on none of the variables, no derivative sees a change.
-            kinks: the highest order if it depends on one of them.
-        """
-        return kinks if change.free_symbols & set(self.variables) else self.order
-
-    def _union(self, branches: Sequence[tuple[Series, Flags, Flags]], highest: int) -> Series:
+    def _union(self, branches: Sequence[tuple[Series, Flags, Flags]], change: sp.Basic, highest: int) -> Series:
         """Return the series of a function that is equal to the first branch whose condition holds.
 
         Args:
             branches: the series of each branch; whether its condition holds nowhere on a box; and whether it holds on
                 the whole box.
+            change: what decides the branch. If it depends on none of the variables, no derivative sees a change.
             highest: the highest order of the derivatives that exist on both sides of places where branches change.
         """
         low, high = np.full((2, len(self.keys), self.count), -REALS[..., None])
@@ -417,7 +410,8 @@ class Boxes:
             open_boxes &= ~always
         orders = np.array([sum(key) for key in self.keys])[:, None]
         # Where no condition may hold, the function has no value.
-        unknown = open_boxes | ((orders > highest) & (reached > 1))
+        seen = bool(change.free_symbols & set(self.variables))
+        unknown = open_boxes | (seen & (orders > highest) & (reached > 1))
         return Series(np.where(unknown, REALS[..., None], [low, high]))
 
     def _truth(self, condition: sp.Basic) -> tuple[Flags, Flags]:
