@@ -130,16 +130,16 @@ def suspicion(found: BoundedSolution, data: Data) -> list[str]:
     stiff, side = abs(data.law.A.matrix[0, :2])
     # Poisson's ratio if the law here means plane strain, and if it means plane stress.
     strain, stress = side / (stiff + side), side / stiff
-    usual = {
-        "metres and millimetres?": [(1e3, 1e3), (1e-3, 1e-3)],
-        "pascals and megapascals?": [(1e6, 1e6), (1e-6, 1e-6)],
-        "loads in the opposite direction?": [(-1.0, -1.0)],
-        "plane stress there, and plane strain here?": [(1.0, 1 / (1 - strain**2))],
-        "plane strain there, and plane stress here?": [(1 - stress**2, 1.0)],
-    }
-    off, question = min(
-        (abs(np.clip(factor, *ends) / factor - 1), name) for name, ranges in usual.items() for ends in ranges
-    )
+    usual = [
+        (1e3, 1e3, "metres and millimetres?"),
+        (1e-3, 1e-3, "metres and millimetres?"),
+        (1e6, 1e6, "pascals and megapascals?"),
+        (1e-6, 1e-6, "pascals and megapascals?"),
+        (-1.0, -1.0, "loads in the opposite direction?"),
+        (1.0, 1 / (1 - strain**2), "plane stress there, and plane strain here?"),
+        (1 - stress**2, 1.0, "plane strain there, and plane stress here?"),
+    ]
+    off, question = min((abs(np.clip(factor, low, high) / factor - 1), name) for low, high, name in usual)
     # The part of u_h that is no multiple of the solution changes the factor by about its square.
     if off > max(NEAR, rest**2):
         question = "compare loads, stiffness and units."
@@ -207,8 +207,9 @@ def given(
     mesh, nodes, degree = _mesh(data.body, points, triangles)
     moved = float(np.linalg.norm(mesh.p - points[nodes[: mesh.p.shape[1]]].T, axis=0).max())
     if moved > ROUNDING * float(np.ptp(points, axis=0).max()):
-        moves = f"vertices near the boundary were moved onto it, by at most {moved:.2g}"
-        remarks.append(f"{moves}; u_h is meant on that mesh")
+        remarks.append(
+            f"vertices near the boundary were moved onto it, by at most {moved:.2g}; u_h is meant on that mesh"
+        )
     values = u[:, nodes].reshape(len(times), -1)
     _check_fit(mesh, data.body)
     steps = steps or max(len(times) - 1, LEAST_STEPS)
@@ -480,14 +481,15 @@ def _clamped(data: Data, found: Computed, nearest: bool) -> Computed:
     offset, whole = (math.sqrt(max(square, 0.0)) for square in squares)
     share = f"{offset:.3g} = {_percent(offset / whole if whole else math.inf)} of the largest ‖u_h‖_V"
     time, worst = np.unravel_index(abs(beyond).argmax(), beyond.shape)
-    node, direction = divmod(int(fixed[worst]), 2)
+    number = int(fixed[worst])
+    node, direction = divmod(number, 2)
     held = (part for part in body.parts if part.kind in (Kind.CLAMPED, Kind.ROLLER))
     x = space.nodes[:, node]
     side = next(part for part in held if part.contains(x, SINGLE * body.extent))
     where = f"side {body.parts.index(side)} ({side.kind.name})"
     if not (nearest or (body.is_moved and largest <= SINGLE * size)):
         raise BoundError(
-            f"u_h is {found.nodes[time, fixed[worst]]:.4g} in the direction x{direction + 1} at x = "
+            f"u_h is {found.nodes[time, number]:.4g} in the direction x{direction + 1} at x = "
             f"{place(x)} on {where}, and has to be {prescribed[worst]:.4g} there. With --nearest (nearest=True) "
             f"the values at the nodes of such sides are replaced, which changes u_h by {share}"
         )

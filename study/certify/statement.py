@@ -139,20 +139,14 @@ def _terms(name: str, formula: sp.Expr) -> list[list[Any]]:
 
 def _split(name: str, summand: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, int]]:
     """Split a summand p · pos(g, q) of a formula into p and the pair (g, q); ``name`` is for messages."""
-    plain, truncated = sp.Integer(1), []
-    for factor in sp.Mul.make_args(summand):
-        if not factor.has(pos):
-            plain *= factor
-            continue
-        base, power = factor.as_base_exp()
-        # The exponent 1/2 marks a factor that certificates do not support. Such factors are refused below.
-        truncated.append((base.args[0], base.args[1] * power) if isinstance(base, pos) else (base, sp.Rational(1, 2)))
-    if not truncated:
-        return plain, (sp.Integer(0), 0)
-    if len(truncated) > 1 or not truncated[0][1].is_Integer or truncated[0][1] < 1:
+    if not summand.has(pos):
+        return summand, (sp.Integer(0), 0)
+    plain, truncated = summand.as_independent(pos, as_Add=False)
+    base, power = truncated.as_base_exp()
+    q = base.args[1] * power if isinstance(base, pos) else sp.nan
+    if not q.is_Integer or q < 1:
         raise BoundError(f"{name} has the summand {summand}; {SERVED}, q = 1, 2, …")
-    g, q = truncated[0]
-    return plain, (sp.expand(g), int(q))
+    return plain, (sp.expand(base.args[0]), int(q))
 
 
 def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> list[list[Any]]:
