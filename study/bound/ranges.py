@@ -305,7 +305,7 @@ class Boxes:
         order: the order of the expansion.
     """
 
-    sides: Mapping[sp.Symbol, Pair]
+    sides: Mapping[sp.Symbol, Pair | Intervals]
     variables: tuple[sp.Symbol, ...]
     order: int
     _known: dict[sp.Expr, Series] = field(default_factory=dict, init=False)
