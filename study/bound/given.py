@@ -238,12 +238,13 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
             f"{len(times)} times and {len(points)} points"
         )
     for name, array in (("points", points), ("times", times), ("u", u)):
-        if not np.isfinite(array).all():
-            first = np.argwhere(~np.isfinite(array))[0]
+        wrong = ~np.isfinite(array)
+        if wrong.any():
+            first = np.argwhere(wrong)[0]
             where = f" in row {first[0]} (rows are numbered from 0)"
             if name == "u":
                 where = f" at t = {times[first[0]]:.6g}, x = {place(points[first[1], :2])}"
-            raise BoundError(f"{name} has {(~np.isfinite(array)).sum()} numbers that are not finite, the first{where}")
+            raise BoundError(f"{name} has {wrong.sum()} numbers that are not finite, the first{where}")
     for name, array in (("points", points), ("u", u)):
         if array.shape[-1] == 3 and np.ptp(array[..., 2]) > SINGLE * np.ptp(array):
             raise BoundError(f"the third component of {name} is not constant, and the bound serves plane bodies")
@@ -277,11 +278,14 @@ def _unmasked(name: str, array: Any) -> Array:
 
 def _checked_times(times: Array, T: float) -> Array:
     """Check that the times increase from 0 to T, and return them; steps equal up to rounding are made equal."""
-    if times.ndim != 1 or (np.diff(times) <= 0).any():
-        fall = ", ".join(f"{times[k + 1]:g} after {times[k]:g}" for k in np.flatnonzero(np.diff(times) <= 0)[:1])
+    falls = np.flatnonzero(np.diff(times) <= 0)
+    if times.ndim != 1 or falls.size:
+        got = f"an array of the shape {times.shape}"
+        if times.ndim == 1:
+            got = f"{times[falls[0] + 1]:g} after {times[falls[0]]:g}"
         raise BoundError(
-            f"times have to increase strictly, got {fall or f'an array of the shape {times.shape}'}; the parts of a "
-            "parallel run have to be merged into one file for each time"
+            f"times have to increase strictly, got {got}; the parts of a parallel run have to be merged into one file "
+            "for each time"
         )
     if abs(times[0]) > SINGLE * T:
         raise BoundError(

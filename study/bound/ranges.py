@@ -84,7 +84,7 @@ def times(a: Intervals, b: Intervals) -> Intervals:
     """
     with np.errstate(invalid="ignore", over="ignore", under="ignore"):
         every = np.array([x * y for x in a for y in b])
-    low, high = every.min(axis=0), every.max(axis=0)
+        low, high = every.min(axis=0), every.max(axis=0)
     if np.isnan(low).any():
         # A product 0 · ∞ makes the minimum NaN. Only then is it necessary to look at the single products.
         every[np.isnan(every)] = 0.0

@@ -121,7 +121,7 @@ def _by_order(sides: Sides, variables: tuple[sp.Symbol, ...], formulas: Sequence
     """
     count = len(next(iter(sides.values()))[0])
     boxes = Boxes({**sides, t: (np.full(count, a), np.full(count, b))}, variables, ORDER)
-    radii = np.array([(high - low) / 2 for low, high in (boxes.sides[variable] for variable in variables)])
+    radii = np.array([np.ptp(boxes.sides[variable], axis=0) / 2 for variable in variables])
     powers = np.array([np.prod(radii ** np.array(key)[:, None], axis=0) for key in boxes.keys])
     orders, found = np.array([sum(key) for key in boxes.keys]), [np.zeros((ORDER + 1, count))]
     for series in (boxes(formula) for formula in formulas if formula != 0):

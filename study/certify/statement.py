@@ -213,7 +213,7 @@ class Twins:
     """
 
     def __init__(self, skfem: Mesh, exact: checker.Mesh) -> None:
-        self.skfem, self.exact = skfem, exact
+        self.exact = exact
         points = np.array(exact.points, dtype=float) / exact.h
         triangles = np.array([cell.v for cell in exact.cells])
         mine = np.vstack([points, points[np.array(exact.edges)].mean(axis=1)])
