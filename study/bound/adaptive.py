@@ -165,7 +165,7 @@ def record(number: int, found: Adapted) -> dict[str, Any]:
     row = {
         "mesh": number,
         "cells": int(found.computed.mesh.t.shape[1]),
-        "dofs": len(found.computed.free),
+        "dofs": found.computed.space.dofs,
         "steps": found.computed.steps,
         "error": float(enclosure.error.max()),
         "bound": enclosure.highest,
@@ -184,8 +184,8 @@ def table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     """
     found = pd.DataFrame(rows)
     unknowns, bounds = np.log(found["dofs"]).diff(), -np.log(found["bound"]).diff()
-    found["bound"] = [float(up(bound, 9)) for bound in found["bound"]]
-    found["percent"] = [float(up(percent, 9)) if percent < math.inf else percent for percent in found["percent"]]
+    for name in ("bound", "percent"):
+        found[name] = [float(up(value, 9)) if value < math.inf else value for value in found[name]]
     found["in_time"] = found["in_time"].round(4)
     found.insert(len(found.columns) - 1, "order", (bounds / unknowns.where(unknowns > 0)).round(3))
     return found

@@ -140,9 +140,8 @@ def bounded_solution(
         progress: a function that is called with each time up to which the enclosure is computed.
     """
     discretisation = Discretisation(data, family(data.body, level))
-    if isinstance(data, Static):
-        return both_bounds(discretisation, compute_static(discretisation), refined, None, progress)
-    computed = compute(discretisation, scheme, steps)
+    static = isinstance(data, Static)
+    computed = compute_static(discretisation) if static else compute(discretisation, scheme, steps)
     return both_bounds(discretisation, computed, refined, known_error(case, computed), progress)
 
 
@@ -194,13 +193,13 @@ def why_no_plain(coarse: Discretisation, computed: Computed) -> str:
 
 def series(level: int, found: BoundedSolution) -> pd.DataFrame:
     """Return the rows of ``enclosure.csv`` for one level: the bounds of the error at every time of the enclosure."""
-    enclosure, size = found.enclosure, found.norm
-    columns = {name: getattr(enclosure, name) for name in ("error", "lower", "distance", "bound")}
-    columns |= {"plain": found.plain.bound_at(enclosure.times) if found.plain else math.nan}
-    columns["upper"] = np.fmin(enclosure.upper, columns["plain"])
-    columns |= {"percent_low": 100 * enclosure.lower / size[1] if size[1] > 0 else 0.0}
-    columns |= {"percent_high": 100 * columns["upper"] / size[0] if size[0] > 0 else math.inf}
-    frame = pd.DataFrame({"level": level, "time": enclosure.times} | columns)
+    enclosure = found.enclosure
+    names = "error", "lower", "distance", "bound"
+    frame = pd.DataFrame({"level": level, "time": enclosure.times} | {name: getattr(enclosure, name) for name in names})
+    frame["plain"] = found.plain.bound_at(enclosure.times) if found.plain else math.nan
+    frame["upper"] = np.fmin(enclosure.upper, frame["plain"])
+    low, high = relative((frame["lower"], frame["upper"]), found.norm)
+    frame["percent_low"], frame["percent_high"] = 100 * low, 100 * high
     # Rounding outward, because the printed interval must contain the computed one.
     below, above = ["lower", "percent_low"], ["upper", "bound", "plain", "percent_high"]
     frame[below] = np.floor(frame[below] * 10**DIGITS) / 10**DIGITS
@@ -224,7 +223,7 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
     row = {
         "level": level,
         "h": enclosure.h,
-        "dofs": len(found.computed.free),
+        "dofs": found.computed.space.dofs,
         "steps": len(found.computed.times) - 1,
         "error": float(enclosure.error.max()),
         "lowest": found.error[0],
@@ -259,7 +258,8 @@ def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
             finer, ratio = fine["h"] < SMALLER * coarse["h"], math.log(coarse["h"] / fine["h"])
             spans.append(order_interval(before, after, ratio) if finer else (math.nan, math.nan))
         table[f"{name}_low"], table[f"{name}_high"] = zip(*spans, strict=True)
-    return table[[name for name in table if name != "kind"] + ["kind"]]
+    table["kind"] = table.pop("kind")  # the last column
+    return table
 
 
 def contact_sentences(body: Body) -> list[str]:

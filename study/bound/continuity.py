@@ -36,9 +36,10 @@ JUMP = 1e-6
 """A function jumps if its range in the last boxes exceeds this fraction of its size. There the root of the distance to
 a line, which is not in V, has the range 2.4e-7."""
 
-Spread = Callable[[Points, Points], Array]
-"""Function from the lower and the upper corners of boxes, (d, n) each, to the width of the range of u_0 on each box; it
-is 0 on boxes on which u_0 is Lipschitz continuous. On sides of the body it is the violation of a boundary condition."""
+Spread = Callable[[Array], Array]
+"""Function from boxes, given by their lower and then their upper corners, (2, d, n), to the width of the range of u_0
+on each box; it is 0 on boxes on which u_0 is Lipschitz continuous. On sides of the body it is the violation of a
+boundary condition."""
 
 
 def require_continuous_start(data: Data) -> None:
@@ -58,15 +59,15 @@ def require_continuous_start(data: Data) -> None:
     except RangeError:
         formulas = ()
     spread = _spread_of_formulas(formulas) if formulas else _spread_of_samples(data)
-    low, high = body.vertices.min(axis=1)[:, None], body.vertices.max(axis=1)[:, None]
-    margin = MARGIN * float((high - low).max())
+    around = np.array([body.vertices.min(axis=1), body.vertices.max(axis=1)])[..., None]
+    margin = MARGIN * body.extent
 
-    def inside(low: Points, high: Points) -> Array:
-        return np.where(_meets(body, low, high, margin), spread(low, high), 0.0)
+    def inside(boxes: Array) -> Array:
+        return np.where(_meets(body, boxes, margin), spread(boxes), 0.0)
 
     with np.errstate(all="ignore"):
         tolerance = JUMP * abs(data.start(body.sample(np.random.default_rng(0), MOST))).max(initial=0.0)
-        _require_small(*_largest(low, high, inside), tolerance, "jumps by about")
+        _require_small(*_largest(around, inside), tolerance, "jumps by about")
         for part in (*body.of(Kind.CLAMPED), *body.of(Kind.CONTACT)) if any(formulas) else ():
             size, at = _violation(part, np.array(formulas))
             _require_small(size, part.point(at), tolerance, f"violates the condition of a {part.kind.name} part by")
@@ -76,11 +77,11 @@ def _violation(part: Part, start: Array) -> tuple[float, Points]:
     """Return how far u_0 is from 0 on a clamped side, or above 0 in normal direction on a contact side, and where."""
     formulas = along_side(part, [*start, *-start] if part.kind is Kind.CLAMPED else [part.normal @ start])
 
-    def largest(low: Points, high: Points) -> Array:
-        boxes = Boxes({ARC: (low[0], high[0])}, (), 0)
-        return np.max([boxes(formula).high[0] for formula in formulas], axis=0)
+    def largest(boxes: Array) -> Array:
+        expand = Boxes({ARC: boxes[:, 0]}, (), 0)
+        return np.max([expand(formula).values[1] for formula in formulas], axis=0)
 
-    return _largest(np.zeros((1, 1)), np.full((1, 1), part.measure), largest)
+    return _largest(np.array([[[0.0]], [[part.measure]]]), largest)
 
 
 def _require_small(size: float, at: Points, tolerance: float, what: str) -> None:
@@ -91,60 +92,61 @@ def _require_small(size: float, at: Points, tolerance: float, what: str) -> None
         )
 
 
-def _largest(low: Points, high: Points, spread: Spread) -> tuple[float, Points]:
+def _largest(boxes: Array, spread: Spread) -> tuple[float, Points]:
     """Halve boxes with a positive spread again and again; return the largest spread at last, and its place."""
-    dim = len(low)
+    dim = boxes.shape[1]
     for number in range(HALVINGS * dim):
-        low, high = _halves(low, high, number % dim)
+        boxes = _halves(boxes, number % dim)
         if number < GRID * dim:
             continue
-        widths = spread(low, high)
+        widths = spread(boxes)
         kept = widths > 0
         if not kept.any():
-            return 0.0, low[:, 0]
+            return 0.0, boxes[0, :, 0]
         if kept.sum() > MOST:
             halves = widths.reshape(-1, 2)
             kept &= (halves.argmax(axis=1)[:, None] == (0, 1)).ravel()
-        low, high, widths = low[:, kept], high[:, kept], widths[kept]
-    middle, worst = (low + high) / 2, widths.argmax()
-    return float(widths[worst]), middle[:, worst]
+        boxes, widths = boxes[..., kept], widths[kept]
+    worst = widths.argmax()
+    return float(widths[worst]), boxes[..., worst].mean(axis=0)
 
 
-def _halves(low: Points, high: Points, axis: int) -> tuple[Points, Points]:
-    """Return both halves of boxes that are cut in one direction, one after the other, (d, n) → (d, 2n)."""
-    low, high = np.repeat(low, 2, axis=1), np.repeat(high, 2, axis=1)
-    middle = (low[axis, ::2] + high[axis, ::2]) / 2
-    high[axis, ::2], low[axis, 1::2] = middle, middle
-    return low, high
+def _halves(boxes: Array, axis: int) -> Array:
+    """Return both halves of boxes that are cut in one direction, one after the other, (2, d, n) → (2, d, 2n)."""
+    middle = boxes[:, axis].mean(axis=0)
+    boxes = np.repeat(boxes, 2, axis=2)
+    boxes[1, axis, ::2] = boxes[0, axis, 1::2] = middle
+    return boxes
 
 
-def _places(low: Points, high: Points) -> Points:
-    """Return the corners and the middle of boxes, (d, n) → (d, 2^d + 1, n)."""
+def _places(boxes: Array) -> Points:
+    """Return the corners and the middle of boxes, (2, d, n) → (d, 2^d + 1, n)."""
+    low, high = boxes
     shares = np.array([*product((0.0, 1.0), repeat=len(low)), [0.5] * len(low)]).T
     return low[:, None] + shares[..., None] * (high - low)[:, None]
 
 
-def _meets(body: Body, low: Points, high: Points, margin: float) -> Array:
+def _meets(body: Body, boxes: Array, margin: float) -> Array:
     """Return whether boxes may meet the body, (n,); a box as small as the margin has to lie farther inside."""
-    middle, radii = (low + high) / 2, np.linalg.norm(high - low, axis=0) / 2
+    middle, radii = boxes.mean(axis=0), np.linalg.norm(boxes[1] - boxes[0], axis=0) / 2
     to_sides = np.min([distance(middle, part.corners) for part in body.parts], axis=0)
     return np.where(to_sides > np.maximum(radii, margin), body.contains(middle), radii > margin)
 
 
 def _spread_of_formulas(formulas: Sequence[sp.Expr]) -> Spread:
-    def spread(low: Points, high: Points) -> Array:
-        boxes, widths = Boxes(dict(zip((x1, x2), zip(low, high, strict=True), strict=True)), (x1, x2), 1), []
-        for series in map(boxes, formulas):
+    def spread(boxes: Array) -> Array:
+        expand, widths = Boxes({x1: boxes[:, 0], x2: boxes[:, 1]}, (x1, x2), 1), []
+        for series in map(expand, formulas):
             is_lipschitz = np.isfinite(series.largest).all(axis=0)
-            widths.append(np.where(is_lipschitz, 0.0, series.high[0] - series.low[0]))
+            widths.append(np.where(is_lipschitz, 0.0, np.ptp(series.values, axis=0)))
         return np.max(widths, axis=0)
 
     return spread
 
 
 def _spread_of_samples(data: Data) -> Spread:
-    def spread(low: Points, high: Points) -> Array:
-        places = _places(low, high)
+    def spread(boxes: Array) -> Array:
+        places = _places(boxes)
         inside = data.body.contains(places)
         values = np.full(places.shape, np.nan)
         values[:, inside] = data.start(places[:, inside])

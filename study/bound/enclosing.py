@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain, pairwise
+from typing import Any
 
 import numpy as np
 
@@ -146,10 +147,10 @@ class Enclosure:
         return bool(((self.lower <= self.error) & (self.error <= self.upper)).all())
 
 
-def relative(error: tuple[float, float], norm: tuple[float, float]) -> tuple[float, float]:
+def relative(error: tuple[Any, Any], norm: tuple[float, float]) -> tuple[Any, Any]:
     """Return an interval that contains the quotient of an error and a norm, which are known as intervals.
 
-    If the norm may be 0, the interval ends at ∞.
+    If the norm may be 0, the interval ends at ∞. The ends of the error are numbers, or arrays for several errors.
     """
     return (error[0] / norm[1] if norm[1] > 0 else 0.0), (error[1] / norm[0] if norm[0] > 0 else math.inf)
 
@@ -186,20 +187,19 @@ def enclose(
     for piece, interval in Majorant(fine)(chain([first], pieces), start):
         true, at_b = error(piece.b, computed.at(piece.b)) if error else math.nan, u_h(piece.b)
         inside = interval.inside + largest_distance(fine, piece, computed.times, u_h)
-        rows.append((float(fine.norm(piece.end - at_b)), true, inside))
+        rows.append((piece.b, interval.at_b, float(fine.norm(piece.end - at_b)), true, inside))
         products += fine.products(piece.end, at_b)
         low = max(low, float(fine.norm(piece.end)) - interval.at_b)
         high = max(high, interval.inside + float(fine.norm(np.array([piece.start, piece.control, piece.end])).max()))
         intervals.append(interval)
         progress(piece.b)
-    times, bounds = (np.array([getattr(one, name) for one in intervals]) for name in ("b", "at_b"))
+    times, bounds, distances, errors, between = np.array(rows).T.copy()
     # A message names the place where the samples of the data are too coarse. It is given only if the data between
     # sample points contribute most of the bound y.
     worst = max(intervals, key=lambda one: one.missed / (one.b - one.a))
     poor = sum(one.missed for one in intervals) > POOR * intervals[-1].at_b
     evidence = Evidence(fine.sampling.reasons, fine.sampling.worst(worst.a, worst.b) if poor else "")
     loaded = bool(initial.any() or any(fine.load(time).any() for time in times))
-    distances, errors, between = np.array(rows).T.copy()
     found = Enclosure(
         h=computed.h,
         times=times,
@@ -264,7 +264,7 @@ def squared_distances(
     """
     data, V = discretisation.data, discretisation.displacements
     squares = np.zeros(discretisation.mesh.t.shape[1])
-    lines = [Line(direction, offset) for direction, offset in rough]
+    lines = [Line(*line) for line in rough]
     for rule in cell_rules(discretisation.mesh, INITIAL_DEGREE, lines, data.points):
         difference = strain(rule.points) - V.strain_at(v, rule.cells, rule.points)
         stress = data.law.A.at(rule.points)(difference)

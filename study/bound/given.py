@@ -130,16 +130,16 @@ def suspicion(found: BoundedSolution, data: Data) -> list[str]:
     stiff, side = abs(data.law.A.matrix[0, :2])
     # Poisson's ratio if the law here means plane strain, and if it means plane stress.
     strain, stress = side / (stiff + side), side / stiff
-    usual = {
-        "metres and millimetres?": [(1e3, 1e3), (1e-3, 1e-3)],
-        "pascals and megapascals?": [(1e6, 1e6), (1e-6, 1e-6)],
-        "loads in the opposite direction?": [(-1.0, -1.0)],
-        "plane stress there, and plane strain here?": [(1.0, 1 / (1 - strain**2))],
-        "plane strain there, and plane stress here?": [(1 - stress**2, 1.0)],
-    }
-    off, question = min(
-        (abs(np.clip(factor, *ends) / factor - 1), name) for name, ranges in usual.items() for ends in ranges
-    )
+    usual = [
+        (1e3, 1e3, "metres and millimetres?"),
+        (1e-3, 1e-3, "metres and millimetres?"),
+        (1e6, 1e6, "pascals and megapascals?"),
+        (1e-6, 1e-6, "pascals and megapascals?"),
+        (-1.0, -1.0, "loads in the opposite direction?"),
+        (1.0, 1 / (1 - strain**2), "plane stress there, and plane strain here?"),
+        (1 - stress**2, 1.0, "plane strain there, and plane stress here?"),
+    ]
+    off, question = min((abs(np.clip(factor, low, high) / factor - 1), name) for low, high, name in usual)
     # The part of u_h that is no multiple of the solution changes the factor by about its square.
     if off > max(NEAR, rest**2):
         question = "compare loads, stiffness and units."
@@ -207,8 +207,9 @@ def given(
     mesh, nodes, degree = _mesh(data.body, points, triangles)
     moved = float(np.linalg.norm(mesh.p - points[nodes[: mesh.p.shape[1]]].T, axis=0).max())
     if moved > ROUNDING * float(np.ptp(points, axis=0).max()):
-        moves = f"vertices near the boundary were moved onto it, by at most {moved:.2g}"
-        remarks.append(f"{moves}; u_h is meant on that mesh")
+        remarks.append(
+            f"vertices near the boundary were moved onto it, by at most {moved:.2g}; u_h is meant on that mesh"
+        )
     values = u[:, nodes].reshape(len(times), -1)
     _check_fit(mesh, data.body)
     steps = steps or max(len(times) - 1, LEAST_STEPS)
@@ -237,12 +238,13 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
             f"{len(times)} times and {len(points)} points"
         )
     for name, array in (("points", points), ("times", times), ("u", u)):
-        if not np.isfinite(array).all():
-            first = np.argwhere(~np.isfinite(array))[0]
+        wrong = ~np.isfinite(array)
+        if wrong.any():
+            first = np.argwhere(wrong)[0]
             where = f" in row {first[0]} (rows are numbered from 0)"
             if name == "u":
                 where = f" at t = {times[first[0]]:.6g}, x = {place(points[first[1], :2])}"
-            raise BoundError(f"{name} has {(~np.isfinite(array)).sum()} numbers that are not finite, the first{where}")
+            raise BoundError(f"{name} has {wrong.sum()} numbers that are not finite, the first{where}")
     for name, array in (("points", points), ("u", u)):
         if array.shape[-1] == 3 and np.ptp(array[..., 2]) > SINGLE * np.ptp(array):
             raise BoundError(f"the third component of {name} is not constant, and the bound serves plane bodies")
@@ -276,11 +278,14 @@ def _unmasked(name: str, array: Any) -> Array:
 
 def _checked_times(times: Array, T: float) -> Array:
     """Check that the times increase from 0 to T, and return them; steps equal up to rounding are made equal."""
-    if times.ndim != 1 or (np.diff(times) <= 0).any():
-        fall = ", ".join(f"{times[k + 1]:g} after {times[k]:g}" for k in np.flatnonzero(np.diff(times) <= 0)[:1])
+    falls = np.flatnonzero(np.diff(times) <= 0)
+    if times.ndim != 1 or falls.size:
+        got = f"an array of the shape {times.shape}"
+        if times.ndim == 1:
+            got = f"{times[falls[0] + 1]:g} after {times[falls[0]]:g}"
         raise BoundError(
-            f"times have to increase strictly, got {fall or f'an array of the shape {times.shape}'}; the parts of a "
-            "parallel run have to be merged into one file for each time"
+            f"times have to increase strictly, got {got}; the parts of a parallel run have to be merged into one file "
+            "for each time"
         )
     if abs(times[0]) > SINGLE * T:
         raise BoundError(
@@ -367,8 +372,9 @@ def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, in
     midpoints[sides] = numbers
     if (midpoints[sides] != numbers).any():
         raise BoundError("two triangles have different midpoints of a common side; number the midpoint once")
-    off = np.linalg.norm(points[midpoints].T - p[:, mesh.facets].mean(axis=1), axis=0)
-    lengths = np.linalg.norm(np.diff(p[:, mesh.facets], axis=1)[:, 0], axis=0)
+    ends = p[:, mesh.facets]
+    off = np.linalg.norm(points[midpoints].T - ends.mean(axis=1), axis=0)
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0)
     if (off > 10 * SINGLE * lengths).any():
         worst = int((off / lengths).argmax())
         raise BoundError(
@@ -413,10 +419,10 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
     """Raise BoundError unless the mesh covers the body and follows the parts of its boundary."""
     tolerance = 1e-8 * math.sqrt(body.measure)
     border = mesh.boundary_facets()
-    ends, middle = mesh.p[:, mesh.facets[:, border]], mesh.p[:, mesh.facets[:, border]].mean(axis=1)
+    ends = mesh.p[:, mesh.facets[:, border]]
     on_part = np.any([part.contains(ends, tolerance).all(axis=0) for part in body.parts], axis=0)
     if not on_part.all():
-        stray = middle[:, ~on_part]
+        stray = ends.mean(axis=1)[:, ~on_part]
         raise BoundError(
             f"the mesh does not cover the body: {stray.shape[1]} sides of triangles have a triangle on one side only "
             f"and lie on no part of the boundary, the first near x = {place(stray[:, 0])}. The mesh has a hole "
@@ -430,12 +436,11 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
 
 def _penetration(found: Computed, moving: bool) -> list[str]:
     """Return a list with a sentence that says how far u_h penetrates the foundation; empty if it does not."""
-    space = Quadratic(found.mesh, found.body)
+    space = found.space
     values = found.nodes.reshape(len(found.times), -1, 2)
     normal = np.zeros(values.shape[:2])
     for part in found.body.of(Kind.CONTACT):
         on = space.numbers_on(part)
-        on = on[on < values.shape[1]]
         normal[:, on] = np.maximum(normal[:, on], values[:, on] @ part.normal)
     time, node = np.unravel_index(normal.argmax(), normal.shape)
     depth = normal[time, node]
@@ -463,31 +468,33 @@ def _clamped(data: Data, found: Computed, nearest: bool) -> Computed:
     the values at the nodes of these sides are replaced. If ``nearest`` is false, BoundError is raised.
     """
     mesh, body, size = found.mesh, found.body, float(abs(found.nodes).max())
-    V = Quadratic(mesh, body)
-    fixed = np.setdiff1d(np.arange(found.nodes.shape[1]), V.free)
+    space = found.space
+    fixed = np.setdiff1d(np.arange(found.nodes.shape[1]), space.free)
     # Prescribed displacements are linear on a side, so their Bernstein coefficients are their values at the nodes.
-    beyond = found.nodes[:, fixed] - V.prescribed[fixed]
+    prescribed = space.prescribed[fixed]
+    beyond = found.nodes[:, fixed] - prescribed
     largest = float(abs(beyond).max(initial=0.0))
     # Prescribed values may have rounding errors, and a common motion of all points would hide errors of the strain.
     if largest <= (AS_PRESCRIBED if body.is_moved else CLAMPED) * size:
         return found
     values = found.nodes.copy()
-    values[:, fixed] = V.prescribed[fixed]
-    J = on_refinement(mesh, found.degree, mesh)
-    M = J.T @ _Unclamped(mesh, body).form(data.law.A.matrix, data.law.A.factor(V.points)) @ J
+    values[:, fixed] = prescribed
+    V, J = _Unclamped(mesh, body), on_refinement(mesh, found.degree, mesh)
+    M = J.T @ V.form(data.law.A.matrix, data.law.A.factor(V.points)) @ J
     squares = (np.einsum("ti,it->t", v, M @ v.T).max() for v in (found.nodes - values, found.nodes))
     offset, whole = (math.sqrt(max(square, 0.0)) for square in squares)
     share = f"{offset:.3g} = {_percent(offset / whole if whole else math.inf)} of the largest ‖u_h‖_V"
     time, worst = np.unravel_index(abs(beyond).argmax(), beyond.shape)
-    node, direction = divmod(int(fixed[worst]), 2)
+    number = int(fixed[worst])
+    node, direction = divmod(number, 2)
     held = (part for part in body.parts if part.kind in (Kind.CLAMPED, Kind.ROLLER))
-    side = next(part for part in held if part.contains(V.nodes[:, node], SINGLE * body.extent))
-    wanted = V.prescribed[fixed[worst]]
+    x = space.nodes[:, node]
+    side = next(part for part in held if part.contains(x, SINGLE * body.extent))
     where = f"side {body.parts.index(side)} ({side.kind.name})"
     if not (nearest or (body.is_moved and largest <= SINGLE * size)):
         raise BoundError(
-            f"u_h is {found.nodes[time, fixed[worst]]:.4g} in the direction x{direction + 1} at x = "
-            f"{place(V.nodes[:, node])} on {where}, and has to be {wanted:.4g} there. With --nearest (nearest=True) "
+            f"u_h is {found.nodes[time, number]:.4g} in the direction x{direction + 1} at x = "
+            f"{place(x)} on {where}, and has to be {prescribed[worst]:.4g} there. With --nearest (nearest=True) "
             f"the values at the nodes of such sides are replaced, which changes u_h by {share}"
         )
     changed = f"u_h is changed by up to {largest:.3g} on {where}, to the prescribed values, and in ‖·‖_V by {share}"

@@ -38,6 +38,10 @@ from manufactured.tensors import Array
 
 Pair = tuple[Array, Array]
 """Intervals, one for each box, given by their lower and their upper ends, (boxes,) each."""
+Intervals = Array
+"""Intervals, by their lower ends and then their upper ends, (2, ...)."""
+REALS = np.array([[-np.inf], [np.inf]])
+"""The interval (−∞, ∞), (2, 1)."""
 Flags = np.ndarray[tuple[int], np.dtype[np.bool_]]
 """A statement about each box, (boxes,)."""
 TINY, LARGEST = np.finfo(float).tiny, np.finfo(float).max
@@ -54,135 +58,125 @@ class RangeError(ValueError):
 # ---- arithmetic of intervals
 
 
-def enclosed(low: Array, high: Array) -> Pair:
+def enclosed(low: Array, high: Array) -> Intervals:
     """Make the ends of intervals valid after overflow.
 
     A lower end of +∞ becomes the largest number, and an upper end of −∞ becomes the smallest number.
     """
-    return np.minimum(low, LARGEST), np.maximum(high, -LARGEST)
+    return np.array([np.minimum(low, LARGEST), np.maximum(high, -LARGEST)])
 
 
-def outward(ends: Pair) -> Pair:
+def outward(ends: Intervals) -> Intervals:
     """Round the ends of intervals outward; an end that is 0 has no rounding error."""
-    low, high = ends
-    return np.where(low == 0, low, np.nextafter(low, -np.inf)), np.where(high == 0, high, np.nextafter(high, np.inf))
+    return np.where(ends == 0, ends, np.nextafter(ends, REALS))
 
 
-def _is_power_of_two(ends: Pair) -> Array:
+def _is_power_of_two(ends: Intervals) -> Array:
     """Return whether both ends of intervals are ±2^k or 0, so that products with them have no rounding error."""
-    return np.all([np.isin(abs(np.frexp(end)[0]), (0.0, 0.5)) for end in ends], axis=0)
+    return np.asarray(np.isin(abs(np.frexp(ends)[0]), (0.0, 0.5)).all(axis=0))
 
 
-def times(a: Pair, b: Pair) -> Pair:
+def times(a: Intervals, b: Intervals) -> Intervals:
     """Return the product of two intervals.
 
     Zero times (−∞, ∞) is zero. If the product of nonzero intervals underflows, the result is a small interval around
     zero.
     """
     with np.errstate(invalid="ignore", over="ignore", under="ignore"):
-        every = [x * y for x in a for y in b]
-        low, high = reduce(np.minimum, every), reduce(np.maximum, every)
+        every = np.array([x * y for x in a for y in b])
+        low, high = every.min(axis=0), every.max(axis=0)
     if np.isnan(low).any():
         # A product 0 · ∞ makes the minimum NaN. Only then is it necessary to look at the single products.
-        every = [np.where(np.isnan(product), 0.0, product) for product in every]
-        low, high = reduce(np.minimum, every), reduce(np.maximum, every)
+        every[np.isnan(every)] = 0.0
+        low, high = every.min(axis=0), every.max(axis=0)
     zero = (low == 0) & (high == 0)
     if zero.any():
-        zero &= ((a[0] != 0) | (a[1] != 0)) & ((b[0] != 0) | (b[1] != 0))
+        zero &= a.any(axis=0) & b.any(axis=0)
         low, high = np.where(zero, -TINY, low), np.where(zero, TINY, high)
     return enclosed(low, high)
 
 
-def _scaled(c: float, ends: Pair) -> Pair:
+def _scaled(c: float, ends: Intervals) -> Intervals:
     """Return a constant times an interval."""
-    return times((np.array(c), np.array(c)), ends)
+    return times(np.array([c, c]), ends)
 
 
-def _monotone(u: Pair, function: Callable[[Array], Array]) -> Pair:
+def _monotone(u: Intervals, function: Callable[[Array], Array]) -> Intervals:
     """Return the range of a monotone function on intervals, from its values at their ends."""
     with np.errstate(all="ignore"):
-        ends = function(u[0]), function(u[1])
-        return enclosed(np.minimum(*ends), np.maximum(*ends))
-
-
-def _or_line(where: Array, ends: Pair) -> Pair:
-    """Replace the intervals of some boxes by (−∞, ∞).
-
-    Args:
-        where: for each box, whether its interval is replaced, (boxes,).
-        ends: the intervals.
-    """
-    return np.where(where, -np.inf, ends[0]), np.where(where, np.inf, ends[1])
+        ends = function(u)
+        return enclosed(ends.min(axis=0), ends.max(axis=0))
 
 
 # ---- functions g of one variable: range of the Taylor coefficient g^(j)(u)/j! of order j for u in given intervals
 
 
-def _power(u: Pair, q: float) -> Pair:
+def _power(u: Intervals, q: float) -> Intervals:
     """Return the range of the power x^q for x in given intervals."""
     low, high = u
 
-    def monotone(u: Pair, q: float) -> Pair:
+    def monotone(u: Intervals, q: float) -> Intervals:
         """Return the range of x^q on intervals on which x does not change its sign.
 
         If the power of a nonzero number underflows to 0, the range is widened to a small interval.
         """
-        bottom, top = _monotone(u, lambda x: x**q)
-        zero = (bottom == 0) & (top == 0) & ((u[0] != 0) | (u[1] != 0))
-        return np.where(zero, -TINY * (u[0] < 0), bottom), np.where(zero, TINY, top)
+        ends = _monotone(u, lambda x: x**q)
+        zero = u.any(axis=0) & ~ends.any(axis=0)
+        return np.where(zero, [-TINY * (u[0] < 0), np.full_like(u[1], TINY)], ends)
 
     with np.errstate(all="ignore"):
         if q == 0:
-            return np.ones_like(low), np.ones_like(low)
+            return np.ones_like(u)
         if q == int(q):
             ends, inside = monotone(u, int(q)), (low <= 0) & (high >= 0)
             if q < 0:
-                return _or_line(inside, ends)
-            return (np.where(inside, 0.0, ends[0]), ends[1]) if q % 2 == 0 else ends
-        ends = monotone((np.maximum(low, 0.0), np.maximum(high, 0.0)), q)
-        return _or_line((low < 0) | ((low == 0) & (q < 0)), ends)
+                return np.where(inside, REALS, ends)
+            if q % 2 == 0:
+                ends[0, inside] = 0.0
+            return ends
+        return np.where((low < 0) | ((low == 0) & (q < 0)), REALS, monotone(np.maximum(u, 0.0), q))
 
 
-def _truncated(u: Pair, q: float) -> Pair:
+def _truncated(u: Intervals, q: float) -> Intervals:
     """Return the range of the truncated power x_+^q for x ≠ 0 in given intervals; for q = 0 it is a step function."""
     low, high = u
     if q == 0:
-        return (low > 0).astype(float), (high > 0).astype(float)
+        return (u > 0).astype(float)
     if q > 0:
-        return _power((np.maximum(low, 0.0), np.maximum(high, 0.0)), q)
-    ends = _power((np.where(low > 0, low, 1.0), np.where(low > 0, high, 1.0)), q)
-    beyond = high < 0
-    return _or_line((low <= 0) & ~beyond, (np.where(beyond, 0.0, ends[0]), np.where(beyond, 0.0, ends[1])))
+        return _power(np.maximum(u, 0.0), q)
+    ends = _power(np.where(low > 0, u, 1.0), q)
+    return np.where(high < 0, 0.0, np.where(low <= 0, REALS, ends))
 
 
-def _of_exp(u: Pair, j: int) -> Pair:
-    low, high = _monotone(u, np.exp)
-    return _scaled(1 / math.factorial(j), (low, np.maximum(high, TINY)))
+def _of_exp(u: Intervals, j: int) -> Intervals:
+    ends = _monotone(u, np.exp)
+    ends[1] = np.maximum(ends[1], TINY)
+    return _scaled(1 / math.factorial(j), ends)
 
 
-def _of_log(u: Pair, j: int) -> Pair:
+def _of_log(u: Intervals, j: int) -> Intervals:
     if j > 0:
         return _scaled((-1) ** (j - 1) / j, _power(u, -j))
-    ends = _monotone((np.maximum(u[0], 0.0), np.maximum(u[1], 0.0)), np.log)
     # Towards 0 the logarithm is unbounded only from below; for negative numbers it is not defined.
-    return _or_line((u[0] < 0) | (u[1] <= 0), ends)
+    return np.where((u[0] < 0) | (u[1] <= 0), REALS, _monotone(np.maximum(u, 0.0), np.log))
 
 
 WAVES = (np.cos, lambda x: -np.sin(x), lambda x: -np.cos(x), np.sin)
 """cos(x + nπ/2) for n = 0, …, 3. They are 0 at x = 0 if the sine is; cos(x − π/2) in double precision is not."""
 
 
-def _of_cosine(u: Pair, j: int, turns: int = 0) -> Pair:
+def _of_cosine(u: Intervals, j: int, turns: int = 0) -> Intervals:
     """Return the range of the Taylor coefficient of cos(x + turns π/2); each derivative adds another π/2."""
-    low, high = ((end + (turns + j) * np.pi / 2) / (2 * np.pi) for end in u)
+    low, high = (u + (turns + j) * np.pi / 2) / (2 * np.pi)
     ends = _monotone(u, WAVES[(turns + j) % 4])
     # The range contains ±1 if a maximum or minimum of cos lies in the interval.
     tops = np.floor(high) >= np.ceil(low)
     bottoms = np.floor(high - 0.5) >= np.ceil(low - 0.5)
-    return _scaled(1 / math.factorial(j), (np.where(bottoms, -1.0, ends[0]), np.where(tops, 1.0, ends[1])))
+    ends[0, bottoms], ends[1, tops] = -1.0, 1.0
+    return _scaled(1 / math.factorial(j), ends)
 
 
-KNOWN: dict[type, Callable[[Pair, int], Pair]] = {
+KNOWN: dict[type, Callable[[Intervals, int], Intervals]] = {
     sp.exp: _of_exp,
     sp.log: _of_log,
     sp.cos: _of_cosine,
@@ -210,7 +204,7 @@ The other relations are reversed or negated ones.
 """
 
 
-def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
+def coefficients(formula: sp.Expr, u: Intervals, order: int) -> list[Intervals]:
     """Return the ranges of the Taylor coefficients of the outermost function of a formula.
 
     Args:
@@ -233,7 +227,7 @@ def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
     # At the kink, derivatives of order above q do not exist. For an integer q this includes the order q + 1, which is 0
     # on both sides and a Dirac measure at the kink.
     kink = isinstance(formula, pos) & (u[0] <= 0) & (u[1] >= 0)
-    return [_or_line(kink & (j > q), _scaled(c, power(u, q - j))) for j, c in enumerate(binomials)]
+    return [np.where(kink & (j > q), REALS, _scaled(c, power(u, q - j))) for j, c in enumerate(binomials)]
 
 
 def require_known(formula: sp.Expr) -> None:
@@ -256,36 +250,34 @@ class Series:
     """Ranges of the Taylor coefficients of one formula over several boxes.
 
     Attributes:
-        low, high: the ends of the ranges, (terms, boxes). ``indices`` gives the multi-indices of the terms.
+        ends: the ranges, (2, terms, boxes). ``indices`` gives the multi-indices of the terms.
     """
 
-    low: Array
-    high: Array
+    ends: Intervals
 
     @cached_property
     def nonzero(self) -> Array:
         """For each Taylor coefficient, whether it is not identically 0, (terms,)."""
-        return np.asarray(self.low.any(axis=1) | self.high.any(axis=1))
+        return np.asarray(self.ends.any(axis=(0, 2)))
 
     @property
-    def values(self) -> Pair:
-        """The range of the formula itself, (boxes,) each."""
-        return self.low[0], self.high[0]
+    def values(self) -> Intervals:
+        """The range of the formula itself, (2, boxes)."""
+        return self.ends[:, 0]
 
     @property
     def largest(self) -> Array:
         """The largest absolute value of each Taylor coefficient, (terms, boxes)."""
-        return np.maximum(abs(self.low), abs(self.high))
+        return np.asarray(abs(self.ends).max(axis=0))
 
     def __add__(self, other: Series) -> Series:
         with np.errstate(over="ignore"):
-            found = Series(*enclosed(self.low + other.low, self.high + other.high))
+            found = Series(enclosed(*(self.ends + other.ends)))
         return found.rounded() if self.nonzero[0] and other.nonzero[0] else found
 
     def rounded(self, exact: Array | bool = False) -> Series:
         """Round ranges of values outward, except where they are ``exact``; ranges of derivatives remain as they are."""
-        for ends, end in zip((self.low, self.high), outward((self.low[0], self.high[0])), strict=True):
-            ends[0] = np.where(exact, ends[0], end)
+        self.ends[:, 0] = np.where(exact, self.values, outward(self.values))
         return self
 
 
@@ -313,7 +305,7 @@ class Boxes:
         order: the order of the expansion.
     """
 
-    sides: Mapping[sp.Symbol, Pair]
+    sides: Mapping[sp.Symbol, Pair | Intervals]
     variables: tuple[sp.Symbol, ...]
     order: int
     _known: dict[sp.Expr, Series] = field(default_factory=dict, init=False)
@@ -346,14 +338,14 @@ class Boxes:
             found = self._constant(self.sides[formula])
             if formula in self.variables and self.order > 0:
                 unit = self.keys.index(tuple(int(formula == variable) for variable in self.variables))
-                found.low[unit] = found.high[unit] = 1.0
+                found.ends[:, unit] = 1.0
             return found
         if formula.is_number:
             if not (formula.is_real and formula.is_finite):
                 raise RangeError(f"{formula} is no real number; it comes from a power whose base is not positive")
-            value = np.full(self.count, float(formula))
-            exact = isinstance(formula, sp.Float | sp.Rational) and sp.Rational(formula) == sp.Rational(value[0])
-            return self._constant((value, value)).rounded(exact)
+            value = float(formula)
+            exact = isinstance(formula, sp.Float | sp.Rational) and sp.Rational(formula) == sp.Rational(value)
+            return self._constant(value).rounded(exact)
         if isinstance(formula, sp.Min):
             return self(-sp.Max(*(-part for part in formula.args)))
         if isinstance(formula, sp.Max):
@@ -361,7 +353,7 @@ class Boxes:
             return self._maximum(first, sp.Max(*others))
         if isinstance(formula, sp.Abs):
             found = self._maximum(formula.args[0], -formula.args[0])
-            np.maximum(found.low[0], 0.0, out=found.low[0])  # rounding would make it negative
+            found.ends[0, 0] = np.maximum(found.ends[0, 0], 0.0)  # rounding would make it negative
             return found
         if type(formula) in BY_OTHERS:
             return self(BY_OTHERS[type(formula)](*formula.args))
@@ -375,9 +367,8 @@ class Boxes:
         # The series of g(u) is Σ_j g_j δ^j, summed by Horner's rule; δ is the series of u without its constant term.
         inner = self(formula.args[0])
         outer = coefficients(formula, inner.values, self.order)
-        low, high = inner.low.copy(), inner.high.copy()
-        low[0] = high[0] = 0.0
-        delta, found = Series(low, high), self._constant(outer[-1])
+        delta, found = Series(inner.ends.copy()), self._constant(outer[-1])
+        delta.ends[:, 0] = 0.0
         for ends in outer[-2::-1]:
             found = self._product(found, delta) + self._constant(ends)
         return found.rounded(isinstance(formula, pos))
@@ -386,50 +377,42 @@ class Boxes:
         """Return the series of Max(first, second); derivatives of order 1 exist on both sides of its kink."""
         a, b, difference = self(first), self(second), self(first - second)
         never, always = ORDERED[sp.Ge](*difference.values)
-        found = self._union([(a, never, always), (b, always, ~always)], self._smooth(first - second, kinks=1))
-        undecided = ~never & ~always
-        for ends, one, other in ((found.low, a.low, b.low), (found.high, a.high, b.high)):
-            ends[0, undecided] = np.maximum(one[0], other[0])[undecided]
+        found = self._union([(a, never, always), (b, always, ~always)], first - second, 1)
+        found.ends[:, 0] = np.where(never | always, found.values, np.maximum(a.values, b.values))
         return found
 
     def _piecewise(self, formula: sp.Piecewise) -> Series:
         """Return the series of a Piecewise function, whose derivatives do not exist where its branches may change."""
+        _, conditions = zip(*formula.args, strict=True)
         branches = [(self(value), *self._truth(condition)) for value, condition in formula.args]
-        if sp.Or(*(condition for _, condition in formula.args)) == sp.true:
+        if sp.Or(*conditions) == sp.true:
             # One of the conditions holds everywhere, so the last branch is reached wherever no earlier one holds.
             value, never, _ = branches.pop()
             branches.append((value, never, ~never))
-        return self._union(branches, self._smooth(sp.Tuple(*(condition for _, condition in formula.args)), kinks=0))
+        return self._union(branches, sp.Tuple(*conditions), 0)
 
-    def _smooth(self, change: sp.Basic, kinks: int) -> int:
-        """Return the highest order of the derivatives that exist where branches change.
-
-        Args:
-            change: what decides the branch. If it depends on none of the variables, no derivative sees a change.
-            kinks: the highest order if it depends on one of them.
-        """
-        return kinks if change.free_symbols & set(self.variables) else self.order
-
-    def _union(self, branches: Sequence[tuple[Series, Flags, Flags]], highest: int) -> Series:
+    def _union(self, branches: Sequence[tuple[Series, Flags, Flags]], change: sp.Basic, highest: int) -> Series:
         """Return the series of a function that is equal to the first branch whose condition holds.
 
         Args:
             branches: the series of each branch; whether its condition holds nowhere on a box; and whether it holds on
                 the whole box.
+            change: what decides the branch. If it depends on none of the variables, no derivative sees a change.
             highest: the highest order of the derivatives that exist on both sides of places where branches change.
         """
-        low, high = np.full((2, len(self.keys), self.count), np.inf)
+        low, high = np.full((2, len(self.keys), self.count), -REALS[..., None])
         reached, open_boxes = np.zeros(self.count, dtype=int), np.ones(self.count, dtype=bool)
         for series, never, always in branches:
             possible = open_boxes & ~never
-            low = np.where(possible, np.minimum(low, series.low), low)
-            high = np.where(possible, np.minimum(high, -series.high), high)
+            low = np.where(possible, np.minimum(low, series.ends[0]), low)
+            high = np.where(possible, np.maximum(high, series.ends[1]), high)
             reached += possible
             open_boxes &= ~always
         orders = np.array([sum(key) for key in self.keys])[:, None]
         # Where no condition may hold, the function has no value.
-        unknown = open_boxes | ((orders > highest) & (reached > 1))
-        return Series(*_or_line(unknown, (low, -high)))
+        seen = bool(change.free_symbols & set(self.variables))
+        unknown = open_boxes | (seen & (orders > highest) & (reached > 1))
+        return Series(np.where(unknown, REALS[..., None], [low, high]))
 
     def _truth(self, condition: sp.Basic) -> tuple[Flags, Flags]:
         """Return for each box whether a condition holds nowhere on it, and whether it holds on the whole box.
@@ -460,22 +443,21 @@ class Boxes:
         difference = self(condition.lhs - condition.rhs)
         return ORDERED[condition.func](*difference.values)
 
-    def _constant(self, value: Pair) -> Series:
-        """Return the series of a constant whose value lies in a given range."""
-        low, high = np.zeros((2, len(self.keys), self.count))
-        low[0], high[0] = value
-        return Series(low, high)
+    def _constant(self, value: Pair | Intervals | float) -> Series:
+        """Return the series of a constant with a given value or range of values."""
+        ends = np.zeros((2, len(self.keys), self.count))
+        ends[:, 0] = value
+        return Series(ends)
 
     def _product(self, a: Series, b: Series) -> Series:
         """Return the product of two truncated power series; coefficients that are identically 0 are skipped."""
-        low, high = np.zeros((2, *a.low.shape))
+        ends = np.zeros_like(a.ends)
         i, j, k = _products(len(self.variables), self.order)
         nonzero = a.nonzero[i] & b.nonzero[j]
         i, j, k = i[nonzero], j[nonzero], k[nonzero]
         if k.size:
-            ends = times((a.low[i], a.high[i]), (b.low[j], b.high[j]))
+            products = times(a.ends[:, i], b.ends[:, j])
             first = np.flatnonzero(np.diff(k, prepend=-1))
             with np.errstate(over="ignore"):
-                sums = (np.add.reduceat(end, first, axis=0) for end in ends)
-                low[k[first]], high[k[first]] = enclosed(*sums)
-        return Series(low, high).rounded(_is_power_of_two(a.values) | _is_power_of_two(b.values))
+                ends[:, k[first]] = enclosed(*np.add.reduceat(products, first, axis=1))
+        return Series(ends).rounded(_is_power_of_two(a.values) | _is_power_of_two(b.values))

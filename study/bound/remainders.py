@@ -100,7 +100,7 @@ def in_space(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> A
     """
     bounds = _by_order(sides, tuple(sides), formulas, a, b)
     # Unlike a root of a sum of squares, ``hypot`` neither overflows nor underflows.
-    return np.asarray(np.hypot.reduce([each.min(axis=0) for each in bounds]))
+    return np.asarray(np.hypot.reduce(bounds.min(axis=1)))
 
 
 def in_time(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
@@ -109,29 +109,27 @@ def in_time(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Ar
     These are the bounds p_T and q_T in the docstring of the module. The arguments are those of ``in_space``.
     """
     bounds = _by_order(sides, (t,), formulas, a, b)
-    both = [[PARABOLA * each[:ORDER].min(axis=0), CUBIC * each.min(axis=0)] for each in bounds]
-    return np.asarray(np.hypot.reduce(both))
+    both = [PARABOLA * bounds[:, :ORDER].min(axis=1), CUBIC * bounds.min(axis=1)]
+    return np.asarray(np.hypot.reduce(both, axis=1))
 
 
-def _by_order(
-    sides: Sides, variables: tuple[sp.Symbol, ...], formulas: Sequence[sp.Expr], a: float, b: float
-) -> list[Array]:
-    """Return bounds of each formula minus its Taylor polynomials of degree −1 to 3, (ORDER + 1, boxes) for a formula.
+def _by_order(sides: Sides, variables: tuple[sp.Symbol, ...], formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
+    """Return bounds of formulas minus their Taylor polynomials of degree −1 to 3, (1 + formulas, ORDER + 1, boxes).
 
     The boxes extend from a to b in time. For the degree j − 1 the bound is Σ_{|α| = j} r^α sup |∂^α f|/α!, where r are
-    half the widths of the boxes, or half the range of f for j = 0. The last array of the list is 0.
+    half the widths of the boxes, or half the range of f for j = 0. The bounds of the first formula, 0, are 0.
     """
     count = len(next(iter(sides.values()))[0])
     boxes = Boxes({**sides, t: (np.full(count, a), np.full(count, b))}, variables, ORDER)
-    radii = np.array([(high - low) / 2 for low, high in (boxes.sides[variable] for variable in variables)])
+    radii = np.array([np.ptp(boxes.sides[variable], axis=0) / 2 for variable in variables])
     powers = np.array([np.prod(radii ** np.array(key)[:, None], axis=0) for key in boxes.keys])
-    orders, found = np.array([sum(key) for key in boxes.keys]), []
+    orders, found = np.array([sum(key) for key in boxes.keys]), [np.zeros((ORDER + 1, count))]
     for series in (boxes(formula) for formula in formulas if formula != 0):
         # Where a box has no width, nothing changes, even if there is no bound of the derivative.
         sizes = np.where(powers == 0, 0.0, series.largest) * powers
         by_order = (sizes[orders == order].sum(axis=0) for order in range(1, ORDER + 1))
-        found.append(np.array([(series.high[0] - series.low[0]) / 2, *by_order]))
-    return [*found, np.zeros((ORDER + 1, count))]
+        found.append(np.array([np.ptp(series.values, axis=0) / 2, *by_order]))
+    return np.array(found)
 
 
 def strain_of_start(expressions: Expressions) -> tuple[sp.Expr, ...]:
@@ -184,7 +182,7 @@ class Sampling:
             found.append("A or G varies in x, and norms with it are quadratures")
         if not isinstance(law.G, Linear):
             found.append(f"the term of the nonlinear G of {law.name} is a quadrature")
-        lines = [Line(direction, offset) for direction, offset in data.lines]
+        lines = [Line(*line) for line in data.lines]
         if any(cells.size for cells in rough_cells(self.space.mesh, lines, data.points)):
             found.append(GRADED)
         return tuple(found)

@@ -61,7 +61,7 @@ from study.bound.growth import Sizes, Step, grow, largest_square, mean_square
 from study.bound.problem import BoundError
 from study.bound.remainders import Missed, proportional
 from study.bound.trajectory import Parabola
-from study.stresses.loads import Loads, Snapshot, together
+from study.stresses.loads import Loads, together
 
 QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
 """Integrals ∫_0^1 B_i B_j of the Bernstein polynomials B_0, B_1, B_2 of degree 2."""
@@ -195,25 +195,6 @@ class Interval:
     shares: Shares
 
 
-@dataclass(frozen=True, eq=False)
-class Knots:
-    """Stresses and loads at consecutive knots of the spline ũ.
-
-    Attributes:
-        snapshots: the projected loads at each knot.
-        viscous, elastic: the stresses Aε(ũ̇) and Gε(ũ) at the quadrature points, (3, knots, cells, Q).
-        residual: the residual of the law in every direction, times roots of the quadrature weights,
-            (directions, knots, cells, Q).
-        normal: the Bernstein coefficients of the normal stress σ̃_ν on Γ3, (knots, edges of Γ3, n).
-    """
-
-    snapshots: list[Snapshot]
-    viscous: Tensors
-    elastic: Tensors
-    residual: Array
-    normal: Array
-
-
 class Majorant:
     """Computes the bound y of the error ‖u − ũ‖_V of a displacement ũ, forward in time, on one mesh.
 
@@ -251,7 +232,6 @@ class Majorant:
         """
         remaining, before = iter(pieces), None
         while block := list(islice(remaining, self._together)):
-            first = block[0]
             for piece in block:
                 rate = piece.rate(end=False)
                 if before is not None and abs(rate - before).max() > ROUNDING * abs(rate).max():
@@ -259,36 +239,28 @@ class Majorant:
                         f"ũ̇ jumps at t = {piece.a:.6g}: the nodes of a trajectory have to be equally spaced in time"
                     )
                 before = piece.rate(end=True)
-            times = [first.a, *(piece.b for piece in block)]
-            u = np.array([first.start, *(piece.end for piece in block)])
-            rates = np.array([first.rate(end=False), *(piece.rate(end=True) for piece in block)])
-            yield from self._block(block, self.knots(times, u, rates))
+            yield from self._block(block)
 
-    def knots(self, times: Sequence[float], u: Array, rates: Array) -> Knots:
-        """Compute the stresses and loads at given knots of the spline ũ.
-
-        Args:
-            times: the times of the knots.
-            u, rates: the displacement ũ and the velocity ũ̇ at these times, (times, dofs) each.
-        """
-        d = self.discretisation
-        snapshots = [d.snapshot(time) for time in times]
+    def _block(self, pieces: list[Parabola]) -> Iterator[Terms]:
+        """Yield the terms of the error bound on consecutive time intervals."""
+        d, first = self.discretisation, pieces[0]
+        # At the knots, which are the ends of the intervals.
+        snapshots = [d.snapshot(time) for time in (first.a, *(piece.b for piece in pieces))]
+        u = np.array([first.start, *(piece.end for piece in pieces)])
+        rates = np.array([first.rate(end=False), *(piece.rate(end=True) for piece in pieces)])
         viscous, elastic = d.viscous(rates), d.elastic(u)
-        residual, normal = self._residual(together([at.loads for at in snapshots]), viscous + elastic, u)
-        return Knots(snapshots, viscous, elastic, residual, normal)
-
-    def _block(self, pieces: list[Parabola], knots: Knots) -> Iterator[Terms]:
-        """Yield the terms of the error bound on consecutive time intervals, given the data at their ends."""
-        d, control = self.discretisation, np.array([piece.control for piece in pieces])
+        at_knots, pressure = self._residual(together([at.loads for at in snapshots]), viscous + elastic, u)
+        # The middle Bernstein coefficients on the intervals.
+        control = np.array([piece.control for piece in pieces])
         middle = [d.snapshot((piece.a + piece.b) / 2) for piece in pieces]
-        a, m, b = (together([at.loads for at in some]) for some in (knots.snapshots[:-1], middle, knots.snapshots[1:]))
+        a, m, b = (together([at.loads for at in some]) for some in (snapshots[:-1], middle, snapshots[1:]))
         # The parabola through the loads P f at both ends (a, b) and in the middle (m) has this middle Bernstein
         # coefficient.
         loads = 2.0 * m + (-0.5) * (a + b)
-        elastic, curvature = self._elastic(pieces, control, knots)
-        viscous = (knots.viscous[:, :-1] + knots.viscous[:, 1:]) / 2
-        residual, normal = self._residual(loads, viscous + elastic, control)
-        products = self.products([knots.residual[:, :-1], residual, knots.residual[:, 1:]])
+        between, curvature = self._elastic(pieces, control, elastic)
+        target = (viscous[:, :-1] + viscous[:, 1:]) / 2 + between
+        residual, pressure_between = self._residual(loads, target, control)
+        products = self.products([at_knots[:, :-1], residual, at_knots[:, 1:]])
         # At a quarter of an interval, the loads P f differ from this parabola. The norm of the smallest stress that
         # balances the difference, with τν = 0 on Γ3, bounds the dual norm of the difference.
         quarter = together([d.snapshot(piece.a + (piece.b - piece.a) / 4).loads for piece in pieces])
@@ -297,11 +269,11 @@ class Majorant:
         bending = np.sqrt(self.products([balancing])[0, 0].sum(axis=(0, -1)))
         moments = d.normal_moments(np.array([[piece.start, piece.control, piece.end] for piece in pieces]))
         # By complementarity these products are not negative, but rounding can make them so.
-        pressures = np.array([knots.normal[:-1], normal, knots.normal[1:]])
+        pressures = np.array([pressure[:-1], pressure_between, pressure[1:]])
         contact = np.maximum(np.einsum("ipen,pjen->pije", pressures, moments), 0.0)
         for n, piece in enumerate(pieces):
             missed = d.sampling.missed(d.oscillation, piece.a, piece.b)
-            at = knots.snapshots[n], middle[n], knots.snapshots[n + 1]
+            at = snapshots[n], middle[n], snapshots[n + 1]
             oscillation = np.array([d.oscillation(one.left_out) + missed.cells for one in at])
             yield Terms(
                 piece=piece,
@@ -354,8 +326,13 @@ class Majorant:
             found[a, b] = found[b, a] = np.einsum("...q,...q->...", stresses[a], stresses[b])
         return found
 
-    def _elastic(self, pieces: list[Parabola], control: Array, knots: Knots) -> tuple[Tensors, Array]:
+    def _elastic(self, pieces: list[Parabola], control: Array, at_knots: Tensors) -> tuple[Tensors, Array]:
         """Approximate the elastic stress Gε(ũ) on each time interval by a parabola in time.
+
+        Args:
+            pieces: the displacement ũ on each time interval.
+            control: its middle Bernstein coefficients, (times, dofs).
+            at_knots: the stress Gε(ũ) at the ends of the intervals, (3, times + 1, cells, Q).
 
         Returns:
             The middle Bernstein coefficients of the parabolas, and bounds of the mean distances
@@ -368,7 +345,7 @@ class Majorant:
         rates = [np.array([piece.rate(end) for piece in pieces]) for end in (False, True)]
         k = np.array([piece.b - piece.a for piece in pieces])[:, None, None]
         change = G.lipschitz * k * np.maximum(*(np.linalg.norm(d.strain(rate), axis=0) for rate in rates)) / 3
-        left, right = knots.elastic[:, :-1], knots.elastic[:, 1:]
+        left, right = at_knots[:, :-1], at_knots[:, 1:]
         if isinstance(G, Yield):
             change[np.all([abs(g).max(axis=0) == 0 for g in (left, elastic, right)], axis=0)] = 0.0
         squares = np.einsum("cq,pcq->p", d.stresses.weights, change**2)

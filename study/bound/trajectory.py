@@ -30,8 +30,8 @@ from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.fem.mesh import barycentric
 from study.fem.mesh import size as mesh_size
-from study.fem.quadratic import EDGES, Quadratic
-from study.fem.space import Space
+from study.fem.quadratic import EDGES, Quadratic, nodes_of, numbers_of
+from study.fem.space import Displacements, Space
 from study.solve.evolution import Scheme, SemiDiscrete, remainder
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
@@ -84,10 +84,9 @@ class Computed:
         return float(self.times[-1])
 
     @cached_property
-    def free(self) -> Array:
-        """The numbers of the values that no support prescribes, which are the unknowns of the problem."""
-        space = Space if self.degree == 1 else Quadratic
-        return space(self.mesh, self.body).free
+    def space(self) -> Displacements:
+        """The displacements of this degree on the mesh; their nodes are those of ``nodes``."""
+        return (Space if self.degree == 1 else Quadratic)(self.mesh, self.body)
 
     @property
     def at_vertices(self) -> Array:
@@ -149,8 +148,7 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
         BoundError: ``fine`` is not such a refinement.
     """
     cells, vertices = mesh.t.shape[1], fine.p.shape[1]
-    numbers = np.vstack([fine.t, vertices + fine.t2f])
-    nodes = np.hstack([fine.p, fine.p[:, fine.facets].mean(axis=1)])
+    numbers, nodes = numbers_of(fine), nodes_of(fine)
     _, first = np.unique(numbers, return_index=True)
     parents = first % numbers.shape[1] % cells
     places = barycentric(mesh, parents, nodes[:, :, None])[..., 0]
@@ -158,12 +156,11 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
     exact = np.rint(parts * places) / parts
     if len(first) != nodes.shape[1] or not (abs(exact - places).max() < ON_NODE and exact.min() >= 0):
         raise BoundError("the mesh of ũ is no refinement of the mesh of u_h")
-    if degree == 1:
-        values, of_nodes = exact, mesh.t[:, parents]
-    else:
+    values = exact
+    if degree == 2:
         values = np.array([*(2 * exact**2 - exact), *(4 * exact[a] * exact[b] for a, b in EDGES)])
-        of_nodes = np.vstack([mesh.t, mesh.p.shape[1] + mesh.t2f])[:, parents]
-    count = mesh.p.shape[1] + (mesh.facets.shape[1] if degree == 2 else 0)
+    of_nodes = numbers_of(mesh)[: len(values), parents]
+    count = mesh.p.shape[1] + (degree == 2) * mesh.facets.shape[1]
     places_in_matrix = np.tile(np.arange(len(first)), len(values)), of_nodes.ravel()
     at_nodes = sps.csr_array((values.ravel(), places_in_matrix), shape=(len(first), count))
     # On an edge with the values a and b at its ends and the middle Bernstein coefficient c, the value at the midpoint

@@ -106,7 +106,7 @@ def _rounded_stresses(
     T = Fraction(encoder.problem.T)
     k = T / (len(nodes) - 1)
     knots = [Fraction(0), *(k * Fraction(2 * j + 1, 2) for j in range(len(nodes) - 1)), T]
-    times = [float(t) for t in np.linspace(0, float(T), len(nodes))]
+    times = np.linspace(0, float(T), len(nodes)).tolist()
     stresses: list[tuple[Array, Array]] = []
     for piece, (a, b) in zip(spline(zip(times, nodes, strict=True)), pairwise(knots), strict=True):
         first, last = piece.rate(end=False), piece.rate(end=True)

@@ -163,7 +163,7 @@ def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple
     # Clarabel expects the upper triangle of a matrix by columns, with off-diagonal entries multiplied by √2.
     rows, right = [], []
     for linear, constant in blocks:
-        i, j = np.array([(i, j) for j in range(len(constant)) for i in range(j + 1)]).T
+        j, i = np.tril_indices(len(constant))
         scale = np.where(i == j, 1.0, np.sqrt(2))
         rows.append(sps.csr_matrix(-scale[:, None] * linear[i, j]))
         right.append(scale * constant[i, j])

@@ -26,6 +26,7 @@ from manufactured.tensors import Array
 from study.bound.problem import BoundError
 from study.certify import checker
 from study.fem.mesh import determinants, simplicial_mesh, size
+from study.fem.quadratic import nodes_of
 
 SIMPLE = 10**6
 """Largest denominator of a simple fraction that replaces a number in double precision."""
@@ -80,9 +81,9 @@ def statement(data: Data) -> dict[str, Any]:
     }
 
 
-def corners(body: Body) -> list[tuple[Fraction, Fraction]]:
+def corners(body: Body) -> list[tuple[Fraction, ...]]:
     """Return the corners of a polygon as fractions, in the order of its parts."""
-    return [(rational(float(part.start[0])), rational(float(part.start[1]))) for part in body.parts]
+    return [tuple(map(rational, part.start.tolist())) for part in body.parts]
 
 
 def _law(law: KelvinVoigt) -> dict[str, list[list[str]]]:
@@ -138,20 +139,14 @@ def _terms(name: str, formula: sp.Expr) -> list[list[Any]]:
 
 def _split(name: str, summand: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, int]]:
     """Split a summand p · pos(g, q) of a formula into p and the pair (g, q); ``name`` is for messages."""
-    plain, truncated = sp.Integer(1), []
-    for factor in sp.Mul.make_args(summand):
-        if not factor.has(pos):
-            plain *= factor
-            continue
-        base, power = factor.as_base_exp()
-        # The exponent 1/2 marks a factor that certificates do not support. Such factors are refused below.
-        truncated.append((base.args[0], base.args[1] * power) if isinstance(base, pos) else (base, sp.Rational(1, 2)))
-    if not truncated:
-        return plain, (sp.Integer(0), 0)
-    if len(truncated) > 1 or not truncated[0][1].is_Integer or truncated[0][1] < 1:
+    if not summand.has(pos):
+        return summand, (sp.Integer(0), 0)
+    plain, truncated = summand.as_independent(pos, as_Add=False)
+    base, power = truncated.as_base_exp()
+    q = base.args[1] * power if isinstance(base, pos) else sp.nan
+    if not q.is_Integer or q < 1:
         raise BoundError(f"{name} has the summand {summand}; {SERVED}, q = 1, 2, …")
-    g, q = truncated[0]
-    return plain, (sp.expand(g), int(q))
+    return plain, (sp.expand(base.args[0]), int(q))
 
 
 def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> list[list[Any]]:
@@ -173,16 +168,18 @@ def rational_mesh(mesh: Mesh, body: Body) -> dict[str, Any]:
     """
     bits = math.ceil(math.log2(FINENESS / size(mesh)))
     unit, sides = 1 << bits, corners(body)
-    points = [(Fraction(round(x * unit), unit), Fraction(round(y * unit), unit)) for x, y in mesh.p.T.tolist()]
+    points = [tuple(Fraction(round(c * unit), unit) for c in point) for point in mesh.p.T.tolist()]
     tolerance, chains = 1e-7 * size(mesh), []
     for part, start, end in zip(body.parts, sides, [*sides[1:], sides[0]], strict=True):
         shares = {}
         for v in np.flatnonzero(part.contains(mesh.p, tolerance)).tolist():
             along = float(np.dot(mesh.p[:, v] - part.start, part.tangent)) / part.measure
-            share = Fraction(round(along * unit), unit) if rational(along).denominator > unit else rational(along)
-            points[v] = tuple(a + share * (b - a) for a, b in zip(start, end, strict=True))  # type: ignore[assignment]
+            share = rational(along)
+            if share.denominator > unit:
+                share = Fraction(round(along * unit), unit)
+            points[v] = tuple(a + share * (b - a) for a, b in zip(start, end, strict=True))
             shares[v] = share
-        chains.append(sorted(shares, key=lambda v, shares=shares: shares[v]))  # type: ignore[misc]
+        chains.append(sorted(shares, key=shares.__getitem__))
     denominator = math.lcm(*(c.denominator for point in points for c in point))
     cells = mesh.t.copy()
     turned = determinants(mesh.p, cells) < 0
@@ -216,12 +213,11 @@ class Twins:
     """
 
     def __init__(self, skfem: Mesh, exact: checker.Mesh) -> None:
-        self.skfem, self.exact = skfem, exact
+        self.exact = exact
         points = np.array(exact.points, dtype=float) / exact.h
         triangles = np.array([cell.v for cell in exact.cells])
-        nodes = np.hstack([skfem.p, skfem.p[:, skfem.facets].mean(axis=1)])
         mine = np.vstack([points, points[np.array(exact.edges)].mean(axis=1)])
-        self.nodes: Array = cKDTree(nodes.T).query(mine)[1]
+        self.nodes: Array = cKDTree(nodes_of(skfem).T).query(mine)[1]
         self.cells: Array = cKDTree(skfem.p[:, skfem.t].mean(axis=1).T).query(points[triangles].mean(axis=1))[1]
         vertices = self.nodes[triangles]
         self.corners: Array = (skfem.t.T[self.cells][:, None, :] == vertices[:, :, None]).argmax(axis=2)

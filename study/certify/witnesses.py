@@ -10,7 +10,8 @@ from which the checker makes a stress with exactly continuous tractions.
 """
 
 import math
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Collection, Sequence
 from fractions import Fraction
 
 import numpy as np
@@ -53,12 +54,13 @@ def rounded(mesh: checker.Mesh, values: Array, bits: int) -> list[list[int]]:
     Returns:
         For each time the integers in one list, x and y in turn.
     """
-    normals: dict[int, list[checker.Vector]] = {}
+    normals, clamped = defaultdict[int, set[checker.Vector]](set), set[int]()
     for edge, side in mesh.boundary.items():
-        for n in mesh.nodes_of(edge) if side.kind == "contact" else ():
-            if side.normal not in normals.setdefault(n, []):
-                normals[n].append(side.normal)
-    clamped = {n for edge, side in mesh.boundary.items() if side.kind == "clamped" for n in mesh.nodes_of(edge)}
+        if side.kind == "clamped":
+            clamped.update(mesh.nodes_of(edge))
+        elif side.kind == "contact":
+            for n in mesh.nodes_of(edge):
+                normals[n].add(side.normal)
     found = np.round(values * 2.0**bits).astype(np.int64).tolist()
     for v in found:
         for n, of_node in normals.items():
@@ -68,7 +70,7 @@ def rounded(mesh: checker.Mesh, values: Array, bits: int) -> list[list[int]]:
     return [[c for point in v for c in point] for v in found]
 
 
-def admissible(value: Sequence[int], normals: Sequence[checker.Vector]) -> list[int]:
+def admissible(value: Sequence[int], normals: Collection[checker.Vector]) -> list[int]:
     """Return an integer vector near ``value`` with value·N ≤ 0 for all normals N, none of which are opposite."""
     inward = -np.sum([np.array(N, dtype=float) / math.hypot(*N) for N in normals], axis=0)
     # A short vector (p, q) is sought, because a multiple of it is added.

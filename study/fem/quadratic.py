@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sps
+from skfem import Mesh
 
 from manufactured.body import Part
 from manufactured.tensors import Array, Points, Tensors, basis, mandel
@@ -21,6 +22,16 @@ EDGES = ((0, 1), (1, 2), (0, 2))
 """The two vertices of each edge of a cell, in the order in which the mesh numbers the edges."""
 
 
+def nodes_of(mesh: Mesh) -> Points:
+    """Return the vertices of a triangular mesh, then the midpoints of its edges, (2, count)."""
+    return np.hstack([mesh.p, mesh.p[:, mesh.facets].mean(axis=1)])
+
+
+def numbers_of(mesh: Mesh) -> Array:
+    """Return the numbers of the six nodes of every cell, of its 3 vertices and then its 3 edges, (6, cells)."""
+    return np.vstack([mesh.t, mesh.p.shape[1] + mesh.t2f])
+
+
 class Quadratic(Displacements):
     """Displacements of degree 2 on a triangular mesh.
 
@@ -30,12 +41,12 @@ class Quadratic(Displacements):
     @cached_property
     def numbers(self) -> Array:
         """The numbers of the six basis functions of every cell, for its 3 vertices and then its 3 edges, (6, cells)."""
-        return np.vstack([self.mesh.t, self.mesh.p.shape[1] + self.mesh.t2f])
+        return numbers_of(self.mesh)
 
     @property
     def nodes(self) -> Points:
         """The vertices, then the midpoints of the edges, (2, count)."""
-        return np.hstack([self.mesh.p, self.mesh.p[:, self.mesh.facets].mean(axis=1)])
+        return nodes_of(self.mesh)
 
     def on_edges(self, edges: Array) -> Array:
         """Return the numbers of the three basis functions on each edge, (3, n): first vertex, edge, second vertex."""

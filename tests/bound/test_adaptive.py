@@ -213,7 +213,7 @@ def test_the_bracket_has_the_best_order_in_unknowns_on_adapted_meshes_and_not_on
         stage, points = first_stage(data, 2, 8), []
         while stage.cells < 2500:
             found = adapted(data, None, stage, MIDPOINT)
-            points.append((len(found.computed.free), found.enclosure.highest))
+            points.append((found.computed.space.dofs, found.enclosure.highest))
             cells = np.ones(stage.cells) if everywhere else found.shares.cells
             following = next_stage(stage, cells, 0.0)
             mesh = stage.mesh.refined()

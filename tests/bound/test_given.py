@@ -165,6 +165,7 @@ FAULTS = {
     "rows": ("points", lambda p: [[0, 0], [1]], "rows of different lengths"),
     "huge": ("points", lambda p: 1e200 * p, "larger than the body by the factor 1e"),
     "backwards": ("times", lambda at: at[::-1], "increase strictly, got 0.5 after 1; the parts of a parallel run"),
+    "times in rows": ("times", lambda at: np.column_stack([at, -at]), "strictly, got an array of the shape"),
     "shape": ("u", lambda u: u[:, 1:], r"u has the shape .* expected \(3, 9, 2\)"),
     "quads": ("triangles", lambda c: c[:, [0, 1, 2, 2]], "expected integers"),
     "from 1": ("triangles", lambda c: c + 1, "numbers start at 0"),

@@ -264,16 +264,15 @@ def test_the_residual_bounds_an_error_that_no_other_term_sees():
 @pytest.mark.parametrize("size", [0.01, 1.0, 10.0], ids=["within K", "partly beyond", "beyond"])
 def test_between_knots_g_leaves_its_parabola_by_no_more_than_the_curvature_and_within_k_by_nothing(size):
     d = pulled(lambda time: 0.0)
-    majorant, weights = Majorant(d), d.stresses.weights
+    weights = d.stresses.weights
     rng = np.random.default_rng(7)
     piece = Parabola(0.0, 1.0, *size * rng.standard_normal((3, len(d.displacements.free))))
-    both = np.array([piece.start, piece.end])
-    knots = majorant.knots([piece.a, piece.b], both, 0 * both)
-    control, (curvature,) = majorant._elastic([piece], piece.control[None], knots)
+    ends = d.elastic(np.array([piece.start, piece.end]))
+    control, (curvature,) = Majorant(d)._elastic([piece], piece.control[None], ends)
     compliance, missed = np.linalg.inv(YIELDING.A.matrix), 0.0
     for x, weight in zip(*gauss(20), strict=True):
         shapes = (1 - x) ** 2, 2 * x * (1 - x), x**2
-        parts = knots.elastic[:, 0], control[:, 0], knots.elastic[:, 1]
+        parts = ends[:, 0], control[:, 0], ends[:, 1]
         off = d.elastic(piece.at(x)) - sum(shape * part for shape, part in zip(shapes, parts, strict=True))
         missed += weight * np.sqrt(np.einsum("Icq,IJ,Jcq,cq->", off, compliance, off, weights))
     assert missed <= curvature
