@@ -467,6 +467,6 @@ def _contradiction(h: Array, rows: Rows, errors: Column) -> str:
 def _jumps_back(sizes: Array) -> NDArray[np.bool_]:
     """Return whether sizes begin again below each row, if this gives several series of two rows or more."""
     steps = np.sign(np.diff(sizes))
-    back = steps * steps.sum() < 0
+    back = steps * np.median(steps) < 0 if steps.size else steps > 0
     runs = np.diff([-1, *np.flatnonzero(back), len(back)])
     return back & bool((runs > 1).sum() > 1)

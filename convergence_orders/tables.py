@@ -98,11 +98,18 @@ def shorten(text: str, width: int = 60) -> str:
 _RULED = r"(?:\\(?:[a-z]*(?:rule|line)|rowcolor|addlinespace)(?:\{[^{}\n]*\}|\[[^]\n]*\]|\([^)\n]*\))*[ \t]*)"
 _ROW_END = r"(?:\\\\(?:\[[^]\n]*\])?|\\tabularnewline|[ \t]\\)[ \t]*"
 _BRACED = r"\{((?:[^{}\n]|\{(?:[^{}\n]|\{[^{}\n]*\})*\}){0,200})\}"
-_REAL_NUMBER = r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)"
 GAP = "\x1e"
 """Sign behind a line with a rule below it."""
 NORM_BARS = str.maketrans({"\ue000": "\\|", "\ue001": "|"})
 """Sign that replaces a bar of a norm, which separates no cells ↦ the bar."""
+
+
+def _difference(found: re.Match[str]) -> str:
+    """Return the error of a computed value beside an exact one."""
+    computed, exact = map(to_number, found.groups())
+    return found[0] if computed is None or exact is None else f"{abs(computed - exact):.9g}"
+
+
 _CLEANED: Rewriting = [
     (r"\r\n|\r", "\n"),
     (r"[│┃║┆]", "|"),
@@ -127,8 +134,8 @@ _CLEANED: Rewriting = [
     ),
     (r'(?m)^\s*VARIABLES\s*=\s*"(.*)"', lambda found: re.sub(r'"[, ]+"', "\t", found[1])),
     (
-        rf"(?<!\S){_REAL_NUMBER} \((?:computed|numerical)\),? +{_REAL_NUMBER} \((?:analytical|exact|reference)\)",
-        lambda found: f"{abs(float(found[1]) - float(found[2])):.9g}",
+        r"(?<!\S)(\S{1,30}) \((?:computed|numerical)\),? +(\S{1,30}) \((?:analytical|exact|reference)\)",
+        _difference,
     ),
 ]
 """Signs of LaTeX, Markdown and programs; no replacement changes the number of lines."""
@@ -206,6 +213,7 @@ class Row:
         else:
             text = self.text.removeprefix("|").removesuffix("|") if sign == "|" else self.text
             self.cells = [cell.strip() for cell in next(csv.reader([text], delimiter=sign, skipinitialspace=True))]
+        self.cells = [cell.translate(NORM_BARS) for cell in self.cells]
         self.kinds = "".join(map(kind_of, self.cells))
 
     def is_data(self, named: bool) -> bool:

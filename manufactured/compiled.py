@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
+from inspect import signature
 
 import numpy as np
 import sympy as sp
@@ -37,6 +38,10 @@ def truncated_power(x: Array, exponent: float) -> Array:
     return np.where(positive, np.where(positive, x, 1.0) ** exponent, 0.0)
 
 
+# A docstring of the formulas would take as long as their compilation. SymPy 1.11 does not have this option.
+WITHOUT_DOCSTRING = {"docstring_limit": 0} if "docstring_limit" in signature(sp.lambdify).parameters else {}
+
+
 def function(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> Callable[..., list[Array]]:
     """Return a NumPy function that evaluates expressions and returns the list of their values.
 
@@ -48,8 +53,7 @@ def function(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> 
     """
     modules = [{"pos": truncated_power}, "numpy"]
     formulas = [*map(sp.sympify, expressions)]
-    # A docstring of the formulas would take as long as the compilation.
-    return sp.lambdify([*arguments], formulas, modules=modules, cse=True, docstring_limit=0)  # type: ignore[no-any-return]
+    return sp.lambdify([*arguments], formulas, modules=modules, cse=True, **WITHOUT_DOCSTRING)  # type: ignore[no-any-return]
 
 
 @lru_cache(maxsize=1024)

@@ -61,7 +61,7 @@ class Convolution:
             order: the highest order |i| of derivatives along the face.
         """
         values = [jet(points, lower, order) for jet in self.powers]
-        factorials = np.array([[math.factorial(j)] for j in range(len(values))])
+        factorials = np.array([[math.factorial(j)] for j in range(len(values))], dtype=float)
         coefficients = {}
         for index in values[0]:
             taylor = 1.0 * np.array([value[index] for value in values])  # values of integers have an integer type
