@@ -39,7 +39,7 @@ def test_a_cell_is_as_deep_as_the_thinnest_contact_data_in_it_and_other_cells_ha
     first, second = (float(face.part.start[0] + face.part.measure / 2) for face in solution.faces[:2])
     ends = first, first, second, (first + second) / 2
     low = 0.0, 2.0**-5, 2.0**-6 - 1e-9, 0.0
-    corners = np.array([[[x, x + 0.01, x] for x in ends], [[y, y, y + 1e-3] for y in low]]).transpose(0, 2, 1)
+    corners = np.array([ends, low])[:, None] + np.array([[0, 0.01, 0], [0, 0, 1e-3]])[..., None]
     depths = least_depth(solution, corners)
     assert depths[[0, 2]] == pytest.approx([2.0**-5, 2.0**-6])
     assert depths[1] == np.inf

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from measured_rows import verdicts
 
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
@@ -53,7 +54,7 @@ def test_the_quadrature_is_refined_for_the_state_with_the_largest_error(name):
 
 
 def recomputed(tables):
-    return {verdict.key: verdict.verdict for verdict in Recomputed().judge(joined(Recomputed(), tables))}
+    return verdicts(Recomputed(), joined(Recomputed(), tables))
 
 
 @pytest.mark.parametrize("case", ["yield-and-release", "natural-front", pytest.param("corner", marks=pytest.mark.slow)])

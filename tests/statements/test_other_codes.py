@@ -1,13 +1,11 @@
 """Other people's codes have our errors; one that has others, that was copied or left out is noticed."""
 
-from collections.abc import Callable
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from measured_rows import measured
+from places import RESULTS
 
 from manufactured.body import Kind
 from manufactured.tensors import full
@@ -20,11 +18,7 @@ from study.statements.other_solvers import PEERS, THIS_STUDY, OtherCodes
 from study.statements.shared.base import LISTED, grid
 from study.statements.shared.tasks import Task
 
-RESULTS = Path(__file__).parents[2] / "results"
-
-
 OTHERS = OtherCodes.joined_file
-Change = Callable[[pd.DataFrame], pd.DataFrame]
 
 
 @lru_cache

@@ -1,18 +1,18 @@
 """Verdicts on Propositions 5.3 and 5.4, cases with an initial gap and users' cases: each can come out otherwise."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from places import RESULTS
 
 from manufactured.case import INITIAL_GAP
 from study.ledger import quantities
 from study.ledger.check import Check
 from study.ledger.datafiles import read_rates
 from study.ledger.quantities import weighted_order
-from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, CheckKind
+from study.ledger.verdict import BECAUSE, FAILS, HOLDS, MISSED, REPORTED, UNDECIDED, CheckKind
 from study.ledger.window import STEEPER, Window
 from study.run.judgement import with_reasons
 from study.run.provenance import Complete
@@ -137,17 +137,16 @@ def test_graded_meshes_must_regain_the_order_that_uniform_ones_lose():
     assert verdicts(lost)["order-graded"] == FAILS
 
 
-def test_the_order_without_5_36_is_reported_with_the_order_of_the_proof():
-    row, judged = RegularityNeeded().judge(rough(1.0, proved_order=0.75))
-    assert (row.verdict, row.window_low) == (REPORTED, 0.75)
-    assert (judged.verdict, judged.window_low) == (HOLDS, pytest.approx(0.65))
-    assert row.observed == judged.observed == pytest.approx(1.0)
-
-
-def test_an_order_far_below_the_proved_one_fails():
+@pytest.mark.parametrize(
+    ("order", "proved", "expected"),
+    [(1, 0.75, [REPORTED, HOLDS]), (0.92, 1, [MISSED, HOLDS]), (0.85, 1, [MISSED, FAILS])],
+)
+def test_the_order_without_5_36_is_reported_and_fails_far_below_the_proved_order(order, proved, expected):
     """A mesh that is too coarse may cost 0.1."""
-    found = [RegularityNeeded().judge(rough(order, proved_order=1.0))[1].verdict for order in (0.92, 0.85)]
-    assert found == [HOLDS, FAILS]
+    row, judged = RegularityNeeded().judge(rough(order, proved_order=proved))
+    assert [row.verdict, judged.verdict] == expected
+    assert (row.window_low, judged.window_low) == (proved, pytest.approx(proved - 0.1))
+    assert row.observed == judged.observed == pytest.approx(order)
 
 
 def test_theorem_4_2_fails_above_the_bound_by_the_duality_gap_and_where_the_bound_is_vacuous():
@@ -288,9 +287,8 @@ def test_violated_identities_a_wrong_start_and_errors_that_are_no_numbers_fail_f
 
 def own_rough(errors):
     e = np.array(errors)
-    rows = table(levels=FOUR, claim="Prop. 5.3", error=e, discrete_error=0.24 * e, expected_order=0.5)
-    rows = rows.assign(interpolation_error=e / 0.97)
-    return verdicts(judge_own(prop_5_3(rows, 0.5), rows))
+    rows = rough(error=e, discrete_error=0.24 * e, interpolation_error=e / 0.97, expected_order=0.5)
+    return verdicts(judge_own(prop_5_3(rows), rows))
 
 
 def test_no_rate_is_claimed_of_a_rough_own_case_and_a_limit_contradicts():
@@ -373,13 +371,9 @@ def test_growth_is_that_of_a_power_over_all_levels_and_errors_without_an_order_f
 
 @pytest.fixture
 def rates():
-    """Committed rows on shaken meshes."""
-    found = read_rates(Path(__file__).parents[2] / "results").assign(expected_order=1.0)
-    return found[(found["claim"] == "Prop. 5.4") & (found["family"] == "shaken")].copy()
-
-
-def of_front(rates):
-    return verdicts(FirstOrder().judge(rates[rates["case"] == "advance-recede"]))
+    """Committed rows of a case on shaken meshes."""
+    found = read_rates(RESULTS).assign(expected_order=1.0)
+    return found[(found["case"] == "advance-recede") & (found["family"] == "shaken")].copy()
 
 
 def test_orders_are_taken_in_the_leading_term_on_random_meshes_alone(rates):
@@ -392,17 +386,16 @@ def test_orders_are_taken_in_the_leading_term_on_random_meshes_alone(rates):
 
 def test_a_mesh_that_happens_to_be_bad_is_no_alarm(rates):
     """One on which interpolation, its leading term and the error are 12 % larger: in h the order would be 0.8."""
-    mine = rates["case"] == "advance-recede"
-    for name in ("error", "interpolation_error", "discrete_error", "initial_error", LEADING):
-        rates.loc[mine & (rates["level"] == 16), name] *= 1.12
-    assert set(of_front(rates).values()) == {HOLDS}
-    assert quantities.fitted("error")(rates[mine & (rates["level"] <= 16)]) < 0.85
+    errors = ["error", "interpolation_error", "discrete_error", "initial_error", LEADING]
+    rates.loc[rates["level"] == 16, errors] *= 1.12
+    assert set(verdicts(FirstOrder().judge(rates)).values()) == {HOLDS}
+    assert quantities.fitted("error")(rates[rates["level"] <= 16]) < 0.85
 
 
 def test_an_error_that_stagnates_and_a_leading_term_that_is_not_of_order_h_are_alarms(rates):
     """If both were of order 1/2, the order of the error in the leading term would be 1."""
     stagnating = rates["error"].where(rates["level"] != 64, 1.3 * rates["error"])
-    assert of_front(rates.assign(error=stagnating))["order"] == FAILS
+    assert verdicts(FirstOrder().judge(rates.assign(error=stagnating)))["order"] == FAILS
     rates[["error", LEADING]] **= 0.5
-    found = of_front(rates)
+    found = verdicts(FirstOrder().judge(rates))
     assert (found["order"], found["leading-order"]) == (HOLDS, FAILS)
