@@ -15,6 +15,7 @@ import this_study as ours
 from commands import study
 from judged_codes import exported, judged, read, task
 from places import CODES
+from tables import everything
 
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
@@ -282,25 +283,23 @@ def test_exponents_of_fortran_are_read(tmp_path):
 
 
 def test_the_command_writes_the_same_bytes_again_and_their_sums_and_names_a_line_that_is_none(tmp_path, told):
-    def files():
-        return {path.name: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
-
     command = f"export full-contact --levels 4 --instants 0.5 --to {tmp_path}"
     assert study(command) == 0
-    before = files()
+    before = everything(tmp_path)
     assert study(command) == 0
-    assert files() == before
-    (name,) = before.keys() - {"SHA256SUMS"}
+    assert everything(tmp_path) == before
     judge.read_tasks(tmp_path)
-    (tmp_path / name).write_bytes(before[name][:-1] + bytes([before[name][-1] ^ 1]))
+    (task,) = tmp_path.glob("*.xz")
+    *others, last = before[task]
+    task.write_bytes(bytes([*others, last ^ 1]))
     with pytest.raises(judge.TaskError, match="SHA256SUMS"):
         judge.read_tasks(tmp_path)
     with (tmp_path / "SHA256SUMS").open("a") as sums:
         sums.write("mine\n")
-    before = files()
+    before = everything(tmp_path)
     named = "SHA256SUMS, line 2: found 'mine', expected a checksum and a file: remove the line"
     assert named in told(f"{command} --scale 2")
-    assert files() == before
+    assert everything(tmp_path) == before
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import sympy as sp
+from bodies import SQUARE
 from changed import turned
 from on_floor import on_floor
+from sympy import pi, sin
 
 from manufactured import (
     Body,
@@ -14,11 +15,11 @@ from manufactured import (
     FormulaError,
     KelvinVoigt,
     Kind,
-    examine,
     isotropic,
     named,
     polygon,
     pos,
+    prove,
     s,
     t,
     unit_square,
@@ -30,6 +31,7 @@ from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import measure
 from study.statements.shared.base import Experiment
 
+PARTS = unit_square().parts
 SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
 
@@ -41,14 +43,14 @@ def test_a_turned_body_has_the_errors_of_the_unturned_one(name, rounding, angle)
     """To round-off, which a singular strain magnifies near its front."""
     solution = named(name).solution
     other = turned(solution, angle)
-    assert all(finding.passes for finding in examine(other))
+    prove(other, name)
     one, same = (measure(Experiment.of(item, OneDiagonal(), 8, MIDPOINT, 8)).row() for item in (solution, other))
     for quantity in ("error", "interpolation_error", "discrete_error"):
         assert same[quantity] == pytest.approx(one[quantity], rel=rounding), quantity
 
 
 def square(**options):
-    return polygon([(0, 0), (1, 0), (1, 1), (0, 1)], SIDES, **options)
+    return polygon(SQUARE, SIDES, **options)
 
 
 @pytest.mark.parametrize(
@@ -59,17 +61,14 @@ def square(**options):
         (lambda: square(interfaces=[((0, 0.5), (0, 1))]), "touches its boundary"),
         (lambda: square(interfaces=[((0, 0.5), (1, 0.5)), ((0.5, 0), (0.5, 1))]), "cross"),
         (lambda: square(T=0), "final time"),
-        (lambda: Body(unit_square().parts[:2]), "three boundary parts"),
-        (lambda: Body(unit_square().parts[::-1]), "but the next starts at"),
+        (lambda: Body(PARTS[:2]), "three boundary parts"),
+        (lambda: Body(PARTS[::-1]), "but the next starts at"),
         (lambda: polygon([(0, 0), (1, 0), (1, 0), (0, 1)], SIDES), "list every vertex once"),
-        (lambda: polygon([(0, 0), (0, 1), (1, 1), (1, 0)], SIDES), "counter-clockwise"),
-        (lambda: polygon([(0, 0), (1, 0), (0, 1)], SIDES), "need 3 kinds, got 4"),
-        (
-            lambda: polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, *3 * [Kind.LOADED]]),
-            "no side .* is CLAMPED",
-        ),
-        (lambda: Body((replace(unit_square().parts[0], kind=Kind.INTERFACE), *unit_square().parts[1:])), "lies inside"),
-        (lambda: Body(unit_square().parts, interfaces=(unit_square().parts[0],)), "has the kind"),
+        (lambda: polygon(SQUARE[::-1], SIDES), "counter-clockwise"),
+        (lambda: polygon(SQUARE[1:], SIDES), "need 3 kinds, got 4"),
+        (lambda: polygon(SQUARE, [Kind.CONTACT, *3 * [Kind.LOADED]]), "no side .* is CLAMPED"),
+        (lambda: Body((replace(PARTS[0], kind=Kind.INTERFACE), *PARTS[1:])), "lies inside"),
+        (lambda: Body(PARTS, interfaces=(PARTS[0],)), "has the kind"),
     ],
 )
 def test_a_body_that_is_none_or_that_no_mesh_could_serve_is_refused(make, message):
@@ -95,7 +94,7 @@ def test_a_part_has_two_corners_in_the_plane_and_three_or_more_in_space(corners,
 
 @pytest.mark.parametrize(("moved", "count"), [(1e-14, 4), (1e-6, 8)])
 def test_corners_are_one_vertex_if_they_differ_by_rounding_only(moved, count):
-    parts = [replace(part, corners=part.corners + [[0, moved], [0, moved]]) for part in unit_square().parts]
+    parts = [replace(part, corners=part.corners + [[0, moved], [0, moved]]) for part in PARTS]
     lone = object.__new__(Body)
     vars(lone).update(parts=tuple(parts))
     assert lone.vertices.shape == (2, count)
@@ -103,7 +102,7 @@ def test_corners_are_one_vertex_if_they_differ_by_rounding_only(moved, count):
 
 def test_the_sides_of_a_body_meet_up_to_rounding_of_its_size():
     scale = 1e-3
-    first, *others = polygon(scale * np.array([(0, 0), (1, 0), (1, 1), (0, 1)]), SIDES).parts
+    first, *others = polygon(scale * np.array(SQUARE), SIDES).parts
     for moved, refused in ((1e-13, False), (1e-7, True)):
         corners = first.corners + scale * moved * np.array([[0, 0], [0, 1]])
         parts = (replace(first, corners=corners), *others)
@@ -116,7 +115,7 @@ def test_the_sides_of_a_body_meet_up_to_rounding_of_its_size():
 
 def test_a_front_passes_each_point_at_its_own_times_and_missing_times_are_the_final_one():
     """ψ = sin(2πt) − s: twice at s = 1/2, once more at s = 0, never at s = 2."""
-    passes = front(sp.sin(2 * sp.pi * t) - s, (s,)).passes(np.array([[0.5, 2.0, -0.5]]), 1.0)
+    passes = front(sin(2 * pi * t) - s, (s,)).passes(np.array([[0.5, 2.0, -0.5]]), 1.0)
     expected = [[1 / 12, 5 / 12], [1.0, 1.0], [7 / 12, 11 / 12]]
     assert pytest.approx(np.array(expected), abs=1e-12) == passes.T
 
