@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from bodies import SQUARE
 from changed import turned
+from costly_cases import slow
 from on_floor import on_floor
 from sympy import pi, sin
 
@@ -35,7 +36,7 @@ PARTS = unit_square().parts
 SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
 
-@pytest.mark.parametrize("angle", [0.3, pytest.param(2.5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("angle", [0.3, slow(2.5)])
 @pytest.mark.parametrize(
     ("name", "rounding"), [("advance-recede", 1e-10), ("yield-on-a-part", 1e-9), ("rough-1.75", 1e-6)]
 )

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from costly_cases import by_cost
+from costly_cases import by_cost, slow
 from hypothesis import given
 from hypothesis import strategies as st
 from on_floor import on_floor
@@ -41,7 +41,7 @@ from manufactured.self_proof.finding import ROUND_OFF, Finding, worst
 
 
 @pytest.mark.parametrize("name", by_cost(NAMES))
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [0, slow(1)])
 def test_every_case_satisfies_the_problem_to_round_off(name, seed):
     findings = examine(named(name).solution, seed)
     assert all(finding.passes for finding in findings), "\n".join(map(str, findings))
@@ -57,28 +57,31 @@ def with_face(name="advance-recede", **changes):
 
 def slipping(stress):
     """The strain of advance-recede with an additional stress from slip."""
-    return Memory(20 * pos(C - s, 2), 3, 3, 1.0, slip_stress=stress)
+    return Memory(PRESSURE, 3, 3, 1.0, slip_stress=stress)
 
 
 SLIP = t * (1 + t) * sin(2 * s + 1)
 C, SHIFT, EARLY = Rational(1, 4) + 2 * t * (1 - t), Rational(1, 50), Rational(3, 10)
+GAP, PRESSURE = 20 * pos(s - C, 4), 20 * pos(C - s, 2)
+"""Gap and pressure of advance-recede, whose front is C."""
+HALF = Rational(1, 2)
 
 
 @pytest.mark.parametrize(
     ("changes", "condition"),
     [
-        ({"gap": -20 * pos(s - C, 4)}, "u_ν ≤ g"),
+        ({"gap": -GAP}, "u_ν ≤ g"),
         ({"gap": 20 * pos(s - C + Rational(1, 100), 4)}, "w = 0, so σ_ν w = 0, on the stated zone"),
         ({"gap": 20 * pos(s - C + SHIFT, 4), "level": C - s - SHIFT}, "p = 0, so σ_ν w = 0, off the stated zone"),
-        ({"gap": 20 * pos(s - C, 4) * (1 + pos(s - Rational(9, 10), 0))}, "w without jumps"),
-        ({"strain": Memory(20 * pos(C - s, 2) * (1 - 2500 * pos(t * (EARLY - t), 2)), 3, 3, 1.0)}, "σ_ν ≤ 0"),
-        ({"strain": Memory(20 * pos(C - s, 2), 2.5, 7, 1.0)}, "p = −σ_ν"),
+        ({"gap": GAP * (1 + pos(s - Rational(9, 10), 0))}, "w without jumps"),
+        ({"strain": Memory(PRESSURE * (1 - 2500 * pos(t * (EARLY - t), 2)), 3, 3, 1.0)}, "σ_ν ≤ 0"),
+        ({"strain": Memory(PRESSURE, 2.5, 7, 1.0)}, "p = −σ_ν"),
         ({"profile": cutoff(2.0)}, r"\(2.3\)"),
         # A slip z needs the stress A_nnss ∂_s ż + G_nnss ∂_s z, here ∂_s ż + ∂_s z, and must be continuous.
         ({"slip": (SLIP,), "strain": slipping(SLIP.diff(s, t))}, "p = −σ_ν"),
-        ({"slip": (pos(s - Rational(1, 2), 0),)}, "z_1 without jumps"),
+        ({"slip": (pos(s - HALF, 0),)}, "z_1 without jumps"),
         # Under a receding front a prescribed strain would pull. Therefore the pressure is prescribed.
-        ({"strain": Prescribed(((1.0, -20 * pos(C - s, 2)),))}, "σ_ν ≤ 0"),
+        ({"strain": Prescribed(((1.0, -PRESSURE),))}, "σ_ν ≤ 0"),
     ],
 )
 def test_data_that_violate_a_condition_are_refused_by_name_place_and_size(changes, condition):
@@ -89,7 +92,7 @@ def test_data_that_violate_a_condition_are_refused_by_name_place_and_size(change
 
 
 def test_a_strain_that_jumps_and_jumps_back_is_refused():
-    phases = ((0.3, -t), (0.6, -t - Rational(1, 2)), (1.0, -t))
+    phases = ((0.3, -t), (0.6, -t - HALF), (1.0, -t))
     with pytest.raises(SelfProofError, match="∫u̇"):
         prove(with_face("full-contact", strain=Prescribed(phases)), "jumps")
 
@@ -142,7 +145,6 @@ def test_exactly_the_exponents_in_the_formulas_are_accepted_as_a_label(alpha, m,
                 labelled(gap, label, pressure)
 
 
-HALF = Rational(1, 2)
 FRONT = s - HALF
 
 

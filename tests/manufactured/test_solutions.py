@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from costly_cases import by_cost
+from costly_cases import by_cost, slow
 from on_floor import on_floor
 from sympy import Abs, Integer, Rational, cos, expand, sin
 
@@ -311,7 +311,7 @@ def alone(case, j):
 
 @pytest.mark.parametrize(
     ("number", "j"),
-    [(0, 6), *(pytest.param(*one, marks=pytest.mark.slow) for one in ((0, 0), (1, 3), (1, 0), (0, 3), (1, 6)))],
+    [(0, 6), *(slow(*one) for one in ((0, 0), (1, 3), (1, 0), (0, 3), (1, 6)))],
 )
 def test_every_train_is_an_exact_solution(number, j):
     assert violated(alone(multiscale()[number], j)) == []
@@ -329,8 +329,8 @@ HISTORY = "(2.6)"
 """Of the self-proof: u = u_0 + ∫ u̇ dt by a rule with 256 steps, too few for what passes a point within a time ℓ."""
 
 
-@pytest.mark.parametrize("level", [16, pytest.param(64, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("kind", [1, *(pytest.param(kind, marks=pytest.mark.slow) for kind in (0, 2, 3))])
+@pytest.mark.parametrize("level", [16, slow(64)])
+@pytest.mark.parametrize("kind", [1, *(slow(kind) for kind in (0, 2, 3))])
 def test_every_roller_is_an_exact_solution(kind, level):
     case = rollers(level)[kind]
     assert [finding for finding in violated(case.solution) if not finding.condition.startswith(HISTORY)] == []

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from costly_cases import slow
+from places import ROOT
 
-ROOT = Path(__file__).parents[2]
 TUTORIAL = (ROOT / "docs/how-to/convergence-orders.md").read_text(encoding="utf-8")
 FILES = dict(re.findall(r"^```\{code-block\} \w+\n:caption: (\S+)\n\n(.*?)^```$", TUTORIAL, re.DOTALL | re.MULTILINE))
 RIGHT, WRONG = "f(x[1:-1])", "f(x[:-2])"
@@ -112,7 +113,7 @@ def test_negative_errors(convergence_orders):
 """
 
 
-@pytest.mark.parametrize("options", [[], pytest.param(["-n", "1"], marks=pytest.mark.slow)])
+@pytest.mark.parametrize("options", [[], slow(["-n", "1"])])
 def test_checks_in_fixtures_are_listed_and_refusals_printed_once(options, tmp_path):
     (tmp_path / "test_it.py").write_text(CHECKS)
     done = run(tmp_path, sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *options)

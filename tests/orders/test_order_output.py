@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
+from places import EXAMPLES, ROOT
 from table_forms import FORMS, joined, markdown
 
 from convergence_orders import OrderError, assert_order, check_orders, observed_orders
@@ -24,9 +25,7 @@ from study.cli.main import main
 H = np.array([0.5, 0.25, 0.125, 0.0625])
 SQUARES = H**2
 GOOD, LOW, BENT, ZERO = [1, 0.25, 0.0625, 0.015625], [1, 0.5, 0.25, 0.125], [1, 0.5, 0.3, 0.08], [0, 0, 0, 0]
-SCHEMA = Draft202012Validator(
-    json.loads((Path(__file__).parents[2] / "docs/reference/rates.schema.json").read_text(encoding="utf-8"))
-)
+SCHEMA = Draft202012Validator(json.loads((ROOT / "docs/reference/rates.schema.json").read_text(encoding="utf-8")))
 
 
 def table(**columns):
@@ -200,7 +199,7 @@ def test_names_with_terminal_escapes_are_printed_without_them(tmp_path, rates):
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no /dev/full")
 @pytest.mark.parametrize("options", [[], ["--expected", "1", "--junit", "/dev/full"]])
 def test_a_full_disk_behind_the_output_is_said_in_words(options):
-    command = [sys.executable, "-m", "convergence_orders", str(Path(__file__).parents[2] / "examples/errors.csv")]
+    command = [sys.executable, "-m", "convergence_orders", str(EXAMPLES / "errors.csv")]
     with open("/dev/full", "w") as full:
         done = subprocess.run([*command, *options], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from costly_cases import slow
 from measured_rows import verdicts
 
 from study.fem.mesh import OneDiagonal
@@ -32,9 +33,7 @@ def test_u_h_on_the_clamped_part_is_relative_to_its_largest_value(monkeypatch):
     assert found.clamped() == pytest.approx(0.5 / largest)
 
 
-@pytest.mark.parametrize(
-    "name", ["no-contact", "advance-recede", "heterogeneous", pytest.param("cube-disc", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("name", ["no-contact", "advance-recede", "heterogeneous", slow("cube-disc")])
 def test_the_parallelogram_law_fails_if_u_minus_its_interpolant_is_recorded_as_the_error_alone(name):
     """Also where the largest error is the error of the start, which both share."""
     found = measured(resolve(name).solution)
@@ -57,7 +56,7 @@ def recomputed(tables):
     return verdicts(Recomputed(), joined(Recomputed(), tables))
 
 
-@pytest.mark.parametrize("case", ["yield-and-release", "natural-front", pytest.param("corner", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("case", ["yield-and-release", "natural-front", slow("corner")])
 def test_both_ways_agree_and_a_reported_size_that_is_missing_or_wrong_by_a_factor_is_caught(case):
     known, place = resolve(case), Setting(case, "one-diagonal", 8)
     setup = Experiment.at(place, MIDPOINT, rate_steps(known.solution.body.T, place.level, known.pace))

@@ -4,6 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from costly_cases import slow
 from measured_rows import measured
 from places import RESULTS
 
@@ -71,7 +72,7 @@ def test_resultants_of_a_task_are_what_vertices_carry_of_the_exact_pressure(name
     [
         ("corner", OneDiagonal(), 4),
         ("hexagon", Unstructured(), 4),
-        pytest.param("cube-two-faces", OneDiagonal(), 3, marks=pytest.mark.slow),
+        slow("cube-two-faces", OneDiagonal(), 3),
     ],
 )
 def test_tractions_of_a_task_are_stresses_at_the_vertices_of_each_facet_times_the_normal(name, family, level):

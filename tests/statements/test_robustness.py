@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 import pytest
+from costly_cases import slow
 from sympy import Rational
 
 import manufactured as m
@@ -110,9 +111,7 @@ def test_unchanged_constants_leave_a_case_as_it_is(name):
 SLOW = [("anisotropic", 0, 1), *((name, 1, side) for name in CASES for side in (1, -1))]
 
 
-@pytest.mark.parametrize(
-    ("name", "seed", "side"), [("full-contact", 0, 1), *(pytest.param(*one, marks=pytest.mark.slow) for one in SLOW)]
-)
+@pytest.mark.parametrize(("name", "seed", "side"), [("full-contact", 0, 1), *(slow(*one) for one in SLOW)])
 def test_no_alarm_for_constants_a_fifth_larger_or_smaller(name, seed, side):
     """All at once; both sides together have every constant larger and smaller."""
     signs = np.random.default_rng(seed).choice([-1, 1], len(Constants._fields))
