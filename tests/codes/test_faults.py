@@ -5,7 +5,7 @@ import faults
 import numpy as np
 import pytest
 import this_study
-from judged_codes import assessed, exported, judged
+from judged_codes import answers, assessed, exported, judged
 from places import CODES
 
 PAGE = (CODES / "faults.md").read_text(encoding="utf-8")
@@ -237,7 +237,7 @@ def test_a_certain_fault_is_wrong_on_three_meshes_although_the_distance_falls():
 def test_the_last_line_names_the_cause_that_explains_most_cases():
     tasks = [exported(case, 4) for case in ("corner", "layered", "junction")]
     make = FAULTS["vertices never released"].make
-    found = judge.assess(tasks, {task.name: judge.answer(task, make) for task in tasks})
+    found = judge.assess(tasks, answers(make, tasks))
     (line,) = judge.summary(found)
     assert line.startswith("2 of 3 cases: vertices in contact are never released")
     assert line.endswith("; junction cannot show it")
@@ -349,15 +349,14 @@ def test_no_class_is_consistent_while_a_fault_fits_better_than_a_vanishing_dista
     make, case, why = ROUNDED[name]
     marches = name.endswith("march")
     tasks = [exported(case, n, steps=n * marches) for n in (4, 8, 16)]
-    answers = {}
+    found = answers(make, tasks)
     for task in tasks:
         free = ~np.isin(np.arange(len(task.vertices)), task.clamped)[:, None]
-        noise = 0 if marches else 1e-7 * free * np.sin(1e5 * task.vertices)
-        answers[task.name] = judge.answer(task, make) + noise
-    (found,) = judge.assess(tasks, answers)
-    assert found.verdict == "undecided"
-    assert why in found.why
-    assert "Most likely: " in found.cause
+        found[task.name] = found[task.name] + (0 if marches else 1e-7 * free * np.sin(1e5 * task.vertices))
+    (one,) = judge.assess(tasks, found)
+    assert one.verdict == "undecided"
+    assert why in one.why
+    assert "Most likely: " in one.cause
 
 
 # What a code reports

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bodies import SQUARE
+from bodies import CLAMPED, CONTACT, LAW, LOADED, SQUARE
 from changed import turned
 from costly_cases import slow
 from on_floor import on_floor
@@ -14,9 +14,7 @@ from manufactured import (
     Body,
     BodyError,
     FormulaError,
-    KelvinVoigt,
     Kind,
-    isotropic,
     named,
     polygon,
     pos,
@@ -33,7 +31,7 @@ from study.statements.prop_5_4 import measure
 from study.statements.shared.base import Experiment
 
 PARTS = unit_square().parts
-SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+SIDES = [CONTACT, LOADED, CLAMPED, LOADED]
 
 
 @pytest.mark.parametrize("angle", [0.3, slow(2.5)])
@@ -67,7 +65,7 @@ def square(**options):
         (lambda: polygon([(0, 0), (1, 0), (1, 0), (0, 1)], SIDES), "list every vertex once"),
         (lambda: polygon(SQUARE[::-1], SIDES), "counter-clockwise"),
         (lambda: polygon(SQUARE[1:], SIDES), "need 3 kinds, got 4"),
-        (lambda: polygon(SQUARE, [Kind.CONTACT, *3 * [Kind.LOADED]]), "no side .* is CLAMPED"),
+        (lambda: polygon(SQUARE, [CONTACT, *3 * [LOADED]]), "no side .* is CLAMPED"),
         (lambda: Body((replace(PARTS[0], kind=Kind.INTERFACE), *PARTS[1:])), "lies inside"),
         (lambda: Body(PARTS, interfaces=(PARTS[0],)), "has the kind"),
     ],
@@ -87,10 +85,10 @@ TRIANGLE = np.array([[0.0, 1, 0], [0, 0, 1], [0, 0, 0]])
 )
 def test_a_part_has_two_corners_in_the_plane_and_three_or_more_in_space(corners, served):
     if served:
-        assert Part(Kind.LOADED, corners).dim == len(corners)
+        assert Part(LOADED, corners).dim == len(corners)
     else:
         with pytest.raises(BodyError, match="cannot have corners of the shape"):
-            Part(Kind.LOADED, corners)
+            Part(LOADED, corners)
 
 
 @pytest.mark.parametrize(("moved", "count"), [(1e-14, 4), (1e-6, 8)])
@@ -124,10 +122,9 @@ def test_a_front_passes_each_point_at_its_own_times_and_missing_times_are_the_fi
 @pytest.mark.parametrize(("depth", "refused"), [(0.0, False), (1e-14, False), (1e-9, True)])
 def test_an_initial_gap_is_negative_nowhere_on_its_face_but_for_rounding(depth, refused):
     """It is least in the middle of the face, where neither end shows it."""
-    law = KelvinVoigt(isotropic(1, 0.5), isotropic(1, 0.5), "linear")
     gap = (s - 0.5) ** 2 - depth
     if refused:
         with pytest.raises(FormulaError, match=r"initial gap .* is -1e-09 at s = 0\.5"):
-            on_floor(law, t * pos(s - 0.5, 4), 0, initial_gap=gap)
+            on_floor(LAW, t * pos(s - 0.5, 4), 0, initial_gap=gap)
     else:
-        assert on_floor(law, t * pos(s - 0.5, 4), 0, initial_gap=gap).has_initial_gap
+        assert on_floor(LAW, t * pos(s - 0.5, 4), 0, initial_gap=gap).has_initial_gap

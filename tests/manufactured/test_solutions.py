@@ -5,6 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from bodies import CLAMPED, CONTACT, LOADED
 from costly_cases import by_cost, slow
 from on_floor import on_floor
 from sympy import Abs, Integer, Rational, cos, expand, sin
@@ -17,7 +18,6 @@ from manufactured import (
     FormulaError,
     FrobeniusBall,
     KelvinVoigt,
-    Kind,
     Linear,
     NonSymmetric,
     Prescribed,
@@ -145,7 +145,7 @@ def test_a_face_slips_without_friction_under_laws_that_no_case_has(name):
 def test_under_the_law_3_3_the_whole_face_can_slip_while_it_is_pressed(convex, body):
     """The strain, to which ε_ss = sym ∇_s z belongs, leaves K; still σ_τ = 0, and p ≥ 0 follows from the law."""
     law = KelvinVoigt(isotropic(1, 0.5, body.dim), Yield(6.0, convex(0.5, body.dim)), "(3.3)")
-    (floor,) = body.of(Kind.CONTACT)
+    (floor,) = body.of(CONTACT)
     first = VARIABLES[body.dim][0]
     strain = Prescribed(((1.0, -5 * t * (2 + t + first)),), VARIABLES[body.dim])
     prove(ExactSolution(body, law, (ContactFace(floor, Integer(0), strain, Integer(1), slip=SLIP[body.dim]),)), "(3.3)")
@@ -254,7 +254,7 @@ def test_the_gradient_has_the_strain_as_its_symmetric_part_and_all_else_is_what_
     assert np.allclose(mandel(found.gradient), found.strain, rtol=0, atol=1e-11 * size)
     for quantity in ("displacement", "velocity", "strain_rate", "stress", "body_force"):
         assert np.array_equal(getattr(found, quantity), getattr(fields, quantity)(TIME)), quantity
-    (*_, part) = body.of(Kind.LOADED)
+    (*_, part) = body.of(LOADED)
     assert np.array_equal(found.surface_load(part), traction(found.stress, part.normal))
 
 
@@ -305,8 +305,8 @@ def alone(case, j):
     assert isinstance(face, StripFace)
     length, depth = face.part.measure, face.profile.depth
     corners = [(0.0, 0.0), (length, 0.0), (length, depth), (0.0, depth)]
-    body = polygon(corners, [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED])
-    return ExactSolution(body, case.solution.law, (replace(face, part=body.of(Kind.CONTACT)[0]),))
+    body = polygon(corners, [CONTACT, LOADED, CLAMPED, LOADED])
+    return ExactSolution(body, case.solution.law, (replace(face, part=body.of(CONTACT)[0]),))
 
 
 @pytest.mark.parametrize(
@@ -339,7 +339,7 @@ def test_every_roller_is_an_exact_solution(kind, level):
 def test_in_most_cases_the_body_slides_where_it_touches_by_a_fifth_of_its_displacement_on_the_face():
     def slides(name):
         solution = named(name).solution
-        for part, time in product(solution.body.of(Kind.CONTACT), np.linspace(0, solution.body.T, 5)[1:]):
+        for part, time in product(solution.body.of(CONTACT), np.linspace(0, solution.body.T, 5)[1:]):
             u = solution.at(part.sample(np.random.default_rng(0), 100)).displacement(time)
             touching = abs(part.normal @ u) < 1e-12
             if abs(u[:, touching]).max(initial=0) > 0.2 * abs(u).max():

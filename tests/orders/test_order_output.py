@@ -117,7 +117,7 @@ NUMBER = st.floats(1e-12, 1e3).map(lambda value: float(f"{value:.6g}"))
 TABLES = st.integers(3, 6).flatmap(
     lambda n: st.tuples(
         st.lists(NUMBER, min_size=n, max_size=n, unique=True)
-        .filter(lambda h: all(a - b > 1e-4 * b for a, b in zip(sorted(h)[1:], sorted(h), strict=False)))
+        .filter(lambda h: all(b > 1.0001 * a for a, b in itertools.pairwise(sorted(h))))
         .map(sorted),
         st.lists(st.lists(NUMBER, min_size=n, max_size=n), min_size=1, max_size=3),
     )
@@ -232,12 +232,13 @@ def test_errors_with_a_small_order_stagnate_unless_it_is_expected(orders, wish, 
 def test_columns_of_pandas_or_of_a_dictionary_are_judged_or_refused_by_name():
     frame = pd.DataFrame({"h": H, "L2": SQUARES, "note": ["fine"] * 4})
     assert check_orders("h", frame, 2)["L2"].verdict == check_orders(H, frame["L2"], {"L2": 2})["L2"].verdict == "holds"
-    for errors in ({1: H, 2: SQUARES}, pd.DataFrame({1: H, 2: SQUARES})):
+    numbered = {1: H, 2: SQUARES}
+    for errors in (numbered, pd.DataFrame(numbered)):
         assert [found.verdict for found in check_orders(H, errors, {1: 1, 2: 2}).values()] == ["holds", "holds"]
         assert check_orders(H, errors, at_least={2: 1.9})["1"].verdict is None
     for arguments, said in (
         (("hh", frame, 2), "hh: there is no such column; there are h, L2, note"),
-        ((H, {1: H, 2: SQUARES}, {3: 1}), "an order is expected of 3, but the columns of errors are 1, 2"),
+        ((H, numbered, {3: 1}), "an order is expected of 3, but the columns of errors are 1, 2"),
         (([2, 1], [4.0, 1.0]), "for one list use observed_orders"),
         (([2, 1], np.ones((2, 2))), "for one list use observed_orders"),
     ):
