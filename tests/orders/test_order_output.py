@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pandas as pd
 import pytest
+from commands import study
 from hypothesis import given
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
@@ -20,7 +21,6 @@ from table_forms import FORMS, joined, markdown
 from convergence_orders import OrderError, assert_order, check_orders, observed_orders
 from convergence_orders.columns import Options, read_series
 from convergence_orders.orders import grid_convergence
-from study.cli.main import main
 
 H = np.array([0.5, 0.25, 0.125, 0.0625])
 SQUARES = H**2
@@ -54,8 +54,9 @@ MEANINGLESS = "--expected -2", "--tolerance 0", "--dim 4", "--ratio 1", "--ratio
 )
 def test_exit_codes_are_ordered_2_1_3_0(columns, options, code, tmp_path, capsys):
     """Options that contradict each other or have no meaning are errors of use, as those of ``study rates`` show."""
-    (tmp_path / "t.csv").write_text(table(**columns))
-    assert main(["rates", str(tmp_path / "t.csv"), *options.split()]) == code
+    path = tmp_path / "t.csv"
+    path.write_text(table(**columns))
+    assert study(f"rates {path} {options}") == code
     assert capsys.readouterr().err.startswith("study rates: " if code == 2 else "")
 
 
@@ -71,14 +72,14 @@ def test_names_with_commas_and_equal_signs_can_be_expected(expected, code, rates
 @pytest.mark.parametrize("expected", ["e, max", "2,1", "two", "e, max=1,2", ""])
 def test_an_expectation_that_is_not_understood_is_answered_with_an_example(expected, capsys):
     with pytest.raises(SystemExit, match="2"):
-        main(["rates", "t.csv", "--expected", expected])
+        study(f"rates t.csv --expected '{expected}'")
     assert f"got '{expected}', expected a number such as 2, or names such as L2=2,H1=1" in capsys.readouterr().err
 
 
 def test_json_has_the_documented_schema(capsys):
     read = 0
     for file in sorted((Path(__file__).parent / "cases").glob("*.*")):
-        code = main(["rates", str(file), "--json", "--dim", "2", "--expected", "2"])
+        code = study(f"rates {file} --json --dim 2 --expected 2")
         output = capsys.readouterr().out
         if code != 2:
             read += 1
