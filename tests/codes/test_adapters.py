@@ -19,9 +19,9 @@ import pytest
 import run_codes
 import this_study
 from commands import study
-from jsonschema import Draft202012Validator
 from judged_codes import exported, judged, read, task
-from places import CODES, RESULTS, ROOT
+from places import CODES, RESULTS
+from schemas import schema
 
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
@@ -287,17 +287,13 @@ def test_junit_has_a_case_for_each_series_and_no_control_characters(output, plac
     assert "\x1b" not in capsys.readouterr().out
 
 
-def schema(name):
-    return Draft202012Validator(json.loads((ROOT / "docs" / "reference" / name).read_text(encoding="utf-8")))
-
-
 def test_the_json_is_valid_and_fits_its_schema_even_without_numbers(place, capsys):
     for change in (lambda u: u, lambda u: np.nan * u):
         change_answer(place, change)
         run(place, "--json")
         rows = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
-        schema("contact-verdict.schema.json").validate(rows)
-    assert not schema("contact-verdict.schema.json").is_valid([rows[0] | {"verdict": "good"}])
+        schema("contact-verdict").validate(rows)
+    assert not schema("contact-verdict").is_valid([rows[0] | {"verdict": "good"}])
 
 
 @pytest.mark.parametrize("kind", ["frozen", "march", "foundation"])
@@ -305,9 +301,9 @@ def test_tasks_fit_their_schema(kind):
     data = march(task("corner", 4), 2) if kind == "march" else frozen(task("corner", 4), (0.55,))
     data = read(with_foundation(data, 3) if kind == "foundation" else data).data
     assert data["version"] == 2
-    schema("contact-task.schema.json").validate(data)
+    schema("contact-task").validate(data)
     del data["contact"][0]["facets"]
-    assert not schema("contact-task.schema.json").is_valid(data)
+    assert not schema("contact-task").is_valid(data)
 
 
 def test_version_1_is_read_and_is_the_same_task():

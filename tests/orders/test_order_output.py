@@ -14,8 +14,8 @@ import pytest
 from commands import study
 from hypothesis import given
 from hypothesis import strategies as st
-from jsonschema import Draft202012Validator
-from places import EXAMPLES, ROOT
+from places import EXAMPLES
+from schemas import schema
 from table_forms import FORMS, joined, markdown
 
 from convergence_orders import OrderError, assert_order, check_orders, observed_orders
@@ -25,7 +25,7 @@ from convergence_orders.orders import grid_convergence
 H = np.array([0.5, 0.25, 0.125, 0.0625])
 SQUARES = H**2
 GOOD, LOW, BENT, ZERO = [1, 0.25, 0.0625, 0.015625], [1, 0.5, 0.25, 0.125], [1, 0.5, 0.3, 0.08], [0, 0, 0, 0]
-SCHEMA = Draft202012Validator(json.loads((ROOT / "docs/reference/rates.schema.json").read_text(encoding="utf-8")))
+SCHEMA = schema("rates")
 
 
 def table(**columns):
