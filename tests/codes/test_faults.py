@@ -222,8 +222,9 @@ def test_a_solver_that_stops_early_is_named_and_its_code_is_undecided():
 def test_a_certain_fault_is_wrong_on_three_meshes_although_the_distance_falls():
     def half(task):
         first, *others = task.data["contact"]
-        keep = [k for k, v in enumerate(first["vertices"]) if task.vertices[v][0] < 0.5]
-        part = {"vertices": [first["vertices"][k] for k in keep], "gap": task.gaps()[0][keep].tolist()}
+        vertices = np.array(first["vertices"])
+        left = task.vertices[vertices, 0] < 0.5
+        part = {"vertices": vertices[left].tolist(), "gap": task.gaps()[0][left].tolist()}
         return {"data": {**task.data, "contact": [first | part, *others]}}
 
     tasks = [exported("layered", n) for n in (4, 8, 16)]
