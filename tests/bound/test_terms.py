@@ -5,7 +5,6 @@ minimum for a mean has another value. For terms that bound an error which no oth
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -37,7 +36,7 @@ from study.bound.enclosing import enclose
 from study.bound.growth import Sizes, Step, grow, kernel, largest_square, mean_square
 from study.bound.problem import load_constants, moduli
 from study.bound.remainders import CUBIC, PARABOLA
-from study.bound.terms import Majorant
+from study.bound.terms import QUADRATIC, Majorant
 from study.bound.trajectory import Parabola, SmoothedInTime, compute
 from study.fem.mesh import OneDiagonal
 from study.solve.tableau import MIDPOINT
@@ -55,11 +54,16 @@ def discretised(f0=(0, 0), f2=None, u0=(0, 0), law=LAW):
     return Discretisation(Data.formulas(BODY, law, f0, f2 or {}, u0), OneDiagonal()(BODY, N))
 
 
+def quadratic(d, polar, component):
+    """A displacement of degree 2 in one component, by its polar form in x_1, (dofs,)."""
+    x = d.mesh.p[0]
+    values = polar(*np.hstack([[x, x], x[d.mesh.facets]]))
+    return np.outer(values, np.eye(2)[component]).ravel()[d.displacements.free]
+
+
 def stretch(d):
     """The displacement (x_1, 0), (dofs,)."""
-    x = d.mesh.p[0]
-    values = np.hstack([x, x[d.mesh.facets].mean(axis=0)])
-    return np.outer(values, [1.0, 0.0]).ravel()[d.displacements.free]
+    return quadratic(d, lambda x, y: (x + y) / 2, 0)
 
 
 # ---- what samples miss
@@ -157,10 +161,25 @@ def oscillation(which):
 
 
 def contact(which):
-    """σ̃_ν = 3(1 − θ)² + 2θ(1 − θ) + 2θ² and ũ_ν = (1 − θ)² + 4θ(1 − θ) + 2θ² over two edges: ∫ σ̃_ν ũ_ν = 97/30."""
-    products = np.multiply.outer(np.outer([3.0, 1.0, 2.0], [1.0, 2.0, 2.0]), [0.25, 0.75])
-    step = replace(terms_of(discretised()), contact=products).step()
-    return getattr(step, which).contact, {"mean": 97 / 30, "largest": 6.0}[which]
+    """ũ = (1 + 2t) (0, x_1 (2 − x_1)) opens Γ3, f_0 presses the body on it: ∫ σ̃_ν ũ_ν by Gauss's rule."""
+    d = discretised((0, -20 * (1 + t)))
+    v = quadratic(d, lambda x, y: x + y - x * y, 1)
+    a, m, b = (d.snapshot(time).loads for time in (0.0, 0.25, 0.5))
+    loads, factors = (a, 2.0 * m + (-0.5) * (a + b), b), (1.0, 1.5, 2.0)
+    nearest = [
+        d.nearest_stress(load, d.viscous(2 * v) + d.elastic(u), u)
+        for load, u in zip(loads, [factor * v for factor in factors], strict=True)
+    ]
+    (edges,) = (edges for _, edges in d.stresses.on(CONTACT))
+    s, w = gauss(6)
+    shapes = np.array([(1 - s) ** 3, 3 * s * (1 - s) ** 2, 3 * s**2 * (1 - s), s**3])
+    ends = d.mesh.p[0, d.mesh.facets[:, edges]]
+    x = ends[0, :, None] + np.outer(ends[1] - ends[0], s)
+    works = [np.sum(-d.equilibrium.pressure(stress) @ shapes * -x * (2 - x) * w) * EDGE for stress in nearest]
+    products = np.outer(works, factors)
+    (found,) = Majorant(d).terms([Parabola(0.0, 0.5, v, 1.5 * v, 2 * v)])
+    values = {"mean": np.tensordot(QUADRATIC, products, axes=2), "largest": products.max()}
+    return getattr(found.step(), which).contact, values[which]
 
 
 def curvature(which):

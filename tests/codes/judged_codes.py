@@ -33,8 +33,12 @@ def exported(
     return read(march(mine, steps) if steps else frozen(mine, times, scale))
 
 
+def answers(make, tasks):
+    return {one.name: judge.answer(one, make) for one in tasks}
+
+
 def judged(make, *tasks):
-    (found,) = judge.assess(list(tasks), {one.name: judge.answer(one, make) for one in tasks})
+    (found,) = judge.assess(list(tasks), answers(make, tasks))
     return found
 
 

@@ -19,9 +19,9 @@ import pytest
 import run_codes
 import this_study
 from commands import study
-from jsonschema import Draft202012Validator
 from judged_codes import exported, judged, read, task
-from places import CODES, RESULTS, ROOT
+from places import CODES, RESULTS
+from schemas import schema
 
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
@@ -227,14 +227,13 @@ def test_one_missing_answer_does_not_stop_the_judge_and_a_subset_leaves_it_out(p
     assert "--only corner is no case and no task; there are tasks of full-contact, layered" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("change", [lambda u: 1.5 * u, lambda u: u])
-def test_a_picture_has_the_mesh_and_the_forces_that_remain(change, place, tmp_path):
-    change_answer(place, change)
+@pytest.mark.parametrize(("factor", "remaining"), [(1.5, 20), (1, 0)])
+def test_a_picture_has_the_mesh_and_the_forces_that_remain(factor, remaining, place, tmp_path):
+    """Paths of the mesh, the contact face, arrows and dots."""
+    change_answer(place, lambda u: factor * u)
     run(place, f"--plot {tmp_path}/a.svg")
-    mesh, face, arrows, dots = ElementTree.parse(tmp_path / "a.svg").getroot().findall("{*}path")
-    assert [one.get("d", "").count("M") for one in (mesh, face)] == [32, 4]
-    remaining = 0 if change(1) == 1 else 20
-    assert [one.get("d", "").count("M") for one in (arrows, dots)] == [remaining] * 2
+    paths = ElementTree.parse(tmp_path / "a.svg").findall("{*}path")
+    assert [path.get("d", "").count("M") for path in paths] == [32, 4, remaining, remaining]
 
 
 def test_a_reader_who_closes_the_pipe_causes_no_traceback(place):
@@ -270,36 +269,31 @@ def test_a_series_that_fails_counts_more_than_one_that_is_undecided(place):
 
 @pytest.mark.parametrize("output", ["", "--json"])
 def test_junit_has_a_case_for_each_series_and_no_control_characters(output, place, tmp_path, capsys):
-    assert run(place, f"--junit {tmp_path}/a.xml") == 0
-    suite = ElementTree.parse(tmp_path / "a.xml").getroot()
-    assert (suite.get("tests"), suite.get("failures")) == ("1", "0")
+    path = tmp_path / "a.xml"
+
+    def suite(code):
+        assert run(place, f"--junit {path} {output}") == code
+        return ElementTree.parse(path).getroot()
+
+    right = suite(0)
+    assert (right.get("tests"), right.get("failures")) == ("1", "0")
     change_answer(place, lambda u: 1.001 * u)
-    assert run(place, f"--junit {tmp_path}/a.xml") == 3
-    (failure,) = ElementTree.parse(tmp_path / "a.xml").getroot().iter("failure")
-    assert "undecided" in str(failure.get("message"))
+    (failure,) = suite(3).iter("failure")
+    assert "undecided" in failure.get("message")
+    assert "times the right ones" in failure.text
     task_with(case="a\x1bc")(place)
-    assert run(place, f"--junit {tmp_path}/a.xml {output}") == 3
-    (one,) = ElementTree.parse(tmp_path / "a.xml").getroot()
-    assert str(one.get("name")).startswith(r"a\u001bc")
+    (one,) = suite(3)
+    assert one.get("name").startswith(r"a\u001bc")
     assert "\x1b" not in capsys.readouterr().out
-    assert "times the right ones" in str(failure.text)
-
-
-def schema(name):
-    return Draft202012Validator(json.loads((ROOT / "docs" / "reference" / name).read_text(encoding="utf-8")))
 
 
 def test_the_json_is_valid_and_fits_its_schema_even_without_numbers(place, capsys):
     for change in (lambda u: u, lambda u: np.nan * u):
         change_answer(place, change)
         run(place, "--json")
-
-        def refuse(text):
-            raise AssertionError(text)
-
-        rows = json.loads(capsys.readouterr().out, parse_constant=refuse)
-        schema("contact-verdict.schema.json").validate(rows)
-    assert not schema("contact-verdict.schema.json").is_valid([rows[0] | {"verdict": "good"}])
+        rows = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+        schema("contact-verdict").validate(rows)
+    assert not schema("contact-verdict").is_valid([rows[0] | {"verdict": "good"}])
 
 
 @pytest.mark.parametrize("kind", ["frozen", "march", "foundation"])
@@ -307,9 +301,9 @@ def test_tasks_fit_their_schema(kind):
     data = march(task("corner", 4), 2) if kind == "march" else frozen(task("corner", 4), (0.55,))
     data = read(with_foundation(data, 3) if kind == "foundation" else data).data
     assert data["version"] == 2
-    schema("contact-task.schema.json").validate(data)
+    schema("contact-task").validate(data)
     del data["contact"][0]["facets"]
-    assert not schema("contact-task.schema.json").is_valid(data)
+    assert not schema("contact-task").is_valid(data)
 
 
 def test_version_1_is_read_and_is_the_same_task():

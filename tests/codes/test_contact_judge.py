@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 import this_study as ours
 from commands import study
-from judged_codes import exported, judged, read, task
+from judged_codes import answers, exported, judged, read, task
 from places import CODES
+from tables import everything
 
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
@@ -83,10 +84,10 @@ ON_ONE_MESH = {
 @pytest.mark.parametrize("change", ON_ONE_MESH)
 def test_an_answer_that_is_far_off_on_a_coarse_mesh_alone_is_wrong(tasks, change, level, code):
     make = ours.make if code == "exact" else faults.springs(lambda task: 30 / task.data["h"])
-    answers = {task.name: judge.answer(task, make) for task in tasks}
-    assert judge.assess(tasks, answers)[0].verdict in judge.GOOD
+    right = answers(make, tasks)
+    assert judge.assess(tasks, right)[0].verdict in judge.GOOD
     (name,) = [task.name for task in tasks if task.data["level"] == level]
-    (found,) = judge.assess(tasks, answers | {name: ON_ONE_MESH[change](answers[name])})
+    (found,) = judge.assess(tasks, right | {name: ON_ONE_MESH[change](right[name])})
     assert found.verdict == "wrong"
     assert f"n = {level}" in found.why
 
@@ -203,18 +204,18 @@ def test_full_contact_presses_all_vertices_and_frees_none():
 
 
 def test_other_equations_leave_forces_where_none_may_be(tasks):
-    without = judge.answer(tasks[1], lambda task: lambda load, stress: ours.make(task)(load, 0 * stress))
+    without = judge.answer(tasks[1], faults.other_stress(lambda stress: 0 * stress))
     assert judge.measure(tasks[1], without).tangential > 0.01
 
 
 def test_each_load_scale_has_its_own_class_and_its_line_names_it():
     both = [exported("advance-recede", times=(0.55,), scale=scale) for scale in (1.0, 10.0)]
-    answers = {task.name: (task.scale == 1) * judge.answer(task, ours.make) for task in both}
-    one, ten = judge.assess(both, answers)
+    found = {task.name: (task.scale == 1) * judge.answer(task, ours.make) for task in both}
+    one, ten = judge.assess(both, found)
     assert (one.verdict, ten.verdict, ten.name) == ("exact for P1", "wrong", "advance-recede × 10")
     assert "advance-recede × 10  " in judge.table([one, ten])
     with pytest.raises(judge.TaskError, match="has the case and the level of another task"):
-        judge.assess([both[0], both[0]], answers)
+        judge.assess([both[0], both[0]], found)
 
 
 @pytest.mark.parametrize("case", ["rotated", "corner"])
@@ -264,11 +265,10 @@ def test_a_file_that_is_no_text_of_numbers_is_refused_with_what_was_found_and_ex
     path.write_bytes(changed if isinstance(changed, bytes) else changed.encode())
     with pytest.raises(judge.TaskError) as error:
         judge.read_answer(tmp_path, one)
-    assert found in str(error.value)
-    assert "expected plain text: for each step (3 in all) a line of 50 numbers separated by blanks; " in str(
-        error.value
-    )
-    assert len(str(error.value).replace(str(tmp_path), "")) < 250
+    message = str(error.value).replace(str(tmp_path), "")
+    assert found in message
+    assert "expected plain text: for each step (3 in all) a line of 50 numbers separated by blanks; " in message
+    assert len(message) < 250
 
 
 def test_exponents_of_fortran_are_read(tmp_path):
@@ -282,25 +282,23 @@ def test_exponents_of_fortran_are_read(tmp_path):
 
 
 def test_the_command_writes_the_same_bytes_again_and_their_sums_and_names_a_line_that_is_none(tmp_path, told):
-    def files():
-        return {path.name: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
-
     command = f"export full-contact --levels 4 --instants 0.5 --to {tmp_path}"
     assert study(command) == 0
-    before = files()
+    before = everything(tmp_path)
     assert study(command) == 0
-    assert files() == before
-    (name,) = before.keys() - {"SHA256SUMS"}
+    assert everything(tmp_path) == before
     judge.read_tasks(tmp_path)
-    (tmp_path / name).write_bytes(before[name][:-1] + bytes([before[name][-1] ^ 1]))
+    (task,) = tmp_path.glob("*.xz")
+    *others, last = before[task]
+    task.write_bytes(bytes([*others, last ^ 1]))
     with pytest.raises(judge.TaskError, match="SHA256SUMS"):
         judge.read_tasks(tmp_path)
     with (tmp_path / "SHA256SUMS").open("a") as sums:
         sums.write("mine\n")
-    before = files()
+    before = everything(tmp_path)
     named = "SHA256SUMS, line 2: found 'mine', expected a checksum and a file: remove the line"
     assert named in told(f"{command} --scale 2")
-    assert files() == before
+    assert everything(tmp_path) == before
 
 
 @pytest.mark.parametrize(

@@ -4,21 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import sympy as sp
-from changed import turned
+from bodies import CLAMPED, CONTACT, LAW, LOADED, SQUARE
+from changed import overridden, turned
+from costly_cases import slow
 from on_floor import on_floor
+from sympy import pi, sin
 
 from manufactured import (
     Body,
     BodyError,
     FormulaError,
-    KelvinVoigt,
     Kind,
-    examine,
-    isotropic,
     named,
     polygon,
     pos,
+    prove,
     s,
     t,
     unit_square,
@@ -30,10 +30,11 @@ from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import measure
 from study.statements.shared.base import Experiment
 
-SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+PARTS = unit_square().parts
+SIDES = [CONTACT, LOADED, CLAMPED, LOADED]
 
 
-@pytest.mark.parametrize("angle", [0.3, pytest.param(2.5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("angle", [0.3, slow(2.5)])
 @pytest.mark.parametrize(
     ("name", "rounding"), [("advance-recede", 1e-10), ("yield-on-a-part", 1e-9), ("rough-1.75", 1e-6)]
 )
@@ -41,14 +42,14 @@ def test_a_turned_body_has_the_errors_of_the_unturned_one(name, rounding, angle)
     """To round-off, which a singular strain magnifies near its front."""
     solution = named(name).solution
     other = turned(solution, angle)
-    assert all(finding.passes for finding in examine(other))
+    prove(other, name)
     one, same = (measure(Experiment.of(item, OneDiagonal(), 8, MIDPOINT, 8)).row() for item in (solution, other))
     for quantity in ("error", "interpolation_error", "discrete_error"):
         assert same[quantity] == pytest.approx(one[quantity], rel=rounding), quantity
 
 
 def square(**options):
-    return polygon([(0, 0), (1, 0), (1, 1), (0, 1)], SIDES, **options)
+    return polygon(SQUARE, SIDES, **options)
 
 
 @pytest.mark.parametrize(
@@ -59,17 +60,14 @@ def square(**options):
         (lambda: square(interfaces=[((0, 0.5), (0, 1))]), "touches its boundary"),
         (lambda: square(interfaces=[((0, 0.5), (1, 0.5)), ((0.5, 0), (0.5, 1))]), "cross"),
         (lambda: square(T=0), "final time"),
-        (lambda: Body(unit_square().parts[:2]), "three boundary parts"),
-        (lambda: Body(unit_square().parts[::-1]), "but the next starts at"),
+        (lambda: Body(PARTS[:2]), "three boundary parts"),
+        (lambda: Body(PARTS[::-1]), "but the next starts at"),
         (lambda: polygon([(0, 0), (1, 0), (1, 0), (0, 1)], SIDES), "list every vertex once"),
-        (lambda: polygon([(0, 0), (0, 1), (1, 1), (1, 0)], SIDES), "counter-clockwise"),
-        (lambda: polygon([(0, 0), (1, 0), (0, 1)], SIDES), "need 3 kinds, got 4"),
-        (
-            lambda: polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, *3 * [Kind.LOADED]]),
-            "no side .* is CLAMPED",
-        ),
-        (lambda: Body((replace(unit_square().parts[0], kind=Kind.INTERFACE), *unit_square().parts[1:])), "lies inside"),
-        (lambda: Body(unit_square().parts, interfaces=(unit_square().parts[0],)), "has the kind"),
+        (lambda: polygon(SQUARE[::-1], SIDES), "counter-clockwise"),
+        (lambda: polygon(SQUARE[1:], SIDES), "need 3 kinds, got 4"),
+        (lambda: polygon(SQUARE, [CONTACT, *3 * [LOADED]]), "no side .* is CLAMPED"),
+        (lambda: Body((replace(PARTS[0], kind=Kind.INTERFACE), *PARTS[1:])), "lies inside"),
+        (lambda: Body(PARTS, interfaces=(PARTS[0],)), "has the kind"),
     ],
 )
 def test_a_body_that_is_none_or_that_no_mesh_could_serve_is_refused(make, message):
@@ -81,53 +79,46 @@ TRIANGLE = np.array([[0.0, 1, 0], [0, 0, 1], [0, 0, 0]])
 
 
 @pytest.mark.parametrize(
-    ("corners", "served"),
-    [(np.eye(2), True), (TRIANGLE, True), (np.eye(2)[:, :1], False), (TRIANGLE[:2], False), (TRIANGLE[:, :2], False)]
-    + [(np.arange(20.0).reshape(4, 5) ** 2, False)],
+    "corners", [np.eye(2)[:, :1], TRIANGLE[:2], TRIANGLE[:, :2], np.arange(20.0).reshape(4, 5) ** 2]
 )
-def test_a_part_has_two_corners_in_the_plane_and_three_or_more_in_space(corners, served):
-    if served:
-        assert Part(Kind.LOADED, corners).dim == len(corners)
-    else:
-        with pytest.raises(BodyError, match="cannot have corners of the shape"):
-            Part(Kind.LOADED, corners)
+def test_a_part_has_two_corners_in_the_plane_and_three_or_more_in_space(corners):
+    assert [Part(LOADED, right).dim for right in (np.eye(2), TRIANGLE)] == [2, 3]
+    with pytest.raises(BodyError, match="cannot have corners of the shape"):
+        Part(LOADED, corners)
 
 
 @pytest.mark.parametrize(("moved", "count"), [(1e-14, 4), (1e-6, 8)])
 def test_corners_are_one_vertex_if_they_differ_by_rounding_only(moved, count):
-    parts = [replace(part, corners=part.corners + [[0, moved], [0, moved]]) for part in unit_square().parts]
-    lone = object.__new__(Body)
-    vars(lone).update(parts=tuple(parts))
-    assert lone.vertices.shape == (2, count)
+    parts = [replace(part, corners=part.corners + [[0, moved], [0, moved]]) for part in PARTS]
+    assert overridden(object.__new__(Body), parts=tuple(parts)).vertices.shape == (2, count)
 
 
 def test_the_sides_of_a_body_meet_up_to_rounding_of_its_size():
     scale = 1e-3
-    first, *others = polygon(scale * np.array([(0, 0), (1, 0), (1, 1), (0, 1)]), SIDES).parts
-    for moved, refused in ((1e-13, False), (1e-7, True)):
-        corners = first.corners + scale * moved * np.array([[0, 0], [0, 1]])
-        parts = (replace(first, corners=corners), *others)
-        if refused:
-            with pytest.raises(BodyError, match="but the next starts at"):
-                Body(parts)
-        else:
-            assert Body(parts).measure == pytest.approx(scale**2)
+    first, *others = polygon(scale * np.array(SQUARE), SIDES).parts
+
+    def with_end(moved):
+        return Body((replace(first, corners=first.corners + [[0, 0], [0, scale * moved]]), *others))
+
+    assert with_end(1e-13).measure == pytest.approx(scale**2)
+    with pytest.raises(BodyError, match="but the next starts at"):
+        with_end(1e-7)
 
 
 def test_a_front_passes_each_point_at_its_own_times_and_missing_times_are_the_final_one():
     """ψ = sin(2πt) − s: twice at s = 1/2, once more at s = 0, never at s = 2."""
-    passes = front(sp.sin(2 * sp.pi * t) - s, (s,)).passes(np.array([[0.5, 2.0, -0.5]]), 1.0)
+    passes = front(sin(2 * pi * t) - s, (s,)).passes(np.array([[0.5, 2.0, -0.5]]), 1.0)
     expected = [[1 / 12, 5 / 12], [1.0, 1.0], [7 / 12, 11 / 12]]
     assert pytest.approx(np.array(expected), abs=1e-12) == passes.T
 
 
-@pytest.mark.parametrize(("depth", "refused"), [(0.0, False), (1e-14, False), (1e-9, True)])
-def test_an_initial_gap_is_negative_nowhere_on_its_face_but_for_rounding(depth, refused):
+def test_an_initial_gap_is_negative_nowhere_on_its_face_but_for_rounding():
     """It is least in the middle of the face, where neither end shows it."""
-    law = KelvinVoigt(isotropic(1, 0.5), isotropic(1, 0.5), "linear")
-    gap = (s - 0.5) ** 2 - depth
-    if refused:
-        with pytest.raises(FormulaError, match=r"initial gap .* is -1e-09 at s = 0\.5"):
-            on_floor(law, t * pos(s - 0.5, 4), 0, initial_gap=gap)
-    else:
-        assert on_floor(law, t * pos(s - 0.5, 4), 0, initial_gap=gap).has_initial_gap
+
+    def with_gap(least):
+        return on_floor(LAW, t * pos(s - 0.5, 4), 0, initial_gap=(s - 0.5) ** 2 + least)
+
+    assert with_gap(0.0).has_initial_gap
+    assert with_gap(-1e-14).has_initial_gap
+    with pytest.raises(FormulaError, match=r"initial gap .* is -1e-09 at s = 0\.5"):
+        with_gap(-1e-9)

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import sympy as sp
 from costly_cases import by_cost
+from sympy import Rational, Symbol, log, sqrt
 
 from manufactured import (
     CaseError,
@@ -63,8 +63,8 @@ def test_symbols_of_the_same_name_and_texts_are_the_coordinates():
     """A derivative of x2² in another symbol that is called x2 would be 0."""
     expected = data((x1, x2 * t), u0=(0, x2 * (1 - x2)))
     x = np.random.default_rng(0).random((2, 6))
-    y, time = sp.Symbol("x2"), sp.Symbol("t")
-    for other in (data((sp.Symbol("x1"), y * time), u0=(0, y * (1 - y))), data(("x1", "x2*t"), u0=(0, "x2*(1 - x2)"))):
+    y, time = Symbol("x2"), Symbol("t")
+    for other in (data((Symbol("x1"), y * time), u0=(0, y * (1 - y))), data(("x1", "x2*t"), u0=(0, "x2*(1 - x2)"))):
         assert np.array_equal(other.initial(x), expected.initial(x))
         assert np.array_equal(other.body_force(x)(0.7), expected.body_force(x)(0.7))
         assert other.formulas_of == expected.formulas_of
@@ -76,7 +76,7 @@ def test_no_exact_solution_of_a_plane_body_and_no_problem_is_refused(name):
         found.check()
 
 
-LOG = sp.log(x1 - sp.Rational(1, 2))
+LOG = log(x1 - Rational(1, 2))
 
 
 @pytest.mark.parametrize(
@@ -85,9 +85,9 @@ LOG = sp.log(x1 - sp.Rational(1, 2))
         ({"f0": (x1,)}, FormulaError, "f0 has 1 components, expected 2"),
         ({"f2": {RIGHT: (1,)}}, FormulaError, "f2 on part 1 has 1 components"),
         ({"u0": (0, 0, 0)}, FormulaError, "u0 has 3 components"),
-        *(({"f0": (sp.Symbol(y), 0)}, FormulaError, f"f0 has the symbols {y}; use x1, x2, t") for y in ("y", "x3")),
+        *(({"f0": (Symbol(y), 0)}, FormulaError, f"f0 has the symbols {y}; use x1, x2, t") for y in ("y", "x3")),
         ({"u0": (0, t * x2)}, FormulaError, "u0 has the symbols t; use x1, x2$"),
-        ({"f2": {RIGHT: (sp.Symbol("s"), 0)}}, FormulaError, "f2 on part 1 has the symbols s"),
+        ({"f2": {RIGHT: (Symbol("s"), 0)}}, FormulaError, "f2 on part 1 has the symbols s"),
         *(({"f2": {n: (1, 1)}}, FormulaError, rf"part {n}, but the LOADED parts .* \[1, 3\]") for n in (0, 2, 7, -1)),
         ({"f0": -1}, FormulaError, r"f0 has to be one number or .* such as \(0, -1\) .* got -1 of the type int"),
         ({"f2": (0, -4)}, FormulaError, r"f2 has to be a dict .* of a LOADED side .* such as \{2: \(0, -4\)\}"),
@@ -96,10 +96,10 @@ LOG = sp.log(x1 - sp.Rational(1, 2))
         ({"f0": (LOG, 0)}, LoadError, r"f_0 is not finite at x = \[0\.[0-4].*at t = 0"),
         ({"f0": (0, 1 / t)}, LoadError, r"f_0 is not finite at x = .* at t = 0, so no stress can balance it"),
         ({"f2": {LEFT: (1 / x1, 0)}}, LoadError, r"f_2 is not finite at x = \[0\.0,"),
-        ({"u0": (0, sp.sqrt(x1 - sp.Rational(1, 2)) * (1 - x2))}, LoadError, r"ε\(u_0\) is not finite"),
+        ({"u0": (0, sqrt(x1 - Rational(1, 2)) * (1 - x2))}, LoadError, r"ε\(u_0\) is not finite"),
         ({"u0": (0, x2)}, LoadError, "u_0 is 1 on a CLAMPED part, where it has to be 0"),
         ({"u0": (0, x2 - 1)}, LoadError, "u_0ν is 1 > 0 on a CONTACT part"),
-        ({"u0": (0, pos(x1 - sp.Rational(9, 10), 2) * (x2 - 1))}, LoadError, "u_0ν is 0.00.* > 0 on a CONTACT part"),
+        ({"u0": (0, pos(x1 - Rational(9, 10), 2) * (x2 - 1))}, LoadError, "u_0ν is 0.00.* > 0 on a CONTACT part"),
     ],
 )
 def test_formulas_that_are_no_data_or_to_which_no_solution_belongs_are_refused(wrong, error, message):

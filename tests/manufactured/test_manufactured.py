@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import sympy as sp
-from costly_cases import by_cost
+from costly_cases import by_cost, slow
 from hypothesis import given
 from hypothesis import strategies as st
 from on_floor import on_floor
 from random_examples import COSTLY
+from sympy import Heaviside, Integer, Rational, Symbol, floor, log, sin, sqrt, tan, tanh
 
 from manufactured import (
     PARABOLA,
@@ -41,7 +41,7 @@ from manufactured.self_proof.finding import ROUND_OFF, Finding, worst
 
 
 @pytest.mark.parametrize("name", by_cost(NAMES))
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [0, slow(1)])
 def test_every_case_satisfies_the_problem_to_round_off(name, seed):
     findings = examine(named(name).solution, seed)
     assert all(finding.passes for finding in findings), "\n".join(map(str, findings))
@@ -57,28 +57,31 @@ def with_face(name="advance-recede", **changes):
 
 def slipping(stress):
     """The strain of advance-recede with an additional stress from slip."""
-    return Memory(20 * pos(C - s, 2), 3, 3, 1.0, slip_stress=stress)
+    return Memory(PRESSURE, 3, 3, 1.0, slip_stress=stress)
 
 
-SLIP = t * (1 + t) * sp.sin(2 * s + 1)
-C, SHIFT, EARLY = sp.Rational(1, 4) + 2 * t * (1 - t), sp.Rational(1, 50), sp.Rational(3, 10)
+SLIP = t * (1 + t) * sin(2 * s + 1)
+C, SHIFT, EARLY = Rational(1, 4) + 2 * t * (1 - t), Rational(1, 50), Rational(3, 10)
+GAP, PRESSURE = 20 * pos(s - C, 4), 20 * pos(C - s, 2)
+"""Gap and pressure of advance-recede, whose front is C."""
+HALF = Rational(1, 2)
 
 
 @pytest.mark.parametrize(
     ("changes", "condition"),
     [
-        ({"gap": -20 * pos(s - C, 4)}, "u_ν ≤ g"),
-        ({"gap": 20 * pos(s - C + sp.Rational(1, 100), 4)}, "w = 0, so σ_ν w = 0, on the stated zone"),
+        ({"gap": -GAP}, "u_ν ≤ g"),
+        ({"gap": 20 * pos(s - C + Rational(1, 100), 4)}, "w = 0, so σ_ν w = 0, on the stated zone"),
         ({"gap": 20 * pos(s - C + SHIFT, 4), "level": C - s - SHIFT}, "p = 0, so σ_ν w = 0, off the stated zone"),
-        ({"gap": 20 * pos(s - C, 4) * (1 + pos(s - sp.Rational(9, 10), 0))}, "w without jumps"),
-        ({"strain": Memory(20 * pos(C - s, 2) * (1 - 2500 * pos(t * (EARLY - t), 2)), 3, 3, 1.0)}, "σ_ν ≤ 0"),
-        ({"strain": Memory(20 * pos(C - s, 2), 2.5, 7, 1.0)}, "p = −σ_ν"),
+        ({"gap": GAP * (1 + pos(s - Rational(9, 10), 0))}, "w without jumps"),
+        ({"strain": Memory(PRESSURE * (1 - 2500 * pos(t * (EARLY - t), 2)), 3, 3, 1.0)}, "σ_ν ≤ 0"),
+        ({"strain": Memory(PRESSURE, 2.5, 7, 1.0)}, "p = −σ_ν"),
         ({"profile": cutoff(2.0)}, r"\(2.3\)"),
         # A slip z needs the stress A_nnss ∂_s ż + G_nnss ∂_s z, here ∂_s ż + ∂_s z, and must be continuous.
         ({"slip": (SLIP,), "strain": slipping(SLIP.diff(s, t))}, "p = −σ_ν"),
-        ({"slip": (pos(s - sp.Rational(1, 2), 0),)}, "z_1 without jumps"),
+        ({"slip": (pos(s - HALF, 0),)}, "z_1 without jumps"),
         # Under a receding front a prescribed strain would pull. Therefore the pressure is prescribed.
-        ({"strain": Prescribed(((1.0, -20 * pos(C - s, 2)),))}, "σ_ν ≤ 0"),
+        ({"strain": Prescribed(((1.0, -PRESSURE),))}, "σ_ν ≤ 0"),
     ],
 )
 def test_data_that_violate_a_condition_are_refused_by_name_place_and_size(changes, condition):
@@ -89,7 +92,7 @@ def test_data_that_violate_a_condition_are_refused_by_name_place_and_size(change
 
 
 def test_a_strain_that_jumps_and_jumps_back_is_refused():
-    phases = ((0.3, -t), (0.6, -t - sp.Rational(1, 2)), (1.0, -t))
+    phases = ((0.3, -t), (0.6, -t - HALF), (1.0, -t))
     with pytest.raises(SelfProofError, match="∫u̇"):
         prove(with_face("full-contact", strain=Prescribed(phases)), "jumps")
 
@@ -124,14 +127,14 @@ def labelled(gap, label, pressure=0, **initial):
     return Case("mine", "", on_floor(law, gap, pressure, **initial), label, label.order, "the exponents")
 
 
-eighths = st.integers(13, 40).map(lambda n: sp.Rational(n, 8))
+eighths = st.integers(13, 40).map(lambda n: Rational(n, 8))
 
 
 @COSTLY
 @given(eighths, eighths, eighths, st.booleans())
 def test_exactly_the_exponents_in_the_formulas_are_accepted_as_a_label(alpha, m, other, moving):
-    c = sp.Rational(1, 3) + (t / 4 if moving else 0)
-    m = m if not moving else sp.Integer(int(m) + 1)  # whose memory is known in closed form
+    c = Rational(1, 3) + (t / 4 if moving else 0)
+    m = m if not moving else Integer(int(m) + 1)  # whose memory is known in closed form
     gap, pressure = (1 + t) * pos(s - c, alpha) / (1 + s), (1 + s) * pos(c - s, m)
     right = Regularity(float(alpha), float(m), moving)
     assert labelled(gap, right, pressure).regularity == right
@@ -142,15 +145,14 @@ def test_exactly_the_exponents_in_the_formulas_are_accepted_as_a_label(alpha, m,
                 labelled(gap, label, pressure)
 
 
-HALF = sp.Rational(1, 2)
 FRONT = s - HALF
 
 
 @pytest.mark.parametrize(
     ("gap", "alpha"),
     [
-        (pos(FRONT, 2) * pos(FRONT, sp.Rational(5, 4)), 3.25),
-        (sp.sqrt(pos(FRONT, 5)), 2.5),
+        (pos(FRONT, 2) * pos(FRONT, Rational(5, 4)), 3.25),
+        (sqrt(pos(FRONT, 5)), 2.5),
         ((1 + pos(FRONT, 3)) ** (3 * HALF), 3),
         (pos(FRONT, 4) + pos(s - HALF / 2, 3), 3),
         (pos(t * FRONT, 3), 3),
@@ -169,7 +171,7 @@ def test_the_exponent_is_that_of_the_least_smooth_front_on_the_face(gap, alpha):
 
 def test_a_front_that_stays_and_is_rougher_than_a_moving_one_has_no_label():
     """(2.75, moving) would say u̇ ∈ H^{1+s} for s < 1/4 only, but u̇ ∈ H²."""
-    gap = pos(s - HALF - t / 4, 4) + pos(s - HALF, sp.Rational(11, 4))
+    gap = pos(s - HALF - t / 4, 4) + pos(s - HALF, Rational(11, 4))
     with pytest.raises(CaseError, match=r"stays with α = 2\.75 beside moving ones with α = 4.*one label cannot"):
         labelled(gap, Regularity(gap=2.75, moving=True))
 
@@ -177,16 +179,16 @@ def test_a_front_that_stays_and_is_rougher_than_a_moving_one_has_no_label():
 @pytest.mark.parametrize(
     ("formula", "part"),
     [
-        (t * s ** sp.Rational(7, 4), r"s\*\*\(7/4\)"),
+        (t * s ** Rational(7, 4), r"s\*\*\(7/4\)"),
         ((s + t) ** (5 * HALF), r"\(s \+ t\)\*\*\(5/2\)"),
-        (((s - sp.Rational(3, 10)) ** 2 + (t - HALF) ** 2) ** (3 * HALF), r"\*\*\(3/2\)"),
-        (1 + s**2 * sp.log(s), r"log\(s\)"),
+        (((s - Rational(3, 10)) ** 2 + (t - HALF) ** 2) ** (3 * HALF), r"\*\*\(3/2\)"),
+        (1 + s**2 * log(s), r"log\(s\)"),
         (s**s, r"s\*\*s"),
-        (pos(sp.sqrt(s) - HALF, 4), r"sqrt\(s\)"),
+        (pos(sqrt(s) - HALF, 4), r"sqrt\(s\)"),
         (pos(HALF - 1 / s, 4), "1/s"),
         ((t * pos(FRONT, 3) + (s - HALF) ** 2) ** (5 * HALF), r"\*\*\(5/2\)"),
-        (sp.floor(3 * s), r"floor\(3\*s\)"),
-        (sp.tan(2 * s), r"tan\(2\*s\)"),
+        (floor(3 * s), r"floor\(3\*s\)"),
+        (tan(2 * s), r"tan\(2\*s\)"),
     ],
 )
 def test_a_part_that_is_rough_on_the_face_and_no_truncated_power_is_refused(formula, part):
@@ -195,18 +197,18 @@ def test_a_part_that_is_rough_on_the_face_and_no_truncated_power_is_refused(form
         labelled(formula, Regularity())
     if t not in formula.free_symbols:
         with pytest.raises(CaseError, match=rf"{part} in .*not known to be smooth"):
-            labelled(sp.Integer(0), Regularity(), formula)
+            labelled(Integer(0), Regularity(), formula)
 
 
 @pytest.mark.parametrize(
     "formula",
     [
-        sp.sqrt(1 + s * t),
-        sp.log(2 - s) * (s - HALF) ** 2,
-        1 / (sp.Rational(1, 4) + (s - t) ** 2),
+        sqrt(1 + s * t),
+        log(2 - s) * (s - HALF) ** 2,
+        1 / (Rational(1, 4) + (s - t) ** 2),
         2**s,
         s**2.0,
-        sp.sin(20 * s) + sp.tanh(s - HALF),
+        sin(20 * s) + tanh(s - HALF),
         (t + 1) ** (3 * HALF) + t ** (3 * HALF),
     ],
 )
@@ -231,15 +233,15 @@ NONLINEAR = KelvinVoigt(isotropic(1, 1), Yield(1.0, FrobeniusBall(1)), "(3.3)")
             "expected 1 contact faces, one for each part Γ3 of the body .*, got 0 contact faces",
         ),
         (lambda: on_floor(NONLINEAR, 0, 1), LawError, "prescribe the strain"),
-        (lambda: with_face(gap=sp.Symbol("x") * t), FormulaError, "has x"),
-        (lambda: with_face(gap=sp.Symbol("s") * t), FormulaError, "has s"),
-        (lambda: with_face(gap=sp.Heaviside(s - t)), FormulaError, "pos"),
+        (lambda: with_face(gap=Symbol("x") * t), FormulaError, "has x"),
+        (lambda: with_face(gap=Symbol("s") * t), FormulaError, "has s"),
+        (lambda: with_face(gap=Heaviside(s - t)), FormulaError, "pos"),
         (lambda: with_face(gap=abs(s)), FormulaError, "pos"),
         (lambda: with_gap(s * t), FormulaError, "depends on t"),
-        (lambda: with_gap(s - sp.Rational(1, 3)), FormulaError, r"is -0\.3333 at s = 0, where .* penetrate"),
+        (lambda: with_gap(s - Rational(1, 3)), FormulaError, r"is -0\.3333 at s = 0, where .* penetrate"),
         (lambda: with_gap(pos(s - HALF, 1)), CaseError, "a front that stays with α = 1"),
-        (lambda: with_gap(pos(s - HALF, sp.Rational(9, 4))), CaseError, r"a front that stays with α = 2\.25"),
-        (lambda: with_gap(sp.sqrt(s)), CaseError, "not known to be smooth"),
+        (lambda: with_gap(pos(s - HALF, Rational(9, 4))), CaseError, r"a front that stays with α = 2\.25"),
+        (lambda: with_gap(sqrt(s)), CaseError, "not known to be smooth"),
     ],
 )
 def test_contact_data_and_initial_gaps_that_define_no_solution_are_refused(make, error, message):
@@ -265,7 +267,7 @@ def test_a_case_needs_a_predicted_order_that_its_exponents_give_and_a_reason(sta
 def test_a_gap_that_is_open_where_contact_meets_the_clamp_is_no_solution():
     """u = 0 on Γ1, so g = w where Γ3 ends at Γ1."""
     with pytest.raises(SelfProofError, match=r"\(2\.3\)"):
-        prove(with_gap(sp.Rational(1, 10) + s, "contact-at-clamp").solution, "open")
+        prove(with_gap(Rational(1, 10) + s, "contact-at-clamp").solution, "open")
     prove(with_gap(s**2, "contact-at-clamp").solution, "closed")
 
 

@@ -5,7 +5,8 @@ from itertools import product
 
 import numpy as np
 import pytest
-from costly_cases import by_cost
+from bodies import CLAMPED, CONTACT, LOADED
+from costly_cases import by_cost, slow
 from on_floor import on_floor
 from sympy import Abs, Integer, Rational, cos, expand, sin
 
@@ -17,7 +18,6 @@ from manufactured import (
     FormulaError,
     FrobeniusBall,
     KelvinVoigt,
-    Kind,
     Linear,
     NonSymmetric,
     Prescribed,
@@ -55,6 +55,13 @@ from manufactured.tensors import mandel, traction
 from study.fem.naming import resolve
 
 POINTS = np.random.default_rng(0).uniform(0.05, 0.95, (2, 50))
+
+
+def violated(solution, **options):
+    """The findings of the self-proof that do not pass."""
+    return [finding for finding in examine(solution, **options) if not finding.passes]
+
+
 FIELDS = "displacement", "velocity", "strain", "strain_rate"
 WITH_FORCES = *FIELDS, "strain_gradient", "stress", "body_force"
 
@@ -125,7 +132,7 @@ LAWS = {"rotated": coupled(2), "cube-disc": coupled(3), "advance-recede": not_sy
 @pytest.mark.parametrize("name", LAWS)
 def test_a_face_slips_without_friction_under_laws_that_no_case_has(name):
     slipping = with_slip(replace(named(name).solution, law=LAWS[name]))
-    assert all(finding.passes for finding in examine(slipping, points=8, times=3))
+    assert violated(slipping, points=8, times=3) == []
     (face,) = slipping.faces
     place = face.part.sample(np.random.default_rng(0), 9)
     u = face.part.frame[:, :-1].T @ slipping.at(place).displacement(0.7)
@@ -138,7 +145,7 @@ def test_a_face_slips_without_friction_under_laws_that_no_case_has(name):
 def test_under_the_law_3_3_the_whole_face_can_slip_while_it_is_pressed(convex, body):
     """The strain, to which ε_ss = sym ∇_s z belongs, leaves K; still σ_τ = 0, and p ≥ 0 follows from the law."""
     law = KelvinVoigt(isotropic(1, 0.5, body.dim), Yield(6.0, convex(0.5, body.dim)), "(3.3)")
-    (floor,) = body.of(Kind.CONTACT)
+    (floor,) = body.of(CONTACT)
     first = VARIABLES[body.dim][0]
     strain = Prescribed(((1.0, -5 * t * (2 + t + first)),), VARIABLES[body.dim])
     prove(ExactSolution(body, law, (ContactFace(floor, Integer(0), strain, Integer(1), slip=SLIP[body.dim]),)), "(3.3)")
@@ -219,8 +226,8 @@ RECEDING = natural_motion(Rational(7, 10) - 2 * t / 5)
 
 
 def test_the_natural_front_that_advances_is_an_exact_solution_and_one_that_recedes_pulls():
-    assert [finding for finding in examine(CASE.solution) if not finding.passes] == []
-    (finding,) = (finding for finding in examine(RECEDING.solution) if not finding.passes)
+    assert violated(CASE.solution) == []
+    (finding,) = violated(RECEDING.solution)
     assert "σ_ν ≤ 0" in finding.condition
 
 
@@ -247,7 +254,7 @@ def test_the_gradient_has_the_strain_as_its_symmetric_part_and_all_else_is_what_
     assert np.allclose(mandel(found.gradient), found.strain, rtol=0, atol=1e-11 * size)
     for quantity in ("displacement", "velocity", "strain_rate", "stress", "body_force"):
         assert np.array_equal(getattr(found, quantity), getattr(fields, quantity)(TIME)), quantity
-    (*_, part) = body.of(Kind.LOADED)
+    (*_, part) = body.of(LOADED)
     assert np.array_equal(found.surface_load(part), traction(found.stress, part.normal))
 
 
@@ -298,16 +305,16 @@ def alone(case, j):
     assert isinstance(face, StripFace)
     length, depth = face.part.measure, face.profile.depth
     corners = [(0.0, 0.0), (length, 0.0), (length, depth), (0.0, depth)]
-    body = polygon(corners, [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED])
-    return ExactSolution(body, case.solution.law, (replace(face, part=body.of(Kind.CONTACT)[0]),))
+    body = polygon(corners, [CONTACT, LOADED, CLAMPED, LOADED])
+    return ExactSolution(body, case.solution.law, (replace(face, part=body.of(CONTACT)[0]),))
 
 
 @pytest.mark.parametrize(
     ("number", "j"),
-    [(0, 6), *(pytest.param(*one, marks=pytest.mark.slow) for one in ((0, 0), (1, 3), (1, 0), (0, 3), (1, 6)))],
+    [(0, 6), *(slow(*one) for one in ((0, 0), (1, 3), (1, 0), (0, 3), (1, 6)))],
 )
 def test_every_train_is_an_exact_solution(number, j):
-    assert [finding for finding in examine(alone(multiscale()[number], j)) if not finding.passes] == []
+    assert violated(alone(multiscale()[number], j)) == []
 
 
 def test_theorems_raise_the_proved_order_only_of_a_rough_trace_and_of_a_junction():
@@ -322,18 +329,17 @@ HISTORY = "(2.6)"
 """Of the self-proof: u = u_0 + ∫ u̇ dt by a rule with 256 steps, too few for what passes a point within a time ℓ."""
 
 
-@pytest.mark.parametrize("level", [16, pytest.param(64, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("kind", [1, *(pytest.param(kind, marks=pytest.mark.slow) for kind in (0, 2, 3))])
+@pytest.mark.parametrize("level", [16, slow(64)])
+@pytest.mark.parametrize("kind", [1, *(slow(kind) for kind in (0, 2, 3))])
 def test_every_roller_is_an_exact_solution(kind, level):
     case = rollers(level)[kind]
-    found = [finding for finding in examine(case.solution) if not finding.passes]
-    assert [finding for finding in found if not finding.condition.startswith(HISTORY)] == []
+    assert [finding for finding in violated(case.solution) if not finding.condition.startswith(HISTORY)] == []
 
 
 def test_in_most_cases_the_body_slides_where_it_touches_by_a_fifth_of_its_displacement_on_the_face():
     def slides(name):
         solution = named(name).solution
-        for part, time in product(solution.body.of(Kind.CONTACT), np.linspace(0, solution.body.T, 5)[1:]):
+        for part, time in product(solution.body.of(CONTACT), np.linspace(0, solution.body.T, 5)[1:]):
             u = solution.at(part.sample(np.random.default_rng(0), 100)).displacement(time)
             touching = abs(part.normal @ u) < 1e-12
             if abs(u[:, touching]).max(initial=0) > 0.2 * abs(u).max():

@@ -1,5 +1,8 @@
 """The command on a table of errors."""
 
+import shlex
+from pathlib import Path
+
 import pytest
 
 from convergence_orders.command import main
@@ -7,12 +10,18 @@ from convergence_orders.command import main
 
 @pytest.fixture
 def rates(tmp_path, capsys):
-    """Runs the command on a table that is given as text or bytes; returns what it prints, with single blanks."""
+    """Runs the command on a table: a file, text or bytes; returns what it prints, with single blanks.
 
-    def run(table, *options, code=0):
-        (tmp_path / "table").write_bytes(table.encode() if isinstance(table, str) else table)
-        assert main([str(tmp_path / "table"), *options]) == code
+    The command must end with one of the given exit codes, 0 unless told otherwise.
+    """
+
+    def run(table, options="", *codes):
+        path = table if isinstance(table, Path) else tmp_path / "table"
+        if path is not table:
+            path.write_bytes(table.encode() if isinstance(table, str) else table)
+        code = main([str(path), *shlex.split(options)])
         printed = capsys.readouterr()
+        assert code in (codes or [0]), printed
         return " ".join((printed.out + printed.err).split())
 
     return run

@@ -3,6 +3,7 @@
 import math
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -10,8 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from costly_cases import slow
+from places import ROOT
 
-ROOT = Path(__file__).parents[2]
 TUTORIAL = (ROOT / "docs/how-to/convergence-orders.md").read_text(encoding="utf-8")
 FILES = dict(re.findall(r"^```\{code-block\} \w+\n:caption: (\S+)\n\n(.*?)^```$", TUTORIAL, re.DOTALL | re.MULTILINE))
 RIGHT, WRONG = "f(x[1:-1])", "f(x[:-2])"
@@ -25,9 +27,11 @@ def project(tmp_path):
     return tmp_path
 
 
-def run(project, *command, **variables):
+def run(project, command, *arguments, **variables):
+    """Runs a command as it is typed, with further arguments and environment variables."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     env = os.environ | {"PATH": path, "PYTHONPATH": str(ROOT)} | variables
+    command = [*shlex.split(command), *arguments]
     return subprocess.run(command, cwd=project, env=env, capture_output=True, text=True, check=False)
 
 
@@ -35,13 +39,13 @@ def act(project, **given):
     """Runs the last step of the action, which judges a table."""
     steps = yaml.safe_load((ROOT / ".github/actions/check-orders/action.yml").read_text())["runs"]["steps"]
     files = {name: str(project / name.lower()) for name in ("GITHUB_OUTPUT", "GITHUB_STEP_SUMMARY")}
-    return run(project, *("bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", steps[-1]["run"]), **files, **given)
+    return run(project, "bash --noprofile --norc -eo pipefail -c", steps[-1]["run"], **files, **given)
 
 
 def judge(project):
     """Runs the steps of the job by hand: the solver writes its table, and the action judges it."""
     *_, solver, action = yaml.safe_load(FILES["convergence.yml"])["jobs"]["orders"]["steps"]
-    assert run(project, "bash", "-c", solver["run"]).returncode == 0
+    assert run(project, "bash -c", solver["run"]).returncode == 0
     done = act(project, TABLE=action["with"]["table"], OPTIONS=action["with"]["options"])
     assert done.stderr == ""
     assert (project / "github_output").read_text().splitlines()[-1] == f"code={done.returncode}"
@@ -51,7 +55,7 @@ def judge(project):
 
 @pytest.mark.slow
 def test_the_tutorial_turns_red_when_its_solver_breaks(project):
-    tests = run(project, sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "error")
+    tests = run(project, "python -m pytest -q -p no:cacheprovider -W error")
     assert tests.returncode == 0, tests.stdout
     assert "max_error: holds: converges with order 2.00" in tests.stdout
     code, summary = judge(project)
@@ -61,7 +65,7 @@ def test_the_tutorial_turns_red_when_its_solver_breaks(project):
     solver = FILES["solver.py"]
     assert solver.count(RIGHT) == 1
     (project / "solver.py").write_text(solver.replace(RIGHT, WRONG))
-    tests = run(project, sys.executable, "-B", "-m", "pytest", "-q", "-p", "no:cacheprovider")
+    tests = run(project, "python -B -m pytest -q -p no:cacheprovider")
     assert tests.returncode == 1
     said = "max_error: fails: converges with order 1.12 (orders 1.16, 1.08)"
     assert said in tests.stdout
@@ -112,10 +116,10 @@ def test_negative_errors(convergence_orders):
 """
 
 
-@pytest.mark.parametrize("options", [[], pytest.param(["-n", "1"], marks=pytest.mark.slow)])
+@pytest.mark.parametrize("options", ["", slow("-n 1")])
 def test_checks_in_fixtures_are_listed_and_refusals_printed_once(options, tmp_path):
     (tmp_path / "test_it.py").write_text(CHECKS)
-    done = run(tmp_path, sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *options)
+    done = run(tmp_path, f"python -m pytest -p no:cacheprovider {options}")
     assert "= 1 failed, 1 passed, 2 errors in" in done.stdout, done.stdout
     listed = done.stdout.partition("= observed orders =")[2]
     found = re.findall(r"^(\w+): (?:(?:fails|holds): )?converges with order (\d)", listed, re.MULTILINE)
@@ -173,5 +177,5 @@ def test_a_project_with_a_package_study_uses_the_plugin(tmp_path):
         "import sys, pytest, convergence_orders.plugin; "
         "sys.exit(pytest.main(['-q', '-p', 'convergence_orders.plugin']))"
     )
-    done = run(tmp_path, sys.executable, "-c", code, str(ROOT), PYTEST_DISABLE_PLUGIN_AUTOLOAD="1")
+    done = run(tmp_path, "python -c", code, str(ROOT), PYTEST_DISABLE_PLUGIN_AUTOLOAD="1")
     assert done.returncode == 0, done.stdout + done.stderr

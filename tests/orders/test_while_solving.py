@@ -6,7 +6,6 @@ import pandas as pd
 import pytest
 
 from convergence_orders import ConvergenceTable, OrderError, check_orders, observed_orders, refine_until_settled
-from convergence_orders.command import main
 
 
 def collected(order=2.0, meshes=4):
@@ -31,11 +30,9 @@ def test_a_table_of_errors_prints_orders_beside_the_errors_and_judges_them():
 
 
 @pytest.mark.parametrize("form", ["to_markdown", "to_csv", "to_latex", "__str__"])
-def test_every_written_table_is_read_back_with_the_same_orders(form, tmp_path, capsys):
-    (tmp_path / "t").write_text(getattr(collected(), form)())
-    assert main([str(tmp_path / "t"), "--expected", "L2=2,H1=1", "--json"]) == 0
-    columns = {column["name"]: column["order"] for column in json.loads(capsys.readouterr().out)}
-    assert columns == pytest.approx({"L2": 2, "H1": 1}, abs=1e-3)
+def test_every_written_table_is_read_back_with_the_same_orders(form, rates):
+    found = json.loads(rates(getattr(collected(), form)(), "--expected L2=2,H1=1 --json"))
+    assert {column["name"]: column["order"] for column in found} == pytest.approx({"L2": 2, "H1": 1}, abs=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -71,19 +68,19 @@ COLUMNS = {
 }
 
 
-def test_python_judges_the_columns_that_the_command_judges(tmp_path, capsys):
-    pd.DataFrame(COLUMNS).to_csv(tmp_path / "t.csv")
-    main([str(tmp_path / "t.csv"), "--at-least", "0.9", "--json"])
-    told = {column["name"]: column["verdict"] for column in json.loads(capsys.readouterr().out)}
+def test_python_judges_the_columns_that_the_command_judges(tmp_path, rates):
+    frame, path = pd.DataFrame(COLUMNS), tmp_path / "t.csv"
+    frame.to_csv(path)
+    told = {column["name"]: column["verdict"] for column in json.loads(rates(path, "--at-least 0.9 --json"))}
     assert told == {"L2": "holds", "p": "holds"}
-    for table in (COLUMNS, pd.DataFrame(COLUMNS), pd.read_csv(tmp_path / "t.csv")):
+    for table in (COLUMNS, frame, pd.read_csv(path)):
         assert {name: result.verdict for name, result in check_orders("h", table, at_least=0.9).items()} == told
 
 
 @pytest.mark.parametrize(("bound", "code"), [("2e-2", 0), ("1e-2", 1), ("L2=2e-2", 0)])
 def test_the_error_on_the_finest_mesh_is_bounded(bound, code, rates):
-    for order in ([], ["--expected", "2"]):
-        rates("h,L2\n.5,1\n.25,.25\n.125,.0625\n.0625,.0156\n", "--max-error", bound, *order, code=code)
+    for order in ("", "--expected 2"):
+        rates("h,L2\n.5,1\n.25,.25\n.125,.0625\n.0625,.0156\n", f"--max-error {bound} {order}", code)
     assert "0.0156" in observed_orders([4, 2, 1], [1, 0.1, 0.0156], max_error=0.01).conclusion
 
 

@@ -41,12 +41,16 @@ def test_on_irregular_meshes_a_low_order_of_the_pressure_is_a_missed_prediction_
 @pytest.mark.parametrize(
     ("column", "value", "key"),
     [
-        *(("pressure", value, "order-pressure") for value in (0.2, 1 / LEVELS**0.8, 1 / LEVELS**2.3)),
-        *(("dual", value, "order-dual-superclose") for value in (0.2, 1 / LEVELS**1.2)),
-        ("resultant", 1 / LEVELS**0.9, "order-resultant"),
+        ("pressure", 0.2, "order-pressure"),
+        ("pressure", LEVELS**-0.8, "order-pressure"),
+        ("pressure", LEVELS**-2.3, "order-pressure"),
+        ("dual", 0.2, "order-dual-superclose"),
+        ("dual", LEVELS**-1.2, "order-dual-superclose"),
+        ("resultant", LEVELS**-0.9, "order-resultant"),
         ("resultant", 0.06, "resultant"),
         ("dual_time_share", 0.51, "time-share"),
-        *(("penetration", value, "penetration") for value in (1e-9, np.nan)),
+        ("penetration", 1e-9, "penetration"),
+        ("penetration", np.nan, "penetration"),
         ("pulling", 1e-9, "pulling"),
     ],
 )

@@ -39,7 +39,7 @@ def test_a_cell_is_as_deep_as_the_thinnest_contact_data_in_it_and_other_cells_ha
     first, second = (float(face.part.start[0] + face.part.measure / 2) for face in solution.faces[:2])
     ends = first, first, second, (first + second) / 2
     low = 0.0, 2.0**-5, 2.0**-6 - 1e-9, 0.0
-    corners = np.array([[[x, x + 0.01, x] for x in ends], [[y, y, y + 1e-3] for y in low]]).transpose(0, 2, 1)
+    corners = np.array([ends, low])[:, None] + np.array([[0, 0.01, 0], [0, 0, 1e-3]])[..., None]
     depths = least_depth(solution, corners)
     assert depths[[0, 2]] == pytest.approx([2.0**-5, 2.0**-6])
     assert depths[1] == np.inf
@@ -73,17 +73,21 @@ def test_no_pressure_and_no_gap_exceed_the_bound_on_an_edge_and_some_are_not_sma
     assert 0.02 < max(supremum(touching, rho) for touching in contact_sets()) <= 1
 
 
-def verdict_of(verdicts, key):
-    return {verdict.verdict for verdict in verdicts if verdict.key == key}
+def verdicts(statement, rows):
+    """Key ↦ all verdicts with this key."""
+    found = {}
+    for verdict in statement.judge(rows):
+        found.setdefault(verdict.key, set()).add(verdict.verdict)
+    return found
 
 
 def test_the_work_on_every_edge_is_within_its_bound_unless_there_is_pressure_off_the_contact_zone(monkeypatch):
     """A constant is added to the pressure: the seminorm does not see it."""
     settings, stated = grid(("merging-patches",), (GRID,), (16, 32)), FaceFields.stated_pressure
-    assert {verdict.verdict for verdict in EdgeWork().judge(measured(EdgeWork(), settings))} == {HOLDS}
+    assert set().union(*verdicts(EdgeWork(), measured(EdgeWork(), settings)).values()) == {HOLDS}
     monkeypatch.setattr(FaceFields, "stated_pressure", lambda self, time: np.asarray(stated(self, time) + 1e4))
-    verdicts = EdgeWork().judge(measured(EdgeWork(), settings[1:]))
-    assert FAILS in verdict_of(verdicts, "solution") & verdict_of(verdicts, "constant")
+    found = verdicts(EdgeWork(), measured(EdgeWork(), settings[1:]))
+    assert FAILS in found["solution"] & found["constant"]
 
 
 @pytest.mark.parametrize(
@@ -97,34 +101,32 @@ def test_the_work_on_every_edge_is_within_its_bound_unless_there_is_pressure_off
 )
 def test_every_row_about_edges_can_fail(quantities, value, key):
     numbers = {WORK: 0.5, OF_ALL: 0.5, OVERALL: 0.1, **dict.fromkeys(BRANCHES, 3)}
-    right = invented(numbers, (16,))
-    assert verdict_of(EdgeWork().judge(right), key) == {HOLDS}
-    wrong = right.assign(value=right["value"].where(~right["quantity"].isin(quantities), value))
-    assert verdict_of(EdgeWork().judge(wrong), key) == {FAILS}
+    wrong = numbers | dict.fromkeys(quantities, value)
+    assert [verdicts(EdgeWork(), invented(rows, (16,)))[key] for rows in (numbers, wrong)] == [{HOLDS}, {FAILS}]
 
 
 def work_rows(work, spread=0.5):
     """Rows with h = 1/n, an error of order 1 and work as given."""
-    levels = np.array([16, 32, 64, 128])
-    works = [work(n) for n in levels.tolist()]
-    numbers = {"work": works, "mean work": works, "spread": levels**-spread, "error": 3 / levels, "excess": 1 / levels}
-    return pd.concat([invented(numbers, levels.tolist(), case="trains", family=f) for f in (GRID, "shaken")])
+    levels = 16, 32, 64, 128
+    n = np.array(levels, dtype=float)
+    numbers = {"work": work(n), "mean work": work(n), "spread": n**-spread, "error": 3 / n, "excess": 1 / n}
+    return pd.concat([invented(numbers, levels, case="trains", family=family) for family in (GRID, "shaken")])
 
 
 def test_work_of_order_one_holds_and_is_reported_on_irregular_meshes_and_too_few_levels_decide_nothing():
     rows = work_rows(lambda n: 1 / n)
-    verdicts = WorkOfContact().judge(rows)
-    assert verdict_of(verdicts, "order") == verdict_of(verdicts, "spread") == verdict_of(verdicts, "share") == {HOLDS}
-    assert verdict_of(verdicts, "order-irregular") == verdict_of(verdicts, "excess") == {REPORTED}
-    assert verdict_of(WorkOfContact().judge(rows[rows["level"] <= 32]), "order") == {UNDECIDED}
+    found = verdicts(WorkOfContact(), rows)
+    assert found["order"] == found["spread"] == found["share"] == {HOLDS}
+    assert found["order-irregular"] == found["excess"] == {REPORTED}
+    assert verdicts(WorkOfContact(), rows[rows["level"] <= 32])["order"] == {UNDECIDED}
 
 
 def test_work_of_another_order_a_spread_that_stays_and_work_that_cannot_be_seen_fail():
     for order in (0.8, 1.5):
-        verdicts = WorkOfContact().judge(work_rows(lambda n, order=order: float(n) ** -order))
-        assert verdict_of(verdicts, "order") == verdict_of(verdicts, "order-mean") == {FAILS}
-    verdicts = WorkOfContact().judge(work_rows(lambda n: 0.01 / n, spread=0.0))
-    assert verdict_of(verdicts, "spread") == verdict_of(verdicts, "share") == {FAILS}
+        found = verdicts(WorkOfContact(), work_rows(lambda n, order=order: n**-order))
+        assert found["order"] == found["order-mean"] == {FAILS}
+    found = verdicts(WorkOfContact(), work_rows(lambda n: 0.01 / n, spread=0.0))
+    assert found["spread"] == found["share"] == {FAILS}
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import pytest
+from costly_cases import slow_unless
 from measured_rows import quick_rows, verdicts
 
 from study.ledger.files import UsageError
@@ -17,23 +18,17 @@ from study.statements.uniqueness import OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence, Korn
 
 EVOLUTION = OneTrajectory(), BoundedVelocity(), Dependence(), NaturalConditions(), ErrorBounds()
-STATEMENTS = (Korn(), InterpolationInV(), InterpolationOnContact(), *EVOLUTION)
-ORDERS_AND_CHANGES = Korn(), InterpolationInV(), InterpolationOnContact(), NaturalConditions(), ErrorBounds()
-"""Statements about orders, and changes under refinement."""
-DEAR = {
-    *(InterpolationInV(), InterpolationOnContact(), BoundedVelocity(), Dependence(), ErrorBounds()),
-    NaturalConditions(),
-}
-"""Statements whose quick settings take more than a second."""
+STATIC = Korn(), InterpolationInV(), InterpolationOnContact()
+QUICK = Korn, OneTrajectory
+"""Statements whose quick settings take less than a second."""
 
 
-def each(statements, dear=DEAR):
-    marks = {statement: [pytest.mark.slow] if statement in dear else [] for statement in statements}
-    items = [pytest.param(one, id=type(one).__name__, marks=marks[one]) for one in statements]
+def each(*statements):
+    items = [slow_unless(isinstance(one, QUICK), one, id=type(one).__name__) for one in statements]
     return pytest.mark.parametrize("statement", items)
 
 
-@each(STATEMENTS)
+@each(*STATIC, *EVOLUTION)
 def test_two_cases_of_the_quick_settings_hold_and_each_case_is_judged_by_its_own_rows(statement):
     """The quick study has them all."""
     rows = quick_rows(statement)
@@ -47,7 +42,7 @@ def test_two_cases_of_the_quick_settings_hold_and_each_case_is_judged_by_its_own
     assert statement.judge(rows.iloc[:0]) == []
 
 
-@each(ORDERS_AND_CHANGES)
+@each(*STATIC, NaturalConditions(), ErrorBounds())
 def test_one_level_decides_neither_orders_nor_changes(statement):
     rows = quick_rows(statement)
     found = verdicts(statement, rows[rows["level"] == rows["level"].min()]).values()
@@ -55,7 +50,7 @@ def test_one_level_decides_neither_orders_nor_changes(statement):
     assert FAILS not in found
 
 
-@each(EVOLUTION)
+@each(*EVOLUTION)
 def test_every_judged_row_can_fail_and_without_a_quantity_its_row_is_undecided(statement):
     rows = quick_rows(statement)
     for wrong in (math.nan, 5.0 * rows["level"] ** 3):

@@ -4,10 +4,9 @@ from dataclasses import replace
 from itertools import count
 
 import numpy as np
-import pandas as pd
 import pytest
 import scipy.sparse as sps
-from measured_rows import verdicts
+from measured_rows import measured, verdicts
 
 from manufactured.natural_motion import NAME
 from study.fem.space import form
@@ -16,18 +15,12 @@ from study.solve.evolution import SemiDiscrete
 from study.solve.signorini import Signorini
 from study.statements import moving_fronts
 from study.statements.moving_fronts import AdvancingFront, HalfDerivative, NodalErrors
-from study.statements.shared.base import Setting
+from study.statements.shared.base import Setting, grid
 
 
-def rows(statement, settings, change=lambda setup: setup):
-    """The rows that a statement measures if its setups are changed."""
-    return pd.DataFrame(
-        [
-            row
-            for setting in settings
-            for _, row in statement.records(setting, statement.measure(change(statement.setup(setting))))
-        ]
-    )
+def found(statement, *levels, case=NAME, families=("one-diagonal",)):
+    """Key ↦ verdict on what a statement measures."""
+    return verdicts(statement, measured(statement, grid((case,), families, levels)))
 
 
 def every_second_step(S, N):
@@ -40,16 +33,17 @@ def every_second_step(S, N):
     return solve
 
 
-def test_velocities_without_half_a_derivative_are_noticed():
-    """They jump back and forth in a body that is held by its foundation in every second step only."""
+class Bouncing(HalfDerivative):
+    """The body is held by its foundation in every second step only, so that its velocity jumps back and forth."""
 
-    def bouncing(setup):
-        return replace(setup, solved=replace(setup.problem, solver=every_second_step))
+    def setup(self, setting):
+        right = super().setup(setting)
+        return replace(right, solved=replace(right.problem, solver=every_second_step))
 
-    statement = HalfDerivative()
-    settings = [Setting("full-contact", "one-diagonal", n) for n in (4, 8, 16)]
-    assert set(verdicts(statement, rows(statement, settings)).values()) == {HOLDS}
-    assert set(verdicts(statement, rows(statement, settings, bouncing)).values()) == {FAILS}
+
+@pytest.mark.parametrize(("statement", "verdict"), [(HalfDerivative(), HOLDS), (Bouncing(), FAILS)])
+def test_velocities_without_half_a_derivative_are_noticed(statement, verdict):
+    assert set(found(statement, 4, 8, 16, case="full-contact").values()) == {verdict}
 
 
 def test_the_quotient_of_a_velocity_that_jumps_once_is_known():
@@ -66,19 +60,16 @@ def test_the_quotient_of_a_velocity_that_jumps_once_is_known():
 
 
 def test_nodal_errors_of_a_projection_in_another_norm_are_noticed(monkeypatch):
-    statement, settings = NodalErrors(), [Setting(NAME, "one-diagonal", 16)]
-    assert verdicts(statement, rows(statement, settings)) == {"constant": HOLDS}
+    assert found(NodalErrors(), 16) == {"constant": HOLDS}
     monkeypatch.setattr(moving_fronts, "form", lambda space, tensor: form(space, tensor) / 4)
-    assert verdicts(statement, rows(statement, settings)) == {"constant": FAILS}
+    assert found(NodalErrors(), 16) == {"constant": FAILS}
 
 
 def test_with_one_diagonal_the_nodal_errors_have_one_sign_and_shaken_meshes_are_needed_for_both():
     """The fault is a family of shaken meshes whose vertices do not move."""
-    statement = NodalErrors()
-    settings = [Setting(NAME, family, 32) for family in ("shaken", "shaken-1")]
-    assert verdicts(statement, rows(statement, settings))["sign"] == HOLDS
-    plain = rows(statement, [Setting(NAME, "one-diagonal", 32)]).assign(family="shaken")
-    assert verdicts(statement, plain)["sign"] == FAILS
+    assert found(NodalErrors(), 32, families=("shaken", "shaken-1"))["sign"] == HOLDS
+    plain = measured(NodalErrors(), [Setting(NAME, "one-diagonal", 32)]).assign(family="shaken")
+    assert verdicts(NodalErrors(), plain)["sign"] == FAILS
 
 
 @pytest.mark.slow
@@ -92,7 +83,6 @@ def test_with_one_diagonal_the_nodal_errors_have_one_sign_and_shaken_meshes_are_
 )
 def test_at_an_advancing_front_a_wrong_normal_or_a_front_at_rest_is_noticed(monkeypatch, name, wrong, key):
     monkeypatch.setattr(moving_fronts, "FROM", 8)
-    statement, settings = AdvancingFront(), [Setting(NAME, "one-diagonal", n) for n in (8, 16)]
-    assert verdicts(statement, rows(statement, settings))[key] == HOLDS
+    assert found(AdvancingFront(), 8, 16)[key] == HOLDS
     monkeypatch.setattr(moving_fronts, name, wrong)
-    assert verdicts(statement, rows(statement, settings))[key] == FAILS
+    assert found(AdvancingFront(), 8, 16)[key] == FAILS

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from costly_cases import slow
+from measured_rows import verdicts
 
-from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.verdict import FAILS, HOLDS
@@ -18,12 +19,12 @@ from study.statements.prop_5_4 import RATES, measure
 from study.statements.shared.base import Experiment, Setting
 
 
-def measured(solution, n=8):
-    return measure(Experiment.of(solution, OneDiagonal(), n, MIDPOINT, 8))
+def measured(name, n=8):
+    return measure(Experiment.at(Setting(name, "one-diagonal", n), MIDPOINT, 8))
 
 
 def test_u_h_on_the_clamped_part_is_relative_to_its_largest_value(monkeypatch):
-    found = measured(resolve("no-contact").solution, 4)
+    found = measured("no-contact", 4)
     assert found.clamped() == 0
     inside, off = Space.nodal, np.array([[0.3], [0.4]])
     largest = np.linalg.norm(found.experiment.space.nodal(found.worst.u) + off, axis=0).max()
@@ -31,12 +32,10 @@ def test_u_h_on_the_clamped_part_is_relative_to_its_largest_value(monkeypatch):
     assert found.clamped() == pytest.approx(0.5 / largest)
 
 
-@pytest.mark.parametrize(
-    "name", ["no-contact", "advance-recede", "heterogeneous", pytest.param("cube-disc", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("name", ["no-contact", "advance-recede", "heterogeneous", slow("cube-disc")])
 def test_the_parallelogram_law_fails_if_u_minus_its_interpolant_is_recorded_as_the_error_alone(name):
     """Also where the largest error is the error of the start, which both share."""
-    found = measured(resolve(name).solution)
+    found = measured(name)
     time, _, interpolation, *others = found.history
     assert found.parallelogram() <= 1e-11
     assert replace(found, history=np.array([time, interpolation, interpolation, *others])).parallelogram() >= 0.5
@@ -44,7 +43,7 @@ def test_the_parallelogram_law_fails_if_u_minus_its_interpolant_is_recorded_as_t
 
 @pytest.mark.parametrize("name", ["travelling-patch", "advance-recede"])
 def test_the_quadrature_is_refined_for_the_state_with_the_largest_error(name):
-    found = measured(resolve(name).solution)
+    found = measured(name)
     times, errors, *_ = found.history
     assert found.worst.time == times[errors.argmax()]
 
@@ -53,10 +52,10 @@ def test_the_quadrature_is_refined_for_the_state_with_the_largest_error(name):
 
 
 def recomputed(tables):
-    return {verdict.key: verdict.verdict for verdict in Recomputed().judge(joined(Recomputed(), tables))}
+    return verdicts(Recomputed(), joined(Recomputed(), tables))
 
 
-@pytest.mark.parametrize("case", ["yield-and-release", "natural-front", pytest.param("corner", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("case", ["yield-and-release", "natural-front", slow("corner")])
 def test_both_ways_agree_and_a_reported_size_that_is_missing_or_wrong_by_a_factor_is_caught(case):
     known, place = resolve(case), Setting(case, "one-diagonal", 8)
     setup = Experiment.at(place, MIDPOINT, rate_steps(known.solution.body.T, place.level, known.pace))

@@ -1,13 +1,12 @@
 """Other people's codes have our errors; one that has others, that was copied or left out is noticed."""
 
-from collections.abc import Callable
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
+from costly_cases import slow
 from measured_rows import measured
+from places import RESULTS
 
 from manufactured.body import Kind
 from manufactured.tensors import full
@@ -20,11 +19,7 @@ from study.statements.other_solvers import PEERS, THIS_STUDY, OtherCodes
 from study.statements.shared.base import LISTED, grid
 from study.statements.shared.tasks import Task
 
-RESULTS = Path(__file__).parents[2] / "results"
-
-
 OTHERS = OtherCodes.joined_file
-Change = Callable[[pd.DataFrame], pd.DataFrame]
 
 
 @lru_cache
@@ -34,13 +29,19 @@ def ours():
     return measured(OtherCodes(), settings)
 
 
-def judged(change=lambda table: table):
-    tables = {LISTED: ours(), OTHERS: change(OTHERS.read(RESULTS))}
+@pytest.fixture
+def others():
+    """The committed errors of other codes."""
+    return OTHERS.read(RESULTS)
+
+
+def judged(others):
+    tables = {LISTED: ours(), OTHERS: others}
     return {verdict.key: verdict for verdict in OtherCodes().judge(joined(OtherCodes(), tables))}
 
 
-def verdicts(change=lambda table: table):
-    return {key: verdict.verdict for key, verdict in judged(change).items()}
+def verdicts(others):
+    return {key: verdict.verdict for key, verdict in judged(others).items()}
 
 
 def of(table, code, variant):
@@ -77,7 +78,7 @@ def test_resultants_of_a_task_are_what_vertices_carry_of_the_exact_pressure(name
     [
         ("corner", OneDiagonal(), 4),
         ("hexagon", Unstructured(), 4),
-        pytest.param("cube-two-faces", OneDiagonal(), 3, marks=pytest.mark.slow),
+        slow("cube-two-faces", OneDiagonal(), 3),
     ],
 )
 def test_tractions_of_a_task_are_stresses_at_the_vertices_of_each_facet_times_the_normal(name, family, level):
@@ -92,43 +93,34 @@ def test_tractions_of_a_task_are_stresses_at_the_vertices_of_each_facet_times_th
             np.testing.assert_allclose(found, expected.T, rtol=1e-9, atol=1e-9 * abs(stress).max())
 
 
-def test_errors_of_other_codes_are_ours():
-    assert verdicts() == EVERY
+def test_errors_of_other_codes_are_ours(others):
+    assert verdicts(others) == EVERY
 
 
 @pytest.mark.parametrize("mode", [FROZEN, MARCH])
 @pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)
-def test_an_error_that_is_another_turns_the_row_of_its_code_to_fails(peer, mode):
-    def change(table):
-        found = table.copy()
-        found.loc[one(table, peer, mode), "error"] *= 1 + 3 * peer.window.high
-        return found
-
-    assert verdicts(change) == EVERY | {peer.key: FAILS}
+def test_an_error_that_is_another_turns_the_row_of_its_code_to_fails(peer, mode, others):
+    others.loc[one(others, peer, mode), "error"] *= 1 + 3 * peer.window.high
+    assert verdicts(others) == EVERY | {peer.key: FAILS}
 
 
 @pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)
-def test_a_column_that_was_copied_is_noticed(peer):
+def test_a_column_that_was_copied_is_noticed(peer, others):
     """From this study to the code, on all meshes that both have."""
-
-    def change(table):
-        found, place = table.copy(), [*MESH_KEY, "mode"]
-        source = table[of(table, *THIS_STUDY)].set_index(place)["distance"]
-        chosen = of(table, peer.code, peer.variant) & (table["class"] != NOT_EXPRESSED)
-        found.loc[chosen, "distance"] = [source[names] for names in table.loc[chosen, place].itertuples(index=False)]
-        return found
-
-    found = judged(change)
-    assert found["own-digits"].observed == 1
-    assert {key: one.verdict for key, one in found.items()} == EVERY | {"own-digits": FAILS}
+    place = [*MESH_KEY, "mode"]
+    source = others[of(others, *THIS_STUDY)].set_index(place)["distance"]
+    chosen = of(others, peer.code, peer.variant) & (others["class"] != NOT_EXPRESSED)
+    others.loc[chosen, "distance"] = [source[names] for names in others.loc[chosen, place].itertuples(index=False)]
+    assert judged(others)["own-digits"].observed == 1
+    assert verdicts(others) == EVERY | {"own-digits": FAILS}
 
 
 @pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)
-def test_a_mesh_or_a_code_that_is_left_out_without_a_reason_leaves_its_row_undecided(peer):
-    without = judged(lambda table: table.drop(index=one(table, peer)))[peer.key]
+def test_a_mesh_or_a_code_that_is_left_out_without_a_reason_leaves_its_row_undecided(peer, others):
+    without = judged(others.drop(index=one(others, peer)))[peer.key]
     assert without.verdict == UNDECIDED
     assert "1 problems lack an error" in without.expected
-    gone = judged(lambda table: table[~of(table, peer.code, peer.variant)])[peer.key]
+    gone = judged(others[~of(others, peer.code, peer.variant)])[peer.key]
     assert (gone.verdict, np.isnan(gone.observed)) == (UNDECIDED, True)
 
 
