@@ -165,7 +165,7 @@ def family_styles(names: Iterable[str]) -> dict[str, Style]:
 
 def column_width() -> float:
     """Return the width of a column of text in inches, which is the width ``figure.figsize`` in the style."""
-    return float(rcParams["figure.figsize"][0])
+    return rcParams["figure.figsize"][0]
 
 
 def page_width() -> float:
@@ -179,7 +179,7 @@ def is_slide() -> bool:
     All figures for slides have this size, and their legends are on the right.
     """
     width, height = rcParams["figure.figsize"]
-    return bool(width > 1.5 * height)
+    return width > 1.5 * height
 
 
 def legend(figure: Figure, handles: Sequence[Artist], columns: int, side: str = "lower", *, wide: bool = False) -> None:

@@ -53,7 +53,7 @@ def rates_text(directory: Path) -> str:
             _rates_row(series, predicted, schemes, (words[2] + 1) // 5)
             for _, series in of_claim.groupby(SERIES, sort=False)
         ]
-        lines += [str(claim), _aligned(head, rows, widths, numbers=slice(2, 7)), ""]
+        lines += [claim, _aligned(head, rows, widths, numbers=slice(2, 7)), ""]
     return "\n".join(lines)
 
 
@@ -93,10 +93,11 @@ def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
     few = claims["case"].nunique() <= FEW_CASES
     for verdict in (*([REPORTED] if few else []), MISSED, UNDECIDED, FAILS):
         for _, row in claims[claims["verdict"] == verdict].iterrows():
-            expected, _, why = str(row["expected"]).partition(BECAUSE)
-            observed = observed_text(*(float(row[name]) for name in ("observed", "low", "high")))
-            values = {"where": (row["label"], row["case"]), "expected": expected, "why": why, "observed": observed}
-            lines += _wrapped(printed("check", row=row, **values), indent="    ")
+            expected, _, why = row["expected"].partition(BECAUSE)
+            observed = observed_text(row["observed"], row["low"], row["high"])
+            where = row["label"], row["case"]
+            text = printed("check", row=row, where=where, expected=expected, why=why, observed=observed)
+            lines += _wrapped(text, indent="    ")
     count, kinds = count_verdicts(claims), count_kinds(claims)
     lines += _wrapped(printed("counts", total=len(claims), count=count))
     lines += _wrapped(printed("kinds", kinds=kinds)) if count[HOLDS] else []
@@ -130,8 +131,8 @@ def write_junit(path: Path, verdicts: list[Verdict]) -> None:
     """
     suite = ElementTree.Element("testsuite", name="ledger", tests=str(len(verdicts)))
     for verdict in verdicts:
-        names = {"classname": f"{verdict.label}.{verdict.case}", "name": verdict.quantity}
-        case = ElementTree.SubElement(suite, "testcase", names)
+        name = f"{verdict.label}.{verdict.case}"
+        case = ElementTree.SubElement(suite, "testcase", classname=name, name=verdict.quantity)
         if verdict.verdict != HOLDS:
             observed = observed_text(verdict.observed, verdict.low, verdict.high)
             message = f"expected {verdict.expected}, observed {observed}"
@@ -163,13 +164,13 @@ def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bo
     finest = series.iloc[-1]
     orders = [f"{order:.2f}" for order in series["order"].dropna()]
     return [
-        str(finest["case"]),
-        f"{finest['family']}, {finest['scheme']}" if schemes else str(finest["family"]),
+        finest["case"],
+        f"{finest['family']}, {finest['scheme']}" if schemes else finest["family"],
         str(finest["level"]),
         significant(finest["error"]),
         "" if pd.isna(finest["discrete_order"]) else f"{finest['discrete_order']:.2f}",
         f"{100 * series['time_share'].max():.2f}",
-        f"{predicted[str(finest['case'])]:.3g}",
+        f"{predicted[finest['case']]:.3g}",
         " ".join(["…"] * (len(orders) > shown) + orders[-shown:]),
     ]
 

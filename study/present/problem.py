@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -14,7 +13,17 @@ from matplotlib.tri import Triangulation
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, VERMILLION
 from study.present.body import GAP_STYLE, magnification
-from study.present.drawing import FOUNDATION, FOUNDATION_EDGE, RAMPS, Drawing, caption, column_width, entry, legend
+from study.present.drawing import (
+    FOUNDATION,
+    FOUNDATION_EDGE,
+    RAMPS,
+    Drawing,
+    Style,
+    caption,
+    column_width,
+    entry,
+    legend,
+)
 from study.present.picture import Array
 
 BAND = 0.05
@@ -83,7 +92,7 @@ class ProblemPicture:
     @property
     def size(self) -> float:
         """The longest side of the box around the body."""
-        return float(np.ptp(self.corners, axis=1).max())
+        return np.ptp(self.corners, axis=1).max()
 
     @property
     def factor(self) -> float:
@@ -133,7 +142,7 @@ def _draw_map(vertices: Array, cells: Array, squares: Array) -> Figure:
 def _axes(points: Array) -> tuple[Figure, Axes]:
     """Return a figure whose shape fits points of the plane, (2, n), and its axes."""
     wide, high = np.ptp(points, axis=1)
-    shape = float(np.clip(high / wide, 0.4, 1.4))
+    shape = np.clip(high / wide, 0.4, 1.4)
     figure = Figure(figsize=(1.4 * column_width(), 1.4 * column_width() * shape + 0.5), layout="constrained")
     axes = figure.subplots()
     axes.set_aspect("equal")
@@ -166,7 +175,7 @@ def draw_problem(picture: ProblemPicture) -> Figure:
     return figure
 
 
-RIM: dict[str, Any] = {"edgecolor": FOUNDATION_EDGE, "linewidth": 0.4}
+RIM: Style = {"edgecolor": FOUNDATION_EDGE, "linewidth": 0.4}
 BANDS = {
     "CLAMPED": RIM | {"hatch": "/////", "facecolor": "white"},
     "CONTACT": RIM | {"facecolor": FOUNDATION},
@@ -190,7 +199,7 @@ def _draw_side(axes: Axes, side: Side, number: int, size: float) -> None:
 
 def _draw_loads(axes: Axes, picture: ProblemPicture) -> None:
     """Draw tractions as arrows with the size of the largest arrow on each side, and the force on the volume."""
-    sizes = [float(np.linalg.norm(side.traction, axis=0).max(initial=0.0)) for side in picture.sides]
+    sizes = [np.linalg.norm(side.traction, axis=0).max(initial=0.0) for side in picture.sides]
     style = {"color": VERMILLION, "arrowstyle": "-|>", "lw": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 7}
     for side, largest in zip(picture.sides, sizes, strict=True):
         if largest == 0:
@@ -207,7 +216,7 @@ def _draw_loads(axes: Axes, picture: ProblemPicture) -> None:
         top = np.argmax((lengths >= 0.99 * largest) * (1 - np.linspace(-0.5, 0.5, len(lengths)) ** 2))
         far = starts[:, top] if pushes[top] else (starts + arrows)[:, top]
         _label(axes, far + BAND * picture.size * side.normal, f"{largest:.3g}")
-    weight = float(np.linalg.norm(picture.force))
+    weight = np.linalg.norm(picture.force)
     if weight:
         arrow = ARROW / 2 * picture.size / weight * picture.force
         axes.annotate("", tuple(picture.middle + arrow), tuple(picture.middle), arrowprops=style, zorder=5)
@@ -232,13 +241,11 @@ def draw_sketch() -> Figure:
     gap = 0.28 * np.maximum(s - front, 0) ** 2
     outline = np.vstack([np.column_stack([s, gap]), [[wide, high], [0, high]]])
     axes.add_patch(Polygon(outline, facecolor=RAMPS["stress"][0], edgecolor=BLACK, linewidth=0.8))
-    clamp: dict[str, Any] = {"facecolor": "none", "edgecolor": DARK, "linewidth": 0, "hatch": "/////"}
-    axes.add_patch(Rectangle((0, high), wide, 0.05, **clamp))
+    axes.add_patch(Rectangle((0, high), wide, 0.05, facecolor="none", edgecolor=DARK, linewidth=0, hatch="/////"))
     axes.plot([0, wide], [high, high], color=DARK, lw=1.6)
     axes.plot(s, gap, color=BLUE, lw=1.6)
 
-    ground: dict[str, Any] = {"facecolor": FOUNDATION, "edgecolor": "none", "zorder": 0.5}
-    axes.add_patch(Rectangle((-0.12, -0.09), wide + 0.24, 0.09, **ground))
+    axes.add_patch(Rectangle((-0.12, -0.09), wide + 0.24, 0.09, facecolor=FOUNDATION, edgecolor="none", zorder=0.5))
     axes.plot([-0.12, wide + 0.12], [0, 0], color=FOUNDATION_EDGE, lw=0.6, zorder=0.6)
     axes.fill_between(s, 0 * s, gap, **GAP_STYLE)
     for at in np.arange(0.06, front, 0.12):
@@ -274,5 +281,5 @@ def caption_sketch() -> str:
 
 
 def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], colour: str) -> None:
-    style: dict[str, Any] = {"arrowstyle": "-|>", "color": colour, "lw": 0.9, "mutation_scale": 6}
-    axes.annotate("", end, start, arrowprops=style | {"shrinkA": 0, "shrinkB": 0})
+    style = {"arrowstyle": "-|>", "color": colour, "lw": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 6}
+    axes.annotate("", end, start, arrowprops=style)
