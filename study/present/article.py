@@ -265,7 +265,7 @@ def enclosures(data: FullRun) -> PlainRows:
     rows = rows.groupby("case", sort=False).filter(lambda of_case: len(of_case) > 2)
     cells = rows[["case", "family", "level"]].astype(str).assign(h=rows["h"].map(three_digits))
     for name, rounding in {"lowest": down, "error": None, "highest": up, "upper": up, "lower": down}.items():
-        values = rows[name].map(rounding, digits=4).astype(float) if rounding else rows[name]
+        values = rows[name].apply(rounding, digits=4).astype(float) if rounding else rows[name]
         cells[name] = values.map("{:#.4g}".format, na_action="ignore")
     return plain_rows(cells)
 

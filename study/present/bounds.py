@@ -88,10 +88,10 @@ def adaptive_text(
     found = [f"{name}: {'max ' * in_time}{NORM[in_time]} ≤ {reached} {sign} {tolerance}, the tolerance {end}"]
     found += [*(textwrap.fill(sentence, width()) for sentence in sentences), ""]
     columns = {
-        "mesh": rows["mesh"].astype(str),
-        "  cells": rows["cells"].astype(str),
-        "unknowns": rows["dofs"].astype(str),
-        " steps": rows["steps"].astype(str) if in_time else None,
+        "mesh": rows["mesh"],
+        "  cells": rows["cells"],
+        "unknowns": rows["dofs"],
+        " steps": rows["steps"] if in_time else None,
         "     bound": [up(bound, SHOWN) for bound in rows["bound"]],
         "   % of u": percents,
         " order": ["" if math.isnan(order) else f"{order:.2f}" for order in rows["order"]],
@@ -103,7 +103,7 @@ def adaptive_text(
     return [*found, "", *notes, "order: of the bound in unknowns; 1/2 is the best possible for P1"]
 
 
-def aligned(columns: Mapping[str, Iterable[str]]) -> list[str]:
+def aligned(columns: Mapping[str, Iterable[object]]) -> list[str]:
     """Return the lines of a table whose cells are aligned on the right, below heads that are as wide as their column.
 
     Args:

@@ -553,7 +553,7 @@ def roller_rows(statements: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of ``statements.csv`` for ``draw_rollers``; all shaken meshes are one mesh family."""
     chosen = statements["label"].eq("beyond: rollers") & statements["quantity"].eq("excess")
     rows = statements[chosen & statements["case"].str.fullmatch(r"roller-\d+")]
-    return rows.assign(family=rows["family"].where(~rows["family"].str.match("shaken"), "shaken"))
+    return rows.replace({"family": {"^shaken.*": "shaken"}}, regex=True)
 
 
 def roller_means(rows: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
@@ -589,8 +589,8 @@ def draw_rollers(rows: pd.DataFrame) -> Figure:
 
 def caption_rollers(rows: pd.DataFrame) -> str:
     """Return the caption of ``draw_rollers``."""
-    means = {family: table for family, table in roller_means(rows) if len(table) > 1}
-    fits = {family: fit(table["h"].to_numpy(), table["mean"].to_numpy()) for family, table in means.items()}
+    means = roller_means(rows)
+    fits = {family: fit(table["h"].to_numpy(), table["mean"].to_numpy()) for family, table in means if len(table) > 1}
     return caption("rollers", fits=fits)
 
 

@@ -109,9 +109,13 @@ def _strays(picture: Picture, name: str) -> float:
     Returns:
         The largest value at these nodes, in per cent of the largest value on all faces; 0 if there are no such nodes.
     """
-    values = np.concatenate([getattr(face, name).ravel() for face in picture.faces])
-    strays = np.concatenate([face.outside.ravel() for face in picture.faces])
+    values, strays = _at_nodes(picture, name), _at_nodes(picture, "outside")
     return 100 * values[strays].max(initial=0.0) / (values.max(initial=0.0) or 1.0)
+
+
+def _at_nodes(picture: Picture, name: str) -> Array:
+    """Return an attribute of all contact faces, at all times and nodes, (times, nodes of all faces)."""
+    return np.hstack([getattr(face, name) for face in picture.faces])
 
 
 def _worst(picture: Picture, errors: Sequence[Array]) -> tuple[FaceHistory, float, str]:
@@ -184,25 +188,21 @@ def draw_profile(axes: Axes, face: Segment, exact: Array, computed: Array, colou
 
 def caption_profiles(picture: Picture) -> str:
     """Return the caption of ``draw_profiles``."""
-    return caption("profiles", picture=picture, **_largest_differences(picture))
+    gap, pressure = _largest_difference(picture, "gap"), _largest_difference(picture, "pressure")
+    return caption("profiles", picture=picture, gap=gap, pressure=pressure)
 
 
-def _largest_differences(picture: Picture) -> dict[str, str]:
-    """Return "gap" and "pressure" ↦ the largest error of this quantity, as text.
+def _largest_difference(picture: Picture, name: str) -> str:
+    """Return the largest error of the gap or of the pressure as text.
 
     The errors are taken at the nodes and at the times of ``picture.shown``. They are given in per cent of the largest
     exact value, unless this value is zero up to rounding.
     """
-    texts = {}
-    for name in QUANTITY_LABELS:
-        computed, exact = (
-            np.concatenate([getattr(face, attribute)[picture.shown].ravel() for face in picture.faces])
-            for attribute in (name, f"{name}_exact")
-        )
-        difference, size = abs(computed - exact).max(), abs(exact).max()
-        relative = f"{100 * difference / size:.2g} % of the largest" if size > ROUND_OFF else ""
-        texts[name] = relative or f"{difference:.1e}, the largest being 0"
-    return texts
+    computed, exact = (_at_nodes(picture, attribute)[picture.shown] for attribute in (name, f"{name}_exact"))
+    difference, size = abs(computed - exact).max(), abs(exact).max()
+    if size > ROUND_OFF:
+        return f"{100 * difference / size:.2g} % of the largest"
+    return f"{difference:.1e}, the largest being 0"
 
 
 def draw_fronts(picture: Picture) -> Figure:

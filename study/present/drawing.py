@@ -86,13 +86,18 @@ class Drawing:
     def alternative(self) -> str:
         """The text for readers who cannot see the figure: the kind of the figure, and its main point."""
         point = self.caption.partition(WHAT_TO_SEE)[2] or self.caption
-        return f"{self.summary[:1].upper()}{self.summary[1:]}. {point[:1].upper()}{point[1:]}"
+        return f"{capitalized(self.summary)}. {capitalized(point)}"
 
     @property
     def headline(self) -> str:
         """The headline of a slide: the main point of the caption up to the first semicolon or full stop."""
         point = self.caption.partition(WHAT_TO_SEE)[2]
-        return re.split(r"; |\.$|\. ", point[:1].upper() + point[1:])[0]
+        return re.split(r"; |\.$|\. ", capitalized(point))[0]
+
+
+def capitalized(text: str) -> str:
+    """Return a text with a capital first letter; the other letters are unchanged."""
+    return text[:1].upper() + text[1:]
 
 
 @dataclass(frozen=True)

@@ -101,18 +101,8 @@ def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
     count, kinds = count_verdicts(claims), count_kinds(claims)
     lines += _wrapped(printed("counts", total=len(claims), count=count))
     lines += _wrapped(printed("kinds", kinds=kinds)) if count[HOLDS] else []
-    lines += _wrapped(conclusion(count, orders))
+    lines += _wrapped(printed("conclusion", count=count, orders=orders))
     return "\n".join(lines) + "\n"
-
-
-def conclusion(count: Mapping[str, int], orders: str = "") -> str:
-    """Return one sentence that says whether a statement was contradicted.
-
-    Parameters:
-        count: verdict ↦ number of checks.
-        orders: a text on the observed orders, which is added; may be empty.
-    """
-    return printed("conclusion", count=count, orders=orders)
 
 
 def printed(name: str, **values: object) -> str:

@@ -32,7 +32,7 @@ from study.present.charts import enclosed_series, finest_orders, order_differenc
 from study.present.drawing import Drawing, Output, in_style
 from study.present.figures import figure
 from study.present.notation import counted, read_page, typeset
-from study.present.outcome import conclusion, orders_text
+from study.present.outcome import orders_text, printed
 from study.present.picture import Picture, picture_path, read_record
 from study.present.show import film_images, image_of
 from study.present.tables import Table
@@ -64,14 +64,19 @@ def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[
     judges = {label: list(statement["code"]) for label, statement in provenance.get("statements", {}).items()}
     # A statement with the code files that judge it and its checks. A label with two statements gives two groups.
     groups: list[dict[str, Any]] = [
-        {"label": label, "says": says, "counts": count_verdicts(rows), "judges": judges.get(label, [])}
-        | {"rows": rows[CHECKS].to_numpy().tolist()}
+        {
+            "label": label,
+            "says": says,
+            "counts": count_verdicts(rows),
+            "judges": judges.get(label, []),
+            "rows": rows[CHECKS].to_numpy().tolist(),
+        }
         for label, says, rows in by_claim(all_rows(directory))
     ]
-    cases = case_pages(directory, claims, rates, run_map)
+    cases, counts = case_pages(directory, claims, rates, run_map), count_verdicts(claims)
     values = {
-        "counts": count_verdicts(claims),
-        "conclusion": conclusion(count_verdicts(claims), orders_text(directory)),
+        "counts": counts,
+        "conclusion": printed("conclusion", count=counts, orders=orders_text(directory)),
         # The page opens with the 2D case that has the most contact faces.
         "shown": max(cases, key=lambda case: (case["facts"]["dimension"] == 2) * case["faces"]),
         "collapsed": svg_chart(figure("collapsed", smooth)) if len(smooth) else "",
@@ -104,7 +109,7 @@ def _files(directory: Path) -> Table:
 
 
 def case_pages(
-    directory: Path, claims: pd.DataFrame, rates: pd.DataFrame, run_map: Callable[..., Iterable[Any]] = map
+    directory: Path, claims: pd.DataFrame, rates: pd.DataFrame, run_map: Callable[..., Iterable[Any]]
 ) -> list[dict[str, Any]]:
     """Return the texts, pictures and tables of each case on the report page, in the order of ``cases.csv``.
 

@@ -129,7 +129,7 @@ def all_checks(directory: Path) -> pd.DataFrame:
     """
     claims = read_claims(directory)
     ends = claims[["low", "high"]]
-    return claims.assign(**ends.mask((ends == NOWHERE).all(axis=1)))
+    return claims.assign(**ends.mask((ends == [*NOWHERE]).all(axis=1)))
 
 
 def ledger(directory: Path) -> Table:
