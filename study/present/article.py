@@ -125,7 +125,7 @@ def accounts(data: FullRun) -> PlainRows:
         rows = data.claims if name == TOTAL else data.claims[names == name]
         count = count_verdicts(rows)
         judged = [str(count[HOLDS]), str(count[FAILS] + count[UNDECIDED])]
-        is_judged = name == TOTAL or not rows["verdict"].isin(UNCLAIMED).all()
+        is_judged = not rows["verdict"].isin(UNCLAIMED).all()
         body.append([title, str(len(rows)), *(judged if is_judged else ["–", "–"])])
     return body
 
@@ -159,14 +159,16 @@ def window_ends(row: pd.Series) -> str:
 
 def slips(data: FullRun) -> PlainRows:
     """Return the misprints in the source: place, printed text, corrected text."""
-    rows = data.claims.loc[data.claims["label"] == MISPRINTS, ["case", "quantity", "expected"]]
-    return [[str(cell).removeprefix("read: ") for cell in row] for row in rows.to_numpy()]
+    rows = data.labelled(MISPRINTS)[["case", "quantity", "expected"]]
+    return rows.replace("^read: ", "", regex=True).to_numpy().tolist()
 
 
 def faults(data: FullRun) -> PlainRows:
     """Return the deliberate faults: in how many cases they are noticed, and are invisible."""
-    rows = summary(data.faults)[["equation", "fault", "size", "cases", "errors", "any_check", "invisible"]]
-    return [[equation, fault, f"{size:g}", *map(str, counts)] for equation, fault, size, *counts in rows.to_numpy()]
+    rows = summary(data.faults)
+    rows["size"] = rows["size"].map("{:g}".format)
+    columns = ["equation", "fault", "size", "cases", "errors", "any_check", "invisible"]
+    return rows[columns].astype(str).to_numpy().tolist()
 
 
 # Tables of results
@@ -187,8 +189,8 @@ def cases_of(data: FullRun, label: str) -> pd.DataFrame:
 
 def measured(data: FullRun, label: str, key: str, *columns: str, scale: float = 1) -> pd.Series:
     """Return case ↦ the values of a check in some columns, times a scale, with two decimals."""
-    rows = data.claims[(data.claims["label"] == label) & (data.claims["key"] == key)]
-    values = scale * rows.drop_duplicates("case").set_index("case")[[*columns]]
+    rows = data.labelled(label)
+    values = scale * rows[rows["key"] == key].drop_duplicates("case").set_index("case")[[*columns]]
     return values.apply(decimals, axis=1)
 
 
@@ -245,9 +247,8 @@ def stresses(data: FullRun) -> PlainRows:
 
     There is a row for each case and mesh family, except shaken meshes.
     """
-    rows = data.claims[(data.claims["label"] == "Thm 4.2, own space") & (data.claims["family"] != "shaken")]
-    body = []
-    for (case, family), part in rows.groupby(["case", "family"], sort=False):
+    rows, body = data.labelled("Thm 4.2, own space"), []
+    for (case, family), part in rows[rows["family"] != "shaken"].groupby(["case", "family"], sort=False):
         by_key, cells = part.set_index("key"), []
         for key in ("order-stress", "order-displacement", "order-pressure", "order-primal_stress", "growth"):
             cells.append(three_digits(by_key.loc[key, "observed"]))
@@ -275,7 +276,7 @@ def discrete(data: FullRun) -> PlainRows:
 
     Undecided predictions are marked with * and wrong predictions with †.
     """
-    rows = data.claims[data.claims["label"] == "beyond: fully discrete"]
+    rows = data.labelled("beyond: fully discrete")
     orders = rows[["low", "high"]].apply(decimals, axis=1) + rows.apply(agreement, axis=1).map(MARKS)
     names = rows["key"].str.extract(f"(?P<scheme>.+)-(?P<order>{'|'.join(DISCRETE)})")
     cells = names.assign(case=rows["case"], cell=orders)

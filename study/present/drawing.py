@@ -278,8 +278,10 @@ def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> lis
         rcParams["figure.constrained_layout.use"] = False
         figure.set_layout_engine()
         # A name may contain dots (rough-1.75), so the suffix is appended, not replaced.
-        files = {suffix: directory / f"{drawing.name}.{suffix}" for suffix in output.suffixes}
-        written = [write_whole(path, partial(_save, figure, drawing, suffix)) for suffix, path in files.items()]
+        written = [
+            write_whole(directory / f"{drawing.name}.{suffix}", partial(_save, figure, drawing, suffix))
+            for suffix in output.suffixes
+        ]
     written.append(write_text(directory / f"{drawing.name}.txt", caption_text(drawing)))
     if (table := drawing.table()) is not None:
         written.append(write_text(directory / f"{drawing.name}.csv", table.to_csv(index=False)))

@@ -135,8 +135,10 @@ def write_junit(path: Path, verdicts: list[Verdict]) -> None:
 
 def observed_text(observed: float, low: float, high: float) -> str:
     """Return an observed value with its range as text; if one end is infinite, the other end as a bound."""
-    if math.isnan(observed) or (math.isinf(low) and math.isinf(high)):
-        return "no number" if math.isnan(observed) else cell(observed)
+    if math.isnan(observed):
+        return "no number"
+    if math.isinf(low) and math.isinf(high):
+        return cell(observed)
     if math.isinf(low):
         return f"at most {cell(high)}"
     return f"at least {cell(low)}" if math.isinf(high) else f"{cell(observed)} in [{cell(low)}, {cell(high)}]"

@@ -254,8 +254,8 @@ def statements(data: FullRun) -> str:
     lines, shown = [], TEXTS["shown"]
     for label, claim, rows in by_claim(data.claims[~data.claims["label"].isin((MISPRINTS, NOT_TESTED, NO_ROW))]):
         where = data.provenance["statements"][label]
-        here = [path for path in (MOVED.get(path, path) for path in where["code"]) if (REPOSITORY / path).is_file()]
-        code = next(iter(here), "study/run/provenance.py")
+        moved = (MOVED.get(path, path) for path in where["code"])
+        code = next((path for path in moved if (REPOSITORY / path).is_file()), "study/run/provenance.py")
         cases = rows["case"].unique()
         more = f" and {len(cases) - 1} more" if len(cases) > 1 else ""
         command = TEXTS["commands"].get(label, "make study").format(cases[0])

@@ -108,8 +108,9 @@ class Segment(FaceHistory):
         appear, vanish, merge or split there, the zone at the nearer time is returned.
         """
         late = max(1, int(np.searchsorted(self.zone_times, time)))
-        before, after = self.zone[late - 1], self.zone[late]
-        share = (time - self.zone_times[late - 1]) / (self.zone_times[late] - self.zone_times[late - 1])
+        before, after = self.zone[late - 1 : late + 1]
+        start, end = self.zone_times[late - 1 : late + 1]
+        share = (time - start) / (end - start)
         if len(before) != len(after):
             return before if share < 0.5 else after
         ends = (1 - share) * np.array(before) + share * np.array(after)

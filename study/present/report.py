@@ -61,14 +61,14 @@ def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[
     """
     claims, rates = read_claims(directory), read_rates(directory)
     smooth, predicted = rates[rates["claim"] == "Prop. 5.4"], expected_orders(directory, rates)
-    judges = {label: list(statement["code"]) for label, statement in provenance.get("statements", {}).items()}
+    statements = provenance.get("statements", {})
     # A statement with the code files that judge it and its checks. A label with two statements gives two groups.
     groups: list[dict[str, Any]] = [
         {
             "label": label,
             "says": says,
             "counts": count_verdicts(rows),
-            "judges": judges.get(label, []),
+            "judges": statements.get(label, {"code": []})["code"],
             "rows": rows[CHECKS].to_numpy().tolist(),
         }
         for label, says, rows in by_claim(all_rows(directory))
@@ -99,12 +99,10 @@ def all_rows(directory: Path) -> pd.DataFrame:
 def _files(directory: Path) -> Table:
     """Return the table of the data files from which the page is made, with their sizes and SHA-256 checksums."""
     data = directory / "data"
-    paths = sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json.gz")])
-    contents = {path.relative_to(data).as_posix(): path.read_bytes() for path in paths}
-    rows = [
-        {"file": name, "size": significant(len(content) / 1000), "sha": sha256(content).hexdigest()}
-        for name, content in contents.items()
-    ]
+    rows = []
+    for path in sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json.gz")]):
+        name, content = path.relative_to(data).as_posix(), path.read_bytes()
+        rows.append({"file": name, "size": significant(len(content) / 1000), "sha": sha256(content).hexdigest()})
     return Table.of("files", pd.DataFrame(rows), grouped=0)
 
 

@@ -171,13 +171,18 @@ class FullRun:
         is_full = made.get("plan") == "full" and set(cases["case"]) >= NAMED_CASES
         return cls(directory, made, cases) if is_full else None
 
+    def labelled(self, label: str) -> pd.DataFrame:
+        """Return the rows of the ledger with a label."""
+        return self.claims[self.claims["label"] == label]
+
     def checks(self, label: str, *keys: str, case: str = "") -> pd.DataFrame:
         """Return the rows of the ledger with a label and one of the keys, of all cases or of one case.
 
         Raises:
             DataError: there is no row for one of the keys.
         """
-        chosen = self.claims[(self.claims["label"] == label) & self.claims["key"].isin(keys)]
+        chosen = self.labelled(label)
+        chosen = chosen[chosen["key"].isin(keys)]
         chosen = chosen[chosen["case"] == case] if case else chosen
         if lacking := sorted(set(keys) - set(chosen["key"])):
             raise DataError(
@@ -191,13 +196,12 @@ def context(data: FullRun) -> dict[str, Any]:
     """Return the names that templates use: the tables of a full run, its checks, and what is counted in them."""
     counts = data.claims.apply(evidence, axis=1).value_counts()
     orders = data.checks("(5.36)", "order")
-    discrete = data.claims[data.claims["label"] == "beyond: fully discrete"]
     return vars(data) | {
         "checks": data.checks,
         "evidence": {name: counts.get(name, 0) for name in EVIDENCE_TITLES},
         "missed_faults": missed(data.faults),
         "without_5_36": orders[orders["case"].map(data.cases["expected_order"]) == 1],
-        "discrete_scheme": discrete.apply(agreement, axis=1).tolist(),
+        "discrete_scheme": data.labelled("beyond: fully discrete").apply(agreement, axis=1).tolist(),
         "STEEPER": STEEPER,
         "LARGEST_RATE": LARGEST_RATE,
         "seeds_needed": seeds_needed(),
