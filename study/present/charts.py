@@ -50,9 +50,6 @@ DOTTED: Style = {"ls": ":", "lw": 0.9, "alpha": 0.8}
 HOLLOW: Style = {"mfc": "white"}
 RANGE: Style = {"alpha": 0.35, "lw": 0}
 RULE: Style = {"color": GREY, "lw": 0.6}
-TRIANGLE_STYLE = {"facecolor": TRIANGLE, "edgecolor": OUTLINE, "lw": 0.6, "zorder": 1.5}
-TINY_MARKERS = {"ms": 2.4}
-"""The markers of small axes."""
 MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
 """The ticks of a logarithmic axis in a decade: the first choice with enough ticks is taken."""
 MESH_SIZE = "mesh size $h$"
@@ -90,7 +87,7 @@ def draw_cases(
     shown = dict(zip(cases, panels, strict=False))
     for i, (case, axes) in enumerate(shown.items()):
         for column, (_, style) in quantities.items():
-            plot_families(axes, rows[rows["case"] == case], column, styles, style | TINY_MARKERS)
+            plot_families(axes, rows[rows["case"] == case], column, styles, style | {"ms": 2.4})
         axes.set_title(textwrap.fill(case, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
         axes.tick_params(labelbottom=i + columns >= len(cases))
         axes.grid(True)
@@ -164,7 +161,14 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
     heights = [np.interp(at, *curve[np.argsort(curve[:, 0])].T) - slope * (at - start) for curve in curves]
     base = np.nanmax(heights) + 0.06 * decades
     top = base + slope * (end - start)
-    axes.fill([10**start, 10**end, 10**start], [10**base, 10**top, 10**top], **TRIANGLE_STYLE)
+    axes.fill(
+        [10**start, 10**end, 10**start],
+        [10**base, 10**top, 10**top],
+        facecolor=TRIANGLE,
+        edgecolor=OUTLINE,
+        lw=0.6,
+        zorder=1.5,
+    )
     text = {"textcoords": "offset points", "fontsize": rcParams["xtick.labelsize"]}
     beside, above_it = (10**start, 10 ** ((base + top) / 2)), (10 ** ((start + end) / 2), 10**top)
     if not small:

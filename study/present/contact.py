@@ -29,7 +29,6 @@ FACE_LINES = ((BLACK, "o"), (GREEN, "s"), (PURPLE, "^"))
 INSIDE_STYLE: Style = {"color": BLUE, "mew": 0}
 STRAY: Style = {"color": BLUE, "mfc": "white", "mew": 0.5}
 """The styles of nodes in contact inside the exact contact zone, and of nodes in contact outside of it."""
-FRONT_STYLE = {"color": VERMILLION, "lw": 1.0}
 NODES: Style = {"mfc": "white", "ms": 2.6}
 """The style of computed values at nodes."""
 QUANTITY_LABELS = {"gap": "gap $w$", "pressure": "pressure $p$"}
@@ -78,7 +77,7 @@ def _draw_zone_of_face(axes: Axes, face: Segment, faces: int) -> None:
     # Far from the front the depth is cut off, so that the front of a zone that appears at once is drawn halfway.
     depth = face.depth(face.zone, s).clip(-ZONE_CUT, ZONE_CUT)
     axes.contourf(s, face.zone_times, depth, [0, 1], colors=[SKY], alpha=0.45)
-    axes.contour(s, face.zone_times, depth, [0], colors=VERMILLION, linewidths=FRONT_STYLE["lw"])
+    axes.contour(s, face.zone_times, depth, [0], colors=VERMILLION, linewidths=1.0)
     for nodes, style in ((face.touching & ~face.outside, INSIDE_STYLE), (face.outside, STRAY)):
         when, where = np.nonzero(nodes)
         # An empty line would disturb the layout of Matplotlib.
@@ -219,12 +218,16 @@ def draw_fronts(picture: Picture) -> Figure:
     panels = grid[0].subgridspec(rows, len(picture.shown)).subplots(sharex="row", sharey="row", squeeze=False)
     counts = figure.add_subplot(grid[1])
     for face, row, (colour, marker) in zip(picture.polygons, panels, cycle(FACE_LINES), strict=False):
+        row[0].set_ylabel(f"$s_2$ on {picture.symbol(face)}")
         for axes, instant in zip(row, picture.shown, strict=True):
             _draw_zone_map(axes, face, instant)
         times, label = picture.times[1:], picture.symbol(face)
         counts.plot(times, face.inside.sum(axis=1)[1:], color=colour, lw=0.8)
         counts.plot(times, face.touching.sum(axis=1)[1:], marker, color=colour, mfc="white", ms=2.6, label=label)
-    _label_maps(panels, picture, picture.polygons)
+    for axes, instant in zip(panels[0], picture.shown, strict=True):
+        axes.set_title(picture.clock(instant))
+    for axes in panels[-1]:
+        axes.set_xlabel("$s_1$")
     most = max(len(face.nodes) for face in picture.polygons)
     counts.set(xlabel="time $t$", ylabel="nodes in contact", ylim=(0, most))
     counts.grid(True)
@@ -251,19 +254,18 @@ def caption_fronts(picture: Picture) -> str:
     )
 
 
-def draw_map(axes: Axes, face: Polygon, instant: int, name: str, top: float) -> None:
-    """Draw the map of a quantity on a contact face in 3D: exact values as a surface, computed values as dots.
+def draw_map(axes: Axes, face: Polygon, instant: int, top: float) -> None:
+    """Draw the map of the pressure on a contact face in 3D: exact values as a surface, computed values as dots.
 
     Parameters:
         axes: the axes.
         face: the contact face.
         instant: the index of the time.
-        name: the quantity, "gap" or "pressure".
         top: the value of the last colour; the first colour is for 0.
     """
-    exact, computed = getattr(face, f"{name}_exact")[instant].clip(0), getattr(face, name)[instant].clip(0)
+    exact, computed = face.pressure_exact[instant].clip(0), face.pressure[instant].clip(0)
     levels = np.linspace(0, top, MAP_LEVELS + 1)
-    style: Style = {"cmap": ramp(name), "norm": BoundaryNorm(levels, 256)}
+    style: Style = {"cmap": ramp("pressure"), "norm": BoundaryNorm(levels, 256)}
     axes.tricontourf(Triangulation(*face.s, face.facets.corners.T), exact, levels, **style)
     axes.scatter(face.s[0], face.s[1], s=5, c=computed, zorder=2, edgecolors=RIM, linewidths=0.2, **style)
     _draw_front(axes, face, face.level[instant])
@@ -285,16 +287,6 @@ def _draw_front(axes: Axes, face: Polygon, level: Array) -> None:
     if level.min() < 0 <= level.max():
         axes.tricontour(_refined(face), level, [0], colors=VERMILLION, linewidths=1.0)
     axes.set(aspect="equal", xlim=(face.s[0].min(), face.s[0].max()), ylim=(face.s[1].min(), face.s[1].max()))
-
-
-def _label_maps(panels: Array, picture: Picture, faces: Sequence[Polygon]) -> None:
-    """Label a grid of maps, with a row for each of the faces and a column for each time of ``picture.shown``."""
-    for row, face in zip(panels, faces, strict=True):
-        row[0].set_ylabel(f"$s_2$ on {picture.symbol(face)}")
-    for axes, instant in zip(panels[0], picture.shown, strict=True):
-        axes.set_title(picture.clock(instant))
-    for axes in panels[-1]:
-        axes.set_xlabel("$s_1$")
 
 
 def _refined(face: Polygon) -> Triangulation:

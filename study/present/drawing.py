@@ -25,16 +25,15 @@ from study.ledger.files import UsageError, write_text, write_whole
 from study.present.notation import read_page
 from study.present.templates import ENVIRONMENT
 
-OUTLINE, RIM, SURFACE = "0.35", "0.4", "0.6"
+OUTLINE, RIM = "0.35", "0.4"
 FOUNDATION, FOUNDATION_EDGE, TRIANGLE = "0.82", "0.25", "0.93"
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 """Colours of the first, second, … line in a figure. The colours of the report page are in ``page/page.css``."""
 RAMPS = {
     "stress": ("#ffffd9", "#edf8b1", "#c7e9b4", "#7fcdbb", "#41b6c4", "#1d91c0", "#225ea8", "#253494", "#081d58"),
     "pressure": ("#fff7ec", "#fee8c8", "#fdd49e", "#fdbb84", "#fc8d59", "#ef6548", "#d7301f", "#b30000", "#7f0000"),
-    "gap": ("#fff7fb", "#ece7f2", "#d0d1e6", "#a6bddb", "#74a9cf", "#3690c0", "#0570b0", "#045a8d", "#023858"),
 }
-"""Quantity ↦ colours from zero to the largest value: YlGnBu, OrRd and PuBu of ColorBrewer (Harrower and Brewer 2003).
+"""Quantity ↦ colours from zero to the largest value: YlGnBu and OrRd of ColorBrewer (Harrower and Brewer 2003).
 
 Larger values have darker colours, so that figures can be read in grey; small values leave the mesh visible.
 """

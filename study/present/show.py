@@ -240,7 +240,7 @@ def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int
     """
     name = picture.symbol(face)
     if isinstance(face, Polygon):
-        draw_map(axes, face, instant, "pressure", scale.pressure or 1.0)
+        draw_map(axes, face, instant, scale.pressure or 1.0)
         axes.set(xlabel="$s_1$", ylabel=f"$s_2$ on {name}")
         return
     assert isinstance(face, Segment)
