@@ -57,6 +57,16 @@ def ramp(name: str, shades: int = 256) -> Colormap:
     return LinearSegmentedColormap.from_list(name, RAMPS[name], shades)
 
 
+def band(curve: Array, shift: Array) -> Array:
+    """Return the corners of the region between a plane curve and its shifted copy, (2, 2n).
+
+    Parameters:
+        curve: the points of the curve, (2, n).
+        shift: the shift of all points, (2, 1), or of each point, (2, n).
+    """
+    return np.hstack([curve, (curve + shift)[:, ::-1]])
+
+
 def magnification(vertices: Array, displacements: Array) -> float:
     """Return the factor by which displacements are multiplied in figures, rounded down to two digits.
 
@@ -205,13 +215,12 @@ def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) 
     foundation with its own scale, because it is small compared with the magnified displacements.
     """
     ends = face.x[:, [face.s.argmin(), face.s.argmax()]]
-    depth = THICKNESS * scale.size * face.normal[:, None]
-    ground = np.hstack([ends, ends[:, ::-1] + depth]).T
-    axes.add_patch(patches.Polygon(ground, facecolor=FOUNDATION, edgecolor="none", zorder=0.5))
+    ground = band(ends, THICKNESS * scale.size * face.normal[:, None])
+    axes.add_patch(patches.Polygon(ground.T, facecolor=FOUNDATION, edgecolor="none", zorder=0.5))
     axes.plot(*ends, color=FOUNDATION_EDGE, lw=0.6, solid_capstyle="butt", zorder=2.5)
     if scale.gap > ROUND_OFF:
         depth = ARROW_LENGTH * scale.size * face.gap[instant].clip(0) / scale.gap * face.normal[:, None]
-        axes.add_patch(patches.Polygon(np.hstack([face.x, (face.x + depth)[:, ::-1]]).T, **GAP_STYLE, zorder=0.6))
+        axes.add_patch(patches.Polygon(band(face.x, depth).T, **GAP_STYLE, zorder=0.6))
     for interval in face.computed_zone(instant):
         points = [np.interp(interval, face.s, component) for component in face.x]
         axes.plot(*points, color=BLACK, lw=1.8, solid_capstyle="butt", zorder=2.6)

@@ -85,7 +85,7 @@ def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
         orders: the text of ``orders_text``, which is added to the conclusion.
     """
     rows = [
-        [label, claim, str(judged["case"].nunique()), *(str(n or "") for n in count_verdicts(judged).values())]
+        [label, claim, judged["case"].nunique(), *(number or "" for number in count_verdicts(judged).values())]
         for label, claim, judged in by_claim(claims)
     ]
     words = (11, 17) if is_narrow() else (22, 36)
@@ -144,7 +144,7 @@ def observed_text(observed: float, low: float, high: float) -> str:
     return f"at least {cell(low)}" if math.isinf(high) else f"{cell(observed)} in [{cell(low)}, {cell(high)}]"
 
 
-def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bool, shown: int) -> list[str]:
+def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bool, shown: int) -> list[object]:
     """Return the cells of a row of ``rates_text``.
 
     Parameters:
@@ -158,7 +158,7 @@ def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bo
     return [
         finest["case"],
         f"{finest['family']}, {finest['scheme']}" if schemes else finest["family"],
-        str(finest["level"]),
+        finest["level"],
         significant(finest["error"]),
         "" if pd.isna(finest["discrete_order"]) else f"{finest['discrete_order']:.2f}",
         f"{100 * series['time_share'].max():.2f}",
@@ -167,7 +167,7 @@ def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bo
     ]
 
 
-def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]], widths: Sequence[int], numbers: slice) -> str:
+def _aligned(head: Sequence[str], rows: Sequence[Sequence[object]], widths: Sequence[int], numbers: slice) -> str:
     """Return a table as text.
 
     Parameters:
@@ -178,6 +178,4 @@ def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]], widths: Sequenc
     """
     sides = ["left"] * len(head)
     sides[numbers] = ["right"] * len(sides[numbers])
-    return str(
-        tabulate([head, *rows], tablefmt="plain", disable_numparse=True, maxcolwidths=list(widths), colalign=sides)
-    )
+    return tabulate([head, *rows], tablefmt="plain", disable_numparse=True, maxcolwidths=[*widths], colalign=sides)

@@ -123,12 +123,12 @@ class Segment(FaceHistory):
         """
         depths = []
         for zone in zones:
-            insides = [np.full(len(s), -np.inf)]
+            depth = np.full(len(s), -np.inf)
             for left, right in zone:
                 from_left = s - left if left > s.min() else np.inf
                 from_right = right - s if right < s.max() else np.inf
-                insides.append(np.broadcast_to(np.minimum(from_left, from_right), s.shape))
-            depths.append(np.max(insides, axis=0))
+                depth = np.maximum(depth, np.minimum(from_left, from_right))
+            depths.append(depth)
         return np.array(depths)
 
 

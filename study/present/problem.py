@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -12,7 +13,7 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.tri import Triangulation
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, VERMILLION
-from study.present.body import GAP_STYLE, magnification
+from study.present.body import GAP_STYLE, band, magnification
 from study.present.drawing import (
     FOUNDATION,
     FOUNDATION_EDGE,
@@ -189,8 +190,7 @@ def _draw_side(axes: Axes, side: Side, number: int, size: float) -> None:
     outward, middle = BAND * size * side.normal, side.ends.mean(axis=1)
     axes.plot(*side.ends, color=BLACK, lw=0.9, zorder=4)
     if side.kind in BANDS:
-        band = np.hstack([side.ends, side.ends[:, ::-1] + outward[:, None]])
-        axes.fill(*band, zorder=3, **BANDS[side.kind])
+        axes.fill(*band(side.ends, outward[:, None]), zorder=3, **BANDS[side.kind])
     x, y = middle - NUMBER * outward
     label, frame = (f"{number}: |u| ≤ {side.moved:.3g}", "round") if side.moved else (str(number), "circle")
     box = {"boxstyle": f"{frame},pad=0.15", "facecolor": "white", "edgecolor": GREEN, "linewidth": 0.6}
@@ -200,7 +200,6 @@ def _draw_side(axes: Axes, side: Side, number: int, size: float) -> None:
 def _draw_loads(axes: Axes, picture: ProblemPicture) -> None:
     """Draw tractions as arrows with the size of the largest arrow on each side, and the force on the volume."""
     sizes = [np.linalg.norm(side.traction, axis=0).max(initial=0.0) for side in picture.sides]
-    style = {"color": VERMILLION, "arrowstyle": "-|>", "lw": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 7}
     for side, largest in zip(picture.sides, sizes, strict=True):
         if largest == 0:
             continue
@@ -209,7 +208,7 @@ def _draw_loads(axes: Axes, picture: ProblemPicture) -> None:
         pushes = side.normal @ side.traction < 0
         starts = np.where(pushes, side.points - arrows, side.points)
         for start, arrow in zip(starts.T, arrows.T, strict=True):
-            axes.annotate("", tuple(start + arrow), tuple(start), arrowprops=style, zorder=5, annotation_clip=False)
+            _arrow(axes, start, start + arrow, VERMILLION, 7, zorder=5, annotation_clip=False)
         axes.update_datalim(np.hstack([starts, starts + arrows]).T)
         # Of equal arrows the middle one gets the label.
         lengths = np.linalg.norm(side.traction, axis=0)
@@ -219,7 +218,7 @@ def _draw_loads(axes: Axes, picture: ProblemPicture) -> None:
     weight = np.linalg.norm(picture.force)
     if weight:
         arrow = ARROW / 2 * picture.size / weight * picture.force
-        axes.annotate("", tuple(picture.middle + arrow), tuple(picture.middle), arrowprops=style, zorder=5)
+        _arrow(axes, picture.middle, picture.middle + arrow, VERMILLION, 7, zorder=5)
         _label(axes, picture.middle - arrow / 3, f"$f_0$: {weight:.3g}")
 
 
@@ -280,6 +279,7 @@ def caption_sketch() -> str:
     return caption("problem")
 
 
-def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], colour: str) -> None:
-    style = {"arrowstyle": "-|>", "color": colour, "lw": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 6}
-    axes.annotate("", end, start, arrowprops=style)
+def _arrow(axes: Axes, start: Any, end: Any, colour: str, head: float = 6, **more: Any) -> None:
+    """Draw an arrow between two points; ``head`` is the size of its head in points."""
+    style = {"arrowstyle": "-|>", "color": colour, "lw": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": head}
+    axes.annotate("", tuple(end), tuple(start), arrowprops=style, **more)
