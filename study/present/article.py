@@ -190,8 +190,9 @@ def cases_of(data: FullRun, label: str) -> pd.DataFrame:
 def measured(data: FullRun, label: str, key: str, *columns: str, scale: float = 1) -> pd.Series:
     """Return case ↦ the values of a check in some columns, times a scale, with two decimals."""
     rows = data.labelled(label)
-    values = scale * rows[rows["key"] == key].drop_duplicates("case").set_index("case")[[*columns]]
-    return values.apply(decimals, axis=1)
+    rows = rows[rows["key"] == key].drop_duplicates("case").set_index("case")
+    values = scale * rows[[*columns]].to_numpy()
+    return pd.Series([*map(decimals, values)], rows.index, dtype=object)
 
 
 def three_digits(value: float) -> str:
@@ -278,7 +279,7 @@ def discrete(data: FullRun) -> PlainRows:
     """
     rows = data.labelled("beyond: fully discrete")
     orders = rows[["low", "high"]].apply(decimals, axis=1) + rows.apply(agreement, axis=1).map(MARKS)
-    names = rows["key"].str.extract(f"(?P<scheme>.+)-(?P<order>{'|'.join(DISCRETE)})")
+    names = rows["key"].str.extract(f"(?P<scheme>.+)-(?P<order>{'|'.join(DISCRETE)})$")
     cells = names.assign(case=rows["case"], cell=orders)
     table = cells.pivot_table("cell", ["case", "scheme"], "order", aggfunc="first", sort=False)
     return table[[*DISCRETE]].reset_index().to_numpy().tolist()
