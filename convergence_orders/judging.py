@@ -39,13 +39,13 @@ def judge(tables: list[Series], **wishes: Wish) -> Judged:
         OrderError: something is expected of a column that does not exist or was left out.
     """
     columns = [names_of(series, name) for series in tables for name in series.errors]
-    known = {*chain(*columns)}
+    known = {*chain(*columns)} - {""}
     by_name: dict[str, dict[str, Any]] = {}
     for kind, wish in wishes.items():
         named = wish if isinstance(wish, Mapping) else {"": wish}
         by_name[kind] = {str(name): number for name, number in named.items()}
         for name in by_name[kind]:
-            if name not in known:
+            if isinstance(wish, Mapping) and name not in known:
                 every = ", ".join(full for full, *_ in columns)
                 ignored = ", ".join(f"{left_out} ({role})" for left_out, role in tables[0].ignored.items())
                 left_out = f"; left out, unless you give --columns: {ignored}" if ignored else ""

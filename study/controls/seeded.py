@@ -55,9 +55,7 @@ def seeded(seed: int) -> Plan:
     Cases whose solutions are not smooth are measured on the levels of the full study. In space, random meshes with
     n = 6 are too coarse for contact zones in the form of a disc. The plan leaves out the statements ``NOT_SEEDED``.
     """
-    base = replace(
-        quick(), cases=full().cases, rough=full().rough, solid=Levels((9, 12, 15)), command="study seeds"
-    )
+    base = replace(quick(), cases=full().cases, rough=full().rough, solid=Levels((9, 12, 15)), command="study seeds")
     scope = SeededScope(**vars(base), seed=seed)
     jobs = [
         Job(statement, setting)

@@ -198,15 +198,15 @@ class StressSums:
 
 
 class StrainEnergy:
-    """Computes the energies ∫_Ω α C ε·ε dx of a strain at n times, (n,), from its amplitudes.
+    """Computes the energies ∫_Ω α C ε·ε dx of a strain at several times, (times,), from its amplitudes.
 
-    If many points have the same coordinate along the contact face, the energy is stored as a quadratic form of the
-    amplitudes. Otherwise the matrix of this form would need too much memory, and the strain at the points is computed
-    first.
+    If many points have the same coordinate along the contact face, the strain has few amplitudes, and the energy is
+    stored as a quadratic form of them. Otherwise the matrix of this form would be too large, and the strain at the
+    points is computed first.
 
     Args:
         modes: the terms of the strain ε at the quadrature points.
-        weights: quadrature weights times the material factor α, (n,).
+        weights: quadrature weights times the material factor α, (points,).
         C: a symmetric tensor in Mandel form, (D, D).
     """
 

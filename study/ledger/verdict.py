@@ -140,7 +140,7 @@ def row(
     expected: str = "",
     kind: str = "",
 ) -> Verdict:
-    """Return a check from its parts.
+    """Return the verdict on a check, that is, one row of the ledger, from its parts.
 
     Parameters:
         of: the statement.

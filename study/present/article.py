@@ -4,7 +4,7 @@ The tables and macros are made from the data files of a full run and written to 
 plain text, which ``encode`` turns into LaTeX.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -108,10 +108,14 @@ def verdicts(data: FullRun) -> PlainRows:
     groups, body = data.claims["label"].map(group_of), []
     for title in (*GROUPS, BEYOND, TOTAL):
         rows = data.claims if title == TOTAL else data.claims[groups == title]
-        count = count_verdicts(rows)
-        counts = *count_kinds(rows).values(), count[FAILS] + count[UNDECIDED], count[MISSED], count[REPORTED]
-        body.append([title, *map(str, counts)])
+        body.append([title, *map(str, count_kinds(rows).values()), *numbers_of_others(rows)])
     return body
+
+
+def numbers_of_others(rows: pd.DataFrame) -> list[str]:
+    """Return the numbers of checks that fail or are undecided, of wrong predictions, and of reported numbers."""
+    count = count_verdicts(rows)
+    return [str(number) for number in (count[FAILS] + count[UNDECIDED], count[MISSED], count[REPORTED])]
 
 
 def accounts(data: FullRun) -> PlainRows:
@@ -121,7 +125,7 @@ def accounts(data: FullRun) -> PlainRows:
         rows = data.claims if name == TOTAL else data.claims[names == name]
         count = count_verdicts(rows)
         judged = [str(count[HOLDS]), str(count[FAILS] + count[UNDECIDED])]
-        is_judged = name == TOTAL or not rows["verdict"].isin(UNCLAIMED).all()
+        is_judged = not rows["verdict"].isin(UNCLAIMED).all()
         body.append([title, str(len(rows)), *(judged if is_judged else ["–", "–"])])
     return body
 
@@ -134,14 +138,13 @@ def ledger(data: FullRun) -> str:
     """
     bodies: dict[str, PlainRows] = {title: [] for title in (*GROUPS, BEYOND)}
     for label, claim, rows in by_claim(data.claims):
-        count, judged = count_verdicts(rows), rows[~rows["verdict"].isin(UNCLAIMED)]
-        counts = count[HOLDS], count[FAILS] + count[UNDECIDED], count[MISSED], count[REPORTED]
-        shares = judged.apply(window_share, axis=1).dropna() if len(judged) else pd.Series(dtype=float)
-        nearest = ["–", ""]
+        judged, nearest = rows[~rows["verdict"].isin(UNCLAIMED)], ["–", ""]
+        shares = pd.Series({at: window_share(row) for at, row in judged.iterrows()}, dtype=float).dropna()
         if len(shares):
             row = judged.loc[shares.idxmax()]
             nearest = [f"{row['quantity']} ({row['case']})", f"{three_digits(worst_value(row))}; {window_ends(row)}"]
-        bodies[group_of(label)].append([label, claim, *map(str, counts), *nearest])
+        holds = str((rows["verdict"] == HOLDS).sum())
+        bodies[group_of(label)].append([label, claim, holds, *numbers_of_others(rows), *nearest])
     heading = r"\par\medskip\noindent\textbf{{{}}}\par\nobreak\smallskip\noindent" + "\n"
     return "".join(heading.format(encode(title)) + latex("ledger", body) for title, body in bodies.items())
 
@@ -156,14 +159,16 @@ def window_ends(row: pd.Series) -> str:
 
 def slips(data: FullRun) -> PlainRows:
     """Return the misprints in the source: place, printed text, corrected text."""
-    rows = data.claims.loc[data.claims["label"] == MISPRINTS, ["case", "quantity", "expected"]]
-    return [[str(cell).removeprefix("read: ") for cell in row] for row in rows.to_numpy()]
+    rows = data.labelled(MISPRINTS)[["case", "quantity", "expected"]]
+    return rows.replace("^read: ", "", regex=True).to_numpy().tolist()
 
 
 def faults(data: FullRun) -> PlainRows:
     """Return the deliberate faults: in how many cases they are noticed, and are invisible."""
-    rows = summary(data.faults)[["equation", "fault", "size", "cases", "errors", "any_check", "invisible"]]
-    return [[equation, fault, f"{size:g}", *map(str, counts)] for equation, fault, size, *counts in rows.to_numpy()]
+    rows = summary(data.faults)
+    rows["size"] = rows["size"].map("{:g}".format)
+    columns = ["equation", "fault", "size", "cases", "errors", "any_check", "invisible"]
+    return rows[columns].astype(str).to_numpy().tolist()
 
 
 # Tables of results
@@ -175,21 +180,19 @@ def catalogue(data: FullRun) -> PlainRows:
     return data.cases.assign(law=laws)[["case", "summary", "law"]].to_numpy().tolist()
 
 
-def cases_of(data: FullRun, label: str) -> Iterator[tuple[str, list[str], Callable[..., str]]]:
-    """Yield for each case of a proposition its name, its name with its regularity, and a function of its checks.
+def cases_of(data: FullRun, label: str) -> pd.DataFrame:
+    """Return a table of the cases of a proposition with their names and regularities; the index has their names."""
+    names = data.rates.loc[data.rates["claim"] == label, "case"].unique()
+    shorter = {"strain with a jump inside cells": "jump inside cells", " front, ": ", "}
+    return data.cases.loc[names, ["case", "regularity"]].replace({"regularity": shorter}, regex=True)
 
-    The function has a label, a key and columns of checks as parameters; it returns the values in these columns with two
-    decimals, or a dash if there is no such check.
-    """
-    for case in data.rates.loc[data.rates["claim"] == label, "case"].unique():
-        regularity = data.cases.loc[case, "regularity"].replace("strain with a jump inside cells", "jump inside cells")
-        rows = data.claims[data.claims["case"] == case]
 
-        def measured(label: str, key: str, *columns: str, rows: pd.DataFrame = rows, scale: float = 1) -> str:
-            chosen = rows[(rows["label"] == label) & (rows["key"] == key)]
-            return decimals(scale * chosen.iloc[0][list(columns)]) if len(chosen) else "–"
-
-        yield case, [case, regularity.replace(" front, ", ", ")], measured
+def measured(data: FullRun, label: str, key: str, *columns: str, scale: float = 1) -> pd.Series:
+    """Return case ↦ the values of a check in some columns, times a scale, with two decimals."""
+    rows = data.labelled(label)
+    rows = rows[rows["key"] == key].drop_duplicates("case").set_index("case")
+    values = scale * rows[[*columns]].to_numpy()
+    return pd.Series([*map(decimals, values)], rows.index, dtype=object)
 
 
 def three_digits(value: float) -> str:
@@ -208,15 +211,19 @@ def smooth(data: FullRun) -> PlainRows:
     A row has the finest level, the observed orders of the error and of the discrete error, the size of the discrete
     error relative to the error, and the share of the time discretisation in per cent.
     """
-    label, body = "Prop. 5.4", []
-    finest = data.rates[data.rates["claim"] == label].groupby("case")["level"].max()
-    keys = "order", "order-extrapolated", "discrete-order-superclose", "discrete-order-others"
-    for case, begin, measured in cases_of(data, label):
-        orders = [measured(label, key, "low", "high") for key in keys]
-        share = measured(label, "discrete-share", "observed")
-        time = measured(label, "time-share", "observed", scale=100)
-        body.append([*begin, str(finest[case]), *orders, share, time])
-    return body
+    label = "Prop. 5.4"
+    cells = cases_of(data, label)
+    cells["level"] = data.rates[data.rates["claim"] == label].groupby("case")["level"].max().astype(str)
+    for key in ("order", "order-extrapolated", "discrete-order-superclose", "discrete-order-others"):
+        cells[key] = measured(data, label, key, "low", "high")
+    cells["share"] = measured(data, label, "discrete-share", "observed")
+    cells["time"] = measured(data, label, "time-share", "observed", scale=100)
+    return plain_rows(cells)
+
+
+def plain_rows(cells: pd.DataFrame) -> PlainRows:
+    """Return the rows of a table of texts, with a dash in empty cells."""
+    return cells.fillna("–").to_numpy().tolist()
 
 
 def rough(data: FullRun) -> PlainRows:
@@ -225,13 +232,15 @@ def rough(data: FullRun) -> PlainRows:
     A row has the order that the regularity of the solution predicts, the order that the proof of Proposition 5.4 gives
     for this regularity, and the observations.
     """
-    label, body = "Prop. 5.3", []
-    for case, begin, measured in cases_of(data, label):
-        orders = [f"{data.cases.loc[case, name]:.3g}" for name in ("expected_order", "proved_order")]
-        order, graded = measured("(5.36)", "order", "low", "high"), measured(label, "order-graded", "observed")
-        ratio, limit = measured(label, "falling", "high"), measured(label, "limit", "high")
-        body.append([*begin, *orders, order, graded, ratio, limit])
-    return body
+    label = "Prop. 5.3"
+    cells = cases_of(data, label)
+    for name in ("expected_order", "proved_order"):
+        cells[name] = data.cases[name].map("{:.3g}".format)
+    cells["order"] = measured(data, "(5.36)", "order", "low", "high")
+    cells["graded"] = measured(data, label, "order-graded", "observed")
+    cells["ratio"] = measured(data, label, "falling", "high")
+    cells["limit"] = measured(data, label, "limit", "high")
+    return plain_rows(cells)
 
 
 def stresses(data: FullRun) -> PlainRows:
@@ -239,14 +248,13 @@ def stresses(data: FullRun) -> PlainRows:
 
     There is a row for each case and mesh family, except shaken meshes.
     """
-    rows = data.claims[(data.claims["label"] == "Thm 4.2, own space") & (data.claims["family"] != "shaken")]
-    body = []
-    for (case, family), part in rows.groupby(["case", "family"], sort=False):
+    rows, body = data.labelled("Thm 4.2, own space"), []
+    for (case, family), part in rows[rows["family"] != "shaken"].groupby(["case", "family"], sort=False):
         by_key, cells = part.set_index("key"), []
         for key in ("order-stress", "order-displacement", "order-pressure", "order-primal_stress", "growth"):
             cells.append(three_digits(by_key.loc[key, "observed"]))
             cells += [window_ends(by_key.loc[key])] * (key in ("order-stress", "order-displacement"))
-        body.append([str(case), str(family), *cells])
+        body.append([case, family, *cells])
     return body
 
 
@@ -255,15 +263,13 @@ def enclosures(data: FullRun) -> PlainRows:
 
     The ends of the bounds are rounded outwards. The error is empty for problems without a known exact solution.
     """
-    roundings = {"lowest": down, "error": None, "highest": up, "upper": up, "lower": down}
-    rows, body = data.bounds[data.bounds["trajectory"] == "enclosure"], []
-    for row in rows.groupby("case", sort=False).filter(lambda of_case: len(of_case) > 2).to_dict("records"):
-        cells = [row["case"], row["family"], str(row["level"]), three_digits(row["h"])]
-        for name, rounding in roundings.items():
-            value = float(rounding(row[name], 4)) if rounding and pd.notna(row[name]) else row[name]
-            cells.append("–" if pd.isna(value) else f"{value:#.4g}")
-        body.append(cells)
-    return body
+    rows = data.bounds[data.bounds["trajectory"] == "enclosure"]
+    rows = rows.groupby("case", sort=False).filter(lambda of_case: len(of_case) > 2)
+    cells = rows[["case", "family", "level"]].astype(str).assign(h=rows["h"].map(three_digits))
+    for name, rounding in {"lowest": down, "error": None, "highest": up, "upper": up, "lower": down}.items():
+        values = rows[name].apply(rounding, digits=4).astype(float) if rounding else rows[name]
+        cells[name] = values.map("{:#.4g}".format, na_action="ignore")
+    return plain_rows(cells)
 
 
 def discrete(data: FullRun) -> PlainRows:
@@ -271,15 +277,12 @@ def discrete(data: FullRun) -> PlainRows:
 
     Undecided predictions are marked with * and wrong predictions with †.
     """
-    rows = data.claims[data.claims["label"] == "beyond: fully discrete"]
-    body = []
-    for case, part in rows.groupby("case", sort=False):
-        by_key, first = part.set_index("key"), f"-{DISCRETE[0]}"
-        for scheme in (key.removesuffix(first) for key in by_key.index if key.endswith(first)):
-            checks = [by_key.loc[f"{scheme}-{key}"] for key in DISCRETE]
-            orders = [decimals(check[["low", "high"]]) + MARKS[agreement(check)] for check in checks]
-            body.append([str(case), scheme, *orders])
-    return body
+    rows = data.labelled("beyond: fully discrete")
+    orders = rows[["low", "high"]].apply(decimals, axis=1) + rows.apply(agreement, axis=1).map(MARKS)
+    names = rows["key"].str.extract(f"(?P<scheme>.+)-(?P<order>{'|'.join(DISCRETE)})$")
+    cells = names.assign(case=rows["case"], cell=orders)
+    table = cells.pivot_table("cell", ["case", "scheme"], "order", aggfunc="first", sort=False)
+    return table[[*DISCRETE]].reset_index().to_numpy().tolist()
 
 
 def codes(data: FullRun) -> PlainRows:
@@ -296,8 +299,8 @@ def contact_codes(results: Codes) -> PlainRows:
     return [
         [
             f"{row['code']} {row['version']}",
-            str(row["variant"]),
-            str(row["classes"]),
+            row["variant"],
+            row["classes"],
             f"{below(row['order_low'], 2)} to {above(row['order_high'], 2)}",
             *(up(row[name], digits) for name, digits in {"share": 2, "excess": 3, "invariance": 2}.items()),
         ]

@@ -20,6 +20,7 @@ from study.present.drawing import (
     FOUNDATION_EDGE,
     OUTLINE,
     RAMPS,
+    Style,
     caption,
     column_width,
     dots,
@@ -48,12 +49,22 @@ COLOUR_SHADES = 16
 """The number of colours of the stress, and of the pressure."""
 MOST_ARROWS = 16
 """The approximate largest number of pressure arrows on a contact face."""
-GAP_STYLE: dict[str, Any] = {"facecolor": (BLUE, 0.3), "edgecolor": BLUE, "linewidth": 0.5}
+GAP_STYLE: Style = {"facecolor": (BLUE, 0.3), "edgecolor": BLUE, "linewidth": 0.5}
 
 
 def ramp(name: str, shades: int = 256) -> Colormap:
     """Return the colour map of a quantity of ``RAMPS``, with ``shades`` colours from zero to the largest value."""
     return LinearSegmentedColormap.from_list(name, RAMPS[name], shades)
+
+
+def band(curve: Array, shift: Array) -> Array:
+    """Return the corners of the region between a plane curve and its shifted copy, (2, 2n).
+
+    Parameters:
+        curve: the points of the curve, (2, n).
+        shift: the shift of all points, (2, 1), or of each point, (2, n).
+    """
+    return np.hstack([curve, (curve + shift)[:, ::-1]])
 
 
 def magnification(vertices: Array, displacements: Array) -> float:
@@ -63,10 +74,10 @@ def magnification(vertices: Array, displacements: Array) -> float:
         vertices: the vertices of the mesh, (d, vertices).
         displacements: the displacements of the vertices at all times, (times, d, vertices).
     """
-    largest = float(np.linalg.norm(displacements, axis=1).max())
+    largest = np.linalg.norm(displacements, axis=1).max()
     if largest == 0:
         return 1.0
-    exact = DRAWN_DISPLACEMENT * float(np.ptp(vertices, axis=1).max()) / largest
+    exact = DRAWN_DISPLACEMENT * np.ptp(vertices, axis=1).max() / largest
     unit = 10.0 ** (math.floor(math.log10(exact)) - 1)
     return float(f"{math.floor(exact / unit) * unit:.2g}")
 
@@ -140,10 +151,10 @@ class BodyScale:
         drawn = self.view[:2] @ np.hstack(points)
         margin = 0.02 * self.size * np.array([-1, 1])
         self.limits = np.column_stack([drawn.min(axis=1), drawn.max(axis=1)]) + margin
-        self.pressure = max((float(face.pressure[at].max()) for face in faces), default=0.0)
-        self.gap = max((float(face.gap[at].max()) for face in faces), default=0.0)
-        self.stress = float(np.quantile(stresses, BRIGHTEST)) or float(np.max(stresses)) or 1.0
-        self.aspect = float(np.ptp(self.limits[1]) / np.ptp(self.limits[0]))
+        self.pressure = max((face.pressure[at].max() for face in faces), default=0.0)
+        self.gap = max((face.gap[at].max() for face in faces), default=0.0)
+        self.stress = np.quantile(stresses, BRIGHTEST) or stresses.max() or 1.0
+        self.aspect = np.ptp(self.limits[1]) / np.ptp(self.limits[0])
         self.stress_colours = ScalarMappable(PowerNorm(0.5, 0, self.stress), ramp("stress", COLOUR_SHADES))
         self.pressure_colours = ScalarMappable(Normalize(0, self.pressure or 1.0), ramp("pressure", COLOUR_SHADES))
 
@@ -165,9 +176,13 @@ def draw_deformed_mesh(
     order, flat = drawing_order(scale.view, moved, picture.cells), scale.view[:2] @ moved
     # A cell is about this many points wide; thicker lines would cover fine meshes.
     cell = 72 * width / math.sqrt(len(order) / 2)
-    edges: dict[str, Any] = {"edgecolors": (0, 0, 0, 0.4) if lines else "face", "linewidths": min(0.3, 0.04 * cell)}
-    colours = cell_colours(picture, instant, scale)[order]
-    triangles = PolyCollection(flat.T[picture.cells.T[order]], facecolors=colours, **edges, zorder=2)
+    triangles = PolyCollection(
+        flat.T[picture.cells.T[order]],
+        facecolors=cell_colours(picture, instant, scale)[order],
+        edgecolors=(0, 0, 0, 0.4) if lines else "face",
+        linewidths=min(0.3, 0.04 * cell),
+        zorder=2,
+    )
     axes.add_collection(triangles, autolim=False)
     for face in picture.segments:
         _draw_foundation(axes, face, instant, scale)
@@ -190,7 +205,7 @@ def cell_colours(picture: Picture, instant: int, scale: BodyScale) -> Array:
     for face in picture.polygons:
         pressure = face.pressure[instant][face.facets.corners].mean(axis=0)
         colours[face.facets.cells] = scale.pressure_colours.to_rgba(pressure)
-    return np.asarray(colours)
+    return colours
 
 
 def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) -> None:
@@ -200,13 +215,12 @@ def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) 
     foundation with its own scale, because it is small compared with the magnified displacements.
     """
     ends = face.x[:, [face.s.argmin(), face.s.argmax()]]
-    depth = THICKNESS * scale.size * face.normal[:, None]
-    ground = np.hstack([ends, ends[:, ::-1] + depth]).T
-    axes.add_patch(patches.Polygon(ground, facecolor=FOUNDATION, edgecolor="none", zorder=0.5))
+    ground = band(ends, THICKNESS * scale.size * face.normal[:, None])
+    axes.add_patch(patches.Polygon(ground.T, facecolor=FOUNDATION, edgecolor="none", zorder=0.5))
     axes.plot(*ends, color=FOUNDATION_EDGE, lw=0.6, solid_capstyle="butt", zorder=2.5)
     if scale.gap > ROUND_OFF:
         depth = ARROW_LENGTH * scale.size * face.gap[instant].clip(0) / scale.gap * face.normal[:, None]
-        axes.add_patch(patches.Polygon(np.hstack([face.x, (face.x + depth)[:, ::-1]]).T, **GAP_STYLE, zorder=0.6))
+        axes.add_patch(patches.Polygon(band(face.x, depth).T, **GAP_STYLE, zorder=0.6))
     for interval in face.computed_zone(instant):
         points = [np.interp(interval, face.s, component) for component in face.x]
         axes.plot(*points, color=BLACK, lw=1.8, solid_capstyle="butt", zorder=2.6)
@@ -214,8 +228,19 @@ def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) 
     shown = np.flatnonzero(face.touching[instant])
     shown = shown[shown % every == 0]
     arrows = -face.normal[:, None] * ARROW_LENGTH * scale.size * face.pressure[instant, shown] / (scale.pressure or 1.0)
-    style: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1, "pivot": "tip", "units": "xy"}
-    axes.quiver(*face.x[:, shown], *arrows, color=VERMILLION, width=0.012 * scale.size, minlength=0, zorder=3, **style)
+    axes.quiver(
+        *face.x[:, shown],
+        *arrows,
+        angles="xy",
+        scale_units="xy",
+        scale=1,
+        pivot="tip",
+        units="xy",
+        width=0.012 * scale.size,
+        minlength=0,
+        color=VERMILLION,
+        zorder=3,
+    )
 
 
 def draw_shapes(
@@ -267,10 +292,15 @@ def draw_keys(
         bar.set_label(r"contact pressure $p^h$ on $\Gamma_3$")
         handles.append(dots("vertices in contact", color=BLACK, ms=2, mew=0))
     else:
-        arrow: dict[str, Any] = {"color": VERMILLION, "marker": r"$\uparrow$", "ms": 6, "mew": 0.2}
         handles += [
             patches.Patch(facecolor=FOUNDATION, edgecolor=FOUNDATION_EDGE, label="foundation"),
-            dots(f"contact pressure, at most {scale.pressure:.3g}", **arrow),
+            dots(
+                f"contact pressure, at most {scale.pressure:.3g}",
+                color=VERMILLION,
+                marker=r"$\uparrow$",
+                ms=6,
+                mew=0.2,
+            ),
             entry("computed contact zone", color=BLACK, lw=1.8),
         ]
         if scale.gap > ROUND_OFF:
@@ -298,14 +328,14 @@ def draw_body(picture: Picture) -> Figure:
 def caption_body(picture: Picture) -> str:
     """Return the caption of ``draw_body``."""
     scale, stresses = BodyScale(picture), picture.von_mises.max(axis=1)
-    worst = max(picture.shown, key=lambda instant: float(stresses[instant]))
-    touching = sum(face.touching.sum(axis=1) for face in picture.faces)
+    worst = max(picture.shown, key=stresses.__getitem__)
+    touching = np.sum([face.touching[picture.shown].sum(axis=1) for face in picture.faces], axis=0)
     return caption(
         "body",
         picture=picture,
         scale=scale,
         gap=scale.gap if scale.gap > ROUND_OFF else 0.0,
-        touching=np.asarray(touching)[picture.shown],
+        touching=touching,
         vertices=sum(face.pressure.shape[1] for face in picture.faces),
         stress=stresses[worst],
         time=picture.times[worst],

@@ -43,7 +43,7 @@ def text(
         names: for each row of the table, the name of the file with its displacement. By default rows are named by their
             levels.
     """
-    known, last = bool(table["error"].notna().all()), table.iloc[-1]
+    known, last = table["error"].notna().all(), table.iloc[-1]
     size = "max ‖u(t)‖_V" if in_time else "‖u‖_G"
     share = f"% of u: per cent of {size}, which lies in {interval(last['norm_low'], last['norm_high'], SHOWN)}"
     if not in_time:
@@ -83,15 +83,15 @@ def adaptive_text(
     """
     sign, end = ("≤", "is reached") if not stopped else (">", f"is not reached: {stopped}")
     percents = [f"{up(percent, SHOWN)} %" if percent < math.inf else "∞" for percent in rows["percent"]]
-    bound, known = up(rows["bound"].iloc[-1], SHOWN), bool(rows["error"].notna().all())
+    bound, known = up(rows["bound"].iloc[-1], SHOWN), rows["error"].notna().all()
     reached = f"{bound}, {percents[-1]} of u," if tolerance.endswith("%") else bound
     found = [f"{name}: {'max ' * in_time}{NORM[in_time]} ≤ {reached} {sign} {tolerance}, the tolerance {end}"]
     found += [*(textwrap.fill(sentence, width()) for sentence in sentences), ""]
     columns = {
-        "mesh": rows["mesh"].astype(str),
-        "  cells": rows["cells"].astype(str),
-        "unknowns": rows["dofs"].astype(str),
-        " steps": rows["steps"].astype(str) if in_time else None,
+        "mesh": rows["mesh"],
+        "  cells": rows["cells"],
+        "unknowns": rows["dofs"],
+        " steps": rows["steps"] if in_time else None,
         "     bound": [up(bound, SHOWN) for bound in rows["bound"]],
         "   % of u": percents,
         " order": ["" if math.isnan(order) else f"{order:.2f}" for order in rows["order"]],
@@ -103,7 +103,7 @@ def adaptive_text(
     return [*found, "", *notes, "order: of the bound in unknowns; 1/2 is the best possible for P1"]
 
 
-def aligned(columns: Mapping[str, Iterable[str]]) -> list[str]:
+def aligned(columns: Mapping[str, Iterable[object]]) -> list[str]:
     """Return the lines of a table whose cells are aligned on the right, below heads that are as wide as their column.
 
     Args:

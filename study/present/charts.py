@@ -50,9 +50,6 @@ DOTTED: Style = {"ls": ":", "lw": 0.9, "alpha": 0.8}
 HOLLOW: Style = {"mfc": "white"}
 RANGE: Style = {"alpha": 0.35, "lw": 0}
 RULE: Style = {"color": GREY, "lw": 0.6}
-TRIANGLE_STYLE: Style = {"facecolor": TRIANGLE, "edgecolor": OUTLINE, "lw": 0.6, "zorder": 1.5}
-TINY_MARKERS: Style = {"ms": 2.4}
-"""The markers of small axes."""
 MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
 """The ticks of a logarithmic axis in a decade: the first choice with enough ticks is taken."""
 MESH_SIZE = "mesh size $h$"
@@ -90,7 +87,7 @@ def draw_cases(
     shown = dict(zip(cases, panels, strict=False))
     for i, (case, axes) in enumerate(shown.items()):
         for column, (_, style) in quantities.items():
-            plot_families(axes, rows[rows["case"] == case], column, styles, style | TINY_MARKERS)
+            plot_families(axes, rows[rows["case"] == case], column, styles, style | {"ms": 2.4})
         axes.set_title(textwrap.fill(case, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
         axes.tick_params(labelbottom=i + columns >= len(cases))
         axes.grid(True)
@@ -157,15 +154,22 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
     curves = [np.log10(line.get_xydata()) for line in axes.get_lines()]
     if math.isnan(slope) or max(map(len, curves)) < 2:
         return
-    decades = float(np.ptp(np.log10(axes.get_ylim())))
+    decades = np.ptp(np.log10(axes.get_ylim()))
     x = np.concatenate(curves)[:, 0]
     start, end = x.min() + np.ptp(x) * np.array([0.09, 0.37])
     at = np.linspace(start, end, 50)
     heights = [np.interp(at, *curve[np.argsort(curve[:, 0])].T) - slope * (at - start) for curve in curves]
-    base = float(np.nanmax(heights)) + 0.06 * decades
+    base = np.nanmax(heights) + 0.06 * decades
     top = base + slope * (end - start)
-    axes.fill([10**start, 10**end, 10**start], [10**base, 10**top, 10**top], **TRIANGLE_STYLE)
-    text: dict[str, Any] = {"textcoords": "offset points", "fontsize": rcParams["xtick.labelsize"]}
+    axes.fill(
+        [10**start, 10**end, 10**start],
+        [10**base, 10**top, 10**top],
+        facecolor=TRIANGLE,
+        edgecolor=OUTLINE,
+        lw=0.6,
+        zorder=1.5,
+    )
+    text = {"textcoords": "offset points", "fontsize": rcParams["xtick.labelsize"]}
     beside, above_it = (10**start, 10 ** ((base + top) / 2)), (10 ** ((start + end) / 2), 10**top)
     if not small:
         axes.annotate(f"{slope:.3g}", beside, (-2, 0), ha="right", va="center", **text)
@@ -184,8 +188,8 @@ ROOM_BELOW = 0.15
 def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
     """Return mesh family ↦ observed order of the error between the finest mesh and a coarser mesh.
 
-    If there are two refinements between the meshes, a front or a jump of the material that does not move has the same
-    position in the cells of both.
+    With two refinements, a fixed front or jump of the material at 1/3 (the cases rough-1.75 and layered-unmet) has the
+    same position in the cells of both meshes, because 4 − 1 is a multiple of 3.
 
     Parameters:
         rates: rows of ``rates.csv`` of one case. Families with a single level, or with errors that have no order, are
@@ -197,7 +201,7 @@ def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
         ends = rows.tail(refinements + 1).iloc[[0, -1]]
         if len(rows) > 1:
             with suppress(RatesError):
-                by_name[family] = float(orders(ends["h"].to_numpy(), ends["error"].to_numpy())[0])
+                by_name[family] = orders(ends["h"].to_numpy(), ends["error"].to_numpy())[0]
     return by_name
 
 
@@ -222,7 +226,7 @@ def order_differences(rates: pd.DataFrame, expected: Mapping[str, float], refine
         A table with the columns ``case``, ``family``, ``predicted``, ``observed`` and ``difference``.
     """
     points = [
-        (case, family, expected[str(case)], order)
+        (case, family, expected[case], order)
         for (_, case), rows in rates.groupby(["scheme", "case"], sort=False)
         for family, order in finest_orders(rows, refinements).items()
         if family != "graded"
@@ -279,8 +283,15 @@ def caption_convergence(rates: pd.DataFrame, order: float) -> str:
     last, graded = last_orders(rates)
     finest = rates.groupby("family").tail(1).query("discrete_error > 0")
     closer = finest["error"] / finest["discrete_error"]
-    values = {"last": last, "graded": graded, "closer": closer, "negligible": NEGLIGIBLE_VALUE}
-    return caption("convergence", rates=rates, order=order, **values)
+    return caption(
+        "convergence",
+        rates=rates,
+        order=order,
+        last=last,
+        graded=graded,
+        closer=closer,
+        negligible=NEGLIGIBLE_VALUE,
+    )
 
 
 def draw_overview(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
@@ -313,7 +324,7 @@ def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
     table = order_differences(rates, expected)
     styles = family_styles(table["family"])
     figure, (axes,) = stacked_axes(1)
-    top = max(1.1, float(table[["predicted", "observed"]].to_numpy().max()) + 0.1)
+    top = max(1.1, table[["predicted", "observed"]].max(axis=None) + 0.1)
     axes.plot([0, top], [0, top], color=GREY)
     for number, (family, style) in enumerate(styles.items()):
         rows = table[table["family"] == family]
@@ -356,8 +367,8 @@ def draw_collapsed(rates: pd.DataFrame) -> Figure:
     errors.loglog(ends, ends, color=GREY)
     ratios.axhline(1, **RULE)
     for (_, family), rows in over_constants(rates).groupby(["case", "family"], sort=False):
-        errors.plot(rows["h"], rows["scaled"], **styles[str(family)])
-        ratios.plot(rows["h"], rows["relative"], **styles[str(family)])
+        errors.plot(rows["h"], rows["scaled"], **styles[family])
+        ratios.plot(rows["h"], rows["relative"], **styles[family])
     draw_slope(errors, 1)
     label_ticks([errors, ratios])
     errors.set_ylabel("error / C")
@@ -394,7 +405,7 @@ def enclosed_series(series: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame, s
     """Yield case, rows and title for each case and mesh family with two-sided bounds in ``enclosures.csv``."""
     enclosed = series[series["trajectory"] == "enclosure"]
     for (case, family), rows in enclosed.groupby(["case", "family"], sort=False):
-        yield str(case), rows, f"{case}, {family}"
+        yield case, rows, f"{case}, {family}"
 
 
 def enclosure_ends(series: pd.DataFrame) -> pd.DataFrame:
@@ -415,11 +426,11 @@ def draw_enclosure(series: pd.DataFrame, title: str) -> Figure:
             ``error``, which is NaN if it is unknown, and possibly ``plain``, a bound from u_h alone.
         title: the title of the upper axes.
     """
-    known, ends = bool(series["error"].notna().all()), enclosure_ends(series)
+    known, ends = series["error"].notna().all(), enclosure_ends(series)
     column, name = ("error", "error") if known else ("distance", r"$\|\tilde u-u_h\|_V$")
     figure, (errors, ratios) = stacked_axes(3, 2)
     errors.set_yscale("log")
-    lowest, levels = float(ends["upper"].min()) / 3, []
+    lowest, levels = ends["upper"].min() / 3, []
     for (level, rows), colour in zip(ends.groupby("level"), cycle(COLOURS), strict=False):
         time = rows["time"]
         errors.fill_between(time, rows["lower"].clip(lower=lowest), rows["upper"], color=colour, **RANGE)
@@ -443,11 +454,10 @@ def draw_enclosure(series: pd.DataFrame, title: str) -> Figure:
 
 def caption_enclosure(series: pd.DataFrame, title: str) -> str:
     """Return the caption of ``draw_enclosure``."""
-    known, ends = bool(series["error"].notna().all()), enclosure_ends(series)
+    known, ends = series["error"].notna().all(), enclosure_ends(series)
     inside = ends[(ends["error"] - ends["distance"]).abs() <= ends["bound"]]
     final = ends.loc[ends.groupby("level")["time"].idxmax()]
-    values = {"known": known, "ends": ends, "inside": inside, "final": final}
-    return caption("enclosure", title=title, interval=interval, **values)
+    return caption("enclosure", title=title, interval=interval, known=known, ends=ends, inside=inside, final=final)
 
 
 @dataclass(frozen=True, eq=False)
@@ -486,15 +496,14 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
     mesh.axis("off")
     handles += bounds.loglog(rows["dofs"], rows["bound"], color=BLUE, marker="o", label="adaptive")
     if len(result.uniform):
-        style: Style = {"color": GREY, "marker": "s", "label": "refined everywhere"}
-        handles += bounds.plot(result.uniform["dofs"], result.uniform["plain"], **style)
+        uniform = result.uniform
+        handles += bounds.plot(uniform["dofs"], uniform["plain"], color=GREY, marker="s", label="refined everywhere")
     bounds.plot(rows["dofs"], rows["error"], color=BLUE, ls=":")
     first, last = rows.iloc[0], rows.iloc[-1]
     x = np.geomspace(first["dofs"], last["dofs"], 3)
     y = 0.7 * last["bound"] * (x / last["dofs"]) ** -0.5
     bounds.plot(x, y, color=DARK, ls="--", lw=0.8)
-    place: dict[str, Any] = {"textcoords": "offset points", "xytext": (-5, -5), "ha": "right", "va": "top"}
-    bounds.annotate("slope $-1/2$", (x[1], y[1]), **place)
+    bounds.annotate("slope $-1/2$", (x[1], y[1]), (-5, -5), textcoords="offset points", ha="right", va="top")
     bounds.set(xlabel="unknowns", ylabel="bound of the error")
     legend(figure, handles, len(handles))
     return figure
@@ -548,14 +557,14 @@ def roller_rows(statements: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of ``statements.csv`` for ``draw_rollers``; all shaken meshes are one mesh family."""
     chosen = statements["label"].eq("beyond: rollers") & statements["quantity"].eq("excess")
     rows = statements[chosen & statements["case"].str.fullmatch(r"roller-\d+")]
-    return rows.assign(family=rows["family"].where(~rows["family"].str.match("shaken"), "shaken"))
+    return rows.replace({"family": {"^shaken.*": "shaken"}}, regex=True)
 
 
 def roller_means(rows: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
     """Yield mesh family and a table of ``h`` and the ``mean``, ``min`` and ``max`` of the excess, coarse to fine."""
     for family, of_family in rows.groupby("family", sort=False):
         levels = of_family.groupby("level")
-        yield str(family), levels["value"].agg(["mean", "min", "max"]).assign(h=levels["h"].mean())
+        yield family, levels["value"].agg(["mean", "min", "max"]).assign(h=levels["h"].mean())
 
 
 def draw_rollers(rows: pd.DataFrame) -> Figure:
@@ -584,8 +593,8 @@ def draw_rollers(rows: pd.DataFrame) -> Figure:
 
 def caption_rollers(rows: pd.DataFrame) -> str:
     """Return the caption of ``draw_rollers``."""
-    means = {family: table for family, table in roller_means(rows) if len(table) > 1}
-    fits = {family: fit(table["h"].to_numpy(), table["mean"].to_numpy()) for family, table in means.items()}
+    means = roller_means(rows)
+    fits = {family: fit(table["h"].to_numpy(), table["mean"].to_numpy()) for family, table in means if len(table) > 1}
     return caption("rollers", fits=fits)
 
 
@@ -663,9 +672,14 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     table = cells.unstack().reindex(equations.index)
     figure = Figure(figsize=(page_width(), 1.9 + 0.155 * len(equations)))
     axes = figure.subplots()
-    style: dict[str, Any] = {"vmin": -0.5, "vmax": 4.5, "edgecolors": "white", "linewidth": 0.5}
-    colours = ListedColormap([colour for colour, _ in FAULT_SHADES])
-    axes.pcolormesh(table["shade"][cases].fillna(0).to_numpy(), cmap=colours, **style)
+    axes.pcolormesh(
+        table["shade"][cases].fillna(0).to_numpy(),
+        cmap=ListedColormap([colour for colour, _ in FAULT_SHADES]),
+        vmin=-0.5,
+        vmax=4.5,
+        edgecolors="white",
+        linewidth=0.5,
+    )
     rows, columns = np.nonzero(table["visible"][cases] == 0)
     axes.plot(columns + 0.5, rows + 0.5, ".", color=GREY, markersize=3)
     axes.invert_yaxis()

@@ -5,7 +5,6 @@ Faces are lines in 2D, and maps seen from inside the body in 3D.
 
 from collections.abc import Sequence
 from itertools import cycle
-from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -30,7 +29,6 @@ FACE_LINES = ((BLACK, "o"), (GREEN, "s"), (PURPLE, "^"))
 INSIDE_STYLE: Style = {"color": BLUE, "mew": 0}
 STRAY: Style = {"color": BLUE, "mfc": "white", "mew": 0.5}
 """The styles of nodes in contact inside the exact contact zone, and of nodes in contact outside of it."""
-FRONT_STYLE: Style = {"color": VERMILLION, "lw": 1.0}
 NODES: Style = {"mfc": "white", "ms": 2.6}
 """The style of computed values at nodes."""
 QUANTITY_LABELS = {"gap": "gap $w$", "pressure": "pressure $p$"}
@@ -49,11 +47,19 @@ def draw_zone(picture: Picture) -> Figure:
     *panels, last = figure.subplots(1, count + 1, sharey=True, width_ratios=(*[1] * count, 0.4))
     handles = _zone_handles(picture)
     for axes, face, (colour, marker) in zip(panels, picture.segments, cycle(FACE_LINES), strict=False):
-        name = f"${picture.symbol(face)}$"
+        name = picture.symbol(face)
         _draw_zone_of_face(axes, face, count)
         axes.set_xlabel(f"position $s$ along {name}" if count < 3 else f"$s$ on {name}")
-        style: Style = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.7, "clip_on": False}
-        lines = last.plot(misplaced_length(face), picture.times[1:], label=f"fronts on {name}", **style)
+        lines = last.plot(
+            misplaced_length(face),
+            picture.times[1:],
+            color=colour,
+            marker=marker,
+            ms=2.2,
+            lw=0.7,
+            clip_on=False,
+            label=f"fronts on {name}",
+        )
         handles += lines if count > 1 else []
     largest = max(2.0, 1.05 * last.dataLim.xmax)
     last.set(xlim=(0, largest), xlabel="error in cells" if count == 1 else "error\nin cells")
@@ -71,7 +77,7 @@ def _draw_zone_of_face(axes: Axes, face: Segment, faces: int) -> None:
     # Far from the front the depth is cut off, so that the front of a zone that appears at once is drawn halfway.
     depth = face.depth(face.zone, s).clip(-ZONE_CUT, ZONE_CUT)
     axes.contourf(s, face.zone_times, depth, [0, 1], colors=[SKY], alpha=0.45)
-    axes.contour(s, face.zone_times, depth, [0], colors=VERMILLION, linewidths=FRONT_STYLE["lw"])
+    axes.contour(s, face.zone_times, depth, [0], colors=VERMILLION, linewidths=1.0)
     for nodes, style in ((face.touching & ~face.outside, INSIDE_STYLE), (face.outside, STRAY)):
         when, where = np.nonzero(nodes)
         # An empty line would disturb the layout of Matplotlib.
@@ -102,25 +108,36 @@ def _strays(picture: Picture, name: str) -> float:
     Returns:
         The largest value at these nodes, in per cent of the largest value on all faces; 0 if there are no such nodes.
     """
-    values = np.concatenate([getattr(face, name).ravel() for face in picture.faces])
-    strays = np.concatenate([face.outside.ravel() for face in picture.faces])
-    return 100 * float(values[strays].max(initial=0.0)) / (float(values.max(initial=0.0)) or 1.0)
+    values, strays = _at_nodes(picture, name), _at_nodes(picture, "outside")
+    return 100 * values[strays].max(initial=0.0) / (values.max(initial=0.0) or 1.0)
+
+
+def _at_nodes(picture: Picture, name: str) -> Array:
+    """Return an attribute of all contact faces, at all times and nodes, (times, nodes of all faces)."""
+    return np.hstack([getattr(face, name) for face in picture.faces])
 
 
 def _worst(picture: Picture, errors: Sequence[Array]) -> tuple[FaceHistory, float, str]:
     """Return the face with the largest error after t = 0, this error, and a text with the face and the time."""
     number = int(np.argmax([error.max() for error in errors]))
     face, error = picture.faces[number], errors[number]
-    when = picture.times[1:][int(np.argmax(error))]
-    return face, float(error.max()), f"on {picture.name(face)} at t = {when:.3g}"
+    when = picture.times[1:][error.argmax()]
+    return face, error.max(), f"on {picture.name(face)} at t = {when:.3g}"
 
 
 def caption_zone(picture: Picture) -> str:
     """Return the caption of ``draw_zone``."""
     errors = [misplaced_length(face) for face in picture.segments]
     _, worst, where = _worst(picture, errors)
-    strays = {"gap": _strays(picture, "gap_exact"), "pressure": _strays(picture, "pressure")}
-    return caption("zone", picture=picture, mean=np.mean(errors), worst=worst, where=where, **strays)
+    return caption(
+        "zone",
+        picture=picture,
+        mean=np.mean(errors),
+        worst=worst,
+        where=where,
+        gap=_strays(picture, "gap_exact"),
+        pressure=_strays(picture, "pressure"),
+    )
 
 
 def draw_profiles(picture: Picture) -> Figure:
@@ -135,7 +152,7 @@ def draw_profiles(picture: Picture) -> Figure:
     rows = [[(face, instant) for instant in shown] for face in faces]
     if is_slide() and len(faces) > 1:
         loudest = max(shown, key=lambda instant: max(face.pressure[instant].max() for face in faces))
-        titles = [f"${picture.symbol(face)}$" for face in faces]
+        titles = [picture.symbol(face) for face in faces]
         rows, heading = [[(face, loudest) for face in faces]], f"{heading}, {picture.clock(loudest)}"
     figure = Figure(figsize=(column_width(), 0.9 + 2.2 * len(rows)))
     panels = figure.subplots(2 * len(rows), len(titles), sharey="row", squeeze=False)
@@ -145,7 +162,7 @@ def draw_profiles(picture: Picture) -> Figure:
                 exact, computed = getattr(face, f"line_{name}")[instant], getattr(face, name)[instant]
                 draw_profile(axes, face, exact, computed, colour)
                 axes.tick_params(labelbottom=name == "pressure")
-                axes.set_xlabel(rf"$s$ on ${picture.symbol(face)}$" if name == "pressure" else "")
+                axes.set_xlabel(f"$s$ on {picture.symbol(face)}" if name == "pressure" else "")
             # The axis includes zero, so that round-off around a constant does not fill the panel.
             low, high = line[0].get_ylim()
             high = high if high > ROUND_OFF else 1.0
@@ -170,25 +187,21 @@ def draw_profile(axes: Axes, face: Segment, exact: Array, computed: Array, colou
 
 def caption_profiles(picture: Picture) -> str:
     """Return the caption of ``draw_profiles``."""
-    return caption("profiles", picture=picture, **_largest_differences(picture))
+    gap, pressure = _largest_difference(picture, "gap"), _largest_difference(picture, "pressure")
+    return caption("profiles", picture=picture, gap=gap, pressure=pressure)
 
 
-def _largest_differences(picture: Picture) -> dict[str, str]:
-    """Return "gap" and "pressure" ↦ the largest error of this quantity, as text.
+def _largest_difference(picture: Picture, name: str) -> str:
+    """Return the largest error of the gap or of the pressure as text.
 
     The errors are taken at the nodes and at the times of ``picture.shown``. They are given in per cent of the largest
     exact value, unless this value is zero up to rounding.
     """
-    texts = {}
-    for name in QUANTITY_LABELS:
-        computed, exact = (
-            np.concatenate([getattr(face, attribute)[picture.shown].ravel() for face in picture.faces])
-            for attribute in (name, f"{name}_exact")
-        )
-        difference, size = float(abs(computed - exact).max()), float(abs(exact).max())
-        relative = f"{100 * difference / size:.2g} % of the largest" if size > ROUND_OFF else ""
-        texts[name] = relative or f"{difference:.1e}, the largest being 0"
-    return texts
+    computed, exact = (_at_nodes(picture, attribute)[picture.shown] for attribute in (name, f"{name}_exact"))
+    difference, size = abs(computed - exact).max(), abs(exact).max()
+    if size > ROUND_OFF:
+        return f"{100 * difference / size:.2g} % of the largest"
+    return f"{difference:.1e}, the largest being 0"
 
 
 def draw_fronts(picture: Picture) -> Figure:
@@ -205,12 +218,16 @@ def draw_fronts(picture: Picture) -> Figure:
     panels = grid[0].subgridspec(rows, len(picture.shown)).subplots(sharex="row", sharey="row", squeeze=False)
     counts = figure.add_subplot(grid[1])
     for face, row, (colour, marker) in zip(picture.polygons, panels, cycle(FACE_LINES), strict=False):
+        row[0].set_ylabel(f"$s_2$ on {picture.symbol(face)}")
         for axes, instant in zip(row, picture.shown, strict=True):
             _draw_zone_map(axes, face, instant)
-        times, label = picture.times[1:], f"${picture.symbol(face)}$"
+        times, label = picture.times[1:], picture.symbol(face)
         counts.plot(times, face.inside.sum(axis=1)[1:], color=colour, lw=0.8)
         counts.plot(times, face.touching.sum(axis=1)[1:], marker, color=colour, mfc="white", ms=2.6, label=label)
-    _label_maps(panels, picture, picture.polygons)
+    for axes, instant in zip(panels[0], picture.shown, strict=True):
+        axes.set_title(picture.clock(instant))
+    for axes in panels[-1]:
+        axes.set_xlabel("$s_1$")
     most = max(len(face.nodes) for face in picture.polygons)
     counts.set(xlabel="time $t$", ylabel="nodes in contact", ylim=(0, most))
     counts.grid(True)
@@ -226,23 +243,29 @@ def caption_fronts(picture: Picture) -> str:
     # Nodes in contact outside the exact zone, and nodes in the exact zone that are not in contact.
     wrong = [(face.touching != face.inside)[1:].sum(axis=1) for face in picture.polygons]
     face, worst, where = _worst(picture, wrong)
-    counts = {"nodes": face.x.shape[1], "all_nodes": sum(len(face.nodes) for face in picture.polygons)}
-    return caption("fronts", picture=picture, mean=np.mean(wrong), worst=int(worst), where=where, **counts)
+    return caption(
+        "fronts",
+        picture=picture,
+        mean=np.mean(wrong),
+        worst=worst,
+        where=where,
+        nodes=face.x.shape[1],
+        all_nodes=sum(len(face.nodes) for face in picture.polygons),
+    )
 
 
-def draw_map(axes: Axes, face: Polygon, instant: int, name: str, top: float) -> None:
-    """Draw the map of a quantity on a contact face in 3D: exact values as a surface, computed values as dots.
+def draw_map(axes: Axes, face: Polygon, instant: int, top: float) -> None:
+    """Draw the map of the pressure on a contact face in 3D: exact values as a surface, computed values as dots.
 
     Parameters:
         axes: the axes.
         face: the contact face.
         instant: the index of the time.
-        name: the quantity, "gap" or "pressure".
         top: the value of the last colour; the first colour is for 0.
     """
-    exact, computed = getattr(face, f"{name}_exact")[instant].clip(0), getattr(face, name)[instant].clip(0)
+    exact, computed = face.pressure_exact[instant].clip(0), face.pressure[instant].clip(0)
     levels = np.linspace(0, top, MAP_LEVELS + 1)
-    style: dict[str, Any] = {"cmap": ramp(name), "norm": BoundaryNorm(levels, 256)}
+    style: Style = {"cmap": ramp("pressure"), "norm": BoundaryNorm(levels, 256)}
     axes.tricontourf(Triangulation(*face.s, face.facets.corners.T), exact, levels, **style)
     axes.scatter(face.s[0], face.s[1], s=5, c=computed, zorder=2, edgecolors=RIM, linewidths=0.2, **style)
     _draw_front(axes, face, face.level[instant])
@@ -264,16 +287,6 @@ def _draw_front(axes: Axes, face: Polygon, level: Array) -> None:
     if level.min() < 0 <= level.max():
         axes.tricontour(_refined(face), level, [0], colors=VERMILLION, linewidths=1.0)
     axes.set(aspect="equal", xlim=(face.s[0].min(), face.s[0].max()), ylim=(face.s[1].min(), face.s[1].max()))
-
-
-def _label_maps(panels: Array, picture: Picture, faces: Sequence[Polygon]) -> None:
-    """Label a grid of maps, with a row for each of the faces and a column for each time of ``picture.shown``."""
-    for row, face in zip(panels, faces, strict=True):
-        row[0].set_ylabel(rf"$s_2$ on ${picture.symbol(face)}$")
-    for axes, instant in zip(panels[0], picture.shown, strict=True):
-        axes.set_title(picture.clock(instant))
-    for axes in panels[-1]:
-        axes.set_xlabel("$s_1$")
 
 
 def _refined(face: Polygon) -> Triangulation:

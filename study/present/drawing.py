@@ -25,16 +25,15 @@ from study.ledger.files import UsageError, write_text, write_whole
 from study.present.notation import read_page
 from study.present.templates import ENVIRONMENT
 
-OUTLINE, RIM, SURFACE = "0.35", "0.4", "0.6"
+OUTLINE, RIM = "0.35", "0.4"
 FOUNDATION, FOUNDATION_EDGE, TRIANGLE = "0.82", "0.25", "0.93"
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 """Colours of the first, second, … line in a figure. The colours of the report page are in ``page/page.css``."""
 RAMPS = {
     "stress": ("#ffffd9", "#edf8b1", "#c7e9b4", "#7fcdbb", "#41b6c4", "#1d91c0", "#225ea8", "#253494", "#081d58"),
     "pressure": ("#fff7ec", "#fee8c8", "#fdd49e", "#fdbb84", "#fc8d59", "#ef6548", "#d7301f", "#b30000", "#7f0000"),
-    "gap": ("#fff7fb", "#ece7f2", "#d0d1e6", "#a6bddb", "#74a9cf", "#3690c0", "#0570b0", "#045a8d", "#023858"),
 }
-"""Quantity ↦ colours from zero to the largest value: YlGnBu, OrRd and PuBu of ColorBrewer (Harrower and Brewer 2003).
+"""Quantity ↦ colours from zero to the largest value: YlGnBu and OrRd of ColorBrewer (Harrower and Brewer 2003).
 
 Larger values have darker colours, so that figures can be read in grey; small values leave the mesh visible.
 """
@@ -86,13 +85,18 @@ class Drawing:
     def alternative(self) -> str:
         """The text for readers who cannot see the figure: the kind of the figure, and its main point."""
         point = self.caption.partition(WHAT_TO_SEE)[2] or self.caption
-        return f"{self.summary[:1].upper()}{self.summary[1:]}. {point[:1].upper()}{point[1:]}"
+        return f"{capitalized(self.summary)}. {capitalized(point)}"
 
     @property
     def headline(self) -> str:
         """The headline of a slide: the main point of the caption up to the first semicolon or full stop."""
         point = self.caption.partition(WHAT_TO_SEE)[2]
-        return re.split(r"; |\.$|\. ", point[:1].upper() + point[1:])[0]
+        return re.split(r"; |\.$|\. ", capitalized(point))[0]
+
+
+def capitalized(text: str) -> str:
+    """Return a text with a capital first letter; the other letters are unchanged."""
+    return text[:1].upper() + text[1:]
 
 
 @dataclass(frozen=True)
@@ -165,7 +169,7 @@ def family_styles(names: Iterable[str]) -> dict[str, Style]:
 
 def column_width() -> float:
     """Return the width of a column of text in inches, which is the width ``figure.figsize`` in the style."""
-    return float(rcParams["figure.figsize"][0])
+    return rcParams["figure.figsize"][0]
 
 
 def page_width() -> float:
@@ -179,7 +183,7 @@ def is_slide() -> bool:
     All figures for slides have this size, and their legends are on the right.
     """
     width, height = rcParams["figure.figsize"]
-    return bool(width > 1.5 * height)
+    return width > 1.5 * height
 
 
 def legend(figure: Figure, handles: Sequence[Artist], columns: int, side: str = "lower", *, wide: bool = False) -> None:
@@ -273,8 +277,10 @@ def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> lis
         rcParams["figure.constrained_layout.use"] = False
         figure.set_layout_engine()
         # A name may contain dots (rough-1.75), so the suffix is appended, not replaced.
-        files = {suffix: directory / f"{drawing.name}.{suffix}" for suffix in output.suffixes}
-        written = [write_whole(path, partial(_save, figure, drawing, suffix)) for suffix, path in files.items()]
+        written = [
+            write_whole(directory / f"{drawing.name}.{suffix}", partial(_save, figure, drawing, suffix))
+            for suffix in output.suffixes
+        ]
     written.append(write_text(directory / f"{drawing.name}.txt", caption_text(drawing)))
     if (table := drawing.table()) is not None:
         written.append(write_text(directory / f"{drawing.name}.csv", table.to_csv(index=False)))

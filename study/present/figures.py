@@ -118,7 +118,7 @@ def drawings(directory: Path) -> list[Drawing]:
     orders = expected_orders(directory, rates)
     for (scheme, case), rows in rates.groupby(["scheme", "case"], sort=False):
         name = f"convergence-{case}" + f"-{scheme}" * (rates["scheme"].nunique() > 1)
-        figures.append(figure("convergence", rows, orders[str(case)], name=name, case=str(case)))
+        figures.append(figure("convergence", rows, orders[case], name=name, case=case))
     columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
     for case, rows, title in charts.enclosed_series(read_csv(directory, "enclosures.csv", columns)):
         figures.append(figure("enclosure", rows, title, name=f"enclosure-{case}", case=case))
@@ -169,7 +169,7 @@ def overview(directory: Path) -> list[Drawing]:
         suffix = f"-{scheme}" * (rates["scheme"].nunique() > 1)
         # The largest figure comes first, because it takes longest to draw and would otherwise delay the end.
         for claim, of_claim in sorted(rows.groupby("claim"), key=lambda group: -len(group[1])):
-            name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", str(claim).lower()).strip("-")
+            name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", claim.lower()).strip("-")
             many = of_claim["case"].nunique() > SHEET
             figures.append(figure("overview", of_claim, orders, name=f"convergence{name}{suffix}", sheet=many))
         smooth = rows[rows["claim"] == "Prop. 5.4"]

@@ -53,7 +53,7 @@ def rates_text(directory: Path) -> str:
             _rates_row(series, predicted, schemes, (words[2] + 1) // 5)
             for _, series in of_claim.groupby(SERIES, sort=False)
         ]
-        lines += [str(claim), _aligned(head, rows, widths, numbers=slice(2, 7)), ""]
+        lines += [claim, _aligned(head, rows, widths, numbers=slice(2, 7)), ""]
     return "\n".join(lines)
 
 
@@ -85,7 +85,7 @@ def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
         orders: the text of ``orders_text``, which is added to the conclusion.
     """
     rows = [
-        [label, claim, str(judged["case"].nunique()), *(str(n or "") for n in count_verdicts(judged).values())]
+        [label, claim, judged["case"].nunique(), *(number or "" for number in count_verdicts(judged).values())]
         for label, claim, judged in by_claim(claims)
     ]
     words = (11, 17) if is_narrow() else (22, 36)
@@ -93,25 +93,16 @@ def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
     few = claims["case"].nunique() <= FEW_CASES
     for verdict in (*([REPORTED] if few else []), MISSED, UNDECIDED, FAILS):
         for _, row in claims[claims["verdict"] == verdict].iterrows():
-            expected, _, why = str(row["expected"]).partition(BECAUSE)
-            observed = observed_text(*(float(row[name]) for name in ("observed", "low", "high")))
-            values = {"where": (row["label"], row["case"]), "expected": expected, "why": why, "observed": observed}
-            lines += _wrapped(printed("check", row=row, **values), indent="    ")
+            expected, _, why = row["expected"].partition(BECAUSE)
+            observed = observed_text(row["observed"], row["low"], row["high"])
+            where = row["label"], row["case"]
+            text = printed("check", row=row, where=where, expected=expected, why=why, observed=observed)
+            lines += _wrapped(text, indent="    ")
     count, kinds = count_verdicts(claims), count_kinds(claims)
     lines += _wrapped(printed("counts", total=len(claims), count=count))
     lines += _wrapped(printed("kinds", kinds=kinds)) if count[HOLDS] else []
-    lines += _wrapped(conclusion(count, orders))
+    lines += _wrapped(printed("conclusion", count=count, orders=orders))
     return "\n".join(lines) + "\n"
-
-
-def conclusion(count: Mapping[str, int], orders: str = "") -> str:
-    """Return one sentence that says whether a statement was contradicted.
-
-    Parameters:
-        count: verdict ↦ number of checks.
-        orders: a text on the observed orders, which is added; may be empty.
-    """
-    return printed("conclusion", count=count, orders=orders)
 
 
 def printed(name: str, **values: object) -> str:
@@ -130,8 +121,8 @@ def write_junit(path: Path, verdicts: list[Verdict]) -> None:
     """
     suite = ElementTree.Element("testsuite", name="ledger", tests=str(len(verdicts)))
     for verdict in verdicts:
-        names = {"classname": f"{verdict.label}.{verdict.case}", "name": verdict.quantity}
-        case = ElementTree.SubElement(suite, "testcase", names)
+        name = f"{verdict.label}.{verdict.case}"
+        case = ElementTree.SubElement(suite, "testcase", classname=name, name=verdict.quantity)
         if verdict.verdict != HOLDS:
             observed = observed_text(verdict.observed, verdict.low, verdict.high)
             message = f"expected {verdict.expected}, observed {observed}"
@@ -144,14 +135,16 @@ def write_junit(path: Path, verdicts: list[Verdict]) -> None:
 
 def observed_text(observed: float, low: float, high: float) -> str:
     """Return an observed value with its range as text; if one end is infinite, the other end as a bound."""
-    if math.isnan(observed) or (math.isinf(low) and math.isinf(high)):
-        return "no number" if math.isnan(observed) else cell(observed)
+    if math.isnan(observed):
+        return "no number"
+    if math.isinf(low) and math.isinf(high):
+        return cell(observed)
     if math.isinf(low):
         return f"at most {cell(high)}"
     return f"at least {cell(low)}" if math.isinf(high) else f"{cell(observed)} in [{cell(low)}, {cell(high)}]"
 
 
-def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bool, shown: int) -> list[str]:
+def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bool, shown: int) -> list[object]:
     """Return the cells of a row of ``rates_text``.
 
     Parameters:
@@ -163,18 +156,18 @@ def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bo
     finest = series.iloc[-1]
     orders = [f"{order:.2f}" for order in series["order"].dropna()]
     return [
-        str(finest["case"]),
-        f"{finest['family']}, {finest['scheme']}" if schemes else str(finest["family"]),
-        str(finest["level"]),
+        finest["case"],
+        f"{finest['family']}, {finest['scheme']}" if schemes else finest["family"],
+        finest["level"],
         significant(finest["error"]),
         "" if pd.isna(finest["discrete_order"]) else f"{finest['discrete_order']:.2f}",
         f"{100 * series['time_share'].max():.2f}",
-        f"{predicted[str(finest['case'])]:.3g}",
+        f"{predicted[finest['case']]:.3g}",
         " ".join(["…"] * (len(orders) > shown) + orders[-shown:]),
     ]
 
 
-def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]], widths: Sequence[int], numbers: slice) -> str:
+def _aligned(head: Sequence[str], rows: Sequence[Sequence[object]], widths: Sequence[int], numbers: slice) -> str:
     """Return a table as text.
 
     Parameters:
@@ -185,6 +178,4 @@ def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]], widths: Sequenc
     """
     sides = ["left"] * len(head)
     sides[numbers] = ["right"] * len(sides[numbers])
-    return str(
-        tabulate([head, *rows], tablefmt="plain", disable_numparse=True, maxcolwidths=list(widths), colalign=sides)
-    )
+    return tabulate([head, *rows], tablefmt="plain", disable_numparse=True, maxcolwidths=[*widths], colalign=sides)

@@ -6,8 +6,9 @@ Usage: python -m study.present.pages results README.md docs/explanation/results.
 import re
 import sys
 import tomllib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -177,43 +178,37 @@ def short(data: FullRun) -> str:
 
 def results(data: FullRun) -> str:
     """Return the table of results in Markdown: claims, predictions, observations rounded outwards, and verdicts."""
-    return _table(["claim", "predicted", "observed", "verdict"], result_lines(data, TEXTS["lines"]))
-
-
-def result_lines(data: FullRun, names: Iterable[str]) -> list[list[str]]:
-    """Return claim, prediction, observation and verdict for lines of the tables of results."""
     fill, lines = sentences(data), []
-    for line in (TEXTS["lines"][name] for name in names):
-        counts = line.get("label"), line.get("keys", ()), line.get("noun", "checks")
-        verdict = fill(line["verdict"]) if "verdict" in line else _verdict(data.claims, *counts)
-        lines.append([*(fill(line[part]) for part in ("claim", "predicted", "observed")), verdict])
-    return lines
+    for line in TEXTS["lines"].values():
+        verdict = fill(line["verdict"]) if "verdict" in line else _verdict(data.claims, line)
+        lines.append([fill(line["claim"]), fill(line["predicted"]), fill(line["observed"]), verdict])
+    return _table(["claim", "predicted", "observed", "verdict"], lines)
 
 
-def _verdict(claims: pd.DataFrame, label: str, keys: Sequence[str] = (), noun: str = "checks") -> str:
+def _verdict(claims: pd.DataFrame, line: Mapping[str, Any]) -> str:
     """Return the worst verdict on a statement, and how many of its checks have each verdict.
 
     Then follows how many of them can only fail if the program is wrong.
 
     Parameters:
         claims: all checks.
-        label: the label of the statement.
-        keys: the keys of the checks that test the statement directly; the numbers for all further checks then follow.
-            If there are no keys, all checks are counted together.
-        noun: what these checks are called.
+        line: the line of the table, with the ``label`` of the statement; possibly ``keys``, those of the checks that
+            test the statement directly, and ``noun``, what these checks are called. With keys, the numbers for all
+            further checks follow; without, all checks are counted together.
     """
-    rows = claims[claims["label"] == label]
-    is_test = rows["key"].isin(keys) if keys else rows["key"].notna()
-    tests, further = rows[is_test], verdicts_in_words(rows[~is_test], "further checks of the same computations")
+    rows = tests = claims[claims["label"] == line["label"]]
+    further = ""
+    if "keys" in line:
+        is_test = rows["key"].isin(line["keys"])
+        tests, further = rows[is_test], verdicts_in_words(rows[~is_test], "further checks of the same computations")
     count = count_verdicts(tests)
-    values = {
-        "worst": next((verdict for verdict in CLAIMED if count[verdict]), REPORTED),
-        "tested": verdicts_in_words(tests, noun),
-        "total": sum(count[verdict] for verdict in CLAIMED),
-        "safe": ((tests["verdict"] == HOLDS) & (tests["kind"] == CheckKind.IDENTITY)).sum(),
-        "further": further if keys else "",
-    }
-    return ENVIRONMENT.from_string(TEXTS["verdict"]).render(values)
+    return ENVIRONMENT.from_string(TEXTS["verdict"]).render(
+        worst=next((verdict for verdict in CLAIMED if count[verdict]), REPORTED),
+        tested=verdicts_in_words(tests, line.get("noun", "checks")),
+        total=sum(count[verdict] for verdict in CLAIMED),
+        safe=((tests["verdict"] == HOLDS) & (tests["kind"] == CheckKind.IDENTITY)).sum(),
+        further=further,
+    )
 
 
 def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
@@ -259,8 +254,8 @@ def statements(data: FullRun) -> str:
     lines, shown = [], TEXTS["shown"]
     for label, claim, rows in by_claim(data.claims[~data.claims["label"].isin((MISPRINTS, NOT_TESTED, NO_ROW))]):
         where = data.provenance["statements"][label]
-        here = [path for path in (MOVED.get(path, path) for path in where["code"]) if (REPOSITORY / path).is_file()]
-        code = next(iter(here), "study/run/provenance.py")
+        moved = (MOVED.get(path, path) for path in where["code"])
+        code = next((path for path in moved if (REPOSITORY / path).is_file()), "study/run/provenance.py")
         cases = rows["case"].unique()
         more = f" and {len(cases) - 1} more" if len(cases) > 1 else ""
         command = TEXTS["commands"].get(label, "make study").format(cases[0])
@@ -339,8 +334,8 @@ def badges(data: FullRun, project: Path) -> dict[str, str]:
     return {
         "ledger.svg": badge("ledger", rows, ledger),
         "defects.svg": badge("deliberate faults", f"{noticed} of {injected} noticed", defects),
-        "python.svg": badge("Python", str(stated["requires-python"]).replace(">=", "≥ "), BLUE),
-        "licence.svg": badge("licence", str(stated["license"]), BLUE),
+        "python.svg": badge("Python", stated["requires-python"].replace(">=", "≥ "), BLUE),
+        "licence.svg": badge("licence", stated["license"], BLUE),
     }
 
 

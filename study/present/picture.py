@@ -51,7 +51,7 @@ class FaceHistory:
     @property
     def touching(self) -> NDArray[np.bool_]:
         """Whether each node is in contact at each time, (times, nodes)."""
-        return np.asarray(self.pressure > CONTACT_SHARE * self.pressure.max(initial=0.0))
+        return self.pressure > CONTACT_SHARE * self.pressure.max(initial=0.0)
 
     @property
     def inside(self) -> NDArray[np.bool_]:
@@ -66,7 +66,7 @@ class FaceHistory:
         """
         found = self.touching & ~self.inside
         found[0] = False
-        return np.asarray(found)
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +89,7 @@ class Segment(FaceHistory):
     @property
     def inside(self) -> NDArray[np.bool_]:
         """Whether each node is in the exact contact zone at each time, (times, nodes)."""
-        return np.asarray(self.depth(map(self.exact_zone, self.times), self.s) >= 0)
+        return self.depth(map(self.exact_zone, self.times), self.s) >= 0
 
     def computed_zone(self, instant: int) -> list[Interval]:
         """Return the computed contact zone at the time with the index ``instant``, as intervals.
@@ -99,7 +99,7 @@ class Segment(FaceHistory):
         middle = (self.s[1:] + self.s[:-1]) / 2
         ends = np.concatenate([self.s[:1], middle, self.s[-1:]])
         change = np.flatnonzero(np.diff(self.touching[instant], prepend=False, append=False))
-        return [(float(ends[a]), float(ends[b])) for a, b in zip(change[::2], change[1::2], strict=True)]
+        return list(zip(ends[change[::2]], ends[change[1::2]], strict=True))
 
     def exact_zone(self, time: float) -> list[Interval]:
         """Return the intervals of the exact contact zone at a time.
@@ -108,12 +108,13 @@ class Segment(FaceHistory):
         appear, vanish, merge or split there, the zone at the nearer time is returned.
         """
         late = max(1, int(np.searchsorted(self.zone_times, time)))
-        before, after = self.zone[late - 1], self.zone[late]
-        share = (time - self.zone_times[late - 1]) / (self.zone_times[late] - self.zone_times[late - 1])
+        before, after = self.zone[late - 1 : late + 1]
+        start, end = self.zone_times[late - 1 : late + 1]
+        share = (time - start) / (end - start)
         if len(before) != len(after):
             return before if share < 0.5 else after
         ends = (1 - share) * np.array(before) + share * np.array(after)
-        return [(float(left), float(right)) for left, right in ends]
+        return [(left, right) for left, right in ends]
 
     def depth(self, zones: Iterable[Sequence[Interval]], s: Array) -> Array:
         """Return how far positions lie inside contact zones, (zones, positions); outside, values are negative.
@@ -122,12 +123,12 @@ class Segment(FaceHistory):
         """
         depths = []
         for zone in zones:
-            insides = [np.full(len(s), -np.inf)]
+            depth = np.full(len(s), -np.inf)
             for left, right in zone:
                 from_left = s - left if left > s.min() else np.inf
                 from_right = right - s if right < s.max() else np.inf
-                insides.append(np.broadcast_to(np.minimum(from_left, from_right), s.shape))
-            depths.append(np.max(insides, axis=0))
+                depth = np.maximum(depth, np.minimum(from_left, from_right))
+            depths.append(depth)
         return np.array(depths)
 
 
@@ -150,7 +151,7 @@ class Polygon(FaceHistory):
     @property
     def inside(self) -> NDArray[np.bool_]:
         """Whether each node is in the exact contact zone at each time, (times, nodes)."""
-        return np.asarray(self.level[:, : len(self.nodes)] >= 0)
+        return self.level[:, : len(self.nodes)] >= 0
 
 
 class Picture:
@@ -190,7 +191,7 @@ class Picture:
         plane = len(self.vertices) == 2
         self.shown: Sequence[int] = [int(np.argmin(abs(self.times - time))) for time in record["shapes"]]
         self.faces = [_face(face, self.times, self.cells, plane) for face in record["faces"]]
-        self.size = float(np.ptp(self.vertices, axis=1).max())
+        self.size = np.ptp(self.vertices, axis=1).max()
         self.heading = f"{self.case} ({self.family}, $n={self.level}$)"
         self.place = f"{self.case}, {self.family} mesh with n = {self.level}"
 
@@ -246,7 +247,7 @@ class Picture:
 
     def symbol(self, face: FaceHistory) -> str:
         """Return the name of a contact face as a TeX formula."""
-        return rf"\Gamma_{{3,{face.number}}}" if len(self.faces) > 1 else r"\Gamma_3"
+        return rf"$\Gamma_{{3,{face.number}}}$" if len(self.faces) > 1 else r"$\Gamma_3$"
 
 
 def read_values(entry: Any) -> Array:
@@ -325,4 +326,4 @@ def misplaced_length(face: Segment) -> Array:
     exact = face.depth(map(face.exact_zone, face.times), s) >= 0
     nearest = abs(s[:, None] - face.s).argmin(axis=1)
     wrong = exact != face.touching[:, nearest]
-    return np.asarray(wrong[1:].mean(axis=1) * (len(face.s) - 1))
+    return wrong[1:].mean(axis=1) * (len(face.s) - 1)

@@ -13,8 +13,18 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.tri import Triangulation
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, VERMILLION
-from study.present.body import GAP_STYLE, magnification
-from study.present.drawing import FOUNDATION, FOUNDATION_EDGE, RAMPS, Drawing, caption, column_width, entry, legend
+from study.present.body import GAP_STYLE, band, magnification
+from study.present.drawing import (
+    FOUNDATION,
+    FOUNDATION_EDGE,
+    RAMPS,
+    Drawing,
+    Style,
+    caption,
+    column_width,
+    entry,
+    legend,
+)
 from study.present.picture import Array
 
 BAND = 0.05
@@ -83,7 +93,7 @@ class ProblemPicture:
     @property
     def size(self) -> float:
         """The longest side of the box around the body."""
-        return float(np.ptp(self.corners, axis=1).max())
+        return np.ptp(self.corners, axis=1).max()
 
     @property
     def factor(self) -> float:
@@ -133,7 +143,7 @@ def _draw_map(vertices: Array, cells: Array, squares: Array) -> Figure:
 def _axes(points: Array) -> tuple[Figure, Axes]:
     """Return a figure whose shape fits points of the plane, (2, n), and its axes."""
     wide, high = np.ptp(points, axis=1)
-    shape = float(np.clip(high / wide, 0.4, 1.4))
+    shape = np.clip(high / wide, 0.4, 1.4)
     figure = Figure(figsize=(1.4 * column_width(), 1.4 * column_width() * shape + 0.5), layout="constrained")
     axes = figure.subplots()
     axes.set_aspect("equal")
@@ -166,7 +176,7 @@ def draw_problem(picture: ProblemPicture) -> Figure:
     return figure
 
 
-RIM: dict[str, Any] = {"edgecolor": FOUNDATION_EDGE, "linewidth": 0.4}
+RIM: Style = {"edgecolor": FOUNDATION_EDGE, "linewidth": 0.4}
 BANDS = {
     "CLAMPED": RIM | {"hatch": "/////", "facecolor": "white"},
     "CONTACT": RIM | {"facecolor": FOUNDATION},
@@ -180,8 +190,7 @@ def _draw_side(axes: Axes, side: Side, number: int, size: float) -> None:
     outward, middle = BAND * size * side.normal, side.ends.mean(axis=1)
     axes.plot(*side.ends, color=BLACK, lw=0.9, zorder=4)
     if side.kind in BANDS:
-        band = np.hstack([side.ends, side.ends[:, ::-1] + outward[:, None]])
-        axes.fill(*band, zorder=3, **BANDS[side.kind])
+        axes.fill(*band(side.ends, outward[:, None]), zorder=3, **BANDS[side.kind])
     x, y = middle - NUMBER * outward
     label, frame = (f"{number}: |u| ≤ {side.moved:.3g}", "round") if side.moved else (str(number), "circle")
     box = {"boxstyle": f"{frame},pad=0.15", "facecolor": "white", "edgecolor": GREEN, "linewidth": 0.6}
@@ -190,8 +199,7 @@ def _draw_side(axes: Axes, side: Side, number: int, size: float) -> None:
 
 def _draw_loads(axes: Axes, picture: ProblemPicture) -> None:
     """Draw tractions as arrows with the size of the largest arrow on each side, and the force on the volume."""
-    sizes = [float(np.linalg.norm(side.traction, axis=0).max(initial=0.0)) for side in picture.sides]
-    style = {"color": VERMILLION, "arrowstyle": "-|>", "lw": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 7}
+    sizes = [np.linalg.norm(side.traction, axis=0).max(initial=0.0) for side in picture.sides]
     for side, largest in zip(picture.sides, sizes, strict=True):
         if largest == 0:
             continue
@@ -200,17 +208,17 @@ def _draw_loads(axes: Axes, picture: ProblemPicture) -> None:
         pushes = side.normal @ side.traction < 0
         starts = np.where(pushes, side.points - arrows, side.points)
         for start, arrow in zip(starts.T, arrows.T, strict=True):
-            axes.annotate("", tuple(start + arrow), tuple(start), arrowprops=style, zorder=5, annotation_clip=False)
+            _arrow(axes, start, start + arrow, VERMILLION, 7, zorder=5, annotation_clip=False)
         axes.update_datalim(np.hstack([starts, starts + arrows]).T)
         # Of equal arrows the middle one gets the label.
         lengths = np.linalg.norm(side.traction, axis=0)
         top = np.argmax((lengths >= 0.99 * largest) * (1 - np.linspace(-0.5, 0.5, len(lengths)) ** 2))
         far = starts[:, top] if pushes[top] else (starts + arrows)[:, top]
         _label(axes, far + BAND * picture.size * side.normal, f"{largest:.3g}")
-    weight = float(np.linalg.norm(picture.force))
+    weight = np.linalg.norm(picture.force)
     if weight:
         arrow = ARROW / 2 * picture.size / weight * picture.force
-        axes.annotate("", tuple(picture.middle + arrow), tuple(picture.middle), arrowprops=style, zorder=5)
+        _arrow(axes, picture.middle, picture.middle + arrow, VERMILLION, 7, zorder=5)
         _label(axes, picture.middle - arrow / 3, f"$f_0$: {weight:.3g}")
 
 
@@ -232,13 +240,11 @@ def draw_sketch() -> Figure:
     gap = 0.28 * np.maximum(s - front, 0) ** 2
     outline = np.vstack([np.column_stack([s, gap]), [[wide, high], [0, high]]])
     axes.add_patch(Polygon(outline, facecolor=RAMPS["stress"][0], edgecolor=BLACK, linewidth=0.8))
-    clamp: dict[str, Any] = {"facecolor": "none", "edgecolor": DARK, "linewidth": 0, "hatch": "/////"}
-    axes.add_patch(Rectangle((0, high), wide, 0.05, **clamp))
+    axes.add_patch(Rectangle((0, high), wide, 0.05, facecolor="none", edgecolor=DARK, linewidth=0, hatch="/////"))
     axes.plot([0, wide], [high, high], color=DARK, lw=1.6)
     axes.plot(s, gap, color=BLUE, lw=1.6)
 
-    ground: dict[str, Any] = {"facecolor": FOUNDATION, "edgecolor": "none", "zorder": 0.5}
-    axes.add_patch(Rectangle((-0.12, -0.09), wide + 0.24, 0.09, **ground))
+    axes.add_patch(Rectangle((-0.12, -0.09), wide + 0.24, 0.09, facecolor=FOUNDATION, edgecolor="none", zorder=0.5))
     axes.plot([-0.12, wide + 0.12], [0, 0], color=FOUNDATION_EDGE, lw=0.6, zorder=0.6)
     axes.fill_between(s, 0 * s, gap, **GAP_STYLE)
     for at in np.arange(0.06, front, 0.12):
@@ -273,6 +279,7 @@ def caption_sketch() -> str:
     return caption("problem")
 
 
-def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], colour: str) -> None:
-    style: dict[str, Any] = {"arrowstyle": "-|>", "color": colour, "lw": 0.9, "mutation_scale": 6}
-    axes.annotate("", end, start, arrowprops=style | {"shrinkA": 0, "shrinkB": 0})
+def _arrow(axes: Axes, start: Any, end: Any, colour: str, head: float = 6, **more: Any) -> None:
+    """Draw an arrow between two points; ``head`` is the size of its head in points."""
+    style = {"arrowstyle": "-|>", "color": colour, "lw": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": head}
+    axes.annotate("", tuple(end), tuple(start), arrowprops=style, **more)

@@ -32,7 +32,7 @@ from study.present.charts import enclosed_series, finest_orders, order_differenc
 from study.present.drawing import Drawing, Output, in_style
 from study.present.figures import figure
 from study.present.notation import counted, read_page, typeset
-from study.present.outcome import conclusion, orders_text
+from study.present.outcome import orders_text, printed
 from study.present.picture import Picture, picture_path, read_record
 from study.present.show import film_images, image_of
 from study.present.tables import Table
@@ -61,17 +61,22 @@ def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[
     """
     claims, rates = read_claims(directory), read_rates(directory)
     smooth, predicted = rates[rates["claim"] == "Prop. 5.4"], expected_orders(directory, rates)
-    judges = {label: list(statement["code"]) for label, statement in provenance.get("statements", {}).items()}
+    statements = provenance.get("statements", {})
     # A statement with the code files that judge it and its checks. A label with two statements gives two groups.
     groups: list[dict[str, Any]] = [
-        {"label": label, "says": says, "counts": count_verdicts(rows), "judges": judges.get(label, [])}
-        | {"rows": rows[CHECKS].to_numpy().tolist()}
+        {
+            "label": label,
+            "says": says,
+            "counts": count_verdicts(rows),
+            "judges": statements.get(label, {"code": []})["code"],
+            "rows": rows[CHECKS].to_numpy().tolist(),
+        }
         for label, says, rows in by_claim(all_rows(directory))
     ]
-    cases = case_pages(directory, claims, rates, run_map)
+    cases, counts = case_pages(directory, claims, rates, run_map), count_verdicts(claims)
     values = {
-        "counts": count_verdicts(claims),
-        "conclusion": conclusion(count_verdicts(claims), orders_text(directory)),
+        "counts": counts,
+        "conclusion": printed("conclusion", count=counts, orders=orders_text(directory)),
         # The page opens with the 2D case that has the most contact faces.
         "shown": max(cases, key=lambda case: (case["facts"]["dimension"] == 2) * case["faces"]),
         "collapsed": svg_chart(figure("collapsed", smooth)) if len(smooth) else "",
@@ -94,17 +99,15 @@ def all_rows(directory: Path) -> pd.DataFrame:
 def _files(directory: Path) -> Table:
     """Return the table of the data files from which the page is made, with their sizes and SHA-256 checksums."""
     data = directory / "data"
-    paths = sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json.gz")])
-    contents = {path.relative_to(data).as_posix(): path.read_bytes() for path in paths}
-    rows = [
-        {"file": name, "size": significant(len(content) / 1000), "sha": sha256(content).hexdigest()}
-        for name, content in contents.items()
-    ]
+    rows = []
+    for path in sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json.gz")]):
+        name, content = path.relative_to(data).as_posix(), path.read_bytes()
+        rows.append({"file": name, "size": significant(len(content) / 1000), "sha": sha256(content).hexdigest()})
     return Table.of("files", pd.DataFrame(rows), grouped=0)
 
 
 def case_pages(
-    directory: Path, claims: pd.DataFrame, rates: pd.DataFrame, run_map: Callable[..., Iterable[Any]] = map
+    directory: Path, claims: pd.DataFrame, rates: pd.DataFrame, run_map: Callable[..., Iterable[Any]]
 ) -> list[dict[str, Any]]:
     """Return the texts, pictures and tables of each case on the report page, in the order of ``cases.csv``.
 
@@ -124,10 +127,10 @@ def case_pages(
     """
     enclosures = read_csv(directory, "enclosures.csv")
     shown = [
-        (tables.rates(directory), "Errors on every mesh", ["case", "claim"]),
-        (tables.stresses(directory), "The stress problem on its own space", ["case"]),
-        (tables.equivalence(directory), "The stress problem on the strains of V^h", ["case"]),
-        (tables.bounds(directory), "Bounds of the error", ["case"]),
+        ("Errors on every mesh", tables.rates(directory)),
+        ("The stress problem on its own space", tables.stresses(directory)),
+        ("The stress problem on the strains of V^h", tables.equivalence(directory)),
+        ("Bounds of the error", tables.bounds(directory)),
     ]
     pages = []
     cases = read_csv(directory, "cases.csv")
@@ -136,10 +139,10 @@ def case_pages(
         name = fact["case"]
         errors = rates[rates["case"] == name]
         orders = sorted(finest_orders(errors, refinements=2).values())
-        charts = [figure("convergence", errors, float(fact["expected_order"]), name=name)] if len(errors) else []
+        charts = [figure("convergence", errors, fact["expected_order"], name=name)] if len(errors) else []
         enclosed = enclosed_series(enclosures[enclosures["case"] == name])
         charts += [figure("enclosure", rows, title, name=title) for _, rows, title in enclosed]
-        of_case = [(caption, table.of_case(name, without)) for table, caption, without in shown]
+        of_case = [(caption, table.of_case(name)) for caption, table in shown]
         page = {
             "name": name,
             "facts": fact,
@@ -184,7 +187,7 @@ def draw_case(directory: Path, case: str, charts: Sequence[Drawing]) -> dict[str
 
 def _frame_text(picture: Picture, instant: int) -> str:
     """Return the text for readers who cannot see an image of an animation."""
-    touching = sum(int(face.touching[instant].sum()) for face in picture.faces)
+    touching = sum(face.touching[instant].sum() for face in picture.faces)
     return f"t = {picture.times[instant]:.3g}, {counted(touching, 'node')} in contact"
 
 

@@ -105,10 +105,12 @@ def write_gif(
     together = Image.fromarray(np.concatenate([np.asarray(image) for image in images]))
     palette = together.quantize(colours, dither=Image.Dither.NONE)
     first, *others = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
-    times: dict[str, Any] = {"duration": [1000 // PER_SECOND] * len(others) + [HOLD], "loop": 0}
-    return write_whole(
-        path, lambda part: first.save(part, "GIF", save_all=True, append_images=others, optimize=True, **times)
-    )
+    times = [1000 // PER_SECOND] * len(others) + [HOLD]
+
+    def write(part: Path) -> None:
+        first.save(part, "GIF", save_all=True, append_images=others, optimize=True, duration=times, loop=0)
+
+    return write_whole(path, write)
 
 
 def find_ffmpeg() -> str | None:
@@ -116,13 +118,16 @@ def find_ffmpeg() -> str | None:
     if system := shutil.which("ffmpeg"):
         return system
     try:
-        return str(import_module("imageio_ffmpeg").get_ffmpeg_exe())
+        return import_module("imageio_ffmpeg").get_ffmpeg_exe()
     except (ImportError, RuntimeError):
         return None
 
 
 def write_mp4(path: Path, picture: Picture) -> Path | None:
-    """Write an animation as MP4, with a frame for each time in ``picture.shown``; None without ffmpeg."""
+    """Write an animation as MP4, with a frame for each time in ``picture.shown``, and return its path.
+
+    Without ffmpeg nothing is written, and the result is None.
+    """
     ffmpeg = find_ffmpeg()
     if not ffmpeg:
         return None
@@ -188,9 +193,19 @@ def _frames(picture: Picture, film: tuple[Figure, Axes, Array], upright: bool = 
     """
     figure, body, panels = film
     scale = BodyScale(picture)
-    bars = {"orientation": "horizontal", "fraction": 0.05, "shrink": 0.8, "pad": 0.02}
     columns = (1 if picture.polygons else 2) if upright else 4
-    draw_keys(figure, [body], picture, scale, columns, _pressure_handles(picture), **bars)
+    draw_keys(
+        figure,
+        [body],
+        picture,
+        scale,
+        columns,
+        _pressure_handles(picture),
+        orientation="horizontal",
+        fraction=0.05,
+        shrink=0.8,
+        pad=0.02,
+    )
     for instant in picture.shown:
         body.clear()
         draw_deformed_mesh(body, picture, instant, scale, 0.5 * page_width(), lines=not upright)
@@ -228,15 +243,15 @@ def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int
     """
     name = picture.symbol(face)
     if isinstance(face, Polygon):
-        draw_map(axes, face, instant, "pressure", scale.pressure or 1.0)
-        axes.set(xlabel="$s_1$", ylabel=rf"$s_2$ on ${name}$")
+        draw_map(axes, face, instant, scale.pressure or 1.0)
+        axes.set(xlabel="$s_1$", ylabel=f"$s_2$ on {name}")
         return
     assert isinstance(face, Segment)
     for start, end in face.exact_zone(face.times[instant]):
         axes.axvspan(start, end, color=SKY, alpha=0.35, lw=0)
     draw_profile(axes, face, face.line_pressure[instant], face.pressure[instant], VERMILLION)
-    top = max(float(face.pressure.max()), float(face.line_pressure.max()))
-    axes.set(ylim=(0, 1.08 * top if top > ROUND_OFF else 1), xlabel=rf"$s$ on ${name}$", ylabel="pressure $p$")
+    top = max(face.pressure.max(), face.line_pressure.max())
+    axes.set(ylim=(0, 1.08 * top if top > ROUND_OFF else 1), xlabel=f"$s$ on {name}", ylabel="pressure $p$")
 
 
 def write_vtk(directory: Path, name: str, series: MeshSeries) -> list[Path]:
@@ -246,8 +261,8 @@ def write_vtk(directory: Path, name: str, series: MeshSeries) -> list[Path]:
     for number, fields in enumerate(series.fields):
         mesh = mesh_of(series, fields)
         files.append(write_whole(directory / f"{name}-{number:03d}.vtu", partial(mesh.write, file_format="vtu")))
-        listed = {"timestep": f"{fields.time:.12g}", "group": "", "part": "0", "file": files[-1].name}
-        ElementTree.SubElement(collection, "DataSet", listed)
+        time = f"{fields.time:.12g}"
+        ElementTree.SubElement(collection, "DataSet", timestep=time, group="", part="0", file=files[-1].name)
     ElementTree.indent(root)
     text = ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
     return [write_text(directory / f"{name}.pvd", text), *files]

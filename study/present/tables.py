@@ -16,6 +16,7 @@ import pandas as pd
 from study.ledger.controls import summary
 from study.ledger.datafiles import read_claims, read_csv, read_rates, since_before
 from study.ledger.text import cell
+from study.ledger.verdict import NOWHERE
 from study.present.notation import encode, folding, prose, read_page
 from study.present.templates import render
 
@@ -84,21 +85,22 @@ class Table:
     @property
     def rows(self) -> list[list[str]]:
         """The texts of all cells, row by row."""
-        return self.cells[[column.name for column in self.columns]].to_numpy().tolist()
+        return self.cells.to_numpy().tolist()
 
-    def of_case(self, case: str, without: Sequence[str]) -> Table:
-        """Return the table of the rows of one case, without the columns whose names are in ``without``."""
-        columns = [column for column in self.columns if column.name not in without]
-        return Table(self.name, columns, self.cells[self.cells["case"] == case])
+    def of_case(self, case: str) -> Table:
+        """Return the table of the rows of one case, without the columns ``case`` and ``claim``."""
+        columns = [column for column in self.columns if column.name not in ("case", "claim")]
+        rows = self.cells.loc[self.cells["case"] == case, [column.name for column in columns]]
+        return Table(self.name, columns, rows)
 
     def texts(self, directory: Path) -> dict[Path, str]:
         """Return path ↦ text of the CSV, Markdown and LaTeX files of the table in a directory."""
-        keys, rest = self.columns[: self.grouped], self.columns[self.grouped :]
         groups = [
-            (titles, rows[[column.name for column in rest]].to_numpy().tolist())
-            for titles, rows in self.cells.groupby([column.name for column in keys], sort=False)
+            (titles, rows.iloc[:, self.grouped :].to_numpy().tolist())
+            for titles, rows in self.cells.groupby([*self.cells.columns[: self.grouped]], sort=False)
         ]
-        texts = {form: render(f"table.{form}.j2", {"columns": rest, "groups": groups}) for form in ("md", "tex")}
+        values = {"columns": self.columns[self.grouped :], "groups": groups}
+        texts = {form: render(f"table.{form}.j2", values) for form in ("md", "tex")}
         texts["csv"] = self.cells.to_csv(index=False, lineterminator="\n")
         return {directory / f"{self.name}.{form}": text for form, text in texts.items()}
 
@@ -126,8 +128,8 @@ def all_checks(directory: Path) -> pd.DataFrame:
     This range means that nothing was measured.
     """
     claims = read_claims(directory)
-    unmeasured = (claims["low"] == -math.inf) & (claims["high"] == math.inf)
-    return claims.assign(low=claims["low"].mask(unmeasured), high=claims["high"].mask(unmeasured))
+    ends = claims[["low", "high"]]
+    return claims.assign(**ends.mask((ends == [*NOWHERE]).all(axis=1)))
 
 
 def ledger(directory: Path) -> Table:
@@ -156,12 +158,11 @@ def equivalence(directory: Path) -> Table:
 def stresses(directory: Path) -> Table:
     """Return the table of errors of Problem 3.2 with its own space for stresses, with the orders of the stress."""
     values = _read(directory, "stresses", "h", "time_share")
-    series = [values.assign(order=math.nan).head(0)]
-    for _, rows in values.groupby(["case", "family"], sort=False):
-        rows = rows.sort_values("level")
-        series.append(rows.assign(order=since_before(rows, "stress")))
-    sorted_values = pd.concat(series) if len(series) > 1 else series[0]
-    return Table.of("stresses", sorted_values.assign(time_share_percent=100 * sorted_values["time_share"]))
+    values = values.assign(order=math.nan, time_share_percent=100 * values["time_share"])
+    series = [rows.sort_values("level") for _, rows in values.groupby(["case", "family"], sort=False)]
+    for rows in series:
+        rows["order"] = since_before(rows, "stress")
+    return Table.of("stresses", pd.concat(series) if series else values)
 
 
 def bounds(directory: Path) -> Table:

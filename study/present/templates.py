@@ -21,7 +21,6 @@ from study.ledger.codes import MARCHES, Codes
 from study.ledger.controls import LARGEST_RATE, FalseAlarms, SeedRecord, in_words, missed, seeds_needed
 from study.ledger.datafiles import (
     DataError,
-    count_kinds,
     count_verdicts,
     planned_keys,
     read_claims,
@@ -79,7 +78,7 @@ def digits(value: float, count: int = 3) -> str:
 
 def deviation(rows: pd.DataFrame) -> float:
     """Return the largest distance of the ends of checks from 1."""
-    return float((rows[["low", "high"]] - 1).abs().max(axis=None))
+    return (rows[["low", "high"]] - 1).abs().max(axis=None)
 
 
 def two_digits_up(value: float) -> float:
@@ -126,8 +125,8 @@ def evidence(row: pd.Series) -> str:
     if row["label"] in (NO_ROW, NOT_TESTED, MISPRINTS):
         return "lines"
     if row["verdict"] in UNCLAIMED:
-        return agreement(row) if str(row["expected"]).startswith("predicted") else "numbers"
-    return str(row["kind"])
+        return agreement(row) if row["expected"].startswith("predicted") else "numbers"
+    return row["kind"]
 
 
 class FullRun:
@@ -172,13 +171,18 @@ class FullRun:
         is_full = made.get("plan") == "full" and set(cases["case"]) >= NAMED_CASES
         return cls(directory, made, cases) if is_full else None
 
+    def labelled(self, label: str) -> pd.DataFrame:
+        """Return the rows of the ledger with a label."""
+        return self.claims[self.claims["label"] == label]
+
     def checks(self, label: str, *keys: str, case: str = "") -> pd.DataFrame:
         """Return the rows of the ledger with a label and one of the keys, of all cases or of one case.
 
         Raises:
             DataError: there is no row for one of the keys.
         """
-        chosen = self.claims[(self.claims["label"] == label) & self.claims["key"].isin(keys)]
+        chosen = self.labelled(label)
+        chosen = chosen[chosen["key"].isin(keys)]
         chosen = chosen[chosen["case"] == case] if case else chosen
         if lacking := sorted(set(keys) - set(chosen["key"])):
             raise DataError(
@@ -192,18 +196,18 @@ def context(data: FullRun) -> dict[str, Any]:
     """Return the names that templates use: the tables of a full run, its checks, and what is counted in them."""
     counts = data.claims.apply(evidence, axis=1).value_counts()
     orders = data.checks("(5.36)", "order")
-    discrete = data.claims[data.claims["label"] == "beyond: fully discrete"]
-    functions = count_kinds, count_verdicts, planned_keys, in_words
     return vars(data) | {
         "checks": data.checks,
         "evidence": {name: counts.get(name, 0) for name in EVIDENCE_TITLES},
         "missed_faults": missed(data.faults),
         "without_5_36": orders[orders["case"].map(data.cases["expected_order"]) == 1],
-        "discrete_scheme": discrete.apply(agreement, axis=1).tolist(),
+        "discrete_scheme": data.labelled("beyond: fully discrete").apply(agreement, axis=1).tolist(),
         "STEEPER": STEEPER,
         "LARGEST_RATE": LARGEST_RATE,
         "seeds_needed": seeds_needed(),
-        **{function.__name__: function for function in functions},
+        "count_verdicts": count_verdicts,
+        "planned_keys": planned_keys,
+        "in_words": in_words,
     }
 
 

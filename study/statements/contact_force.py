@@ -69,7 +69,7 @@ from study.statements.shared.base import (
     Numbers,
     Setting,
     Statement,
-    fitted_order,
+    check_of_order,
     steps_like_h,
 )
 from study.statements.shared.meshes import split_irregular, split_superclose
@@ -192,7 +192,7 @@ NO_BOUND = "a face meets Γ1, so that the dual norm does not bound the error of 
 """Why no order of the resultant is claimed if a contact face meets the clamped boundary Γ1.
 
 The order would follow from the dual norm with v_ν = 1. But v = 0 on Γ1, so no v ∈ V has v_ν = 1 on the whole face."""
-PRESSURE_ORDER = fitted_order(
+PRESSURE_ORDER = check_of_order(
     "order-pressure",
     "order of ‖p − p^h‖_{L²(Γ3)}",
     "pressure",
@@ -208,13 +208,13 @@ OF_CHANCE = replace(
 )
 DUAL = "order of sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over V^h"
 DUAL_ORDERS = (
-    fitted_order(
+    check_of_order(
         "order-dual-superclose",
         f"{DUAL}, superclose",
         "dual",
         between(1.5, 2, 0.2, 0.2, "the order of ‖Π^h u − u^h‖_V on one-diagonal meshes"),
     ),
-    fitted_order(
+    check_of_order(
         "order-dual-other",
         f"{DUAL}, other families",
         "dual",
@@ -227,7 +227,9 @@ RESULTANT = at_least(1, "the order of the dual norm; 2 if the contact zone is kn
 
 It has no upper end: parts of the error of the resultant may cancel, so its order may exceed 2."""
 FORCE_NORMS = (
-    fitted_order("order-resultant", "order of the error of the contact resultant on each face", "resultant", RESULTANT),
+    check_of_order(
+        "order-resultant", "order of the error of the contact resultant on each face", "resultant", RESULTANT
+    ),
     consequence(
         "resultant",
         "error of the contact resultant on each face",

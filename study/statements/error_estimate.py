@@ -493,9 +493,8 @@ class ErrorBounds(ListedNumbers):
         (5.42):  the same sum, but the third term is (‖σ_ν‖_{L^∞(0,T;L²(Γ3))} ‖η_ν‖_{L¹(0,T;L²(Γ3))})^{1/2}.
 
     By (5.40) R(t; v) = ∫_{Γ3} σ_ν v_ν. The paper includes ‖σ_ν‖ in the constant c. Here ‖σ_ν‖ is part of the bound, so
-    the second bound is larger than the first by (5.41). Two
-    numbers are measured for each bound: right side / error under refinement, and error / (c · right side) with a
-    constant c that is proved as follows.
+    the second bound is larger than the first by (5.41). Two numbers are measured for each bound: right side / error
+    under refinement, and error / (c · right side) with a constant c that is proved as follows.
 
     **The constant.** Let χ = Π^h u − u^h = e − η, and B the operator of (4.2). Then (5.12) says
 
@@ -628,7 +627,7 @@ def sides(setup: Experiment) -> Numbers:
     energies = Energies(setup.solution, setup.space, along=())
     times = midpoints(T, NORM_INSTANTS)
     k = T / NORM_INSTANTS
-    # The work of contact ∫ σ_ν (Π^hu_ν − u_ν) and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² over Γ3.
+    # The work of contact ∫ σ_ν (u_ν − Π^hu_ν) and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² over Γ3.
     integrals = np.zeros((3, NORM_INSTANTS))
     for face in setup.solution.faces:
         facets = setup.space.facets(face.part)

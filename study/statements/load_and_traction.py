@@ -28,7 +28,7 @@ from study.statements.shared.base import (
     ListedNumbers,
     Numbers,
     Setting,
-    fitted_order,
+    check_of_order,
     grid,
     with_h,
 )
@@ -228,9 +228,9 @@ class NaturalConditions(ListedNumbers):
     label = "(4.13)"
     claim = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
     checks = (
-        fitted_order("loaded", "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", "loaded", STRONG),
-        fitted_order("contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", "contact", STRONG),
-        fitted_order(
+        check_of_order("loaded", "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", "loaded", STRONG),
+        check_of_order("contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", "contact", STRONG),
+        check_of_order(
             "tangential",
             "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))",
             "tangential",
@@ -239,10 +239,10 @@ class NaturalConditions(ListedNumbers):
                 "the check of σ^hν − σ_ν ν bounds ‖σ^h_τ‖, whose first-order part depends on the triangles along Γ3"
             ),
         ),
-        fitted_order(
+        check_of_order(
             "loaded-weakly", "order of σν − f_2 on Γ2, tested with smooth v", WEAKLY[0], WEAK, power=CELL_POWER
         ),
-        fitted_order(
+        check_of_order(
             "tangential-weakly", "order of σ_τ on Γ3, tested with smooth v", WEAKLY[1], WEAK, power=CELL_POWER
         ),
     )

@@ -34,7 +34,7 @@ from study.statements.shared.base import (
     ListedNumbers,
     Numbers,
     Setting,
-    fitted_order,
+    check_of_order,
     grid,
     with_h,
 )
@@ -353,14 +353,14 @@ class AdvancingFront(ListedNumbers):
             around(1, STEEPER, "the order of the interpolation error; proved up to a logarithm"),
             levels=ENOUGH,
         ),
-        fitted_order(
+        check_of_order(
             "rate",
             "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}",
             "rate",
             between(0.5, 0.5, STEEPER, 0.25, "order from the two finest levels; smooth parts of u̇ raise it"),
             last=2,
         ),
-        fitted_order(
+        check_of_order(
             "excess",
             "order of the excess ‖u^h − u^h_lin‖ over the linear problem",
             "excess",

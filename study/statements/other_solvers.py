@@ -53,8 +53,8 @@ Trajectory = tuple[Array, Array]
 class PlainProblem:
     """A second, simple solver of the semi-discrete contact problem (Problem 5.1), for tests of the first solver.
 
-    ``Recomputed`` compares both solvers. They share only the exact solution, the mesh, and the lines along which cells
-    are cut for quadrature. In this solver gradients come from inverse matrices of coordinates. Integrals are sums over
+    ``Recomputed`` compares both solvers. They share only the exact solution, the mesh, the points of quadrature, and
+    the traces of the hat functions on Γ3. In this solver gradients come from inverse matrices of coordinates. Integrals are sums over
     the points of a finer quadrature rule, without the faster formulas of ``study.fem``. The law is evaluated at these
     points.
 
@@ -133,7 +133,7 @@ class PlainProblem:
 
     def _form(self, law: Callable[[Tensors], Tensors]) -> sps.csc_array:
         """Return the matrix of the form (Cε(u), ε(v))_Q for a linear law C, (n, n)."""
-        units = np.eye(len(self.E.indptr) // self.sums.shape[0])
+        units = np.eye(self.E.shape[0] // self.sums.shape[0])
         columns = [self.sums @ law(np.tile(unit[:, None], self.cell.size)).T for unit in units]
         components = np.transpose(columns, (2, 0, 1))
         tensor = sps.block_array([[sps.diags_array(values) for values in row] for row in components])

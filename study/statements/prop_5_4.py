@@ -64,7 +64,7 @@ from study.solve import solver_choice
 from study.solve.evolution import State
 from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT, SCHEMES
-from study.statements.shared.base import Experiment, Judged, Numbers, Records, Setting, Statement, fitted_order
+from study.statements.shared.base import Experiment, Judged, Numbers, Records, Setting, Statement, check_of_order
 from study.statements.shared.meshes import (
     LEADING,
     in_leading_term,
@@ -357,14 +357,14 @@ LEADING_ORDER = accuracy(
 This is necessary, because the leading term replaces h on these meshes."""
 DISCRETE_ORDER = "order of ‖Π^h u − u^h‖_V"
 DISCRETE_ORDERS = (
-    fitted_order(
+    check_of_order(
         "discrete-order-superclose",
         f"{DISCRETE_ORDER}, superclose",
         "discrete_error",
         between(1.5, 2, 0.2, 0.2, "u^h is superclose to Π^h u on one-diagonal meshes"),
         last=ENOUGH,
     ),
-    fitted_order(
+    check_of_order(
         "discrete-order-others",
         f"{DISCRETE_ORDER}, other families",
         "discrete_error",

@@ -25,7 +25,7 @@ from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.gradient_flow import EulerBounds, GradientFlow, backward_euler
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES
-from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, fitted_order, grid, with_h
+from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, check_of_order, grid, with_h
 from study.statements.shared.norms import maximum, minimum, time_nodes
 
 HALVING_COUNTS = (4, 8, 16, 32, 64, 128, 256)
@@ -301,7 +301,7 @@ class NoPotential(ListedNumbers):
             around(1, 0.1, "the constant does not depend on the mesh"),
             levels=ENOUGH,
         ),
-        fitted_order(
+        check_of_order(
             "order-both",
             f"order of max_n ‖u − U_n‖ in h for k = T/({STEPS_PER_SIDE_CELL}n)",
             "fully discrete",

@@ -39,7 +39,7 @@ from study.solve.paths import furthest, path
 from study.solve.signorini import Signorini
 from study.solve.steps import rate_steps, step_size
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import SEED, Judged, ListedNumbers, Numbers, Setting, fitted_order, grid, with_h
+from study.statements.shared.base import SEED, Judged, ListedNumbers, Numbers, Setting, check_of_order, grid, with_h
 from study.statements.shared.meshes import posed, space_of, split_irregular
 from study.statements.shared.norms import contact_load, displacement, midpoints, time_nodes, trace_error
 from study.statements.shared.scope import Scope
@@ -871,8 +871,8 @@ class Rollers(ListedNumbers):
             # The excess on a single shaken mesh depends on the cells around few vertices.
             still = f"{EXCESS}, patches that do not move"
             not_random = {family: table for family, table in groups.items() if family not in SEEDS}
-            yield fitted_order("order-standing", still, "excess", STANDING_ORDER), not_random
-            shaken_order = fitted_order(
+            yield check_of_order("order-standing", still, "excess", STANDING_ORDER), not_random
+            shaken_order = check_of_order(
                 "order-standing-shaken",
                 f"{still}, single shaken meshes",
                 "excess",
@@ -881,7 +881,7 @@ class Rollers(ListedNumbers):
             )
             yield shaken_order, on(SEEDS[0])
             return
-        yield fitted_order("order-alternating", f"{EXCESS}, alternating diagonals", "excess", HALF), on(ALTERNATING)
+        yield check_of_order("order-alternating", f"{EXCESS}, alternating diagonals", "excess", HALF), on(ALTERNATING)
         if kind != ROLLER:
             return
         plain = on(*PLAIN_FAMILIES)
@@ -889,7 +889,7 @@ class Rollers(ListedNumbers):
         yield ORDER_EQUAL, plain
         yield ORDER_AT_END, plain
         yield NODAL_ORDER, plain
-        yield fitted_order("order-shaken", f"{EXCESS}, mean over shaken meshes", "excess", HALF), shaken
+        yield check_of_order("order-shaken", f"{EXCESS}, mean over shaken meshes", "excess", HALF), shaken
         yield ORDER_UNSTRUCTURED, on(UNSTRUCTURED)
         yield SCATTER_ORDER, shaken
         yield BEST_ORDER, groups
@@ -898,8 +898,8 @@ class Rollers(ListedNumbers):
         yield STEP_GROWTH, on(PLAIN_FAMILIES[0])
 
 
-ORDER_EQUAL = fitted_order("order-equal", f"{EXCESS}, one or two diagonals", "excess", EQUAL_VERTICES)
-ORDER_AT_END = fitted_order(
+ORDER_EQUAL = check_of_order("order-equal", f"{EXCESS}, one or two diagonals", "excess", EQUAL_VERTICES)
+ORDER_AT_END = check_of_order(
     "order-end",
     f"{EXCESS} at T, one or two diagonals",
     "excess at T",
@@ -909,7 +909,7 @@ ORDER_AT_END = fitted_order(
         "occurs at the start, on all meshes except the finest"
     ),
 )
-NODAL_ORDER = fitted_order(
+NODAL_ORDER = check_of_order(
     "nodal-beside",
     "order of the nodal errors of P_hu next to the patch, one or two diagonals",
     "M_h beside",
@@ -918,21 +918,21 @@ NODAL_ORDER = fitted_order(
         "this quantity was chosen after M_h had shown orders above 1: with one diagonal M_h occurs at an end of Γ3"
     ),
 )
-ORDER_UNSTRUCTURED = fitted_order(
+ORDER_UNSTRUCTURED = check_of_order(
     "order-unstructured",
     f"{EXCESS}, unstructured meshes",
     "excess",
     around(0.5, 0.3, "a single random mesh on every level"),
     if_missed="the generator makes neighbourhoods nearly equal, and the order on a single mesh depends on chance",
 )
-SCATTER_ORDER = fitted_order(
+SCATTER_ORDER = check_of_order(
     "scatter",
     "order of the relative standard deviation over shaken meshes",
     "scatter",
     around(0.5, 0.35, "the vertices contribute like independent random numbers"),
     if_missed="eight meshes determine a standard deviation only up to a quarter",
 )
-BEST_ORDER = fitted_order(
+BEST_ORDER = check_of_order(
     "best",
     "order of E_h = ‖u − P_hu‖_V, the error of the linear problem",
     "E_h",

@@ -197,7 +197,7 @@ class Statement:
         return hash(type(self))
 
 
-def fitted_order(
+def check_of_order(
     key: str, quantity: str, column: str, window: Window, last: int = 0, power: int = 0, if_missed: str = ""
 ) -> Check:
     """Return the check of the order of a column that ``quantities.fitted`` computes; it needs ``ENOUGH`` levels.
