@@ -54,9 +54,9 @@ class PlainProblem:
     """A second, simple solver of the semi-discrete contact problem (Problem 5.1), for tests of the first solver.
 
     ``Recomputed`` compares both solvers. They share only the exact solution, the mesh, the points of quadrature, and
-    the traces of the hat functions on Γ3. In this solver gradients come from inverse matrices of coordinates. Integrals are sums over
-    the points of a finer quadrature rule, without the faster formulas of ``study.fem``. The law is evaluated at these
-    points.
+    the traces of the hat functions on Γ3. In this solver gradients come from inverse matrices of coordinates. Integrals
+    are sums over the points of a finer quadrature rule, without the faster formulas of ``study.fem``. The law is
+    evaluated at these points.
 
     A step of the midpoint rule
 
