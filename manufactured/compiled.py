@@ -52,8 +52,9 @@ def function(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> 
         expressions: expressions that contain no other symbols.
     """
     modules = [{"pos": truncated_power}, "numpy"]
-    formulas = [*map(sp.sympify, expressions)]
-    return sp.lambdify([*arguments], formulas, modules=modules, cse=True, **WITHOUT_DOCSTRING)  # type: ignore[no-any-return]
+    return sp.lambdify(  # type: ignore[no-any-return]
+        [*arguments], [*map(sp.sympify, expressions)], modules=modules, cse=True, **WITHOUT_DOCSTRING
+    )
 
 
 @lru_cache(maxsize=1024)

@@ -102,7 +102,6 @@ class Profile:
 
     Attributes:
         a, b, c, d, e, f: the functions.
-        kinks: the depths at which first derivatives jump, because layers of the body meet there.
 
     Raises:
         ProfileError: one of the conditions at y = 0 is violated.
@@ -114,7 +113,6 @@ class Profile:
     d: Piecewise
     e: Piecewise
     f: Piecewise
-    kinks: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         expected = {"a": (0, -1), "b": (1, 0), "c": (0, 1), "d": (0, 1), "e": (0, 0), "f": (1, 0)}
@@ -211,5 +209,4 @@ def layered(interface: Size, ratio: Size, depth: Size = 1.0) -> Profile:
         d=Piecewise(ends, ((0.0, 1.0, delta), line(d))),
         e=Piecewise(ends, ((0.0,), bulge(softer * d))),
         f=Piecewise(ends, ((1.0, 0.0, -1 / y0**2), bulge(-2 / y0 / ratio))),
-        kinks=(y0,),
     )

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import gc
 import logging
+import math
 import multiprocessing
 import os
 import re
@@ -238,7 +239,7 @@ def run_job(job: Job | Proof) -> Result:
             gc.collect()
 
 
-def _failure(job: Job | Proof, future: Future[Result]) -> str:
+def _failure(job: Job, future: Future[Result]) -> str:
     """Return why a job that has ended has no result; an empty text if it has one."""
     if future.cancelled():
         return f"{job.key}: its cluster no longer answers; run the same command again"
@@ -317,7 +318,6 @@ class Proof:
     """
 
     case: str
-    memory = estimates.BASE
 
     @property
     def key(self) -> str:
@@ -335,8 +335,7 @@ class Proof:
 
     def run(self) -> Result:
         """Examine the solution; return the violated conditions under the key "violated"."""
-        findings = examine(resolve(self.case).solution)
-        return {"violated": [finding for finding in findings if not finding.passes]}
+        return {"violated": [finding for finding in examine(resolve(self.case).solution) if not finding.passes]}
 
 
 def prove(jobs: Iterable[Job], cases: Iterable[str], store: Store, pool: Pool) -> list[Proof]:
@@ -456,7 +455,7 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
             return f"the Dask scheduler at {address} {LOST}"
         return "" if workers.keys() & present.keys() else f"the last worker of the cluster at {address} {LOST}"
 
-    return Pool([executor] * len(workers), each, float("inf"), failure)
+    return Pool([executor] * len(workers), each, math.inf, failure)
 
 
 def identity(references: Sequence[str]) -> dict[str, str]:

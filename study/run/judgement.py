@@ -62,16 +62,19 @@ def stored_rows(jobs: Iterable[Job], store: Store) -> dict[DataFile, list[Row]]:
 def judge_stored(jobs: Sequence[Job], store: Store) -> list[Verdict]:
     """Judge the stored results of jobs of one statement and one case, before the data files are written.
 
-    The list is empty if the statement cannot be judged from these results alone. For a user's case, for example, the
-    verdict on the contact force also depends on the errors.
+    The list is empty if the statement cannot be judged from these results alone. On a user's case, verdicts depend on
+    the errors, so only statements about errors are judged.
     """
     statement, case = jobs[0].statement, jobs[0].case
-    if statement.joined_file or case not in NAMES:
+    file, own = statement.file, case not in NAMES
+    if statement.joined_file or (own and file != RATES):
         return []
     rows = stored_rows(jobs, store)
-    if not isinstance(statement.file, CsvFile) or statement.file not in rows:
+    if not isinstance(file, CsvFile) or file not in rows:
         return []
-    return statement.judge(predicted(pd.DataFrame(rows[statement.file]), pd.DataFrame([describe(resolve(case))])))
+    table = predicted(pd.DataFrame(rows[file]), pd.DataFrame([describe(resolve(case))]))
+    verdicts = statement.judge(table)
+    return judge_own(verdicts, table) if own else verdicts
 
 
 def collect(plan: Plan, store: Store) -> None:
