@@ -423,7 +423,8 @@ class Reading:
 def _correct(column: Column, errors: list[Column]) -> None:
     """Correct the role of a column that stands behind columns of errors and may have their quotients or orders.
 
-    Quotients may equal the orders of other errors: behind several columns, what is called orders has orders.
+    Quotients may equal the orders of other errors. So a column behind several columns of errors keeps the role of its
+    name if it is called orders.
     """
     quotients = errors[-1].numbers[:-1] / errors[-1].numbers[1:]
     below, above = column.numbers[1:], column.numbers[:-1]

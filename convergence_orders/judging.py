@@ -21,7 +21,7 @@ Judged = list[tuple[Series, list[OrderResult]]]
 def names_of(series: Series, name: str) -> tuple[str, ...]:
     """Return the names by which an expectation of a column is looked up.
 
-    They are its name with its case, its name, its case, and an empty text for what is expected of all columns.
+    They are the name with the case, the name alone, and the case alone. The empty text stands for all columns.
     """
     return f"{name} ({series.label})" if series.label else name, name, series.label, ""
 

@@ -105,7 +105,7 @@ NORM_BARS = str.maketrans({"\ue000": "\\|", "\ue001": "|"})
 
 
 def _difference(found: re.Match[str]) -> str:
-    """Return the error of a computed value beside an exact one."""
+    """Return the error of a computed value, which a line gives together with the exact one."""
     computed, exact = map(to_number, found.groups())
     return found[0] if computed is None or exact is None else f"{abs(computed - exact):.9g}"
 
