@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from manufactured.tensors import Array, Time, size
+from manufactured.tensors import Array, Time
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,18 +44,18 @@ class Modes:
         )
 
 
-def pointwise(strain: Callable[[Any, bool], Array], dim: int, count: int) -> Modes:
-    """Return a strain that is no short sum of products, with one amplitude for every component and point.
+def pointwise(field: Callable[[Any, bool], Array], rows: int, count: int) -> Modes:
+    """Return a strain or force that is no short sum of products, with one amplitude for every component and point.
 
     Args:
-        strain: the function (t, rate) ↦ ε, (D, ...), or ∂_t ε if ``rate`` is true.
-        dim: the dimension of the body.
+        field: the function (t, rate) ↦ values, (rows, ...), or their time derivative if ``rate`` is true.
+        rows: the number of components.
         count: the number of points.
     """
-    rows, places = size(dim), np.arange(count)
+    places = np.arange(count)
 
     def amplitudes(time: Array | float, rate: bool) -> Array:
-        return strain(time, rate).reshape(rows, count, *np.shape(time))
+        return field(time, rate).reshape(rows, count, *np.shape(time))
 
     return Modes(np.eye(rows), places, np.ones((rows, count)), places, count, amplitudes)
 

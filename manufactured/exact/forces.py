@@ -13,9 +13,9 @@ from manufactured.contact.contact_face import Lifting
 from manufactured.contact.lifting_terms import COMBINATIONS, first_indices, plus
 from manufactured.exact.domain import ContributionAtPoints
 from manufactured.law import AtPoints, LawError, Scaled
-from manufactured.modes import Modes, at_each
+from manufactured.modes import Modes, at_each, pointwise
 from manufactured.symbols import Index
-from manufactured.tensors import Array, basis, rotation
+from manufactured.tensors import Array, Time, basis, rotation
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,14 +55,14 @@ def _of_points(of: Scaled, part: ContributionAtPoints, count: int) -> Modes:
     """Return the force of any displacement field, with one time-dependent value for each point and component."""
     dim = 2 if len(of.matrix) == 3 else 3
 
-    def amplitudes(time: Array | float, rate: bool) -> Array:
+    def force(time: Time, rate: bool) -> Array:
         def one(moment: complex) -> Array:
             slope = of.gradient(lambda: part.strain(moment, rate), part.strain_gradient(moment, rate))
             return -np.einsum("Iij,Ij...->i...", basis(dim), slope)
 
-        return at_each(time, one).reshape(dim, count, *np.shape(time))
+        return at_each(time, one)
 
-    return Modes(np.eye(dim), np.arange(count), np.ones((dim, count)), np.arange(count), count, amplitudes)
+    return pointwise(force, dim, count)
 
 
 @dataclass

@@ -24,7 +24,7 @@ from manufactured.contact.contact_face import distinct
 from manufactured.jet import Jet
 from manufactured.modes import Modes, at_each, pointwise
 from manufactured.symbols import FormulaError, Function, Index, Values, indices, s, t
-from manufactured.tensors import Array, Points, Tensors, Time, Vectors, mandel, rotation
+from manufactured.tensors import Array, Points, Tensors, Time, Vectors, mandel, rotation, size
 
 y = sp.Symbol("y", real=True)
 """The symbol of the distance from the face into the body."""
@@ -147,7 +147,7 @@ class Fading:
 
     def modes(self) -> Modes:
         # There is no shorter sum of products, because the depth changes with time.
-        return pointwise(self.strain, 2, len(self.y))
+        return pointwise(self.strain, size(2), len(self.y))
 
     def _everywhere(self, of: Callable[[tuple[Values, Values]], Array], time: Time, rate: bool, order: int) -> Array:
         """Return a quantity, such as the strain, at all points; it is 0 at points deeper than D.

@@ -19,7 +19,7 @@ from manufactured.jet import Jet
 from manufactured.modes import Modes, at_each, pointwise
 from manufactured.singular.singular_field import Component, Monomial, SingularAtPoints, SingularField
 from manufactured.symbols import FormulaError, s
-from manufactured.tensors import Array, Points, Tensors, Time, Vectors
+from manufactured.tensors import Array, Points, Tensors, Time, Vectors, size
 
 Of = Callable[[SingularAtPoints, complex, bool], Array]
 """The type of a method of ``SingularAtPoints``, as a function of the field, the time and ``rate``."""
@@ -120,7 +120,7 @@ class TravellingAtPoints:
         return self._value(time, rate, SingularAtPoints.strain_gradient)
 
     def modes(self) -> Modes:
-        return pointwise(self.strain, 2, self.x[0].size)
+        return pointwise(self.strain, size(2), self.x[0].size)
 
 
 @dataclass(frozen=True, eq=False)
