@@ -13,6 +13,7 @@ from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, full, mandel, mapped
 from study.fem.error_norm import FACET_POINTS, rules
 from study.fem.mesh import barycentric, barycentric_gradients
+from study.fem.moments import blocks
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 
@@ -84,24 +85,25 @@ class LeadingTerm:
         self.weights = space.volumes * solution.law.A.factor(centres) / ((d + 1) * (d + 2))
         edges = {(i, j): corners[:, j] - corners[:, i] for i, j in combinations(range(d + 1), 2)}
         self.squares = {ends: mandel(l[:, None] * l) for ends, l in edges.items()}
-        self.slopes = np.ascontiguousarray(np.moveaxis(barycentric_gradients(space.mesh), 0, -1))
+        self.slopes = np.ascontiguousarray(np.moveaxis(barycentric_gradients(space.mesh), 0, -1))[..., None]
 
     def largest(self) -> float:
         """Return the maximum of the leading term over ``INSTANTS`` + 1 equidistant times in [0, T]."""
-        return float(np.max([*map(self, np.linspace(0.0, self.T, INSTANTS + 1).tolist())]))
+        times = np.linspace(0.0, self.T, INSTANTS + 1)
+        return float(np.concatenate([*map(self, blocks(times, self.slopes.size))]).max())
 
-    def __call__(self, time: float) -> float:
-        """Return the leading term of the interpolation error at a time."""
-        strains = self.fields.strain_gradient(time)
+    def __call__(self, times: Array) -> Array:
+        """Return the leading term of the interpolation error at n times, (n,)."""
+        strains = self.fields.strain_gradient(times)
         # Second derivatives follow from derivatives of strains: ∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij. Both
         # arrays have the shape (D, d, ...), where the pair (i, j) is stored as a Mandel vector of D components.
         gradient = np.stack([full(along) for along in np.moveaxis(strains, 1, 0)], axis=1)
         hessian = 2 * mandel(gradient) - strains
         V = np.zeros((*self.slopes.shape[:2], *hessian.shape[1:]))
         for (i, j), square in self.squares.items():
-            bend = np.einsum("Ikc,Ic->kc", hessian, square) / 2
+            bend = np.einsum("Ikcn,Ic->kcn", hessian, square) / 2
             V[i] += bend[:, None] * self.slopes[j]
             V[j] += bend[:, None] * self.slopes[i]
         edges = [mandel(gradient) for gradient in (*V, V.sum(axis=0))]
-        density = sum(np.einsum("Ic,Ic->c", mapped(self.A, e), e) for e in edges)
-        return float(np.sqrt(self.weights @ density))
+        density = sum(np.einsum("Icn,Icn->cn", mapped(self.A, e), e) for e in edges)
+        return np.sqrt(self.weights @ density)

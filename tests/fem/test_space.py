@@ -318,7 +318,7 @@ def test_the_leading_term_is_the_interpolation_error_on_fine_meshes(family, name
     solution = named(name).solution
     v_norm = ErrorNorm(solution, Space(family(solution.body, n), solution.body))
     sample = v_norm.sample(0.7)
-    leading = LeadingTerm(solution, v_norm.space)(0.7)
+    (leading,) = LeadingTerm(solution, v_norm.space)(np.array([0.7]))
     assert v_norm.distance(sample, sample.interpolant) == pytest.approx(leading, rel=tolerance)
 
 
