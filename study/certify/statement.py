@@ -26,7 +26,7 @@ from manufactured.tensors import Array
 from study.bound.problem import BoundError
 from study.certify import checker
 from study.fem.mesh import determinants, simplicial_mesh, size
-from study.fem.quadratic import nodes_of
+from study.fem.space import nodes_of
 
 SIMPLE = 10**6
 """Largest denominator of a simple fraction that replaces a number in double precision."""
@@ -34,7 +34,7 @@ FINENESS = 64
 """The size of cells is at least this many times the width of the lattice to which vertices are moved."""
 ROUNDED_TWICE = 4e-16
 """Relative rounding error of a number that is multiplied by √2 twice."""
-NAMES = {Kind.CLAMPED: "clamped", Kind.LOADED: "loaded", Kind.CONTACT: "contact"}
+KIND_NAMES = {Kind.CLAMPED: "clamped", Kind.LOADED: "loaded", Kind.CONTACT: "contact"}
 SERVED = "certificates support polynomials in x1, x2 and t with rational coefficients, times pos(polynomial, q) in f_2"
 
 
@@ -72,7 +72,7 @@ def statement(data: Data) -> dict[str, Any]:
     loads = {number: [_terms("f_2", formula) for formula in load] for number, load in expressions.loads}
     return {
         "vertices": [[str(c) for c in corner] for corner in corners(data.body)],
-        "kinds": [NAMES[part.kind] for part in data.body.parts],
+        "kinds": [KIND_NAMES[part.kind] for part in data.body.parts],
         "T": str(rational(data.body.T)),
         **_law(data.law),
         "force": force,

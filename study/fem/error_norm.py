@@ -21,11 +21,20 @@ from skfem import Mesh
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Tensors, dyad, mapped
-from study.fem.moments import QuadraturePoints, StrainEnergy, StressSums, amplitudes_of, blocks
-from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
+from study.fem.quadrature import (
+    CellRule,
+    Line,
+    QuadraturePoints,
+    StrainEnergy,
+    StressSums,
+    amplitudes_of,
+    blocks,
+    cell_rules,
+    facet_rule,
+)
 from study.fem.space import Space
 
-DEGREE, SOLID_DEGREE = 4, 2
+CELL_DEGREE, SOLID_CELL_DEGREE = 4, 2
 """Degrees of the quadrature rule on cells, in 2D and in 3D.
 
 The square of a linear strain error needs degree 2. In 2D the degree is two higher, because kinks of the strain may
@@ -38,7 +47,7 @@ FACET_POINTS, SOLID_FACET_POINTS = 8, 4
 
 In 2D a facet is first divided at the points where the strain is not smooth, and each piece gets this number.
 """
-PARALLEL = 0.1
+PARALLEL_FACES = 0.1
 """Two contact faces count as parallel if the sine of the angle between them is below this number.
 
 Quadrature points are then aligned with one of the two faces only.
@@ -87,7 +96,7 @@ class ErrorNorm:
         self.solution = solution
         self.space = space
         self.A = solution.law.A
-        degree, count = (DEGREE, FACET_POINTS) if space.dim == 2 else (SOLID_DEGREE, SOLID_FACET_POINTS)
+        degree, count = (CELL_DEGREE, FACET_POINTS) if space.dim == 2 else (SOLID_CELL_DEGREE, SOLID_FACET_POINTS)
         self.degree = degree + raised
         lines = shared_lines(solution) if along is None else along
         cells = QuadraturePoints.on_cells(rules(solution, space.mesh, self.degree, lines))
@@ -191,7 +200,7 @@ def shared_lines(solution: ExactSolution) -> list[Line]:
     found: list[Line] = []
     contact = [face for face in solution.faces if isinstance(face, ContactFace)] if solution.body.dim == 2 else []
     for line in (Line(*face.part.line(0.0)) for face in contact):
-        parallel = any(abs(np.linalg.det([line.direction, other.direction])) < PARALLEL for other in found)
+        parallel = any(abs(np.linalg.det([line.direction, other.direction])) < PARALLEL_FACES for other in found)
         if not parallel and len(found) < 2:
             found.append(line)
     return found

@@ -16,7 +16,7 @@ from study.fem.mesh import barycentric, barycentric_gradients
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 
-INSTANTS = 32
+LEADING_TERM_STEPS = 32
 """Number of steps of the time grid on which the maximum of the leading term of the interpolation error is searched.
 
 The steepest known maximum is in the case travelling-patch: the term falls by 15 % within T/16. For a parabola this is 1
@@ -87,8 +87,8 @@ class LeadingTerm:
         self.slopes = np.ascontiguousarray(np.moveaxis(barycentric_gradients(space.mesh), 0, -1))
 
     def largest(self) -> float:
-        """Return the maximum of the leading term over ``INSTANTS`` + 1 equidistant times in [0, T]."""
-        return float(np.max([*map(self, np.linspace(0.0, self.T, INSTANTS + 1).tolist())]))
+        """Return the maximum of the leading term over ``LEADING_TERM_STEPS`` + 1 equidistant times in [0, T]."""
+        return float(np.max([*map(self, np.linspace(0.0, self.T, LEADING_TERM_STEPS + 1).tolist())]))
 
     def __call__(self, time: float) -> float:
         """Return the leading term of the interpolation error at a time."""

@@ -23,7 +23,7 @@ from skfem.mapping import MappingAffine
 from manufactured.body import Body, Kind, Part
 from manufactured.tensors import Array, Points
 
-TOLERANCE = 1e-8
+FIT_TOLERANCE = 1e-8
 """Relative tolerance of the check that a mesh fits a body: for distances to a boundary part, for areas and for lengths.
 
 Distances are relative to |Ω|^{1/d}.
@@ -600,7 +600,7 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
     if mesh.dim() != body.dim:
         raise MeshError(f"a mesh of dimension {mesh.dim()} was given for a body of dimension {body.dim}")
     total = cell_volumes(mesh).sum()
-    if abs(total - body.measure) > TOLERANCE * body.measure:
+    if abs(total - body.measure) > FIT_TOLERANCE * body.measure:
         what = "area" if body.dim == 2 else "volume"
         raise MeshError(
             f"the cells cover {total:.9g}, but the body has the {what} {body.measure:.9g}: cells overlap or are "
@@ -611,7 +611,7 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
     border = mesh.p[:, np.unique(mesh.facets[:, facets])]
     for vertex in body.vertices.T:
         off = np.linalg.norm(border - vertex[:, None], axis=0).min()
-        if off > TOLERANCE * length:
+        if off > FIT_TOLERANCE * length:
             mend = "take a level at which it is" + (", or the unstructured family" if body.dim == 2 else "")
             raise MeshError(
                 f"the boundary condition changes at {vertex.tolist()}, which is not a vertex of the mesh "
@@ -638,10 +638,10 @@ def _covering(mesh: Mesh, facets: Array, part: Part, length: float) -> Array:
         part: the boundary part.
         length: the length to which the tolerance is relative.
     """
-    on = part.contains(mesh.p, TOLERANCE * length)
+    on = part.contains(mesh.p, FIT_TOLERANCE * length)
     mine = facets[on[mesh.facets[:, facets]].all(axis=0)]
     covered = facet_measures(mesh, mine).sum()
-    if abs(covered - part.measure) > TOLERANCE * length ** (mesh.dim() - 1):
+    if abs(covered - part.measure) > FIT_TOLERANCE * length ** (mesh.dim() - 1):
         what = "length" if mesh.dim() == 2 else "area"
         mend = (
             "take a level at which edges of the mesh follow it, or the unstructured family"

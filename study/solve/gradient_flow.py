@@ -47,7 +47,7 @@ from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 
-TOUCHING = 1e-12
+TOUCHING_AT_START = 1e-12
 """A vertex counts as in contact at t = 0 up to this gap, relative to the largest initial displacement."""
 
 
@@ -88,7 +88,7 @@ class GradientFlow:
     def start(self) -> Array:
         """The initial velocity z = u̇^h(0+), (n,)."""
         problem, u0 = self.problem, self.problem.u0
-        touching = problem.N @ u0 >= -TOUCHING * abs(u0).max(initial=0.0)
+        touching = problem.N @ u0 >= -TOUCHING_AT_START * abs(u0).max(initial=0.0)
         solver = Signorini(problem.M, problem.N[np.flatnonzero(touching)])
         return solver(self.loads[0] - problem.elastic(u0))[0]
 

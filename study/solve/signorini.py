@@ -14,7 +14,7 @@ has nonzero rows only for the contact unknowns, and there Y solves a system with
 factor of the Schur complement. A step computes y = L⁻¹b, N S⁻¹ b = Yᵀy, the multipliers, and u = L⁻ᵀ(y − Yλ): one
 forward and one backward substitution. W = YᵀY.
 
-Large problems in 3D are solved by multigrid instead (``study.solve.solver_choice``).
+Large problems in 3D are solved by multigrid instead (``study.solve.multigrid``).
 """
 
 from collections.abc import Callable

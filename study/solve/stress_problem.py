@@ -32,6 +32,9 @@ The potential of a step. A step maps the strain ε_n to the stress σ_n = A (ε_
 
 Every Φ is the integral of a density ½ Q y·y + g(ε_{n−1})·y, where y is an unknown on every cell that determines τ
 there. For (3.3), a part (ρ, z) of y lies in the second-order cone ρ ≥ |z|.
+
+Source of the solver: P. Goulart, Y. Chen, Clarabel: an interior-point solver for conic programs with quadratic
+objectives, arXiv:2405.12762 (2024).
 """
 
 from __future__ import annotations
@@ -39,6 +42,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import clarabel
 import numpy as np
@@ -47,15 +51,55 @@ import scipy.sparse as sps
 from manufactured.law import Combined, KelvinVoigt, Linear, Yield
 from manufactured.tensors import Array, Tensors
 from study.fem.space import Space, means
-from study.solve.interior_point import SOLVED, Accuracy, settings
 from study.solve.steps import longest_step, require_unique, step_size
+
+REFINEMENT = 1e-16
+"""Tolerance of the linear systems in the solver.
+
+It cannot be reached, so the systems are refined until rounding prevents further progress.
+"""
+SOLVED = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
+
+
+class Accuracy(NamedTuple):
+    """Tolerances of the solver.
+
+    Attributes:
+        gap: the tolerance for the duality gap, absolute or relative.
+        feasibility: the tolerance for the residuals of the constraints.
+    """
+
+    gap: float
+    feasibility: float
+
+
+def settings(aim: Accuracy, enough: Accuracy) -> clarabel.DefaultSettings:
+    """Return the settings with which the solver stops at a given accuracy.
+
+    Args:
+        aim: the accuracy at which the solver stops.
+        enough: the accuracy that is accepted if rounding stops the solver before ``aim``.
+    """
+    found = clarabel.DefaultSettings()
+    found.verbose = False
+    # Presolve and chordal decomposition are switched off, because the solver could not take new data for the next time
+    # step.
+    found.presolve_enable = False
+    found.chordal_decomposition_enable = False
+    found.tol_gap_abs = found.tol_gap_rel = aim.gap
+    found.tol_feas = aim.feasibility
+    found.reduced_tol_gap_abs = found.reduced_tol_gap_rel = enough.gap
+    found.reduced_tol_feas = enough.feasibility
+    found.iterative_refinement_abstol = found.iterative_refinement_reltol = REFINEMENT
+    return found
+
 
 AIM = Accuracy(gap=1e-15, feasibility=1e-11)
 """The accuracy at which the solver should stop, as high as rounding permits.
 
 It is needed where a vertex touches with almost no force: there the error is the square root of the duality gap.
 """
-ENOUGH = Accuracy(gap=1e-12, feasibility=1e-9)
+ACCEPTED = Accuracy(gap=1e-12, feasibility=1e-9)
 """The accuracy that is accepted if rounding stops the solver before AIM. No verdict depends on this value."""
 
 
@@ -195,10 +239,10 @@ class Programme:
         self.q = np.zeros(p * cells + m)
         self.b = np.zeros(constraints.shape[0])
         P, A = sps.csc_matrix(sps.triu(hessian)), sps.csc_matrix(constraints)
-        self.solver = clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(AIM, ENOUGH))
+        self.solver = clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(AIM, ACCEPTED))
         # If rounding stops the iteration before AIM, its last iterate is not its best one. So a second solver stops at
-        # ENOUGH.
-        self.retry = partial(clarabel.DefaultSolver, P, self.q, A, self.b, cones, settings(ENOUGH, ENOUGH))
+        # ACCEPTED.
+        self.retry = partial(clarabel.DefaultSolver, P, self.q, A, self.b, cones, settings(ACCEPTED, ACCEPTED))
 
     def __call__(self, time: float, load: Array, old: Tensors) -> StressState:
         """Solve one time step and return the state at its end.

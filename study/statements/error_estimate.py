@@ -33,12 +33,10 @@ from study.ledger.quantities import (
     over_refinements,
 )
 from study.ledger.window import Window, around, at_least, at_most, positive_at_most
-from study.solve.evolution import SemiDiscrete
+from study.solve.evolution import SemiDiscrete, path
 from study.solve.factorisation import Cholesky
-from study.solve.paths import path
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.load_and_traction import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import (
     EVOLVING,
     SEED,
@@ -76,6 +74,7 @@ from study.statements.shared.norms import (
 )
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
+from study.statements.wellposed import Field, planes, strain, vanishing, waves
 
 FIRST_SPIKES = 3
 """The smallest level j of the spikes: the radius 4^{−j} is small compared with the distance 2^{−j} for j ≥ 3."""

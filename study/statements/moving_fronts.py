@@ -22,10 +22,9 @@ from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
 from study.ledger.quantities import change, over_refinements
 from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
-from study.solve.evolution import SemiDiscrete
+from study.solve.evolution import SemiDiscrete, furthest, path
 from study.solve.factorisation import Cholesky
 from study.solve.gradient_flow import GradientFlow
-from study.solve.paths import furthest, path
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.shared.base import (

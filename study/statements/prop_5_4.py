@@ -60,9 +60,9 @@ from study.ledger.quantities import (
     ratios,
 )
 from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
-from study.solve import solver_choice
+from study.solve import multigrid
 from study.solve.evolution import State
-from study.solve.solver_choice import contact_solver
+from study.solve.multigrid import contact_solver
 from study.solve.tableau import MIDPOINT, SCHEMES
 from study.statements.shared.base import Experiment, Judged, Numbers, Records, Setting, Statement, check_of_order
 from study.statements.shared.meshes import (
@@ -290,7 +290,7 @@ class Measurement:
 # exactly 0 means that a solution was compared with itself.
 def residual_shares(levels: pd.DataFrame) -> Array:
     """Return the residual of the contact solver, divided by its tolerance for the number of unknowns."""
-    return (levels["residual"] / [*map(solver_choice.residual, levels["dim"], levels["dofs"])]).to_numpy()
+    return (levels["residual"] / [*map(multigrid.residual, levels["dim"], levels["dofs"])]).to_numpy()
 
 
 def size(levels: pd.DataFrame) -> float:
@@ -319,7 +319,7 @@ EVIDENCE = (
         "residual of the contact solves / largest accepted residual",
         residual_shares,
         positive_at_most(
-            1.0, f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
+            1.0, f"{multigrid.DIRECT_RESIDUAL:g} for a factorisation, {multigrid.SHARE:g} h² for multigrid"
         ),
     ),
     accuracy("clamped", "u^h = 0 on Γ1", "clamped", at_most(1e-10, "rounding")),

@@ -7,7 +7,7 @@ forces it into K^h. Both share only the strain matrix, the load and the time ste
 
 **The tolerance.** The gaps have a bound that can be computed without the exact solution. At step j the interior-point
 method stops with a duality gap g_j. Let σ* and ε* solve the step exactly for the same ε_{j−1}, and let C = A/k + G.
-Then ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C are at most g_j (``study.solve.interior_point``).
+Then ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C are at most g_j (``study.solve.stress_problem``).
 Let ω = max(−m, 0)/m_A, which is 0 for monotone G. Then C ≥ (1 − kω) A/k, so A ≤ q k C with q = 1/(1 − kω). A step is
 Lipschitz in ε_{j−1} with the constant q in the norm of A, which is the norm of V. With R_n = q R_{n−1} + g_n^{1/2},
 which is Σ_{j≤n} g_j^{1/2} for monotone G,
@@ -74,7 +74,7 @@ from manufactured.exact import ExactSolution
 from manufactured.law import Linear
 from manufactured.regularity import Regularity
 from manufactured.tensors import Array, Tensors, Vectors
-from study.fem.error_norm import DEGREE, FACET_POINTS, ErrorNorm, rules
+from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, ErrorNorm, rules
 from study.fem.mesh import Graded, size
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule, gauss
@@ -95,9 +95,8 @@ from study.statements.shared.base import Experiment, Numbers, Setting, Statement
 from study.statements.shared.meshes import ALONG, CELL_POWER
 from study.statements.shared.norms import norm
 from study.statements.shared.scope import Scope
-from study.stresses.composite import alfeld_split, barycentric, bernstein
 from study.stresses.hybrid import DualState, StressEvolution, act, tensor_at
-from study.stresses.stress_space import StressSpace
+from study.stresses.stress_space import StressSpace, alfeld_split, barycentric, bernstein
 
 
 class Gaps(NamedTuple):
@@ -395,7 +394,7 @@ class Exact:
         self.space = space
         mesh, corners = alfeld_split(space.mesh)
         self._blocks = []
-        for rule in rules(solution, mesh, max(DEGREE, 2 * space.degree)):
+        for rule in rules(solution, mesh, max(CELL_DEGREE, 2 * space.degree)):
             shapes = bernstein(space.degree, barycentric(corners[:, :, rule.cells], rule.points))
             weighted = np.moveaxis(shapes * rule.weights, 1, 0)
             best = np.linalg.solve(weighted @ np.moveaxis(shapes, 0, -1), weighted)

@@ -21,9 +21,8 @@ from study.fem.space import Space
 from study.ledger.check import ENOUGH, ROUNDING, Check, accuracy, consequence, identity
 from study.ledger.quantities import Value, change, fit, fitted
 from study.ledger.window import Window, around, between, positive_at_most
-from study.solve.evolution import Scheme, SemiDiscrete
+from study.solve.evolution import Scheme, SemiDiscrete, furthest, interpolated, last, oscillation, path
 from study.solve.gradient_flow import EulerBounds, GradientFlow, backward_euler
-from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES
 from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, check_of_order, grid, with_h
 from study.statements.shared.norms import maximum, minimum, time_nodes

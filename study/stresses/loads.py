@@ -20,12 +20,20 @@ import numpy as np
 from manufactured.body import Kind, Part
 from manufactured.data import Data, ForceInTime
 from manufactured.tensors import Array, Points, Vectors
-from study.fem.moments import amplitudes_of, strain_matrix
-from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule, rough_cells, sliced_rules
-from study.stresses.composite import alfeld_split, barycentric, bernstein, triangle_mass
-from study.stresses.stress_space import StressSpace
+from study.fem.quadrature import (
+    CellRule,
+    FacetRule,
+    Line,
+    amplitudes_of,
+    cell_rules,
+    facet_rule,
+    rough_cells,
+    sliced_rules,
+    strain_matrix,
+)
+from study.stresses.stress_space import StressSpace, alfeld_split, barycentric, bernstein, triangle_mass
 
-DEGREE = 4
+LEAST_FORCE_DEGREE = 4
 """Least degree of the quadrature rule for f_0 on a subtriangle of a cell.
 
 For stresses of degree k, 2k is used if it is larger.
@@ -40,7 +48,7 @@ GRADED_POINTS = 28
 
 The grading by the power 8 leaves the degree 6, which is enough for products of two cubics.
 """
-PARALLEL = 1e-9
+PARALLEL_LINE = 1e-9
 """A line counts as parallel to a boundary part if the sine of the angle between them is below this number."""
 
 
@@ -108,7 +116,7 @@ class ProjectedLoads:
         self.space = space
         self.data = data
         self._thirds, self._corners = alfeld_split(space.mesh)
-        self._degree = max(DEGREE, 2 * space.degree) + raised
+        self._degree = max(LEAST_FORCE_DEGREE, 2 * space.degree) + raised
         self._lines = [Line(*line) for line in data.lines]
         self._cut = np.concatenate([*rough_cells(self._thirds, self._lines, data.points), np.empty(0, dtype=int)])
         self._parts = [_Edges(data, space, part, edges) for part, edges in space.on(Kind.LOADED)]
@@ -250,7 +258,7 @@ class _Edges:
         for direction, offset in data.lines:
             slope = np.dot(direction, part.tangent)
             start = np.dot(direction, part.start)
-            if abs(slope) > PARALLEL and 0 < (offset - start) / slope < part.measure:
+            if abs(slope) > PARALLEL_LINE and 0 < (offset - start) / slope < part.measure:
                 places.append(float((offset - start) / slope))
         crossings = tuple(sorted(places))
         graded = partial(facet_rule, space.mesh, edges, part, crossings)

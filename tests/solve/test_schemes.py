@@ -21,10 +21,8 @@ from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import OneDiagonal, Shaken
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.solve.evolution import EvolutionError, SemiDiscrete
-from study.solve.fixed_point import FixedPointError, fixed_point
+from study.solve.evolution import EvolutionError, FixedPointError, SemiDiscrete, fixed_point, furthest, path
 from study.solve.gradient_flow import EulerBounds, GradientFlow, backward_euler
-from study.solve.paths import furthest, path
 from study.solve.steps import StepsError, rate_steps, stress_steps
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES
 from study.statements.shared.base import Experiment, Setting

@@ -11,11 +11,9 @@ from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED
 from study.run.plan import quick
 from study.statements.error_estimate import ErrorBounds, InterpolationInV, InterpolationOnContact
-from study.statements.load_and_traction import NaturalConditions
 from study.statements.shared.meshes import EVERY_FAMILY, body_of, first_with_each, place, space_of
 from study.statements.shared.scope import Levels
-from study.statements.uniqueness import OneTrajectory
-from study.statements.wellposed import BoundedVelocity, Dependence, Korn
+from study.statements.wellposed import BoundedVelocity, Dependence, Korn, NaturalConditions, OneTrajectory
 
 EVOLUTION = OneTrajectory(), BoundedVelocity(), Dependence(), NaturalConditions(), ErrorBounds()
 STATIC = Korn(), InterpolationInV(), InterpolationOnContact()

@@ -18,9 +18,8 @@ from manufactured.exact import ExactSolution
 from manufactured.exact.solution import FaceFields
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array, Points, Tensors, Vectors, size
-from study.fem.error_norm import DEGREE, FACET_POINTS, rules, shared_lines
-from study.fem.moments import QuadraturePoints
-from study.fem.quadrature import FacetRule, Line, facet_rule
+from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, rules, shared_lines
+from study.fem.quadrature import FacetRule, Line, QuadraturePoints, facet_rule
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
 from study.statements.shared.base import SEED
@@ -93,7 +92,7 @@ class Energies:
         self, solution: ExactSolution, space: Space, along: Sequence[Line] | None = None, raised: int = 0
     ) -> None:
         lines = shared_lines(solution) if along is None else along
-        points = QuadraturePoints.on_cells(rules(solution, space.mesh, DEGREE + raised, lines))
+        points = QuadraturePoints.on_cells(rules(solution, space.mesh, CELL_DEGREE + raised, lines))
         self.space = space
         self.weights = points.weights
         self.cells = points.sums

@@ -26,14 +26,14 @@ from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.law import Indefinite, Linear
 from manufactured.tensors import Array, Tensors, traction
-from study.fem.error_norm import DEGREE, FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, gaps_at_vertices
+from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, gaps_at_vertices
 from study.fem.mesh import MeshFamily
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space, form
 from study.ledger.files import UsageError
 from study.solve.evolution import SemiDiscrete, State
+from study.solve.multigrid import contact_solver
 from study.solve.signorini import ContactSolver
-from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.norms import Energies, hat_functions, time_nodes
 
@@ -94,7 +94,7 @@ class Task:
 
     @cached_property
     def _energies(self) -> Energies:
-        return Energies(self.solution, self.space, raised=self.v_norm.degree - DEGREE)
+        return Energies(self.solution, self.space, raised=self.v_norm.degree - CELL_DEGREE)
 
     def initial_stress(self, time: float) -> Tensors:
         """Return the means over cells of the exact viscous stress A ε(u̇) at one time, (D, cells)."""
@@ -154,8 +154,8 @@ class Task:
     def tractions(self, kind: Kind, time: float) -> list[Array]:
         """Return exact tractions at the facet corners of all boundary parts of a kind.
 
-        They are the viscous traction A ε(u̇) ν on contact faces, and the surface load f_2 = σν on loaded parts. The load
-        b of a task already contains the work of f_2.
+        They are the viscous traction A ε(u̇) ν on contact faces, and the surface load f_2 = σν on loaded parts. The
+        load b of a task already contains the work of f_2.
 
         Returns:
             One array for each part: the components of the traction at the corners of each facet, (facets, corners,
