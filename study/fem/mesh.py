@@ -215,10 +215,11 @@ class CrissCross(Structured):
     def __call__(self, body: Body, n: int) -> Mesh:
         require_plane(self, body)
         points = mapped(body, grid_vertices(n, 2))
-        a, b, c, d = squares(n)
-        centres = (points[:, a] + points[:, b] + points[:, c] + points[:, d]) / 4
-        m = points.shape[1] + np.arange(n * n)
-        return simplicial_mesh(np.hstack([points, centres]), np.hstack([[a, b, m], [b, c, m], [c, d, m], [d, a, m]]))
+        corners = squares(n)
+        centres = points[:, corners].mean(axis=1)
+        middle = points.shape[1] + np.arange(n * n)
+        cells = [[corners[i - 1], corners[i], middle] for i in (1, 2, 3, 0)]
+        return simplicial_mesh(np.hstack([points, centres]), np.hstack(cells))
 
 
 @dataclass(frozen=True)
@@ -290,8 +291,7 @@ def grid_vertices(n: int, dim: int) -> Points:
 
 def lowest_corners(n: int, dim: int) -> Array:
     """Return the number of the vertex with the smallest coordinates of every cube of the grid, (n^d,)."""
-    steps = (n + 1) ** np.arange(dim)
-    return sum(step * i.ravel("F") for step, i in zip(steps, np.indices((n,) * dim), strict=True))
+    return np.flatnonzero((grid_vertices(n, dim) < 1).all(axis=0))
 
 
 def squares(n: int) -> Array:
@@ -525,10 +525,12 @@ def _divide(part: Part, body: Body, spacing: float) -> Array:
     ends = [end for interface in body.interfaces if interface is not part for end in interface.corners.T]
     tolerance = 1e-9 * part.measure
     found = sorted(float(part.coordinates(end)[0][0]) for end in ends if part.contains(end, tolerance))
-    inner = [s for s in found if tolerance < s < part.measure - tolerance]
-    stops = [s for i, s in enumerate(inner) if i == 0 or s - inner[i - 1] > tolerance]
+    stops = [0.0]
+    for s in (*found, part.measure):
+        if s - stops[-1] > tolerance:
+            stops.append(s)
     pieces = []
-    for low, high in pairwise([0.0, *stops, part.measure]):
+    for low, high in pairwise(stops):
         count = max(1, round((high - low) / spacing))
         pieces.append(low + np.arange(count) * (high - low) / count)
     return part.point(np.concatenate(pieces)[None])
@@ -545,12 +547,10 @@ def _delaunay(body: Body, points: Array) -> Array:
 
 def _star_centroids(points: Array, cells: Array) -> Array:
     """Return for each point the area-weighted mean of the centroids of the cells around it, (2, points)."""
-    a, b, c = (points[:, v] for v in cells)
-    area = abs((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
-    weight = np.bincount(cells.ravel(), np.tile(area, 3), points.shape[1])
-    centroid = (a + b + c) / 3
-    moments = [np.bincount(cells.ravel(), np.tile(area * x, 3), points.shape[1]) for x in centroid]
-    return np.array(moments) / np.maximum(weight, np.finfo(float).tiny)
+    area = abs(determinants(points, cells))
+    centroid = points[:, cells].mean(axis=1)
+    sums = [np.bincount(cells.ravel(), np.tile(x, 3), points.shape[1]) for x in (*(area * centroid), area)]
+    return np.array(sums[:2]) / np.maximum(sums[2], np.finfo(float).tiny)
 
 
 FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstructured(), Graded())

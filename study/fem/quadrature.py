@@ -97,18 +97,22 @@ def gauss(count: int) -> PointsAndWeights:
     return found
 
 
-def graded(near: Array, far: Array, count: int, power: Array | int = 1) -> PointsAndWeights:
+def graded(
+    left: Array, right: Array, count: int, power: Array | int = 1, to_right: Array | bool = False
+) -> PointsAndWeights:
     """Return Gauss rules on n intervals, after the substitution s = near + (far − near) ξ^power with ξ in (0, 1).
 
     Args:
-        near, far: the ends of the intervals, (n, 1); a power above 1 concentrates the points at ``near``.
+        left, right: the ends of the intervals, (n, 1); a power above 1 concentrates the points at the end ``near``.
         count: the number of points in each interval.
         power: the exponent, one for all intervals or one for each, (n, 1).
+        to_right: whether ``near`` is the right end, for all intervals or for each, (n, 1).
 
     Returns:
         Points and weights, (n, count) each.
     """
     xi, w = gauss(count)
+    near, far = np.where(to_right, right, left), np.where(to_right, left, right)
     return near + (far - near) * xi**power, abs(far - near) * power * xi ** (power - 1.0) * w
 
 
@@ -192,9 +196,8 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
             np.any([abs(end - c) <= VERTEX_ON_LINE * (high - low)[:, None] for c in (*rough, np.inf)], axis=0)
             for end in (left, right)
         ]
-        towards_right = is_rough[1] & ~is_rough[0]
-        near, far = np.where(towards_right, right, left), np.where(towards_right, left, right)
-        pieces.append(graded(near, far, points, np.where(is_rough[0] | is_rough[1], GRADING, 1)))
+        power = np.where(is_rough[0] | is_rough[1], GRADING, 1)
+        pieces.append(graded(left, right, points, power, is_rough[1] & ~is_rough[0]))
     place, weights = (np.concatenate(parts, axis=1) for parts in zip(*pieces, strict=True))
     first = (ends[1][:, None] - place) / (ends[1] - ends[0])[:, None]
     return FacetRule(facets, place[None], np.stack([first, 1 - first]), weights)
@@ -300,9 +303,7 @@ def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
     """
 
     def towards_line(left: Array, right: Array) -> PointsAndWeights:
-        near_left = abs(left) <= abs(right)
-        near, far = np.where(near_left, left, right), np.where(near_left, right, left)
-        return graded(near, far, degree + GRADING, GRADING)
+        return graded(left, right, degree + GRADING, GRADING, abs(left) > abs(right))
 
     return _slab_rule(mesh, cells, line, [0.0], towards_line, degree)
 
@@ -329,15 +330,10 @@ def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) ->
         met &= left
         for pattern in np.unique(met[:, met.any(axis=0)], axis=1).T:
             cells = np.flatnonzero((met == pattern[:, None]).all(axis=0))
-            here = [front for front, one in zip(parallel, pattern, strict=True) if one]
-            yield sliced_rule(mesh, cells, here, degree)
+            first, *others = (front for front, one in zip(parallel, pattern, strict=True) if one)
+            offsets = [0.0, *(front.offset - first.offset for front in others)]
+            yield _slab_rule(mesh, cells, first, offsets, partial(graded, count=degree // 2 + 2), degree)
         left &= ~met.any(axis=0)
-
-
-def sliced_rule(mesh: Mesh, cells: Array, lines: Sequence[Line], degree: int) -> CellRule:
-    """Return a quadrature rule on cells cut along parallel lines, at which the integrand may jump."""
-    offsets = [line.offset - lines[0].offset for line in lines]
-    return _slab_rule(mesh, cells, lines[0], offsets, partial(graded, count=degree // 2 + 2), degree)
 
 
 def _slab_rule(

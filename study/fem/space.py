@@ -330,6 +330,8 @@ def on_cells(space: Space, law: KelvinVoigt) -> PointLaw:
 
 EDGES = ((0, 1), (1, 2), (0, 2))
 """The two vertices of each edge of a cell, in the order in which the mesh numbers the edges."""
+FACTORS = (*((i, i, 1) for i in range(3)), *((a, b, 2) for a, b in EDGES))
+"""For each Bernstein polynomial c λ_a λ_b of degree 2 the numbers (a, b, c)."""
 
 
 def nodes_of(mesh: Mesh) -> Points:
@@ -387,7 +389,18 @@ class Quadratic(Displacements):
 
     def shapes(self, barycentric: Array) -> Array:
         """Return the six basis functions of a cell at points given by barycentric coordinates, (3, q) → (6, q)."""
-        return np.array([*(x * x for x in barycentric), *(2 * barycentric[a] * barycentric[b] for a, b in EDGES)])
+        return np.array([c * barycentric[a] * barycentric[b] for a, b, c in FACTORS])
+
+    def gradients(self, barycentric: Array, cells: Array | slice = np.s_[:]) -> Array:
+        """Return the gradients of the six basis functions of each of n cells at q points, (n, q, 6, 2).
+
+        Args:
+            barycentric: the barycentric coordinates of the points, (3, n, q); (3, 1, q) if all cells have the same.
+            cells: numbers of cells, (n,); by default all cells.
+        """
+        slopes = np.moveaxis(barycentric_gradients(self.mesh)[cells], 1, 0)[:, :, None]
+        at = barycentric[..., None]
+        return np.stack([c * (at[a] * slopes[b] + at[b] * slopes[a]) for a, b, c in FACTORS], axis=2)
 
     def strains(self, barycentric: Array) -> sps.csr_array:
         """Return the matrix from a displacement to its strain at q points of every cell, (3 · cells · q, dofs).
@@ -395,15 +408,7 @@ class Quadratic(Displacements):
         Args:
             barycentric: the barycentric coordinates of the points, (3, q).
         """
-        slopes, outer = barycentric_gradients(self.mesh), np.multiply.outer
-        gradients = np.stack(
-            [
-                *(2 * outer(barycentric[i], slopes[:, i]) for i in range(3)),
-                *(2 * (outer(barycentric[a], slopes[:, b]) + outer(barycentric[b], slopes[:, a])) for a, b in EDGES),
-            ],
-            axis=2,
-        )
-        values = np.einsum("Ijk,qcik->Icqij", basis(2), gradients, optimize=True)
+        values = np.einsum("Ijk,cqik->Icqij", basis(2), self.gradients(barycentric[:, None]), optimize=True)
         return self._matrix(values, self.numbers.T[:, None])
 
     def strain_at(self, v: Array, cells: Array, points: Points) -> Tensors:
@@ -417,10 +422,6 @@ class Quadratic(Displacements):
         Returns:
             Strains in Mandel form, (3, n, q).
         """
-        slopes, at = barycentric_gradients(self.mesh)[cells], barycentric(self.mesh, cells, points)
         local = self.coefficients(v)[self.numbers[:, cells]]
-        gradient = np.einsum("inj,nik,inq->jknq", 2 * local[:3], slopes, at, optimize=True)
-        for edge, (a, b) in enumerate(EDGES, start=3):
-            for first, second in ((a, b), (b, a)):
-                gradient += np.einsum("nj,nk,nq->jknq", 2 * local[edge], slopes[:, first], at[second])
-        return mandel(gradient)
+        gradients = self.gradients(barycentric(self.mesh, cells, points), cells)
+        return mandel(np.einsum("inj,nqik->jknq", local, gradients))
