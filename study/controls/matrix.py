@@ -27,6 +27,7 @@ from study.fem.naming import is_own, resolve
 from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, CheckKind, Verdict
 from study.run.plan import quick
+from study.solve.evolution import furthest
 from study.statements.contact_force import ContactForce, touches
 from study.statements.prop_5_4 import (
     Convergence,
@@ -181,11 +182,8 @@ def distance_of_solutions(right: Experiment, faulty: Experiment) -> float:
     """
     if right.space is not faulty.space:
         return math.nan
-    squares = []
-    for one, other in zip(right.march(right.steps), faulty.march(faulty.steps), strict=True):
-        difference = one.u - other.u
-        squares.append(difference @ (right.problem.M @ difference))
-    return float(np.sqrt(np.max(squares)))
+    one, other = (np.array([state.u for state in setup.march(setup.steps)]) for setup in (right, faulty))
+    return furthest(right.problem, one, other)
 
 
 def measure_case(name: str, faults: Sequence[str]) -> list[dict[str, Any]]:

@@ -392,20 +392,34 @@ class ContactStep:
         return float(np.max(parts))
 
 
+def norm(problem: SemiDiscrete, v: Array) -> float:
+    """Return the norm ‖v‖_V = (A ε(v), ε(v))_Q^{1/2} of a P1 displacement v.
+
+    Args:
+        problem: the semi-discrete problem with the matrix of this norm.
+        v: the degrees of freedom, (dofs,).
+    """
+    return math.sqrt(max(v @ (problem.M @ v), 0.0))
+
+
+def norms(problem: SemiDiscrete, v: Array) -> Array:
+    """Return the norms ‖v_n‖_V of several P1 displacements, (n, dofs) → (n,)."""
+    return np.sqrt(abs(np.sum(v.T * (problem.M @ v.T), axis=0)))
+
+
 def path(problem: SemiDiscrete, scheme: Scheme, steps: int) -> Array:
     """Solve the semi-discrete problem and return the displacements u_0, …, u_steps, (steps + 1, n)."""
     return np.array([state.u for state in scheme.march(problem, steps)])
 
 
-def interpolated(states: Array, steps: int) -> Array:
-    """Interpolate displacements linearly to a finer time grid, (steps + 1, n).
+def interpolated(states: Array, nodes: Array) -> Array:
+    """Interpolate displacements linearly to a finer time grid with M steps, (M + 1, n).
 
     Args:
         states: displacements at the nodes of the coarse grid, (N + 1, n).
-        steps: the number of steps of the finer grid, a multiple of N.
+        nodes: the indices of these nodes in the finer grid, from 0 to M, (N + 1,).
     """
-    nodes = np.linspace(0, steps, len(states))
-    return np.asarray(make_interp_spline(nodes, states, k=1)(np.arange(steps + 1)))
+    return np.asarray(make_interp_spline(nodes, states, k=1)(np.arange(nodes[-1] + 1)))
 
 
 def last(states: Array, steps: int) -> tuple[Array, Array]:
@@ -444,7 +458,4 @@ def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
 
 def furthest(problem: SemiDiscrete, one: Array, other: Array) -> float:
     """Return the largest distance max_n ‖v_n − w_n‖_V of two solutions at the same times, (steps + 1, n) each."""
-    away = one - other
-    weighted = (problem.M @ away.T).T
-    squares = np.sum(away * weighted, axis=1)
-    return math.sqrt(squares.max())
+    return float(norms(problem, one - other).max())

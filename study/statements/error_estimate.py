@@ -33,7 +33,7 @@ from study.ledger.quantities import (
     over_refinements,
 )
 from study.ledger.window import Window, around, at_least, at_most, positive_at_most
-from study.solve.evolution import SemiDiscrete, path
+from study.solve.evolution import SemiDiscrete, norm, path
 from study.solve.factorisation import Cholesky
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
@@ -67,7 +67,6 @@ from study.statements.shared.norms import (
     displacement,
     dual_norm,
     midpoints,
-    norm,
     time_nodes,
     trace_error,
     unloaded,

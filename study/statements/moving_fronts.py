@@ -22,9 +22,9 @@ from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
 from study.ledger.quantities import change, over_refinements
 from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
-from study.solve.evolution import SemiDiscrete, furthest, path
+from study.solve.evolution import SemiDiscrete, furthest, norms, path
 from study.solve.factorisation import Cholesky
-from study.solve.gradient_flow import GradientFlow
+from study.solve.gradient_flow import EulerBounds
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.shared.base import (
@@ -38,7 +38,7 @@ from study.statements.shared.base import (
     with_h,
 )
 from study.statements.shared.meshes import posed, split_random
-from study.statements.shared.norms import Energies, contact_load, dual_norm, maximum, midpoints, norms, time_nodes
+from study.statements.shared.norms import Energies, contact_load, dual_norm, maximum, midpoints, time_nodes
 from study.statements.time_steps import PROVED_BELOW_1
 from study.statements.work_of_contact import SEEDS
 
@@ -97,18 +97,17 @@ def half_quotient(problem: SemiDiscrete, states: Array) -> float:
     return maximum(quotients) / constant
 
 
-def euler_quotient(flow: GradientFlow, kappa: float, states: Array) -> float:
+def euler_quotient(flow: EulerBounds, states: Array) -> float:
     """Return Σ ‖δ_n − δ_{n−1}‖² for backward Euler, divided by its bound.
 
     Args:
-        flow: the problem, with its loads at t_0, …, t_N.
-        kappa: L_G/m_A.
+        flow: the problem, with its loads at t_0, …, t_N and κ = L_G/m_A.
         states: the displacements U_0, …, U_N, (N + 1, dofs).
     """
     rates = np.vstack([flow.start, np.diff(states, axis=0) / flow.interval])
     jumps = norms(flow.problem, np.diff(rates, axis=0))
     speeds = norms(flow.problem, rates[1:])
-    growth = kappa * flow.interval * speeds.sum()
+    growth = flow.kappa * flow.interval * speeds.sum()
     return float(jumps @ jumps / (flow.first**2 + 2 * speeds.max() * (flow.variation + growth)))
 
 
@@ -168,10 +167,10 @@ class HalfDerivative(ListedNumbers):
     def measure(self, setup: Experiment) -> Numbers:
         problem = setup.solved or setup.problem
         steps = setup.steps
-        flow = GradientFlow(problem, problem.load(time_nodes(problem.T, steps)).T)
+        flow = EulerBounds(problem, problem.load(time_nodes(problem.T, steps)).T, setup.solution.law.kappa)
         numbers = {
             "half": half_quotient(problem, path(problem, MIDPOINT, steps)),
-            "euler": euler_quotient(flow, setup.solution.law.kappa, path(problem, BACKWARD_EULER, steps)),
+            "euler": euler_quotient(flow, path(problem, BACKWARD_EULER, steps)),
         }
         return with_h(setup.space.h, numbers)
 

@@ -61,7 +61,7 @@ from study.ledger.quantities import (
 )
 from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
 from study.solve import multigrid
-from study.solve.evolution import State
+from study.solve.evolution import State, norm
 from study.solve.multigrid import contact_solver
 from study.solve.tableau import MIDPOINT, SCHEMES
 from study.statements.shared.base import Experiment, Judged, Numbers, Records, Setting, Statement, check_of_order
@@ -74,7 +74,7 @@ from study.statements.shared.meshes import (
     split_superclose,
     value_of_case,
 )
-from study.statements.shared.norms import maximum, norm, time_nodes
+from study.statements.shared.norms import maximum, time_nodes
 from study.statements.shared.scope import Scope
 
 RATES = CsvFile("rates.csv", ("order",), with_orders)

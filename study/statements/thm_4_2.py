@@ -85,7 +85,7 @@ from study.ledger.quantities import fit, fitted, of_errors, quotients
 from study.ledger.text import power_of_ten
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, at_least, at_most, between, positive_at_most
-from study.solve.evolution import SemiDiscrete, velocities
+from study.solve.evolution import SemiDiscrete, norm, velocities
 from study.solve.signorini import Signorini
 from study.solve.steps import step_size
 from study.solve.stress_problem import StressError, StressProblem
@@ -93,7 +93,6 @@ from study.solve.tableau import BACKWARD_EULER, BDF2, Tableau
 from study.statements.shared import estimates
 from study.statements.shared.base import Experiment, Numbers, Setting, Statement, grid, steps_like_h
 from study.statements.shared.meshes import ALONG, CELL_POWER
-from study.statements.shared.norms import norm
 from study.statements.shared.scope import Scope
 from study.stresses.hybrid import DualState, StressEvolution, act, tensor_at
 from study.stresses.stress_space import StressSpace, alfeld_split, barycentric, bernstein

@@ -43,7 +43,7 @@ from study.fem.space import Space, form, on_cells
 from study.ledger.check import ENOUGH, ROUNDING, Check, Groups, consequence, identity, paper_claim
 from study.ledger.quantities import change, finest, ratios
 from study.ledger.window import Window, around, at_most, between, positive_at_most
-from study.solve.evolution import FIXED_POINT, SemiDiscrete, State, furthest, path
+from study.solve.evolution import FIXED_POINT, SemiDiscrete, State, furthest, norm, norms, path
 from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
 from study.solve.stress_problem import Accuracy, settings
@@ -62,17 +62,7 @@ from study.statements.shared.base import (
     with_h,
 )
 from study.statements.shared.meshes import CELL_POWER, body_of, first_with_each, named, place, posed, space_of
-from study.statements.shared.norms import (
-    Energies,
-    dual_norm,
-    h1_product,
-    maximum,
-    norm,
-    norms,
-    smallest,
-    strain_product,
-    unloaded,
-)
+from study.statements.shared.norms import Energies, dual_norm, h1_product, maximum, smallest, strain_product, unloaded
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import StressExperiment, norm_in_q
 

@@ -45,21 +45,6 @@ def minimum(values: Iterable[float | np.floating[Any]]) -> float:
     return float(np.min([*values]))
 
 
-def norm(problem: SemiDiscrete, v: Array) -> float:
-    """Return the norm ‖v‖_V = (A ε(v), ε(v))_Q^{1/2} of a P1 displacement v.
-
-    Args:
-        problem: the semi-discrete problem with the matrix of this norm.
-        v: the degrees of freedom, (dofs,).
-    """
-    return math.sqrt(max(v @ (problem.M @ v), 0.0))
-
-
-def norms(problem: SemiDiscrete, v: Array) -> Array:
-    """Return the norms ‖v_n‖_V of several P1 displacements, (n, dofs) → (n,)."""
-    return np.sqrt(abs(np.sum(v.T * (problem.M @ v.T), axis=0)))
-
-
 def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
     """Return the dual norm (FᵀM⁻¹F)^{1/2} of the linear functional v ↦ F·v on the P1 space V^h.
 
