@@ -91,7 +91,8 @@ def rounded(mesh: checker.Mesh, values: Array, bits: int) -> list[list[int]]:
     Returns:
         For each time the integers in one list, x and y in turn.
     """
-    normals, clamped = defaultdict[int, set[checker.Vector]](set), set[int]()
+    normals = defaultdict[int, set[checker.Vector]](set)
+    clamped = set[int]()
     for edge, side in mesh.boundary.items():
         if side.kind == "clamped":
             clamped.update(mesh.nodes_of(edge))
@@ -111,7 +112,9 @@ def admissible(value: Sequence[int], normals: Collection[checker.Vector]) -> lis
     """Return an integer vector near ``value`` with value·N ≤ 0 for all normals N, none of which are opposite."""
     inward = -np.sum([np.array(N, dtype=float) / math.hypot(*N) for N in normals], axis=0)
     # A short vector (p, q) is sought, because a multiple of it is added.
-    scale, p, q = 1, 0, 0
+    scale = 1
+    p = 0
+    q = 0
     while any(checker.dot((p, q), N) >= 0 for N in normals):
         (p, q), scale = (round(c) for c in scale * inward), 2 * scale
     steps = max(0, *(math.ceil(Fraction(checker.dot(value, N)) / -checker.dot((p, q), N)) for N in normals))
@@ -129,7 +132,10 @@ class StressEncoder:
 
     def __init__(self, problem: checker.Problem, twins: Twins, fine: Discretisation) -> None:
         space = fine.stresses
-        self.problem, self.exact, self.twins, self.space = problem, twins.exact, twins, space
+        self.problem = problem
+        self.exact = twins.exact
+        self.twins = twins
+        self.space = space
         element, self._free = reference_element()
         self.layout = checker.Stresses(self.exact, {"bits": 1, "coarse": 0}, checker.Element.of(element))
         self._loads = checker.Loads(problem, self.exact, LOAD_BITS)
@@ -204,7 +210,8 @@ class StressEncoder:
         of_thirds = np.moveaxis(values[:, self.twins.cells], 0, -1).reshape(len(self._adjugate), 3, -1, 3)
         coefficients = self._fit @ of_thirds
         # The stress on the reference triangle is σ̂ = F⁻¹ σ F⁻ᵀ det F, and the checker multiplies it by det F.
-        A, E = self._adjugate, basis(2)
+        A = self._adjugate
+        E = basis(2)
         hat = np.einsum("cik,Ikl,cjl,ctnI->ctnij", A, E, A, coefficients, optimize=True)
         component, third, monomial = self._free.T
         row, column = np.array([[0, 0], [1, 1], [0, 1]])[component].T
@@ -271,10 +278,13 @@ def _of_stress(component: int, third: int, monomial: int) -> list[Fraction]:
 
     The equations are for tractions on the boundary, jumps of tractions inside, and divergences on the subtriangles.
     """
-    one, stress = (third, component, monomial), []
+    one = (third, component, monomial)
+    stress = []
     for i in range(3):
         stress.append([[Fraction((i, c, m) == one) for m in range(10)] for c in range(3)])
-    outside, jumps, divergences = [], [], []
+    outside = []
+    jumps = []
+    divergences = []
     for i in range(3):
         outside += checker.tractions(stress[i], CORNERS[(i + 1) % 3], CORNERS[(i + 2) % 3])
         left, right = (checker.tractions(stress[(i + n) % 3], CORNERS[i], CENTRE) for n in (1, 2))
@@ -364,7 +374,8 @@ def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple
     blocks = [*_inside(mesh, problem, inside), *_on_boundary(mesh)]
     unknowns = 4 * len(mesh.points) + 1
     # Clarabel expects the upper triangle of a matrix by columns, with off-diagonal entries multiplied by √2.
-    rows, right = [], []
+    rows = []
+    right = []
     for linear, constant in blocks:
         j, i = np.tril_indices(len(constant))
         scale = np.where(i == j, 1.0, np.sqrt(2))
@@ -375,7 +386,8 @@ def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple
     settings.verbose = False
     objective = np.zeros(unknowns)
     objective[-1] = -1.0
-    matrix, nothing = sps.csc_matrix(sps.vstack(rows)), sps.csc_matrix((unknowns, unknowns))
+    matrix = sps.csc_matrix(sps.vstack(rows))
+    nothing = sps.csc_matrix((unknowns, unknowns))
     solver = clarabel.DefaultSolver(nothing, objective, matrix, np.concatenate(right), cones, settings)
     x = np.array(solver.solve().x)
     return x[:-1].reshape(-1, 4), float(x[-1])
@@ -467,10 +479,12 @@ def make_certificate(
     mesh = rational_mesh(family(data.body, level), data.body)
     exact = checker.Mesh.of(mesh, problem)
     coarse = Discretisation(data, in_doubles(exact))
-    u_h, fine = compute(coarse, scheme, steps), refined.discretisation(coarse)
+    u_h = compute(coarse, scheme, steps)
+    fine = refined.discretisation(coarse)
     for _ in range(refined.refinements):
         exact = exact.refined()
-    twins, V = Twins(fine.mesh, exact), fine.displacements
+    twins = Twins(fine.mesh, exact)
+    V = fine.displacements
     nodes = [node for _, node in refined.nodes(fine, u_h)]
     u = np.array([V.coefficients(node)[twins.nodes] for node in nodes])
     bits = bits_below(float(abs(u).max()), DISPLACEMENT_DIGITS)
@@ -506,7 +520,8 @@ def _rounded_stresses(
     times = np.linspace(0, float(T), len(nodes)).tolist()
     stresses: list[tuple[Array, Array]] = []
     for piece, (a, b) in zip(spline(zip(times, nodes, strict=True)), pairwise(knots), strict=True):
-        first, last = piece.rate(end=False), piece.rate(end=True)
+        first = piece.rate(end=False)
+        last = piece.rate(end=True)
         controls = (piece.start, first), (piece.control, (first + last) / 2), (piece.end, last)
         for j, (load, (u, rate)) in enumerate(zip(encoder.loads(a, b), controls, strict=True)):
             if j or not stresses:  # the start of a piece is the end of the piece before

@@ -167,9 +167,11 @@ def rational_mesh(mesh: Mesh, body: Body) -> dict[str, Any]:
     every part of the boundary in the order in which they follow each other.
     """
     bits = math.ceil(math.log2(FINENESS / size(mesh)))
-    unit, sides = 1 << bits, corners(body)
+    unit = 1 << bits
+    sides = corners(body)
     points = [tuple(Fraction(round(c * unit), unit) for c in point) for point in mesh.p.T.tolist()]
-    tolerance, chains = 1e-7 * size(mesh), []
+    tolerance = 1e-7 * size(mesh)
+    chains = []
     for part, start, end in zip(body.parts, sides, [*sides[1:], sides[0]], strict=True):
         shares = {}
         for v in np.flatnonzero(part.contains(mesh.p, tolerance)).tolist():

@@ -78,9 +78,12 @@ class LeadingTerm:
     """
 
     def __init__(self, solution: ExactSolution, space: Space) -> None:
-        d, corners = space.dim, space.mesh.p[:, space.mesh.t]
+        d = space.dim
+        corners = space.mesh.p[:, space.mesh.t]
         centres = corners.mean(axis=1)
-        self.fields, self.A, self.T = solution.at(centres), solution.law.A.matrix, space.body.T
+        self.fields = solution.at(centres)
+        self.A = solution.law.A.matrix
+        self.T = space.body.T
         self.weights = space.volumes * solution.law.A.factor(centres) / ((d + 1) * (d + 2))
         edges = {(i, j): corners[:, j] - corners[:, i] for i, j in combinations(range(d + 1), 2)}
         self.squares = {ends: mandel(l[:, None] * l) for ends, l in edges.items()}

@@ -144,7 +144,8 @@ def with_midpoints(mesh: Mesh) -> sps.csr_array:
 
     The vertices of the uniformly refined mesh are the old vertices, then the midpoints of the edges.
     """
-    edges, count = (mesh.facets if mesh.dim() == 2 else mesh.edges), mesh.p.shape[1]
+    edges = mesh.facets if mesh.dim() == 2 else mesh.edges
+    count = mesh.p.shape[1]
     rows = np.repeat(np.arange(edges.shape[1]), 2)
     midpoints = sps.csr_array((np.full(len(rows), 0.5), (rows, edges.T.ravel())), shape=(edges.shape[1], count))
     return sps.csr_array(sps.vstack([sps.eye_array(count), midpoints]))
@@ -307,7 +308,8 @@ def kuhn(n: int, dim: int) -> Array:
 
     Source: H. W. Kuhn, Some combinatorial lemmas in topology, IBM J. Res. Dev. 4 (1960) 518–524.
     """
-    first, steps = lowest_corners(n, dim), (n + 1) ** np.arange(dim)
+    first = lowest_corners(n, dim)
+    steps = (n + 1) ** np.arange(dim)
     cells = []
     for order in permutations(range(dim)):
         path = np.concatenate([[0], np.cumsum(steps[list(order)])])
@@ -360,7 +362,8 @@ def _images(body: Body) -> Points | None:
 
 def _parallelepiped(body: Body) -> Points | None:
     """Return the corners of a parallelepiped as ``_images`` does, or None if the body is none."""
-    corners, tolerance = body.corners, 1e-9 * body.extent
+    corners = body.corners
+    tolerance = 1e-9 * body.extent
     first = corners[:, :1]
     normals = np.array([part.normal for part in body.parts if part.contains(first, tolerance)])
     normals = normals[np.sort(np.unique(np.round(normals, 9) + 0.0, axis=0, return_index=True)[1])]
@@ -474,7 +477,8 @@ class Graded(MeshFamily):
         mesh = Unstructured()(body, n)
         points = mesh.p.copy()
         for point in body.refine:
-            centre, radius = np.array(point)[:, None], self.radius(body, point)
+            centre = np.array(point)[:, None]
+            radius = self.radius(body, point)
             away = mesh.p - centre
             share = np.linalg.norm(away, axis=0) / radius
             inside = share < 1
@@ -502,7 +506,8 @@ def _lattice(body: Body, spacing: float, rng: np.random.Generator) -> Array:
 
     Points near the boundary or an interface are left out.
     """
-    low, high = body.vertices.min(axis=1), body.vertices.max(axis=1)
+    low = body.vertices.min(axis=1)
+    high = body.vertices.max(axis=1)
     rows = np.arange(low[1], high[1], spacing * np.sqrt(0.75))
     columns = np.arange(low[0] - spacing, high[0] + spacing, spacing)
     x, y = np.meshgrid(columns, rows)
@@ -675,7 +680,8 @@ class Skin:
         if mesh.dim() == 2:
             return cls(np.arange(mesh.p.shape[1]), mesh.t, np.arange(mesh.t.shape[1]))
         facets = mesh.boundary_facets()
-        cells, corners = mesh.f2t[0, facets], mesh.facets[:, facets]
+        cells = mesh.f2t[0, facets]
+        corners = mesh.facets[:, facets]
         fourth = mesh.t[:, cells].sum(axis=0) - corners.sum(axis=0)
         # The orientation is chosen such that the corners run counter-clockwise if seen from outside. The fourth vertex
         # of the cell lies inside.

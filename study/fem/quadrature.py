@@ -112,7 +112,8 @@ def graded(
         Points and weights, (n, count) each.
     """
     xi, w = gauss(count)
-    near, far = np.where(to_right, right, left), np.where(to_right, left, right)
+    near = np.where(to_right, right, left)
+    far = np.where(to_right, left, right)
     return near + (far - near) * xi**power, abs(far - near) * power * xi ** (power - 1.0) * w
 
 
@@ -187,7 +188,8 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
         shapes = np.repeat(barycentric[:, None], len(facets), axis=1)
         return FacetRule(facets, s, shapes, np.multiply.outer(facet_measures(mesh, facets), weights))
     ends = np.stack([part.coordinates(mesh.p[:, v])[0][0] for v in mesh.facets[:, facets]])
-    low, high = ends.min(axis=0), ends.max(axis=0)
+    low = ends.min(axis=0)
+    high = ends.max(axis=0)
     nodes = np.sort(np.vstack([low, high, *(np.clip(c, low, high) for c in rough)]), axis=0)
     pieces = []
     for left, right in pairwise(nodes[..., None]):
@@ -361,7 +363,8 @@ def _slab_rule(
     s = np.einsum("d,dvn->vn", np.array(line.direction), corners) - line.offset
     r = np.einsum("d,dvn->vn", line.tangent, corners)
     order = np.argsort(s, axis=0)
-    s, r = np.take_along_axis(s, order, 0), np.take_along_axis(r, order, 0)
+    s = np.take_along_axis(s, order, 0)
+    r = np.take_along_axis(r, order, 0)
 
     def chord(x: Array, low: int, high: int) -> Array:
         """Return the coordinate r of the point with s = x on the edge between two vertices, (n, p)."""
@@ -382,7 +385,8 @@ def _slab_rule(
         weights = (weights * abs(short - long))[..., None] * we
         slabs.append([part.reshape(len(x), -1) for part in (np.repeat(x[..., None], len(eta), axis=2), along, weights)])
     s, r, weights = (np.concatenate(parts, axis=1) for parts in zip(*slabs, strict=True))
-    normal, tangent = np.array(line.direction)[:, None, None], line.tangent[:, None, None]
+    normal = np.array(line.direction)[:, None, None]
+    tangent = line.tangent[:, None, None]
     return CellRule(cells, normal * (s + line.offset) + tangent * r, weights)
 
 
@@ -425,7 +429,8 @@ def cell_rules(
     volumes = cell_volumes(mesh)[:, None]
     gradients = barycentric_gradients(mesh) if along else None
     for block in (cells[start : start + CELLS_IN_RULE] for start in range(0, cells.size, CELLS_IN_RULE)):
-        x, shares = placed(mesh.p, mesh.t[:, block], barycentric), weights
+        x = placed(mesh.p, mesh.t[:, block], barycentric)
+        shares = weights
         if gradients is not None:
             x, shares = shared(mesh.p[:, mesh.t[:, block]], gradients[block], barycentric, weights, along)
         rules.append(CellRule(block, x, volumes[block] * shares))

@@ -91,13 +91,15 @@ class Displacements(MeshedBody, ABC):
 
         Rollers are parallel to an axis, so that they fix one of the components.
         """
-        fixed, values = np.zeros((self.count, self.dim), dtype=bool), np.zeros((self.count, self.dim))
+        fixed = np.zeros((self.count, self.dim), dtype=bool)
+        values = np.zeros((self.count, self.dim))
         for kind in (Kind.CLAMPED, Kind.ROLLER):
             for part in self.body.of(kind):
                 numbers = self.numbers_on(part)
                 components = abs(part.normal) > 0.5 if kind is Kind.ROLLER else np.ones(self.dim, dtype=bool)
                 where = np.ix_(numbers, components)
-                fixed[where], values[where] = True, part.prescribed(self.nodes[:, numbers]).T[:, components]
+                fixed[where] = True
+                values[where] = part.prescribed(self.nodes[:, numbers]).T[:, components]
         return fixed.ravel(), values.ravel()
 
     @property

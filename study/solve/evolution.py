@@ -83,7 +83,8 @@ def fixed_point(
         return np.stack([w, dual(w)])
 
     u = image(v)
-    residual, contraction = with_dual(u - v), 0.0
+    residual = with_dual(u - v)
+    contraction = 0.0
     if _finite(_norm(residual), 1) == 0:
         return u, 1
     whole = with_dual(u)
@@ -92,7 +93,8 @@ def fixed_point(
         step = _accelerated(residual, memory)
         v = v + step[0]
         u = image(v)
-        before, residual = residual, with_dual(u - v)
+        before = residual
+        residual = with_dual(u - v)
         change = residual - before
         # The image of an input v is v plus its residual. So the image changes by the step of the input plus the change
         # of the residual.

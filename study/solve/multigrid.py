@@ -117,9 +117,12 @@ class Multigrid:
         Raises:
             MultigridError: the tolerance was not reached.
         """
-        f, aim = self.basis.T @ b, self.tolerance * float(np.linalg.norm(b))
+        f = self.basis.T @ b
+        aim = self.tolerance * float(np.linalg.norm(b))
         w = self.w if b.any() else np.zeros_like(b)
-        wrong, fewest, patience = np.zeros_like(self.held), len(self.held) + 1, PATIENCE
+        wrong = np.zeros_like(self.held)
+        fewest = len(self.held) + 1
+        patience = PATIENCE
         for _ in range(CORRECTIONS):
             r = f - self.A @ w
             forces = np.maximum(r, 0) * (self.free == 0)
@@ -144,10 +147,12 @@ class Multigrid:
         Args:
             held: for each row of N, whether its unknown is held at its bound, (m,).
         """
-        self.held, self.free = held, np.ones(self.A.shape[0])
+        self.held = held
+        self.free = np.ones(self.A.shape[0])
         self.free[self.bounded[held]] = 0
         # The rows and columns of the held unknowns are set to zero, in the blocks that contain such unknowns.
-        A, free = self.A, self.free.reshape(-1, self.A.blocksize[0])
+        A = self.A
+        free = self.free.reshape(-1, self.A.blocksize[0])
         row = np.repeat(np.arange(len(free)), np.diff(A.indptr))
         met = free.min(axis=1) == 0
         touched = np.flatnonzero(met[row] | met[A.indices])
@@ -212,7 +217,8 @@ def rigid_motions(x: Points) -> Array:
     centred = x - x.mean(axis=1, keepdims=True)
     for i, j in combinations(range(d), 2):
         rotation = np.zeros((d, count))
-        rotation[i], rotation[j] = -centred[j], centred[i]
+        rotation[i] = -centred[j]
+        rotation[j] = centred[i]
         motions.append(rotation)
     return np.array([motion.T.ravel() for motion in motions]).T
 

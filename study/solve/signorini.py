@@ -47,7 +47,8 @@ class Signorini:
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None, gap: Array | float = 0.0) -> None:
         contact = np.unique(N.nonzero()[1])
-        self.N, self.initial_gap = N, gap
+        self.N = N
+        self.initial_gap = gap
         self.factor = Cholesky(S, contact, x)
         self.contact = slice(S.shape[0] - len(contact), None)
         columns = sps.csc_array(N)[:, self.factor.order[self.contact]].toarray().T

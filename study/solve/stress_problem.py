@@ -145,14 +145,18 @@ def potential(space: Space, law: KelvinVoigt, k: float) -> Potential:
     Raises:
         StressError: G is neither linear, nor (3.3), nor a sum of both, so its potential is not known.
     """
-    A, G = law.A, law.G
+    A = law.A
+    G = law.G
     match G:
         case Linear():
-            elasticity, yielding = np.multiply.outer(means(space, G.factor), G.matrix), None
+            elasticity = np.multiply.outer(means(space, G.factor), G.matrix)
+            yielding = None
         case Yield():
-            elasticity, yielding = np.zeros_like(A.matrix), G
+            elasticity = np.zeros_like(A.matrix)
+            yielding = G
         case Combined():
-            elasticity, yielding = G.linear.matrix, G.yielding
+            elasticity = G.linear.matrix
+            yielding = G.yielding
         case _:
             raise StressError(
                 "Problem 3.2 on the strains of V^h needs a law whose complementary potential is known: Linear, Yield "
@@ -218,9 +222,11 @@ class Programme:
 
     def __init__(self, space: Space, potential: Potential) -> None:
         N = space.N
-        cells, m = len(space.volumes), N.shape[0]
+        cells = len(space.volumes)
+        m = N.shape[0]
         D, p = potential.stress.shape
-        self.dofs, self.potential = space.dofs, potential
+        self.dofs = space.dofs
+        self.potential = potential
         self.root = np.sqrt(space.volumes)
         self.compliance = float(np.linalg.norm(potential.compliance, 2, axis=(1, 2)).max())
 
@@ -238,7 +244,8 @@ class Programme:
         cones += [clarabel.NonnegativeConeT(m)]
         self.q = np.zeros(p * cells + m)
         self.b = np.zeros(constraints.shape[0])
-        P, A = sps.csc_matrix(sps.triu(hessian)), sps.csc_matrix(constraints)
+        P = sps.csc_matrix(sps.triu(hessian))
+        A = sps.csc_matrix(constraints)
         self.solver = clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(AIM, ACCEPTED))
         # If rounding stops the iteration before AIM, its last iterate is not its best one. So a second solver stops at
         # ACCEPTED.
@@ -255,7 +262,9 @@ class Programme:
         Raises:
             StressError: the solver failed.
         """
-        cells, dofs, potential = len(self.root), self.dofs, self.potential
+        cells = len(self.root)
+        dofs = self.dofs
+        potential = self.potential
         # The unit of stresses is a typical stress of the step, from the load and from the previous strain times C.
         size = float(np.linalg.norm(load)) + float(np.linalg.norm(self.root * old)) / self.compliance
         unit = size or 1.0

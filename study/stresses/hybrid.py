@@ -216,7 +216,8 @@ class Equilibrium:
         """
         # The moments of all edges are the unknown ones, and zeros on Γ1.
         all_shifted, moments = np.zeros((2, *v.shape[:-1], self.total))
-        all_shifted[..., self.free], moments[..., self.free] = shifted, v
+        all_shifted[..., self.free] = shifted
+        moments[..., self.free] = v
         corrections = _times(all_shifted[..., self.numbers], self._of_moments) - known
         return EquilibratedStress(
             values + self.space.combined(corrections[..., : self._tractions.start]),

@@ -87,7 +87,8 @@ class DividedTriangle:
         for side, traction in enumerate(of_child):
             # The second traction is reversed, because the two children run through their common side in opposite
             # directions.
-            jumps[side, :, :, side], jumps[side, :, :, 3] = traction, -traction[::-1]
+            jumps[side, :, :, side] = traction
+            jumps[side, :, :, 3] = -traction[::-1]
             for half, child in enumerate(SIDES[side]):
                 outer[side, half, :, :, child] = traction
         self.inner = jumps.reshape(-1, 4 * size)

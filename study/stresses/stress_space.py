@@ -154,7 +154,8 @@ class CompositeElement:
         normal = np.array([along[1], -along[0]])
         for step in range(self.degree + 1):
             alpha = [0, 0, 0]
-            alpha[first], alpha[second] = self.degree - step, step
+            alpha[first] = self.degree - step
+            alpha[second] = step
             matrix[step, :, third, polynomials.index(tuple(alpha))] = np.einsum("Iij,j->iI", basis(2), normal)
         return matrix
 

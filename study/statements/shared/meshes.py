@@ -106,7 +106,8 @@ def spacing(case: str, family: str) -> int:
 
     A mesh resolves the boundary parts if their ends are vertices.
     """
-    kind, body = family_named(family), resolve(case).solution.body
+    kind = family_named(family)
+    body = resolve(case).solution.body
     fitting = (level for level in range(2, COARSEST_GRID) if fits(kind, body, level))
     return 1 if fits(kind, body, 2) and fits(kind, body, 3) else next(fitting)
 
