@@ -30,7 +30,7 @@ from study.fem.quadrature import (
     amplitudes_of,
     blocks,
     cell_rules,
-    facet_rule,
+    rule_on,
 )
 from study.fem.space import Space
 
@@ -102,7 +102,7 @@ class ErrorNorm:
         cells = QuadraturePoints.on_cells(rules(solution, space.mesh, self.degree, lines))
         faces = []
         for face in solution.faces:
-            rule = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, count + raised)
+            rule = rule_on(space, face.part, count + raised, face.rough)
             faces.append(QuadraturePoints.on_facets(rule, face.part, space.mesh))
         # Points in cells and on facets are evaluated together, so that common parts of formulas are computed once.
         points = [cells, *(found for found, _ in faces)]

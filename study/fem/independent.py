@@ -13,7 +13,7 @@ from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, full, mandel, mapped
 from study.fem.error_norm import FACET_POINTS, rules
 from study.fem.mesh import barycentric, barycentric_gradients
-from study.fem.quadrature import facet_rule
+from study.fem.quadrature import rule_on
 from study.fem.space import Space
 
 LEADING_TERM_STEPS = 32
@@ -55,12 +55,11 @@ def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> A
 
     On the loaded boundary Γ2 this is (f_2, v)_{L²(Γ2)}. On the contact boundary Γ3 it is ∫ σ_ν v_ν.
     """
-    mesh = space.mesh
-    nodal = np.zeros_like(mesh.p)
+    nodal = np.zeros_like(space.mesh.p)
     for part in space.body.of(kind):
-        edge = facet_rule(mesh, space.facets(part), part, (), FACET_POINTS)
+        edge = rule_on(space, part, FACET_POINTS)
         load = solution.at(part.point(edge.s)).surface_load(part, time) * edge.weights
-        nodal += space.scatter(mesh.facets[:, edge.facets], np.einsum("dnq,anq->dan", load, edge.shapes))
+        nodal += space.scatter(space.mesh.facets[:, edge.facets], np.einsum("dnq,anq->dan", load, edge.shapes))
     return space.interpolate(nodal)
 
 

@@ -40,7 +40,7 @@ from manufactured.body import Part
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.modes import Modes
 from manufactured.tensors import Array, Points, Tensors, mapped
-from study.fem.mesh import MeshError, barycentric_gradients, cell_volumes, facet_measures
+from study.fem.mesh import MeshedBody, MeshError, barycentric_gradients, cell_volumes, facet_measures
 
 VERTEX_ON_LINE = 1e-9
 """A vertex counts as lying on a line up to this distance, relative to the size of the cell."""
@@ -203,6 +203,11 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
     place, weights = (np.concatenate(parts, axis=1) for parts in zip(*pieces, strict=True))
     first = (ends[1][:, None] - place) / (ends[1] - ends[0])[:, None]
     return FacetRule(facets, place[None], np.stack([first, 1 - first]), weights)
+
+
+def rule_on(space: MeshedBody, part: Part, points: int, rough: tuple[float, ...] = ()) -> FacetRule:
+    """Return the rule ``facet_rule`` on all facets of one boundary part of a body with its mesh."""
+    return facet_rule(space.mesh, space.facets(part), part, rough, points)
 
 
 # Cells in 2D in which the integrand is not smooth: how they are found, and their quadrature rules.

@@ -57,8 +57,8 @@ class EulerBounds:
 
     Attributes:
         problem: the semi-discrete problem (Problem 5.1), with n unknowns.
-        loads: the load vectors at equidistant times t_0, …, t_m from 0 to T, (m + 1, n). The total variation of the load
-            follows from them.
+        loads: the load vectors at equidistant times t_0, …, t_m from 0 to T, (m + 1, n), from which the total variation
+            of the load follows.
         kappa: the Lipschitz constant κ of an elasticity without a potential in ‖·‖_V, for example L_G/m_A; 0 for a
             gradient flow.
         growth: the largest rate γ at which two solutions can move apart, at most κ; 0 if G is monotone.

@@ -54,7 +54,7 @@ import sympy as sp
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
 from study.fem.naming import is_own
-from study.fem.quadrature import facet_rule
+from study.fem.quadrature import rule_on
 from study.fem.space import Space
 from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
 from study.ledger.datafiles import CsvFile
@@ -72,7 +72,7 @@ from study.statements.shared.base import (
     check_of_order,
     steps_like_h,
 )
-from study.statements.shared.meshes import split_irregular, split_superclose
+from study.statements.shared.meshes import split
 from study.statements.shared.norms import hat_functions
 from study.statements.shared.scope import Scope
 
@@ -102,7 +102,7 @@ class PressedFace:
 
     def __init__(self, solution: ExactSolution, space: Space, face: Face, vertices: Array) -> None:
         count = FACET_GAUSS_POINTS if space.dim == 2 else SOLID_FACET_GAUSS_POINTS
-        rule = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, count)
+        rule = rule_on(space, face.part, count, face.rough)
         self.every = hat_functions(space.mesh, rule)
         self.functions = self.every[:, vertices]
         self.weights = rule.weights.ravel()
@@ -311,7 +311,7 @@ class ContactForce(Statement):
                 yield replace(check, if_missed=NO_BOUND), groups
             else:
                 norms.append((check, groups))
-        irregular, others = split_irregular(groups)
+        irregular, others = split(groups, "irregular")
         if others:
             norms.append((PRESSURE_ORDER, others))
         if irregular and case == LANDS:
@@ -319,7 +319,7 @@ class ContactForce(Statement):
         elif irregular:
             yield OF_CHANCE, irregular
         superclose_order, other_order = DUAL_ORDERS
-        superclose, other = split_superclose(groups)
+        superclose, other = split(groups, "superclose")
         if superclose:
             norms.append((superclose_order, superclose))
         if other:

@@ -18,7 +18,7 @@ from manufactured.tensors import Array, Points, Tensors, dyad
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.mesh import Graded, Shaken
 from study.fem.naming import resolve
-from study.fem.quadrature import facet_rule
+from study.fem.quadrature import rule_on
 from study.fem.space import Space, on_cells
 from study.ledger.check import ENOUGH, ROUNDING, Groups, consequence, identity, paper_claim
 from study.ledger.datafiles import Row
@@ -60,7 +60,7 @@ from study.statements.shared.meshes import (
     place,
     posed,
     space_of,
-    split_random,
+    split,
 )
 from study.statements.shared.norms import (
     Energies,
@@ -263,7 +263,7 @@ class InterpolationInV(ListedNumbers):
         return with_h(space.h, {**errors, SMOOTH_FIELD: error})
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
-        random, others = split_random(groups)
+        random, others = split(groups, "random")
         for key, v in INTERPOLATED.items():
             quantity = f"order of ‖v − Π^h v‖_V, v = {v}"
             if others:
@@ -358,8 +358,7 @@ def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
 
     Functions with a linear trace are left out.
     """
-    count = FACET_POINTS + RAISED_FOR_KINKS
-    rule = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, count)
+    rule = rule_on(space, face.part, FACET_POINTS + RAISED_FOR_KINKS, face.rough)
     fields = {v: displacement(solution, fraction * solution.body.T) for v, fraction in FUNCTIONS.items()}
     errors = {}
     for name, field in {**fields, SMOOTH_FIELD: smooth(space.body)}.items():
@@ -628,8 +627,7 @@ def sides(setup: Experiment) -> Numbers:
     # The work of contact ∫ σ_ν (u_ν − Π^hu_ν) and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² over Γ3.
     integrals = np.zeros((3, NORM_INSTANTS))
     for face in setup.solution.faces:
-        facets = setup.space.facets(face.part)
-        rule = facet_rule(setup.space.mesh, facets, face.part, face.rough, FACET_POINTS)
+        rule = rule_on(setup.space, face.part, FACET_POINTS, face.rough)
         exact = setup.solution.on(face, rule.s)
         eta, _ = trace_error(displacement(setup.solution, times), setup.space, face.part, rule)
         pressure = exact.pressure(times)

@@ -37,7 +37,7 @@ from study.statements.shared.base import (
     grid,
     with_h,
 )
-from study.statements.shared.meshes import posed, split_random
+from study.statements.shared.meshes import posed, split
 from study.statements.shared.norms import Energies, contact_load, dual_norm, maximum, midpoints, time_nodes
 from study.statements.time_steps import PROVED_BELOW_1
 from study.statements.work_of_contact import SEEDS
@@ -229,7 +229,7 @@ class NodalErrors(ListedNumbers):
             ),
             groups,
         )
-        random, _ = split_random(groups)
+        random, _ = split(groups, "random")
         if random:
             yield SIGN, {SEEDS[0]: pd.concat(random.values())}
 

@@ -65,15 +65,7 @@ from study.solve.evolution import State, norm
 from study.solve.multigrid import contact_solver
 from study.solve.tableau import MIDPOINT, SCHEMES
 from study.statements.shared.base import Experiment, Judged, Numbers, Records, Setting, Statement, check_of_order
-from study.statements.shared.meshes import (
-    LEADING,
-    in_leading_term,
-    split,
-    split_irregular,
-    split_random,
-    split_superclose,
-    value_of_case,
-)
+from study.statements.shared.meshes import LEADING, in_leading_term, split, value_of_case
 from study.statements.shared.norms import maximum, time_nodes
 from study.statements.shared.scope import Scope
 
@@ -195,18 +187,18 @@ class Measurement:
 
     def errors(self) -> Numbers:
         """Return the largest errors, the times at which they occur, and the share of the error in time."""
-        times, error, interpolation, discrete, _ = self.history
-        first, second, third = map(np.argmax, (error, interpolation, discrete))
+        error, interpolation, discrete = self.history[1:4].max(axis=1)
+        at, interpolation_at, discrete_at = self.history[0, self.history[1:4].argmax(axis=1)]
         return {
-            "error": error[first],
-            "at": times[first],
-            "interpolation_error": interpolation[second],
-            "discrete_error": discrete[third],
-            "time_share": self.drift / error[first],
-            "interpolation_at": times[second],
-            "discrete_at": times[third],
-            "initial_error": error[0],
-            "discrete_time_share": self.drift / discrete[third],
+            "error": error,
+            "at": at,
+            "interpolation_error": interpolation,
+            "discrete_error": discrete,
+            "time_share": self.drift / error,
+            "interpolation_at": interpolation_at,
+            "discrete_at": discrete_at,
+            "initial_error": self.history[1, 0],
+            "discrete_time_share": self.drift / discrete,
         }
 
     def row(self) -> Numbers:
@@ -431,7 +423,7 @@ class FirstOrder(Rates):
     def checks_of(self, case: str, groups: Groups) -> Judged:
         expected = value_of_case(groups, "expected_order")
         in_h = in_leading_term(groups)
-        (irregular, _) = split_irregular(groups)
+        (irregular, _) = split(groups, "irregular")
         by_level = around(expected, 0.15, f"every consecutive order{ON_IRREGULAR}")
         limit = around(expected, 0.1, f"extrapolated from the three finest levels{ON_IRREGULAR}")
         yield (
@@ -452,7 +444,7 @@ class FirstOrder(Rates):
             in_h,
         )
         yield SIZE_CHECK, in_h
-        for check, tables in zip(DISCRETE_ORDERS, split_superclose(groups), strict=True):
+        for check, tables in zip(DISCRETE_ORDERS, split(groups, "superclose"), strict=True):
             if tables:
                 yield check, tables
         for rule in (*DISCRETE_SIZES, start_share(groups), *EVIDENCE):
@@ -497,11 +489,11 @@ class Convergence(Rates):
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
         expected = value_of_case(groups, "expected_order")
-        (uniform, graded) = split(groups, lambda mesh: mesh.uniform)
+        (uniform, graded) = split(groups, "uniform")
         falling = at_most(0.999, "on every level")
         ratio = "ratio of consecutive errors"
         yield paper_claim("falling", ratio, ratios("error"), falling, levels=ROUGH_LEVELS), groups
-        by_chance, others = split_random(uniform)
+        by_chance, others = split(uniform, "random")
         steeper = f"s is {STEEPER:g} above the predicted order, the largest s that the check of the order allows"
         if others:
             yield _limit("limit", ERROR_LIMIT, expected), others
@@ -581,7 +573,7 @@ class RegularityNeeded(FromRates):
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
         proved = at_least(value_of_case(groups, "proved_order"), "the order that the proof gives")
-        uniform, _ = split(groups, lambda family: family.uniform)
+        uniform, _ = split(groups, "uniform")
         reported = replace(SEEN_ORDER, window=proved)
         enough = at_least(proved.low - PROVED_ORDER_TOLERANCE, "the proved order, with room for coarse meshes")
         judged = replace(SEEN_ORDER, key="order-proved", window=enough, if_missed="")

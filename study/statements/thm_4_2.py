@@ -77,7 +77,7 @@ from manufactured.tensors import Array, Tensors, Vectors
 from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, ErrorNorm, rules
 from study.fem.mesh import Graded, size
 from study.fem.naming import family_named, resolve
-from study.fem.quadrature import facet_rule, gauss
+from study.fem.quadrature import gauss, rule_on
 from study.fem.space import Space, on_cells
 from study.ledger.check import Check, accuracy, consequence, identity, paper_claim
 from study.ledger.datafiles import CsvFile, Row
@@ -401,9 +401,8 @@ class Exact:
         self.inside = solution.at(space.points)
         self._faces = []
         for face in solution.faces:
-            edges = space.parts[space.body.parts.index(face.part)]
-            on = facet_rule(space.mesh, edges, face.part, face.rough, FACET_POINTS)
-            self._faces.append((edges, bernstein(space.degree, on.shapes), on.weights, solution.on(face, on.s)))
+            on = rule_on(space, face.part, FACET_POINTS, face.rough)
+            self._faces.append((on.facets, bernstein(space.degree, on.shapes), on.weights, solution.on(face, on.s)))
         x, weights = gauss(MOMENT_POINTS)
         self._along = np.array([1 - x, x])
         self._shapes = bernstein(space.degree, self._along)

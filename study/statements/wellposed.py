@@ -38,7 +38,7 @@ from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, size, 
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.mesh import size as mesh_size
 from study.fem.naming import resolve
-from study.fem.quadrature import facet_rule
+from study.fem.quadrature import rule_on
 from study.fem.space import Space, form, on_cells
 from study.ledger.check import ENOUGH, ROUNDING, Check, Groups, consequence, identity, paper_claim
 from study.ledger.quantities import change, finest, ratios
@@ -776,7 +776,7 @@ class TractionInTime(ListedNumbers):
         times = np.linspace(0, solution.body.T, 2 * setting.level + 1)
         squares = np.zeros(len(times))
         for part in space.body.parts:
-            rule = facet_rule(space.mesh, space.facets(part), part, (), FACET_POINTS if space.dim == 2 else 2)
+            rule = rule_on(space, part, FACET_POINTS if space.dim == 2 else 2)
             exact = solution.at(part.point(rule.s))
             squares += [np.sum(exact.surface_load(part, time) ** 2 * rule.weights) for time in times.tolist()]
         return with_h(space.h, {"norm": math.sqrt(squares.max())})
@@ -881,12 +881,10 @@ def tractions(setup: Experiment) -> Numbers:
     σ. Both are equal by Green's formula (2.14) with (2.2), (2.4) and (2.5).
     """
     space = setup.space
-    mesh = setup.space.mesh
     sides = []
-    for kind in (Kind.LOADED, Kind.CONTACT):
-        for part, facets in space.on(kind):
-            rule = facet_rule(mesh, facets, part, (), FACET_POINTS)
-            sides.append((kind, part, mesh.f2t[0, facets], rule.weights, setup.solution.at(part.point(rule.s))))
+    for part in (*space.body.of(Kind.LOADED), *space.body.of(Kind.CONTACT)):
+        rule = rule_on(space, part, FACET_POINTS)
+        sides.append((part, space.mesh.f2t[0, rule.facets], rule.weights, setup.solution.at(part.point(rule.s))))
     energies = Energies(setup.solution, space, along=())
     tests = []
     for fields in smooth_fields(space.body):
@@ -895,14 +893,13 @@ def tractions(setup: Experiment) -> Numbers:
     squares: Numbers = dict.fromkeys(("tangential", "contact", "loaded", *WEAKLY), 0.0)
     size = 0.0
     for time, stress in discrete_stresses(setup):
-        for kind, part, cells, weights, exact in sides:
+        for part, cells, weights, exact in sides:
             forces = traction(stress[:, cells], part.normal)
             load = exact.surface_load(part, time)
-            if kind is Kind.CONTACT:
+            if part.kind is Kind.CONTACT:
                 tangential = forces - np.multiply.outer(part.normal, part.normal @ forces)
                 squares["tangential"] += np.sum(tangential**2 * weights.sum(axis=1))
-            name = "contact" if kind is Kind.CONTACT else "loaded"
-            squares[name] += np.sum((forces[..., None] - load) ** 2 * weights)
+            squares[part.kind.name.lower()] += np.sum((forces[..., None] - load) ** 2 * weights)
             size += np.sum(load**2 * weights)
         stress_error = stress[:, energies.cells] - energies.exact.stress(time)
         for name, strains in zip(WEAKLY, tests, strict=True):

@@ -38,7 +38,7 @@ from manufactured.tensors import Array, Points
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.mesh import Shaken, with_midpoints
 from study.fem.naming import family_named, resolve
-from study.fem.quadrature import PointsAndWeights, facet_rule, gauss
+from study.fem.quadrature import PointsAndWeights, gauss, rule_on
 from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, Check, Groups, accuracy, consequence, identity
 from study.ledger.quantities import level_by_level, quotients
@@ -49,7 +49,7 @@ from study.solve.signorini import Signorini
 from study.solve.steps import rate_steps, step_size
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import SEED, Judged, ListedNumbers, Numbers, Setting, check_of_order, grid, with_h
-from study.statements.shared.meshes import posed, space_of, split_irregular
+from study.statements.shared.meshes import posed, space_of, split
 from study.statements.shared.norms import contact_load, displacement, midpoints, time_nodes, trace_error
 from study.statements.shared.scope import Scope
 
@@ -603,7 +603,7 @@ class WorkOfContact(ListedNumbers):
         return with_h(space.h, numbers)
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
-        irregular, on_grid = split_irregular(groups)
+        irregular, on_grid = split(groups, "irregular")
         judged = (on_grid, ON_GRIDS), (irregular, (ON_IRREGULAR_MESHES,)), (groups, ON_ALL_MESHES)
         return [(rule, tables) for tables, rules in judged for rule in rules]
 
@@ -797,7 +797,7 @@ def interpolation_error(solution: ExactSolution, space: Space, time: float) -> f
     It equals max |w − Π^h w| for the gap w, because u has no tangential component on Γ3.
     """
     (face,) = solution.faces
-    rule = facet_rule(space.mesh, space.facets(face.part), face.part, (), FACET_POINTS)
+    rule = rule_on(space, face.part, FACET_POINTS)
     error, _ = trace_error(displacement(solution, time), space, face.part, rule)
     return float(abs(error).max())
 

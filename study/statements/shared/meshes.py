@@ -137,25 +137,15 @@ def value_of_case(groups: Groups, column: str) -> float:
     return float(next(iter(groups.values()))[column].iloc[0])
 
 
-def split(groups: Groups, belongs: Callable[[MeshFamily], bool]) -> tuple[Groups, Groups]:
-    """Split measurements by mesh family into those on the families for which ``belongs`` is true, and all others."""
-    found = {name: table for name, table in groups.items() if belongs(family_named(name))}
+def split(groups: Groups, feature: str) -> tuple[Groups, Groups]:
+    """Split measurements by mesh family into those on meshes with a feature and those on all other meshes.
+
+    Args:
+        groups: the measurements by mesh family.
+        feature: the attribute of the mesh family: random, superclose, irregular or uniform.
+    """
+    found = {name: table for name, table in groups.items() if getattr(family_named(name), feature)}
     return found, {name: table for name, table in groups.items() if name not in found}
-
-
-def split_random(groups: Groups) -> tuple[Groups, Groups]:
-    """Split measurements by mesh family into those on random meshes and those on all other meshes."""
-    return split(groups, lambda family: family.random)
-
-
-def split_superclose(groups: Groups) -> tuple[Groups, Groups]:
-    """Split measurements by mesh family into those on meshes on which u^h is superclose, and all others."""
-    return split(groups, lambda family: family.superclose)
-
-
-def split_irregular(groups: Groups) -> tuple[Groups, Groups]:
-    """Split measurements by mesh family into those on irregular meshes and all others."""
-    return split(groups, lambda family: family.irregular)
 
 
 def in_leading_term(groups: Groups) -> Groups:
@@ -163,5 +153,5 @@ def in_leading_term(groups: Groups) -> Groups:
 
     On irregular meshes, the leading term of the interpolation error replaces the values in the column h.
     """
-    irregular, others = split_irregular(groups)
+    irregular, others = split(groups, "irregular")
     return others | {name: table.assign(h=table[LEADING]) for name, table in irregular.items()}

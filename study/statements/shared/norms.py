@@ -19,7 +19,7 @@ from manufactured.exact.solution import FaceFields
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array, Points, Tensors, Vectors, size
 from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, rules, shared_lines
-from study.fem.quadrature import FacetRule, Line, QuadraturePoints, facet_rule
+from study.fem.quadrature import FacetRule, Line, QuadraturePoints, rule_on
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
 from study.statements.shared.base import SEED
@@ -136,7 +136,7 @@ def contact_load(
     """
     faces = []
     for face in solution.faces:
-        rule = facet_rule(space.mesh, space.facets(face.part), face.part, rough, FACET_POINTS)
+        rule = rule_on(space, face.part, FACET_POINTS, rough)
         faces.append((face.part.normal, rule, solution.on(face, rule.s)))
 
     def load(time: float) -> Array:

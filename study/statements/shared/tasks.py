@@ -28,7 +28,7 @@ from manufactured.law import Indefinite, Linear
 from manufactured.tensors import Array, Tensors, traction
 from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, gaps_at_vertices
 from study.fem.mesh import MeshFamily
-from study.fem.quadrature import facet_rule
+from study.fem.quadrature import rule_on
 from study.fem.space import Space, form
 from study.ledger.files import UsageError
 from study.solve.evolution import SemiDiscrete, State
@@ -135,9 +135,9 @@ class Task:
         It is Σ_i ∫ p φ_i with the exact pressure p and the hat functions φ_i of the vertices that are not clamped.
         """
         totals = []
+        points = FACET_POINTS if self.space.dim == 2 else SOLID_FACET_POINTS
         for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
-            points = FACET_POINTS if self.space.dim == 2 else SOLID_FACET_POINTS
-            rule = facet_rule(self.space.mesh, self.space.facets(part), part, face.rough, points)
+            rule = rule_on(self.space, part, points, face.rough)
             forces = rule.weights * self.solution.on(face, rule.s).pressure(time)
             moments = hat_functions(self.space.mesh, rule).T @ forces.ravel()
             totals.append(moments[vertices].sum())
