@@ -54,7 +54,6 @@ import sympy as sp
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
 from study.fem.naming import is_own
-from study.fem.quadrature import rule_on
 from study.fem.space import Space
 from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
 from study.ledger.datafiles import CsvFile
@@ -73,7 +72,7 @@ from study.statements.shared.base import (
     steps_like_h,
 )
 from study.statements.shared.meshes import split
-from study.statements.shared.norms import hat_functions
+from study.statements.shared.norms import FacePoints
 from study.statements.shared.scope import Scope
 
 FORCE_ERRORS = "pressure", "dual", "resultant"
@@ -88,27 +87,19 @@ FACET_GAUSS_POINTS, SOLID_FACET_GAUSS_POINTS = 20, 6
 Many are needed, because the pressure has kinks inside facets."""
 
 
-class PressedFace:
+class PressedFace(FacePoints):
     """One contact face with quadrature points, the exact pressure there, and the hat functions of its vertices.
 
     Attributes:
-        weights: the quadrature weights, (points,).
-        normal: the outer unit normal ν.
-        every: the values of the hat functions of all vertices of the mesh at the points, (points, vertices).
         functions: the values of the hat functions φ_i of the m unclamped vertices of the face, (points, m).
         mass: the mass matrix ∫ φ_i φ_j, (m, m).
-        exact: the exact solution at the points, which gives the exact pressure.
     """
 
     def __init__(self, solution: ExactSolution, space: Space, face: Face, vertices: Array) -> None:
         count = FACET_GAUSS_POINTS if space.dim == 2 else SOLID_FACET_GAUSS_POINTS
-        rule = rule_on(space, face.part, count, face.rough)
-        self.every = hat_functions(space.mesh, rule)
-        self.functions = self.every[:, vertices]
-        self.weights = rule.weights.ravel()
-        self.normal = face.part.normal
+        super().__init__(solution, space, face, count, face.rough)
+        self.functions = self.hats[:, vertices]
         self.mass = (self.functions.T @ sps.diags_array(self.weights) @ self.functions).toarray()
-        self.exact = solution.on(face, rule.s)
 
 
 class Forces:
@@ -161,7 +152,7 @@ class Forces:
     def penetration(self, u: Array) -> float:
         """Return the largest penetration (u_ν)_+ of a P1 displacement over the quadrature points on Γ3."""
         nodal = self.space.nodal(u)
-        return float(np.max([0.0, *((face.every @ (face.normal @ nodal)).max() for face in self.faces)]))
+        return float(np.max([0.0, *((face.hats @ (face.normal @ nodal)).max() for face in self.faces)]))
 
 
 def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array, float, float]:

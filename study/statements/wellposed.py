@@ -12,7 +12,7 @@ traction conditions (4.13).
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice, pairwise
 
 import clarabel
@@ -186,24 +186,6 @@ PERTURBATION_SIZES = (0.1, 1.0, 10.0)
 NEVER = positive_at_most(1 + 1e-7, f"tolerance for fixed-point iterations that stop at {FIXED_POINT:g}")
 
 
-@dataclass(frozen=True, eq=False)
-class Perturbation:
-    """Perturbed data of a contact problem: another load and another initial displacement.
-
-    Attributes:
-        force, frequency: the load F(t) is replaced by F(t) + cos(ωt) · force with the frequency ω.
-        start: the initial displacement, which is in K^h.
-    """
-
-    force: Array
-    frequency: float
-    start: Array
-
-    def change(self, time: Array | float) -> Array:
-        """Return the change of the load, cos(ωt) · force, (dofs,), or (dofs, n) for n times."""
-        return np.multiply.outer(self.force, np.cos(self.frequency * time))
-
-
 class Dependence(ListedNumbers):
     """Tests how far apart two solutions can be whose loads f, g and initial displacements u_0, v_0 differ.
 
@@ -249,7 +231,7 @@ class Dependence(ListedNumbers):
         return with_h(setup.space.h, {"bound": damped.max(), "monotone": ratios.max(), "first step": damped[0, 0]})
 
 
-def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbation) -> Array:
+def quotients(problem: SemiDiscrete, trajectory: list[State], other: SemiDiscrete) -> Array:
     """Return the distance of two discrete solutions divided by the size of the perturbation, for each step, (steps,).
 
     The quotients are ‖u_n − v_n‖_V / (‖u_0 − v_0‖_V + k Σ_{j ≤ n} ‖f(t_j) − g(t_j)‖_V) for n = 1, 2, …
@@ -257,18 +239,25 @@ def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbatio
     Args:
         problem: the unperturbed problem.
         trajectory: its solution u_n by backward Euler.
-        other: the perturbation.
+        other: the problem with another load or another initial displacement.
     """
     steps = len(trajectory) - 1
     riesz = Cholesky(problem.M)
-    changed = replace(problem, load=lambda t: problem.load(t) + other.change(t), u0=other.start)
-    distances = norms(problem, np.array([state.u for state in trajectory]) - path(changed, BACKWARD_EULER, steps))
-    loads = [dual_norm(other.change(state.time), riesz) for state in trajectory[1:]]
+    times = np.array([state.time for state in trajectory[1:]])
+    distances = norms(problem, np.array([state.u for state in trajectory]) - path(other, BACKWARD_EULER, steps))
+    loads = [dual_norm(change, riesz) for change in (other.load(times) - problem.load(times)).T]
     return distances[1:] / (distances[0] + problem.T / steps * np.cumsum(loads))
 
 
-def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]:
-    """Yield perturbations of loads and initial values.
+def with_force(problem: SemiDiscrete, force: Array, frequency: float) -> SemiDiscrete:
+    """Return a problem whose load F(t) is replaced by F(t) + cos(ωt) · force, (dofs,), with the frequency ω."""
+    return replace(
+        problem, load=lambda times: problem.load(times) + np.multiply.outer(force, np.cos(frequency * times))
+    )
+
+
+def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[SemiDiscrete]:
+    """Yield problems with perturbed loads or with perturbed initial values in K^h.
 
     The first perturbation is a constant load that moves no vertex of Γ3 along ν.
     """
@@ -280,10 +269,10 @@ def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]
     for relative in PERTURBATION_SIZES:
         fields = along_the_contact(problem, smooth(space, rng)), smooth(space, rng), pressing, -pressing
         for field, frequency in zip(fields, (0.0, 7.0, 7.0, 0.0), strict=True):
-            yield Perturbation(problem.M @ field * (relative * load / norm(problem, field)), frequency, problem.u0)
+            yield with_force(problem, problem.M @ field * (relative * load / norm(problem, field)), frequency)
         field = smooth(space, rng)
         start, _ = onto(problem.M @ (problem.u0 + field * (relative * load / norm(problem, field))))
-        yield Perturbation(np.zeros(space.dofs), 0.0, start)
+        yield replace(problem, u0=start)
 
 
 def smooth(space: Space, rng: np.random.Generator) -> Array:
@@ -480,7 +469,7 @@ def over_bound(setup: Experiment, law: KelvinVoigt, T: float) -> float:
     problem = replace(SemiDiscrete.of(space, law, lambda t: setup.problem.load(t * pace), setup.problem.u0), T=T)
     trajectory = list(BACKWARD_EULER.march(problem, steps))
     field = along_the_contact(problem, smooth(space, np.random.default_rng(SEED)))
-    sideways = Perturbation(np.zeros(space.dofs), 0.0, problem.u0 + field)
+    sideways = replace(problem, u0=problem.u0 + field)
     damping = (1 - law.growth * T / steps) ** np.arange(1, steps + 1)
     others = *islice(perturbations(problem, space), PERTURBATION_KINDS), sideways
     return maximum((damping * quotients(problem, trajectory, other)).max() for other in others)

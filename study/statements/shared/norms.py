@@ -14,7 +14,7 @@ from skfem import Basis, Mesh
 from skfem.models.poisson import mass as scalar_mass
 
 from manufactured.body import Part
-from manufactured.exact import ExactSolution
+from manufactured.exact import ExactSolution, Face
 from manufactured.exact.solution import FaceFields
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array, Points, Tensors, Vectors, size
@@ -118,6 +118,35 @@ class Energies:
         return np.array(errors)
 
 
+class FacePoints:
+    """Quadrature points on one contact face, with the exact solution and the hat functions of all vertices there.
+
+    Args:
+        solution: the exact solution.
+        space: the P1 displacement space V^h.
+        face: the contact face.
+        count: the number of Gauss points on a facet in 2D, and in each direction of a facet in 3D.
+        rough: coordinates along the face towards which quadrature points are graded.
+
+    Attributes:
+        weights: the quadrature weights, (points,).
+        normal: the outer unit normal ν.
+        hats: the values of the hat functions of all vertices of the mesh at the points, (points, vertices).
+        exact: the exact solution at the points.
+    """
+
+    def __init__(self, solution: ExactSolution, space: Space, face: Face, count: int, rough: tuple[float, ...]) -> None:
+        rule = rule_on(space, face.part, count, rough)
+        self.weights = rule.weights.ravel()
+        self.normal = face.part.normal
+        self.hats = hat_functions(space.mesh, rule)
+        self.exact = solution.on(face, rule.s)
+
+    def moments(self, pressure: Array) -> Array:
+        """Return the integrals ∫ p φ_i with the hat functions φ_i of all vertices, from p at the points, (vertices,)."""
+        return self.hats.T @ (self.weights * pressure.ravel())
+
+
 def contact_load(
     solution: ExactSolution,
     space: Space,
@@ -134,16 +163,12 @@ def contact_load(
         rough: coordinates along the contact faces towards which quadrature points are graded.
         pressure: the function that gives the exact contact pressure on a face at a time.
     """
-    faces = []
-    for face in solution.faces:
-        rule = rule_on(space, face.part, FACET_POINTS, rough)
-        faces.append((face.part.normal, rule, solution.on(face, rule.s)))
+    faces = [FacePoints(solution, space, face, FACET_POINTS, rough) for face in solution.faces]
 
     def load(time: float) -> Array:
         nodal = np.zeros_like(space.mesh.p)
-        for normal, rule, exact in faces:
-            moments = np.sum(pressure(exact, time) * rule.weights * rule.shapes, axis=-1)
-            nodal -= space.scatter(space.mesh.facets[:, rule.facets], np.multiply.outer(normal, moments))
+        for face in faces:
+            nodal -= np.multiply.outer(face.normal, face.moments(pressure(face.exact, time)))
         return space.interpolate(nodal)
 
     return load

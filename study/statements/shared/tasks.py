@@ -28,14 +28,13 @@ from manufactured.law import Indefinite, Linear
 from manufactured.tensors import Array, Tensors, traction
 from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, gaps_at_vertices
 from study.fem.mesh import MeshFamily
-from study.fem.quadrature import rule_on
 from study.fem.space import Space, form
 from study.ledger.files import UsageError
 from study.solve.evolution import SemiDiscrete, State
 from study.solve.multigrid import contact_solver
 from study.solve.signorini import ContactSolver
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.norms import Energies, hat_functions, time_nodes
+from study.statements.shared.norms import Energies, FacePoints, time_nodes
 
 FROZEN_TIMES = 0.15, 0.55, 0.9
 """Default times of frozen problems, as fractions of the final time T.
@@ -136,11 +135,9 @@ class Task:
         """
         totals = []
         points = FACET_POINTS if self.space.dim == 2 else SOLID_FACET_POINTS
-        for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
-            rule = rule_on(self.space, part, points, face.rough)
-            forces = rule.weights * self.solution.on(face, rule.s).pressure(time)
-            moments = hat_functions(self.space.mesh, rule).T @ forces.ravel()
-            totals.append(moments[vertices].sum())
+        for face, (_, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
+            at = FacePoints(self.solution, self.space, face, points, face.rough)
+            totals.append(at.moments(at.exact.pressure(time))[vertices].sum())
         return np.array(totals)
 
     def pressures(self, time: float) -> list[Array]:
