@@ -39,7 +39,6 @@ from fractions import Fraction
 from functools import cache
 from itertools import pairwise, product
 from pathlib import Path
-from typing import Any
 
 import clarabel
 import numpy as np
@@ -56,7 +55,7 @@ from study.certify import checker
 from study.certify.checker import CENTRE, CORNERS, CUBIC, SQUARE, Poly, X, Y
 from study.certify.statement import Twins, in_doubles, rational_mesh, statement
 from study.fem.mesh import MeshFamily, Unstructured
-from study.ledger.files import write_packed
+from study.ledger.files import Json, write_packed
 from study.solve.evolution import Scheme
 from study.stresses.hybrid import EquilibratedStress
 from study.stresses.loads import Loads
@@ -295,7 +294,7 @@ def _of_stress(component: int, third: int, monomial: int) -> list[Fraction]:
 
 
 @cache
-def reference_element() -> tuple[dict[str, Any], Array]:
+def reference_element() -> tuple[Json, Array]:
     """Return the reference element as a certificate states it, and which coefficients of its stresses are free.
 
     The element has 45 degrees of freedom: 36 prescribed tractions and forces, and 9 free coefficients. For each of
@@ -326,7 +325,7 @@ def reference_element() -> tuple[dict[str, Any], Array]:
 # ---- the constants of the loads, from a semidefinite programme
 
 
-def constants(mesh: dict[str, Any], problem: checker.Problem) -> dict[str, Any]:
+def constants(mesh: Json, problem: checker.Problem) -> Json:
     """Return the constants of the loads as a certificate states them: a mesh, the field Φ at its vertices, μ and κ.
 
     Args:
@@ -464,7 +463,7 @@ def make_certificate(
     steps: int,
     refined: Refined,
     progress: Callable[[float], object] = lambda time: None,
-) -> dict[str, Any]:
+) -> Json:
     """Return the certificate of a problem on one level, as data that JSON can write.
 
     Args:
@@ -508,7 +507,7 @@ def make_certificate(
 
 def _rounded_stresses(
     encoder: StressEncoder, fine: Discretisation, nodes: list[Array], progress: Callable[[float], object]
-) -> dict[str, Any]:
+) -> Json:
     """Compute the stress σ̃ of a certificate at all times and round it to integers.
 
     Between two knots of the spline ũ, σ̃ is a parabola in time. It is stored at every knot, and by one control point
@@ -543,6 +542,6 @@ def differences(rows: Sequence[list[int]]) -> list[list[int]]:
     return list(rows)
 
 
-def write(path: Path, certificate: dict[str, Any]) -> Path:
+def write(path: Path, certificate: Json) -> Path:
     """Write a certificate to a file and return its path; equal certificates give identical files."""
     return write_packed(path, json.dumps(certificate, separators=(",", ":")))

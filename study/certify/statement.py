@@ -27,6 +27,7 @@ from study.bound.problem import BoundError
 from study.certify import checker
 from study.fem.mesh import determinants, simplicial_mesh, size
 from study.fem.space import nodes_of
+from study.ledger.files import Json
 
 SIMPLE = 10**6
 """Largest denominator of a simple fraction that replaces a number in double precision."""
@@ -47,7 +48,7 @@ def rational(x: float, tolerance: float = 0.0) -> Fraction:
     return simple if abs(float(simple) - x) <= tolerance * abs(x) else Fraction(x)
 
 
-def statement(data: Data) -> dict[str, Any]:
+def statement(data: Data) -> Json:
     """Return the problem as a certificate states it, as data that JSON can write.
 
     Raises:
@@ -160,7 +161,7 @@ def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> 
     return [[str(Fraction(int(c.p), int(c.q))), *key] for key, c in p.terms() if c != 0]
 
 
-def rational_mesh(mesh: Mesh, body: Body) -> dict[str, Any]:
+def rational_mesh(mesh: Mesh, body: Body) -> Json:
     """Return a mesh as a certificate states it, with rational vertices.
 
     The vertices are integers over one denominator, the cells are counter-clockwise, and ``sides`` lists the vertices on

@@ -26,7 +26,7 @@ from study.fem.error_norm import ErrorNorm, gaps_at_vertices
 from study.fem.independent import work_on
 from study.fem.space import Space, means
 from study.solve.evolution import SemiDiscrete, remainder
-from study.solve.signorini import ContactSolver, Signorini
+from study.solve.signorini import ContactSolution, ContactSolver, Signorini
 from study.statements.pictures import contact_weights
 from study.statements.shared.base import Experiment
 
@@ -364,7 +364,7 @@ class Frictional:
         self.both = Signorini(S, sps.csr_array(sps.vstack([N, T])))
         self.normal = Signorini(S, N)
 
-    def __call__(self, b: Array) -> tuple[Array, Array]:
+    def __call__(self, b: Array) -> ContactSolution:
         solver = self.both
         m = self.m
         W = solver.W
@@ -451,7 +451,7 @@ def constrained(setup: Experiment, N: sps.csr_array, right: sps.csr_array) -> Ex
     def solver(S: sps.csc_array, _: sps.csr_array, **of_right: Array) -> ContactSolver:
         solve = Signorini(S, N, gap=gap)
 
-        def solved(b: Array) -> tuple[Array, Array]:
+        def solved(b: Array) -> ContactSolution:
             u, forces = solve(b)
             return u, right.T @ forces
 

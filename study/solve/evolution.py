@@ -48,6 +48,8 @@ from study.solve.signorini import ContactSolver, Signorini
 from study.solve.steps import step_size
 from study.solve.tableau import Tableau
 
+VectorFunction = Callable[[Array], Array]
+"""A function from a vector to a vector of the same length, (n,) → (n,)."""
 SMALLEST_DIVISOR = 1e-150
 """Replaces zero in denominators. Its square is still a positive number."""
 SEEN = 3
@@ -63,7 +65,7 @@ class FixedPointError(RuntimeError):
 
 
 def fixed_point(
-    image: Callable[[Array], Array], v: Array, dual: Callable[[Array], Array], tolerance: float, most: int
+    image: VectorFunction, v: Array, dual: VectorFunction, tolerance: float, most: int
 ) -> tuple[Array, int]:
     """Return the fixed point of a contraction, and the number of evaluations of the contraction.
 
@@ -164,7 +166,7 @@ class SemiDiscrete:
 
     M: sps.csc_array
     reference: sps.csc_array
-    remainder: Callable[[Array], Array] | None
+    remainder: VectorFunction | None
     N: sps.csr_array
     load: Callable[[Any], Array]
     u0: Array
@@ -218,7 +220,7 @@ class SemiDiscrete:
         return ContactStep(self, scheme, k)
 
 
-def remainder(space: Displacements, G: Elasticity, factor: Array) -> Callable[[Array], Array] | None:
+def remainder(space: Displacements, G: Elasticity, factor: Array) -> VectorFunction | None:
     """Return the function ``SemiDiscrete.remainder``: the elastic forces of a displacement minus their linear part.
 
     Args:
@@ -340,9 +342,7 @@ class ContactStep:
             return self._state(time, *self.solve(b), b, 1)
         return self._nonlinear(time, b, before, self.problem.remainder)
 
-    def _nonlinear(
-        self, time: float, constant: Array, before: Sequence[Array], remainder: Callable[[Array], Array]
-    ) -> State:
+    def _nonlinear(self, time: float, constant: Array, before: Sequence[Array], remainder: VectorFunction) -> State:
         """Compute a time step for a nonlinear law by a fixed-point iteration.
 
         The displacement is the fixed point of the map v ↦ u that solves the contact problem with the equation

@@ -43,7 +43,7 @@ from scipy.sparse.linalg import LinearOperator, cg
 
 from manufactured.tensors import Array, Points
 from study.fem.space import Displacements
-from study.solve.signorini import ContactSolver, Signorini
+from study.solve.signorini import ContactSolution, ContactSolver, Signorini
 
 REDUCTION = 0.02
 """One correction reduces the residual by this factor. More accuracy would be wasted while the active set changes."""
@@ -111,7 +111,7 @@ class Multigrid:
         self.w = np.zeros(S.shape[0])
         self.hold(np.zeros(N.shape[0], dtype=bool))
 
-    def __call__(self, b: Array) -> tuple[Array, Array]:
+    def __call__(self, b: Array) -> ContactSolution:
         """Solve the contact problem for a load b: return u ∈ K^h, (n,), and the nodal contact forces λ ≥ 0, (m,).
 
         Raises:
@@ -150,14 +150,11 @@ class Multigrid:
         self.held = held
         self.free = np.ones(self.A.shape[0])
         self.free[self.bounded[held]] = 0
-        # The rows and columns of the held unknowns are set to zero, in the blocks that contain such unknowns.
+        # The rows and columns of the held unknowns are set to zero, block by block.
         A = self.A
-        free = self.free.reshape(-1, self.A.blocksize[0])
+        free = self.free.reshape(-1, A.blocksize[0])
         row = np.repeat(np.arange(len(free)), np.diff(A.indptr))
-        met = free.min(axis=1) == 0
-        touched = np.flatnonzero(met[row] | met[A.indices])
-        data = A.data.copy()
-        data[touched] *= free[row[touched], :, None] * free[A.indices[touched], None, :]
+        data = A.data * free[row, :, None] * free[A.indices, None, :]
         self.cut = sps.bsr_array((data, A.indices, A.indptr), shape=A.shape)
 
     def _corrected(self, w: Array, r: Array, reduction: float) -> tuple[Array, NDArray[np.bool_]]:

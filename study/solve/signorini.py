@@ -28,8 +28,10 @@ from scipy.optimize import nnls
 from manufactured.tensors import Array, Points
 from study.solve.factorisation import Cholesky
 
-ContactSolver = Callable[[Array], tuple[Array, Array]]
-"""A contact solver: a function from a load b, (n,), to the displacement u, (n,), and contact forces λ, (m,)."""
+ContactSolution = tuple[Array, Array]
+"""The solution of one contact problem: the displacement u, (n,), and the nodal contact forces λ, (m,)."""
+ContactSolver = Callable[[Array], ContactSolution]
+"""A contact solver: a function from a load b, (n,), to the displacement and the contact forces."""
 
 
 class Signorini:
@@ -57,7 +59,7 @@ class Signorini:
         self.active = np.zeros(N.shape[0], dtype=bool)
         self._factored: tuple[bytes, Array, Array] | None = None
 
-    def __call__(self, b: Array) -> tuple[Array, Array]:
+    def __call__(self, b: Array) -> ContactSolution:
         """Solve the contact problem for a load b: return u ∈ K^h, (n,), and the nodal contact forces λ ≥ 0, (m,).
 
         For several right-hand sides b, (k, n), the results are (k, n) and (k, m).

@@ -15,7 +15,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -175,7 +174,7 @@ open_problems = lru_cache(problems)
 
 def measure(
     problem: ResolvedProblem, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
-) -> tuple[dict[str, Any], Enclosure]:
+) -> tuple[Numbers, Enclosure]:
     """Compute a displacement and bounds of its error, and return a row of ``bounds.csv`` and the bounds over time.
 
     If the exact solution is unknown, numbers that depend on the error are NaN.

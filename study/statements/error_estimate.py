@@ -64,6 +64,7 @@ from study.statements.shared.meshes import (
 )
 from study.statements.shared.norms import (
     Energies,
+    Field,
     displacement,
     dual_norm,
     midpoints,
@@ -73,7 +74,7 @@ from study.statements.shared.norms import (
 )
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
-from study.statements.wellposed import Field, planes, strain, vanishing, waves
+from study.statements.wellposed import planes, strain, vanishing, waves
 
 FIRST_SPIKES = 3
 """The smallest level j of the spikes: the radius 4^{−j} is small compared with the distance 2^{−j} for j ≥ 3."""

@@ -1,7 +1,6 @@
 """Beyond the paper: convergence at advancing natural fronts, and two lemmas with which its order is proved."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache, partial
 
@@ -38,7 +37,7 @@ from study.statements.shared.base import (
     with_h,
 )
 from study.statements.shared.meshes import posed, split
-from study.statements.shared.norms import Energies, contact_load, dual_norm, maximum, midpoints, time_nodes
+from study.statements.shared.norms import Energies, Field, contact_load, dual_norm, maximum, midpoints, time_nodes
 from study.statements.time_steps import PROVED_BELOW_1
 from study.statements.work_of_contact import SEEDS
 
@@ -250,7 +249,7 @@ def cut_solution(solution: ExactSolution, time: float, x: Points) -> Vectors:
 
 
 def means_from_edges(
-    displacement: Callable[[Points], Vectors], space: Space, cells: Array | slice = np.s_[:], points: int = GAUSS_POINTS
+    displacement: Field, space: Space, cells: Array | slice = np.s_[:], points: int = GAUSS_POINTS
 ) -> Tensors:
     """Return the mean of the strain ε(u) on some cells, (D, n), from the displacement u on their edges.
 

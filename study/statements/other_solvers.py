@@ -27,6 +27,7 @@ from study.ledger.datafiles import CsvFile
 from study.ledger.quantities import quotients
 from study.ledger.verdict import BECAUSE, HOLDS, NOWHERE, REPORTED, UNDECIDED, Verdict, row
 from study.ledger.window import Window, around, at_most, positive_at_most
+from study.solve.signorini import ContactSolution
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import RATES, RateSetting
 from study.statements.shared import estimates
@@ -163,7 +164,7 @@ class PlainProblem:
         """Return the nodal interpolant Π^h u(t) of the exact displacement, (n,)."""
         return self.at_vertices.displacement(time).T.ravel()[self.free]
 
-    def contact(self, b: Array, k: float) -> tuple[Array, Array]:
+    def contact(self, b: Array, k: float) -> ContactSolution:
         """Solve the contact problem of one time step by the method of Lawson and Hanson.
 
         The problem is M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0. With RᵀR = NM⁻¹Nᵀ, λ minimises

@@ -34,7 +34,6 @@ order and its share of the interpolation error are judged separately.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -64,7 +63,16 @@ from study.solve import multigrid
 from study.solve.evolution import State, norm
 from study.solve.multigrid import contact_solver
 from study.solve.tableau import MIDPOINT, SCHEMES
-from study.statements.shared.base import Experiment, Judged, Numbers, Records, Setting, Statement, check_of_order
+from study.statements.shared.base import (
+    ByCase,
+    Experiment,
+    Judged,
+    Numbers,
+    Records,
+    Setting,
+    Statement,
+    check_of_order,
+)
 from study.statements.shared.meshes import LEADING, in_leading_term, split, value_of_case
 from study.statements.shared.norms import maximum, time_nodes
 from study.statements.shared.scope import Scope
@@ -90,7 +98,7 @@ class FromRates(Statement):
     file = RATES
     proposition: str
 
-    def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
+    def by_case(self, rows: pd.DataFrame) -> ByCase:
         return super().by_case(rows[rows["claim"] == self.proposition])
 
 

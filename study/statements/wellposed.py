@@ -11,7 +11,7 @@ traction conditions (4.13).
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import islice, pairwise
 
@@ -45,7 +45,7 @@ from study.ledger.quantities import change, finest, ratios
 from study.ledger.window import Window, around, at_most, between, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete, State, furthest, norm, norms, path
 from study.solve.factorisation import Cholesky
-from study.solve.signorini import Signorini
+from study.solve.signorini import ContactSolution, Signorini
 from study.solve.stress_problem import Accuracy, settings
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.shared.base import (
@@ -62,7 +62,16 @@ from study.statements.shared.base import (
     with_h,
 )
 from study.statements.shared.meshes import CELL_POWER, body_of, first_with_each, named, place, posed, space_of
-from study.statements.shared.norms import Energies, dual_norm, h1_product, maximum, smallest, strain_product, unloaded
+from study.statements.shared.norms import (
+    Energies,
+    Field,
+    dual_norm,
+    h1_product,
+    maximum,
+    smallest,
+    strain_product,
+    unloaded,
+)
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import StressExperiment, norm_in_q
 
@@ -556,7 +565,7 @@ class RandomStarts(Signorini):
         super().__init__(S, N, x)
         self.rng = np.random.default_rng(SEED)
 
-    def __call__(self, b: Array) -> tuple[Array, Array]:
+    def __call__(self, b: Array) -> ContactSolution:
         self.active = self.rng.uniform(size=self.N.shape[0]) < self.rng.uniform()
         return super().__call__(b)
 
@@ -574,7 +583,7 @@ class LeastSquares:
         self.L = cholesky(S.toarray(), lower=True)
         self.columns = solve_triangular(self.L, N.T.toarray(), lower=True)
 
-    def __call__(self, b: Array) -> tuple[Array, Array]:
+    def __call__(self, b: Array) -> ContactSolution:
         multipliers, _ = nnls(self.columns, solve_triangular(self.L, b, lower=True))
         return cho_solve((self.L, True), b - self.N.T @ multipliers), multipliers
 
@@ -591,7 +600,7 @@ class InteriorPoint:
         how = settings(aim=Accuracy(gap=1e-15, feasibility=1e-14), enough=Accuracy(gap=1e-11, feasibility=1e-11))
         self.solver = clarabel.DefaultSolver(P, self.q, sps.csc_matrix(N), np.zeros(rows), cones, how)
 
-    def __call__(self, b: Array) -> tuple[Array, Array]:
+    def __call__(self, b: Array) -> ContactSolution:
         size = float(np.linalg.norm(b)) or 1.0
         self.q[:] = -b / size
         self.solver.update(q=self.q)
@@ -792,8 +801,6 @@ class TractionInTime(ListedNumbers):
 
 STRESS_INSTANTS = 8
 """Number of nodes of the midpoint rule that approximates norms in time."""
-Field = Callable[[Points], Vectors]
-"""A smooth displacement field, analytic in x."""
 TEST_FIELDS = 3
 """Number of smooth test fields for each of the two traction conditions."""
 TRACTION_FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"

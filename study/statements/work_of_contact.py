@@ -13,7 +13,7 @@ mesh, where only the quadrature is approximate.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import product
@@ -48,7 +48,17 @@ from study.solve.evolution import SemiDiscrete, furthest, path
 from study.solve.signorini import Signorini
 from study.solve.steps import rate_steps, step_size
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import SEED, Judged, ListedNumbers, Numbers, Setting, check_of_order, grid, with_h
+from study.statements.shared.base import (
+    SEED,
+    ByCase,
+    Judged,
+    ListedNumbers,
+    Numbers,
+    Setting,
+    check_of_order,
+    grid,
+    with_h,
+)
 from study.statements.shared.meshes import posed, space_of, split
 from study.statements.shared.norms import contact_load, displacement, midpoints, time_nodes, trace_error
 from study.statements.shared.scope import Scope
@@ -967,7 +977,7 @@ class Rollers(ListedNumbers):
             numbers[HALF_STEP_EXCESS] = Trajectories.of(on, 2 * steps).excess().max()
         return with_h(space.h, numbers)
 
-    def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
+    def by_case(self, rows: pd.DataFrame) -> ByCase:
         """Divide measured rows by kinds of rollers, which are the names of the cases without the level."""
         return super().by_case(rows.assign(case=rows["case"].str.rpartition("-")[0]))
 

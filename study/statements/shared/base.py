@@ -57,6 +57,8 @@ Numbers = dict[str, Any]
 """Measured numbers, by their names."""
 Records = Iterator[tuple[DataFile, Row]]
 """Data files, each with a row that a measurement adds to it."""
+ByCase = Iterable[tuple[str, Groups]]
+"""Names of cases, each with its tables of levels, by mesh family."""
 Judged = Iterable[tuple[Check, Groups]]
 """Checks of a case, each with the tables of levels that it judges, by mesh family."""
 
@@ -155,7 +157,7 @@ class Statement:
             verdicts += [check.verdict(self, case, judged) for check, judged in self.checks_of(case, groups)]
         return verdicts
 
-    def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
+    def by_case(self, rows: pd.DataFrame) -> ByCase:
         """Divide measured rows, and return pairs of a case and its tables of levels, by mesh family."""
         return [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
 
@@ -241,7 +243,7 @@ class ListedNumbers(Statement):
             if quantity != "h":
                 yield self.file, {**common, "quantity": quantity, "value": value}
 
-    def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
+    def by_case(self, rows: pd.DataFrame) -> ByCase:
         return by_case(rows)
 
     def cost(self, setting: Setting) -> float:

@@ -21,8 +21,11 @@ from manufactured.tensors import Array, Points, Tensors, Vectors, size
 from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, rules, shared_lines
 from study.fem.quadrature import FacetRule, Line, QuadraturePoints, rule_on
 from study.fem.space import Space
-from study.solve.evolution import SemiDiscrete
+from study.solve.evolution import SemiDiscrete, VectorFunction
 from study.statements.shared.base import SEED
+
+Field = Callable[[Points], Vectors]
+"""A displacement field, as a function of points, (d, ...) → (d, ...), or (d, ..., n) for n times."""
 
 
 def midpoints(T: float, count: int) -> Array:
@@ -45,7 +48,7 @@ def minimum(values: Iterable[float | np.floating[Any]]) -> float:
     return float(np.min([*values]))
 
 
-def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
+def dual_norm(functional: Array, riesz: VectorFunction) -> float:
     """Return the dual norm (FᵀM⁻¹F)^{1/2} of the linear functional v ↦ F·v on the P1 space V^h.
 
     Args:
@@ -143,7 +146,7 @@ class FacePoints:
         self.exact = solution.on(face, rule.s)
 
     def moments(self, pressure: Array) -> Array:
-        """Return the integrals ∫ p φ_i with the hat functions φ_i of all vertices, from p at the points, (vertices,)."""
+        """Return the integrals ∫ p φ_i with the hat functions φ_i of all vertices, from p at the points."""
         return self.hats.T @ (self.weights * pressure.ravel())
 
 
@@ -174,12 +177,12 @@ def contact_load(
     return load
 
 
-def displacement(solution: ExactSolution, times: Array | float) -> Callable[[Points], Vectors]:
+def displacement(solution: ExactSolution, times: Array | float) -> Field:
     """Return the exact displacement as a function of points, (d, ...) → (d, ..., n) at n times, (d, ...) at one."""
     return lambda x: solution.at(x).displacement(times)
 
 
-def trace_error(field: Callable[[Points], Vectors], space: Space, part: Part, rule: FacetRule) -> tuple[Array, Array]:
+def trace_error(field: Field, space: Space, part: Part, rule: FacetRule) -> tuple[Array, Array]:
     """Return the interpolation error Π^h v_ν − v_ν and v_ν at the n × q points of a rule on facets, (n, q, ...) each.
 
     Args:
