@@ -94,7 +94,7 @@ class EulerBounds:
     def start(self) -> Array:
         """The initial velocity z = u̇^h(0+), (n,)."""
         problem = self.problem
-        u0 = self.problem.u0
+        u0 = problem.u0
         touching = problem.N @ u0 >= -TOUCHING_AT_START * abs(u0).max(initial=0.0)
         solver = Signorini(problem.M, problem.N[np.flatnonzero(touching)])
         return solver(self.loads[0] - problem.elastic(u0))[0]

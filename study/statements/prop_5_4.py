@@ -212,7 +212,7 @@ class Measurement:
     def row(self) -> Numbers:
         """Return the errors and diagnostics as a row of ``rates.csv``, without case, mesh family and level."""
         experiment = self.experiment
-        space = self.experiment.space
+        space = experiment.space
         return {
             "scheme": experiment.scheme.name,
             "dim": space.dim,
@@ -261,7 +261,7 @@ class Measurement:
         steps of u^h.
         """
         experiment = self.experiment
-        problem = self.experiment.problem
+        problem = experiment.problem
         time = self.worst.time
         finer = ErrorNorm(experiment.solution, experiment.space, raised=2, along=())
         error = experiment.v_norm.distance(experiment.v_norm.sample(time), self.worst.u)

@@ -501,7 +501,7 @@ def primal_solution(solution: ExactSolution, space: StressSpace, steps: int) -> 
 def measure(experiment: StressExperiment) -> Numbers:
     """Solve the stress and the displacement problem together, and return the measured columns of ``stresses.csv``."""
     space = experiment.space
-    exact = Exact(experiment.solution, experiment.space)
+    exact = Exact(experiment.solution, space)
     clamped = len(space.edges_on(Kind.CLAMPED))
     primal = primal_solution(experiment.solution, space, experiment.steps)
     coarse = experiment.companion()

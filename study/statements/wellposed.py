@@ -911,7 +911,7 @@ def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
     midpoint of a step from t_{n−1} to t_n, and σ^h(t) = A ε((u_n − u_{n−1})/k) + G ε((u_n + u_{n−1})/2).
     """
     space = setup.space
-    cells = on_cells(setup.space, setup.solution.law)
+    cells = on_cells(space, setup.solution.law)
     k = setup.problem.T / setup.steps
     each = setup.steps // STRESS_INSTANTS
     for n, (before, after) in enumerate(pairwise(setup.march(setup.steps))):

@@ -720,7 +720,7 @@ class Trajectories:
         The values of ġ and g in the middle of a step are computed from g at its ends.
         """
         T = on.at.space.body.T
-        k = step_size(on.at.space.body.T, steps)
+        k = step_size(T, steps)
         N = on.at.space.N
         pressing = pressing_on(on.at)
         projected = np.array([on.condensed.gap(on.functional(n * k)) for n in range(steps + 1)])
@@ -761,8 +761,8 @@ class Trajectories:
 def sides(solutions: Trajectories) -> Numbers:
     """Return the error, its bound, and the terms E_h, M_h, J_h of the bound, which ``Rollers`` defines."""
     on = solutions.on
-    at = solutions.on.at
-    space = solutions.on.at.space
+    at = on.at
+    space = on.at.space
     distance = at.v_norm.distance
     finer = at.inclusion
     measured = []

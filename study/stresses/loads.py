@@ -159,7 +159,7 @@ class ProjectedLoads:
     def at(self, time: float) -> Snapshot:
         """Return the projected loads P f_0 and P f_2 at a time, and norms of the part f − P f that is left out."""
         space = self.space
-        thirds = 3 * self.space.cells
+        thirds = 3 * space.cells
         lower, more = (degree * (degree + 1) // 2 for degree in (space.degree, space.degree + 1))
         force = np.empty((thirds, lower, 2))
         squares = np.empty(thirds)

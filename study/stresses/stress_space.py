@@ -126,7 +126,7 @@ class CompositeElement:
         The derivative ∂_j of Σ c_α B_α has the coefficients k Σ_i c_{β+e_i} ∂_j λ_i.
         """
         k = self.degree
-        lower = indices(self.degree - 1)
+        lower = indices(k - 1)
         upper = indices(k)
         matrix = np.zeros((3, len(lower), 2, 3, self.polynomials, 3))
         for third, vertices in enumerate(np.moveaxis(thirds(REFERENCE_CORNERS), 2, 0)):
