@@ -41,6 +41,7 @@ from scipy.interpolate import make_interp_spline
 
 from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.tensors import Array, mapped
+from study.fem.error_norm import ErrorNorm, gaps_at_vertices
 from study.fem.quadrature import blocks
 from study.fem.space import Displacements, Space, form, means
 from study.solve.multigrid import DIRECT_RESIDUAL, contact_solver
@@ -198,6 +199,22 @@ class SemiDiscrete:
             growth=law.growth,
             gap=gap,
         )
+
+    @classmethod
+    def of_exact(cls, v_norm: ErrorNorm) -> SemiDiscrete:
+        """Return Problem 5.1 whose exact solution is known, with the discretisation of the paper.
+
+        It starts from the nodal interpolant u_0^h = Π^h u_0, imposes the contact constraint at the vertices of Γ3
+        (K^h = V^h ∩ K), and has the load (3.7). If the solution has an initial gap, the constraint includes it; the
+        paper has no initial gap.
+
+        Args:
+            v_norm: gives the exact solution, the space V^h and the load.
+        """
+        space = v_norm.space
+        solution = v_norm.solution
+        gap = gaps_at_vertices(solution, space)
+        return cls.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant, gap)
 
     def contact(self, S: sps.csc_array) -> ContactSolver:
         """Return the contact solver for a matrix S: a function of b that minimises ½ vᵀSv − bᵀv over K^h."""

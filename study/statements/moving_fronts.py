@@ -401,10 +401,14 @@ class AdvancingFront(ListedNumbers):
         steps = FRONT_STEPS_PER_CELL * setting.level
         v_norm = ErrorNorm(solution, space)
         force = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, FORCE_DEGREE))
-        pressed = partial(at_each, of=lambda time: force(time) + pressure_load(solution, space, time))
+
+        def pressed(time: float) -> Array:
+            # The quadrature points are graded towards the front, where σ_ν is singular.
+            return force(time) + contact_load(solution, space, (front_at(solution, time),))(time)
+
         problem = SemiDiscrete.of(space, solution.law, partial(at_each, of=force), v_norm.sample(0.0).interpolant)
         # Without rows of N there is no contact condition, so the exact σ_ν acts as a given traction in the load.
-        linear = replace(problem, N=problem.N[:0], load=pressed)
+        linear = replace(problem, N=problem.N[:0], load=partial(at_each, of=pressed))
         coarse = path(problem, MIDPOINT, steps)
         states = list(MIDPOINT.march(problem, 2 * steps))
         fine = np.array([state.u for state in states])
@@ -429,14 +433,6 @@ class AdvancingFront(ListedNumbers):
             "half": half_quotient(problem, fine),
         }
         return with_h(space.h, numbers)
-
-
-def pressure_load(solution: ExactSolution, space: Space, time: float) -> Array:
-    """Return the exact contact force at one time as a load vector, v ↦ ∫_{Γ3} σ_ν v_ν, (dofs,).
-
-    The quadrature points are graded towards the front, where σ_ν is singular.
-    """
-    return contact_load(solution, space, (front_at(solution, time),))(time)
 
 
 def violation(v_norm: ErrorNorm, problem: SemiDiscrete, forces: Array) -> float:

@@ -95,6 +95,7 @@ from study.statements.shared.base import Experiment, Numbers, Setting, Statement
 from study.statements.shared.meshes import ALONG, CELL_POWER
 from study.statements.shared.scope import Scope
 from study.stresses.hybrid import DualState, StressEvolution, act, tensor_at
+from study.stresses.loads import Projection
 from study.stresses.stress_space import StressSpace, alfeld_split, barycentric, bernstein
 
 
@@ -395,8 +396,7 @@ class Exact:
         self._blocks = []
         for rule in rules(solution, mesh, max(CELL_DEGREE, 2 * space.degree)):
             shapes = bernstein(space.degree, barycentric(corners[:, :, rule.cells], rule.points))
-            weighted = np.moveaxis(shapes * rule.weights, 1, 0)
-            best = np.linalg.solve(weighted @ np.moveaxis(shapes, 0, -1), weighted)
+            best = Projection(shapes, rule.weights)
             self._blocks.append((rule.cells, rule.weights, shapes, best, solution.at(rule.points)))
         self.inside = solution.at(space.points)
         self._faces = []
@@ -425,8 +425,9 @@ class Exact:
         for cells, weights, shapes, best, fields in self._blocks:
             exact = fields.stress(time)
             discrete = np.einsum("Ina,anq->Inq", coefficients[:, cells], shapes, optimize=True)
-            nearest = np.einsum("naq,Inq,anp->Inp", best, exact, shapes, optimize=True)
-            squares += [np.einsum("Inq,Inq,nq->", d, d, weights) for d in (exact - discrete, exact - nearest, exact)]
+            _, rest = best(exact)
+            errors = exact - discrete, np.moveaxis(rest, -1, 0), exact
+            squares += [np.einsum("Inq,Inq,nq->", d, d, weights) for d in errors]
         error, least, size = np.sqrt(squares).tolist()
         return error, least, size
 
@@ -491,8 +492,7 @@ def primal_solution(solution: ExactSolution, space: StressSpace, steps: int) -> 
     assert isinstance(law.G, Linear)
     viscous = tensor_at(law.A, space.points)
     elastic = tensor_at(law.G, space.points)
-    v_norm = ErrorNorm(solution, displacements)
-    problem = SemiDiscrete.of(displacements, law, v_norm.load, v_norm.sample(0.0).interpolant)
+    problem = SemiDiscrete.of_exact(ErrorNorm(solution, displacements))
     for state, velocity in islice(velocities(problem, BDF2, steps), 1, None):
         rate, strain = (displacements.strain(u)[..., None] for u in (velocity, state.u))
         yield displacements.nodal(state.u), act(viscous, rate) + act(elastic, strain)

@@ -101,17 +101,6 @@ def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.cs
     )
 
 
-def inclusion_of(space: Space, finer: Space, nodal: sps.csr_array) -> sps.csr_array:
-    """Return the matrix that embeds the displacements V^h in the space on a finer mesh, (finer dofs, dofs).
-
-    Args:
-        space: the space V^h.
-        finer: the space on the finer mesh.
-        nodal: the matrix for scalar functions that ``refined`` returns.
-    """
-    return sps.csr_array(sps.kron(nodal, sps.eye_array(space.dim), format="csr")[finer.free][:, space.free])
-
-
 SEMINORM_PANELS, SEMINORM_POINTS = 64, 3
 """The quadrature of the double integral: number of equal panels of (0, 1), and number of Gauss points in each panel.
 
@@ -384,7 +373,8 @@ class Resolved:
         self.solution = solution
         self.space = space
         self.v_norm = ErrorNorm(solution, fine, along=())
-        self.inclusion: sps.csr_array = inclusion_of(space, fine, nodal)
+        every = sps.csr_array(sps.kron(nodal, sps.eye_array(space.dim)))
+        self.inclusion: sps.csr_array = sps.csr_array(every[fine.free][:, space.free])
         self.start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))
 
 

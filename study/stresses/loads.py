@@ -179,7 +179,7 @@ class ProjectedLoads:
         return Snapshot(Loads(force.reshape(space.cells, 3, -1, 2), surface), LeftOut(low, high, on_edges))
 
 
-class _Projection:
+class Projection:
     """The L² projection onto polynomials on n subtriangles or edges, from values at q quadrature points on each.
 
     Args:
@@ -193,10 +193,10 @@ class _Projection:
         self._matrix = np.linalg.inv(weighted @ self._shapes) @ weighted
 
     def __call__(self, field: Vectors) -> tuple[Array, Array]:
-        """Split a vector field, (2, n, q), into its projection and the rest.
+        """Split a field with c components, (c, n, q), into its projection and the rest.
 
         Returns:
-            The coefficients of the projection, (n, basis, 2), and the rest at the points, (n, q, 2).
+            The coefficients of the projection, (n, basis, c), and the rest at the points, (n, q, c).
         """
         at_points = field.transpose(1, 2, 0)
         coefficients = self._matrix @ at_points
@@ -217,7 +217,7 @@ class _Block:
     def __init__(self, rule: CellRule, shapes: Array, whole: Array) -> None:
         self.rule = rule
         self._whole = np.ascontiguousarray(np.moveaxis(whole, 0, 1))
-        self._projection = _Projection(shapes, rule.weights)
+        self._projection = Projection(shapes, rule.weights)
 
     def split(self, force: Vectors) -> tuple[Array, Array, Array]:
         """Split the body force f_0, given at the quadrature points, (2, n, q), into P f_0 and g = f_0 − P f_0.
@@ -265,7 +265,7 @@ class _Edges:
         rule = graded(GRADED_POINTS) if crossings else _divided(graded(EDGE_POINTS))
         self.edges = edges
         self.weights = rule.weights
-        self._projection = _Projection(bernstein(space.degree, rule.shapes), rule.weights)
+        self._projection = Projection(bernstein(space.degree, rule.shapes), rule.weights)
         self.load = data.surface_load(part, part.point(rule.s))
 
     def split(self, time: float) -> tuple[Array, Array]:
