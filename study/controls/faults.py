@@ -22,7 +22,7 @@ from manufactured.body import Kind, Part
 from manufactured.law import Yield, isotropic_matrix
 from manufactured.modes import at_each
 from manufactured.tensors import Array
-from study.fem.error_norm import ErrorNorm, gaps_at_vertices
+from study.fem.error_norm import ErrorNorm
 from study.fem.independent import work_on
 from study.fem.space import Space, means
 from study.solve.evolution import SemiDiscrete, remainder
@@ -267,9 +267,7 @@ def partly_clamped(setup: Experiment, size: float) -> Experiment:
     def load(times: Array) -> Array:
         return v_norm.load(times) - at_each(times, partial(work_on, Kind.CLAMPED, inside, space))  # type: ignore[arg-type]
 
-    start = v_norm.sample(0.0).interpolant
-    problem = SemiDiscrete.of(space, solution.law, load, start, gaps_at_vertices(solution, space))
-    return replace(setup, space=space, v_norm=v_norm, problem=problem)
+    return replace(setup, space=space, v_norm=v_norm, problem=replace(SemiDiscrete.of_exact(v_norm), load=load))
 
 
 # ---- (2.5): contact

@@ -107,7 +107,11 @@ class StressError(RuntimeError):
     """Raised if Problem 3.2 could not be solved, or if its potential is not known for a law."""
 
 
-@dataclass(frozen=True, eq=False)
+def _act(blocks: Array, values: Array) -> Array:
+    """Multiply a vector by a matrix on every cell: (cells, p, r), (r, cells) → (p, cells)."""
+    return np.einsum("cpr,rc->pc", blocks, values)
+
+
 class Potential:
     """The convex potential of one step of backward Euler, written on every cell as ½ Q y·y + g·y with an unknown y.
 
@@ -115,72 +119,63 @@ class Potential:
     z are the coordinates of a part s₂ of the stress in an orthonormal basis R of the range of P. Then |s₂| = |z| and
     τ = s₁ + R z, and ρ = |z| at the minimum.
 
+    Args:
+        space: the space V^h.
+        law: the material law.
+        k: the length of the step.
+
     Attributes:
         compliance: the matrix from a stress to the strain that it adds in a step, (cells, D, D). In the docstring of
             the module it is C⁻¹, k A⁻¹ or Ĉ⁻¹.
         quadratic: the matrix Q, (cells, p, p).
         stress: the matrix from y to the stress τ, (D, p).
-        released: the function from the previous strain ε_{n−1} to the strain at which a step without stress would end,
-            (D, cells) → (D, cells).
         cone: the number of entries of (ρ, z), which are the last entries of y; 0 for linear G.
         radius: the radius r of K; 0 for linear G.
-    """
-
-    compliance: Array
-    quadratic: Array
-    stress: Array
-    released: Callable[[Tensors], Tensors]
-    cone: int = 0
-    radius: float = 0.0
-
-
-def _act(blocks: Array, values: Array) -> Array:
-    """Multiply a vector by a matrix on every cell: (cells, p, r), (r, cells) → (p, cells)."""
-    return np.einsum("cpr,rc->pc", blocks, values)
-
-
-def potential(space: Space, law: KelvinVoigt, k: float) -> Potential:
-    """Return the convex potential of one step of backward Euler of length k.
 
     Raises:
         StressError: G is neither linear, nor (3.3), nor a sum of both, so its potential is not known.
     """
-    A = law.A
-    G = law.G
-    match G:
-        case Linear():
-            elasticity = np.multiply.outer(means(space, G.factor), G.matrix)
-            yielding = None
-        case Yield():
-            elasticity = np.zeros_like(A.matrix)
-            yielding = G
-        case Combined():
-            elasticity = G.linear.matrix
-            yielding = G.yielding
-        case _:
-            raise StressError(
-                "Problem 3.2 on the strains of V^h needs a law whose complementary potential is known: Linear, Yield "
-                f"or Combined, got {type(G).__name__}; take one of these, or solve Problem 3.1 only"
-            )
-    viscosity = np.multiply.outer(means(space, A.factor), A.matrix / k)
-    compliance = np.linalg.inv(viscosity + elasticity)
-    compliance = (compliance + compliance.swapaxes(1, 2)) / 2
-    at_rest = G.at_rest[:, None]
 
-    def released(strain: Tensors) -> Tensors:
-        return _act(compliance, _act(viscosity, strain) - at_rest)
+    def __init__(self, space: Space, law: KelvinVoigt, k: float) -> None:
+        A = law.A
+        G = law.G
+        match G:
+            case Linear():
+                elasticity = np.multiply.outer(means(space, G.factor), G.matrix)
+                yielding = None
+            case Yield():
+                elasticity = np.zeros_like(A.matrix)
+                yielding = G
+            case Combined():
+                elasticity = G.linear.matrix
+                yielding = G.yielding
+            case _:
+                raise StressError(
+                    "Problem 3.2 on the strains of V^h needs a law whose complementary potential is known: Linear, "
+                    f"Yield or Combined, got {type(G).__name__}; take one of these, or solve Problem 3.1 only"
+                )
+        self._viscosity = np.multiply.outer(means(space, A.factor), A.matrix / k)
+        self._at_rest = G.at_rest[:, None]
+        compliance = np.linalg.inv(self._viscosity + elasticity)
+        self.compliance = (compliance + compliance.swapaxes(1, 2)) / 2
+        self.quadratic = self.compliance
+        D = len(A.matrix)
+        self.stress = np.eye(D)
+        self.cone = 0
+        self.radius = 0.0
+        if yielding is not None:
+            values, vectors = np.linalg.eigh(yielding.convex.projector)
+            R = vectors[:, values > 0.5]
+            self.cone = 1 + R.shape[1]
+            self.radius = yielding.convex.radius
+            self.stress = np.hstack([np.eye(D), np.zeros((D, 1)), R])
+            self.quadratic = np.zeros((len(compliance), D + self.cone, D + self.cone))
+            self.quadratic[:, :D, :D] = self.compliance
+            self.quadratic[:, D + 1 :, D + 1 :] = np.eye(R.shape[1]) / yielding.beta
 
-    D = len(A.matrix)
-    if yielding is None:
-        return Potential(compliance, compliance, np.eye(D), released)
-    values, vectors = np.linalg.eigh(yielding.convex.projector)
-    R = vectors[:, values > 0.5]
-    rank = R.shape[1]
-    quadratic = np.zeros((len(compliance), D + 1 + rank, D + 1 + rank))
-    quadratic[:, :D, :D] = compliance
-    quadratic[:, D + 1 :, D + 1 :] = np.eye(rank) / yielding.beta
-    stress = np.hstack([np.eye(D), np.zeros((D, 1)), R])
-    return Potential(compliance, quadratic, stress, released, 1 + rank, yielding.convex.radius)
+    def released(self, strain: Tensors) -> Tensors:
+        """Return the strain at which a step without stress would end, from the previous strain, (D, cells)."""
+        return _act(self.compliance, _act(self._viscosity, strain) - self._at_rest)
 
 
 @dataclass(frozen=True, eq=False)
@@ -320,7 +315,7 @@ class StressProblem:
         """
         k = step_size(self.space.body.T, steps)
         require_unique("backward Euler", k, self.law.growth, longest_step(self.law.growth))
-        programme = Programme(self.space, potential(self.space, self.law, k))
+        programme = Programme(self.space, Potential(self.space, self.law, k))
         strain = self.space.strain(self.u0)
         nan = np.full(self.space.N.shape[0], np.nan)
         yield StressState(0.0, np.full_like(strain, np.nan), strain, self.u0, nan, 0.0)

@@ -72,7 +72,7 @@ from study.statements.shared.base import (
     steps_like_h,
 )
 from study.statements.shared.meshes import split
-from study.statements.shared.norms import FacePoints
+from study.statements.shared.norms import FacePoints, maximum, midpoints
 from study.statements.shared.scope import Scope
 
 FORCE_ERRORS = "pressure", "dual", "resultant"
@@ -162,17 +162,13 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
         The three relative errors over (0, T) that ``FORCE_ERRORS`` names, (3,); the largest relative penetration; and
         the largest relative tensile force.
     """
-    k = setup.problem.T / steps
-    multipliers = []
-    extremes = []
-    for state in setup.march(steps):
-        pulling = -state.multipliers.min(initial=0.0)
-        extremes.append([forces.penetration(state.u), abs(state.u).max(), pulling, abs(state.multipliers).max()])
-        multipliers.append(state.multipliers)
-    # NumPy's maximum is used, because Python's max could hide a NaN.
-    inside, moved, pulled, pressed = np.max(extremes, axis=0)
-    squares, sizes = forces.squares((np.arange(steps) + 0.5) * k, np.array(multipliers[1:]))
-    return np.sqrt(squares / sizes), float(inside / moved), float(pulled / pressed)
+    states = list(setup.march(steps))
+    u = np.array([state.u for state in states])
+    multipliers = np.array([state.multipliers for state in states])
+    squares, sizes = forces.squares(midpoints(setup.problem.T, steps), multipliers[1:])
+    penetration = maximum(map(forces.penetration, u)) / abs(u).max()
+    pulling = -multipliers.min(initial=0.0) / abs(multipliers).max()
+    return np.sqrt(squares / sizes), float(penetration), float(pulling)
 
 
 NO_ORDER = "p jumps in time, and the error comes from the step with the jump"

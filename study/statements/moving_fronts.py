@@ -406,7 +406,7 @@ class AdvancingFront(ListedNumbers):
             # The quadrature points are graded towards the front, where σ_ν is singular.
             return force(time) + contact_load(solution, space, (front_at(solution, time),))(time)
 
-        problem = SemiDiscrete.of(space, solution.law, partial(at_each, of=force), v_norm.sample(0.0).interpolant)
+        problem = replace(SemiDiscrete.of_exact(v_norm), load=partial(at_each, of=force))
         # Without rows of N there is no contact condition, so the exact σ_ν acts as a given traction in the load.
         linear = replace(problem, N=problem.N[:0], load=partial(at_each, of=pressed))
         coarse = path(problem, MIDPOINT, steps)

@@ -139,8 +139,7 @@ def stress_problem(setup: Experiment) -> StressProblem:
             "Problem 3.2 does not allow an initial gap: K is no cone then, and (σ, ε(u))_Q = (f, u)_V, "
             "(4.14), lacks the work of σ_ν on the gap; take a case whose initial_gap is 0"
         )
-    u0 = setup.v_norm.sample(0.0).interpolant
-    return StressProblem(setup.space, setup.solution.law, setup.problem.load, u0)
+    return StressProblem(setup.space, setup.solution.law, setup.problem.load, setup.problem.u0)
 
 
 def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:

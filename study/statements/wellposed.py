@@ -458,9 +458,13 @@ def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
     strain = abs(space.strain(v)).max()
     start = SMALL_STRAIN * math.exp(-c * T) / strain * v
     pressing = space.N.T @ np.full(len(force), 2 * SMALL_STRAIN * abs(force).max() / strain)
-    problem = SemiDiscrete.of(space, law, lambda t: np.zeros((space.dofs, t.size)), start)
-    rest = problem.elastic(np.zeros(space.dofs))
-    problem = replace(problem, T=T, load=lambda t: rest[:, None] + np.multiply.outer(pressing, np.exp(c * (t - T))))
+    still = unloaded(space, law)
+    rest = still.elastic(still.u0)
+
+    def load(times: Array) -> Array:
+        return rest[:, None] + np.multiply.outer(pressing, np.exp(c * (times - T)))
+
+    problem = replace(still, T=T, load=load, u0=start)
     states = path(problem, MIDPOINT, steps_for(law, T))
     return math.log(norm(problem, states[-1]) / norm(problem, states[0])) / (c * T)
 

@@ -245,8 +245,7 @@ def smallest(form: sps.csc_array, product: sps.csc_array) -> float:
         form: the matrix of a, positive definite.
         product: the matrix of b, positive definite.
     """
-    start = np.random.default_rng(SEED).standard_normal(form.shape[0])
-    return float(eigsh(form, 1, product, sigma=0.0, v0=start, tol=SMALLEST_TOLERANCE, return_eigenvectors=False)[0])
+    return _extreme_eigenvalue(form, product, sigma=0.0, tol=SMALLEST_TOLERANCE)
 
 
 def largest(form: sps.csc_array, product: sps.csc_array) -> float:
@@ -258,8 +257,10 @@ def largest(form: sps.csc_array, product: sps.csc_array) -> float:
         form: the matrix of a.
         product: the matrix of b, positive definite.
     """
+    vectors = min(LANCZOS, form.shape[0])
+    return _extreme_eigenvalue(form, product, which="LA", tol=LARGEST_TOLERANCE, ncv=vectors)
+
+
+def _extreme_eigenvalue(form: sps.csc_array, product: sps.csc_array, **options: Any) -> float:
     start = np.random.default_rng(SEED).standard_normal(form.shape[0])
-    vectors = min(LANCZOS, len(start))
-    return float(
-        eigsh(form, 1, product, which="LA", v0=start, tol=LARGEST_TOLERANCE, ncv=vectors, return_eigenvectors=False)[0]
-    )
+    return float(eigsh(form, 1, product, v0=start, return_eigenvectors=False, **options)[0])
