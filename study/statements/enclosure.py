@@ -37,7 +37,6 @@ from study.solve.steps import PACE, rate_steps
 from study.solve.tableau import SCHEMES
 from study.statements.shared import estimates
 from study.statements.shared.base import Numbers, Records, Setting, Statement
-from study.statements.shared.meshes import families
 from study.statements.shared.scope import Scope
 
 BOUNDS = CsvFile("bounds.csv")
@@ -122,7 +121,7 @@ def bounds(cases: Sequence[Case], full: bool) -> Iterator[BoundSetting]:
             yield from by_midpoint("bracket", "graded", (4, 8), Refined(0, 2))
         return
     for case in filter(eligible, cases):
-        serving = [family for family in FAMILIES_IN_TURN if family in families(case)]
+        serving = [family for family in FAMILIES_IN_TURN if family_named(family).serves(case.solution.body)]
         first = serving.index(ROTATION_STARTS.get(case.name, (case.families or serving)[0]))
         for turn, scheme in enumerate(SCHEMES, start=first):
             yield BoundSetting(case.name, serving[turn % len(serving)], 8, scheme.name, SmoothedInTime())

@@ -52,7 +52,6 @@ from study.statements.shared.base import (
 )
 from study.statements.shared.meshes import (
     CELL_POWER,
-    EVERY_FAMILY,
     body_of,
     first_with_each,
     law_of,
@@ -72,7 +71,6 @@ from study.statements.shared.norms import (
     trace_error,
     unloaded,
 )
-from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 from study.statements.wellposed import planes, strain, vanishing, waves
 
@@ -245,11 +243,11 @@ class InterpolationInV(ListedNumbers):
 
     def places(self, full: bool) -> list[Setting]:
         if not full:
-            return place(named("advance-recede"), REGULAR, (8, 16, 32))
+            return place(named("advance-recede"), (8, 16, 32))
         cases = first_with_each(lambda case: (body_of(case), law_of(case), case.regularity.smoothness > 1))
         cases = [case for case in cases if case.regularity.smoothness > 1]
         # Graded meshes are left out: their cells at singular points are much smaller than h, which changes the order.
-        return [s for s in place(cases, EVERY_FAMILY, (8, 16, 32), (8, 12, 16)) if s.family != Graded().name]
+        return [s for s in place(cases, (8, 16, 32), (8, 12, 16), every_family=True) if s.family != Graded().name]
 
     def measure(self, setting: Setting) -> Numbers:
         space, solution = posed(setting)
@@ -291,12 +289,12 @@ class InterpolationOnContact(ListedNumbers):
 
     def places(self, full: bool) -> list[Setting]:
         if not full:
-            return place(named("advance-recede"), REGULAR, (16, 32, 64))
+            return place(named("advance-recede"), (16, 32, 64))
         # Shaken meshes are left out: a few edges contribute most of the squared error Σ_e |e|⁵ |w''|²/120, so with
         # random lengths of edges the order varies by 0.3 from seed to seed.
         cases = first_with_each(lambda case: (body_of(case), case.regularity.trace))
         without = Graded().name, Shaken().name
-        return [s for s in place(cases, EVERY_FAMILY, (16, 32, 64), (16, 24, 32)) if s.family not in without]
+        return [s for s in place(cases, (16, 32, 64), (16, 24, 32), every_family=True) if s.family not in without]
 
     def measure(self, setting: Setting) -> Numbers:
         space = space_of(setting)

@@ -72,7 +72,6 @@ from study.statements.shared.norms import (
     strain_product,
     unloaded,
 )
-from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import StressExperiment, norm_in_q
 
 VALUE = "smallest eigenvalue"
@@ -128,7 +127,7 @@ class Korn(ListedNumbers):
 
     def places(self, full: bool) -> list[Setting]:
         bodies = first_with_each(body_of)
-        return place(bodies, REGULAR, (8, 16, 32, 64), (2, 4, 8)) if full else place(bodies, REGULAR, (4, 8, 16))
+        return place(bodies, (8, 16, 32, 64), (2, 4, 8)) if full else place(bodies, (4, 8, 16))
 
     def measure(self, setting: Setting) -> Numbers:
         space = space_of(setting)
@@ -771,7 +770,7 @@ class TractionInTime(ListedNumbers):
 
     def places(self, full: bool) -> list[Setting]:
         cases = [case for case in catalogue() if case.proposition == "Prop. 5.4"] if full else named("advance-recede")
-        return place([*cases, *named(UNBOUNDED)], REGULAR, (8, 16, 32), (2, 4, 8))
+        return place([*cases, *named(UNBOUNDED)], (8, 16, 32), (2, 4, 8))
 
     def measure(self, setting: Setting) -> Numbers:
         space, solution = posed(setting)

@@ -28,10 +28,8 @@ from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.ledger.check import Groups
 from study.statements.shared.base import Setting
-from study.statements.shared.scope import serving
+from study.statements.shared.scope import regular, serving
 
-EVERY_FAMILY = ()
-"""An empty preference, with which the function ``place`` uses all mesh families that can mesh the body."""
 COARSEST_GRID = 16
 """Upper bound of the levels that are searched for a grid with the ends of all boundary parts among its vertices."""
 
@@ -70,13 +68,8 @@ def posed(setting: Setting) -> tuple[Space, ExactSolution]:
     return space_of(setting), resolve(setting.case).solution
 
 
-def families(case: Case) -> list[str]:
-    """Return the names of the mesh families that can mesh the body of a case, structured families first."""
-    return [family.name for family in serving(case)]
-
-
 def place(
-    cases: Iterable[Case], preference: tuple[str, ...], levels: tuple[int, ...], levels_3d: tuple[int, ...] = ()
+    cases: Iterable[Case], levels: tuple[int, ...], levels_3d: tuple[int, ...] = (), every_family: bool = False
 ) -> list[Setting]:
     """Return the settings in which cases are measured on suitable meshes.
 
@@ -85,18 +78,17 @@ def place(
 
     Args:
         cases: the cases.
-        preference: mesh families; the first that can mesh a body is used. If empty, all suitable families are used.
         levels: the levels for plane bodies.
         levels_3d: the levels for bodies in space.
+        every_family: whether all mesh families that can mesh a body are used, and not only the regular one.
     """
     found = []
     for case in cases:
         wanted = levels if case.solution.body.dim == 2 else levels_3d
-        served = families(case)
-        preferred = [name for name in preference if name in served][:1]
-        for family in preferred or served:
-            step = spacing(case.name, family)
-            found += [Setting(case.name, family, n) for n in sorted({step * -(-level // step) for level in wanted})]
+        for family in serving(case) if every_family else [regular(case)]:
+            step = spacing(case.name, family.name)
+            fitting = sorted({step * -(-level // step) for level in wanted})
+            found += [Setting(case.name, family.name, n) for n in fitting]
     return found
 
 
