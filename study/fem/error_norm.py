@@ -100,19 +100,20 @@ class ErrorNorm:
         self.degree = degree + raised
         lines = shared_lines(solution) if along is None else along
         cells = QuadraturePoints.on_cells(rules(solution, space.mesh, self.degree, lines))
-        faces = []
+        points = [cells]
+        on = []
         for face in solution.faces:
             rule = rule_on(space, face.part, count + raised, face.rough)
-            faces.append(QuadraturePoints.on_facets(rule, face.part, space.mesh))
+            of_face, vertices = QuadraturePoints.on_facets(rule, face.part, space.mesh)
+            points.append(of_face)
+            on.append((face.part, vertices))
         # Points in cells and on facets are evaluated together, so that common parts of formulas are computed once.
-        points = [cells, *(found for found, _ in faces)]
         modes = solution.at(np.concatenate([found.x for found in points], axis=1)).modes()
         self._amplitudes = amplitudes_of(modes)
         self._size = sum(len(part.tensors) * part.count for part in modes)
         ends = np.cumsum([0, *(len(found.weights) for found in points)])
         split = [[part.among(first, stop) for part in modes] for first, stop in pairwise(ends)]
         self._cells, *on_faces = (StressSums(solution.law, *both) for both in zip(split, points, strict=True))
-        on = [(face.part, vertices) for face, (_, vertices) in zip(solution.faces, faces, strict=True)]
         self._faces = [(part.normal, sums) for (part, _), sums in zip(on, on_faces, strict=True)]
         self._normal = sps.csr_array(space.normal_components(on).T)
         self._energy = StrainEnergy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)

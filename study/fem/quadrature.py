@@ -163,7 +163,9 @@ def placed(vertices: Points, simplices: Array, barycentric: Array) -> Points:
     return np.einsum("dvn,vq->dnq", vertices[:, simplices], barycentric)
 
 
-def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int) -> FacetRule:
+def facet_rule(
+    mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int, divisions: int = 1
+) -> FacetRule:
     """Return a quadrature rule on facets of one boundary part, exact for polynomials of degree 2 · points − 2.
 
     Args:
@@ -173,6 +175,7 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
         rough: in 2D the coordinates along the part at which the integrand is not smooth. Facets are divided there, and
             the quadrature points are graded towards these coordinates.
         points: the number of Gauss points per direction, in 2D on each piece of a facet.
+        divisions: in 2D the number of equal pieces into which every facet is divided.
 
     Raises:
         MeshError: ``rough`` is given in 3D, or a line has not two components.
@@ -190,7 +193,7 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
     ends = np.stack([part.coordinates(mesh.p[:, v])[0][0] for v in mesh.facets[:, facets]])
     low = ends.min(axis=0)
     high = ends.max(axis=0)
-    nodes = np.sort(np.vstack([low, high, *(np.clip(c, low, high) for c in rough)]), axis=0)
+    nodes = np.sort([*np.linspace(low, high, divisions + 1), *(np.clip(c, low, high) for c in rough)], axis=0)
     pieces = []
     for left, right in pairwise(nodes[..., None]):
         # Whether an end of the piece is one of the coordinates ``rough``, up to round-off.

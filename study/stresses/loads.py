@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from manufactured.data import Data, ForceInTime
 from manufactured.tensors import Array, Points, Vectors
 from study.fem.quadrature import (
     CellRule,
-    FacetRule,
     Line,
     amplitudes_of,
     cell_rules,
@@ -261,8 +260,8 @@ class _Edges:
             if abs(slope) > PARALLEL_LINE and 0 < (offset - start) / slope < part.measure:
                 places.append(float((offset - start) / slope))
         crossings = tuple(sorted(places))
-        graded = partial(facet_rule, space.mesh, edges, part, crossings)
-        rule = graded(GRADED_POINTS) if crossings else _divided(graded(EDGE_POINTS))
+        points, divisions = (GRADED_POINTS, 1) if crossings else (EDGE_POINTS, EDGE_PARTS)
+        rule = facet_rule(space.mesh, edges, part, crossings, points, divisions)
         self.edges = edges
         self.weights = rule.weights
         self._projection = Projection(bernstein(space.degree, rule.shapes), rule.weights)
@@ -272,14 +271,3 @@ class _Edges:
         """Return the projected traction P f_2 at a time, (n, k + 1, 2), and the norms ‖f_2 − P f_2‖_e, (n,)."""
         coefficients, rest = self._projection(self.load(time))
         return coefficients, np.sqrt(np.einsum("nqd,nqd,nq->n", rest, rest, self.weights))
-
-
-def _divided(rule: FacetRule) -> FacetRule:
-    """Repeat a quadrature rule on each of ``EDGE_PARTS`` equal parts of every facet."""
-    first = rule.shapes[0]
-    s = rule.s[0]
-    slope = (s[:, 1] - s[:, 0]) / (first[:, 1] - first[:, 0])
-    places = np.concatenate([(first + part) / EDGE_PARTS for part in range(EDGE_PARTS)], axis=1)
-    moved = s[:, :1] + slope[:, None] * (places - first[:, :1])
-    weights = np.tile(rule.weights / EDGE_PARTS, EDGE_PARTS)
-    return FacetRule(rule.facets, moved[None], np.stack([places, 1 - places]), weights)
