@@ -10,7 +10,7 @@ relative accuracy to about (machine precision)/h², that is 1e-10 at h = 1e-3.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -38,7 +38,7 @@ CELL_DEGREE, SOLID_CELL_DEGREE = 4, 2
 """Degrees of the quadrature rule on cells, in 2D and in 3D.
 
 The square of a linear strain error needs degree 2. In 2D the degree is two higher, because kinks of the strain may
-cross cells and because moving the quadrature points (``along`` of ``ErrorNorm``) lowers the degree. In 3D the exact
+cross cells and because moving the quadrature points (``aligned`` of ``ErrorNorm``) lowers the degree. In 3D the exact
 solution dominates the cost, so the degree is not raised. Every row of a rate table states by how much the error changes
 if the degree is raised by two.
 """
@@ -84,22 +84,18 @@ class ErrorNorm:
         solution: the exact solution u.
         space: the space V^h.
         raised: a number added to the degree of the cell rules and to the number of points of the facet rules.
-        along: lines through contact faces. The quadrature points are moved so that many of them have the same
-            coordinate along these lines. The formulas of u are then evaluated less often, but the degree of the rule is
-            lower (``study.fem.quadrature.shared``). The default is ``shared_lines(solution)``; () keeps the standard
-            points.
+        aligned: whether the quadrature points are moved so that many of them have the same coordinate along one of the
+            lines ``shared_lines(solution)``. The formulas of u are then evaluated less often, but the degree of the
+            rule is lower (``study.fem.quadrature.shared``).
     """
 
-    def __init__(
-        self, solution: ExactSolution, space: Space, raised: int = 0, along: Sequence[Line] | None = None
-    ) -> None:
+    def __init__(self, solution: ExactSolution, space: Space, raised: int = 0, aligned: bool = True) -> None:
         self.solution = solution
         self.space = space
         self.A = solution.law.A
         degree, count = (CELL_DEGREE, FACET_POINTS) if space.dim == 2 else (SOLID_CELL_DEGREE, SOLID_FACET_POINTS)
         self.degree = degree + raised
-        lines = shared_lines(solution) if along is None else along
-        cells = QuadraturePoints.on_cells(rules(solution, space.mesh, self.degree, lines))
+        cells = QuadraturePoints.on_cells(rules(solution, space.mesh, self.degree, aligned))
         points = [cells]
         on = []
         for face in solution.faces:
@@ -180,7 +176,7 @@ class ErrorNorm:
         return np.concatenate(found, axis=1).reshape(-1, *np.shape(time))
 
 
-def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Line] = ()) -> list[CellRule]:
+def rules(solution: ExactSolution, mesh: Mesh, degree: int, aligned: bool = False) -> list[CellRule]:
     """Return quadrature rules for all cells, adapted to lines and points at which the exact strain is never smooth.
 
     Args:
@@ -188,9 +184,10 @@ def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Lin
             quadrature points are graded.
         mesh: the mesh.
         degree: degree of the rule on ordinary cells.
-        shared: lines with which the quadrature points are aligned, as in ``along`` of ``ErrorNorm``.
+        aligned: whether the quadrature points are aligned with contact faces, as for ``ErrorNorm``.
     """
-    return cell_rules(mesh, degree, [Line(*line) for line in solution.rough], solution.singular, shared)
+    along = shared_lines(solution) if aligned else ()
+    return cell_rules(mesh, degree, [Line(*line) for line in solution.rough], solution.singular, along)
 
 
 def shared_lines(solution: ExactSolution) -> list[Line]:

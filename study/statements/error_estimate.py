@@ -257,7 +257,7 @@ class InterpolationInV(ListedNumbers):
             sample = v_norm.sample(fraction * solution.body.T)
             errors[v] = v_norm.distance(sample, sample.interpolant)
         field = smooth(space.body)
-        energies = Energies(solution, space, (), RAISED_FOR_KINKS)
+        energies = Energies(solution, space, False, RAISED_FOR_KINKS)
         error = energies.distance(strain(field, energies.exact.x), space.interpolate(field(space.mesh.p)))
         return with_h(space.h, {**errors, SMOOTH_FIELD: error})
 
@@ -620,7 +620,7 @@ def sides(setup: Experiment) -> Numbers:
     T = problem.T
     error = v_norm.largest(time_nodes(T, setup.steps), path(problem, setup.scheme, setup.steps))
     start = v_norm.sample(0.0)
-    energies = Energies(setup.solution, setup.space, along=())
+    energies = Energies(setup.solution, setup.space, aligned=False)
     times = midpoints(T, NORM_INSTANTS)
     k = T / NORM_INSTANTS
     # The work of contact ∫ σ_ν (u_ν − Π^hu_ν) and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² over Γ3.

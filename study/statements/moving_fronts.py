@@ -421,7 +421,7 @@ class AdvancingFront(ListedNumbers):
         for time in midpoints(problem.T, FEW_INSTANTS):
             finer = load_from_forces(solution, space, time, RAISED_FORCE_DEGREE)
             changes.append(dual_norm(finer - force(time), riesz))
-        rates = Energies(solution, space, along=()).velocity_error(midpoints(problem.T, ERROR_INSTANTS))
+        rates = Energies(solution, space, aligned=False).velocity_error(midpoints(problem.T, ERROR_INSTANTS))
         numbers = {
             "error": error,
             "rate": math.sqrt(problem.T * np.mean(rates**2)),

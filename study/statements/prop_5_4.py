@@ -263,7 +263,7 @@ class Measurement:
         experiment = self.experiment
         problem = experiment.problem
         time = self.worst.time
-        finer = ErrorNorm(experiment.solution, experiment.space, raised=2, along=())
+        finer = ErrorNorm(experiment.solution, experiment.space, raised=2, aligned=False)
         error = experiment.v_norm.distance(experiment.v_norm.sample(time), self.worst.u)
         raised = finer.distance(finer.sample(time), self.worst.u)
         change = replace(

@@ -176,7 +176,7 @@ class BoundedVelocity(ListedNumbers):
         return Experiment.at(setting, BACKWARD_EULER, 1)
 
     def measure(self, setup: Experiment) -> Numbers:
-        energies = Energies(setup.solution, setup.space, along=())
+        energies = Energies(setup.solution, setup.space, aligned=False)
         exact = energies.velocity_norm(np.linspace(0, setup.problem.T, SUPREMUM_AT + 1)).max()
         return with_h(setup.space.h, {k: fastest(setup.problem, steps) / exact for k, steps in STEPS_BY_K.items()})
 
@@ -884,7 +884,7 @@ def tractions(setup: Experiment) -> Numbers:
     for part in (*space.body.of(Kind.LOADED), *space.body.of(Kind.CONTACT)):
         rule = rule_on(space, part, FACET_POINTS)
         sides.append((part, space.mesh.f2t[0, rule.facets], rule.weights, setup.solution.at(part.point(rule.s))))
-    energies = Energies(setup.solution, space, along=())
+    energies = Energies(setup.solution, space, aligned=False)
     tests = []
     for fields in smooth_fields(space.body):
         strains = [strain(v, energies.exact.x) for v in fields]

@@ -372,7 +372,7 @@ class Resolved:
         fine = Space(mesh, space.body)
         self.solution = solution
         self.space = space
-        self.v_norm = ErrorNorm(solution, fine, along=())
+        self.v_norm = ErrorNorm(solution, fine, aligned=False)
         every = sps.csr_array(sps.kron(nodal, sps.eye_array(space.dim)))
         self.inclusion: sps.csr_array = sps.csr_array(every[fine.free][:, space.free])
         self.start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))

@@ -4,7 +4,7 @@ In 2D the quadrature rules are the same as in ``ErrorNorm``.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -18,8 +18,8 @@ from manufactured.exact import ExactSolution, Face
 from manufactured.exact.solution import FaceFields
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array, Points, Tensors, Vectors, size
-from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, rules, shared_lines
-from study.fem.quadrature import FacetRule, Line, QuadraturePoints, rule_on
+from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, rules
+from study.fem.quadrature import FacetRule, QuadraturePoints, rule_on
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete, VectorFunction
 from study.statements.shared.base import SEED
@@ -61,14 +61,13 @@ def dual_norm(functional: Array, riesz: VectorFunction) -> float:
 class Energies:
     """Computes inner products in V and the work of stresses on strains.
 
-    In 2D and with the default of ``along``, ``ErrorNorm`` integrates the load with the same quadrature points. So the
+    In 2D and with the default of ``aligned``, ``ErrorNorm`` integrates the load with the same quadrature points. So the
     stress in a work and the stress in the load have the same quadrature error.
 
     Args:
         solution: the exact solution.
         space: the P1 displacement space V^h.
-        along: lines along which quadrature points are moved, as for ``ErrorNorm``; by default as there, and none for
-            an empty tuple.
+        aligned: whether quadrature points are aligned with contact faces, as for ``ErrorNorm``.
         raised: a number added to the degree of the quadrature rules.
 
     Attributes:
@@ -76,11 +75,8 @@ class Energies:
         cells: the cell of each quadrature point, (points,).
     """
 
-    def __init__(
-        self, solution: ExactSolution, space: Space, along: Sequence[Line] | None = None, raised: int = 0
-    ) -> None:
-        lines = shared_lines(solution) if along is None else along
-        points = QuadraturePoints.on_cells(rules(solution, space.mesh, CELL_DEGREE + raised, lines))
+    def __init__(self, solution: ExactSolution, space: Space, aligned: bool = True, raised: int = 0) -> None:
+        points = QuadraturePoints.on_cells(rules(solution, space.mesh, CELL_DEGREE + raised, aligned))
         self.space = space
         self.weights = points.weights
         self.cells = points.sums
