@@ -29,7 +29,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial, reduce
 from operator import add
@@ -424,6 +424,12 @@ def norm(problem: SemiDiscrete, v: Array) -> float:
 def norms(problem: SemiDiscrete, v: Array) -> Array:
     """Return the norms ‖v_n‖_V of several P1 displacements, (n, dofs) → (n,)."""
     return np.sqrt(abs(np.sum(v.T * (problem.M @ v.T), axis=0)))
+
+
+def histories(states: Iterable[State]) -> tuple[Array, Array]:
+    """Return the displacements and the contact forces of several states, (states, n) and (states, m)."""
+    u, multipliers = zip(*((state.u, state.multipliers) for state in states), strict=True)
+    return np.array(u), np.array(multipliers)
 
 
 def path(problem: SemiDiscrete, scheme: Scheme, steps: int) -> Array:

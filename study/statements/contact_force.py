@@ -59,6 +59,7 @@ from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
 from study.ledger.datafiles import CsvFile
 from study.ledger.quantities import finest
 from study.ledger.window import Window, around, at_least, at_most, between
+from study.solve.evolution import histories
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import (
@@ -162,9 +163,7 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
         The three relative errors over (0, T) that ``FORCE_ERRORS`` names, (3,); the largest relative penetration; and
         the largest relative tensile force.
     """
-    states = list(setup.march(steps))
-    u = np.array([state.u for state in states])
-    multipliers = np.array([state.multipliers for state in states])
+    u, multipliers = histories(setup.march(steps))
     squares, sizes = forces.squares(midpoints(setup.problem.T, steps), multipliers[1:])
     penetration = maximum(map(forces.penetration, u)) / abs(u).max()
     pulling = -multipliers.min(initial=0.0) / abs(multipliers).max()

@@ -21,7 +21,7 @@ from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
 from study.ledger.quantities import change, over_refinements
 from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
-from study.solve.evolution import SemiDiscrete, furthest, norms, path
+from study.solve.evolution import SemiDiscrete, furthest, histories, norms, path
 from study.solve.factorisation import Cholesky
 from study.solve.gradient_flow import EulerBounds
 from study.solve.signorini import Signorini
@@ -410,9 +410,7 @@ class AdvancingFront(ListedNumbers):
         # Without rows of N there is no contact condition, so the exact σ_ν acts as a given traction in the load.
         linear = replace(problem, N=problem.N[:0], load=partial(at_each, of=pressed))
         coarse = path(problem, MIDPOINT, steps)
-        states = list(MIDPOINT.march(problem, 2 * steps))
-        fine = np.array([state.u for state in states])
-        forces = np.array([state.multipliers for state in states[1:]])
+        fine, forces = histories(MIDPOINT.march(problem, 2 * steps))
         nodes = np.arange(0, 2 * steps + 1, max(1, 2 * steps // ERROR_INSTANTS))
         error = v_norm.largest(nodes * problem.T / (2 * steps), fine[nodes])
         # A change δf of the load changes u^h by at most T max ‖δf‖_V, because the elasticity G is monotone.
@@ -428,7 +426,7 @@ class AdvancingFront(ListedNumbers):
             "excess": furthest(problem, fine, path(linear, MIDPOINT, 2 * steps)),
             "time share": furthest(problem, fine[::2], coarse) / error,
             "quadrature": problem.T * maximum(changes) / error,
-            "local": violation(v_norm, problem, forces) / (space.h * math.log(space.h)) ** 2,
+            "local": violation(v_norm, problem, forces[1:]) / (space.h * math.log(space.h)) ** 2,
             "pairing": pairing(solution, space, problem.M @ np.diff(fine, axis=0).T),
             "half": half_quotient(problem, fine),
         }

@@ -27,6 +27,7 @@ from study.ledger.datafiles import CsvFile
 from study.ledger.quantities import quotients
 from study.ledger.verdict import BECAUSE, HOLDS, NOWHERE, REPORTED, UNDECIDED, Verdict, row
 from study.ledger.window import Window, around, at_most, positive_at_most
+from study.solve.evolution import histories
 from study.solve.signorini import ContactSolution
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import RATES, RateSetting
@@ -262,9 +263,7 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
         plain: the problem of the second solver.
         own_load, same_load: the trajectories of the second solver with its own load and with the load of the study.
     """
-    states = list(setup.march(2 * setup.steps))
-    u = np.array([state.u for state in states])
-    multipliers = np.array([state.multipliers for state in states])
+    u, multipliers = histories(setup.march(2 * setup.steps))
     sizes = [plain.norm(v) for v in own_load[0]]
     size_of_forces = np.linalg.norm(own_load[1])
     # Both loads start from the same initial value.

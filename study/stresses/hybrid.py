@@ -109,9 +109,8 @@ class Equilibrium:
         free = np.ones((edges, 2 * n), dtype=bool)
         free[space.edges_on(Kind.CLAMPED)] = False
         # On rollers the normal moments are 0 and the tangential ones are free, so that τ_τ = 0.
-        rollers = space.on(Kind.ROLLER)
-        for _, edges in rollers:
-            free[edges, ::2] = False
+        rollers = space.edges_on(Kind.ROLLER)
+        free[rollers, ::2] = False
         self.free = np.flatnonzero(free.ravel())
         self.contact = space.edges_on(Kind.CONTACT)
         # For the constraints on Γ3: the positions of the normal moments among all unknown moments.
@@ -126,7 +125,7 @@ class Equilibrium:
         midpoints = space.mesh.p[:, space.mesh.facets].mean(axis=1)
         try:
             # With rollers, the edges have different numbers of unknowns.
-            self.solve = solver(self.S, self.N, midpoints[:, self.free[:: 1 if rollers else 2 * n] // (2 * n)])
+            self.solve = solver(self.S, self.N, midpoints[:, self.free[:: 1 if rollers.size else 2 * n] // (2 * n)])
         except np.linalg.LinAlgError as error:
             raise MeshError(_too_thin(space.mesh, compliance)) from error
 
@@ -138,8 +137,7 @@ class Equilibrium:
             strain: the strain ε* at the quadrature points, (3, ..., cells, Q).
         """
         values, tractions = self.space.lift(loads.force)
-        known = self.space.tested(act(self.compliance, values) + strain)
-        known, g = self._condensed(loads, tractions, known)
+        known, g = self._condensed(loads, tractions, act(self.compliance, values) + strain)
         v, _ = self.solve(g)
         return self._joined(values, tractions, known, v, v)
 
@@ -159,7 +157,7 @@ class Equilibrium:
         """
         values, tractions = self.space.lift(loads.force)
         values -= target
-        known, g = self._condensed(loads, tractions, self.space.tested(act(self.compliance, values)))
+        known, g = self._condensed(loads, tractions, act(self.compliance, values))
         shift = np.zeros_like(g)
         shift[..., self._normal] = normal.reshape(*g.shape[:-1], -1)
         v, _ = self.solve(g + shift @ self.S)
@@ -168,24 +166,24 @@ class Equilibrium:
     def balance(self, loads: Loads) -> EquilibratedStress:
         """Return the stress with the least norm (C⁻¹τ, τ)_Q that balances loads and has no traction on Γ3, τν = 0."""
         values, tractions = self.space.lift(loads.force)
-        known, g = self._condensed(loads, tractions, self.space.tested(act(self.compliance, values)))
+        known, g = self._condensed(loads, tractions, act(self.compliance, values))
         v = self.solve.factor(g)
         return self._joined(values, tractions, known, v, v)
 
-    def _condensed(self, loads: Loads, tractions: Array, known: Array) -> tuple[Array, Array]:
+    def _condensed(self, loads: Loads, tractions: Array, strain: Tensors) -> tuple[Array, Array]:
         """Eliminate the stresses on every cell (static condensation), which leaves a problem for the moments.
 
         Args:
             loads: the projected loads.
             tractions: the tractions of a stress τ that is in equilibrium only inside each cell.
-            known: the functional (C⁻¹τ + ε*, ·)_Q on the stresses with Div σ = 0, (..., cells, p).
+            strain: the strain C⁻¹τ + ε* at the quadrature points, (3, ..., cells, Q).
 
         Returns:
             Two arrays. The first contains, for each cell, the p coefficients of the stress with Div σ = 0 that the
-            functional ``known`` represents, followed by the 6 n coefficients of its tractions, (..., cells, p + 6 n).
-            The second is the right-hand side of the problem for the moments, (..., unknown moments).
+            functional (C⁻¹τ + ε*, ·)_Q represents, followed by the 6 n coefficients of its tractions, (..., cells, p +
+            6 n). The second is the right-hand side of the problem for the moments, (..., unknown moments).
         """
-        joined = _times(known, self._of_strains)
+        joined = _times(self.space.tested(strain), self._of_strains)
         of_cells = tractions.reshape(*joined.shape[:-1], -1) - joined[..., self._tractions]
         numbers = self.numbers.ravel()
         several = of_cells.shape[:-2]
