@@ -269,10 +269,9 @@ class Shaken(Structured):
         shift[(plain == 0) | (plain == 1)] = 0
         resting = mapped(body, plain)
         ends = [*body.vertices.T]
-        # Edges of boundary parts (3D) and interfaces (2D) must remain unions of facets, so vertices on them slide along
-        # them.
+        # Sides of boundary parts and interfaces must remain unions of facets, so vertices on them slide along them.
         sides = [part.corners[:, [i - 1, i]] for part in body.parts for i in range(part.corners.shape[1])]
-        for line in [*(sides if body.dim == 3 else []), *(interface.corners for interface in body.interfaces)]:
+        for line in (*sides, *(interface.corners for interface in body.interfaces)):
             ends += [*line.T]
             on = np.flatnonzero(on_segment(resting, line))
             if on.size > 1:
@@ -552,8 +551,10 @@ def _delaunay(body: Body, points: Array) -> Array:
 
 def _star_centroids(points: Array, cells: Array) -> Array:
     """Return for each point the area-weighted mean of the centroids of the cells around it, (2, points)."""
-    area = abs(determinants(points, cells))
-    centroid = points[:, cells].mean(axis=1)
+    corners = points[:, cells]
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area = abs(first[0] * second[1] - first[1] * second[0])
+    centroid = corners.mean(axis=1)
     sums = [np.bincount(cells.ravel(), np.tile(x, 3), points.shape[1]) for x in (*(area * centroid), area)]
     return np.array(sums[:2]) / np.maximum(sums[2], np.finfo(float).tiny)
 
