@@ -272,7 +272,8 @@ def test_the_bound_from_data_alone_has_the_value_computed_by_hand():
     M = sps.csc_array([[4.0]])
     u0 = np.zeros(1)
     problem = SemiDiscrete(M, C, np.zeros_like, N, lambda times: np.full((1, times.size), 8.0), u0, 1.0)
-    bounds, nodes = EulerBounds(problem, np.array([[8.0], [8.0], [12.0]])), np.arange(9) / 4
+    bounds = EulerBounds(problem, np.array([[8.0], [8.0], [12.0]]))
+    nodes = np.linspace(0, 2, 9)
     assert bounds.by_data(nodes) == pytest.approx((4 / math.sqrt(2) + 2 * 2) / 8)
     assert bounds.piecewise_constant(nodes) == pytest.approx(bounds.by_data(nodes) + (4 + 2) / 8)
 

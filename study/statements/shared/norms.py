@@ -200,8 +200,13 @@ def hat_functions(mesh: Mesh, rule: FacetRule) -> sps.csr_array:
     return sps.csr_array((np.moveaxis(rule.shapes, 0, -1).ravel(), vertices.ravel(), ends), shape=shape)
 
 
-EIGENVALUE_TOLERANCE = 1e-9
-"""Relative tolerance for the smallest eigenvalue."""
+SMALLEST_TOLERANCE, LARGEST_TOLERANCE = 1e-9, 1e-4
+"""Relative tolerances for the smallest and for the largest eigenvalue.
+
+The largest eigenvalues lie in clusters, so their eigenvectors converge slowly. A loose tolerance suffices for them,
+because the error of a Rayleigh quotient is about the square of the error of the eigenvector."""
+LANCZOS = 40
+"""Number of Lanczos vectors with which the largest eigenvalue is computed."""
 
 
 def unloaded(space: Space, law: KelvinVoigt) -> SemiDiscrete:
@@ -234,7 +239,24 @@ def smallest(form: sps.csc_array, product: sps.csc_array) -> float:
 
     Args:
         form: the matrix of a, positive definite.
-        product: the matrix of b, positive semidefinite.
+        product: the matrix of b, positive definite.
     """
+    return _extreme_eigenvalue(form, product, sigma=0.0, tol=SMALLEST_TOLERANCE)
+
+
+def largest(form: sps.csc_array, product: sps.csc_array) -> float:
+    """Return the largest Rayleigh quotient a(v, v)/b(v, v) of two forms over v ∈ V^h.
+
+    Lanczos' method is used without a shift, because a shift at a supposed bound would hide eigenvalues far beyond it.
+
+    Args:
+        form: the matrix of a.
+        product: the matrix of b, positive definite.
+    """
+    vectors = min(LANCZOS, form.shape[0])
+    return _extreme_eigenvalue(form, product, which="LA", tol=LARGEST_TOLERANCE, ncv=vectors)
+
+
+def _extreme_eigenvalue(form: sps.csc_array, product: sps.csc_array, **options: Any) -> float:
     start = np.random.default_rng(SEED).standard_normal(form.shape[0])
-    return float(eigsh(form, 1, product, sigma=0.0, v0=start, tol=EIGENVALUE_TOLERANCE, return_eigenvectors=False)[0])
+    return float(eigsh(form, 1, product, v0=start, return_eigenvectors=False, **options)[0])
