@@ -13,9 +13,8 @@ import scipy.sparse as sps
 from manufactured.tensors import Array, Points
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.solve.multigrid import Multigrid
+from study.solve.multigrid import Multigrid, multigrid_tolerance
 from study.solve.signorini import ContactSolver, Signorini
-from study.solve.solver_choice import multigrid_tolerance
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import Experiment
 

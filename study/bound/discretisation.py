@@ -20,12 +20,11 @@ from manufactured.factor import UNIFORM
 from manufactured.tensors import Array, Tensors
 from study.bound.problem import BoundError, Moduli, moduli, require_units
 from study.bound.remainders import Sampling
-from study.fem.quadratic import Quadratic
-from study.stresses.composite import interval_mass
+from study.fem.space import Quadratic
 from study.stresses.hybrid import EquilibratedStress, Equilibrium
 from study.stresses.loads import Loads, ProjectedLoads, Snapshot
 from study.stresses.oscillation import Oscillation
-from study.stresses.stress_space import StressSpace
+from study.stresses.stress_space import StressSpace, interval_mass
 
 LEAST_TIMES, CACHED_NUMBERS = 40, 1 << 23
 """Limits of the cache of the data at single times.

@@ -31,7 +31,7 @@ from study.bound.enclosing import squared_distances
 from study.bound.problem import BoundError, place
 from study.bound.trajectory import Computed, Refined, on_refinement
 from study.fem.mesh import MeshError, boundary_parts, cell_volumes
-from study.fem.quadratic import Quadratic
+from study.fem.space import Quadratic
 from study.ledger.text import interval
 from study.solve.steps import require_steps
 

@@ -35,11 +35,10 @@ from manufactured.data import Data
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array
 from study.fem.mesh import FAMILIES, MeshError
-from study.stresses.composite import thirds
 from study.stresses.hybrid import Equilibrium
 from study.stresses.loads import Loads
 from study.stresses.oscillation import cell_constants, loaded_sides
-from study.stresses.stress_space import StressSpace
+from study.stresses.stress_space import StressSpace, thirds
 
 LEAST, MOST = 1e-25, 1e25
 SMALLEST, LARGEST = 1e-50, 1e100

@@ -46,8 +46,8 @@ from study.bound.remainders import Evidence, proportional
 from study.bound.terms import Shares
 from study.bound.trajectory import Computed, on_refinement, prolongation
 from study.fem.space import Space, form
+from study.solve.multigrid import contact_solver
 from study.solve.signorini import Signorini
-from study.solve.solver_choice import contact_solver
 
 ENERGY_ROUNDING = 1e-11
 """Relative rounding error of ‖ũ‖² for which the interval of the energy ‖u‖² is widened."""

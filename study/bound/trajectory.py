@@ -30,8 +30,7 @@ from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.fem.mesh import barycentric
 from study.fem.mesh import size as mesh_size
-from study.fem.quadratic import EDGES, Quadratic, nodes_of, numbers_of
-from study.fem.space import Displacements, Space
+from study.fem.space import EDGES, Displacements, Quadratic, Space, nodes_of, numbers_of
 from study.solve.evolution import Scheme, SemiDiscrete, remainder
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT

@@ -4,10 +4,9 @@ A certificate is a file that states a problem, its meshes and a numerical soluti
 this package do the following:
 
 * ``statement`` writes the problem and the meshes;
-* ``constants`` computes numbers that are the same for all solutions on a body: the stress element and the constants of
-  the loads;
-* ``witnesses`` rounds the displacement and the stress that ``study.bound`` computes;
-* ``certified`` makes the certificate of one level from these parts;
+* ``certified`` makes the certificate of one level. It computes numbers that are the same for all solutions on a body,
+  the stress element and the constants of the loads, and rounds the displacement and the stress that ``study.bound``
+  computes;
 * ``checker`` is a stand-alone program that reads a certificate, verifies it in exact arithmetic and computes the
   bounds. So a proof depends on no other file of this package.
 """

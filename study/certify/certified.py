@@ -1,27 +1,435 @@
-"""Makes the certificate of one level, from the solution u_h and the more accurate displacement ũ of ``study bound``."""
+"""Makes the certificate of one level, from the solution u_h and the more accurate displacement ũ of ``study bound``.
+
+**The reference element** is the composite element of degree 3 on the reference triangle, with exact coefficients. The
+unknowns are the 90 coefficients of a stress σ̂ and three coefficients of a rigid motion q̂. The equations say that
+tractions are continuous inside and prescribed on the boundary, and that Div σ̂ − q̂ = −f̂. They are solved for all
+prescribed data at once, by row reduction over the rational numbers.
+
+**The constants of the loads** are C_Ω and C_Γ with ∫ g·v ≤ C_Ω ‖g‖ ‖v‖_V and ∫_{Γ2} g·v ≤ C_Γ ‖g‖ ‖v‖_V. A tensor field
+Φ proves them as follows. For a totally symmetric Φ, continuous and linear on cells, and v = 0 on Γ1,
+
+    ∫ (div Φ)(v, v) + 2 (Φv)·ε(v) = ∫_{Γ2 ∪ Γ3} Φ(ν, v, v),
+
+since (Φv)·∇v = (Φv)·ε(v). With −2 (Φv)·ε(v) ≤ Aε(v)·ε(v) + A⁻¹(Φv)·(Φv) it follows that
+
+    ‖v‖_V² ≥ ∫ div Φ(v, v) − A⁻¹(Φv)·(Φv) − ∫_{Γ2 ∪ Γ3} Φ(ν, v, v) ≥ μ ‖v‖² + κ ‖v‖²_{L²(Γ2)}
+
+if the integrands are large enough. It suffices to check 2 × 2 matrices at vertices, because the quadratic term is
+convex on a cell. Korn's inequality is not needed. The largest κ, with a fixed ratio μ/κ, is the solution of a
+semidefinite programme. Its conditions are written with a Schur complement:
+
+    ( div Φ − μ 1   Φᵀ )
+    ( Φ             A  )  ⪰ 0     at every vertex of every cell.
+
+**The witnesses** are the displacement ũ and the stress σ̃ of ``study.bound``, rounded to integers. From these two
+fields the checker computes an error bound. Rounding must keep them admissible: the signs of ũ_ν and σ̃_ν on the contact
+boundary Γ3 must be right exactly. The balance of forces need not be exact, because the checker adds the effect of
+unbalanced loads to the bound.
+
+σ̃ differs from the stress that ``study.bound`` uses in two ways. It balances the loads f̃ of the checker, not the
+projected loads. And it is given by its tractions on the edges and by nine numbers for each cell, called inner numbers,
+from which the checker makes a stress with exactly continuous tractions.
+"""
 
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterator, Sequence
 from fractions import Fraction
-from itertools import pairwise
+from functools import cache
+from itertools import pairwise, product
 from pathlib import Path
-from typing import Any
 
+import clarabel
 import numpy as np
+import scipy.sparse as sps
+from sympy import QQ
+from sympy.polys.matrices import DomainMatrix
 
 from manufactured.data import Data
-from manufactured.tensors import Array
+from manufactured.tensors import Array, Tensors, basis
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined, compute, spline
 from study.certify import checker
-from study.certify.constants import constants, reference_element
+from study.certify.checker import CENTRE, CORNERS, CUBIC, SQUARE, Poly, X, Y
 from study.certify.statement import Twins, in_doubles, rational_mesh, statement
-from study.certify.witnesses import COARSE, DISPLACEMENT, FINE, StressEncoder, bits_below, rounded
 from study.fem.mesh import MeshFamily, Unstructured
-from study.ledger.files import write_packed
+from study.ledger.files import Json, write_packed
 from study.solve.evolution import Scheme
+from study.stresses.hybrid import EquilibratedStress
+from study.stresses.loads import Loads
+from study.stresses.stress_space import bernstein
+
+FINE_DIGITS, COARSE_DIGITS = 38, 20
+"""Numbers of binary digits of a stress, relative to the largest traction.
+
+``FINE_DIGITS`` is for the numbers on which the balance of forces depends, ``COARSE_DIGITS`` for all others.
+"""
+DISPLACEMENT_DIGITS = 38
+"""Number of binary digits of the displacement ũ, relative to its largest value."""
+LOAD_BITS = 60
+"""Number of binary digits to which the body forces here agree with the body forces of the checker."""
+ON_EDGE = [Fraction(i, 3) for i in range(4)]
+"""The relative positions on an edge at which the traction f_2 is interpolated by a cubic polynomial."""
+
+
+def bits_below(size: float, digits: int) -> int:
+    """Return the exponent b of a unit 2^{−b} that is about 2^{−digits} times a given size."""
+    return max(digits - math.ceil(math.log2(size)), 1) if size > 0 else 1
+
+
+def rounded(mesh: checker.Mesh, values: Array, bits: int) -> list[list[int]]:
+    """Round displacements to integers over 2^bits that are exactly admissible: v = 0 on Γ1, and v·ν ≤ 0 on Γ3.
+
+    Args:
+        mesh: the mesh of the checker.
+        values: for each time, the coefficients at the vertices, then at the edges, (times, vertices + edges, 2).
+        bits: the number of binary digits behind the point.
+
+    Returns:
+        For each time the integers in one list, x and y in turn.
+    """
+    normals = defaultdict[int, set[checker.Vector]](set)
+    clamped = set[int]()
+    for edge, side in mesh.boundary.items():
+        if side.kind == "clamped":
+            clamped.update(mesh.nodes_of(edge))
+        elif side.kind == "contact":
+            for n in mesh.nodes_of(edge):
+                normals[n].add(side.normal)
+    found = np.round(values * 2.0**bits).astype(np.int64).tolist()
+    for v in found:
+        for n, of_node in normals.items():
+            v[n] = admissible(v[n], of_node)
+        for n in clamped:
+            v[n] = [0, 0]
+    return [[c for point in v for c in point] for v in found]
+
+
+def admissible(value: Sequence[int], normals: Collection[checker.Vector]) -> list[int]:
+    """Return an integer vector near ``value`` with value·N ≤ 0 for all normals N, none of which are opposite."""
+    inward = -np.sum([np.array(N, dtype=float) / math.hypot(*N) for N in normals], axis=0)
+    # A short vector (p, q) is sought, because a multiple of it is added.
+    scale = 1
+    p = 0
+    q = 0
+    while any(checker.dot((p, q), N) >= 0 for N in normals):
+        (p, q), scale = (round(c) for c in scale * inward), 2 * scale
+    steps = max(0, *(math.ceil(Fraction(checker.dot(value, N)) / -checker.dot((p, q), N)) for N in normals))
+    return [value[0] + steps * p, value[1] + steps * q]
+
+
+class StressEncoder:
+    """Converts stresses of ``study.bound`` to integers for the checker, and loads of the checker to projected loads.
+
+    Args:
+        problem: the problem, as the checker reads it.
+        twins: the mesh, in the checker and in scikit-fem.
+        fine: the discretisation of ``study.bound`` on this mesh.
+    """
+
+    def __init__(self, problem: checker.Problem, twins: Twins, fine: Discretisation) -> None:
+        space = fine.stresses
+        self.problem = problem
+        self.exact = twins.exact
+        self.twins = twins
+        self.space = space
+        element, self._free = reference_element()
+        self.layout = checker.Stresses(self.exact, {"bits": 1, "coarse": 0}, checker.Element.of(element))
+        self._loads = checker.Loads(problem, self.exact, LOAD_BITS)
+        F = np.array([cell.F for cell in self.exact.cells], dtype=float).reshape(-1, 2, 2) / self.exact.h
+        self._twice_area = np.linalg.det(F)
+        self._adjugate = np.linalg.inv(F) * self._twice_area[:, None, None]
+        self._fit = np.linalg.pinv(self._monomials(checker.CUBIC))
+        # Every edge of the layout is a side of a cell, from its first to its second vertex counter-clockwise.
+        sides = {(v[i - 2], v[i - 1]): (n, i) for n, v in enumerate(c.v for c in self.exact.cells) for i in range(3)}
+        edges = [*self.layout.contact, *self.layout.loaded, *self.layout.free]
+        self._loaded = slice(len(self.layout.contact), len(self.layout.contact) + len(self.layout.loaded))
+        cells, places = np.array([sides[edge] for edge in edges]).T
+        self._sides = twins.cells[cells], twins.corners[cells, places]
+        self._edges = space.edges[self._sides]
+        self._backward = space.mesh.facets[0, self._edges] != twins.nodes[[a for a, _ in edges]]
+        self._normals = np.array([self.exact.along(edge) for edge in edges])[:, ::-1] * [1, -1] / self.exact.h
+
+    def loads(self, a: Fraction, b: Fraction) -> list[Loads]:
+        """Return the loads f̃ of the checker for a time interval [a, b], as three Bernstein coefficients in time."""
+        first, middle, last = (self._surface(t) for t in (a, (a + b) / 2, b))
+        surfaces = first, 2 * middle - (first + last) / 2, last
+        controls = self._loads.controls(a, b)
+        return [Loads(self._force(f), surface) for f, surface in zip(controls, surfaces, strict=True)]
+
+    def _force(self, control: list[checker.Poly]) -> Array:
+        """Return a body force of the checker as in ``Loads.force``."""
+        found = np.zeros((self.space.cells, 3, 6, 2))
+        numbers = self._loads.on_cells(control)
+        if numbers:
+            force = np.reshape(np.array(numbers, dtype=float), (-1, 6, 2)) / 2.0**LOAD_BITS
+            values = self._monomials(checker.SQUARE) @ (force / self._twice_area[:, None, None])[:, None]
+            found[self.twins.cells] = np.linalg.pinv(self.space.force_shapes.T) @ values
+        return found
+
+    def _monomials(self, exponents: list[tuple[int, int, int]]) -> Array:
+        """Return monomials on the reference triangle of the checker at the quadrature points of scikit-fem.
+
+        Axes: cell of the checker, subtriangle of scikit-fem, point, monomial.
+        """
+        _, X, Y = np.moveaxis(self.space.barycentric[self.twins.corners], 1, 0)
+        return np.stack([X**i * Y**j for i, j, _ in exponents], axis=-1).reshape(len(X), 3, -1, len(exponents))
+
+    def _surface(self, time: Fraction) -> Array:
+        """Return the traction f_2 at a time as in ``Loads.surface``, interpolated on every loaded edge."""
+        found = np.zeros((len(self.space.lengths), 4, 2))
+        here = self._loaded
+        for n, backward, edge in zip(self._edges[here], self._backward[here], self.layout.loaded, strict=True):
+            p, q = (self.exact.place(v) for v in edge)
+            for i, share in enumerate(reversed(ON_EDGE) if backward else ON_EDGE):
+                place = [a + share * (b - a) for a, b in zip(p, q, strict=True)]
+                found[n, i] = [value_of(f, (*place, time)) for f in self.exact.boundary[edge].load]
+        x = np.array(ON_EDGE, dtype=float)
+        return np.linalg.solve(bernstein(3, np.array([1 - x, x])).T, found)
+
+    def tractions(self, stress: EquilibratedStress) -> Array:
+        """Return the Bernstein coefficients of tractions |e|σν on the edges, (edges, 4, 2).
+
+        Edges are in the order of ``checker.Stresses``: contact, loaded, free. ν points to the right of an edge.
+        """
+        cartesian = stress.tractions[self._sides] @ self.space.frames[self._edges]
+        along = np.where(self._backward[:, None, None], cartesian[:, ::-1], cartesian)
+        return along * self.space.lengths[self._edges, None, None]
+
+    def inner(self, values: Tensors) -> Array:
+        """Return the nine inner numbers of every cell of a stress, (cells, 9).
+
+        They are those coefficients of the stress on the reference triangle that tractions and forces do not determine.
+
+        Args:
+            values: the stress at the quadrature points of the space, (3, cells, Q).
+        """
+        of_thirds = np.moveaxis(values[:, self.twins.cells], 0, -1).reshape(len(self._adjugate), 3, -1, 3)
+        coefficients = self._fit @ of_thirds
+        # The stress on the reference triangle is σ̂ = F⁻¹ σ F⁻ᵀ det F, and the checker multiplies it by det F.
+        A = self._adjugate
+        E = basis(2)
+        hat = np.einsum("cik,Ikl,cjl,ctnI->ctnij", A, E, A, coefficients, optimize=True)
+        component, third, monomial = self._free.T
+        row, column = np.array([[0, 0], [1, 1], [0, 1]])[component].T
+        found: Array = hat[np.arange(len(hat))[:, None], self.twins.corners[:, third], monomial, row, column]
+        return found * self.exact.h
+
+    def integers(self, tractions: Array, inner: Array, bits: int, coarse: int) -> tuple[list[int], list[int]]:
+        """Return the integers by which a certificate stores a stress: tractions, and inner numbers of the cells.
+
+        The tractions are rounded such that σ̃_ν ≤ 0 holds exactly on Γ3.
+
+        Args:
+            tractions, inner: the stress, as the methods with these names return it.
+            bits: the number of binary digits of the unit of tractions.
+            coarse: the unit of the inner numbers, and of the last two of the four modes on an edge that is neither
+                loaded nor in contact, is 2^coarse times larger.
+        """
+        contact, loaded, free = np.split(tractions, [self._loaded.start, self._loaded.stop])
+        n = self._normals[: len(contact), None]
+        pressed = np.minimum((contact * n).sum(axis=2) / (n * n).sum(axis=2), 0)
+        modes = np.linalg.solve(np.array(checker.MODES).T, free) / 2.0 ** (coarse * (np.arange(4)[:, None] > 1))
+        numbers = np.concatenate([part.ravel() for part in (pressed, loaded, modes)]) * 2.0**bits
+        return [int(x) for x in np.round(numbers)], [int(x) for x in np.round(inner * 2.0 ** (bits - coarse)).ravel()]
+
+
+def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
+    """Return the value of a formula of the checker at a point (x, y, t) in space and time."""
+    terms = [term(*map(checker.constant, place)).plain() for term in formula]
+    return float(sum((p.get((0, 0, 0), Fraction(0)) for p in terms if p is not None), Fraction(0)))
+
+
+GIVEN, INNER = 36, 9
+"""Numbers of inputs of the reference element: 36 prescribed tractions and forces, and 9 free coefficients."""
+RIGID = ((checker.ONE, Poly()), (Poly(), checker.ONE), (Y * -1, X))
+FIELD_BITS = 28
+"""Number of binary digits of the tensor field Φ: it is rounded to multiples of 2^−FIELD_BITS."""
+SEMIDEFINITE_MARGIN = 1e-6
+"""Margin in every semidefinite condition, because neither the solver nor the rounding of Φ is exact."""
+WITH_FORCE, WITHOUT_FORCE = Fraction(1), Fraction(1, 100)
+"""The ratio μ/κ of the two constants that are maximised together, for problems with and without a body force f_0.
+
+Without f_0, the constant C_Ω is needed for rounding errors only, so μ can be small.
+"""
+SLACKS = (1e-4, 1e-3, 1e-2, 0.1)
+"""Fractions by which κ is reduced until the rounded field Φ proves it; they are tried in turn."""
+ENTRIES = ((0, 0), (0, 1), (1, 1))
+"""Positions of the entries of a symmetric 2 × 2 matrix.
+
+The k-th entry of Φv contains the components k and k + 1 of the tensor field Φ.
+"""
+
+
+# ---- the reference element: the stress for each prescribed traction and force
+
+
+def _coefficients(tractions: list[Poly], divergences: list[Poly]) -> list[Fraction]:
+    """Return the coefficients of 12 cubic polynomials on edges and of 6 polynomials of degree 2 on subtriangles."""
+    on_edges = [p.get((n, 0, 0), Fraction(0)) for p in tractions for n in range(4)]
+    return on_edges + [p.get(key, Fraction(0)) for p in divergences for key in SQUARE]
+
+
+def _of_stress(component: int, third: int, monomial: int) -> list[Fraction]:
+    """Return the contributions to all equations of a stress of which one coefficient is 1 and all others are 0.
+
+    The equations are for tractions on the boundary, jumps of tractions inside, and divergences on the subtriangles.
+    """
+    one = (third, component, monomial)
+    stress = []
+    for i in range(3):
+        stress.append([[Fraction((i, c, m) == one) for m in range(10)] for c in range(3)])
+    outside = []
+    jumps = []
+    divergences = []
+    for i in range(3):
+        outside += checker.tractions(stress[i], CORNERS[(i + 1) % 3], CORNERS[(i + 2) % 3])
+        left, right = (checker.tractions(stress[(i + n) % 3], CORNERS[i], CENTRE) for n in (1, 2))
+        jumps += [p - q for p, q in zip(left, right, strict=True)]
+        x, y, z = (checker.combination(checker.PLAIN, values) for values in stress[i])
+        divergences += [x.slope(0) + z.slope(1), z.slope(0) + y.slope(1)]
+    return _coefficients(outside + jumps, divergences)
+
+
+@cache
+def reference_element() -> tuple[Json, Array]:
+    """Return the reference element as a certificate states it, and which coefficients of its stresses are free.
+
+    The element has 45 degrees of freedom: 36 prescribed tractions and forces, and 9 free coefficients. For each of
+    them, ``columns`` contains the 90 coefficients of the stress for which it is 1 and all others are 0, as numerators
+    of the common denominator ``over``. Coefficients are numbered by component (3), subtriangle (3) and monomial (10).
+    """
+    # Monomials of high degree are eliminated first: the columns are then ten times smaller, and low degrees stay free.
+    unknowns = sorted(product(range(3), range(3), range(10)), key=lambda place: -sum(CUBIC[place[2]]))
+    none = [Poly()]
+    every = [_of_stress(*place) for place in unknowns]
+    every += [_coefficients(none * 12, [p * -1 for p in motion] * 3) for motion in RIGID]
+    for side, p, d in product(range(3), checker.bernstein(3, X), (0, 1)):
+        every.append(_coefficients([p * -(n == 2 * side + d) for n in range(12)], none * 6))
+    for key, d in product(SQUARE, (0, 1)):
+        every.append(_coefficients(none * 12, [Poly({key: Fraction(1)}) if c == d else Poly() for c in (0, 1)] * 3))
+    rows = [[QQ(x.numerator, x.denominator) for x in row] for row in zip(*every, strict=True)]
+    solutions = DomainMatrix(rows, (len(rows), len(every)), QQ).nullspace(divide_last=True).to_list()
+    # In each solution, the last coefficient that is not 0 is the degree of freedom, which is 1.
+    freedoms = [max(n for n, x in enumerate(row) if x) for row in solutions]
+    if freedoms[INNER:] != [*range(len(every) - GIVEN, len(every))]:
+        raise ArithmeticError(f"the reference element has {len(freedoms) - GIVEN} free coefficients, expected {INNER}")
+    order = np.lexsort(np.transpose(unknowns)[::-1])
+    found = [[Fraction(int(row[n].numerator), int(row[n].denominator)) for n in order] for row in solutions]
+    numerators, over = checker.common(found[INNER:] + found[:INNER])
+    return {"over": over, "columns": numerators}, np.array(unknowns)[freedoms[:INNER]]
+
+
+# ---- the constants of the loads, from a semidefinite programme
+
+
+def constants(mesh: Json, problem: checker.Problem) -> Json:
+    """Return the constants of the loads as a certificate states them: a mesh, the field Φ at its vertices, μ and κ.
+
+    Args:
+        mesh: a mesh as a certificate states it.
+        problem: the problem.
+
+    Raises:
+        BoundError: no tensor field was found that proves a constant.
+    """
+    exact = checker.Mesh.of(mesh, problem)
+    inside = WITH_FORCE if any(problem.force) else WITHOUT_FORCE
+    field, largest = _solve(exact, problem, float(inside))
+    rounded = [[int(c) for c in row] for row in np.round(field * 2**FIELD_BITS)]
+    for slack in SLACKS:
+        kappa = Fraction(largest * (1 - slack)).limit_denominator(10**6)
+        found = {
+            "mesh": mesh,
+            "bits": FIELD_BITS,
+            "field": rounded,
+            "volume": str(kappa * inside),
+            "surface": str(kappa),
+        }
+        try:
+            checker.load_constants(found, problem)
+        except checker.RefusedError:
+            continue
+        return found
+    raise BoundError(
+        "no constant of the loads could be proved for this body: the checker refused every rounded field Φ; the mesh "
+        "of the body may have very flat cells, so avoid small angles and very short sides"
+    )
+
+
+def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple[Array, float]:
+    """Solve the semidefinite programme for the tensor field Φ with the largest κ.
+
+    Args:
+        mesh: the mesh on which Φ is linear.
+        problem: the problem.
+        inside: the ratio μ/κ.
+
+    Returns:
+        The four independent components of Φ at the vertices, (vertices, 4), and κ.
+    """
+    blocks = [*_inside(mesh, problem, inside), *_on_boundary(mesh)]
+    unknowns = 4 * len(mesh.points) + 1
+    # Clarabel expects the upper triangle of a matrix by columns, with off-diagonal entries multiplied by √2.
+    rows = []
+    right = []
+    for linear, constant in blocks:
+        j, i = np.tril_indices(len(constant))
+        scale = np.where(i == j, 1.0, np.sqrt(2))
+        rows.append(sps.csr_matrix(-scale[:, None] * linear[i, j]))
+        right.append(scale * constant[i, j])
+    cones = [clarabel.PSDTriangleConeT(len(constant)) for _, constant in blocks]
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    objective = np.zeros(unknowns)
+    objective[-1] = -1.0
+    matrix = sps.csc_matrix(sps.vstack(rows))
+    nothing = sps.csc_matrix((unknowns, unknowns))
+    solver = clarabel.DefaultSolver(nothing, objective, matrix, np.concatenate(right), cones, settings)
+    x = np.array(solver.solve().x)
+    return x[:-1].reshape(-1, 4), float(x[-1])
+
+
+def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iterator[tuple[Array, Array]]:
+    """Yield the conditions of the programme at the vertices of the cells, as linear functions of the unknowns.
+
+    The unknowns are the values of Φ, then κ. Each condition is the matrix with the Schur complement in the docstring of
+    the module. It is a pair of coefficients, (5, 5, unknowns), and constants, (5, 5).
+    """
+    constant = -SEMIDEFINITE_MARGIN * np.eye(5)
+    constant[2:, 2:] = [[float(c) for c in row] for row in problem.A]
+    for cell in mesh.cells:
+        divergence = np.zeros((5, 5, 4 * len(mesh.points) + 1))
+        a, b, c, d = (x * mesh.h / cell.det for x in cell.F)
+        for w, slope in zip(cell.v, ((c - d, b - a), (d, -b), (-c, a)), strict=True):
+            for k, entry in enumerate(ENTRIES):
+                divergence[entry][[4 * w + k, 4 * w + k + 1]] += slope
+        divergence[[0, 1], [0, 1], -1] -= inside
+        for v in cell.v:
+            block = divergence.copy()
+            for stress, columns in enumerate(((0, 1), (2, 3), (1, 2))):
+                block[[0, 1], 2 + stress, [4 * v + column for column in columns]] += 1
+            yield block, constant
+
+
+def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
+    """Yield the conditions of the programme at the ends of edges outside Γ1, in the same form as ``_inside``.
+
+    The matrix is −Φ(ν), and on loaded edges −Φ(ν) − κ 1.
+    """
+    for edge, side in mesh.boundary.items():
+        normal = np.array([float(c) for c in side.normal])
+        normal /= np.linalg.norm(normal)
+        for v in edge if side.kind != "clamped" else ():
+            block = np.zeros((2, 2, 4 * len(mesh.points) + 1))
+            for k, entry in enumerate(ENTRIES):
+                block[entry][[4 * v + k, 4 * v + k + 1]] -= normal
+            if side.load:
+                block[[0, 1], [0, 1], -1] -= 1
+            yield block, -SEMIDEFINITE_MARGIN * np.eye(2)
+
 
 CONSTANTS_LEVEL = 12
 """Level of the mesh on which the constants C_Ω and C_Γ of the body are proved."""
@@ -55,7 +463,7 @@ def make_certificate(
     steps: int,
     refined: Refined,
     progress: Callable[[float], object] = lambda time: None,
-) -> dict[str, Any]:
+) -> Json:
     """Return the certificate of a problem on one level, as data that JSON can write.
 
     Args:
@@ -70,13 +478,15 @@ def make_certificate(
     mesh = rational_mesh(family(data.body, level), data.body)
     exact = checker.Mesh.of(mesh, problem)
     coarse = Discretisation(data, in_doubles(exact))
-    u_h, fine = compute(coarse, scheme, steps), refined.discretisation(coarse)
+    u_h = compute(coarse, scheme, steps)
+    fine = refined.discretisation(coarse)
     for _ in range(refined.refinements):
         exact = exact.refined()
-    twins, V = Twins(fine.mesh, exact), fine.displacements
+    twins = Twins(fine.mesh, exact)
+    V = fine.displacements
     nodes = [node for _, node in refined.nodes(fine, u_h)]
     u = np.array([V.coefficients(node)[twins.nodes] for node in nodes])
-    bits = bits_below(float(abs(u).max()), DISPLACEMENT)
+    bits = bits_below(float(abs(u).max()), DISPLACEMENT_DIGITS)
     m = float(fine.moduli.values.min())
     damping = max(Fraction(math.floor(m * (1 - BELOW) * 2**DAMPING), 2**DAMPING), Fraction(0))
     mesh_of_constants = rational_mesh(Unstructured()(data.body, CONSTANTS_LEVEL), data.body)
@@ -97,7 +507,7 @@ def make_certificate(
 
 def _rounded_stresses(
     encoder: StressEncoder, fine: Discretisation, nodes: list[Array], progress: Callable[[float], object]
-) -> dict[str, Any]:
+) -> Json:
     """Compute the stress σ̃ of a certificate at all times and round it to integers.
 
     Between two knots of the spline ũ, σ̃ is a parabola in time. It is stored at every knot, and by one control point
@@ -109,7 +519,8 @@ def _rounded_stresses(
     times = np.linspace(0, float(T), len(nodes)).tolist()
     stresses: list[tuple[Array, Array]] = []
     for piece, (a, b) in zip(spline(zip(times, nodes, strict=True)), pairwise(knots), strict=True):
-        first, last = piece.rate(end=False), piece.rate(end=True)
+        first = piece.rate(end=False)
+        last = piece.rate(end=True)
         controls = (piece.start, first), (piece.control, (first + last) / 2), (piece.end, last)
         for j, (load, (u, rate)) in enumerate(zip(encoder.loads(a, b), controls, strict=True)):
             if j or not stresses:  # the start of a piece is the end of the piece before
@@ -118,8 +529,8 @@ def _rounded_stresses(
                 stresses.append((encoder.tractions(stress), encoder.inner(stress.values + target)))
         progress(float(b))
     # All stresses are computed before any is rounded, because the unit of rounding depends on the largest one.
-    bits = bits_below(max(float(abs(tractions).max()) for tractions, _ in stresses), FINE)
-    coarse = FINE - COARSE
+    bits = bits_below(max(float(abs(tractions).max()) for tractions, _ in stresses), FINE_DIGITS)
+    coarse = FINE_DIGITS - COARSE_DIGITS
     tractions, inner = zip(*(encoder.integers(*stress, bits, coarse) for stress in stresses), strict=True)
     return {"bits": bits, "coarse": coarse, "tractions": differences(tractions), "inner": differences(inner)}
 
@@ -131,6 +542,6 @@ def differences(rows: Sequence[list[int]]) -> list[list[int]]:
     return list(rows)
 
 
-def write(path: Path, certificate: dict[str, Any]) -> Path:
+def write(path: Path, certificate: Json) -> Path:
     """Write a certificate to a file and return its path; equal certificates give identical files."""
     return write_packed(path, json.dumps(certificate, separators=(",", ":")))

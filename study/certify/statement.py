@@ -26,7 +26,8 @@ from manufactured.tensors import Array
 from study.bound.problem import BoundError
 from study.certify import checker
 from study.fem.mesh import determinants, simplicial_mesh, size
-from study.fem.quadratic import nodes_of
+from study.fem.space import nodes_of
+from study.ledger.files import Json
 
 SIMPLE = 10**6
 """Largest denominator of a simple fraction that replaces a number in double precision."""
@@ -34,7 +35,7 @@ FINENESS = 64
 """The size of cells is at least this many times the width of the lattice to which vertices are moved."""
 ROUNDED_TWICE = 4e-16
 """Relative rounding error of a number that is multiplied by √2 twice."""
-NAMES = {Kind.CLAMPED: "clamped", Kind.LOADED: "loaded", Kind.CONTACT: "contact"}
+KIND_NAMES = {Kind.CLAMPED: "clamped", Kind.LOADED: "loaded", Kind.CONTACT: "contact"}
 SERVED = "certificates support polynomials in x1, x2 and t with rational coefficients, times pos(polynomial, q) in f_2"
 
 
@@ -47,7 +48,7 @@ def rational(x: float, tolerance: float = 0.0) -> Fraction:
     return simple if abs(float(simple) - x) <= tolerance * abs(x) else Fraction(x)
 
 
-def statement(data: Data) -> dict[str, Any]:
+def statement(data: Data) -> Json:
     """Return the problem as a certificate states it, as data that JSON can write.
 
     Raises:
@@ -72,7 +73,7 @@ def statement(data: Data) -> dict[str, Any]:
     loads = {number: [_terms("f_2", formula) for formula in load] for number, load in expressions.loads}
     return {
         "vertices": [[str(c) for c in corner] for corner in corners(data.body)],
-        "kinds": [NAMES[part.kind] for part in data.body.parts],
+        "kinds": [KIND_NAMES[part.kind] for part in data.body.parts],
         "T": str(rational(data.body.T)),
         **_law(data.law),
         "force": force,
@@ -160,16 +161,18 @@ def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> 
     return [[str(Fraction(int(c.p), int(c.q))), *key] for key, c in p.terms() if c != 0]
 
 
-def rational_mesh(mesh: Mesh, body: Body) -> dict[str, Any]:
+def rational_mesh(mesh: Mesh, body: Body) -> Json:
     """Return a mesh as a certificate states it, with rational vertices.
 
     The vertices are integers over one denominator, the cells are counter-clockwise, and ``sides`` lists the vertices on
     every part of the boundary in the order in which they follow each other.
     """
     bits = math.ceil(math.log2(FINENESS / size(mesh)))
-    unit, sides = 1 << bits, corners(body)
+    unit = 1 << bits
+    sides = corners(body)
     points = [tuple(Fraction(round(c * unit), unit) for c in point) for point in mesh.p.T.tolist()]
-    tolerance, chains = 1e-7 * size(mesh), []
+    tolerance = 1e-7 * size(mesh)
+    chains = []
     for part, start, end in zip(body.parts, sides, [*sides[1:], sides[0]], strict=True):
         shares = {}
         for v in np.flatnonzero(part.contains(mesh.p, tolerance)).tolist():

@@ -27,7 +27,7 @@ from study.present.figures import figure
 from study.run.executor import require_bound
 from study.run.fingerprint import of_data, of_problem
 from study.run.store import Store
-from study.solve.steps import MOST
+from study.solve.steps import STEPS_LIMIT
 from study.solve.tableau import SCHEMES
 
 
@@ -99,8 +99,9 @@ def _limit(stage: Stage, cells: int) -> str:
     """
     if stage.cells > cells:
         return f"the next mesh has {stage.cells} cells, and {cells} are permitted: raise --cells or the tolerance"
-    if stage.steps > MOST:
-        return f"the next mesh needs {stage.steps} time steps, and at most {MOST} are permitted: raise the tolerance"
+    if stage.steps > STEPS_LIMIT:
+        needed = f"the next mesh needs {stage.steps} time steps"
+        return f"{needed}, and at most {STEPS_LIMIT} are permitted: raise the tolerance"
     try:
         require_bound(f"the next mesh of {stage.cells} cells", stage.cells, 0)
     except UsageError as error:

@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
-from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,12 +21,12 @@ import scipy.sparse as sps
 from manufactured.body import Kind, Part
 from manufactured.law import Yield, isotropic_matrix
 from manufactured.modes import at_each
-from manufactured.tensors import Array, Points
-from study.fem.error_norm import ErrorNorm, gaps_at_vertices
+from manufactured.tensors import Array
+from study.fem.error_norm import ErrorNorm
 from study.fem.independent import work_on
 from study.fem.space import Space, means
 from study.solve.evolution import SemiDiscrete, remainder
-from study.solve.signorini import ContactSolver, Signorini
+from study.solve.signorini import ContactSolution, ContactSolver, Signorini
 from study.statements.pictures import contact_weights
 from study.statements.shared.base import Experiment
 
@@ -189,10 +188,6 @@ def added_load(part: Callable[[Experiment, float], Array]) -> Change:
     return faulty
 
 
-def whole_load(setup: Experiment, time: float) -> Array:
-    return setup.problem.load(time)
-
-
 @lru_cache(maxsize=4096)
 def traction_load(setup: Experiment, time: float, kind: Kind = Kind.LOADED) -> Array:
     """Return the load vector of the exact traction σν at a time on the boundary parts of one kind, (dofs,).
@@ -209,9 +204,7 @@ def body_load(setup: Experiment, time: float) -> Array:
 
 def contact_dofs(setup: Experiment) -> Array:
     """Return for every unknown whether its vertex lies on Γ3, (dofs,)."""
-    space = setup.space
-    vertices = np.concatenate([numbers for _, numbers in space.contact])
-    return np.isin(space.free // space.dim, vertices)
+    return np.isin(setup.space.free // setup.space.dim, contact_vertices(setup.space))
 
 
 def load_at_contact(setup: Experiment, time: float) -> Array:
@@ -274,9 +267,7 @@ def partly_clamped(setup: Experiment, size: float) -> Experiment:
     def load(times: Array) -> Array:
         return v_norm.load(times) - at_each(times, partial(work_on, Kind.CLAMPED, inside, space))  # type: ignore[arg-type]
 
-    start = v_norm.sample(0.0).interpolant
-    problem = SemiDiscrete.of(space, solution.law, load, start, gaps_at_vertices(solution, space))
-    return replace(setup, space=space, v_norm=v_norm, problem=problem)
+    return replace(setup, space=space, v_norm=v_norm, problem=replace(SemiDiscrete.of_exact(v_norm), load=load))
 
 
 # ---- (2.5): contact
@@ -290,14 +281,24 @@ def components(space: Space, directions: Callable[[Part], Array], once: bool = T
         directions: returns for a contact part the directions of the components, (d, k).
         once: whether vertices that lie on several parts are left out.
     """
-    every = np.concatenate([numbers for _, numbers in space.contact])
-    vertices, counts = np.unique(every, return_counts=True)
-    repeated = vertices[counts > 1] if once else vertices[:0]
+    every = contact_vertices(space)
+    left_out = repeated(every if once else every[:0])
     rows = []
     for part, numbers in space.contact:
-        single = np.setdiff1d(numbers, repeated)
+        single = np.setdiff1d(numbers, left_out)
         rows += [(SimpleNamespace(normal=direction), single) for direction in directions(part).T]
     return space.normal_components(rows)  # type: ignore[arg-type]
+
+
+def contact_vertices(space: Space) -> Array:
+    """Return the numbers of the vertices of all contact parts, in the order of the rows of N, (m,)."""
+    return np.concatenate([numbers for _, numbers in space.contact])
+
+
+def repeated(vertices: Array) -> Array:
+    """Return the vertices that lie on several contact parts."""
+    numbers, counts = np.unique(vertices, return_counts=True)
+    return numbers[counts > 1]
 
 
 def tangents(space: Space) -> sps.csr_array:
@@ -305,7 +306,7 @@ def tangents(space: Space) -> sps.csr_array:
     return components(space, lambda part: part.frame[:, :-1])
 
 
-def along_contact(setup: Experiment, name: str, size: float, first_only: bool = False) -> Faulty:
+def along_contact(setup: Experiment, size: float, name: str, first_only: bool = False) -> Faulty:
     """Solve with springs ("reference") or dashpots ("M") along Γ3.
 
     Their stiffness for an area is δ times the normal modulus of G or A, divided by a unit length.
@@ -324,11 +325,12 @@ def along_contact(setup: Experiment, name: str, size: float, first_only: bool = 
 
 def owners(space: Space, directions: int) -> Array:
     """Return for each tangential component at the vertices of Γ3 the row of N of the same vertex, (rows,)."""
-    every = np.concatenate([numbers for _, numbers in space.contact])
-    single = np.flatnonzero([(every == number).sum() == 1 for number in every])
-    ends = np.cumsum([0, *(len(numbers) for _, numbers in space.contact)])
-    parts = [single[(single >= a) & (single < b)] for a, b in pairwise(ends)]
-    return np.concatenate([np.tile(part, directions) for part in parts])
+    every = contact_vertices(space)
+    ends = np.cumsum([len(numbers) for _, numbers in space.contact])[:-1]
+    rows = []
+    for part in np.split(np.arange(len(every)), ends):
+        rows += [part[np.isin(every[part], repeated(every), invert=True)]] * directions
+    return np.concatenate(rows)
 
 
 class Frictional:
@@ -345,7 +347,13 @@ class Frictional:
     """
 
     def __init__(
-        self, S: sps.csc_array, N: sps.csr_array, T: sps.csr_array, owners: Array, friction: float, gap: Array | float
+        self,
+        S: sps.csc_array,
+        N: sps.csr_array,
+        T: sps.csr_array,
+        owners: Array,
+        friction: float,
+        gap: Array | float = 0.0,
     ) -> None:
         self.m = N.shape[0]
         self.owners = owners
@@ -354,7 +362,7 @@ class Frictional:
         self.both = Signorini(S, sps.csr_array(sps.vstack([N, T])))
         self.normal = Signorini(S, N)
 
-    def __call__(self, b: Array) -> tuple[Array, Array]:
+    def __call__(self, b: Array) -> ContactSolution:
         solver = self.both
         m = self.m
         W = solver.W
@@ -395,13 +403,8 @@ def bounded(W: Array, free: Array, bound: Array, start: Array) -> Array:
 
 def friction(setup: Experiment, size: float) -> Experiment:
     """Solve with Coulomb friction of the coefficient δ; δ = ∞ glues the body where it is in contact."""
-    T = tangents(setup.space)
     rows = owners(setup.space, setup.space.dim - 1)
-
-    def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> Frictional:
-        return Frictional(S, N, T, rows, size, gap)
-
-    return solving(setup, solver=solver)
+    return solving(setup, solver=partial(Frictional, T=tangents(setup.space), owners=rows, friction=size))
 
 
 def tilted(setup: Experiment, size: float) -> Experiment:
@@ -425,36 +428,45 @@ def unconstrained(which: Callable[[int], Iterable[int]]) -> Change:
     """Return the fault that leaves some of m vertices of Γ3 unconstrained; ``which`` returns their numbers for m."""
 
     def faulty(setup: Experiment, size: float) -> Experiment:
-        count = setup.problem.N.shape[0]
+        N = setup.problem.N
+        count = N.shape[0]
         held = np.delete(np.arange(count), [*which(count)])
-
-        def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> ContactSolver:
-            part = Signorini(S, N[held], gap=np.broadcast_to(gap, count)[held])
-            return lambda b: spread(part(b), held, count)
-
-        return solving(setup, solver=solver)
+        return constrained(setup, N[held], sps.eye_array(count, format="csr")[held])
 
     return faulty
 
 
-def spread(solution: tuple[Array, Array], held: Array, count: int) -> tuple[Array, Array]:
-    """Return a displacement and contact forces at all vertices, 0 where no constraint is held."""
-    forces = np.zeros(count)
-    u, forces[held] = solution
-    return u, forces
+def constrained(setup: Experiment, N: sps.csr_array, right: sps.csr_array) -> Experiment:
+    """Return an experiment that is solved with other constraints.
+
+    Args:
+        setup: the experiment.
+        N: the matrix of the constraints, (k, dofs).
+        right: which of the m right constraints each of the k constraints is, as a matrix of zeros and ones, (k, m).
+    """
+    gap = right @ np.broadcast_to(setup.problem.gap, right.shape[1])
+
+    def solver(S: sps.csc_array, _: sps.csr_array, **of_right: Array) -> ContactSolver:
+        solve = Signorini(S, N, gap=gap)
+
+        def solved(b: Array) -> ContactSolution:
+            u, forces = solve(b)
+            return u, right.T @ forces
+
+        return solved
+
+    return solving(setup, solver=solver)
 
 
 def other_forces(rule: Callable[[Signorini, Array], Array]) -> Change:
     """Return the fault that computes contact forces by another rule, from the penetration without contact forces."""
 
     def faulty(setup: Experiment, size: float) -> Experiment:
-        points = setup.space.free_points
-
         class Faulty(Signorini):
             def complementarity(self, gap: Array) -> Array:
                 return rule(self, gap)
 
-        return solving(setup, solver=lambda S, N, gap=0.0: Faulty(S, N, points, gap))
+        return solving(setup, solver=partial(Faulty, x=setup.space.free_points))
 
     return faulty
 
@@ -485,12 +497,12 @@ def springs(setup: Experiment, size: float) -> Experiment:
     modulus = np.linalg.eigvalsh(setup.solution.law.A.reference)[-1]
     compliance = size / (modulus * contact_weights(space))
 
-    class Springs(Signorini):
-        def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None, gap: Array | float = 0.0):
-            super().__init__(S, N, x, gap)
-            self.W = self.W + np.diag(compliance)
+    def solver(S: sps.csc_array, N: sps.csr_array, **gap: Array) -> Signorini:
+        yielding = Signorini(S, N, space.free_points, **gap)
+        yielding.W = yielding.W + np.diag(compliance)
+        return yielding
 
-    return solving(setup, solver=lambda S, N, gap=0.0: Springs(S, N, space.free_points, gap))
+    return solving(setup, solver=solver)
 
 
 def relaxed(setup: Experiment, size: float) -> Experiment:
@@ -523,28 +535,16 @@ def gap_fault(change: Callable[[Array], Array]) -> Change:
 def opposite_faces(setup: Experiment, size: float) -> Faulty:
     """Find the faces of Γ2 in contact as well: u_ν ≤ 0 there."""
     space = setup.space
-    taken = np.concatenate([numbers for _, numbers in space.contact])
+    taken = contact_vertices(space)
     free = space.free[:: space.dim] // space.dim
     more = []
     for part in space.body.of(Kind.LOADED):
         more.append((part, np.setdiff1d(np.intersect1d(space.vertices(part), free), taken)))
         taken = np.concatenate([taken, more[-1][1]])
-    if not sum(len(numbers) for _, numbers in more):
-        return None
     further = space.normal_components(more)
-    count = setup.problem.N.shape[0]
-
-    def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> ContactSolver:
-        gaps = np.concatenate([np.broadcast_to(gap, count), np.zeros(further.shape[0])])
-        both = Signorini(S, sps.csr_array(sps.vstack([N, further])), gap=gaps)
-
-        def solve(b: Array) -> tuple[Array, Array]:
-            u, forces = both(b)
-            return u, forces[:count]
-
-        return solve
-
-    return solving(setup, solver=solver)
+    N = sps.csr_array(sps.vstack([setup.problem.N, further]))
+    right = sps.eye_array(N.shape[0], setup.problem.N.shape[0], format="csr")
+    return constrained(setup, N, right) if further.shape[0] else None
 
 
 def gap_from_start(setup: Experiment, size: float) -> Faulty:
@@ -562,17 +562,21 @@ def start_scaled(setup: Experiment, size: float) -> Faulty:
     return solving(setup, u0=(1 + size) * u0) if u0.any() else None
 
 
+def in_both_tensors(
+    name: str, change: Callable[[Array, float], Array], sizes: tuple[float, ...] = (1.0,)
+) -> list[Fault]:
+    """Return two faults that change the constant tensors of A and of G in the same way."""
+    return [Fault(f"{name} in {of}", "(2.1)", tensor_fault(of, change), sizes) for of in ("A", "G")]
+
+
 A_TOO_LARGE = tensor_fault("A", lambda matrix, size: (1 + size) * matrix)
 FAULTS = (
     Fault("A too large", "(2.1)", A_TOO_LARGE, (0.5, 0.05)),
     Fault("G too large", "(2.1)", elasticity_scaled, (0.5, 0.05)),
     Fault("G left out", "(2.1)", lambda setup, size: elasticity_scaled(setup, -1.0)),
-    Fault("λ and μ exchanged in A", "(2.1)", tensor_fault("A", exchanged), (0.5, 0.1)),
-    Fault("λ and μ exchanged in G", "(2.1)", tensor_fault("G", exchanged), (0.5, 0.1)),
-    Fault("axes exchanged in A", "(2.1)", tensor_fault("A", axes_exchanged)),
-    Fault("axes exchanged in G", "(2.1)", tensor_fault("G", axes_exchanged)),
-    Fault("shear scaled in A", "(2.1)", tensor_fault("A", shear_scaled), (0.414, 0.05)),
-    Fault("shear scaled in G", "(2.1)", tensor_fault("G", shear_scaled), (0.414, 0.05)),
+    *in_both_tensors("λ and μ exchanged", exchanged, (0.5, 0.1)),
+    *in_both_tensors("axes exchanged", axes_exchanged),
+    *in_both_tensors("shear scaled", shear_scaled, (0.414, 0.05)),
     Fault(
         "factors replaced by their means",
         "(3.1), (3.2)",
@@ -584,7 +588,7 @@ FAULTS = (
     Fault("yield radius too large", "(3.3)", yield_radius, (0.5,)),
     Fault("nonlinear part of G left out", "(3.2)", linear_part_only),
     Fault("a cell missing", "(2.2)", cell_missing, single=True),
-    Fault("f too large", "(3.7)", added_load(whole_load), (0.2, 0.02)),
+    Fault("f too large", "(3.7)", added_load(lambda setup, time: setup.problem.load(time)), (0.2, 0.02)),
     Fault("f_0 too large", "(2.2)", added_load(body_load), (0.2, 0.02)),
     Fault("f_2 too large", "(2.4)", added_load(traction_load), (0.2, 0.02)),
     Fault("loads at Γ3 left out", "(2.2)", added_load(lambda setup, time: -load_at_contact(setup, time))),
@@ -616,12 +620,12 @@ FAULTS = (
         (0.5, 0.1),
     ),
     Fault("opposite faces in contact", "(2.5) σ_ν u_ν = 0", opposite_faces),
-    Fault("glued on Γ3", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "reference", size), (1e6,)),
+    Fault("glued on Γ3", "(2.5) σ_τ = 0", partial(along_contact, name="reference"), (1e6,)),
     Fault("glued where in contact", "(2.5) σ_τ = 0", lambda setup, size: friction(setup, np.inf)),
     Fault("Coulomb friction δ", "(2.5) σ_τ = 0", friction, (0.3, 0.1)),
-    Fault("springs along Γ3", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "reference", size), (0.3, 0.1)),
-    Fault("dashpots along Γ3", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "M", size), (0.3, 0.1)),
-    Fault("one tangent of Γ3 held", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "reference", 1e6, True)),
+    Fault("springs along Γ3", "(2.5) σ_τ = 0", partial(along_contact, name="reference"), (0.3, 0.1)),
+    Fault("dashpots along Γ3", "(2.5) σ_τ = 0", partial(along_contact, name="M"), (0.3, 0.1)),
+    Fault("one tangent of Γ3 held", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, 1e6, "reference", True)),
     Fault("normals tilted by δ", "(2.5) u_ν", tilted, (0.35, 0.035)),
     Fault("normals of the next part", "(2.5) u_ν", normals_of_next_part),
     Fault("normals inwards", "(2.5) u_ν", lambda setup, size: solving(setup, N=-setup.problem.N)),

@@ -27,6 +27,7 @@ from study.fem.naming import is_own, resolve
 from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, CheckKind, Verdict
 from study.run.plan import quick
+from study.solve.evolution import furthest
 from study.statements.contact_force import ContactForce, touches
 from study.statements.prop_5_4 import (
     Convergence,
@@ -37,7 +38,7 @@ from study.statements.prop_5_4 import (
     SizeOfInterpolation,
     measure,
 )
-from study.statements.shared.base import Experiment, Setting, Statement
+from study.statements.shared.base import Experiment, Numbers, Setting, Statement
 from study.statements.shared.scope import regular
 from study.statements.thm_4_2 import SameMesh
 
@@ -123,7 +124,7 @@ def measured_on(name: str) -> list[Measured]:
     return statements
 
 
-def rows_of(name: str, faults: Sequence[Fault] = FAULTS) -> Iterator[dict[str, Any]]:
+def rows_of(name: str, faults: Sequence[Fault] = FAULTS) -> Iterator[Numbers]:
     """Yield the rows of the matrix for one case; in space, for the largest size of each fault.
 
     Raises:
@@ -143,7 +144,7 @@ def rows_of(name: str, faults: Sequence[Fault] = FAULTS) -> Iterator[dict[str, A
                     yield row
 
 
-def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: float) -> dict[str, Any] | None:
+def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: float) -> Numbers | None:
     """Return the row of the matrix for one fault, size and case; None if the fault cannot occur in this case."""
     case = resolve(rates.settings[0].case)
     right = rates.setups[-1]
@@ -181,13 +182,10 @@ def distance_of_solutions(right: Experiment, faulty: Experiment) -> float:
     """
     if right.space is not faulty.space:
         return math.nan
-    squares = []
-    for one, other in zip(right.march(right.steps), faulty.march(faulty.steps), strict=True):
-        difference = one.u - other.u
-        squares.append(difference @ (right.problem.M @ difference))
-    return float(np.sqrt(np.max(squares)))
+    one, other = (np.array([state.u for state in setup.march(setup.steps)]) for setup in (right, faulty))
+    return furthest(right.problem, one, other)
 
 
-def measure_case(name: str, faults: Sequence[str]) -> list[dict[str, Any]]:
+def measure_case(name: str, faults: Sequence[str]) -> list[Numbers]:
     """Return the rows of the matrix for one case and the faults with the given names."""
     return list(rows_of(name, [fault for fault in FAULTS if fault.name in faults]))

@@ -10,7 +10,7 @@ relative accuracy to about (machine precision)/h², that is 1e-10 at h = 1e-3.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -21,15 +21,24 @@ from skfem import Mesh
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Tensors, dyad, mapped
-from study.fem.moments import QuadraturePoints, StrainEnergy, StressSums, amplitudes_of, blocks
-from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
+from study.fem.quadrature import (
+    CellRule,
+    Line,
+    QuadraturePoints,
+    StrainEnergy,
+    StressSums,
+    amplitudes_of,
+    blocks,
+    cell_rules,
+    rule_on,
+)
 from study.fem.space import Space
 
-DEGREE, SOLID_DEGREE = 4, 2
+CELL_DEGREE, SOLID_CELL_DEGREE = 4, 2
 """Degrees of the quadrature rule on cells, in 2D and in 3D.
 
 The square of a linear strain error needs degree 2. In 2D the degree is two higher, because kinks of the strain may
-cross cells and because moving the quadrature points (``along`` of ``ErrorNorm``) lowers the degree. In 3D the exact
+cross cells and because moving the quadrature points (``aligned`` of ``ErrorNorm``) lowers the degree. In 3D the exact
 solution dominates the cost, so the degree is not raised. Every row of a rate table states by how much the error changes
 if the degree is raised by two.
 """
@@ -38,7 +47,7 @@ FACET_POINTS, SOLID_FACET_POINTS = 8, 4
 
 In 2D a facet is first divided at the points where the strain is not smooth, and each piece gets this number.
 """
-PARALLEL = 0.1
+PARALLEL_FACES = 0.1
 """Two contact faces count as parallel if the sine of the angle between them is below this number.
 
 Quadrature points are then aligned with one of the two faces only.
@@ -75,35 +84,32 @@ class ErrorNorm:
         solution: the exact solution u.
         space: the space V^h.
         raised: a number added to the degree of the cell rules and to the number of points of the facet rules.
-        along: lines through contact faces. The quadrature points are moved so that many of them have the same
-            coordinate along these lines. The formulas of u are then evaluated less often, but the degree of the rule is
-            lower (``study.fem.quadrature.shared``). The default is ``shared_lines(solution)``; () keeps the standard
-            points.
+        aligned: whether the quadrature points are moved so that many of them have the same coordinate along one of the
+            lines ``shared_lines(solution)``. The formulas of u are then evaluated less often, but the degree of the
+            rule is lower (``study.fem.quadrature.shared``).
     """
 
-    def __init__(
-        self, solution: ExactSolution, space: Space, raised: int = 0, along: Sequence[Line] | None = None
-    ) -> None:
+    def __init__(self, solution: ExactSolution, space: Space, raised: int = 0, aligned: bool = True) -> None:
         self.solution = solution
         self.space = space
         self.A = solution.law.A
-        degree, count = (DEGREE, FACET_POINTS) if space.dim == 2 else (SOLID_DEGREE, SOLID_FACET_POINTS)
+        degree, count = (CELL_DEGREE, FACET_POINTS) if space.dim == 2 else (SOLID_CELL_DEGREE, SOLID_FACET_POINTS)
         self.degree = degree + raised
-        lines = shared_lines(solution) if along is None else along
-        cells = QuadraturePoints.on_cells(rules(solution, space.mesh, self.degree, lines))
-        faces = []
+        cells = QuadraturePoints.on_cells(rules(solution, space.mesh, self.degree, aligned))
+        points = [cells]
+        on = []
         for face in solution.faces:
-            rule = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, count + raised)
-            faces.append(QuadraturePoints.on_facets(rule, face.part, space.mesh))
+            rule = rule_on(space, face.part, count + raised, face.rough)
+            of_face, vertices = QuadraturePoints.on_facets(rule, face.part, space.mesh)
+            points.append(of_face)
+            on.append((face.part, vertices))
         # Points in cells and on facets are evaluated together, so that common parts of formulas are computed once.
-        points = [cells, *(found for found, _ in faces)]
         modes = solution.at(np.concatenate([found.x for found in points], axis=1)).modes()
         self._amplitudes = amplitudes_of(modes)
         self._size = sum(len(part.tensors) * part.count for part in modes)
         ends = np.cumsum([0, *(len(found.weights) for found in points)])
         split = [[part.among(first, stop) for part in modes] for first, stop in pairwise(ends)]
         self._cells, *on_faces = (StressSums(solution.law, *both) for both in zip(split, points, strict=True))
-        on = [(face.part, vertices) for face, (_, vertices) in zip(solution.faces, faces, strict=True)]
         self._faces = [(part.normal, sums) for (part, _), sums in zip(on, on_faces, strict=True)]
         self._normal = sps.csr_array(space.normal_components(on).T)
         self._energy = StrainEnergy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
@@ -170,7 +176,7 @@ class ErrorNorm:
         return np.concatenate(found, axis=1).reshape(-1, *np.shape(time))
 
 
-def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Line] = ()) -> list[CellRule]:
+def rules(solution: ExactSolution, mesh: Mesh, degree: int, aligned: bool = False) -> list[CellRule]:
     """Return quadrature rules for all cells, adapted to lines and points at which the exact strain is never smooth.
 
     Args:
@@ -178,9 +184,10 @@ def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Lin
             quadrature points are graded.
         mesh: the mesh.
         degree: degree of the rule on ordinary cells.
-        shared: lines with which the quadrature points are aligned, as in ``along`` of ``ErrorNorm``.
+        aligned: whether the quadrature points are aligned with contact faces, as for ``ErrorNorm``.
     """
-    return cell_rules(mesh, degree, [Line(*line) for line in solution.rough], solution.singular, shared)
+    along = shared_lines(solution) if aligned else ()
+    return cell_rules(mesh, degree, [Line(*line) for line in solution.rough], solution.singular, along)
 
 
 def shared_lines(solution: ExactSolution) -> list[Line]:
@@ -191,7 +198,7 @@ def shared_lines(solution: ExactSolution) -> list[Line]:
     found: list[Line] = []
     contact = [face for face in solution.faces if isinstance(face, ContactFace)] if solution.body.dim == 2 else []
     for line in (Line(*face.part.line(0.0)) for face in contact):
-        parallel = any(abs(np.linalg.det([line.direction, other.direction])) < PARALLEL for other in found)
+        parallel = any(abs(np.linalg.det([line.direction, other.direction])) < PARALLEL_FACES for other in found)
         if not parallel and len(found) < 2:
             found.append(line)
     return found

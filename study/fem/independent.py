@@ -13,11 +13,10 @@ from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, full, mandel, mapped
 from study.fem.error_norm import FACET_POINTS, rules
 from study.fem.mesh import barycentric, barycentric_gradients
-from study.fem.moments import blocks
-from study.fem.quadrature import facet_rule
+from study.fem.quadrature import blocks, rule_on
 from study.fem.space import Space
 
-INSTANTS = 32
+LEADING_TERM_STEPS = 32
 """Number of steps of the time grid on which the maximum of the leading term of the interpolation error is searched.
 
 The steepest known maximum is in the case travelling-patch: the term falls by 15 % within T/16. For a parabola this is 1
@@ -56,12 +55,11 @@ def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> A
 
     On the loaded boundary Γ2 this is (f_2, v)_{L²(Γ2)}. On the contact boundary Γ3 it is ∫ σ_ν v_ν.
     """
-    mesh = space.mesh
-    nodal = np.zeros_like(mesh.p)
+    nodal = np.zeros_like(space.mesh.p)
     for part in space.body.of(kind):
-        edge = facet_rule(mesh, space.facets(part), part, (), FACET_POINTS)
+        edge = rule_on(space, part, FACET_POINTS)
         load = solution.at(part.point(edge.s)).surface_load(part, time) * edge.weights
-        nodal += space.scatter(mesh.facets[:, edge.facets], np.einsum("dnq,anq->dan", load, edge.shapes))
+        nodal += space.scatter(space.mesh.facets[:, edge.facets], np.einsum("dnq,anq->dan", load, edge.shapes))
     return space.interpolate(nodal)
 
 
@@ -79,17 +77,20 @@ class LeadingTerm:
     """
 
     def __init__(self, solution: ExactSolution, space: Space) -> None:
-        d, corners = space.dim, space.mesh.p[:, space.mesh.t]
+        d = space.dim
+        corners = space.mesh.p[:, space.mesh.t]
         centres = corners.mean(axis=1)
-        self.fields, self.A, self.T = solution.at(centres), solution.law.A.matrix, space.body.T
+        self.fields = solution.at(centres)
+        self.A = solution.law.A.matrix
+        self.T = space.body.T
         self.weights = space.volumes * solution.law.A.factor(centres) / ((d + 1) * (d + 2))
         edges = {(i, j): corners[:, j] - corners[:, i] for i, j in combinations(range(d + 1), 2)}
         self.squares = {ends: mandel(l[:, None] * l) for ends, l in edges.items()}
         self.slopes = np.ascontiguousarray(np.moveaxis(barycentric_gradients(space.mesh), 0, -1))[..., None]
 
     def largest(self) -> float:
-        """Return the maximum of the leading term over ``INSTANTS`` + 1 equidistant times in [0, T]."""
-        times = np.linspace(0.0, self.T, INSTANTS + 1)
+        """Return the maximum of the leading term over ``LEADING_TERM_STEPS`` + 1 equidistant times in [0, T]."""
+        times = np.linspace(0.0, self.T, LEADING_TERM_STEPS + 1)
         return float(np.concatenate([*map(self, blocks(times, self.slopes.size))]).max())
 
     def __call__(self, times: Array) -> Array:

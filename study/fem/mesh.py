@@ -23,7 +23,7 @@ from skfem.mapping import MappingAffine
 from manufactured.body import Body, Kind, Part
 from manufactured.tensors import Array, Points
 
-TOLERANCE = 1e-8
+FIT_TOLERANCE = 1e-8
 """Relative tolerance of the check that a mesh fits a body: for distances to a boundary part, for areas and for lengths.
 
 Distances are relative to |Ω|^{1/d}.
@@ -144,7 +144,8 @@ def with_midpoints(mesh: Mesh) -> sps.csr_array:
 
     The vertices of the uniformly refined mesh are the old vertices, then the midpoints of the edges.
     """
-    edges, count = (mesh.facets if mesh.dim() == 2 else mesh.edges), mesh.p.shape[1]
+    edges = mesh.facets if mesh.dim() == 2 else mesh.edges
+    count = mesh.p.shape[1]
     rows = np.repeat(np.arange(edges.shape[1]), 2)
     midpoints = sps.csr_array((np.full(len(rows), 0.5), (rows, edges.T.ravel())), shape=(edges.shape[1], count))
     return sps.csr_array(sps.vstack([sps.eye_array(count), midpoints]))
@@ -215,10 +216,11 @@ class CrissCross(Structured):
     def __call__(self, body: Body, n: int) -> Mesh:
         require_plane(self, body)
         points = mapped(body, grid_vertices(n, 2))
-        a, b, c, d = squares(n)
-        centres = (points[:, a] + points[:, b] + points[:, c] + points[:, d]) / 4
-        m = points.shape[1] + np.arange(n * n)
-        return simplicial_mesh(np.hstack([points, centres]), np.hstack([[a, b, m], [b, c, m], [c, d, m], [d, a, m]]))
+        corners = squares(n)
+        centres = points[:, corners].mean(axis=1)
+        middle = points.shape[1] + np.arange(n * n)
+        cells = [[corners[i - 1], corners[i], middle] for i in (1, 2, 3, 0)]
+        return simplicial_mesh(np.hstack([points, centres]), np.hstack(cells))
 
 
 @dataclass(frozen=True)
@@ -267,10 +269,9 @@ class Shaken(Structured):
         shift[(plain == 0) | (plain == 1)] = 0
         resting = mapped(body, plain)
         ends = [*body.vertices.T]
-        # Edges of boundary parts (3D) and interfaces (2D) must remain unions of facets, so vertices on them slide along
-        # them.
+        # Sides of boundary parts and interfaces must remain unions of facets, so vertices on them slide along them.
         sides = [part.corners[:, [i - 1, i]] for part in body.parts for i in range(part.corners.shape[1])]
-        for line in [*(sides if body.dim == 3 else []), *(interface.corners for interface in body.interfaces)]:
+        for line in (*sides, *(interface.corners for interface in body.interfaces)):
             ends += [*line.T]
             on = np.flatnonzero(on_segment(resting, line))
             if on.size > 1:
@@ -290,8 +291,7 @@ def grid_vertices(n: int, dim: int) -> Points:
 
 def lowest_corners(n: int, dim: int) -> Array:
     """Return the number of the vertex with the smallest coordinates of every cube of the grid, (n^d,)."""
-    steps = (n + 1) ** np.arange(dim)
-    return sum(step * i.ravel("F") for step, i in zip(steps, np.indices((n,) * dim), strict=True))
+    return np.flatnonzero((grid_vertices(n, dim) < 1).all(axis=0))
 
 
 def squares(n: int) -> Array:
@@ -307,7 +307,8 @@ def kuhn(n: int, dim: int) -> Array:
 
     Source: H. W. Kuhn, Some combinatorial lemmas in topology, IBM J. Res. Dev. 4 (1960) 518–524.
     """
-    first, steps = lowest_corners(n, dim), (n + 1) ** np.arange(dim)
+    first = lowest_corners(n, dim)
+    steps = (n + 1) ** np.arange(dim)
     cells = []
     for order in permutations(range(dim)):
         path = np.concatenate([[0], np.cumsum(steps[list(order)])])
@@ -360,7 +361,8 @@ def _images(body: Body) -> Points | None:
 
 def _parallelepiped(body: Body) -> Points | None:
     """Return the corners of a parallelepiped as ``_images`` does, or None if the body is none."""
-    corners, tolerance = body.corners, 1e-9 * body.extent
+    corners = body.corners
+    tolerance = 1e-9 * body.extent
     first = corners[:, :1]
     normals = np.array([part.normal for part in body.parts if part.contains(first, tolerance)])
     normals = normals[np.sort(np.unique(np.round(normals, 9) + 0.0, axis=0, return_index=True)[1])]
@@ -474,7 +476,8 @@ class Graded(MeshFamily):
         mesh = Unstructured()(body, n)
         points = mesh.p.copy()
         for point in body.refine:
-            centre, radius = np.array(point)[:, None], self.radius(body, point)
+            centre = np.array(point)[:, None]
+            radius = self.radius(body, point)
             away = mesh.p - centre
             share = np.linalg.norm(away, axis=0) / radius
             inside = share < 1
@@ -502,7 +505,8 @@ def _lattice(body: Body, spacing: float, rng: np.random.Generator) -> Array:
 
     Points near the boundary or an interface are left out.
     """
-    low, high = body.vertices.min(axis=1), body.vertices.max(axis=1)
+    low = body.vertices.min(axis=1)
+    high = body.vertices.max(axis=1)
     rows = np.arange(low[1], high[1], spacing * np.sqrt(0.75))
     columns = np.arange(low[0] - spacing, high[0] + spacing, spacing)
     x, y = np.meshgrid(columns, rows)
@@ -525,10 +529,12 @@ def _divide(part: Part, body: Body, spacing: float) -> Array:
     ends = [end for interface in body.interfaces if interface is not part for end in interface.corners.T]
     tolerance = 1e-9 * part.measure
     found = sorted(float(part.coordinates(end)[0][0]) for end in ends if part.contains(end, tolerance))
-    inner = [s for s in found if tolerance < s < part.measure - tolerance]
-    stops = [s for i, s in enumerate(inner) if i == 0 or s - inner[i - 1] > tolerance]
+    stops = [0.0]
+    for s in (*found, part.measure):
+        if s - stops[-1] > tolerance:
+            stops.append(s)
     pieces = []
-    for low, high in pairwise([0.0, *stops, part.measure]):
+    for low, high in pairwise(stops):
         count = max(1, round((high - low) / spacing))
         pieces.append(low + np.arange(count) * (high - low) / count)
     return part.point(np.concatenate(pieces)[None])
@@ -545,12 +551,12 @@ def _delaunay(body: Body, points: Array) -> Array:
 
 def _star_centroids(points: Array, cells: Array) -> Array:
     """Return for each point the area-weighted mean of the centroids of the cells around it, (2, points)."""
-    a, b, c = (points[:, v] for v in cells)
-    area = abs((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
-    weight = np.bincount(cells.ravel(), np.tile(area, 3), points.shape[1])
-    centroid = (a + b + c) / 3
-    moments = [np.bincount(cells.ravel(), np.tile(area * x, 3), points.shape[1]) for x in centroid]
-    return np.array(moments) / np.maximum(weight, np.finfo(float).tiny)
+    corners = points[:, cells]
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area = abs(first[0] * second[1] - first[1] * second[0])
+    centroid = corners.mean(axis=1)
+    sums = [np.bincount(cells.ravel(), np.tile(x, 3), points.shape[1]) for x in (*(area * centroid), area)]
+    return np.array(sums[:2]) / np.maximum(sums[2], np.finfo(float).tiny)
 
 
 FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstructured(), Graded())
@@ -600,7 +606,7 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
     if mesh.dim() != body.dim:
         raise MeshError(f"a mesh of dimension {mesh.dim()} was given for a body of dimension {body.dim}")
     total = cell_volumes(mesh).sum()
-    if abs(total - body.measure) > TOLERANCE * body.measure:
+    if abs(total - body.measure) > FIT_TOLERANCE * body.measure:
         what = "area" if body.dim == 2 else "volume"
         raise MeshError(
             f"the cells cover {total:.9g}, but the body has the {what} {body.measure:.9g}: cells overlap or are "
@@ -611,7 +617,7 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
     border = mesh.p[:, np.unique(mesh.facets[:, facets])]
     for vertex in body.vertices.T:
         off = np.linalg.norm(border - vertex[:, None], axis=0).min()
-        if off > TOLERANCE * length:
+        if off > FIT_TOLERANCE * length:
             mend = "take a level at which it is" + (", or the unstructured family" if body.dim == 2 else "")
             raise MeshError(
                 f"the boundary condition changes at {vertex.tolist()}, which is not a vertex of the mesh "
@@ -638,10 +644,10 @@ def _covering(mesh: Mesh, facets: Array, part: Part, length: float) -> Array:
         part: the boundary part.
         length: the length to which the tolerance is relative.
     """
-    on = part.contains(mesh.p, TOLERANCE * length)
+    on = part.contains(mesh.p, FIT_TOLERANCE * length)
     mine = facets[on[mesh.facets[:, facets]].all(axis=0)]
     covered = facet_measures(mesh, mine).sum()
-    if abs(covered - part.measure) > TOLERANCE * length ** (mesh.dim() - 1):
+    if abs(covered - part.measure) > FIT_TOLERANCE * length ** (mesh.dim() - 1):
         what = "length" if mesh.dim() == 2 else "area"
         mend = (
             "take a level at which edges of the mesh follow it, or the unstructured family"
@@ -675,7 +681,8 @@ class Skin:
         if mesh.dim() == 2:
             return cls(np.arange(mesh.p.shape[1]), mesh.t, np.arange(mesh.t.shape[1]))
         facets = mesh.boundary_facets()
-        cells, corners = mesh.f2t[0, facets], mesh.facets[:, facets]
+        cells = mesh.f2t[0, facets]
+        corners = mesh.facets[:, facets]
         fourth = mesh.t[:, cells].sum(axis=0) - corners.sum(axis=0)
         # The orientation is chosen such that the corners run counter-clockwise if seen from outside. The fourth vertex
         # of the cell lies inside.

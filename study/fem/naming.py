@@ -21,7 +21,7 @@ from manufactured.natural_motion import natural_motion
 from manufactured.no_potential import no_potential
 from manufactured.problems import OpenProblem, problems
 from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
-from study.ledger.files import UsageError
+from study.ledger.files import Json, UsageError
 
 SEED_DIGITS = 20
 """Largest number of digits of a seed, which is enough for 64 bits. File names contain the seed, so it must be short."""
@@ -206,7 +206,7 @@ def _none_named(file: str, name: str, module: ModuleType) -> str:
     return f"{lacks}; give {' or '.join(f'{file}:{key}' for key in made) or 'a file that defines a Case or Data'}"
 
 
-def describe(case: Case) -> dict[str, Any]:
+def describe(case: Case) -> Json:
     """Return the row of ``cases.csv`` for a case, as a dictionary: name of the column ↦ value."""
     motion = "moving" if case.regularity.moving else "no front" if case.regularity.gap == float("inf") else "fixed"
     return {

@@ -5,7 +5,23 @@
 * Cells with a vertex at a singular point have Duffy's rule, graded towards the point.
 * Cells that contact fronts cross at one time can be cut along the fronts (``sliced_rules``).
 * All other cells have a standard rule.
+
+**Integrals at many times** of an exact strain, of its stress and of its energy over the cells. An exact strain is a sum
+of products of a function φ_k of the point and a function T_k of the coordinate s along a contact face and of time
+(``manufactured.modes``):
+
+    ε(x, t) = Σ_k E_k φ_k(x) T_k(s_j, t).
+
+Only the T_k, called amplitudes here, change with time. So the integral over a cell T, by a quadrature rule with points
+x_p and weights w_p, is a fixed sparse matrix B_k times the amplitudes:
+
+    ∫_T ε dx = Σ_k E_k Σ_j B_k[T, j] T_k(s_j, t),      B_k[T, j] = Σ {w_p φ_k(x_p) : x_p ∈ T, j(p) = j}.
+
+Many points have the same coordinate s_j, so few formulas are evaluated at each time. On facets there is one sum for
+each vertex instead of each cell, and the weights contain the shape function of the vertex.
 """
+
+from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -14,16 +30,19 @@ from functools import lru_cache, partial
 from itertools import pairwise
 
 import numpy as np
+import scipy.sparse as sps
 from scipy.special import factorial
 from skfem import Mesh
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTet, RefTri
 
 from manufactured.body import Part
-from manufactured.tensors import Array, Points
-from study.fem.mesh import MeshError, barycentric_gradients, cell_volumes, facet_measures
+from manufactured.law import KelvinVoigt, Linear
+from manufactured.modes import Modes
+from manufactured.tensors import Array, Points, Tensors, mapped
+from study.fem.mesh import MeshedBody, MeshError, barycentric_gradients, cell_volumes, facet_measures
 
-TOUCHING = 1e-9
+VERTEX_ON_LINE = 1e-9
 """A vertex counts as lying on a line up to this distance, relative to the size of the cell."""
 GRADING = 8
 """Exponent of the substitution s = c + L ξ^8 that grades quadrature points towards a line or vertex.
@@ -78,18 +97,23 @@ def gauss(count: int) -> PointsAndWeights:
     return found
 
 
-def graded(near: Array, far: Array, count: int, power: Array | int = 1) -> PointsAndWeights:
+def graded(
+    left: Array, right: Array, count: int, power: Array | int = 1, to_right: Array | bool = False
+) -> PointsAndWeights:
     """Return Gauss rules on n intervals, after the substitution s = near + (far − near) ξ^power with ξ in (0, 1).
 
     Args:
-        near, far: the ends of the intervals, (n, 1); a power above 1 concentrates the points at ``near``.
+        left, right: the ends of the intervals, (n, 1); a power above 1 concentrates the points at the end ``near``.
         count: the number of points in each interval.
         power: the exponent, one for all intervals or one for each, (n, 1).
+        to_right: whether ``near`` is the right end, for all intervals or for each, (n, 1).
 
     Returns:
         Points and weights, (n, count) each.
     """
     xi, w = gauss(count)
+    near = np.where(to_right, right, left)
+    far = np.where(to_right, left, right)
     return near + (far - near) * xi**power, abs(far - near) * power * xi ** (power - 1.0) * w
 
 
@@ -139,7 +163,9 @@ def placed(vertices: Points, simplices: Array, barycentric: Array) -> Points:
     return np.einsum("dvn,vq->dnq", vertices[:, simplices], barycentric)
 
 
-def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int) -> FacetRule:
+def facet_rule(
+    mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int, divisions: int = 1
+) -> FacetRule:
     """Return a quadrature rule on facets of one boundary part, exact for polynomials of degree 2 · points − 2.
 
     Args:
@@ -149,6 +175,7 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
         rough: in 2D the coordinates along the part at which the integrand is not smooth. Facets are divided there, and
             the quadrature points are graded towards these coordinates.
         points: the number of Gauss points per direction, in 2D on each piece of a facet.
+        divisions: in 2D the number of equal pieces into which every facet is divided.
 
     Raises:
         MeshError: ``rough`` is given in 3D, or a line has not two components.
@@ -164,21 +191,26 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
         shapes = np.repeat(barycentric[:, None], len(facets), axis=1)
         return FacetRule(facets, s, shapes, np.multiply.outer(facet_measures(mesh, facets), weights))
     ends = np.stack([part.coordinates(mesh.p[:, v])[0][0] for v in mesh.facets[:, facets]])
-    low, high = ends.min(axis=0), ends.max(axis=0)
-    nodes = np.sort(np.vstack([low, high, *(np.clip(c, low, high) for c in rough)]), axis=0)
+    low = ends.min(axis=0)
+    high = ends.max(axis=0)
+    nodes = np.sort([*np.linspace(low, high, divisions + 1), *(np.clip(c, low, high) for c in rough)], axis=0)
     pieces = []
     for left, right in pairwise(nodes[..., None]):
         # Whether an end of the piece is one of the coordinates ``rough``, up to round-off.
         is_rough = [
-            np.any([abs(end - c) <= TOUCHING * (high - low)[:, None] for c in (*rough, np.inf)], axis=0)
+            np.any([abs(end - c) <= VERTEX_ON_LINE * (high - low)[:, None] for c in (*rough, np.inf)], axis=0)
             for end in (left, right)
         ]
-        towards_right = is_rough[1] & ~is_rough[0]
-        near, far = np.where(towards_right, right, left), np.where(towards_right, left, right)
-        pieces.append(graded(near, far, points, np.where(is_rough[0] | is_rough[1], GRADING, 1)))
+        power = np.where(is_rough[0] | is_rough[1], GRADING, 1)
+        pieces.append(graded(left, right, points, power, is_rough[1] & ~is_rough[0]))
     place, weights = (np.concatenate(parts, axis=1) for parts in zip(*pieces, strict=True))
     first = (ends[1][:, None] - place) / (ends[1] - ends[0])[:, None]
     return FacetRule(facets, place[None], np.stack([first, 1 - first]), weights)
+
+
+def rule_on(space: MeshedBody, part: Part, points: int, rough: tuple[float, ...] = ()) -> FacetRule:
+    """Return the rule ``facet_rule`` on all facets of one boundary part of a body with its mesh."""
+    return facet_rule(space.mesh, space.facets(part), part, rough, points)
 
 
 # Cells in 2D in which the integrand is not smooth: how they are found, and their quadrature rules.
@@ -199,7 +231,7 @@ class Line:
 
     def __post_init__(self) -> None:
         length = float(np.linalg.norm(self.direction))
-        if abs(length - 1) > TOUCHING:
+        if abs(length - 1) > VERTEX_ON_LINE:
             raise MeshError(
                 f"the direction {self.direction} of a line has the length {length:.9g}, expected 1; "
                 "divide it and the offset by its length"
@@ -211,7 +243,7 @@ class Line:
         return np.array([-self.direction[1], self.direction[0]])
 
     def __str__(self) -> str:
-        terms = " + ".join(f"{c:.4g} x{i}" for i, c in enumerate(self.direction, start=1) if abs(c) > TOUCHING)
+        terms = " + ".join(f"{c:.4g} x{i}" for i, c in enumerate(self.direction, start=1) if abs(c) > VERTEX_ON_LINE)
         return f"{{{terms} = {self.offset:.4g}}}"
 
 
@@ -233,7 +265,7 @@ def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> l
     for point in points:
         apart = np.linalg.norm(mesh.p - np.array(point)[:, None], axis=0)
         vertex = int(apart.argmin())
-        if apart[vertex] > TOUCHING * np.sqrt(cell_volumes(mesh).sum()):
+        if apart[vertex] > VERTEX_ON_LINE * np.sqrt(cell_volumes(mesh).sum()):
             raise MeshError(
                 f"the solution is singular at {point}, which is not a vertex of the mesh (the nearest is "
                 f"{apart[vertex]:.3g} away); make it a vertex of the body"
@@ -256,7 +288,7 @@ def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> l
 def _touching(mesh: Mesh, line: Line) -> Array:
     """Return the numbers of the cells that a line crosses or touches at an edge or a vertex."""
     distance = (np.array(line.direction) @ mesh.p - line.offset)[mesh.t]
-    near = TOUCHING * (distance.max(axis=0) - distance.min(axis=0))
+    near = VERTEX_ON_LINE * (distance.max(axis=0) - distance.min(axis=0))
     return np.flatnonzero((distance.min(axis=0) <= near) & (distance.max(axis=0) >= -near))
 
 
@@ -281,9 +313,7 @@ def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
     """
 
     def towards_line(left: Array, right: Array) -> PointsAndWeights:
-        near_left = abs(left) <= abs(right)
-        near, far = np.where(near_left, left, right), np.where(near_left, right, left)
-        return graded(near, far, degree + GRADING, GRADING)
+        return graded(left, right, degree + GRADING, GRADING, abs(left) > abs(right))
 
     return _slab_rule(mesh, cells, line, [0.0], towards_line, degree)
 
@@ -310,15 +340,10 @@ def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) ->
         met &= left
         for pattern in np.unique(met[:, met.any(axis=0)], axis=1).T:
             cells = np.flatnonzero((met == pattern[:, None]).all(axis=0))
-            here = [front for front, one in zip(parallel, pattern, strict=True) if one]
-            yield sliced_rule(mesh, cells, here, degree)
+            first, *others = (front for front, one in zip(parallel, pattern, strict=True) if one)
+            offsets = [0.0, *(front.offset - first.offset for front in others)]
+            yield _slab_rule(mesh, cells, first, offsets, partial(graded, count=degree // 2 + 2), degree)
         left &= ~met.any(axis=0)
-
-
-def sliced_rule(mesh: Mesh, cells: Array, lines: Sequence[Line], degree: int) -> CellRule:
-    """Return a quadrature rule on cells cut along parallel lines, at which the integrand may jump."""
-    offsets = [line.offset - lines[0].offset for line in lines]
-    return _slab_rule(mesh, cells, lines[0], offsets, partial(graded, count=degree // 2 + 2), degree)
 
 
 def _slab_rule(
@@ -346,7 +371,8 @@ def _slab_rule(
     s = np.einsum("d,dvn->vn", np.array(line.direction), corners) - line.offset
     r = np.einsum("d,dvn->vn", line.tangent, corners)
     order = np.argsort(s, axis=0)
-    s, r = np.take_along_axis(s, order, 0), np.take_along_axis(r, order, 0)
+    s = np.take_along_axis(s, order, 0)
+    r = np.take_along_axis(r, order, 0)
 
     def chord(x: Array, low: int, high: int) -> Array:
         """Return the coordinate r of the point with s = x on the edge between two vertices, (n, p)."""
@@ -367,16 +393,17 @@ def _slab_rule(
         weights = (weights * abs(short - long))[..., None] * we
         slabs.append([part.reshape(len(x), -1) for part in (np.repeat(x[..., None], len(eta), axis=2), along, weights)])
     s, r, weights = (np.concatenate(parts, axis=1) for parts in zip(*slabs, strict=True))
-    normal, tangent = np.array(line.direction)[:, None, None], line.tangent[:, None, None]
+    normal = np.array(line.direction)[:, None, None]
+    tangent = line.tangent[:, None, None]
     return CellRule(cells, normal * (s + line.offset) + tangent * r, weights)
 
 
 # Quadrature rules that together cover every cell once. Many of their points share their coordinate along a contact
 # face, so that functions of this coordinate are evaluated once for all of them.
 
-BLOCK = 4096
+CELLS_IN_RULE = 4096
 """Largest number of ordinary cells in one quadrature rule, so that its points fit into the processor's cache."""
-SHIFT = 1 / 32
+LARGEST_SHIFT = 1 / 32
 """Moving a quadrature point changes its barycentric coordinates by at most this number."""
 TIE = 1e-9
 """A number added to a logarithm that is rounded down, so that congruent cells get equal spacings despite round-off."""
@@ -409,8 +436,9 @@ def cell_rules(
     barycentric, weights = simplex_rule(mesh.dim(), degree)
     volumes = cell_volumes(mesh)[:, None]
     gradients = barycentric_gradients(mesh) if along else None
-    for block in (cells[start : start + BLOCK] for start in range(0, cells.size, BLOCK)):
-        x, shares = placed(mesh.p, mesh.t[:, block], barycentric), weights
+    for block in (cells[start : start + CELLS_IN_RULE] for start in range(0, cells.size, CELLS_IN_RULE)):
+        x = placed(mesh.p, mesh.t[:, block], barycentric)
+        shares = weights
         if gradients is not None:
             x, shares = shared(mesh.p[:, mesh.t[:, block]], gradients[block], barycentric, weights, along)
         rules.append(CellRule(block, x, volumes[block] * shares))
@@ -439,7 +467,7 @@ def shared(
     """
     points = np.einsum("dvn,vq->dnq", corners, barycentric)
     moves = np.linalg.pinv(np.array([line.direction for line in lines])).T
-    limit = min(SHIFT, float(barycentric.min()) / 2) / len(moves)
+    limit = min(LARGEST_SHIFT, float(barycentric.min()) / 2) / len(moves)
     new = np.broadcast_to(barycentric[:, None], (3, *points.shape[1:]))
     for line, move in zip(lines, moves, strict=True):
         slopes = gradients @ move
@@ -474,3 +502,199 @@ def _correction(barycentric: Array, weights: Array) -> Array:
     missing = integrals - products @ weights
     multipliers = np.linalg.solve((products * weights) @ np.swapaxes(products, 1, 2), missing[..., None])
     return weights * (np.swapaxes(multipliers, 1, 2) @ products)[:, 0]
+
+
+Amplitudes = Array
+"""The values T_k(s_j, t) at n times of the functions that describe how a strain changes with time.
+
+The J values of each of the K terms follow one after the other, (Σ K J, n).
+"""
+MOST_TIMES, MOST_VALUES = 32, 1 << 19
+"""Largest number of times that are evaluated together, and of values that belong to them.
+
+Formulas are called less often for blocks of times. Larger blocks would leave the processor's cache.
+"""
+MANY = 4
+"""The energy is stored as a matrix if it needs at most this many times the memory of the terms of the strain."""
+
+
+def blocks(times: Array | float, size: int) -> list[Array]:
+    """Divide times, (n,), into blocks that are evaluated together; ``size`` values belong to each time."""
+    most = max(1, min(MOST_TIMES, MOST_VALUES // size))
+    return np.split(np.atleast_1d(times), range(most, np.size(times), most))
+
+
+def amplitudes_of(modes: Sequence[Modes]) -> Callable[[Array, bool], Amplitudes]:
+    """Return the function (times, rate) ↦ amplitudes of the strain ε, or of its rate ε̇ if ``rate`` is true."""
+    # The returned function stores only these references. A reference to the modes would keep their large arrays in
+    # memory.
+    each = [part.amplitudes for part in modes]
+
+    def at(times: Array, rate: bool) -> Amplitudes:
+        # A loop, because a comprehension is one more call in Python 3.11, and the depth of calls is limited.
+        found = []
+        for of in each:
+            found.append(of(times, rate).reshape(-1, len(times)))
+        return np.concatenate(found)
+
+    return at
+
+
+@dataclass(frozen=True, eq=False)
+class QuadraturePoints:
+    """Quadrature points with the weighted sums to which they contribute, one sum for each cell or for each vertex.
+
+    Attributes:
+        x: the points, (d, n).
+        sums: for each point, the index of the sum to which it contributes, (n,).
+        weights: the quadrature weights, (n,).
+        count: the number of sums.
+    """
+
+    x: Array
+    sums: Array
+    weights: Array
+    count: int
+
+    @classmethod
+    def on_cells(cls, rules: Sequence[CellRule]) -> QuadraturePoints:
+        """Return the points of quadrature rules that together cover every cell once; there is one sum for each cell."""
+        return cls(
+            np.concatenate([rule.points.reshape(len(rule.points), -1) for rule in rules], axis=1),
+            np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in rules]),
+            np.concatenate([rule.weights.ravel() for rule in rules]),
+            sum(len(rule.cells) for rule in rules),
+        )
+
+    @classmethod
+    def on_facets(cls, rule: FacetRule, part: Part, mesh: Mesh) -> tuple[QuadraturePoints, Array]:
+        """Return the points of a quadrature rule on facets, with one sum for each vertex, and these vertices.
+
+        The weights contain the shape function of the vertex, so a point of a facet occurs once for each of its d
+        vertices.
+        """
+        vertices, sums = np.unique(mesh.facets[:, rule.facets], return_inverse=True)
+        x = part.point(rule.s)
+        weights = rule.shapes * rule.weights
+        copies = np.repeat(x[:, None], len(weights), axis=1).reshape(len(x), -1)
+        sums = np.repeat(sums.reshape(weights.shape[:2])[..., None], weights.shape[2], axis=2)
+        return cls(copies, sums.ravel(), weights.ravel(), len(vertices)), vertices
+
+    def adding(self, weights: Array) -> sps.csr_array:
+        """Return the matrix from values at the points to their sums with given weights (n,), (count, n)."""
+        return sps.csr_array((weights, (self.sums, np.arange(len(weights)))), shape=(self.count, len(weights)))
+
+
+def shapes_at_points(modes: Sequence[Modes], count: int) -> Iterator[sps.csr_array]:
+    """Yield for each term k of the strain the matrix that maps its amplitudes to its values at the quadrature points.
+
+    The matrix maps T_k(s_j, t), (J,), to φ_k(x_p) T_k(s_{j(p)}, t), (count,).
+    """
+    for part in modes:
+        # Each row belongs to a point and has one entry, so the arrays of the CSR format can be filled without sorting.
+        rows = np.searchsorted(part.points, np.arange(count + 1)).astype(np.int32)
+        places = part.places.astype(np.int32)
+        for shape in part.shapes:
+            yield sps.csr_array((shape, places, rows), shape=(count, part.count))
+
+
+def strain_matrix(modes: Sequence[Modes], count: int) -> sps.csr_array:
+    """Return the matrix from amplitudes to the strain at ``count`` points, component by component.
+
+    The shape is (D · count, Σ K J).
+    """
+    tensors = np.concatenate([part.tensors for part in modes])
+    shapes = shapes_at_points(modes, count)
+    columns = [sps.kron(sps.csr_array(E[:, None]), shape) for E, shape in zip(tensors, shapes, strict=True)]
+    return sps.csr_array(sps.hstack(columns))
+
+
+class StrainSums:
+    """Computes weighted sums Σ w_p ε(x_p, t) of a strain over points, (D, sums, n), from its amplitudes at n times.
+
+    Args:
+        modes: the terms of the strain ε at the points x_p.
+        points: the points, with the sums to which they contribute.
+        weights: the weights w_p, (n,), which are quadrature weights, possibly times material factors.
+    """
+
+    def __init__(self, modes: Sequence[Modes], points: QuadraturePoints, weights: Array) -> None:
+        add = points.adding(weights)
+        count = len(weights)
+        blocks = []
+        first = 0
+        width = sum(len(part.tensors) * part.count for part in modes)
+        for shape in shapes_at_points(modes, count):
+            sums = add @ shape
+            blocks.append(sps.csr_array((sums.data, sums.indices + first, sums.indptr), shape=(points.count, width)))
+            first += shape.shape[1]
+        # ``block_diag`` would need twice the memory.
+        self._matrix = sps.vstack(blocks, format="csr")
+        self._tensors = np.concatenate([part.tensors for part in modes]).T
+
+    def __call__(self, amplitudes: Amplitudes, C: Array | None = None) -> Tensors:
+        """Return the sums of the strain ε, or of the stress C ε if a tensor C is given in Mandel form, (D, D)."""
+        sums = (self._matrix @ amplitudes).reshape(self._tensors.shape[1], -1, amplitudes.shape[1])
+        return mapped(self._tensors if C is None else C @ self._tensors, sums)
+
+
+class StressSums:
+    """Computes weighted sums Σ w_p σ(x_p, t) of the stress σ = A ε(u̇) + G ε(u) at n times, (D, sums, n).
+
+    A call needs the amplitudes of the strain ε and of its rate ε̇ at these times.
+
+    Attributes:
+        viscous: the sums Σ w_p α of the material factor α of A, (sums,).
+        strains: computes the sums Σ w_p α ε of the strain from its amplitudes.
+    """
+
+    def __init__(self, law: KelvinVoigt, modes: Sequence[Modes], points: QuadraturePoints) -> None:
+        self._A = law.A
+        G = law.G
+        viscous, elastic = (points.weights * tensor.factor(points.x) for tensor in (law.A, G))
+        self.viscous = np.bincount(points.sums, viscous, points.count)
+        self.strains = StrainSums(modes, points, viscous)
+        self._elastic: Callable[[Amplitudes], Tensors]
+        if isinstance(G, Linear):
+            linear = self.strains if np.array_equal(viscous, elastic) else StrainSums(modes, points, elastic)
+            self._elastic = lambda strains: linear(strains, G.matrix)
+        else:
+            strain = strain_matrix(modes, len(elastic))
+            add = points.adding(elastic)
+
+            def nonlinear(strains: Amplitudes) -> Tensors:
+                stress = G((strain @ strains).reshape(-1, len(elastic), strains.shape[1]))
+                return np.array([add @ component for component in stress])
+
+            self._elastic = nonlinear
+
+    def __call__(self, strains: Amplitudes, rates: Amplitudes) -> Tensors:
+        return self.strains(rates, self._A.matrix) + self._elastic(strains)
+
+
+class StrainEnergy:
+    """Computes the energies ∫_Ω α C ε·ε dx of a strain at several times, (times,), from its amplitudes.
+
+    If many points have the same coordinate along the contact face, the strain has few amplitudes, and the energy is
+    stored as a quadratic form of them. Otherwise the matrix of this form would be too large, and the strain at the
+    points is computed first.
+
+    Args:
+        modes: the terms of the strain ε at the quadrature points.
+        weights: quadrature weights times the material factor α, (points,).
+        C: a symmetric tensor in Mandel form, (D, D).
+    """
+
+    def __init__(self, modes: Sequence[Modes], weights: Array, C: Array) -> None:
+        strain = strain_matrix(modes, len(weights))
+        form = sps.csr_array(sps.kron(C, sps.diags_array(weights)))
+        self._strain: sps.csr_array | None = None
+        if sum(len(part.tensors) ** 2 * part.count for part in modes) > MANY * sum(part.shapes.size for part in modes):
+            self._strain = strain
+            self._form = form
+        else:
+            self._form = sps.csr_array(strain.T @ form @ strain)
+
+    def __call__(self, amplitudes: Amplitudes) -> Array:
+        v = amplitudes if self._strain is None else self._strain @ amplitudes
+        return np.einsum("in,in->n", v, self._form @ v)

@@ -11,6 +11,12 @@ strains exactly. All integrals therefore follow from one sparse matrix E, which 
 form, and from the weights w of the points:
 
     ε(v) = E v,   (C ε(u), ε(v))_Q = uᵀ Eᵀ diag(w C) E v,   (σ, ε(v))_Q = Eᵀ(w σ)·v.
+
+**Degree 2.** Linear constraints make piecewise quadratic displacements on triangles admissible. On a cell, v = Σ_α c_α
+B_α with the Bernstein polynomials B_α of degree 2: λ_i² for every vertex i and 2 λ_a λ_b for every edge (a, b). On the
+contact boundary Γ3 the normal component v_ν is then a polynomial in Bernstein form with the coefficients ν·c. If all of
+them are ≤ 0, so is v_ν. These are the constraints N v ≤ 0. (Values ≤ 0 at vertices and midpoints would not suffice.)
+Not every admissible quadratic displacement satisfies them.
 """
 
 from abc import ABC, abstractmethod
@@ -25,10 +31,10 @@ from skfem import Mesh
 from manufactured.body import Body, Kind, Part
 from manufactured.factor import UNIFORM, Factor
 from manufactured.law import Elasticity, KelvinVoigt, PointLaw
-from manufactured.tensors import Array, Points, Tensors, Vectors, basis
-from study.fem.mesh import MeshedBody, barycentric_gradients
+from manufactured.tensors import Array, Points, Tensors, Vectors, basis, mandel
+from study.fem.mesh import MeshedBody, barycentric, barycentric_gradients
 from study.fem.mesh import size as mesh_size
-from study.fem.quadrature import Line, cell_rules
+from study.fem.quadrature import Line, PointsAndWeights, cell_rules, placed, simplex_rule
 
 COMPONENT = 1e-9
 """A component of a unit normal counts as 0 up to this number."""
@@ -85,13 +91,15 @@ class Displacements(MeshedBody, ABC):
 
         Rollers are parallel to an axis, so that they fix one of the components.
         """
-        fixed, values = np.zeros((self.count, self.dim), dtype=bool), np.zeros((self.count, self.dim))
+        fixed = np.zeros((self.count, self.dim), dtype=bool)
+        values = np.zeros((self.count, self.dim))
         for kind in (Kind.CLAMPED, Kind.ROLLER):
             for part in self.body.of(kind):
                 numbers = self.numbers_on(part)
                 components = abs(part.normal) > 0.5 if kind is Kind.ROLLER else np.ones(self.dim, dtype=bool)
                 where = np.ix_(numbers, components)
-                fixed[where], values[where] = True, part.prescribed(self.nodes[:, numbers]).T[:, components]
+                fixed[where] = True
+                values[where] = part.prescribed(self.nodes[:, numbers]).T[:, components]
         return fixed.ravel(), values.ravel()
 
     @property
@@ -320,3 +328,102 @@ def form(space: Space, tensor: Elasticity) -> sps.csc_array:
 def on_cells(space: Space, law: KelvinVoigt) -> PointLaw:
     """Return the law as a function from strains to stresses that are constant on the cells, (D, cells) → (D, cells)."""
     return law.scaled(means(space, law.A.factor), means(space, law.G.factor))
+
+
+EDGES = ((0, 1), (1, 2), (0, 2))
+"""The two vertices of each edge of a cell, in the order in which the mesh numbers the edges."""
+FACTORS = (*((i, i, 1) for i in range(3)), *((a, b, 2) for a, b in EDGES))
+"""For each Bernstein polynomial c λ_a λ_b of degree 2 the numbers (a, b, c)."""
+
+
+def nodes_of(mesh: Mesh) -> Points:
+    """Return the vertices of a triangular mesh, then the midpoints of its edges, (2, count)."""
+    return np.hstack([mesh.p, mesh.p[:, mesh.facets].mean(axis=1)])
+
+
+def numbers_of(mesh: Mesh) -> Array:
+    """Return the numbers of the six nodes of every cell, of its 3 vertices and then its 3 edges, (6, cells)."""
+    return np.vstack([mesh.t, mesh.p.shape[1] + mesh.t2f])
+
+
+class Quadratic(Displacements):
+    """Displacements of degree 2 on a triangular mesh.
+
+    Every vertex and every edge has one coefficient vector; all vertices come first.
+    """
+
+    @cached_property
+    def numbers(self) -> Array:
+        """The numbers of the six basis functions of every cell, for its 3 vertices and then its 3 edges, (6, cells)."""
+        return numbers_of(self.mesh)
+
+    @property
+    def nodes(self) -> Points:
+        """The vertices, then the midpoints of the edges, (2, count)."""
+        return nodes_of(self.mesh)
+
+    def on_edges(self, edges: Array) -> Array:
+        """Return the numbers of the three basis functions on each edge, (3, n): first vertex, edge, second vertex."""
+        ends = self.mesh.facets[:, edges]
+        return np.vstack([ends[0], self.mesh.p.shape[1] + edges, ends[1]])
+
+    def numbers_on(self, part: Part) -> Array:
+        return np.unique(self.on_edges(self.facets(part)))
+
+    @cached_property
+    def rule(self) -> PointsAndWeights:
+        """The quadrature rule on a cell: barycentric coordinates of three points, (3, 3), and weights with sum 1."""
+        return simplex_rule(2, 2)
+
+    @cached_property
+    def points(self) -> Array:
+        """The quadrature points, (2, cells, 3)."""
+        return placed(self.mesh.p, self.mesh.t, self.rule[0])
+
+    @cached_property
+    def weights(self) -> Array:
+        """The quadrature weights |T|/3 at the three points of every cell T, (cells, 3)."""
+        return np.multiply.outer(self.volumes, self.rule[1])
+
+    @cached_property
+    def E(self) -> sps.csr_array:
+        return self.strains(self.rule[0])
+
+    def shapes(self, barycentric: Array) -> Array:
+        """Return the six basis functions of a cell at points given by barycentric coordinates, (3, q) → (6, q)."""
+        return np.array([c * barycentric[a] * barycentric[b] for a, b, c in FACTORS])
+
+    def gradients(self, barycentric: Array, cells: Array | slice = np.s_[:]) -> Array:
+        """Return the gradients of the six basis functions of each of n cells at q points, (n, q, 6, 2).
+
+        Args:
+            barycentric: the barycentric coordinates of the points, (3, n, q); (3, 1, q) if all cells have the same.
+            cells: numbers of cells, (n,); by default all cells.
+        """
+        slopes = np.moveaxis(barycentric_gradients(self.mesh)[cells], 1, 0)[:, :, None]
+        at = barycentric[..., None]
+        return np.stack([c * (at[a] * slopes[b] + at[b] * slopes[a]) for a, b, c in FACTORS], axis=2)
+
+    def strains(self, barycentric: Array) -> sps.csr_array:
+        """Return the matrix from a displacement to its strain at q points of every cell, (3 · cells · q, dofs).
+
+        Args:
+            barycentric: the barycentric coordinates of the points, (3, q).
+        """
+        values = np.einsum("Ijk,cqik->Icqij", basis(2), self.gradients(barycentric[:, None]), optimize=True)
+        return self._matrix(values, self.numbers.T[:, None])
+
+    def strain_at(self, v: Array, cells: Array, points: Points) -> Tensors:
+        """Return the strain of a displacement at q points of each of the given cells.
+
+        Args:
+            v: the coefficients of the displacement, (dofs,).
+            cells: numbers of cells, (n,).
+            points: points in these cells, (2, n, q).
+
+        Returns:
+            Strains in Mandel form, (3, n, q).
+        """
+        local = self.coefficients(v)[self.numbers[:, cells]]
+        gradients = self.gradients(barycentric(self.mesh, cells, points), cells)
+        return mandel(np.einsum("inj,nqik->jknq", local, gradients))

@@ -50,8 +50,10 @@ CLAIMED = (FAILS, UNDECIDED, HOLDS)
 END = "<!-- end -->"
 REPOSITORY = Path(__file__).parents[2]
 MOVED = {
+    "study/statements/load_and_traction.py": "study/statements/wellposed.py",
     "study/statements/prop_5_3.py": "study/statements/prop_5_4.py",
     "study/statements/thm_4_2_own_space.py": "study/statements/thm_4_2.py",
+    "study/statements/uniqueness.py": "study/statements/wellposed.py",
 }
 """Files that were moved since the committed results were measured ↦ their new places."""
 

@@ -10,12 +10,26 @@ A time step solves (w/k) M u + G(θu + (1 − θ)u_{n−1}) + N_{K^h}(u) ∋ b f
 The matrix S = (w/k) M + θ G_ref is factorised once for all steps with the same w/k, where G_ref belongs to the constant
 reference tensor of the law. For a nonlinear law, G − G_ref is treated by a fixed-point iteration, whose contraction
 number is about k ‖G − G_ref‖/m_A. A linear law needs no iteration.
+
+**The fixed-point iteration** u = g(v) for a contraction g has Anderson acceleration. Every evaluation of g maps an
+iterate v, here called input, to its image g(v). The next input is a linear combination of the last images. Its factors
+are chosen so that the residual f(v) = g(v) − v would be smallest if g were affine (D. G. Anderson, Iterative procedures
+for nonlinear integral equations, J. ACM 12 (1965) 547–560).
+
+**When to stop.** For a contraction number ρ of g, the distance from u to the fixed point is at most ρ/(1 − ρ) ‖u − v‖.
+Two inputs and their images give a lower bound of ρ; the largest of these bounds so far is used as ρ. For ρ > 1/2 the
+residual itself is compared with the tolerance. These are estimates: a caller that needs a guaranteed accuracy has to
+measure the remaining error.
+
+**Norm.** The norm is ‖w‖² = w·M w. Every vector w is stored together with M w, as an array (2, n). Sums and multiples
+of such pairs are pairs, so each image needs one product with M only.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial, reduce
 from operator import add
@@ -23,16 +37,112 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sps
+from scipy.interpolate import make_interp_spline
 
 from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.tensors import Array, mapped
-from study.fem.moments import blocks
+from study.fem.error_norm import ErrorNorm, gaps_at_vertices
+from study.fem.quadrature import blocks
 from study.fem.space import Displacements, Space, form, means
-from study.solve.fixed_point import FixedPointError, fixed_point
+from study.solve.multigrid import DIRECT_RESIDUAL, contact_solver
 from study.solve.signorini import ContactSolver, Signorini
-from study.solve.solver_choice import ROUNDING, contact_solver
 from study.solve.steps import step_size
 from study.solve.tableau import Tableau
+
+VectorFunction = Callable[[Array], Array]
+"""A function from a vector to a vector of the same length, (n,) → (n,)."""
+SMALLEST_DIVISOR = 1e-150
+"""Replaces zero in denominators. Its square is still a positive number."""
+SEEN = 3
+"""The iteration may stop only after this number of evaluations, which give two estimates of the contraction number."""
+MEMORY = 3
+"""Number of previous steps that Anderson acceleration combines."""
+CUTOFF = 1e-12
+"""In least squares, eigenvalues of the Gram matrix count as zero below this fraction of the largest one."""
+
+
+class FixedPointError(RuntimeError):
+    """Raised if the fixed-point iteration did not converge."""
+
+
+def fixed_point(
+    image: VectorFunction, v: Array, dual: VectorFunction, tolerance: float, most: int
+) -> tuple[Array, int]:
+    """Return the fixed point of a contraction, and the number of evaluations of the contraction.
+
+    Args:
+        image: the contraction g, (n,) → (n,).
+        v: the first input, (n,).
+        dual: the function w ↦ M w with the matrix of the norm, ‖w‖² = w·M w.
+        tolerance: the iteration stops at this estimated distance from the fixed point, relative to the norm of the
+            result.
+        most: the largest number of evaluations of g.
+
+    Raises:
+        FixedPointError: the iteration did not converge, or values are not finite.
+    """
+
+    def with_dual(w: Array) -> Array:
+        return np.stack([w, dual(w)])
+
+    u = image(v)
+    residual = with_dual(u - v)
+    contraction = 0.0
+    if _finite(_norm(residual), 1) == 0:
+        return u, 1
+    whole = with_dual(u)
+    memory: deque[tuple[Array, Array]] = deque(maxlen=MEMORY)
+    for taken in range(2, most + 1):
+        step = _accelerated(residual, memory)
+        v = v + step[0]
+        u = image(v)
+        before = residual
+        residual = with_dual(u - v)
+        change = residual - before
+        # The image of an input v is v plus its residual. So the image changes by the step of the input plus the change
+        # of the residual.
+        moved = step + change
+        whole += moved
+        left = _finite(_norm(residual), taken)
+        contraction = max(contraction, _norm(moved) / max(_norm(step), SMALLEST_DIVISOR))
+        # By the estimate of the distance, the residual may be (1 − ρ)/ρ times the tolerance. It is not required to be
+        # smaller than the tolerance, because the estimate of ρ then depends on round-off.
+        excess = max(1.0, (1 - contraction) / max(contraction, SMALLEST_DIVISOR))
+        if left == 0 or (taken >= SEEN and left <= tolerance * excess * _norm(whole)):
+            return u, taken
+        memory.append((change, moved))
+    raise FixedPointError(f"the fixed-point iteration did not converge in {most} steps")
+
+
+def _norm(w: Array) -> float:
+    """Return the norm (w·M w)^½ of a vector w that is stored together with M w, (2, n)."""
+    return float(np.sqrt(max(w[0] @ w[1], 0.0)))
+
+
+def _finite(size: float, taken: int) -> float:
+    if not np.isfinite(size):
+        raise FixedPointError(f"the fixed-point iteration did not converge: image {taken} is not finite")
+    return size
+
+
+def _accelerated(residual: Array, memory: Sequence[tuple[Array, Array]]) -> Array:
+    """Return the step of Anderson acceleration, residual − Σ γ_i Δu_i, where the γ_i minimise ‖residual − Σ γ_i Δf_i‖.
+
+    Each vector w is stored together with M w, as an array (2, n).
+
+    Args:
+        residual: the last residual, (2, n).
+        memory: pairs of the differences Δf_i of successive residuals and Δu_i of successive images, (2, n) each.
+    """
+    if not memory:
+        return residual
+    changes, of_images = (np.array(parts) for parts in zip(*memory, strict=True))
+    gram = changes[:, 0] @ changes[:, 1].T
+    # The differences become much smaller from step to step, so the system is scaled to avoid ill-conditioning.
+    sizes = np.sqrt(np.maximum(gram.diagonal(), SMALLEST_DIVISOR))
+    slopes = changes[:, 1] @ residual[0] / sizes
+    gamma = np.linalg.lstsq(gram / np.outer(sizes, sizes), slopes, rcond=CUTOFF)[0] / sizes
+    return np.asarray(residual - np.tensordot(gamma, of_images, axes=1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +167,7 @@ class SemiDiscrete:
 
     M: sps.csc_array
     reference: sps.csc_array
-    remainder: Callable[[Array], Array] | None
+    remainder: VectorFunction | None
     N: sps.csr_array
     load: Callable[[Any], Array]
     u0: Array
@@ -90,6 +200,22 @@ class SemiDiscrete:
             gap=gap,
         )
 
+    @classmethod
+    def of_exact(cls, v_norm: ErrorNorm) -> SemiDiscrete:
+        """Return Problem 5.1 whose exact solution is known, with the discretisation of the paper.
+
+        It starts from the nodal interpolant u_0^h = Π^h u_0, imposes the contact constraint at the vertices of Γ3
+        (K^h = V^h ∩ K), and has the load (3.7). If the solution has an initial gap, the constraint includes it; the
+        paper has no initial gap.
+
+        Args:
+            v_norm: gives the exact solution, the space V^h and the load.
+        """
+        space = v_norm.space
+        solution = v_norm.solution
+        gap = gaps_at_vertices(solution, space)
+        return cls.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant, gap)
+
     def contact(self, S: sps.csc_array) -> ContactSolver:
         """Return the contact solver for a matrix S: a function of b that minimises ½ vᵀSv − bᵀv over K^h."""
         return self.solver(S, self.N, gap=self.gap) if np.any(self.gap) else self.solver(S, self.N)
@@ -111,7 +237,7 @@ class SemiDiscrete:
         return ContactStep(self, scheme, k)
 
 
-def remainder(space: Displacements, G: Elasticity, factor: Array) -> Callable[[Array], Array] | None:
+def remainder(space: Displacements, G: Elasticity, factor: Array) -> VectorFunction | None:
     """Return the function ``SemiDiscrete.remainder``: the elastic forces of a displacement minus their linear part.
 
     Args:
@@ -149,16 +275,14 @@ def velocities(problem: SemiDiscrete, scheme: Tableau, steps: int) -> Iterator[t
 
 Scheme = Tableau
 """A time scheme for the semi-discrete problem."""
-FIXED_POINT = ROUNDING / 10
+FIXED_POINT = DIRECT_RESIDUAL / 10
 """The iteration for a nonlinear law stops at this relative distance from the fixed point, in the norm of M.
 
 The residual of a state is measured in another norm. In all runs it was at most five times this value, half of what is
 permitted.
 """
-ITERATIONS = 60
+FIXED_POINT_ITERATIONS = 60
 """Largest number of iterations of a time step for a nonlinear law."""
-TINY = 1e-150
-"""Replaces zero in denominators. Its square is still a positive number."""
 
 
 class EvolutionError(RuntimeError):
@@ -235,9 +359,7 @@ class ContactStep:
             return self._state(time, *self.solve(b), b, 1)
         return self._nonlinear(time, b, before, self.problem.remainder)
 
-    def _nonlinear(
-        self, time: float, constant: Array, before: Sequence[Array], remainder: Callable[[Array], Array]
-    ) -> State:
+    def _nonlinear(self, time: float, constant: Array, before: Sequence[Array], remainder: VectorFunction) -> State:
         """Compute a time step for a nonlinear law by a fixed-point iteration.
 
         The displacement is the fixed point of the map v ↦ u that solves the contact problem with the equation
@@ -258,7 +380,7 @@ class ContactStep:
         weights = {1: (1,), 2: (-1, 2), 3: (1, -3, 3)}[len(before)]
         guess = sum((weight * u for weight, u in zip(weights, before, strict=True)), np.zeros_like(base))
         try:
-            u, taken = fixed_point(image, guess, lambda w: problem.M @ w, FIXED_POINT, ITERATIONS)
+            u, taken = fixed_point(image, guess, lambda w: problem.M @ w, FIXED_POINT, FIXED_POINT_ITERATIONS)
         except FixedPointError as error:
             raise EvolutionError(
                 f"step to t = {time:.6g}: {error}; the contraction number is about k L_G/m_A, so take more steps"
@@ -278,12 +400,87 @@ class ContactStep:
         """Return the relative residual of a step, which the attribute ``State.residual`` describes."""
         defect = self.S @ u + self.forces @ multipliers - b
         normal = self.problem.N @ u - self.problem.gap
-        size, force = (max(float(abs(v).max(initial=0.0)), TINY) for v in (u, multipliers))
+        size, force = (max(float(abs(v).max(initial=0.0)), SMALLEST_DIVISOR) for v in (u, multipliers))
         parts = (
-            math.sqrt(defect @ defect) / max(math.sqrt(b @ b), TINY),
+            math.sqrt(defect @ defect) / max(math.sqrt(b @ b), SMALLEST_DIVISOR),
             float(normal.max(initial=0.0)) / size,
             float(-multipliers.min(initial=0.0)) / force,
             float(abs(normal * multipliers).max(initial=0.0)) / (size * force),
         )
         # NumPy's maximum is NaN if any value is NaN, whereas Python's max may hide a NaN.
         return float(np.max(parts))
+
+
+def norm(problem: SemiDiscrete, v: Array) -> float:
+    """Return the norm ‖v‖_V = (A ε(v), ε(v))_Q^{1/2} of a P1 displacement v.
+
+    Args:
+        problem: the semi-discrete problem with the matrix of this norm.
+        v: the degrees of freedom, (dofs,).
+    """
+    return math.sqrt(max(v @ (problem.M @ v), 0.0))
+
+
+def norms(problem: SemiDiscrete, v: Array) -> Array:
+    """Return the norms ‖v_n‖_V of several P1 displacements, (n, dofs) → (n,)."""
+    return np.sqrt(abs(np.sum(v.T * (problem.M @ v.T), axis=0)))
+
+
+def histories(states: Iterable[State]) -> tuple[Array, Array]:
+    """Return the displacements and the contact forces of several states, (states, n) and (states, m)."""
+    u, multipliers = zip(*((state.u, state.multipliers) for state in states), strict=True)
+    return np.array(u), np.array(multipliers)
+
+
+def path(problem: SemiDiscrete, scheme: Scheme, steps: int) -> Array:
+    """Solve the semi-discrete problem and return the displacements u_0, …, u_steps, (steps + 1, n)."""
+    return np.array([state.u for state in scheme.march(problem, steps)])
+
+
+def interpolated(states: Array, nodes: Array) -> Array:
+    """Interpolate displacements linearly to a finer time grid with M steps, (M + 1, n).
+
+    Args:
+        states: displacements at the nodes of the coarse grid, (N + 1, n).
+        nodes: the indices of these nodes in the finer grid, from 0 to M, (N + 1,).
+    """
+    return np.asarray(make_interp_spline(nodes, states, k=1)(np.arange(nodes[-1] + 1)))
+
+
+def last(states: Array, steps: int) -> tuple[Array, Array]:
+    """Evaluate the piecewise constant function that is U_n on (t_{n−1}, t_n], at the nodes of a finer time grid.
+
+    Args:
+        states: the displacements U_0, …, U_N, (N + 1, n).
+        steps: the number of steps of the finer grid, a multiple of N.
+
+    Returns:
+        The left and the right limits at the nodes of the finer grid, (steps + 1, n) each.
+    """
+    ahead = np.repeat(states[1:], steps // (len(states) - 1), axis=0)
+    left = np.vstack([states[:1], ahead])
+    right = np.vstack([ahead, states[-1:]])
+    return left, right
+
+
+def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
+    """Return the largest difference ‖v̇(r) − v̇(s)‖_V of the velocities of a solution within one time step.
+
+    Args:
+        problem: gives the norm of V and the final time.
+        states: the displacements v at equidistant times, (N + 1, n); v is linear between them.
+        steps: the number of time steps into which [0, T] is divided, a divisor of N.
+    """
+    inner = (len(states) - 1) // steps
+    rates = np.diff(states, axis=0) * ((len(states) - 1) / problem.T)
+    groups = rates.reshape(steps, inner, -1)
+    weighted = (problem.M @ rates.T).T.reshape(groups.shape)
+    products = np.einsum("nid,njd->nij", groups, weighted)
+    squares = np.einsum("nii->ni", products)
+    apart = squares[:, :, None] + squares[:, None] - 2 * products
+    return math.sqrt(max(float(apart.max()), 0.0))
+
+
+def furthest(problem: SemiDiscrete, one: Array, other: Array) -> float:
+    """Return the largest distance max_n ‖v_n − w_n‖_V of two solutions at the same times, (steps + 1, n) each."""
+    return float(norms(problem, one - other).max())

@@ -118,10 +118,12 @@ def nested_dissection(S: sps.csc_array, x: Points) -> Integers:
     count = x.shape[1]
     several = S.shape[0] // count
     one, other = (places // several for places in S.tocoo().coords)
-    key, inside = np.zeros(count, dtype=np.int64), np.arange(count)
+    key = np.zeros(count, dtype=np.int64)
+    inside = np.arange(count)
     for _ in range(max(int(np.ceil(np.log2(count / LEAF))), 0)):
         joined = key[one] == key[other]
-        one, other = one[joined], other[joined]
+        one = one[joined]
+        other = other[joined]
         inside = inside[np.argsort(key[inside], kind="stable")]
         starts = np.flatnonzero(np.diff(key[inside], prepend=-1))
         sizes = np.diff(starts, append=len(inside))

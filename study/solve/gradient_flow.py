@@ -20,7 +20,7 @@ The proofs are in paper/time.tex. The first bound needs the computed solution, t
 independent of h. z is the initial velocity u̇^h(0+), which is the projection of f(0) − B^h u_0 onto the cone of
 directions that K^h permits at u_0, and ‖z‖_V ≤ ‖f(0)‖_V + ‖B^h u_0‖_V.
 
-**Steps of variable size, without a potential** (``EulerBounds``). The semi-discrete problem (Problem 5.1) is
+**Steps of variable size, without a potential** (κ > 0). The semi-discrete problem (Problem 5.1) is
 u̇ + Bu + N_K(u) ∋ f in V^h with ‖Bv − Bw‖ ≤ κ ‖v − w‖ and (Bv − Bw, v − w) ≥ −γ ‖v − w‖², 0 ≤ γ ≤ κ, in the norm and
 inner product of V. N_K is the normal cone of the admissible set.
 Backward Euler on 0 = t_0 < … < t_N = T with k_n = t_n − t_{n−1}, k = max k_n and γk < 1 gives U_n,
@@ -42,26 +42,32 @@ from functools import cached_property
 import numpy as np
 
 from manufactured.tensors import Array
-from study.solve.evolution import ContactStep, SemiDiscrete
+from study.solve.evolution import ContactStep, SemiDiscrete, norm, norms
 from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 
-TOUCHING = 1e-12
+TOUCHING_AT_START = 1e-12
 """A vertex counts as in contact at t = 0 up to this gap, relative to the largest initial displacement."""
 
 
 @dataclass(frozen=True, eq=False)
-class GradientFlow:
+class EulerBounds:
     """Computes error bounds for backward Euler on one mesh; the docstring of the module states them.
 
     Attributes:
         problem: the semi-discrete problem (Problem 5.1), with n unknowns.
-        loads: the load vectors at equidistant times t_0, …, t_m from 0 to T, (m + 1, n).
+        loads: the load vectors at equidistant times t_0, …, t_m from 0 to T, (m + 1, n), from which the total variation
+            of the load follows.
+        kappa: the Lipschitz constant κ of an elasticity without a potential in ‖·‖_V, for example L_G/m_A; 0 for a
+            gradient flow.
+        growth: the largest rate γ at which two solutions can move apart, at most κ; 0 if G is monotone.
     """
 
     problem: SemiDiscrete
     loads: Array
+    kappa: float = 0.0
+    growth: float = 0.0
 
     @cached_property
     def representers(self) -> Array:
@@ -87,8 +93,9 @@ class GradientFlow:
     @cached_property
     def start(self) -> Array:
         """The initial velocity z = u̇^h(0+), (n,)."""
-        problem, u0 = self.problem, self.problem.u0
-        touching = problem.N @ u0 >= -TOUCHING * abs(u0).max(initial=0.0)
+        problem = self.problem
+        u0 = problem.u0
+        touching = problem.N @ u0 >= -TOUCHING_AT_START * abs(u0).max(initial=0.0)
         solver = Signorini(problem.M, problem.N[np.flatnonzero(touching)])
         return solver(self.loads[0] - problem.elastic(u0))[0]
 
@@ -114,23 +121,53 @@ class GradientFlow:
     @cached_property
     def first(self) -> float:
         """The norm ‖z‖_V of the initial velocity z."""
-        return math.sqrt(self.start @ (self.problem.M @ self.start))
+        return norm(self.problem, self.start)
 
     @property
     def fastest(self) -> float:
         """A bound of the speeds ‖u̇^h(t)‖_V and ‖δU_n‖_V: the initial speed ‖z‖_V plus Var f."""
         return self.first + self.variation
 
-    def a_priori(self, steps: int) -> float:
-        """Return the error bound that needs only the data, k (‖z‖_V/√2 + 2 Var f), for steps of size k = T/steps."""
-        return self.problem.T / steps * (self.first / math.sqrt(2) + 2 * self.variation)
+    def by_data(self, nodes: Array) -> float:
+        """Return the error bound that needs only the data, for steps between given nodes of the fine grid.
 
-    def piecewise_constant(self, steps: int) -> float:
+        Args:
+            nodes: the indices of t_0, …, t_N in the grid, (N + 1,).
+        """
+        steps = np.diff(nodes * self.interval)
+        half = self.kappa * self.problem.T / 2
+        longest = float(steps.max())
+        product = float(np.prod(1 / (1 - self.growth * steps)))
+        terms = (1 / math.sqrt(2) + half) * self.first + (2 + half) * self.variation
+        return longest * product / (1 - self.growth * longest) * terms
+
+    def by_solution(self, nodes: Array, states: Array) -> float:
+        """Return the error bound that is computed from the solution by backward Euler.
+
+        Args:
+            nodes: the indices of t_0, …, t_N in the fine grid, (N + 1,).
+            states: the displacements U_0, …, U_N, (N + 1, n).
+        """
+        problem = self.problem
+        steps = np.diff(nodes * self.interval)
+        rates = np.diff(states, axis=0) / steps[:, None]
+        viscous = (problem.M @ rates.T).T
+        elastic = np.array([problem.elastic(u) for u in states[1:]])
+        work = np.sum((self.loads[nodes[1:]] - elastic - viscous) * rates, axis=1)
+        speeds = norms(problem, rates)
+        growth = np.exp(self.growth * (problem.T - nodes[:-1] * self.interval))
+        root = math.sqrt(max(float(np.sum((growth * steps) ** 2 * work)), 0.0))
+        return root + float(np.sum(growth * (self.delays(nodes) + self.kappa * steps**2 * speeds / 2)))
+
+    def piecewise_constant(self, nodes: Array) -> float:
         """Return the error bound for the piecewise constant function that is U_n on (t_{n−1}, t_n].
 
-        It is k (‖z‖_V/√2 + 2 Var f) + k (‖z‖_V + Var f).
+        It is ``by_data`` plus k (‖z‖_V + Var f).
+
+        Args:
+            nodes: the indices of t_0, …, t_N in the grid, (N + 1,).
         """
-        return self.a_priori(steps) + self.problem.T / steps * self.fastest
+        return self.by_data(nodes) + self.interval * float(np.diff(nodes).max()) * self.fastest
 
     def a_posteriori(self, states: Array) -> float:
         """Return the error bound that is computed from the solution, F + k (Σ (ξ_n − ξ_{n−1}, δU_n)_V)^½.
@@ -169,49 +206,3 @@ def backward_euler(problem: SemiDiscrete, times: Array) -> Array:
             steps[k] = ContactStep(problem, BACKWARD_EULER, k)
         states.append(steps[k].solved(end, load, states[-1:]))
     return np.array([state.u for state in states])
-
-
-@dataclass(frozen=True, eq=False)
-class EulerBounds:
-    """Computes error bounds for backward Euler on one mesh; the docstring of the module states both.
-
-    Attributes:
-        flow: the problem with its loads on a fine grid in time, from which the total variation of the loads follows.
-        kappa: the Lipschitz constant κ of the elasticity in ‖·‖_V, for example L_G/m_A.
-        growth: the largest rate γ at which two solutions can move apart, at most κ; 0 if G is monotone.
-    """
-
-    flow: GradientFlow
-    kappa: float
-    growth: float
-
-    def by_data(self, nodes: Array) -> float:
-        """Return the error bound that needs only the data, for steps between given nodes of the fine grid.
-
-        Args:
-            nodes: the indices of t_0, …, t_N in the grid, (N + 1,).
-        """
-        steps = np.diff(nodes * self.flow.interval)
-        half = self.kappa * self.flow.problem.T / 2
-        longest = float(steps.max())
-        product = float(np.prod(1 / (1 - self.growth * steps)))
-        terms = (1 / math.sqrt(2) + half) * self.flow.first + (2 + half) * self.flow.variation
-        return longest * product / (1 - self.growth * longest) * terms
-
-    def by_solution(self, nodes: Array, states: Array) -> float:
-        """Return the error bound that is computed from the solution by backward Euler.
-
-        Args:
-            nodes: the indices of t_0, …, t_N in the fine grid, (N + 1,).
-            states: the displacements U_0, …, U_N, (N + 1, n).
-        """
-        problem = self.flow.problem
-        steps = np.diff(nodes * self.flow.interval)
-        rates = np.diff(states, axis=0) / steps[:, None]
-        viscous = (problem.M @ rates.T).T
-        elastic = np.array([problem.elastic(u) for u in states[1:]])
-        work = np.sum((self.flow.loads[nodes[1:]] - elastic - viscous) * rates, axis=1)
-        speeds = np.sqrt(np.sum(viscous * rates, axis=1))
-        growth = np.exp(self.growth * (problem.T - nodes[:-1] * self.flow.interval))
-        root = math.sqrt(max(float(np.sum((growth * steps) ** 2 * work)), 0.0))
-        return root + float(np.sum(growth * (self.flow.delays(nodes) + self.kappa * steps**2 * speeds / 2)))

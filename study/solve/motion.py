@@ -16,7 +16,7 @@ import numpy as np
 
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Tensors, identity
-from study.fem.error_norm import ErrorNorm, gaps_at_vertices
+from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space, on_cells
 from study.solve.evolution import SemiDiscrete, velocities
@@ -82,16 +82,11 @@ class Motion:
             MeshError: the mesh does not fit the body at this level.
         """
         space = Space(family(solution.body, level), solution.body)
-        v_norm = ErrorNorm(solution, space)
-        start = v_norm.sample(0.0).interpolant
-        gap = gaps_at_vertices(solution, space)
-        problem = SemiDiscrete.of(space, solution.law, v_norm.load, start, gap)
+        problem = SemiDiscrete.of_exact(ErrorNorm(solution, space))
         cells = on_cells(space, solution.law)
         found = []
         for state, velocity in velocities(problem, BDF2, steps):
-            strain = space.strain(state.u)
-            rate = space.strain(velocity)
-            stress = cells.A(rate) + cells.G(strain)
+            stress = cells.stress(space.strain(velocity), space.strain(state.u))
             normal = problem.N @ state.u - problem.gap
             found.append(Frame(state.time, state.u, velocity, stress, normal, state.multipliers))
             notify()

@@ -25,9 +25,13 @@ rigid motions as near kernel (P. Vaněk, J. Mandel, M. Brezina, Algebraic multig
 and fourth order elliptic problems, Computing 56 (1996) 179–196). The coarse levels are constructed once. Held unknowns
 are removed from the finest matrix and from the corrections that the coarse levels return. New coarse matrices for every
 active set would halve the number of iterations, but their construction would take the time that they save.
+
+``contact_solver`` chooses the contact solver for a space, the direct one or this one.
 """
 
+import math
 from collections.abc import Callable
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -38,10 +42,12 @@ from pyamg.util.utils import get_block_diag
 from scipy.sparse.linalg import LinearOperator, cg
 
 from manufactured.tensors import Array, Points
+from study.fem.space import Displacements
+from study.solve.signorini import ContactSolution, ContactSolver, Signorini
 
 REDUCTION = 0.02
 """One correction reduces the residual by this factor. More accuracy would be wasted while the active set changes."""
-CORRECTIONS, ITERATIONS = 200, 300
+CORRECTIONS, GRADIENT_ITERATIONS = 200, 300
 """Largest numbers of corrections in a solve, and of conjugate gradient iterations in a correction."""
 PATIENCE = 5
 """Number of corrections without progress after which a cycle of active sets is suspected.
@@ -105,15 +111,18 @@ class Multigrid:
         self.w = np.zeros(S.shape[0])
         self.hold(np.zeros(N.shape[0], dtype=bool))
 
-    def __call__(self, b: Array) -> tuple[Array, Array]:
+    def __call__(self, b: Array) -> ContactSolution:
         """Solve the contact problem for a load b: return u ∈ K^h, (n,), and the nodal contact forces λ ≥ 0, (m,).
 
         Raises:
             MultigridError: the tolerance was not reached.
         """
-        f, aim = self.basis.T @ b, self.tolerance * float(np.linalg.norm(b))
+        f = self.basis.T @ b
+        aim = self.tolerance * float(np.linalg.norm(b))
         w = self.w if b.any() else np.zeros_like(b)
-        wrong, fewest, patience = np.zeros_like(self.held), len(self.held) + 1, PATIENCE
+        wrong = np.zeros_like(self.held)
+        fewest = len(self.held) + 1
+        patience = PATIENCE
         for _ in range(CORRECTIONS):
             r = f - self.A @ w
             forces = np.maximum(r, 0) * (self.free == 0)
@@ -138,15 +147,14 @@ class Multigrid:
         Args:
             held: for each row of N, whether its unknown is held at its bound, (m,).
         """
-        self.held, self.free = held, np.ones(self.A.shape[0])
+        self.held = held
+        self.free = np.ones(self.A.shape[0])
         self.free[self.bounded[held]] = 0
-        # The rows and columns of the held unknowns are set to zero, in the blocks that contain such unknowns.
-        A, free = self.A, self.free.reshape(-1, self.A.blocksize[0])
+        # The rows and columns of the held unknowns are set to zero, block by block.
+        A = self.A
+        free = self.free.reshape(-1, A.blocksize[0])
         row = np.repeat(np.arange(len(free)), np.diff(A.indptr))
-        met = free.min(axis=1) == 0
-        touched = np.flatnonzero(met[row] | met[A.indices])
-        data = A.data.copy()
-        data[touched] *= free[row[touched], :, None] * free[A.indices[touched], None, :]
+        data = A.data * free[row, :, None] * free[A.indices, None, :]
         self.cut = sps.bsr_array((data, A.indices, A.indptr), shape=A.shape)
 
     def _corrected(self, w: Array, r: Array, reduction: float) -> tuple[Array, NDArray[np.bool_]]:
@@ -158,7 +166,7 @@ class Multigrid:
             reduction: the factor by which conjugate gradients reduce the residual.
         """
         preconditioner = LinearOperator(self.A.shape, matvec=self.cycle, dtype=float)
-        z, _ = cg(self.cut, self.free * r, rtol=reduction, maxiter=ITERATIONS, M=preconditioner)
+        z, _ = cg(self.cut, self.free * r, rtol=reduction, maxiter=GRADIENT_ITERATIONS, M=preconditioner)
         w = w + z
         values = w[self.bounded]
         w[self.bounded] = np.minimum(values, self.highest)
@@ -206,7 +214,8 @@ def rigid_motions(x: Points) -> Array:
     centred = x - x.mean(axis=1, keepdims=True)
     for i, j in combinations(range(d), 2):
         rotation = np.zeros((d, count))
-        rotation[i], rotation[j] = -centred[j], centred[i]
+        rotation[i] = -centred[j]
+        rotation[j] = centred[i]
         motions.append(rotation)
     return np.array([motion.T.ravel() for motion in motions]).T
 
@@ -253,3 +262,42 @@ def block_diagonal(blocks: Array) -> sps.bsr_array:
     """Return the block diagonal matrix of given blocks, (n/d, d, d) → (n, n)."""
     count = len(blocks)
     return sps.bsr_array((blocks, np.arange(count), np.arange(count + 1)))
+
+
+FACTORED = {2: math.inf, 3: 15_000}
+"""The direct solver is used up to this number n of unknowns, by dimension.
+
+In 2D its factor L has O(n log n) entries, and multigrid takes ten times as long. In 3D L has O(n^{4/3}) entries and
+takes O(n²) operations.
+"""
+DIRECT_RESIDUAL = 1e-10
+"""Largest relative residual that the direct solver may leave."""
+SHARE = 0.01
+"""Permitted error of the multigrid solver, as a fraction of the discretisation error (see ``residual``)."""
+
+
+def contact_solver(space: Displacements) -> Callable[..., ContactSolver]:
+    """Return a function that makes contact solvers for a space: direct ones, or multigrid for large problems in space.
+
+    It is called with the matrix S, the matrix N of the constraints and optionally ``gap=g``. The solver minimises
+    ½ vᵀSv − bᵀv over N v ≤ g.
+    """
+    if space.dofs <= FACTORED[space.dim]:
+        return partial(Signorini, x=space.free_points)
+    return partial(Multigrid, x=space.free_points, tolerance=multigrid_tolerance(space.dim, space.dofs))
+
+
+def multigrid_tolerance(dim: int, dofs: int) -> float:
+    """Return the relative residual at which multigrid stops: half of the largest permitted one (``residual``)."""
+    return SHARE / 2 * (dim / dofs) ** (2 / dim)
+
+
+def residual(dim: int, dofs: int) -> float:
+    """Return the largest permitted relative residual ‖S u + Nᵀλ − b‖/‖b‖ of the contact solver.
+
+    For the direct solver this is ``DIRECT_RESIDUAL``. For multigrid it is ϑ h² with ϑ = ``SHARE`` and h =
+    (d/dofs)^{1/d}. The reason is that a relative residual ρ gives a relative error of at most cond(S)^{1/2} ρ in the
+    norm of S, and cond(S)^{1/2} grows like 1/h. The solver's error is then at most about ϑ h, while the discretisation
+    error is of order h. The constants are measured by tests.
+    """
+    return DIRECT_RESIDUAL if dofs <= FACTORED[dim] else 2 * multigrid_tolerance(dim, dofs)

@@ -14,7 +14,7 @@ has nonzero rows only for the contact unknowns, and there Y solves a system with
 factor of the Schur complement. A step computes y = L⁻¹b, N S⁻¹ b = Yᵀy, the multipliers, and u = L⁻ᵀ(y − Yλ): one
 forward and one backward substitution. W = YᵀY.
 
-Large problems in 3D are solved by multigrid instead (``study.solve.solver_choice``).
+Large problems in 3D are solved by multigrid instead (``study.solve.multigrid``).
 """
 
 from collections.abc import Callable
@@ -28,8 +28,10 @@ from scipy.optimize import nnls
 from manufactured.tensors import Array, Points
 from study.solve.factorisation import Cholesky
 
-ContactSolver = Callable[[Array], tuple[Array, Array]]
-"""A contact solver: a function from a load b, (n,), to the displacement u, (n,), and contact forces λ, (m,)."""
+ContactSolution = tuple[Array, Array]
+"""The solution of one contact problem: the displacement u, (n,), and the nodal contact forces λ, (m,)."""
+ContactSolver = Callable[[Array], ContactSolution]
+"""A contact solver: a function from a load b, (n,), to the displacement and the contact forces."""
 
 
 class Signorini:
@@ -47,7 +49,8 @@ class Signorini:
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None, gap: Array | float = 0.0) -> None:
         contact = np.unique(N.nonzero()[1])
-        self.N, self.initial_gap = N, gap
+        self.N = N
+        self.initial_gap = gap
         self.factor = Cholesky(S, contact, x)
         self.contact = slice(S.shape[0] - len(contact), None)
         columns = sps.csc_array(N)[:, self.factor.order[self.contact]].toarray().T
@@ -56,7 +59,7 @@ class Signorini:
         self.active = np.zeros(N.shape[0], dtype=bool)
         self._factored: tuple[bytes, Array, Array] | None = None
 
-    def __call__(self, b: Array) -> tuple[Array, Array]:
+    def __call__(self, b: Array) -> ContactSolution:
         """Solve the contact problem for a load b: return u ∈ K^h, (n,), and the nodal contact forces λ ≥ 0, (m,).
 
         For several right-hand sides b, (k, n), the results are (k, n) and (k, m).

@@ -11,7 +11,7 @@ from study.ledger.files import UsageError
 
 PACE = 8.0
 """Default number of time steps per unit of time, divided by n^{2/3} at level n."""
-MOST = 1_000_000
+STEPS_LIMIT = 1_000_000
 """Largest number of steps of one solution. More would take days."""
 
 
@@ -65,10 +65,10 @@ def require_steps(steps: int) -> None:
     """Refuse a number of steps that would take days, or less than one step, before time is spent.
 
     Raises:
-        UsageError: there is no step, or there are more than ``MOST`` steps.
+        UsageError: there is no step, or there are more than ``STEPS_LIMIT`` steps.
     """
-    if not 1 <= steps <= MOST:
-        raise UsageError(f"{steps:.3g} time steps were asked for, but only 1 to {MOST:.0e} are allowed")
+    if not 1 <= steps <= STEPS_LIMIT:
+        raise UsageError(f"{steps:.3g} time steps were asked for, but only 1 to {STEPS_LIMIT:.0e} are allowed")
 
 
 def rate_steps(T: float, level: int, pace: float = PACE) -> int:

@@ -32,6 +32,9 @@ The potential of a step. A step maps the strain ε_n to the stress σ_n = A (ε_
 
 Every Φ is the integral of a density ½ Q y·y + g(ε_{n−1})·y, where y is an unknown on every cell that determines τ
 there. For (3.3), a part (ρ, z) of y lies in the second-order cone ρ ≥ |z|.
+
+Source of the solver: P. Goulart, Y. Chen, Clarabel: an interior-point solver for conic programs with quadratic
+objectives, arXiv:2405.12762 (2024).
 """
 
 from __future__ import annotations
@@ -39,6 +42,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import clarabel
 import numpy as np
@@ -47,15 +51,55 @@ import scipy.sparse as sps
 from manufactured.law import Combined, KelvinVoigt, Linear, Yield
 from manufactured.tensors import Array, Tensors
 from study.fem.space import Space, means
-from study.solve.interior_point import SOLVED, Accuracy, settings
 from study.solve.steps import longest_step, require_unique, step_size
+
+REFINEMENT = 1e-16
+"""Tolerance of the linear systems in the solver.
+
+It cannot be reached, so the systems are refined until rounding prevents further progress.
+"""
+SOLVED = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
+
+
+class Accuracy(NamedTuple):
+    """Tolerances of the solver.
+
+    Attributes:
+        gap: the tolerance for the duality gap, absolute or relative.
+        feasibility: the tolerance for the residuals of the constraints.
+    """
+
+    gap: float
+    feasibility: float
+
+
+def settings(aim: Accuracy, enough: Accuracy) -> clarabel.DefaultSettings:
+    """Return the settings with which the solver stops at a given accuracy.
+
+    Args:
+        aim: the accuracy at which the solver stops.
+        enough: the accuracy that is accepted if rounding stops the solver before ``aim``.
+    """
+    found = clarabel.DefaultSettings()
+    found.verbose = False
+    # Presolve and chordal decomposition are switched off, because the solver could not take new data for the next time
+    # step.
+    found.presolve_enable = False
+    found.chordal_decomposition_enable = False
+    found.tol_gap_abs = found.tol_gap_rel = aim.gap
+    found.tol_feas = aim.feasibility
+    found.reduced_tol_gap_abs = found.reduced_tol_gap_rel = enough.gap
+    found.reduced_tol_feas = enough.feasibility
+    found.iterative_refinement_abstol = found.iterative_refinement_reltol = REFINEMENT
+    return found
+
 
 AIM = Accuracy(gap=1e-15, feasibility=1e-11)
 """The accuracy at which the solver should stop, as high as rounding permits.
 
 It is needed where a vertex touches with almost no force: there the error is the square root of the duality gap.
 """
-ENOUGH = Accuracy(gap=1e-12, feasibility=1e-9)
+ACCEPTED = Accuracy(gap=1e-12, feasibility=1e-9)
 """The accuracy that is accepted if rounding stops the solver before AIM. No verdict depends on this value."""
 
 
@@ -63,7 +107,11 @@ class StressError(RuntimeError):
     """Raised if Problem 3.2 could not be solved, or if its potential is not known for a law."""
 
 
-@dataclass(frozen=True, eq=False)
+def _act(blocks: Array, values: Array) -> Array:
+    """Multiply a vector by a matrix on every cell: (cells, p, r), (r, cells) → (p, cells)."""
+    return np.einsum("cpr,rc->pc", blocks, values)
+
+
 class Potential:
     """The convex potential of one step of backward Euler, written on every cell as ½ Q y·y + g·y with an unknown y.
 
@@ -71,68 +119,63 @@ class Potential:
     z are the coordinates of a part s₂ of the stress in an orthonormal basis R of the range of P. Then |s₂| = |z| and
     τ = s₁ + R z, and ρ = |z| at the minimum.
 
+    Args:
+        space: the space V^h.
+        law: the material law.
+        k: the length of the step.
+
     Attributes:
         compliance: the matrix from a stress to the strain that it adds in a step, (cells, D, D). In the docstring of
             the module it is C⁻¹, k A⁻¹ or Ĉ⁻¹.
         quadratic: the matrix Q, (cells, p, p).
         stress: the matrix from y to the stress τ, (D, p).
-        released: the function from the previous strain ε_{n−1} to the strain at which a step without stress would end,
-            (D, cells) → (D, cells).
         cone: the number of entries of (ρ, z), which are the last entries of y; 0 for linear G.
         radius: the radius r of K; 0 for linear G.
-    """
-
-    compliance: Array
-    quadratic: Array
-    stress: Array
-    released: Callable[[Tensors], Tensors]
-    cone: int = 0
-    radius: float = 0.0
-
-
-def _act(blocks: Array, values: Array) -> Array:
-    """Multiply a vector by a matrix on every cell: (cells, p, r), (r, cells) → (p, cells)."""
-    return np.einsum("cpr,rc->pc", blocks, values)
-
-
-def potential(space: Space, law: KelvinVoigt, k: float) -> Potential:
-    """Return the convex potential of one step of backward Euler of length k.
 
     Raises:
         StressError: G is neither linear, nor (3.3), nor a sum of both, so its potential is not known.
     """
-    A, G = law.A, law.G
-    match G:
-        case Linear():
-            elasticity, yielding = np.multiply.outer(means(space, G.factor), G.matrix), None
-        case Yield():
-            elasticity, yielding = np.zeros_like(A.matrix), G
-        case Combined():
-            elasticity, yielding = G.linear.matrix, G.yielding
-        case _:
-            raise StressError(
-                "Problem 3.2 on the strains of V^h needs a law whose complementary potential is known: Linear, Yield "
-                f"or Combined, got {type(G).__name__}; take one of these, or solve Problem 3.1 only"
-            )
-    viscosity = np.multiply.outer(means(space, A.factor), A.matrix / k)
-    compliance = np.linalg.inv(viscosity + elasticity)
-    compliance = (compliance + compliance.swapaxes(1, 2)) / 2
-    at_rest = G.at_rest[:, None]
 
-    def released(strain: Tensors) -> Tensors:
-        return _act(compliance, _act(viscosity, strain) - at_rest)
+    def __init__(self, space: Space, law: KelvinVoigt, k: float) -> None:
+        A = law.A
+        G = law.G
+        match G:
+            case Linear():
+                elasticity = np.multiply.outer(means(space, G.factor), G.matrix)
+                yielding = None
+            case Yield():
+                elasticity = np.zeros_like(A.matrix)
+                yielding = G
+            case Combined():
+                elasticity = G.linear.matrix
+                yielding = G.yielding
+            case _:
+                raise StressError(
+                    "Problem 3.2 on the strains of V^h needs a law whose complementary potential is known: Linear, "
+                    f"Yield or Combined, got {type(G).__name__}; take one of these, or solve Problem 3.1 only"
+                )
+        self._viscosity = np.multiply.outer(means(space, A.factor), A.matrix / k)
+        self._at_rest = G.at_rest[:, None]
+        compliance = np.linalg.inv(self._viscosity + elasticity)
+        self.compliance = (compliance + compliance.swapaxes(1, 2)) / 2
+        self.quadratic = self.compliance
+        D = len(A.matrix)
+        self.stress = np.eye(D)
+        self.cone = 0
+        self.radius = 0.0
+        if yielding is not None:
+            values, vectors = np.linalg.eigh(yielding.convex.projector)
+            R = vectors[:, values > 0.5]
+            self.cone = 1 + R.shape[1]
+            self.radius = yielding.convex.radius
+            self.stress = np.hstack([np.eye(D), np.zeros((D, 1)), R])
+            self.quadratic = np.zeros((len(compliance), D + self.cone, D + self.cone))
+            self.quadratic[:, :D, :D] = self.compliance
+            self.quadratic[:, D + 1 :, D + 1 :] = np.eye(R.shape[1]) / yielding.beta
 
-    D = len(A.matrix)
-    if yielding is None:
-        return Potential(compliance, compliance, np.eye(D), released)
-    values, vectors = np.linalg.eigh(yielding.convex.projector)
-    R = vectors[:, values > 0.5]
-    rank = R.shape[1]
-    quadratic = np.zeros((len(compliance), D + 1 + rank, D + 1 + rank))
-    quadratic[:, :D, :D] = compliance
-    quadratic[:, D + 1 :, D + 1 :] = np.eye(rank) / yielding.beta
-    stress = np.hstack([np.eye(D), np.zeros((D, 1)), R])
-    return Potential(compliance, quadratic, stress, released, 1 + rank, yielding.convex.radius)
+    def released(self, strain: Tensors) -> Tensors:
+        """Return the strain at which a step without stress would end, from the previous strain, (D, cells)."""
+        return _act(self.compliance, _act(self._viscosity, strain) - self._at_rest)
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,9 +217,11 @@ class Programme:
 
     def __init__(self, space: Space, potential: Potential) -> None:
         N = space.N
-        cells, m = len(space.volumes), N.shape[0]
+        cells = len(space.volumes)
+        m = N.shape[0]
         D, p = potential.stress.shape
-        self.dofs, self.potential = space.dofs, potential
+        self.dofs = space.dofs
+        self.potential = potential
         self.root = np.sqrt(space.volumes)
         self.compliance = float(np.linalg.norm(potential.compliance, 2, axis=(1, 2)).max())
 
@@ -194,11 +239,12 @@ class Programme:
         cones += [clarabel.NonnegativeConeT(m)]
         self.q = np.zeros(p * cells + m)
         self.b = np.zeros(constraints.shape[0])
-        P, A = sps.csc_matrix(sps.triu(hessian)), sps.csc_matrix(constraints)
-        self.solver = clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(AIM, ENOUGH))
+        P = sps.csc_matrix(sps.triu(hessian))
+        A = sps.csc_matrix(constraints)
+        self.solver = clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(AIM, ACCEPTED))
         # If rounding stops the iteration before AIM, its last iterate is not its best one. So a second solver stops at
-        # ENOUGH.
-        self.retry = partial(clarabel.DefaultSolver, P, self.q, A, self.b, cones, settings(ENOUGH, ENOUGH))
+        # ACCEPTED.
+        self.retry = partial(clarabel.DefaultSolver, P, self.q, A, self.b, cones, settings(ACCEPTED, ACCEPTED))
 
     def __call__(self, time: float, load: Array, old: Tensors) -> StressState:
         """Solve one time step and return the state at its end.
@@ -211,7 +257,9 @@ class Programme:
         Raises:
             StressError: the solver failed.
         """
-        cells, dofs, potential = len(self.root), self.dofs, self.potential
+        cells = len(self.root)
+        dofs = self.dofs
+        potential = self.potential
         # The unit of stresses is a typical stress of the step, from the load and from the previous strain times C.
         size = float(np.linalg.norm(load)) + float(np.linalg.norm(self.root * old)) / self.compliance
         unit = size or 1.0
@@ -267,7 +315,7 @@ class StressProblem:
         """
         k = step_size(self.space.body.T, steps)
         require_unique("backward Euler", k, self.law.growth, longest_step(self.law.growth))
-        programme = Programme(self.space, potential(self.space, self.law, k))
+        programme = Programme(self.space, Potential(self.space, self.law, k))
         strain = self.space.strain(self.u0)
         nan = np.full(self.space.N.shape[0], np.nan)
         yield StressState(0.0, np.full_like(strain, np.nan), strain, self.u0, nan, 0.0)

@@ -19,20 +19,20 @@ from typing import Any, Protocol, TypeVar
 from manufactured.tensors import Array
 from study.solve.steps import longest_step, require_unique, step_size
 
-S = TypeVar("S")
+StateT = TypeVar("StateT")
 
 
-class TimeProblem(Protocol[S]):
-    """The interface of problems on [0, T] that a time scheme solves; S is the type of a state at a time node."""
+class TimeProblem(Protocol[StateT]):
+    """The interface of problems on [0, T] that a time scheme solves; StateT is the type of a state at a time node."""
 
     @property
     def T(self) -> float: ...
 
-    def initial(self) -> S:
+    def initial(self) -> StateT:
         """Return the state at the initial time t_0."""
         ...
 
-    def stepper(self, scheme: Tableau, k: float) -> Callable[[int, Sequence[S]], S]:
+    def stepper(self, scheme: Tableau, k: float) -> Callable[[int, Sequence[StateT]], StateT]:
         """Return the function that computes the state at t_n = n k from n and the previous states."""
         ...
 
@@ -97,7 +97,7 @@ class Tableau:
         """
         require_unique(self.name, k, growth, self.longest(growth))
 
-    def march(self, problem: TimeProblem[S], steps: int) -> Iterator[S]:
+    def march(self, problem: TimeProblem[StateT], steps: int) -> Iterator[StateT]:
         """Solve a problem by this time scheme and yield its states at t_0, t_1, …, t_steps = T.
 
         Raises:

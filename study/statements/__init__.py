@@ -12,7 +12,6 @@ from study.statements.error_estimate import (
     NodalStart,
     ResidualBound,
 )
-from study.statements.load_and_traction import LoadInTime, NaturalConditions, TractionInTime
 from study.statements.moving_fronts import AdvancingFront, HalfDerivative, NodalErrors
 from study.statements.other_solvers import OtherCodes, Recomputed
 from study.statements.pictures import Pictures
@@ -20,9 +19,18 @@ from study.statements.prop_5_4 import Convergence, FirstOrder, InitialGap, Regul
 from study.statements.shared.base import Statement
 from study.statements.thm_4_2 import OwnSpace, SameMesh
 from study.statements.time_steps import BackwardEuler, FullyDiscrete, JumpingLoad, Landings, NoPotential
-from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.unmeasured import Misprints, Untested, WithoutRow
-from study.statements.wellposed import BoundedVelocity, Dependence, Korn, SolutionDivergence
+from study.statements.wellposed import (
+    BoundedVelocity,
+    Dependence,
+    Korn,
+    LoadInTime,
+    NaturalConditions,
+    OneStress,
+    OneTrajectory,
+    SolutionDivergence,
+    TractionInTime,
+)
 from study.statements.work_of_contact import EdgeWork, Rollers, WorkOfContact
 
 IN_ORDER: tuple[type[Statement], ...] = (

@@ -54,12 +54,12 @@ import sympy as sp
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
 from study.fem.naming import is_own
-from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
 from study.ledger.datafiles import CsvFile
 from study.ledger.quantities import finest
 from study.ledger.window import Window, around, at_least, at_most, between
+from study.solve.evolution import histories
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import (
@@ -72,8 +72,8 @@ from study.statements.shared.base import (
     check_of_order,
     steps_like_h,
 )
-from study.statements.shared.meshes import split_irregular, split_superclose
-from study.statements.shared.norms import hat_functions
+from study.statements.shared.meshes import split
+from study.statements.shared.norms import FacePoints, maximum, midpoints
 from study.statements.shared.scope import Scope
 
 FORCE_ERRORS = "pressure", "dual", "resultant"
@@ -88,27 +88,19 @@ FACET_GAUSS_POINTS, SOLID_FACET_GAUSS_POINTS = 20, 6
 Many are needed, because the pressure has kinks inside facets."""
 
 
-class PressedFace:
+class PressedFace(FacePoints):
     """One contact face with quadrature points, the exact pressure there, and the hat functions of its vertices.
 
     Attributes:
-        weights: the quadrature weights, (points,).
-        normal: the outer unit normal ν.
-        every: the values of the hat functions of all vertices of the mesh at the points, (points, vertices).
         functions: the values of the hat functions φ_i of the m unclamped vertices of the face, (points, m).
         mass: the mass matrix ∫ φ_i φ_j, (m, m).
-        exact: the exact solution at the points, which gives the exact pressure.
     """
 
     def __init__(self, solution: ExactSolution, space: Space, face: Face, vertices: Array) -> None:
         count = FACET_GAUSS_POINTS if space.dim == 2 else SOLID_FACET_GAUSS_POINTS
-        rule = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, count)
-        self.every = hat_functions(space.mesh, rule)
-        self.functions = self.every[:, vertices]
-        self.weights = rule.weights.ravel()
-        self.normal = face.part.normal
+        super().__init__(solution, space, face, count, face.rough)
+        self.functions = self.hats[:, vertices]
         self.mass = (self.functions.T @ sps.diags_array(self.weights) @ self.functions).toarray()
-        self.exact = solution.on(face, rule.s)
 
 
 class Forces:
@@ -161,7 +153,7 @@ class Forces:
     def penetration(self, u: Array) -> float:
         """Return the largest penetration (u_ν)_+ of a P1 displacement over the quadrature points on Γ3."""
         nodal = self.space.nodal(u)
-        return float(np.max([0.0, *((face.every @ (face.normal @ nodal)).max() for face in self.faces)]))
+        return float(np.max([0.0, *((face.hats @ (face.normal @ nodal)).max() for face in self.faces)]))
 
 
 def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array, float, float]:
@@ -171,17 +163,11 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
         The three relative errors over (0, T) that ``FORCE_ERRORS`` names, (3,); the largest relative penetration; and
         the largest relative tensile force.
     """
-    k = setup.problem.T / steps
-    multipliers = []
-    extremes = []
-    for state in setup.march(steps):
-        pulling = -state.multipliers.min(initial=0.0)
-        extremes.append([forces.penetration(state.u), abs(state.u).max(), pulling, abs(state.multipliers).max()])
-        multipliers.append(state.multipliers)
-    # NumPy's maximum is used, because Python's max could hide a NaN.
-    inside, moved, pulled, pressed = np.max(extremes, axis=0)
-    squares, sizes = forces.squares((np.arange(steps) + 0.5) * k, np.array(multipliers[1:]))
-    return np.sqrt(squares / sizes), float(inside / moved), float(pulled / pressed)
+    u, multipliers = histories(setup.march(steps))
+    squares, sizes = forces.squares(midpoints(setup.problem.T, steps), multipliers[1:])
+    penetration = maximum(map(forces.penetration, u)) / abs(u).max()
+    pulling = -multipliers.min(initial=0.0) / abs(multipliers).max()
+    return np.sqrt(squares / sizes), float(penetration), float(pulling)
 
 
 NO_ORDER = "p jumps in time, and the error comes from the step with the jump"
@@ -311,7 +297,7 @@ class ContactForce(Statement):
                 yield replace(check, if_missed=NO_BOUND), groups
             else:
                 norms.append((check, groups))
-        irregular, others = split_irregular(groups)
+        irregular, others = split(groups, "irregular")
         if others:
             norms.append((PRESSURE_ORDER, others))
         if irregular and case == LANDS:
@@ -319,7 +305,7 @@ class ContactForce(Statement):
         elif irregular:
             yield OF_CHANCE, irregular
         superclose_order, other_order = DUAL_ORDERS
-        superclose, other = split_superclose(groups)
+        superclose, other = split(groups, "superclose")
         if superclose:
             norms.append((superclose_order, superclose))
         if other:

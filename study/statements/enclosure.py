@@ -15,7 +15,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -38,7 +37,6 @@ from study.solve.steps import PACE, rate_steps
 from study.solve.tableau import SCHEMES
 from study.statements.shared import estimates
 from study.statements.shared.base import Numbers, Records, Setting, Statement
-from study.statements.shared.meshes import families
 from study.statements.shared.scope import Scope
 
 BOUNDS = CsvFile("bounds.csv")
@@ -123,7 +121,7 @@ def bounds(cases: Sequence[Case], full: bool) -> Iterator[BoundSetting]:
             yield from by_midpoint("bracket", "graded", (4, 8), Refined(0, 2))
         return
     for case in filter(eligible, cases):
-        serving = [family for family in FAMILIES_IN_TURN if family in families(case)]
+        serving = [family for family in FAMILIES_IN_TURN if family_named(family).serves(case.solution.body)]
         first = serving.index(ROTATION_STARTS.get(case.name, (case.families or serving)[0]))
         for turn, scheme in enumerate(SCHEMES, start=first):
             yield BoundSetting(case.name, serving[turn % len(serving)], 8, scheme.name, SmoothedInTime())
@@ -175,7 +173,7 @@ open_problems = lru_cache(problems)
 
 def measure(
     problem: ResolvedProblem, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
-) -> tuple[dict[str, Any], Enclosure]:
+) -> tuple[Numbers, Enclosure]:
     """Compute a displacement and bounds of its error, and return a row of ``bounds.csv`` and the bounds over time.
 
     If the exact solution is unknown, numbers that depend on the error are NaN.

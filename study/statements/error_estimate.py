@@ -18,7 +18,7 @@ from manufactured.tensors import Array, Points, Tensors, dyad
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.mesh import Graded, Shaken
 from study.fem.naming import resolve
-from study.fem.quadrature import facet_rule
+from study.fem.quadrature import rule_on
 from study.fem.space import Space, on_cells
 from study.ledger.check import ENOUGH, ROUNDING, Groups, consequence, identity, paper_claim
 from study.ledger.datafiles import Row
@@ -33,12 +33,10 @@ from study.ledger.quantities import (
     over_refinements,
 )
 from study.ledger.window import Window, around, at_least, at_most, positive_at_most
-from study.solve.evolution import SemiDiscrete
+from study.solve.evolution import SemiDiscrete, norm, path
 from study.solve.factorisation import Cholesky
-from study.solve.paths import path
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.load_and_traction import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import (
     EVOLVING,
     SEED,
@@ -54,7 +52,6 @@ from study.statements.shared.base import (
 )
 from study.statements.shared.meshes import (
     CELL_POWER,
-    EVERY_FAMILY,
     body_of,
     first_with_each,
     law_of,
@@ -62,20 +59,20 @@ from study.statements.shared.meshes import (
     place,
     posed,
     space_of,
-    split_random,
+    split,
 )
 from study.statements.shared.norms import (
     Energies,
+    Field,
     displacement,
     dual_norm,
     midpoints,
-    norm,
     time_nodes,
     trace_error,
     unloaded,
 )
-from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
+from study.statements.wellposed import planes, strain, vanishing, waves
 
 FIRST_SPIKES = 3
 """The smallest level j of the spikes: the radius 4^{−j} is small compared with the distance 2^{−j} for j ≥ 3."""
@@ -246,11 +243,11 @@ class InterpolationInV(ListedNumbers):
 
     def places(self, full: bool) -> list[Setting]:
         if not full:
-            return place(named("advance-recede"), REGULAR, (8, 16, 32))
+            return place(named("advance-recede"), (8, 16, 32))
         cases = first_with_each(lambda case: (body_of(case), law_of(case), case.regularity.smoothness > 1))
         cases = [case for case in cases if case.regularity.smoothness > 1]
         # Graded meshes are left out: their cells at singular points are much smaller than h, which changes the order.
-        return [s for s in place(cases, EVERY_FAMILY, (8, 16, 32), (8, 12, 16)) if s.family != Graded().name]
+        return [s for s in place(cases, (8, 16, 32), (8, 12, 16), every_family=True) if s.family != Graded().name]
 
     def measure(self, setting: Setting) -> Numbers:
         space, solution = posed(setting)
@@ -260,12 +257,12 @@ class InterpolationInV(ListedNumbers):
             sample = v_norm.sample(fraction * solution.body.T)
             errors[v] = v_norm.distance(sample, sample.interpolant)
         field = smooth(space.body)
-        energies = Energies(solution, space, (), RAISED_FOR_KINKS)
+        energies = Energies(solution, space, False, RAISED_FOR_KINKS)
         error = energies.distance(strain(field, energies.exact.x), space.interpolate(field(space.mesh.p)))
         return with_h(space.h, {**errors, SMOOTH_FIELD: error})
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
-        random, others = split_random(groups)
+        random, others = split(groups, "random")
         for key, v in INTERPOLATED.items():
             quantity = f"order of ‖v − Π^h v‖_V, v = {v}"
             if others:
@@ -292,12 +289,12 @@ class InterpolationOnContact(ListedNumbers):
 
     def places(self, full: bool) -> list[Setting]:
         if not full:
-            return place(named("advance-recede"), REGULAR, (16, 32, 64))
+            return place(named("advance-recede"), (16, 32, 64))
         # Shaken meshes are left out: a few edges contribute most of the squared error Σ_e |e|⁵ |w''|²/120, so with
         # random lengths of edges the order varies by 0.3 from seed to seed.
         cases = first_with_each(lambda case: (body_of(case), case.regularity.trace))
         without = Graded().name, Shaken().name
-        return [s for s in place(cases, EVERY_FAMILY, (16, 32, 64), (16, 24, 32)) if s.family not in without]
+        return [s for s in place(cases, (16, 32, 64), (16, 24, 32), every_family=True) if s.family not in without]
 
     def measure(self, setting: Setting) -> Numbers:
         space = space_of(setting)
@@ -360,8 +357,7 @@ def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
 
     Functions with a linear trace are left out.
     """
-    count = FACET_POINTS + RAISED_FOR_KINKS
-    rule = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, count)
+    rule = rule_on(space, face.part, FACET_POINTS + RAISED_FOR_KINKS, face.rough)
     fields = {v: displacement(solution, fraction * solution.body.T) for v, fraction in FUNCTIONS.items()}
     errors = {}
     for name, field in {**fields, SMOOTH_FIELD: smooth(space.body)}.items():
@@ -624,14 +620,13 @@ def sides(setup: Experiment) -> Numbers:
     T = problem.T
     error = v_norm.largest(time_nodes(T, setup.steps), path(problem, setup.scheme, setup.steps))
     start = v_norm.sample(0.0)
-    energies = Energies(setup.solution, setup.space, along=())
+    energies = Energies(setup.solution, setup.space, aligned=False)
     times = midpoints(T, NORM_INSTANTS)
     k = T / NORM_INSTANTS
     # The work of contact ∫ σ_ν (u_ν − Π^hu_ν) and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² over Γ3.
     integrals = np.zeros((3, NORM_INSTANTS))
     for face in setup.solution.faces:
-        facets = setup.space.facets(face.part)
-        rule = facet_rule(setup.space.mesh, facets, face.part, face.rough, FACET_POINTS)
+        rule = rule_on(setup.space, face.part, FACET_POINTS, face.rough)
         exact = setup.solution.on(face, rule.s)
         eta, _ = trace_error(displacement(setup.solution, times), setup.space, face.part, rule)
         pressure = exact.pressure(times)

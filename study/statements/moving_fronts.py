@@ -1,7 +1,6 @@
 """Beyond the paper: convergence at advancing natural fronts, and two lemmas with which its order is proved."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache, partial
 
@@ -22,10 +21,9 @@ from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
 from study.ledger.quantities import change, over_refinements
 from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
-from study.solve.evolution import SemiDiscrete
+from study.solve.evolution import SemiDiscrete, furthest, histories, norms, path
 from study.solve.factorisation import Cholesky
-from study.solve.gradient_flow import GradientFlow
-from study.solve.paths import furthest, path
+from study.solve.gradient_flow import EulerBounds
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.shared.base import (
@@ -38,8 +36,8 @@ from study.statements.shared.base import (
     grid,
     with_h,
 )
-from study.statements.shared.meshes import posed, split_random
-from study.statements.shared.norms import Energies, contact_load, dual_norm, maximum, midpoints, norms, time_nodes
+from study.statements.shared.meshes import posed, split
+from study.statements.shared.norms import Energies, Field, contact_load, dual_norm, maximum, midpoints, time_nodes
 from study.statements.time_steps import PROVED_BELOW_1
 from study.statements.work_of_contact import SEEDS
 
@@ -98,18 +96,17 @@ def half_quotient(problem: SemiDiscrete, states: Array) -> float:
     return maximum(quotients) / constant
 
 
-def euler_quotient(flow: GradientFlow, kappa: float, states: Array) -> float:
+def euler_quotient(flow: EulerBounds, states: Array) -> float:
     """Return Σ ‖δ_n − δ_{n−1}‖² for backward Euler, divided by its bound.
 
     Args:
-        flow: the problem, with its loads at t_0, …, t_N.
-        kappa: L_G/m_A.
+        flow: the problem, with its loads at t_0, …, t_N and κ = L_G/m_A.
         states: the displacements U_0, …, U_N, (N + 1, dofs).
     """
     rates = np.vstack([flow.start, np.diff(states, axis=0) / flow.interval])
     jumps = norms(flow.problem, np.diff(rates, axis=0))
     speeds = norms(flow.problem, rates[1:])
-    growth = kappa * flow.interval * speeds.sum()
+    growth = flow.kappa * flow.interval * speeds.sum()
     return float(jumps @ jumps / (flow.first**2 + 2 * speeds.max() * (flow.variation + growth)))
 
 
@@ -169,10 +166,10 @@ class HalfDerivative(ListedNumbers):
     def measure(self, setup: Experiment) -> Numbers:
         problem = setup.solved or setup.problem
         steps = setup.steps
-        flow = GradientFlow(problem, problem.load(time_nodes(problem.T, steps)).T)
+        flow = EulerBounds(problem, problem.load(time_nodes(problem.T, steps)).T, setup.solution.law.kappa)
         numbers = {
             "half": half_quotient(problem, path(problem, MIDPOINT, steps)),
-            "euler": euler_quotient(flow, setup.solution.law.kappa, path(problem, BACKWARD_EULER, steps)),
+            "euler": euler_quotient(flow, path(problem, BACKWARD_EULER, steps)),
         }
         return with_h(setup.space.h, numbers)
 
@@ -231,7 +228,7 @@ class NodalErrors(ListedNumbers):
             ),
             groups,
         )
-        random, _ = split_random(groups)
+        random, _ = split(groups, "random")
         if random:
             yield SIGN, {SEEDS[0]: pd.concat(random.values())}
 
@@ -252,7 +249,7 @@ def cut_solution(solution: ExactSolution, time: float, x: Points) -> Vectors:
 
 
 def means_from_edges(
-    displacement: Callable[[Points], Vectors], space: Space, cells: Array | slice = np.s_[:], points: int = GAUSS_POINTS
+    displacement: Field, space: Space, cells: Array | slice = np.s_[:], points: int = GAUSS_POINTS
 ) -> Tensors:
     """Return the mean of the strain ε(u) on some cells, (D, n), from the displacement u on their edges.
 
@@ -404,14 +401,16 @@ class AdvancingFront(ListedNumbers):
         steps = FRONT_STEPS_PER_CELL * setting.level
         v_norm = ErrorNorm(solution, space)
         force = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, FORCE_DEGREE))
-        pressed = partial(at_each, of=lambda time: force(time) + pressure_load(solution, space, time))
-        problem = SemiDiscrete.of(space, solution.law, partial(at_each, of=force), v_norm.sample(0.0).interpolant)
+
+        def pressed(time: float) -> Array:
+            # The quadrature points are graded towards the front, where σ_ν is singular.
+            return force(time) + contact_load(solution, space, (front_at(solution, time),))(time)
+
+        problem = replace(SemiDiscrete.of_exact(v_norm), load=partial(at_each, of=force))
         # Without rows of N there is no contact condition, so the exact σ_ν acts as a given traction in the load.
-        linear = replace(problem, N=problem.N[:0], load=pressed)
+        linear = replace(problem, N=problem.N[:0], load=partial(at_each, of=pressed))
         coarse = path(problem, MIDPOINT, steps)
-        states = list(MIDPOINT.march(problem, 2 * steps))
-        fine = np.array([state.u for state in states])
-        forces = np.array([state.multipliers for state in states[1:]])
+        fine, forces = histories(MIDPOINT.march(problem, 2 * steps))
         nodes = np.arange(0, 2 * steps + 1, max(1, 2 * steps // ERROR_INSTANTS))
         error = v_norm.largest(nodes * problem.T / (2 * steps), fine[nodes])
         # A change δf of the load changes u^h by at most T max ‖δf‖_V, because the elasticity G is monotone.
@@ -420,26 +419,18 @@ class AdvancingFront(ListedNumbers):
         for time in midpoints(problem.T, FEW_INSTANTS):
             finer = load_from_forces(solution, space, time, RAISED_FORCE_DEGREE)
             changes.append(dual_norm(finer - force(time), riesz))
-        rates = Energies(solution, space, along=()).velocity_error(midpoints(problem.T, ERROR_INSTANTS))
+        rates = Energies(solution, space, aligned=False).velocity_error(midpoints(problem.T, ERROR_INSTANTS))
         numbers = {
             "error": error,
             "rate": math.sqrt(problem.T * np.mean(rates**2)),
             "excess": furthest(problem, fine, path(linear, MIDPOINT, 2 * steps)),
             "time share": furthest(problem, fine[::2], coarse) / error,
             "quadrature": problem.T * maximum(changes) / error,
-            "local": violation(v_norm, problem, forces) / (space.h * math.log(space.h)) ** 2,
+            "local": violation(v_norm, problem, forces[1:]) / (space.h * math.log(space.h)) ** 2,
             "pairing": pairing(solution, space, problem.M @ np.diff(fine, axis=0).T),
             "half": half_quotient(problem, fine),
         }
         return with_h(space.h, numbers)
-
-
-def pressure_load(solution: ExactSolution, space: Space, time: float) -> Array:
-    """Return the exact contact force at one time as a load vector, v ↦ ∫_{Γ3} σ_ν v_ν, (dofs,).
-
-    The quadrature points are graded towards the front, where σ_ν is singular.
-    """
-    return contact_load(solution, space, (front_at(solution, time),))(time)
 
 
 def violation(v_norm: ErrorNorm, problem: SemiDiscrete, forces: Array) -> float:

@@ -27,6 +27,8 @@ from study.ledger.datafiles import CsvFile
 from study.ledger.quantities import quotients
 from study.ledger.verdict import BECAUSE, HOLDS, NOWHERE, REPORTED, UNDECIDED, Verdict, row
 from study.ledger.window import Window, around, at_most, positive_at_most
+from study.solve.evolution import histories
+from study.solve.signorini import ContactSolution
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import RATES, RateSetting
 from study.statements.shared import estimates
@@ -163,7 +165,7 @@ class PlainProblem:
         """Return the nodal interpolant Π^h u(t) of the exact displacement, (n,)."""
         return self.at_vertices.displacement(time).T.ravel()[self.free]
 
-    def contact(self, b: Array, k: float) -> tuple[Array, Array]:
+    def contact(self, b: Array, k: float) -> ContactSolution:
         """Solve the contact problem of one time step by the method of Lawson and Hanson.
 
         The problem is M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0. With RᵀR = NM⁻¹Nᵀ, λ minimises
@@ -261,9 +263,7 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
         plain: the problem of the second solver.
         own_load, same_load: the trajectories of the second solver with its own load and with the load of the study.
     """
-    states = list(setup.march(2 * setup.steps))
-    u = np.array([state.u for state in states])
-    multipliers = np.array([state.multipliers for state in states])
+    u, multipliers = histories(setup.march(2 * setup.steps))
     sizes = [plain.norm(v) for v in own_load[0]]
     size_of_forces = np.linalg.norm(own_load[1])
     # Both loads start from the same initial value.

@@ -34,7 +34,6 @@ order and its share of the interpolation error are judged separately.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -60,21 +59,22 @@ from study.ledger.quantities import (
     ratios,
 )
 from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
-from study.solve import solver_choice
-from study.solve.evolution import State
-from study.solve.solver_choice import contact_solver
+from study.solve import multigrid
+from study.solve.evolution import State, norm
+from study.solve.multigrid import contact_solver
 from study.solve.tableau import MIDPOINT, SCHEMES
-from study.statements.shared.base import Experiment, Judged, Numbers, Records, Setting, Statement, check_of_order
-from study.statements.shared.meshes import (
-    LEADING,
-    in_leading_term,
-    split,
-    split_irregular,
-    split_random,
-    split_superclose,
-    value_of_case,
+from study.statements.shared.base import (
+    ByCase,
+    Experiment,
+    Judged,
+    Numbers,
+    Records,
+    Setting,
+    Statement,
+    check_of_order,
 )
-from study.statements.shared.norms import maximum, norm, time_nodes
+from study.statements.shared.meshes import LEADING, in_leading_term, split, value_of_case
+from study.statements.shared.norms import maximum, time_nodes
 from study.statements.shared.scope import Scope
 
 RATES = CsvFile("rates.csv", ("order",), with_orders)
@@ -98,7 +98,7 @@ class FromRates(Statement):
     file = RATES
     proposition: str
 
-    def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
+    def by_case(self, rows: pd.DataFrame) -> ByCase:
         return super().by_case(rows[rows["claim"] == self.proposition])
 
 
@@ -195,24 +195,24 @@ class Measurement:
 
     def errors(self) -> Numbers:
         """Return the largest errors, the times at which they occur, and the share of the error in time."""
-        times, error, interpolation, discrete, _ = self.history
-        first, second, third = map(np.argmax, (error, interpolation, discrete))
+        error, interpolation, discrete = self.history[1:4].max(axis=1)
+        at, interpolation_at, discrete_at = self.history[0, self.history[1:4].argmax(axis=1)]
         return {
-            "error": error[first],
-            "at": times[first],
-            "interpolation_error": interpolation[second],
-            "discrete_error": discrete[third],
-            "time_share": self.drift / error[first],
-            "interpolation_at": times[second],
-            "discrete_at": times[third],
-            "initial_error": error[0],
-            "discrete_time_share": self.drift / discrete[third],
+            "error": error,
+            "at": at,
+            "interpolation_error": interpolation,
+            "discrete_error": discrete,
+            "time_share": self.drift / error,
+            "interpolation_at": interpolation_at,
+            "discrete_at": discrete_at,
+            "initial_error": self.history[1, 0],
+            "discrete_time_share": self.drift / discrete,
         }
 
     def row(self) -> Numbers:
         """Return the errors and diagnostics as a row of ``rates.csv``, without case, mesh family and level."""
         experiment = self.experiment
-        space = self.experiment.space
+        space = experiment.space
         return {
             "scheme": experiment.scheme.name,
             "dim": space.dim,
@@ -261,9 +261,9 @@ class Measurement:
         steps of u^h.
         """
         experiment = self.experiment
-        problem = self.experiment.problem
+        problem = experiment.problem
         time = self.worst.time
-        finer = ErrorNorm(experiment.solution, experiment.space, raised=2, along=())
+        finer = ErrorNorm(experiment.solution, experiment.space, raised=2, aligned=False)
         error = experiment.v_norm.distance(experiment.v_norm.sample(time), self.worst.u)
         raised = finer.distance(finer.sample(time), self.worst.u)
         change = replace(
@@ -290,7 +290,7 @@ class Measurement:
 # exactly 0 means that a solution was compared with itself.
 def residual_shares(levels: pd.DataFrame) -> Array:
     """Return the residual of the contact solver, divided by its tolerance for the number of unknowns."""
-    return (levels["residual"] / [*map(solver_choice.residual, levels["dim"], levels["dofs"])]).to_numpy()
+    return (levels["residual"] / [*map(multigrid.residual, levels["dim"], levels["dofs"])]).to_numpy()
 
 
 def size(levels: pd.DataFrame) -> float:
@@ -319,7 +319,7 @@ EVIDENCE = (
         "residual of the contact solves / largest accepted residual",
         residual_shares,
         positive_at_most(
-            1.0, f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
+            1.0, f"{multigrid.DIRECT_RESIDUAL:g} for a factorisation, {multigrid.SHARE:g} h² for multigrid"
         ),
     ),
     accuracy("clamped", "u^h = 0 on Γ1", "clamped", at_most(1e-10, "rounding")),
@@ -431,7 +431,7 @@ class FirstOrder(Rates):
     def checks_of(self, case: str, groups: Groups) -> Judged:
         expected = value_of_case(groups, "expected_order")
         in_h = in_leading_term(groups)
-        (irregular, _) = split_irregular(groups)
+        (irregular, _) = split(groups, "irregular")
         by_level = around(expected, 0.15, f"every consecutive order{ON_IRREGULAR}")
         limit = around(expected, 0.1, f"extrapolated from the three finest levels{ON_IRREGULAR}")
         yield (
@@ -452,7 +452,7 @@ class FirstOrder(Rates):
             in_h,
         )
         yield SIZE_CHECK, in_h
-        for check, tables in zip(DISCRETE_ORDERS, split_superclose(groups), strict=True):
+        for check, tables in zip(DISCRETE_ORDERS, split(groups, "superclose"), strict=True):
             if tables:
                 yield check, tables
         for rule in (*DISCRETE_SIZES, start_share(groups), *EVIDENCE):
@@ -497,11 +497,11 @@ class Convergence(Rates):
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
         expected = value_of_case(groups, "expected_order")
-        (uniform, graded) = split(groups, lambda mesh: mesh.uniform)
+        (uniform, graded) = split(groups, "uniform")
         falling = at_most(0.999, "on every level")
         ratio = "ratio of consecutive errors"
         yield paper_claim("falling", ratio, ratios("error"), falling, levels=ROUGH_LEVELS), groups
-        by_chance, others = split_random(uniform)
+        by_chance, others = split(uniform, "random")
         steeper = f"s is {STEEPER:g} above the predicted order, the largest s that the check of the order allows"
         if others:
             yield _limit("limit", ERROR_LIMIT, expected), others
@@ -581,7 +581,7 @@ class RegularityNeeded(FromRates):
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
         proved = at_least(value_of_case(groups, "proved_order"), "the order that the proof gives")
-        uniform, _ = split(groups, lambda family: family.uniform)
+        uniform, _ = split(groups, "uniform")
         reported = replace(SEEN_ORDER, window=proved)
         enough = at_least(proved.low - PROVED_ORDER_TOLERANCE, "the proved order, with room for coarse meshes")
         judged = replace(SEEN_ORDER, key="order-proved", window=enough, if_missed="")

@@ -7,7 +7,7 @@ forces it into K^h. Both share only the strain matrix, the load and the time ste
 
 **The tolerance.** The gaps have a bound that can be computed without the exact solution. At step j the interior-point
 method stops with a duality gap g_j. Let σ* and ε* solve the step exactly for the same ε_{j−1}, and let C = A/k + G.
-Then ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C are at most g_j (``study.solve.interior_point``).
+Then ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C are at most g_j (``study.solve.stress_problem``).
 Let ω = max(−m, 0)/m_A, which is 0 for monotone G. Then C ≥ (1 − kω) A/k, so A ≤ q k C with q = 1/(1 − kω). A step is
 Lipschitz in ε_{j−1} with the constant q in the norm of A, which is the norm of V. With R_n = q R_{n−1} + g_n^{1/2},
 which is Σ_{j≤n} g_j^{1/2} for monotone G,
@@ -74,10 +74,10 @@ from manufactured.exact import ExactSolution
 from manufactured.law import Linear
 from manufactured.regularity import Regularity
 from manufactured.tensors import Array, Tensors, Vectors
-from study.fem.error_norm import DEGREE, FACET_POINTS, ErrorNorm, rules
+from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, ErrorNorm, rules
 from study.fem.mesh import Graded, size
 from study.fem.naming import family_named, resolve
-from study.fem.quadrature import facet_rule, gauss
+from study.fem.quadrature import gauss, rule_on
 from study.fem.space import Space, on_cells
 from study.ledger.check import Check, accuracy, consequence, identity, paper_claim
 from study.ledger.datafiles import CsvFile, Row
@@ -85,7 +85,7 @@ from study.ledger.quantities import fit, fitted, of_errors, quotients
 from study.ledger.text import power_of_ten
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, at_least, at_most, between, positive_at_most
-from study.solve.evolution import SemiDiscrete, velocities
+from study.solve.evolution import SemiDiscrete, norm, velocities
 from study.solve.signorini import Signorini
 from study.solve.steps import step_size
 from study.solve.stress_problem import StressError, StressProblem
@@ -93,11 +93,10 @@ from study.solve.tableau import BACKWARD_EULER, BDF2, Tableau
 from study.statements.shared import estimates
 from study.statements.shared.base import Experiment, Numbers, Setting, Statement, grid, steps_like_h
 from study.statements.shared.meshes import ALONG, CELL_POWER
-from study.statements.shared.norms import norm
 from study.statements.shared.scope import Scope
-from study.stresses.composite import alfeld_split, barycentric, bernstein
 from study.stresses.hybrid import DualState, StressEvolution, act, tensor_at
-from study.stresses.stress_space import StressSpace
+from study.stresses.loads import Projection
+from study.stresses.stress_space import StressSpace, alfeld_split, barycentric, bernstein
 
 
 class Gaps(NamedTuple):
@@ -140,8 +139,7 @@ def stress_problem(setup: Experiment) -> StressProblem:
             "Problem 3.2 does not allow an initial gap: K is no cone then, and (σ, ε(u))_Q = (f, u)_V, "
             "(4.14), lacks the work of σ_ν on the gap; take a case whose initial_gap is 0"
         )
-    u0 = setup.v_norm.sample(0.0).interpolant
-    return StressProblem(setup.space, setup.solution.law, setup.problem.load, u0)
+    return StressProblem(setup.space, setup.solution.law, setup.problem.load, setup.problem.u0)
 
 
 def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:
@@ -395,17 +393,15 @@ class Exact:
         self.space = space
         mesh, corners = alfeld_split(space.mesh)
         self._blocks = []
-        for rule in rules(solution, mesh, max(DEGREE, 2 * space.degree)):
+        for rule in rules(solution, mesh, max(CELL_DEGREE, 2 * space.degree)):
             shapes = bernstein(space.degree, barycentric(corners[:, :, rule.cells], rule.points))
-            weighted = np.moveaxis(shapes * rule.weights, 1, 0)
-            best = np.linalg.solve(weighted @ np.moveaxis(shapes, 0, -1), weighted)
+            best = Projection(shapes, rule.weights)
             self._blocks.append((rule.cells, rule.weights, shapes, best, solution.at(rule.points)))
         self.inside = solution.at(space.points)
         self._faces = []
         for face in solution.faces:
-            edges = space.parts[space.body.parts.index(face.part)]
-            on = facet_rule(space.mesh, edges, face.part, face.rough, FACET_POINTS)
-            self._faces.append((edges, bernstein(space.degree, on.shapes), on.weights, solution.on(face, on.s)))
+            on = rule_on(space, face.part, FACET_POINTS, face.rough)
+            self._faces.append((on.facets, bernstein(space.degree, on.shapes), on.weights, solution.on(face, on.s)))
         x, weights = gauss(MOMENT_POINTS)
         self._along = np.array([1 - x, x])
         self._shapes = bernstein(space.degree, self._along)
@@ -428,8 +424,9 @@ class Exact:
         for cells, weights, shapes, best, fields in self._blocks:
             exact = fields.stress(time)
             discrete = np.einsum("Ina,anq->Inq", coefficients[:, cells], shapes, optimize=True)
-            nearest = np.einsum("naq,Inq,anp->Inp", best, exact, shapes, optimize=True)
-            squares += [np.einsum("Inq,Inq,nq->", d, d, weights) for d in (exact - discrete, exact - nearest, exact)]
+            _, rest = best(exact)
+            errors = exact - discrete, np.moveaxis(rest, -1, 0), exact
+            squares += [np.einsum("Inq,Inq,nq->", d, d, weights) for d in errors]
         error, least, size = np.sqrt(squares).tolist()
         return error, least, size
 
@@ -494,8 +491,7 @@ def primal_solution(solution: ExactSolution, space: StressSpace, steps: int) -> 
     assert isinstance(law.G, Linear)
     viscous = tensor_at(law.A, space.points)
     elastic = tensor_at(law.G, space.points)
-    v_norm = ErrorNorm(solution, displacements)
-    problem = SemiDiscrete.of(displacements, law, v_norm.load, v_norm.sample(0.0).interpolant)
+    problem = SemiDiscrete.of_exact(ErrorNorm(solution, displacements))
     for state, velocity in islice(velocities(problem, BDF2, steps), 1, None):
         rate, strain = (displacements.strain(u)[..., None] for u in (velocity, state.u))
         yield displacements.nodal(state.u), act(viscous, rate) + act(elastic, strain)
@@ -504,7 +500,7 @@ def primal_solution(solution: ExactSolution, space: StressSpace, steps: int) -> 
 def measure(experiment: StressExperiment) -> Numbers:
     """Solve the stress and the displacement problem together, and return the measured columns of ``stresses.csv``."""
     space = experiment.space
-    exact = Exact(experiment.solution, experiment.space)
+    exact = Exact(experiment.solution, space)
     clamped = len(space.edges_on(Kind.CLAMPED))
     primal = primal_solution(experiment.solution, space, experiment.steps)
     coarse = experiment.companion()

@@ -13,7 +13,6 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import scipy.sparse as sps
-from scipy.interpolate import make_interp_spline
 
 from manufactured.no_potential import NAME
 from manufactured.tensors import Array
@@ -21,9 +20,8 @@ from study.fem.space import Space
 from study.ledger.check import ENOUGH, ROUNDING, Check, accuracy, consequence, identity
 from study.ledger.quantities import Value, change, fit, fitted
 from study.ledger.window import Window, around, between, positive_at_most
-from study.solve.evolution import Scheme, SemiDiscrete
-from study.solve.gradient_flow import EulerBounds, GradientFlow, backward_euler
-from study.solve.paths import furthest, interpolated, last, oscillation, path
+from study.solve.evolution import Scheme, SemiDiscrete, furthest, interpolated, last, oscillation, path
+from study.solve.gradient_flow import EulerBounds, backward_euler
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES
 from study.statements.shared.base import Experiment, ListedNumbers, Numbers, Setting, check_of_order, grid, with_h
 from study.statements.shared.norms import maximum, minimum, time_nodes
@@ -153,25 +151,25 @@ class BackwardEuler(ListedNumbers):
 
     def measure(self, setup: Experiment) -> Numbers:
         problem = setup.problem
-        flow = GradientFlow(problem, problem.load(time_nodes(problem.T, REFERENCE_COUNT)).T)
+        bounds = EulerBounds(problem, problem.load(time_nodes(problem.T, REFERENCE_COUNT)).T)
         exact = path(problem, MIDPOINT, REFERENCE_COUNT)
         half = path(problem, MIDPOINT, REFERENCE_COUNT // 2)
         numbers: Numbers = {}
         for count in HALVING_COUNTS:
             k = problem.T / count
-            nodes = exact[:: REFERENCE_COUNT // count]
+            nodes = np.arange(0, REFERENCE_COUNT + 1, REFERENCE_COUNT // count)
             states = path(problem, BACKWARD_EULER, count)
             middle = path(problem, MIDPOINT, count)
             error, of_interpolation, of_midpoint = (
-                furthest(problem, exact, interpolated(values, REFERENCE_COUNT)) for values in (states, nodes, middle)
+                furthest(problem, exact, interpolated(values, nodes)) for values in (states, exact[nodes], middle)
             )
             of_constant = maximum(furthest(problem, exact, side) for side in last(states, REFERENCE_COUNT))
-            bound_of_midpoint = furthest(problem, nodes, middle) + k / 2 * flow.fastest
+            bound_of_midpoint = furthest(problem, exact[nodes], middle) + k / 2 * bounds.fastest
             measured = {
                 "error": error,
-                "by data": error / flow.a_priori(count),
-                "by solution": error / flow.a_posteriori(states),
-                "constant": of_constant / flow.piecewise_constant(count),
+                "by data": error / bounds.by_data(nodes),
+                "by solution": error / bounds.a_posteriori(states),
+                "constant": of_constant / bounds.piecewise_constant(nodes),
                 "between": of_interpolation / (k / 4 * oscillation(problem, exact, count)),
                 "midpoint": of_midpoint / bound_of_midpoint,
             }
@@ -328,8 +326,7 @@ class NoPotential(ListedNumbers):
         law = setup.solution.law
         problem = setup.problem
         times = time_nodes(problem.T, REFERENCE_STEPS)
-        flow = GradientFlow(problem, problem.load(times).T)
-        bounds = EulerBounds(flow, law.kappa, law.growth)
+        bounds = EulerBounds(problem, problem.load(times).T, law.kappa, law.growth)
         exact = path(problem, MIDPOINT, REFERENCE_STEPS)
         half = path(problem, MIDPOINT, REFERENCE_STEPS // 2)
         numbers: Numbers = {}
@@ -337,7 +334,7 @@ class NoPotential(ListedNumbers):
             nodes = partition(kind, count)
             states = backward_euler(problem, times[nodes])
             # Between its nodes, the solution is interpolated linearly in time.
-            error = furthest(problem, exact, make_interp_spline(nodes, states, k=1)(np.arange(REFERENCE_STEPS + 1)))
+            error = furthest(problem, exact, interpolated(states, nodes))
             measured = {
                 "error": error,
                 "by data": error / bounds.by_data(nodes),
@@ -373,8 +370,8 @@ def rotating() -> float:
     states = path(problem, BACKWARD_EULER, TURNS)
     angle = ANGULAR_VELOCITY * np.arange(TURNS + 1) / TURNS
     error = np.linalg.norm(states - np.stack([np.cos(angle), np.sin(angle)], axis=1), axis=1).max()
-    flow = GradientFlow(problem, np.zeros((TURNS + 1, 2)))
-    return float(error) / EulerBounds(flow, ANGULAR_VELOCITY, 0.0).by_data(np.arange(TURNS + 1))
+    bounds = EulerBounds(problem, np.zeros((TURNS + 1, 2)), ANGULAR_VELOCITY)
+    return float(error) / bounds.by_data(np.arange(TURNS + 1))
 
 
 FEW_STEPS = (4, 8, 16, 32, 64, 128)

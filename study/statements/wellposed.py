@@ -1,17 +1,29 @@
-"""Chapters 2 to 4: Korn's inequality, bounded velocities, continuous dependence on the data, and its rate.
+"""Chapters 2 to 4: Korn's inequality, dependence on the data, uniqueness, and regularity in time.
 
 The statements are (2.17), (4.1), Theorem 2.2, and Theorem 2.2 with (4.4) for materials that soften.
+
+Theorems 4.1, 4.3 and 5.2 say that there is only one solution, so different solvers must give the same result. For
+Theorems 4.1 and 5.2 displacements are compared that solve Problem 3.1 on V^h. For Theorem 4.3 stresses are compared
+that solve Problem 3.2 in a conforming stress space, without displacements.
+
+The last statements are the regularity in time of the load and of the traction, (3.8), (5.9) and (4.12), and the
+traction conditions (4.13).
 """
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from itertools import islice
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from itertools import islice, pairwise
 
+import clarabel
 import numpy as np
 import pandas as pd
-from scipy.linalg import eigh, null_space
+import scipy.sparse as sps
+from scipy.linalg import cho_solve, cholesky, eigh, null_space, solve_triangular
+from scipy.optimize import nnls
 
+from manufactured.body import Body, Kind, Part
+from manufactured.catalogue import catalogue
 from manufactured.law import (
     Combined,
     Elasticity,
@@ -22,40 +34,45 @@ from manufactured.law import (
     isotropic,
     isotropic_matrix,
 )
-from manufactured.tensors import Array, size
+from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, size, traction
+from study.fem.error_norm import FACET_POINTS, ErrorNorm
+from study.fem.mesh import size as mesh_size
 from study.fem.naming import resolve
-from study.fem.space import Space, form
-from study.ledger.check import ENOUGH, ROUNDING, consequence, identity, paper_claim
-from study.ledger.quantities import finest, ratios
-from study.ledger.window import Window, around, at_most, positive_at_most
-from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
+from study.fem.quadrature import rule_on
+from study.fem.space import Space, form, on_cells
+from study.ledger.check import ENOUGH, ROUNDING, Check, Groups, consequence, identity, paper_claim
+from study.ledger.quantities import change, finest, ratios
+from study.ledger.window import Window, around, at_most, between, positive_at_most
+from study.solve.evolution import FIXED_POINT, SemiDiscrete, State, furthest, norm, norms, path
 from study.solve.factorisation import Cholesky
-from study.solve.paths import path
-from study.solve.signorini import Signorini
+from study.solve.signorini import ContactSolution, Signorini
+from study.solve.stress_problem import Accuracy, settings
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.shared.base import (
     EVOLVING,
     SEED,
     SOFTENING,
     Experiment,
+    Judged,
     ListedNumbers,
     Numbers,
     Setting,
+    check_of_order,
     grid,
     with_h,
 )
-from study.statements.shared.meshes import body_of, first_with_each, place, space_of
+from study.statements.shared.meshes import CELL_POWER, body_of, first_with_each, named, place, posed, space_of
 from study.statements.shared.norms import (
     Energies,
+    Field,
     dual_norm,
     h1_product,
     maximum,
-    norm,
-    norms,
     smallest,
     strain_product,
+    unloaded,
 )
-from study.statements.shared.scope import REGULAR
+from study.statements.thm_4_2 import StressExperiment, norm_in_q
 
 VALUE = "smallest eigenvalue"
 EIGENVALUE_LIMIT = Window(0.7, 1.0, "of the value on the finest level")
@@ -110,14 +127,14 @@ class Korn(ListedNumbers):
 
     def places(self, full: bool) -> list[Setting]:
         bodies = first_with_each(body_of)
-        return place(bodies, REGULAR, (8, 16, 32, 64), (2, 4, 8)) if full else place(bodies, REGULAR, (4, 8, 16))
+        return place(bodies, (8, 16, 32, 64), (2, 4, 8)) if full else place(bodies, (4, 8, 16))
 
     def measure(self, setting: Setting) -> Numbers:
         space = space_of(setting)
         return with_h(space.h, {VALUE: smallest(strain_product(space), h1_product(space))})
 
 
-FEW_CASES = ("advance-recede", "yield-on-a-part")
+QUICK_CASES = ("advance-recede", "yield-on-a-part")
 """The cases of the quick study: one has a linear law, one the nonlinear law (3.3)."""
 
 # (4.1): the velocity is bounded, u ∈ W^{1,∞}(0,T;V).
@@ -152,14 +169,14 @@ class BoundedVelocity(ListedNumbers):
             around(1, 0.1, "u̇^h → u̇, and u̇ is continuous except at isolated times"),
         ),
     )
-    quick = grid(FEW_CASES, ("shaken",), (8, 16))
+    quick = grid(QUICK_CASES, ("shaken",), (8, 16))
     full = grid((*EVOLVING, "lift-and-land", *SOFTENING), ("unstructured",), (8, 16, 32))
 
     def setup(self, setting: Setting) -> Experiment:
         return Experiment.at(setting, BACKWARD_EULER, 1)
 
     def measure(self, setup: Experiment) -> Numbers:
-        energies = Energies(setup.solution, setup.space, along=())
+        energies = Energies(setup.solution, setup.space, aligned=False)
         exact = energies.velocity_norm(np.linspace(0, setup.problem.T, SUPREMUM_AT + 1)).max()
         return with_h(setup.space.h, {k: fastest(setup.problem, steps) / exact for k, steps in STEPS_BY_K.items()})
 
@@ -175,24 +192,6 @@ def fastest(problem: SemiDiscrete, steps: int) -> float:
 PERTURBATION_SIZES = (0.1, 1.0, 10.0)
 """Sizes of the perturbations of load and initial displacement, relative to the data."""
 NEVER = positive_at_most(1 + 1e-7, f"tolerance for fixed-point iterations that stop at {FIXED_POINT:g}")
-
-
-@dataclass(frozen=True, eq=False)
-class Perturbation:
-    """Perturbed data of a contact problem: another load and another initial displacement.
-
-    Attributes:
-        force, frequency: the load F(t) is replaced by F(t) + cos(ωt) · force with the frequency ω.
-        start: the initial displacement, which is in K^h.
-    """
-
-    force: Array
-    frequency: float
-    start: Array
-
-    def change(self, time: Array | float) -> Array:
-        """Return the change of the load, cos(ωt) · force, (dofs,), or (dofs, n) for n times."""
-        return np.multiply.outer(self.force, np.cos(self.frequency * time))
 
 
 class Dependence(ListedNumbers):
@@ -221,7 +220,7 @@ class Dependence(ListedNumbers):
             Window(0.5, 1 + 1e-7, "without contact it is at least e^{−ωk}/(1 + ωk), ωk ≤ 1/4"),
         ),
     )
-    quick = grid(FEW_CASES, ("unstructured",), (6,))
+    quick = grid(QUICK_CASES, ("unstructured",), (6,))
     full = (
         *grid((*EVOLVING, "heterogeneous", "corner"), ("unstructured",), (6, 12)),
         *grid(("cube-disc",), ("shaken",), (3,)),
@@ -240,7 +239,7 @@ class Dependence(ListedNumbers):
         return with_h(setup.space.h, {"bound": damped.max(), "monotone": ratios.max(), "first step": damped[0, 0]})
 
 
-def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbation) -> Array:
+def quotients(problem: SemiDiscrete, trajectory: list[State], other: SemiDiscrete) -> Array:
     """Return the distance of two discrete solutions divided by the size of the perturbation, for each step, (steps,).
 
     The quotients are ‖u_n − v_n‖_V / (‖u_0 − v_0‖_V + k Σ_{j ≤ n} ‖f(t_j) − g(t_j)‖_V) for n = 1, 2, …
@@ -248,18 +247,25 @@ def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbatio
     Args:
         problem: the unperturbed problem.
         trajectory: its solution u_n by backward Euler.
-        other: the perturbation.
+        other: the problem with another load or another initial displacement.
     """
     steps = len(trajectory) - 1
     riesz = Cholesky(problem.M)
-    changed = replace(problem, load=lambda t: problem.load(t) + other.change(t), u0=other.start)
-    distances = norms(problem, np.array([state.u for state in trajectory]) - path(changed, BACKWARD_EULER, steps))
-    loads = [dual_norm(other.change(state.time), riesz) for state in trajectory[1:]]
+    times = np.array([state.time for state in trajectory[1:]])
+    distances = norms(problem, np.array([state.u for state in trajectory]) - path(other, BACKWARD_EULER, steps))
+    loads = [dual_norm(change, riesz) for change in (other.load(times) - problem.load(times)).T]
     return distances[1:] / (distances[0] + problem.T / steps * np.cumsum(loads))
 
 
-def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]:
-    """Yield perturbations of loads and initial values.
+def with_force(problem: SemiDiscrete, force: Array, frequency: float) -> SemiDiscrete:
+    """Return a problem whose load F(t) is replaced by F(t) + cos(ωt) · force, (dofs,), with the frequency ω."""
+    return replace(
+        problem, load=lambda times: problem.load(times) + np.multiply.outer(force, np.cos(frequency * times))
+    )
+
+
+def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[SemiDiscrete]:
+    """Yield problems with perturbed loads or with perturbed initial values in K^h.
 
     The first perturbation is a constant load that moves no vertex of Γ3 along ν.
     """
@@ -271,10 +277,10 @@ def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]
     for relative in PERTURBATION_SIZES:
         fields = along_the_contact(problem, smooth(space, rng)), smooth(space, rng), pressing, -pressing
         for field, frequency in zip(fields, (0.0, 7.0, 7.0, 0.0), strict=True):
-            yield Perturbation(problem.M @ field * (relative * load / norm(problem, field)), frequency, problem.u0)
+            yield with_force(problem, problem.M @ field * (relative * load / norm(problem, field)), frequency)
         field = smooth(space, rng)
         start, _ = onto(problem.M @ (problem.u0 + field * (relative * load / norm(problem, field))))
-        yield Perturbation(np.zeros(space.dofs), 0.0, start)
+        yield replace(problem, u0=start)
 
 
 def smooth(space: Space, rng: np.random.Generator) -> Array:
@@ -292,7 +298,7 @@ def along_the_contact(problem: SemiDiscrete, v: Array) -> Array:
     return v - np.linalg.pinv(N) @ (N @ v)
 
 
-SWEEP = tuple((omega, T) for omega in (0.1, 1.0, 10.0) for T in (0.1, 1.0, 10.0) if omega * T <= 10)
+SWEEP = tuple((rate, end) for rate in (0.1, 1.0, 10.0) for end in (0.1, 1.0, 10.0) if rate * end <= 10)
 """The pairs (ω, T) of rates and final times. ωT is between 1/100 and 10, so e^{ωT} is at most 2e4."""
 SHORT = 16
 """Smallest number of time steps in an interval of length 1/ω and in [0, T]."""
@@ -451,9 +457,13 @@ def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
     strain = abs(space.strain(v)).max()
     start = SMALL_STRAIN * math.exp(-c * T) / strain * v
     pressing = space.N.T @ np.full(len(force), 2 * SMALL_STRAIN * abs(force).max() / strain)
-    problem = SemiDiscrete.of(space, law, lambda t: np.zeros((space.dofs, t.size)), start)
-    rest = problem.elastic(np.zeros(space.dofs))
-    problem = replace(problem, T=T, load=lambda t: rest[:, None] + np.multiply.outer(pressing, np.exp(c * (t - T))))
+    still = unloaded(space, law)
+    rest = still.elastic(still.u0)
+
+    def load(times: Array) -> Array:
+        return rest[:, None] + np.multiply.outer(pressing, np.exp(c * (times - T)))
+
+    problem = replace(still, T=T, load=load, u0=start)
     states = path(problem, MIDPOINT, steps_for(law, T))
     return math.log(norm(problem, states[-1]) / norm(problem, states[0])) / (c * T)
 
@@ -471,7 +481,526 @@ def over_bound(setup: Experiment, law: KelvinVoigt, T: float) -> float:
     problem = replace(SemiDiscrete.of(space, law, lambda t: setup.problem.load(t * pace), setup.problem.u0), T=T)
     trajectory = list(BACKWARD_EULER.march(problem, steps))
     field = along_the_contact(problem, smooth(space, np.random.default_rng(SEED)))
-    sideways = Perturbation(np.zeros(space.dofs), 0.0, problem.u0 + field)
+    sideways = replace(problem, u0=problem.u0 + field)
     damping = (1 - law.growth * T / steps) ** np.arange(1, steps + 1)
     others = *islice(perturbations(problem, space), PERTURBATION_KINDS), sideways
     return maximum((damping * quotients(problem, trajectory, other)).max() for other in others)
+
+
+STEPS = 12
+_BY_WHAT = f"solvers are exact, or a fixed-point iteration stops at {FIXED_POINT:g} in every step"
+EXACTLY, OTHERWISE = at_most(1e-9, _BY_WHAT), positive_at_most(1e-9, _BY_WHAT)
+"""Windows of relative differences: for the same solver with another initial guess, and for another solver.
+
+The same solver may give exactly the same digits. The result of another solver differs at least by round-off."""
+WAYS = {
+    "random starts": ("from random active sets", EXACTLY),
+    "least squares": ("by Lawson and Hanson's method on the dual", OTHERWISE),
+    "fixed point": ("by a fixed-point iteration with all of G on the right-hand side", OTHERWISE),
+    "interior point": (
+        "by an interior point method",
+        positive_at_most(1e-7, "the method stops at a duality gap of 1e-15, whose root bounds the difference"),
+    ),
+}
+"""Other ways to solve a problem, by their names in columns: each in words, with the window of the difference."""
+
+
+def differences(of: str, *ways: str, on: str = "") -> tuple[Check, ...]:
+    """Return the criteria for the relative differences of solutions that other solvers give.
+
+    Args:
+        of: what is compared, "solutions" or "stresses".
+        ways: the names of the other ways.
+        on: text to add to the description of the interior point method.
+    """
+    texts = {name: f"difference of the {of} {WAYS[name][0]}{on if name == 'interior point' else ''}" for name in ways}
+    return tuple(consequence(name.replace(" ", "-"), text, name, WAYS[name][1]) for name, text in texts.items())
+
+
+class OneTrajectory(ListedNumbers):
+    """Measures relative differences between solutions in time that different solvers compute.
+
+    The difference is max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V. Every step of backward Euler minimises ½ vᵀSv − bᵀv over K^h
+    with S = M/k + G. The active set method of the study starts from the last active set. Four other ways to solve the
+    problem are compared with it: the same method from random active sets, two methods that share no code with it, and a
+    fixed-point iteration with all of G on the right-hand side. If G softens, S is positive definite for short steps
+    only, and longer steps are refused.
+    """
+
+    label = "Thm 4.1, 5.2"
+    claim = "different initial guesses, solvers and splittings give one solution in V^h: a test of the solvers"
+    checks = differences("solutions", *WAYS)
+    quick = grid((*EVOLVING, *SOFTENING), ("shaken",), (6,))
+    full = (
+        *grid((*EVOLVING, *SOFTENING), ("one-diagonal",), (6, 12)),
+        *grid((*EVOLVING, *SOFTENING, "heterogeneous", "corner"), ("unstructured",), (6, 12)),
+        *grid(("cube-disc",), ("shaken",), (3,)),
+    )
+
+    def setup(self, setting: Setting) -> Experiment:
+        return Experiment.at(setting, BACKWARD_EULER, STEPS)
+
+    def measure(self, setup: Experiment) -> Numbers:
+        problem = setup.problem
+        states = np.array([state.u for state in setup.march(setup.steps)])
+        size = norms(problem, states).max()
+        numbers = {
+            name: furthest(problem, states, path(rival, setup.scheme, setup.steps)) / size
+            for name, rival in rivals(problem).items()
+        }
+        return with_h(setup.space.h, numbers)
+
+
+def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
+    """Return copies of a problem with other solvers, by the names of the solvers."""
+    return {
+        "random starts": replace(problem, solver=RandomStarts),
+        "least squares": replace(problem, solver=LeastSquares),
+        "fixed point": replace(problem, reference=0 * problem.reference, remainder=problem.elastic),
+        "interior point": replace(problem, solver=InteriorPoint),
+    }
+
+
+class RandomStarts(Signorini):
+    """Contact solver that starts every solve from a new random active set."""
+
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
+        super().__init__(S, N, x)
+        self.rng = np.random.default_rng(SEED)
+
+    def __call__(self, b: Array) -> ContactSolution:
+        self.active = self.rng.uniform(size=self.N.shape[0]) < self.rng.uniform()
+        return super().__call__(b)
+
+
+class LeastSquares:
+    """Contact solver that computes the contact forces by nonnegative least squares, from the dual problem.
+
+    The dual problem is min |L⁻¹(Nᵀλ − b)| over λ ≥ 0 with S = LLᵀ.
+
+    Source: C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23.
+    """
+
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
+        self.N = N
+        self.L = cholesky(S.toarray(), lower=True)
+        self.columns = solve_triangular(self.L, N.T.toarray(), lower=True)
+
+    def __call__(self, b: Array) -> ContactSolution:
+        multipliers, _ = nnls(self.columns, solve_triangular(self.L, b, lower=True))
+        return cho_solve((self.L, True), b - self.N.T @ multipliers), multipliers
+
+
+class InteriorPoint:
+    """Contact solver that solves a quadratic programme in all unknowns by an interior-point method (Clarabel)."""
+
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
+        rows = N.shape[0]
+        self.q = np.zeros(N.shape[1])
+        self.unit = float(abs(S.diagonal()).max())
+        P = sps.csc_matrix(sps.triu(S / self.unit))
+        cones = [clarabel.NonnegativeConeT(rows)]
+        how = settings(aim=Accuracy(gap=1e-15, feasibility=1e-14), enough=Accuracy(gap=1e-11, feasibility=1e-11))
+        self.solver = clarabel.DefaultSolver(P, self.q, sps.csc_matrix(N), np.zeros(rows), cones, how)
+
+    def __call__(self, b: Array) -> ContactSolution:
+        size = float(np.linalg.norm(b)) or 1.0
+        self.q[:] = -b / size
+        self.solver.update(q=self.q)
+        solution = self.solver.solve()
+        return np.array(solution.x) * size / self.unit, np.array(solution.z) * size
+
+
+RIVALS: Mapping[str, type[Signorini]] = {
+    "random starts": RandomStarts,
+    "least squares": LeastSquares,  # type: ignore[dict-item]
+    "interior point": InteriorPoint,  # type: ignore[dict-item]
+}
+
+
+class OneStress(ListedNumbers):
+    """Measures relative differences between stresses of Problem 3.2 that different solvers compute.
+
+    The difference is max_n ‖σ_n − τ_n‖_Q / max_n ‖σ_n‖_Q. Every step minimises a strictly convex energy over the
+    admissible stresses. So the earlier steps determine the stress and the multipliers of equilibrium, and neither the
+    start of the search nor the method may change them.
+    """
+
+    label = "Thm 4.3"
+    claim = "different initial guesses and solvers give one stress in Σ^h: a test of the solvers"
+    checks = differences("stresses", *RIVALS, on=" on all unknowns")
+    quick = grid(("advance-recede",), ("shaken",), (4,))
+    full = grid(("advance-recede", "corner", "anisotropic"), ("unstructured",), (4, 8))
+
+    def setup(self, setting: Setting) -> StressExperiment:
+        return StressExperiment.at(setting, STEPS)
+
+    def measure(self, experiment: StressExperiment) -> Numbers:
+        own = stresses(experiment)
+        space = experiment.space
+        size = maximum(norm_in_q(stress, space) for stress in own)
+        numbers = {}
+        for name, solver in RIVALS.items():
+            pairs = zip(own, stresses(replace(experiment, solver=solver)), strict=True)
+            numbers[name] = maximum(norm_in_q(a - b, space) for a, b in pairs) / size
+        return with_h(mesh_size(space.mesh), numbers)
+
+
+def stresses(experiment: StressExperiment) -> list[Tensors]:
+    """Return the discrete stresses of all time steps at the quadrature points of the stress space."""
+    return [state.stress.values for state in experiment.march()]
+
+
+# The load, f ∈ W^{1,1}(0,T;V).
+
+LOAD_INTERVALS = 512
+COARSER = 16
+"""Quotient of the lengths of long and short time intervals, over which increments of the load are compared."""
+
+
+UNBOUNDED_VARIATION = "ε(ü) ~ (s − c)^{α−4} with α = 13/4 is not square integrable and f has no bounded variation in V"
+
+
+class LoadInTime(ListedNumbers):
+    """Measures the variation in time, the largest increment and the norm of the discrete load f^h.
+
+    Norms in time that must be finite: of the load, (3.8) and (5.9), and of the traction, (4.12).
+
+    The statements are f ∈ W^{1,1}(0,T;V) for the load f, and σν ∈ L^∞(0,T;L²(Γ)) for the traction on the whole
+    boundary. They are tested by computing the norm on finer and finer grids: a finite norm converges, an infinite norm
+    grows.
+
+    **(3.8).** By (5.9) f^h(t) = M⁻¹F(t) is the projection of the load f(t) onto V^h. Its *variation* on a time grid is
+    Σ_i ‖f^h(t_i) − f^h(t_{i−1})‖_V. The variation grows if the grid is refined, by the triangle inequality. Predicted:
+
+    * The variation grows by at most 1 % from a grid to the next finer one, if the load changes its direction finitely
+      often. If the variation were not bounded, it would grow by a power of 2.
+    * Four halvings of the intervals reduce the largest increment to 1/16 where ḟ is bounded. They reduce it to 1/2 for
+      ``load-w11``, whose load behaves like (t − t_0)^{1/4}. If f jumped in time, the largest increment would not fall;
+      bounded variation alone would permit such a jump. In ``lift-and-land`` u̇ and σ_ν jump, but the two jumps cancel
+      in f.
+    * On finer meshes ‖f^h‖_{W^{1,1}} tends to the norm of f. The energy that the projection loses is of order h². Where
+      a contact patch is three cells wide (n = 8), this is some per cent, and a quarter of that on each finer mesh.
+      Therefore n = 8 is not judged for moving fronts. From n = 16 on the norms agree within 5 %. If f were not in V,
+      the norm would grow.
+
+    (3.8) does not hold for ``moving-rough``. There ε(u̇) ~ (s − c)^{1/4} near the front c, which moves. So u̇ has
+    increments of the size k^{3/4} in V, whose sum is not bounded, and so has f, which contains u̇. The case was judged
+    at first: its variation grew by 0.8, 1 and 1.3 % at n = 8, 16 and 32. Now it is only reported. Theorem 4.1 does not
+    apply to this load; u ∈ W^{1,∞}(0,T;V) is known because u was constructed.
+
+    **(4.12).** The norm of the exact traction on Γ is computed on finer and finer meshes, by quadrature rules that are
+    not adapted to singularities. Its maximum is taken over twice as many times as there are cells along a side.
+    Predicted:
+
+    * The maximum converges for every case of Proposition 5.4.
+    * In ``junction`` the traction behaves like r^{−1/2} at the point where Γ1 meets Γ3. There the square of the norm
+      grows like log 1/h, that is, by the same amount from mesh to mesh. (4.12) does not hold, and the paper does not
+      claim it.
+    """
+
+    label = "(3.8), (5.9)"
+    claim = "f ∈ W^{1,1}(0,T;V), and f^h ∈ W^{1,1}(0,T;V^h) uniformly in h"
+    checks = (
+        paper_claim(
+            "variation",
+            f"variation of f^h on {LOAD_INTERVALS} intervals / on {LOAD_INTERVALS // 2} intervals",
+            "variation",
+            Window(1 - ROUNDING, 1.01, "the variation cannot fall; without a bound it grows by a power of 2"),
+        ),
+        consequence(
+            "increments",
+            f"largest increment of f^h / largest increment over {COARSER} times as long intervals",
+            "increments",
+            Window(1 / 32, 0.6, f"1/{COARSER} where ḟ is bounded, 1/2 for (t − t_0)^{{1/4}}, 1 for a jump"),
+        ),
+        paper_claim(
+            "uniform",
+            "‖f^h‖_{W^{1,1}(0,T;V)}, finest mesh / coarsest mesh",
+            change("norm"),
+            around(1, 0.05, "f^h tends to f"),
+            levels=2,
+        ),
+    )
+    quick = grid(("load-w11",), ("unstructured",), (8, 16))
+    full = grid(
+        (*EVOLVING, "lift-and-land", "load-w11", "moving-rough", "hexagon", *SOFTENING), ("unstructured",), (16, 32)
+    )
+
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
+        v_norm = ErrorNorm(solution, space)
+        riesz = Cholesky(unloaded(space, solution.law).M)
+        times = np.linspace(0, solution.body.T, LOAD_INTERVALS + 1)
+        loads = v_norm.load(times).T
+        # A finite norm shows in increments ‖f^h(t_i) − f^h(t_{i−1})‖_V that do not grow from grid to grid.
+        fine, half, coarse = (
+            np.array([dual_norm(increment, riesz) for increment in np.diff(loads[::step], axis=0)])
+            for step in (1, 2, COARSER)
+        )
+        size = np.mean([dual_norm(F, riesz) for F in loads]) * solution.body.T
+        numbers = {"variation": fine.sum() / half.sum(), "increments": fine.max() / coarse.max()}
+        return with_h(space.h, {**numbers, "norm": size + fine.sum()})
+
+    def checks_of(self, case: str, groups: Groups) -> Judged:
+        reason = UNBOUNDED_VARIATION if case == "moving-rough" else ""
+        return [(replace(check, if_missed=reason), groups) for check in self.checks]
+
+
+# The traction, σν ∈ L^∞(0,T;L²(Γ)).
+
+UNBOUNDED = "junction"
+"""The case whose traction σν is not square integrable on the boundary."""
+
+
+def last_increments(levels: pd.DataFrame) -> float:
+    """Return the last over the previous increment of max_t ‖σν‖² under refinement."""
+    increments = np.diff(levels["norm"].to_numpy() ** 2)
+    return float(increments[-1] / increments[-2])
+
+
+class TractionInTime(ListedNumbers):
+    """Measures the largest norm of the traction, max_t ‖σν‖_{L²(Γ)}.
+
+    It must converge for the cases of Proposition 5.4, and must grow for one case with an unbounded traction.
+    """
+
+    label = "(4.12)"
+    claim = "σν ∈ L^∞(0,T;L²(Γ)^d) for the solutions of Prop. 5.4"
+
+    def places(self, full: bool) -> list[Setting]:
+        cases = [case for case in catalogue() if case.proposition == "Prop. 5.4"] if full else named("advance-recede")
+        return place([*cases, *named(UNBOUNDED)], (8, 16, 32), (2, 4, 8))
+
+    def measure(self, setting: Setting) -> Numbers:
+        space, solution = posed(setting)
+        times = np.linspace(0, solution.body.T, 2 * setting.level + 1)
+        squares = np.zeros(len(times))
+        for part in space.body.parts:
+            rule = rule_on(space, part, FACET_POINTS if space.dim == 2 else 2)
+            exact = solution.at(part.point(rule.s))
+            squares += [np.sum(exact.surface_load(part, time) ** 2 * rule.weights) for time in times.tolist()]
+        return with_h(space.h, {"norm": math.sqrt(squares.max())})
+
+    def checks_of(self, case: str, groups: Groups) -> Judged:
+        if case == UNBOUNDED:
+            check = consequence(
+                "unbounded",
+                "σν ∉ L²(Γ): last / previous increment of max_t ‖σν‖²_{L²(Γ)} under refinement",
+                last_increments,
+                around(1, 0.1, "logarithmic growth: the increments of the square do not fall"),
+                levels=ENOUGH,
+            )
+        else:
+            check = paper_claim(
+                "bounded",
+                "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh",
+                change("norm", since=-2),
+                around(1, 0.02, "the maximum has converged in space and time, which are refined together"),
+                levels=ENOUGH,
+            )
+        return [(check, groups)]
+
+
+STRESS_INSTANTS = 8
+"""Number of nodes of the midpoint rule that approximates norms in time."""
+TEST_FIELDS = 3
+"""Number of smooth test fields for each of the two traction conditions."""
+TRACTION_FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
+STRONG = around(1, 0.25, "if the stress error is spread evenly; ‖σ − σ^h‖_Q = O(h) alone gives 1/2")
+WEAK = around(2, 0.3, "product of two errors O(h), σ − σ^h and v − Π^h v")
+
+
+WEAKLY = "loaded, weakly", "tangential, weakly"
+"""Columns with the violations of the traction conditions on Γ2 and on Γ3, tested with smooth fields."""
+
+
+class NaturalConditions(ListedNumbers):
+    """Measures how far the discrete stress violates the traction conditions on Γ2 and Γ3.
+
+    Stresses are evaluated at STRESS_INSTANTS evenly spaced times, each of which is the midpoint of a time step.
+
+    (4.13): the tractions σν = f_2 on Γ2 and σ_τ = 0 on Γ3, which discrete stresses satisfy only in the limit h → 0.
+
+    The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its tractions do not satisfy (4.13) exactly.
+    The error of the tractions tends to 0 in two senses. Its orders are predicted for solutions with σ ∈ W^{1,∞}.
+
+    * In L²(Γ) order 1 is predicted. ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error
+      on Γ is at most h^{−1/2} times the error in the cells along Γ, which might contain the whole error. But W^{1,∞}
+      estimates for smooth solutions on quasi-uniform meshes say that the error is spread evenly. The cells along Γ then
+      contain an error of h^{3/2}. The order of ‖σ^hν − σν‖ cannot exceed 1, because σ^h is constant on a cell. For
+      σ^h_τ alone, which ‖σ^hν − σν‖ bounds, the first-order term depends on the arrangement of the triangles along Γ3.
+    * Weakly, tested with smooth v that have v = 0 on Γ1 and v_ν = 0 on Γ3. Then (4.13) reads (σ, ε(v))_Q = (f, v)_V.
+      The scheme satisfies this equation for the interpolant Π^h v, so
+
+          (σ^h, ε(v))_Q − (f, v)_V = (σ^h − σ, ε(v − Π^h v))_Q = O(h) · O(h).
+
+    This gives order 2, also if σ^h − σ contains an error of the time steps.
+    """
+
+    label = "(4.13)"
+    claim = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
+    checks = (
+        check_of_order("loaded", "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", "loaded", STRONG),
+        check_of_order("contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", "contact", STRONG),
+        check_of_order(
+            "tangential",
+            "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))",
+            "tangential",
+            between(1, 2, 0.25, 0, "order 2 where the triangles along Γ3 are symmetric"),
+            if_missed=(
+                "the check of σ^hν − σ_ν ν bounds ‖σ^h_τ‖, whose first-order part depends on the triangles along Γ3"
+            ),
+        ),
+        check_of_order(
+            "loaded-weakly", "order of σν − f_2 on Γ2, tested with smooth v", WEAKLY[0], WEAK, power=CELL_POWER
+        ),
+        check_of_order(
+            "tangential-weakly", "order of σ_τ on Γ3, tested with smooth v", WEAKLY[1], WEAK, power=CELL_POWER
+        ),
+    )
+    quick = grid(("advance-recede",), ("shaken",), (12, 24, 48))
+    full = grid(("advance-recede", "travelling-patch", "yield-and-release"), TRACTION_FAMILIES, (12, 24, 48))
+
+    def setup(self, setting: Setting) -> Experiment:
+        # [0, T] is split into STRESS_INSTANTS equal parts. Each part has an odd number of time steps, so that its
+        # midpoint is the midpoint of a time step.
+        steps = STRESS_INSTANTS * (2 * (setting.level // 8) + 3)
+        return Experiment.at(setting, MIDPOINT, steps)
+
+    def measure(self, setup: Experiment) -> Numbers:
+        return with_h(setup.space.h, tractions(setup))
+
+
+def tractions(setup: Experiment) -> Numbers:
+    """Return norms of the violations of the traction conditions, relative to the norm of σν on Γ2 ∪ Γ3.
+
+    The violations are measured in L² on the boundary and, weakly, with smooth test fields v of norm ‖v‖_V = 1. All
+    norms are root mean squares over several times. The work (f, v)_V is computed as (σ, ε(v))_Q with the exact stress
+    σ. Both are equal by Green's formula (2.14) with (2.2), (2.4) and (2.5).
+    """
+    space = setup.space
+    sides = []
+    for part in (*space.body.of(Kind.LOADED), *space.body.of(Kind.CONTACT)):
+        rule = rule_on(space, part, FACET_POINTS)
+        sides.append((part, space.mesh.f2t[0, rule.facets], rule.weights, setup.solution.at(part.point(rule.s))))
+    energies = Energies(setup.solution, space, aligned=False)
+    tests = []
+    for fields in smooth_fields(space.body):
+        strains = [strain(v, energies.exact.x) for v in fields]
+        tests.append([e / energies.norm(e) for e in strains])
+    squares: Numbers = dict.fromkeys(("tangential", "contact", "loaded", *WEAKLY), 0.0)
+    size = 0.0
+    for time, stress in discrete_stresses(setup):
+        for part, cells, weights, exact in sides:
+            forces = traction(stress[:, cells], part.normal)
+            load = exact.surface_load(part, time)
+            if part.kind is Kind.CONTACT:
+                tangential = forces - np.multiply.outer(part.normal, part.normal @ forces)
+                squares["tangential"] += np.sum(tangential**2 * weights.sum(axis=1))
+            squares[part.kind.name.lower()] += np.sum((forces[..., None] - load) ** 2 * weights)
+            size += np.sum(load**2 * weights)
+        stress_error = stress[:, energies.cells] - energies.exact.stress(time)
+        for name, strains in zip(WEAKLY, tests, strict=True):
+            squares[name] += sum(energies.work(stress_error, e) ** 2 for e in strains)
+    return {name: math.sqrt(square / size) for name, square in squares.items()}
+
+
+def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
+    """Yield pairs of a time t and the discrete stress σ^h(t), for STRESS_INSTANTS times t.
+
+    The times are the midpoints of STRESS_INSTANTS equal parts of [0, T], each with an odd number of time steps. So t
+    is the
+    midpoint of a step from t_{n−1} to t_n, and σ^h(t) = A ε((u_n − u_{n−1})/k) + G ε((u_n + u_{n−1})/2).
+    """
+    space = setup.space
+    cells = on_cells(space, setup.solution.law)
+    k = setup.problem.T / setup.steps
+    each = setup.steps // STRESS_INSTANTS
+    for n, (before, after) in enumerate(pairwise(setup.march(setup.steps))):
+        if n % each == each // 2:
+            old = space.strain(before.u)
+            new = space.strain(after.u)
+            yield (before.time + after.time) / 2, cells.stress((new - old) / k, (new + old) / 2)
+
+
+def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
+    """Return random smooth fields that test the traction condition on Γ2, and fields that test the condition on Γ3.
+
+    Returns:
+        Fields that vanish on Γ1 and Γ3; and fields that vanish on Γ1, are tangential on one plane of Γ3 and vanish on
+        the other planes of Γ3.
+    """
+    clamped = planes(body, Kind.CLAMPED)
+    contact = planes(body, Kind.CONTACT)
+    rng = np.random.default_rng(SEED)
+    on_loaded = [vanishing(waves(body, rng), clamped + contact) for _ in range(TEST_FIELDS)]
+
+    def tangential(part: Part) -> Field:
+        others = [other for other in contact if other is not part]
+        tangents = part.frame[:, :-1]
+        along = waves(body, rng)
+        inside = waves(body, rng)
+
+        def field(x: Points) -> Vectors:
+            return np.tensordot(tangents @ tangents.T, along(x), axes=1) + part.coordinates(x)[1] * inside(x)
+
+        return vanishing(field, clamped + others)
+
+    rng = np.random.default_rng(SEED)
+    return on_loaded, [tangential(part) for part in contact for _ in range(TEST_FIELDS)]
+
+
+# Smooth fields are defined here and not in ``study.fem``, because only statements use them.
+
+
+def planes(body: Body, kind: Kind) -> list[Part]:
+    """Return one boundary part of the given kind for each line (in 3D: plane) that contains such parts."""
+    distinct: list[Part] = []
+    for part in body.of(kind):
+        lines = [np.append(other.normal, other.normal @ other.start) for other in (*distinct, part)]
+        if not any(np.allclose(line, lines[-1]) for line in lines[:-1]):
+            distinct.append(part)
+    return distinct
+
+
+def distances(x: Points, parts: list[Part]) -> Array:
+    """Return for each point the product of its distances from the planes that contain the given boundary parts.
+
+    Args:
+        x: the points, (d, ...).
+        parts: the boundary parts.
+
+    Returns:
+        One product for each point, (...).
+    """
+    return np.prod([np.ones(x.shape[1:]), *(part.coordinates(x)[1] for part in parts)], axis=0)
+
+
+def vanishing(field: Field, parts: list[Part]) -> Field:
+    """Return a field multiplied by the distances from the planes of the given parts, so that it vanishes on them."""
+    return lambda x: field(x) * distances(x, parts)
+
+
+def waves(body: Body, rng: np.random.Generator) -> Field:
+    """Return a random vector field cos(κ·x + c) with about half a wave across the body in each direction."""
+    extent = body.vertices.max(axis=1) - body.vertices.min(axis=1)
+    directions = rng.uniform(-np.pi, np.pi, (body.dim, body.dim)) / extent
+    phases = rng.uniform(0, 2 * np.pi, body.dim)
+
+    return lambda x: np.cos((x.T @ directions.T + phases).T)
+
+
+def strain(field: Field, x: Points) -> Tensors:
+    """Return the strain ε(v) of a field v at given points, by complex-step differentiation.
+
+    Args:
+        field: the field v, analytic in x.
+        x: the points, (d, ...).
+
+    Returns:
+        The D components of the strain at each point, (D, ...).
+    """
+    tiny = 1e-30
+    derivatives = [field((x.T + 1j * tiny * unit).T).imag / tiny for unit in np.eye(len(x))]
+    return mandel(np.stack(derivatives, axis=1))

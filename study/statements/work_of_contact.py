@@ -1,11 +1,21 @@
-"""Beyond the paper: the work of contact, its bound on every edge, and the error that moving contact patches add."""
+"""Beyond the paper: the work of contact, its bound on every edge, and the error that moving contact patches add.
+
+The work on an edge is bounded by the Sobolev–Slobodeckij seminorm |v|_ϱ of functions v on an interval, for 0 < ϱ < 1:
+
+    |v|_ϱ² = ∬ |v(x) − v(y)|² |x − y|^{−1−2ϱ} dx dy.
+
+**Locally refined meshes for quadrature.** A solution with details of many sizes needs fine quadrature in a few places.
+Cells are divided there by red, green and blue refinement. Every cell is then a union of finer cells, so each function
+of V^h is also a P1 function on the finer mesh. Loads and errors of functions in V^h can thus be computed on the finer
+mesh, where only the quadrature is approximate.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import product
 
 import numpy as np
@@ -13,6 +23,8 @@ import pandas as pd
 import scipy.sparse as sps
 import sympy as sp
 from scipy.interpolate import make_interp_spline
+from scipy.spatial import cKDTree
+from skfem import Mesh
 
 from manufactured.body import Kind
 from manufactured.contact import ContactFace
@@ -24,25 +36,127 @@ from manufactured.multiscale import ROLLERS, FadingFace
 from manufactured.multiscale.roller import START
 from manufactured.tensors import Array, Points
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
-from study.fem.mesh import Shaken
+from study.fem.mesh import Shaken, with_midpoints
 from study.fem.naming import family_named, resolve
-from study.fem.quadrature import facet_rule
-from study.fem.refining import inclusion_of, refined
-from study.fem.seminorm import FIRST, PANELS, SECOND, composite_gauss, gram, seminorm
+from study.fem.quadrature import PointsAndWeights, gauss, rule_on
 from study.fem.space import Space, form
 from study.ledger.check import ENOUGH, Check, Groups, accuracy, consequence, identity
 from study.ledger.quantities import level_by_level, quotients
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_least, at_most
-from study.solve.evolution import SemiDiscrete
-from study.solve.paths import furthest, path
+from study.solve.evolution import SemiDiscrete, furthest, path
 from study.solve.signorini import Signorini
 from study.solve.steps import rate_steps, step_size
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import SEED, Judged, ListedNumbers, Numbers, Setting, check_of_order, grid, with_h
-from study.statements.shared.meshes import posed, space_of, split_irregular
+from study.statements.shared.base import (
+    SEED,
+    ByCase,
+    Judged,
+    ListedNumbers,
+    Numbers,
+    Setting,
+    check_of_order,
+    grid,
+    with_h,
+)
+from study.statements.shared.meshes import posed, space_of, split
 from study.statements.shared.norms import contact_load, displacement, midpoints, time_nodes, trace_error
 from study.statements.shared.scope import Scope
+
+MOST_REFINEMENTS = 40
+"""Largest number of successive refinements of a mesh."""
+
+
+def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.csr_array]:
+    """Refine a mesh until its cells are small enough; return also the matrix that interpolates P1 functions to it.
+
+    Args:
+        mesh: a mesh of triangles.
+        wanted: function from the corners of cells (2, 3, cells) to the largest permitted length of their sides,
+            (cells,).
+
+    Returns:
+        The refined mesh, and the matrix from vertex values on the given mesh to vertex values on the refined one.
+
+    Raises:
+        ValueError: cells are still too large after ``MOST_REFINEMENTS`` refinements.
+    """
+    inclusion = sps.csr_array(sps.eye_array(mesh.p.shape[1]))
+    for _ in range(MOST_REFINEMENTS):
+        corners = mesh.p[:, mesh.t]
+        sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
+        large = np.flatnonzero(sides > wanted(corners) * (1 + 1e-9))
+        if not large.size:
+            return mesh, inclusion
+        finer = mesh.refined(large)
+        old = mesh.p.shape[1]
+        distance, edge = cKDTree(mesh.p[:, mesh.facets].mean(axis=1).T).query(finer.p[:, old:].T)
+        if not (np.array_equal(finer.p[:, :old], mesh.p) and np.all(distance < 1e-12)):
+            raise ValueError("the finer mesh must have the old vertices first, then midpoints of old edges")
+        inclusion = sps.csr_array(with_midpoints(mesh)[np.concatenate([np.arange(old), old + edge])] @ inclusion)
+        mesh = finer
+    raise ValueError(
+        f"{large.size} cells are still larger than wanted after {MOST_REFINEMENTS} refinements; ask for a positive, "
+        "larger size"
+    )
+
+
+SEMINORM_PANELS, SEMINORM_POINTS = 64, 3
+"""The quadrature of the double integral: number of equal panels of (0, 1), and number of Gauss points in each panel.
+
+The rule in y has one more point in each panel than the rule in x, so that x = y does not occur.
+"""
+
+
+def composite_gauss(panels: int, points: int) -> PointsAndWeights:
+    """Return nodes and weights of the Gauss rule repeated on equal panels of (0, 1), (panels · points,) each."""
+    x, w = gauss(points)
+    return ((np.arange(panels)[:, None] + x) / panels).ravel(), np.tile(w / panels, panels)
+
+
+FIRST, SECOND = composite_gauss(SEMINORM_PANELS, SEMINORM_POINTS), composite_gauss(SEMINORM_PANELS, SEMINORM_POINTS + 1)
+"""The quadrature rules of the double integral, in x and in y."""
+
+
+def _kernel(first: PointsAndWeights, second: PointsAndWeights, rho: float) -> Array:
+    """Return the products of the weights of two quadrature rules with |x − y|^{−1−2ϱ} at all pairs of nodes, (n, m)."""
+    (x, wx), (y, wy) = first, second
+    return np.asarray(np.multiply.outer(wx, wy) * abs(x[:, None] - y) ** (-1 - 2 * rho))
+
+
+def seminorm(first: Array, second: Array, rho: float) -> Array:
+    """Return the Sobolev–Slobodeckij seminorm |v|_ϱ of functions v on (0, 1), (...).
+
+    For a Lipschitz v and ϱ ≤ 1/2 the integrand is bounded. The relative error is a few per mille if v has about ten
+    oscillations.
+
+    Args:
+        first: the values of v at the nodes of ``FIRST``, (..., n).
+        second: the values of v at the nodes of ``SECOND``, (..., m).
+        rho: the order ϱ.
+    """
+    kernel = _kernel(FIRST, SECOND, rho)
+    squares = first**2 @ kernel.sum(axis=1) + second**2 @ kernel.sum(axis=0)
+    return np.sqrt(np.maximum(squares - 2 * np.einsum("...i,ij,...j->...", first, kernel, second, optimize=True), 0.0))
+
+
+@lru_cache
+def gram(panels: int, rho: float) -> Array:
+    """Return the matrix G with |v|_ϱ² = cᵀ G c for piecewise linear functions v on equal panels of (0, 1).
+
+    Args:
+        panels: the number n of panels; c contains the values of v at their n + 1 ends, so G is (n + 1, n + 1).
+        rho: the order ϱ of the Sobolev–Slobodeckij seminorm.
+    """
+    nodes = np.linspace(0, 1, panels + 1)
+    rules = composite_gauss(panels, SEMINORM_POINTS), composite_gauss(panels, SEMINORM_POINTS + 1)
+    hats = [np.maximum(0, 1 - panels * abs(nodes[:, None] - x)) for x, _ in rules]
+    kernel = _kernel(*rules, rho)
+    mixed = hats[0] @ kernel @ hats[1].T
+    squares = [(hat * weights) @ hat.T for hat, weights in zip(hats, (kernel.sum(1), kernel.sum(0)), strict=True)]
+    found: Array = squares[0] + squares[1] - mixed - mixed.T
+    return found
+
 
 EQUAL_BRANCHES = 2 / (2 + math.pi**2)
 """The fraction |N|/h of an edge with a gap at which both expressions for the constant β of the bound are equal."""
@@ -193,9 +307,9 @@ def supremum(touching: Array, rho: float) -> float:
     """Return the supremum of the work of contact on an edge over all pressures λ and gaps w, divided by its bound.
 
     The edge is mapped to the interval (0, 1). Then the result is sup |∫ λ Π w| / (|λ|_ϱ |w'|_ϱ), divided by β. The
-    interval is split into ``PANELS`` equal panels, and each panel belongs to the part N with a gap or to the part C in
-    contact. λ and w' are continuous and linear on each panel, with λ = 0 on N and w' = 0 on C. The result is 0 if λ or
-    w' must vanish.
+    interval is split into ``SEMINORM_PANELS`` equal panels, and each panel belongs to the part N with a gap or to the
+    part C in contact. λ and w' are continuous and linear on each panel, with λ = 0 on N and w' = 0 on C. The result is
+    0 if λ or w' must vanish.
 
     The values of w at both ends of the edge follow from w' on the panels of N there, because w = 0 on the next panel of
     C. Between panels of C the integral of w' must be 0. This condition is ignored, so with a gap between panels of C
@@ -205,15 +319,15 @@ def supremum(touching: Array, rho: float) -> float:
         touching: whether there is contact at the nodes ``FIRST`` of a quadrature rule on the edge, (nodes,).
         rho: the exponent ϱ of the seminorm.
     """
-    contact = touching.reshape(PANELS, -1).mean(axis=1) >= 0.5
+    contact = touching.reshape(SEMINORM_PANELS, -1).mean(axis=1) >= 0.5
     if contact.all() or not contact.any():
         return 0.0
-    A = gram(PANELS, rho)
-    nodes = np.linspace(0, 1, PANELS + 1)
-    mass = np.where((nodes == 0) | (nodes == 1), 0.5, 1.0) / PANELS
+    A = gram(SEMINORM_PANELS, rho)
+    nodes = np.linspace(0, 1, SEMINORM_PANELS + 1)
+    mass = np.where((nodes == 0) | (nodes == 1), 0.5, 1.0) / SEMINORM_PANELS
     ends = np.flatnonzero(contact)[[0, -1]]
-    at_start = nodes * PANELS <= ends[0]
-    at_end = nodes * PANELS > ends[1]
+    at_start = nodes * SEMINORM_PANELS <= ends[0]
+    at_end = nodes * SEMINORM_PANELS > ends[1]
     of_pressure = dual_products(A, contact, mass * np.array([1 - nodes, nodes]))
     of_slope = dual_products(A, ~contact, mass * np.array([at_start, at_end]))
     largest_value = float(np.max(np.linalg.eigvals(of_pressure @ of_slope).real, initial=0.0))
@@ -258,8 +372,9 @@ class Resolved:
         fine = Space(mesh, space.body)
         self.solution = solution
         self.space = space
-        self.v_norm = ErrorNorm(solution, fine, along=())
-        self.inclusion: sps.csr_array = inclusion_of(space, fine, nodal)
+        self.v_norm = ErrorNorm(solution, fine, aligned=False)
+        every = sps.csr_array(sps.kron(nodal, sps.eye_array(space.dim)))
+        self.inclusion: sps.csr_array = sps.csr_array(every[fine.free][:, space.free])
         self.start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))
 
 
@@ -488,7 +603,7 @@ class WorkOfContact(ListedNumbers):
         return with_h(space.h, numbers)
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
-        irregular, on_grid = split_irregular(groups)
+        irregular, on_grid = split(groups, "irregular")
         judged = (on_grid, ON_GRIDS), (irregular, (ON_IRREGULAR_MESHES,)), (groups, ON_ALL_MESHES)
         return [(rule, tables) for tables, rules in judged for rule in rules]
 
@@ -502,7 +617,7 @@ UNSTRUCTURED = "unstructured"
 SEEDS = ("shaken", *(f"shaken-{seed}" for seed in range(1, 8)))
 """Random mesh families over which the measured excess is averaged. The finest level uses the first half of them."""
 ROLLER_LEVELS = 16, 32, 64, 128
-COARSE_LEVELS = ROLLER_LEVELS[:3]
+COARSE_ROLLER_LEVELS = ROLLER_LEVELS[:3]
 """Levels without the finest one, to save time.
 
 They are used for rollers other than ROLLER, for meshes with two diagonals, and for half of the random meshes."""
@@ -595,7 +710,7 @@ class Trajectories:
         The values of ġ and g in the middle of a step are computed from g at its ends.
         """
         T = on.at.space.body.T
-        k = step_size(on.at.space.body.T, steps)
+        k = step_size(T, steps)
         N = on.at.space.N
         pressing = pressing_on(on.at)
         projected = np.array([on.condensed.gap(on.functional(n * k)) for n in range(steps + 1)])
@@ -636,8 +751,8 @@ class Trajectories:
 def sides(solutions: Trajectories) -> Numbers:
     """Return the error, its bound, and the terms E_h, M_h, J_h of the bound, which ``Rollers`` defines."""
     on = solutions.on
-    at = solutions.on.at
-    space = solutions.on.at.space
+    at = on.at
+    space = on.at.space
     distance = at.v_norm.distance
     finer = at.inclusion
     measured = []
@@ -682,7 +797,7 @@ def interpolation_error(solution: ExactSolution, space: Space, time: float) -> f
     It equals max |w − Π^h w| for the gap w, because u has no tangential component on Γ3.
     """
     (face,) = solution.faces
-    rule = facet_rule(space.mesh, space.facets(face.part), face.part, (), FACET_POINTS)
+    rule = rule_on(space, face.part, FACET_POINTS)
     error, _ = trace_error(displacement(solution, time), space, face.part, rule)
     return float(abs(error).max())
 
@@ -814,10 +929,10 @@ class Rollers(ListedNumbers):
         Setting(f"{kind}-{n}", family, n)
         for kind, families, levels in (
             (ROLLER, (PLAIN_FAMILIES[0], ALTERNATING, UNSTRUCTURED, *SEEDS[:4]), ROLLER_LEVELS),
-            (ROLLER, (PLAIN_FAMILIES[1], *SEEDS[4:]), COARSE_LEVELS),
-            (PUSHING, (ALTERNATING,), COARSE_LEVELS),
-            (STEEP, (ALTERNATING,), COARSE_LEVELS),
-            (STANDING, (PLAIN_FAMILIES[0], ALTERNATING, SEEDS[0]), COARSE_LEVELS),
+            (ROLLER, (PLAIN_FAMILIES[1], *SEEDS[4:]), COARSE_ROLLER_LEVELS),
+            (PUSHING, (ALTERNATING,), COARSE_ROLLER_LEVELS),
+            (STEEP, (ALTERNATING,), COARSE_ROLLER_LEVELS),
+            (STANDING, (PLAIN_FAMILIES[0], ALTERNATING, SEEDS[0]), COARSE_ROLLER_LEVELS),
         )
         for family in families
         for n in levels
@@ -852,7 +967,7 @@ class Rollers(ListedNumbers):
             numbers[HALF_STEP_EXCESS] = Trajectories.of(on, 2 * steps).excess().max()
         return with_h(space.h, numbers)
 
-    def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
+    def by_case(self, rows: pd.DataFrame) -> ByCase:
         """Divide measured rows by kinds of rollers, which are the names of the cases without the level."""
         return super().by_case(rows.assign(case=rows["case"].str.rpartition("-")[0]))
 

@@ -109,9 +109,8 @@ class Equilibrium:
         free = np.ones((edges, 2 * n), dtype=bool)
         free[space.edges_on(Kind.CLAMPED)] = False
         # On rollers the normal moments are 0 and the tangential ones are free, so that τ_τ = 0.
-        rollers = space.on(Kind.ROLLER)
-        for _, edges in rollers:
-            free[edges, ::2] = False
+        rollers = space.edges_on(Kind.ROLLER)
+        free[rollers, ::2] = False
         self.free = np.flatnonzero(free.ravel())
         self.contact = space.edges_on(Kind.CONTACT)
         # For the constraints on Γ3: the positions of the normal moments among all unknown moments.
@@ -123,82 +122,68 @@ class Equilibrium:
         full = sps.coo_array((local.ravel(), places), shape=(self.total, self.total)).tocsc()
         S = sps.csc_array(full[self.free][:, self.free])
         self.S = sps.csc_array((S + S.T) / 2)
-        self._at_contact = sps.csr_array(self.S)[self._normal]
         midpoints = space.mesh.p[:, space.mesh.facets].mean(axis=1)
         try:
             # With rollers, the edges have different numbers of unknowns.
-            self.solve = solver(self.S, self.N, midpoints[:, self.free[:: 1 if rollers else 2 * n] // (2 * n)])
+            self.solve = solver(self.S, self.N, midpoints[:, self.free[:: 1 if rollers.size else 2 * n] // (2 * n)])
         except np.linalg.LinAlgError as error:
             raise MeshError(_too_thin(space.mesh, compliance)) from error
 
-    def __call__(self, loads: Loads, strain: Tensors, normal: Array | None = None) -> EquilibratedStress:
+    def __call__(self, loads: Loads, strain: Tensors) -> EquilibratedStress:
         """Return the stress τ of least complementary energy ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q that balances the loads.
 
         Args:
             loads: the projected loads P f_0 and P f_2.
             strain: the strain ε* at the quadrature points, (3, ..., cells, Q).
-            normal: the moments ∫_e v B_i of a function v on Γ3 with the Bernstein polynomials B_i, (..., edges of
-                Γ3, n). If they are given, ∫_{Γ3} τ_ν v is added to the energy. They must be ≤ 0 on the edges
-                ``contact``.
         """
         values, tractions = self.space.lift(loads.force)
-        known = self.space.tested(act(self.compliance, values) + strain)
-        return self._corrected(loads, values, tractions, known, normal)
+        known, g = self._condensed(loads, tractions, act(self.compliance, values) + strain)
+        v, _ = self.solve(g)
+        return self._joined(values, tractions, known, v, v)
 
     def nearest(self, loads: Loads, target: Tensors, normal: Array) -> EquilibratedStress:
         """Return the stress τ that balances the loads and is nearest to a given stress in the norm of C⁻¹.
 
-        This is the stress of least energy for ε* = −C⁻¹ target.
+        This is the stress of least energy for ε* = −C⁻¹ target, where ∫_{Γ3} τ_ν v is added to the energy.
 
         Args:
-            loads, normal: as in ``__call__``.
+            loads: as in ``__call__``.
             target: the given stress at the quadrature points, (3, ..., cells, Q).
+            normal: the moments ∫_e v B_i of the function v on Γ3 with the Bernstein polynomials B_i, (..., edges of
+                Γ3, n). They must be ≤ 0 on the edges ``contact``.
 
         Returns:
             The stress τ, except that its ``values`` are the difference τ − target.
         """
         values, tractions = self.space.lift(loads.force)
         values -= target
-        known = self.space.tested(act(self.compliance, values))
-        return self._corrected(loads, values, tractions, known, normal)
+        known, g = self._condensed(loads, tractions, act(self.compliance, values))
+        shift = np.zeros_like(g)
+        shift[..., self._normal] = normal.reshape(*g.shape[:-1], -1)
+        v, _ = self.solve(g + shift @ self.S)
+        return self._joined(values, tractions, known, v, v - shift)
 
     def balance(self, loads: Loads) -> EquilibratedStress:
         """Return the stress with the least norm (C⁻¹τ, τ)_Q that balances loads and has no traction on Γ3, τν = 0."""
         values, tractions = self.space.lift(loads.force)
-        known, g = self._condensed(loads, tractions, self.space.tested(act(self.compliance, values)))
+        known, g = self._condensed(loads, tractions, act(self.compliance, values))
         v = self.solve.factor(g)
         return self._joined(values, tractions, known, v, v)
 
-    def _corrected(
-        self, loads: Loads, values: Tensors, tractions: Array, known: Array, normal: Array | None
-    ) -> EquilibratedStress:
-        """Return the stress of least energy, by correcting a stress that is in equilibrium only inside each cell.
+    def _condensed(self, loads: Loads, tractions: Array, strain: Tensors) -> tuple[Array, Array]:
+        """Eliminate the stresses on every cell (static condensation), which leaves a problem for the moments.
 
         Args:
             loads: the projected loads.
-            values, tractions: the given stress, as in ``EquilibratedStress``.
-            known: the functional (C⁻¹τ + ε*, ·)_Q of the given stress τ on the stresses with Div σ = 0,
-                (..., cells, p).
-            normal: as in ``__call__``.
-        """
-        known, g = self._condensed(loads, tractions, known)
-        shift = np.zeros_like(g)
-        if normal is not None:
-            given = normal.reshape(*g.shape[:-1], -1)
-            shift[..., self._normal] = given
-            g = g + given @ self._at_contact
-        v, _ = self.solve(g)
-        return self._joined(values, tractions, known, v, v - shift)
-
-    def _condensed(self, loads: Loads, tractions: Array, known: Array) -> tuple[Array, Array]:
-        """Eliminate the stresses on every cell (static condensation), which leaves a problem for the moments.
+            tractions: the tractions of a stress τ that is in equilibrium only inside each cell.
+            strain: the strain C⁻¹τ + ε* at the quadrature points, (3, ..., cells, Q).
 
         Returns:
             Two arrays. The first contains, for each cell, the p coefficients of the stress with Div σ = 0 that the
-            functional ``known`` represents, followed by the 6 n coefficients of its tractions, (..., cells, p + 6 n).
-            The second is the right-hand side of the problem for the moments, (..., unknown moments).
+            functional (C⁻¹τ + ε*, ·)_Q represents, followed by the 6 n coefficients of its tractions, (..., cells, p +
+            6 n). The second is the right-hand side of the problem for the moments, (..., unknown moments).
         """
-        joined = _times(known, self._of_strains)
+        joined = _times(self.space.tested(strain), self._of_strains)
         of_cells = tractions.reshape(*joined.shape[:-1], -1) - joined[..., self._tractions]
         numbers = self.numbers.ravel()
         several = of_cells.shape[:-2]
@@ -210,13 +195,15 @@ class Equilibrium:
         """Return the stress of least energy, from the solution of the problem for the moments.
 
         Args:
-            values, tractions, known: as in ``_corrected``.
+            values, tractions: a stress that is in equilibrium only inside each cell, as in ``EquilibratedStress``.
+            known: the first result of ``_condensed``.
             v: the moments.
             shifted: the moments v minus the given moments ``normal``.
         """
         # The moments of all edges are the unknown ones, and zeros on Γ1.
         all_shifted, moments = np.zeros((2, *v.shape[:-1], self.total))
-        all_shifted[..., self.free], moments[..., self.free] = shifted, v
+        all_shifted[..., self.free] = shifted
+        moments[..., self.free] = v
         corrections = _times(all_shifted[..., self.numbers], self._of_moments) - known
         return EquilibratedStress(
             values + self.space.combined(corrections[..., : self._tractions.start]),

@@ -13,19 +13,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
 from manufactured.body import Kind, Part
 from manufactured.data import Data, ForceInTime
 from manufactured.tensors import Array, Points, Vectors
-from study.fem.moments import amplitudes_of, strain_matrix
-from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule, rough_cells, sliced_rules
-from study.stresses.composite import alfeld_split, barycentric, bernstein, triangle_mass
-from study.stresses.stress_space import StressSpace
+from study.fem.quadrature import (
+    CellRule,
+    Line,
+    amplitudes_of,
+    cell_rules,
+    facet_rule,
+    rough_cells,
+    sliced_rules,
+    strain_matrix,
+)
+from study.stresses.stress_space import StressSpace, alfeld_split, barycentric, bernstein, triangle_mass
 
-DEGREE = 4
+LEAST_FORCE_DEGREE = 4
 """Least degree of the quadrature rule for f_0 on a subtriangle of a cell.
 
 For stresses of degree k, 2k is used if it is larger.
@@ -40,7 +47,7 @@ GRADED_POINTS = 28
 
 The grading by the power 8 leaves the degree 6, which is enough for products of two cubics.
 """
-PARALLEL = 1e-9
+PARALLEL_LINE = 1e-9
 """A line counts as parallel to a boundary part if the sine of the angle between them is below this number."""
 
 
@@ -108,7 +115,7 @@ class ProjectedLoads:
         self.space = space
         self.data = data
         self._thirds, self._corners = alfeld_split(space.mesh)
-        self._degree = max(DEGREE, 2 * space.degree) + raised
+        self._degree = max(LEAST_FORCE_DEGREE, 2 * space.degree) + raised
         self._lines = [Line(*line) for line in data.lines]
         self._cut = np.concatenate([*rough_cells(self._thirds, self._lines, data.points), np.empty(0, dtype=int)])
         self._parts = [_Edges(data, space, part, edges) for part, edges in space.on(Kind.LOADED)]
@@ -151,7 +158,7 @@ class ProjectedLoads:
     def at(self, time: float) -> Snapshot:
         """Return the projected loads P f_0 and P f_2 at a time, and norms of the part f − P f that is left out."""
         space = self.space
-        thirds = 3 * self.space.cells
+        thirds = 3 * space.cells
         lower, more = (degree * (degree + 1) // 2 for degree in (space.degree, space.degree + 1))
         force = np.empty((thirds, lower, 2))
         squares = np.empty(thirds)
@@ -171,7 +178,7 @@ class ProjectedLoads:
         return Snapshot(Loads(force.reshape(space.cells, 3, -1, 2), surface), LeftOut(low, high, on_edges))
 
 
-class _Projection:
+class Projection:
     """The L² projection onto polynomials on n subtriangles or edges, from values at q quadrature points on each.
 
     Args:
@@ -185,10 +192,10 @@ class _Projection:
         self._matrix = np.linalg.inv(weighted @ self._shapes) @ weighted
 
     def __call__(self, field: Vectors) -> tuple[Array, Array]:
-        """Split a vector field, (2, n, q), into its projection and the rest.
+        """Split a field with c components, (c, n, q), into its projection and the rest.
 
         Returns:
-            The coefficients of the projection, (n, basis, 2), and the rest at the points, (n, q, 2).
+            The coefficients of the projection, (n, basis, c), and the rest at the points, (n, q, c).
         """
         at_points = field.transpose(1, 2, 0)
         coefficients = self._matrix @ at_points
@@ -209,7 +216,7 @@ class _Block:
     def __init__(self, rule: CellRule, shapes: Array, whole: Array) -> None:
         self.rule = rule
         self._whole = np.ascontiguousarray(np.moveaxis(whole, 0, 1))
-        self._projection = _Projection(shapes, rule.weights)
+        self._projection = Projection(shapes, rule.weights)
 
     def split(self, force: Vectors) -> tuple[Array, Array, Array]:
         """Split the body force f_0, given at the quadrature points, (2, n, q), into P f_0 and g = f_0 − P f_0.
@@ -250,28 +257,17 @@ class _Edges:
         for direction, offset in data.lines:
             slope = np.dot(direction, part.tangent)
             start = np.dot(direction, part.start)
-            if abs(slope) > PARALLEL and 0 < (offset - start) / slope < part.measure:
+            if abs(slope) > PARALLEL_LINE and 0 < (offset - start) / slope < part.measure:
                 places.append(float((offset - start) / slope))
         crossings = tuple(sorted(places))
-        graded = partial(facet_rule, space.mesh, edges, part, crossings)
-        rule = graded(GRADED_POINTS) if crossings else _divided(graded(EDGE_POINTS))
+        points, divisions = (GRADED_POINTS, 1) if crossings else (EDGE_POINTS, EDGE_PARTS)
+        rule = facet_rule(space.mesh, edges, part, crossings, points, divisions)
         self.edges = edges
         self.weights = rule.weights
-        self._projection = _Projection(bernstein(space.degree, rule.shapes), rule.weights)
+        self._projection = Projection(bernstein(space.degree, rule.shapes), rule.weights)
         self.load = data.surface_load(part, part.point(rule.s))
 
     def split(self, time: float) -> tuple[Array, Array]:
         """Return the projected traction P f_2 at a time, (n, k + 1, 2), and the norms ‖f_2 − P f_2‖_e, (n,)."""
         coefficients, rest = self._projection(self.load(time))
         return coefficients, np.sqrt(np.einsum("nqd,nqd,nq->n", rest, rest, self.weights))
-
-
-def _divided(rule: FacetRule) -> FacetRule:
-    """Repeat a quadrature rule on each of ``EDGE_PARTS`` equal parts of every facet."""
-    first = rule.shapes[0]
-    s = rule.s[0]
-    slope = (s[:, 1] - s[:, 0]) / (first[:, 1] - first[:, 0])
-    places = np.concatenate([(first + part) / EDGE_PARTS for part in range(EDGE_PARTS)], axis=1)
-    moved = s[:, :1] + slope[:, None] * (places - first[:, :1])
-    weights = np.tile(rule.weights / EDGE_PARTS, EDGE_PARTS)
-    return FacetRule(rule.facets, moved[None], np.stack([places, 1 - places]), weights)

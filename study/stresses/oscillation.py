@@ -38,15 +38,24 @@ from scipy.linalg import null_space
 from manufactured.body import Kind
 from manufactured.tensors import Array
 from study.fem.quadrature import simplex_rule
-from study.stresses.composite import CORNERS, SIDES, bernstein, composite, indices, piola, thirds, triangle_mass
 from study.stresses.loads import LeftOut
-from study.stresses.stress_space import StressSpace
+from study.stresses.stress_space import (
+    REFERENCE_CORNERS,
+    SIDES,
+    StressSpace,
+    bernstein,
+    composite,
+    indices,
+    piola,
+    thirds,
+    triangle_mass,
+)
 
-BLOCK = 256
+CELLS_AT_A_TIME = 256
 """Number of cells whose constants C_{T,q} are computed at a time, which limits the memory."""
 CHILDREN = np.stack([*((np.eye(3) + np.eye(3)[i]) / 2 for i in range(3)), (1 - np.eye(3)) / 2])
 """Vertices of the four children of a triangle, in barycentric coordinates of the triangle, (4, 3 vertices, 3)."""
-ROUNDING = 1e-9
+DEPENDENT = 1e-9
 """Equations count as dependent if a singular value is below this fraction of the largest one."""
 
 
@@ -78,7 +87,8 @@ class DividedTriangle:
         for side, traction in enumerate(of_child):
             # The second traction is reversed, because the two children run through their common side in opposite
             # directions.
-            jumps[side, :, :, side], jumps[side, :, :, 3] = traction, -traction[::-1]
+            jumps[side, :, :, side] = traction
+            jumps[side, :, :, 3] = -traction[::-1]
             for half, child in enumerate(SIDES[side]):
                 outer[side, half, :, :, child] = traction
         self.inner = jumps.reshape(-1, 4 * size)
@@ -135,10 +145,10 @@ class BalancingStresses:
             loads: scalar loads as columns; each of them is applied in both coordinate directions.
             gram: the integrals of products of two scalar loads.
         """
-        admissible = null_space(zero, rcond=ROUNDING)
+        admissible = null_space(zero, rcond=DEPENDENT)
         onto = balanced @ admissible
-        free = admissible @ null_space(onto, rcond=ROUNDING)
-        lifts = admissible @ np.linalg.pinv(onto, rcond=ROUNDING) @ np.kron(loads, np.eye(2))
+        free = admissible @ null_space(onto, rcond=DEPENDENT)
+        lifts = admissible @ np.linalg.pinv(onto, rcond=DEPENDENT) @ np.kron(loads, np.eye(2))
         products = np.einsum("vw,ai,bj->vawbij", gram, np.eye(2), np.eye(2)).reshape(2 * len(gram), -1, 2, 2)
         return cls(divided.values @ free, divided.values @ lifts, divided.weights, products)
 
@@ -176,7 +186,7 @@ def balancing_in_cell(q: int) -> BalancingStresses:
     third = np.concatenate([restriction(q, corners) for corners in np.moveaxis(thirds(np.eye(3)), 2, 0).swapaxes(1, 2)])
     mass = np.kron(np.eye(4), triangle_mass(q) / 8)
     whole = np.vstack([restriction(q, corners) for corners in CHILDREN])
-    rest = null_space(whole.T @ mass, rcond=ROUNDING)
+    rest = null_space(whole.T @ mass, rcond=DEPENDENT)
     loads = np.kron(np.eye(4), third) @ rest
     zero = np.vstack([divided.inner, divided.outer.reshape(-1, divided.inner.shape[1])])
     return BalancingStresses.of(divided, zero, divided.divergence, loads, rest.T @ mass @ rest)
@@ -200,7 +210,7 @@ def balancing_on_side(side: int) -> BalancingStresses:
     # functions on the side.
     mass = np.kron(np.eye(2), (np.ones((2, 2)) + np.eye(2)) / 6 / 2)
     linear = np.array([[1.0, 0.0], [0.5, 0.5], [0.5, 0.5], [0.0, 1.0]])
-    rest = null_space(linear.T @ mass, rcond=ROUNDING)
+    rest = null_space(linear.T @ mass, rcond=DEPENDENT)
     loads = np.kron(np.eye(2), raised) @ rest
     balanced = divided.outer[side].reshape(-1, unknowns)
     # |ê| t̂ on a half is the traction t̂ times half of the length of the side, so the traction on the side is twice |ê|
@@ -222,13 +232,13 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
     """
     size = np.sqrt(abs(np.linalg.det(F)))
     # The vertices are sorted by the lengths of the opposite sides.
-    corners = F @ CORNERS
+    corners = F @ REFERENCE_CORNERS
     opposite = np.linalg.norm(corners[:, :, [2, 0, 1]] - corners[:, :, [1, 2, 0]], axis=1)
     corners = np.take_along_axis(corners, np.argsort(opposite, axis=1, kind="stable")[:, None], axis=2)
     shapes = ((corners[:, :, 1:] - corners[:, :, :1]) / size[:, None, None]).reshape(-1, 4)
     leading = np.take_along_axis(shapes, abs(shapes).argmax(axis=1)[:, None], axis=1)
     shapes, where = np.unique(np.round(shapes * np.sign(leading), 12), axis=0, return_inverse=True)
-    blocks = np.array_split(shapes.reshape(-1, 2, 2), max(1, len(shapes) // BLOCK))
+    blocks = np.array_split(shapes.reshape(-1, 2, 2), max(1, len(shapes) // CELLS_AT_A_TIME))
     constants = [balancing_in_cell(q).constants(block, compliance, 1 / abs(np.linalg.det(block))) for block in blocks]
     return np.sqrt(4 / 3) * np.concatenate(constants)[where] * size
 
@@ -244,7 +254,7 @@ def side_constants(F: Array, compliance: Array, side: int) -> Array:
         side: the number of the side.
     """
     a, b = SIDES[side]
-    length = np.linalg.norm(F @ (CORNERS[:, b] - CORNERS[:, a]), axis=1)
+    length = np.linalg.norm(F @ (REFERENCE_CORNERS[:, b] - REFERENCE_CORNERS[:, a]), axis=1)
     return np.sqrt(2) * balancing_on_side(side).constants(F, compliance, 1 / length)
 
 

@@ -32,9 +32,8 @@ from study.bound.bounded import bounded_solution
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.certify import certified, checker
-from study.certify.certified import check_certifiable, make_certificate, write
+from study.certify.certified import check_certifiable, make_certificate, value_of, write
 from study.certify.statement import in_doubles, rational, rational_mesh, statement, voigt
-from study.certify.witnesses import value_of
 from study.fem.mesh import OneDiagonal, Shaken, Unstructured
 from study.ledger.files import write_text
 from study.solve.tableau import MIDPOINT

@@ -226,7 +226,7 @@ def test_the_stress_problem_loads_no_solver_of_displacements_while_it_marches():
     printed, _ = python(f"{MARCH}\nimport sys; print(*sys.modules)")
     loaded = set(printed.split())
     assert "clarabel" in loaded
-    names = "signorini multigrid solver_choice evolution tableau fixed_point factorisation"
+    names = "signorini multigrid evolution tableau factorisation"
     solvers = {f"study.solve.{name}" for name in names.split()}
     assert all(map(find_spec, solvers))
     assert not loaded & solvers

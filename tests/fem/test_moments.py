@@ -9,7 +9,7 @@ from measures import close
 
 from manufactured.catalogue import NAMES
 from manufactured.law import Linear
-from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules, shared_lines
+from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules
 from study.fem.mesh import FAMILIES
 from study.fem.naming import resolve
 from study.fem.quadrature import Line, facet_rule, shared, simplex_rule
@@ -68,7 +68,7 @@ def test_means_oscillation_and_load_are_integrals_over_the_points_of_the_rules(c
     v_norm, time, A = ErrorNorm(solution, space), 0.61 * solution.body.T, solution.law.A
     sample, oscillation = v_norm.sample(time), 0.0
     integrals, nodal = np.zeros((len(A.matrix), space.cells)), np.zeros_like(space.mesh.p)
-    for rule in rules(solution, space.mesh, v_norm.degree, shared_lines(solution)):
+    for rule in rules(solution, space.mesh, v_norm.degree, aligned=True):
         fields, weights = solution.at(rule.points), rule.weights * A.factor(rule.points)
         strain = fields.strain(time)
         mean = np.einsum("Inq,nq->In", strain, weights) / weights.sum(axis=1)

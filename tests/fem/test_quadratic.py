@@ -18,10 +18,9 @@ from study.bound.problem import BoundError
 from study.bound.trajectory import prolongation
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured
 from study.fem.mesh import barycentric as barycentric_of
-from study.fem.quadratic import Quadratic
 from study.fem.quadrature import simplex_rule
-from study.fem.space import Space
-from study.stresses.composite import bernstein
+from study.fem.space import Quadratic, Space
+from study.stresses.stress_space import bernstein
 
 BODIES = {
     "square": (unit_square(), Shaken()),

@@ -18,7 +18,7 @@ from study.ledger.verdict import HOLDS, REPORTED, ROW_KEY, UNCLAIMED
 from study.run.judgement import judge
 from study.run.plan import full
 from study.run.provenance import Complete
-from study.solve import solver_choice
+from study.solve import multigrid
 from study.solve.tableau import MIDPOINT
 from study.statements import STATEMENTS
 from study.statements.contact_force import ContactForce
@@ -65,7 +65,7 @@ def test_rows_measured_again_agree_with_the_committed_ones(case, place):
         again = FirstOrder().run(RateSetting(case, row["family"], row["level"], MIDPOINT.name, row["steps"]))
         assert again["dofs"] == row["dofs"]
         # Multigrid, in space, stops when this residual is reached; another processor may need another iteration.
-        assert_agree(again, row, MEASURED, abs=max(1e-9, solver_choice.residual(row["dim"], row["dofs"])))
+        assert_agree(again, row, MEASURED, abs=max(1e-9, multigrid.residual(row["dim"], row["dofs"])))
 
 
 WITH_SEVERAL_LAWS = ("advance-recede", "layered", "softening", "yield-on-a-part")

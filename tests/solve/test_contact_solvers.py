@@ -19,11 +19,10 @@ from study.fem.error_norm import gaps_at_vertices
 from study.fem.mesh import CrissCross, Graded, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space, form
 from study.solve import factorisation, signorini
+from study.solve.evolution import furthest, path
 from study.solve.factorisation import Cholesky
-from study.solve.multigrid import COARSEST, Multigrid, MultigridError
-from study.solve.paths import furthest, path
+from study.solve.multigrid import COARSEST, FACTORED, SHARE, Multigrid, MultigridError, contact_solver, residual
 from study.solve.signorini import Signorini
-from study.solve.solver_choice import FACTORED, SHARE, contact_solver, residual
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import Experiment
 
@@ -180,7 +179,7 @@ def test_the_optimality_conditions_hold_to_the_tolerance_from_any_start(setting,
 )
 def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(name, family, levels, monkeypatch):
     """In the norm of V over a trajectory, with the tolerance that a space of that size is given."""
-    monkeypatch.setattr("study.solve.solver_choice.FACTORED", {2: 0, 3: 0})
+    monkeypatch.setattr("study.solve.multigrid.FACTORED", {2: 0, 3: 0})
     solution, shares = named(name).solution, []
     for n in levels:
         setup = Experiment.of(solution, family, n, MIDPOINT, 8)

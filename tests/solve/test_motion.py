@@ -15,10 +15,9 @@ from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import FAMILIES, OneDiagonal, Shaken, Unstructured
 from study.fem.naming import resolve
 from study.solve import stress_problem
-from study.solve.interior_point import Accuracy
 from study.solve.motion import Motion, von_mises
 from study.solve.steps import StepsError
-from study.solve.stress_problem import StressError
+from study.solve.stress_problem import Accuracy, StressError
 from study.statements.thm_4_2 import gaps
 
 CASES = ("advance-recede", "yield-and-release", "heterogeneous", "cube-disc")
@@ -73,7 +72,7 @@ def test_an_interior_point_that_rounding_breaks_off_is_asked_for_less(monkeypatc
     """On a mesh on which the programme at t = T breaks off before its aim."""
     _, stresses = problems(named("yield-on-a-part").solution, Shaken(7), 4)
     assert len(list(stresses.march(8))) == 9
-    monkeypatch.setattr(stress_problem, "ENOUGH", stress_problem.AIM)
+    monkeypatch.setattr(stress_problem, "ACCEPTED", stress_problem.AIM)
     with pytest.raises(StressError, match="was not solved"):
         list(stresses.march(8))
 

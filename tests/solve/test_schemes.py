@@ -21,10 +21,8 @@ from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import OneDiagonal, Shaken
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.solve.evolution import EvolutionError, SemiDiscrete
-from study.solve.fixed_point import FixedPointError, fixed_point
-from study.solve.gradient_flow import EulerBounds, GradientFlow, backward_euler
-from study.solve.paths import furthest, path
+from study.solve.evolution import EvolutionError, FixedPointError, SemiDiscrete, fixed_point, furthest, path
+from study.solve.gradient_flow import EulerBounds, backward_euler
 from study.solve.steps import StepsError, rate_steps, stress_steps
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES
 from study.statements.shared.base import Experiment, Setting
@@ -252,8 +250,7 @@ def test_both_bounds_hold_for_steps_of_any_size_and_the_one_with_the_solution_is
     problem, kappa, gamma = random_problem(seed)
     grid = np.arange(FINE + 1)
     exact = path(problem, BACKWARD_EULER, FINE)
-    flow = GradientFlow(problem, problem.load(grid / FINE).T)
-    bounds = EulerBounds(flow, kappa, gamma)
+    bounds = EulerBounds(problem, problem.load(grid / FINE).T, kappa, gamma)
     room = bounds.by_data(grid)
     rng = np.random.default_rng(seed)
     for count in (6, 12, 32):
@@ -275,9 +272,10 @@ def test_the_bound_from_data_alone_has_the_value_computed_by_hand():
     M = sps.csc_array([[4.0]])
     u0 = np.zeros(1)
     problem = SemiDiscrete(M, C, np.zeros_like, N, lambda times: np.full((1, times.size), 8.0), u0, 1.0)
-    flow = GradientFlow(problem, np.array([[8.0], [8.0], [12.0]]))
-    assert flow.a_priori(8) == pytest.approx((4 / math.sqrt(2) + 2 * 2) / 8)
-    assert flow.piecewise_constant(8) == pytest.approx(flow.a_priori(8) + (4 + 2) / 8)
+    bounds = EulerBounds(problem, np.array([[8.0], [8.0], [12.0]]))
+    nodes = np.linspace(0, 2, 9)
+    assert bounds.by_data(nodes) == pytest.approx((4 / math.sqrt(2) + 2 * 2) / 8)
+    assert bounds.piecewise_constant(nodes) == pytest.approx(bounds.by_data(nodes) + (4 + 2) / 8)
 
 
 def euclidean(w):

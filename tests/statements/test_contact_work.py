@@ -7,7 +7,6 @@ from measured_rows import invented, measured
 
 from manufactured.exact.solution import FaceFields
 from study.fem.naming import resolve
-from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.statements.shared.base import Setting, grid
 from study.statements.shared.meshes import space_of
@@ -15,16 +14,21 @@ from study.statements.work_of_contact import (
     BRANCHES,
     C_0,
     EQUAL_BRANCHES,
+    FIRST,
     OF_ALL,
     OVERALL,
+    SECOND,
+    SEMINORM_PANELS,
     WORK,
     EdgeWork,
     Resolved,
     TotalWork,
     WorkOfContact,
     beta,
+    gram,
     least_depth,
     pressing_on,
+    seminorm,
     supremum,
     vertices_on,
 )
@@ -49,9 +53,10 @@ def test_a_cell_is_as_deep_as_the_thinnest_contact_data_in_it_and_other_cells_ha
 def test_the_seminorm_of_a_straight_line_is_known_and_hat_functions_have_the_one_of_their_matrix(rho):
     """∬ |x − y|^{1−2ϱ} = 2/((2 − 2ϱ)(3 − 2ϱ))."""
     assert seminorm(FIRST[0], SECOND[0], rho) ** 2 == pytest.approx(2 / ((2 - 2 * rho) * (3 - 2 * rho)), rel=2e-3)
-    v, nodes = np.random.default_rng(0).normal(size=PANELS + 1), np.linspace(0, 1, PANELS + 1)
+    v = np.random.default_rng(0).normal(size=SEMINORM_PANELS + 1)
+    nodes = np.linspace(0, 1, SEMINORM_PANELS + 1)
     direct = seminorm(np.interp(FIRST[0], nodes, v), np.interp(SECOND[0], nodes, v), 0.5)
-    assert v @ gram(PANELS, 0.5) @ v == pytest.approx(float(direct) ** 2)
+    assert v @ gram(SEMINORM_PANELS, 0.5) @ v == pytest.approx(float(direct) ** 2)
 
 
 def test_both_bounds_meet_where_the_constant_of_the_article_is():
@@ -63,9 +68,9 @@ def contact_sets():
     """Random sets of contact on (0, 1), as unions of panels."""
     rng = np.random.default_rng(2002)
     for changes in (1, 1, 1, 2, 2, 3, 5, 9) * 5:
-        ends = np.sort(rng.choice(np.arange(1, PANELS), changes, replace=False))
-        panels = (np.searchsorted(ends, np.arange(PANELS), side="right") + rng.integers(2)) % 2 == 0
-        yield np.repeat(panels, FIRST[0].size // PANELS)
+        ends = np.sort(rng.choice(np.arange(1, SEMINORM_PANELS), changes, replace=False))
+        panels = (np.searchsorted(ends, np.arange(SEMINORM_PANELS), side="right") + rng.integers(2)) % 2 == 0
+        yield np.repeat(panels, FIRST[0].size // SEMINORM_PANELS)
 
 
 @pytest.mark.parametrize("rho", RHO)

@@ -11,11 +11,9 @@ from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED
 from study.run.plan import quick
 from study.statements.error_estimate import ErrorBounds, InterpolationInV, InterpolationOnContact
-from study.statements.load_and_traction import NaturalConditions
-from study.statements.shared.meshes import EVERY_FAMILY, body_of, first_with_each, place, space_of
+from study.statements.shared.meshes import body_of, first_with_each, place, space_of
 from study.statements.shared.scope import Levels
-from study.statements.uniqueness import OneTrajectory
-from study.statements.wellposed import BoundedVelocity, Dependence, Korn
+from study.statements.wellposed import BoundedVelocity, Dependence, Korn, NaturalConditions, OneTrajectory
 
 EVOLUTION = OneTrajectory(), BoundedVelocity(), Dependence(), NaturalConditions(), ErrorBounds()
 STATIC = Korn(), InterpolationInV(), InterpolationOnContact()
@@ -59,7 +57,7 @@ def test_every_judged_row_can_fail_and_without_a_quantity_its_row_is_undecided(s
 
 
 def test_levels_are_moved_to_where_the_ends_of_parts_are_vertices():
-    assert all(space_of(setting).dofs for setting in place(first_with_each(body_of), EVERY_FAMILY, (5,), (2,)))
+    assert all(space_of(setting).dofs for setting in place(first_with_each(body_of), (5,), (2,), every_family=True))
 
 
 # Studies that cannot be measured are refused before anything is solved.

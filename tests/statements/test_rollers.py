@@ -10,8 +10,7 @@ from manufactured.multiscale import ROLLERS, rollers
 from study.fem.naming import resolve
 from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, REPORTED
-from study.solve.evolution import SemiDiscrete
-from study.solve.paths import path
+from study.solve.evolution import SemiDiscrete, path
 from study.solve.tableau import MIDPOINT
 from study.statements import work_of_contact as own
 from study.statements.shared.base import Setting

@@ -9,7 +9,7 @@ import pytest
 from measured_rows import measured, verdicts, wrong_values
 
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED
-from study.solve.paths import furthest, path
+from study.solve.evolution import furthest, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
 from study.statements import time_steps
 from study.statements.shared.base import Setting, grid

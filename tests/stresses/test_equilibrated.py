@@ -27,7 +27,6 @@ from study.statements.thm_4_2 import (
     inadmissible,
     predicted,
 )
-from study.stresses.composite import alfeld_split, bernstein, composite, indices
 from study.stresses.hybrid import (
     DualState,
     Equilibrium,
@@ -37,7 +36,7 @@ from study.stresses.hybrid import (
     tensor_at,
 )
 from study.stresses.loads import ProjectedLoads, together
-from study.stresses.stress_space import StressSpace
+from study.stresses.stress_space import StressSpace, alfeld_split, bernstein, composite, indices
 
 BODIES = ("advance-recede", "rotated", "layered", "corner", "hexagon", "re-entrant", "junction")
 """Cases on bodies of different shape: turned, with an interface, with several contact faces, re-entrant, refined."""

@@ -19,8 +19,8 @@ from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.tensors import mandel
 from study.fem.mesh import on_segment
 from study.solve.multigrid import rigid_motions
-from study.stresses.composite import CORNERS, SIDES
 from study.stresses.oscillation import cell_constants, side_constants
+from study.stresses.stress_space import REFERENCE_CORNERS, SIDES
 
 TRIANGLES = {
     "right isosceles": np.eye(2),
@@ -40,11 +40,11 @@ def mass(g, v, _):
 
 def largest(F, C, q, side=None):
     """Return sup ∫ g·v/(‖g‖ ‖ε(v)‖_A) over quadratic g ⟂ P_q² on small triangles, or on the small edges of a side."""
-    mesh = MeshTri(F @ CORNERS, np.array([[0], [1], [2]])).refined(3 if side is None else 4)
+    mesh = MeshTri(F @ REFERENCE_CORNERS, np.array([[0], [1], [2]])).refined(3 if side is None else 4)
     element = ElementVector(ElementTriP2())
     whole = loaded = Basis(mesh, element, intorder=5)
     if side is not None:
-        on_side = on_segment(mesh.p, F @ CORNERS[:, SIDES[side]])[mesh.facets].all(axis=0)
+        on_side = on_segment(mesh.p, F @ REFERENCE_CORNERS[:, SIDES[side]])[mesh.facets].all(axis=0)
         loaded = FacetBasis(mesh, element, facets=np.flatnonzero(on_side), intorder=5)
 
     @BilinearForm

@@ -13,7 +13,7 @@ from typing import Any
 import pandas as pd
 
 from manufactured.exact import ExactSolution
-from study.fem.error_norm import ErrorNorm, gaps_at_vertices
+from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, name_of, resolve
 from study.fem.space import Space
@@ -57,6 +57,8 @@ Numbers = dict[str, Any]
 """Measured numbers, by their names."""
 Records = Iterator[tuple[DataFile, Row]]
 """Data files, each with a row that a measurement adds to it."""
+ByCase = Iterable[tuple[str, Groups]]
+"""Names of cases, each with its tables of levels, by mesh family."""
 Judged = Iterable[tuple[Check, Groups]]
 """Checks of a case, each with the tables of levels that it judges, by mesh family."""
 
@@ -155,7 +157,7 @@ class Statement:
             verdicts += [check.verdict(self, case, judged) for check, judged in self.checks_of(case, groups)]
         return verdicts
 
-    def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
+    def by_case(self, rows: pd.DataFrame) -> ByCase:
         """Divide measured rows, and return pairs of a case and its tables of levels, by mesh family."""
         return [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
 
@@ -241,7 +243,7 @@ class ListedNumbers(Statement):
             if quantity != "h":
                 yield self.file, {**common, "quantity": quantity, "value": value}
 
-    def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
+    def by_case(self, rows: pd.DataFrame) -> ByCase:
         return by_case(rows)
 
     def cost(self, setting: Setting) -> float:
@@ -299,17 +301,10 @@ class Experiment:
 
     @classmethod
     def of(cls, solution: ExactSolution, family: MeshFamily, level: int, scheme: Tableau, steps: int) -> Experiment:
-        """Return the discretisation of the paper for an exact solution.
-
-        It starts from the nodal interpolant u_0^h = Π^h u_0, imposes the contact constraint at the vertices of Γ3
-        (K^h = V^h ∩ K), and has the load (3.7). If the solution has an initial gap, the constraint includes it; the
-        paper has no initial gap.
-        """
+        """Return the discretisation of the paper for an exact solution (``SemiDiscrete.of_exact``)."""
         space = Space(family(solution.body, level), solution.body)
         v_norm = ErrorNorm(solution, space)
-        u0 = v_norm.sample(0.0).interpolant
-        problem = SemiDiscrete.of(space, solution.law, v_norm.load, u0, gaps_at_vertices(solution, space))
-        return cls(solution, space, v_norm, problem, scheme, steps)
+        return cls(solution, space, v_norm, SemiDiscrete.of_exact(v_norm), scheme, steps)
 
     @classmethod
     def at(cls, setting: Setting, scheme: Tableau, steps: int) -> Experiment:

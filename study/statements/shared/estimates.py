@@ -20,7 +20,8 @@ The constants come from measured peaks of the resident memory with one thread. T
 from study.fem.naming import family_named
 from study.ledger.files import UsageError
 
-MIB, KIB = 2.0**20, 2.0**10
+MIB = 2.0**20
+KIB = 2.0**10
 BASE = 384 * MIB
 PER_UNKNOWN = {2: 16 * KIB, 3: 80 * KIB}
 """Memory in bytes for each unknown, by the dimension of the body."""

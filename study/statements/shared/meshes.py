@@ -28,10 +28,8 @@ from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.ledger.check import Groups
 from study.statements.shared.base import Setting
-from study.statements.shared.scope import serving
+from study.statements.shared.scope import regular, serving
 
-EVERY_FAMILY = ()
-"""An empty preference, with which the function ``place`` uses all mesh families that can mesh the body."""
 COARSEST_GRID = 16
 """Upper bound of the levels that are searched for a grid with the ends of all boundary parts among its vertices."""
 
@@ -70,13 +68,8 @@ def posed(setting: Setting) -> tuple[Space, ExactSolution]:
     return space_of(setting), resolve(setting.case).solution
 
 
-def families(case: Case) -> list[str]:
-    """Return the names of the mesh families that can mesh the body of a case, structured families first."""
-    return [family.name for family in serving(case)]
-
-
 def place(
-    cases: Iterable[Case], preference: tuple[str, ...], levels: tuple[int, ...], levels_3d: tuple[int, ...] = ()
+    cases: Iterable[Case], levels: tuple[int, ...], levels_3d: tuple[int, ...] = (), every_family: bool = False
 ) -> list[Setting]:
     """Return the settings in which cases are measured on suitable meshes.
 
@@ -85,18 +78,17 @@ def place(
 
     Args:
         cases: the cases.
-        preference: mesh families; the first that can mesh a body is used. If empty, all suitable families are used.
         levels: the levels for plane bodies.
         levels_3d: the levels for bodies in space.
+        every_family: whether all mesh families that can mesh a body are used, and not only the regular one.
     """
     found = []
     for case in cases:
         wanted = levels if case.solution.body.dim == 2 else levels_3d
-        served = families(case)
-        preferred = [name for name in preference if name in served][:1]
-        for family in preferred or served:
-            step = spacing(case.name, family)
-            found += [Setting(case.name, family, n) for n in sorted({step * -(-level // step) for level in wanted})]
+        for family in serving(case) if every_family else [regular(case)]:
+            step = spacing(case.name, family.name)
+            fitting = sorted({step * -(-level // step) for level in wanted})
+            found += [Setting(case.name, family.name, n) for n in fitting]
     return found
 
 
@@ -106,7 +98,8 @@ def spacing(case: str, family: str) -> int:
 
     A mesh resolves the boundary parts if their ends are vertices.
     """
-    kind, body = family_named(family), resolve(case).solution.body
+    kind = family_named(family)
+    body = resolve(case).solution.body
     fitting = (level for level in range(2, COARSEST_GRID) if fits(kind, body, level))
     return 1 if fits(kind, body, 2) and fits(kind, body, 3) else next(fitting)
 
@@ -136,25 +129,15 @@ def value_of_case(groups: Groups, column: str) -> float:
     return float(next(iter(groups.values()))[column].iloc[0])
 
 
-def split(groups: Groups, belongs: Callable[[MeshFamily], bool]) -> tuple[Groups, Groups]:
-    """Split measurements by mesh family into those on the families for which ``belongs`` is true, and all others."""
-    found = {name: table for name, table in groups.items() if belongs(family_named(name))}
+def split(groups: Groups, feature: str) -> tuple[Groups, Groups]:
+    """Split measurements by mesh family into those on meshes with a feature and those on all other meshes.
+
+    Args:
+        groups: the measurements by mesh family.
+        feature: the attribute of the mesh family: random, superclose, irregular or uniform.
+    """
+    found = {name: table for name, table in groups.items() if getattr(family_named(name), feature)}
     return found, {name: table for name, table in groups.items() if name not in found}
-
-
-def split_random(groups: Groups) -> tuple[Groups, Groups]:
-    """Split measurements by mesh family into those on random meshes and those on all other meshes."""
-    return split(groups, lambda family: family.random)
-
-
-def split_superclose(groups: Groups) -> tuple[Groups, Groups]:
-    """Split measurements by mesh family into those on meshes on which u^h is superclose, and all others."""
-    return split(groups, lambda family: family.superclose)
-
-
-def split_irregular(groups: Groups) -> tuple[Groups, Groups]:
-    """Split measurements by mesh family into those on irregular meshes and all others."""
-    return split(groups, lambda family: family.irregular)
 
 
 def in_leading_term(groups: Groups) -> Groups:
@@ -162,5 +145,5 @@ def in_leading_term(groups: Groups) -> Groups:
 
     On irregular meshes, the leading term of the interpolation error replaces the values in the column h.
     """
-    irregular, others = split_irregular(groups)
+    irregular, others = split(groups, "irregular")
     return others | {name: table.assign(h=table[LEADING]) for name, table in irregular.items()}

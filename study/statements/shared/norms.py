@@ -4,7 +4,7 @@ In 2D the quadrature rules are the same as in ``ErrorNorm``.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -14,16 +14,18 @@ from skfem import Basis, Mesh
 from skfem.models.poisson import mass as scalar_mass
 
 from manufactured.body import Part
-from manufactured.exact import ExactSolution
+from manufactured.exact import ExactSolution, Face
 from manufactured.exact.solution import FaceFields
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array, Points, Tensors, Vectors, size
-from study.fem.error_norm import DEGREE, FACET_POINTS, rules, shared_lines
-from study.fem.moments import QuadraturePoints
-from study.fem.quadrature import FacetRule, Line, facet_rule
+from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, rules
+from study.fem.quadrature import FacetRule, QuadraturePoints, rule_on
 from study.fem.space import Space
-from study.solve.evolution import SemiDiscrete
+from study.solve.evolution import SemiDiscrete, VectorFunction
 from study.statements.shared.base import SEED
+
+Field = Callable[[Points], Vectors]
+"""A displacement field, as a function of points, (d, ...) → (d, ...), or (d, ..., n) for n times."""
 
 
 def midpoints(T: float, count: int) -> Array:
@@ -46,22 +48,7 @@ def minimum(values: Iterable[float | np.floating[Any]]) -> float:
     return float(np.min([*values]))
 
 
-def norm(problem: SemiDiscrete, v: Array) -> float:
-    """Return the norm ‖v‖_V = (A ε(v), ε(v))_Q^{1/2} of a P1 displacement v.
-
-    Args:
-        problem: the semi-discrete problem with the matrix of this norm.
-        v: the degrees of freedom, (dofs,).
-    """
-    return math.sqrt(max(v @ (problem.M @ v), 0.0))
-
-
-def norms(problem: SemiDiscrete, v: Array) -> Array:
-    """Return the norms ‖v_n‖_V of several P1 displacements, (n, dofs) → (n,)."""
-    return np.sqrt(abs(np.sum(v.T * (problem.M @ v.T), axis=0)))
-
-
-def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
+def dual_norm(functional: Array, riesz: VectorFunction) -> float:
     """Return the dual norm (FᵀM⁻¹F)^{1/2} of the linear functional v ↦ F·v on the P1 space V^h.
 
     Args:
@@ -74,14 +61,13 @@ def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
 class Energies:
     """Computes inner products in V and the work of stresses on strains.
 
-    In 2D and with the default of ``along``, ``ErrorNorm`` integrates the load with the same quadrature points. So the
+    In 2D and with the default of ``aligned``, ``ErrorNorm`` integrates the load with the same quadrature points. So the
     stress in a work and the stress in the load have the same quadrature error.
 
     Args:
         solution: the exact solution.
         space: the P1 displacement space V^h.
-        along: lines along which quadrature points are moved, as for ``ErrorNorm``; by default as there, and none for
-            an empty tuple.
+        aligned: whether quadrature points are aligned with contact faces, as for ``ErrorNorm``.
         raised: a number added to the degree of the quadrature rules.
 
     Attributes:
@@ -89,11 +75,8 @@ class Energies:
         cells: the cell of each quadrature point, (points,).
     """
 
-    def __init__(
-        self, solution: ExactSolution, space: Space, along: Sequence[Line] | None = None, raised: int = 0
-    ) -> None:
-        lines = shared_lines(solution) if along is None else along
-        points = QuadraturePoints.on_cells(rules(solution, space.mesh, DEGREE + raised, lines))
+    def __init__(self, solution: ExactSolution, space: Space, aligned: bool = True, raised: int = 0) -> None:
+        points = QuadraturePoints.on_cells(rules(solution, space.mesh, CELL_DEGREE + raised, aligned))
         self.space = space
         self.weights = points.weights
         self.cells = points.sums
@@ -134,6 +117,35 @@ class Energies:
         return np.array(errors)
 
 
+class FacePoints:
+    """Quadrature points on one contact face, with the exact solution and the hat functions of all vertices there.
+
+    Args:
+        solution: the exact solution.
+        space: the P1 displacement space V^h.
+        face: the contact face.
+        count: the number of Gauss points on a facet in 2D, and in each direction of a facet in 3D.
+        rough: coordinates along the face towards which quadrature points are graded.
+
+    Attributes:
+        weights: the quadrature weights, (points,).
+        normal: the outer unit normal ν.
+        hats: the values of the hat functions of all vertices of the mesh at the points, (points, vertices).
+        exact: the exact solution at the points.
+    """
+
+    def __init__(self, solution: ExactSolution, space: Space, face: Face, count: int, rough: tuple[float, ...]) -> None:
+        rule = rule_on(space, face.part, count, rough)
+        self.weights = rule.weights.ravel()
+        self.normal = face.part.normal
+        self.hats = hat_functions(space.mesh, rule)
+        self.exact = solution.on(face, rule.s)
+
+    def moments(self, pressure: Array) -> Array:
+        """Return the integrals ∫ p φ_i with the hat functions φ_i of all vertices, from p at the points."""
+        return self.hats.T @ (self.weights * pressure.ravel())
+
+
 def contact_load(
     solution: ExactSolution,
     space: Space,
@@ -150,27 +162,23 @@ def contact_load(
         rough: coordinates along the contact faces towards which quadrature points are graded.
         pressure: the function that gives the exact contact pressure on a face at a time.
     """
-    faces = []
-    for face in solution.faces:
-        rule = facet_rule(space.mesh, space.facets(face.part), face.part, rough, FACET_POINTS)
-        faces.append((face.part.normal, rule, solution.on(face, rule.s)))
+    faces = [FacePoints(solution, space, face, FACET_POINTS, rough) for face in solution.faces]
 
     def load(time: float) -> Array:
         nodal = np.zeros_like(space.mesh.p)
-        for normal, rule, exact in faces:
-            moments = np.sum(pressure(exact, time) * rule.weights * rule.shapes, axis=-1)
-            nodal -= space.scatter(space.mesh.facets[:, rule.facets], np.multiply.outer(normal, moments))
+        for face in faces:
+            nodal -= np.multiply.outer(face.normal, face.moments(pressure(face.exact, time)))
         return space.interpolate(nodal)
 
     return load
 
 
-def displacement(solution: ExactSolution, times: Array | float) -> Callable[[Points], Vectors]:
+def displacement(solution: ExactSolution, times: Array | float) -> Field:
     """Return the exact displacement as a function of points, (d, ...) → (d, ..., n) at n times, (d, ...) at one."""
     return lambda x: solution.at(x).displacement(times)
 
 
-def trace_error(field: Callable[[Points], Vectors], space: Space, part: Part, rule: FacetRule) -> tuple[Array, Array]:
+def trace_error(field: Field, space: Space, part: Part, rule: FacetRule) -> tuple[Array, Array]:
     """Return the interpolation error Π^h v_ν − v_ν and v_ν at the n × q points of a rule on facets, (n, q, ...) each.
 
     Args:
@@ -233,8 +241,7 @@ def smallest(form: sps.csc_array, product: sps.csc_array) -> float:
         form: the matrix of a, positive definite.
         product: the matrix of b, positive definite.
     """
-    start = np.random.default_rng(SEED).standard_normal(form.shape[0])
-    return float(eigsh(form, 1, product, sigma=0.0, v0=start, tol=SMALLEST_TOLERANCE, return_eigenvectors=False)[0])
+    return _extreme_eigenvalue(form, product, sigma=0.0, tol=SMALLEST_TOLERANCE)
 
 
 def largest(form: sps.csc_array, product: sps.csc_array) -> float:
@@ -246,8 +253,10 @@ def largest(form: sps.csc_array, product: sps.csc_array) -> float:
         form: the matrix of a.
         product: the matrix of b, positive definite.
     """
+    vectors = min(LANCZOS, form.shape[0])
+    return _extreme_eigenvalue(form, product, which="LA", tol=LARGEST_TOLERANCE, ncv=vectors)
+
+
+def _extreme_eigenvalue(form: sps.csc_array, product: sps.csc_array, **options: Any) -> float:
     start = np.random.default_rng(SEED).standard_normal(form.shape[0])
-    vectors = min(LANCZOS, len(start))
-    return float(
-        eigsh(form, 1, product, which="LA", v0=start, tol=LARGEST_TOLERANCE, ncv=vectors, return_eigenvectors=False)[0]
-    )
+    return float(eigsh(form, 1, product, v0=start, return_eigenvectors=False, **options)[0])

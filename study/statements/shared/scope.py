@@ -138,7 +138,8 @@ class Scope:
         scheme = choose("scheme", self.scheme, SCHEMES)
         for case in self.resolved():
             self.families_of(case)
-            levels, T = self.levels_of(case).on_regular, case.solution.body.T
+            levels = self.levels_of(case).on_regular
+            T = case.solution.body.T
             require_steps(self.steps(case, max(levels)))
             try:  # Long steps are refused: if the law softens, their problem may have no or several solutions.
                 scheme.require_unique(T / self.steps(case, min(levels)), case.solution.law.growth)

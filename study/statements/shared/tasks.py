@@ -26,16 +26,15 @@ from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.law import Indefinite, Linear
 from manufactured.tensors import Array, Tensors, traction
-from study.fem.error_norm import DEGREE, FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, gaps_at_vertices
+from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm
 from study.fem.mesh import MeshFamily
-from study.fem.quadrature import facet_rule
-from study.fem.space import Space, form
+from study.fem.space import Space
 from study.ledger.files import UsageError
 from study.solve.evolution import SemiDiscrete, State
 from study.solve.signorini import ContactSolver
-from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.norms import Energies, hat_functions, time_nodes
+from study.statements.shared.base import Experiment
+from study.statements.shared.norms import Energies, FacePoints, time_nodes
 
 FROZEN_TIMES = 0.15, 0.55, 0.9
 """Default times of frozen problems, as fractions of the final time T.
@@ -80,21 +79,26 @@ class Task:
         return self.case.solution
 
     @cached_property
+    def experiment(self) -> Experiment:
+        """The semi-discrete problem of the case on the mesh, with the midpoint rule."""
+        return Experiment.of(self.solution, self.family, self.level, MIDPOINT, self.level)
+
+    @property
     def space(self) -> Space:
-        return Space(self.family(self.solution.body, self.level), self.solution.body)
+        return self.experiment.space
 
-    @cached_property
+    @property
     def v_norm(self) -> ErrorNorm:
-        return ErrorNorm(self.solution, self.space)
+        return self.experiment.v_norm
 
-    @cached_property
+    @property
     def gap(self) -> Array | float:
         """The initial gap between body and foundation at the contact vertices, (m,), or the number 0 without a gap."""
-        return gaps_at_vertices(self.solution, self.space)
+        return self.experiment.problem.gap
 
     @cached_property
     def _energies(self) -> Energies:
-        return Energies(self.solution, self.space, raised=self.v_norm.degree - DEGREE)
+        return Energies(self.solution, self.space, raised=self.v_norm.degree - CELL_DEGREE)
 
     def initial_stress(self, time: float) -> Tensors:
         """Return the means over cells of the exact viscous stress A ε(u̇) at one time, (D, cells)."""
@@ -103,7 +107,8 @@ class Task:
 
     @cached_property
     def _solve(self) -> ContactSolver:
-        return contact_solver(self.space)(form(self.space, self.solution.law.G), self.space.N, gap=self.gap)
+        problem = self.experiment.problem
+        return problem.contact(problem.reference)
 
     def static(self, time: float) -> Array:
         """Return the discrete solution of the frozen (static) problem at one time, (dofs,)."""
@@ -119,9 +124,7 @@ class Task:
 
         The initial value is the nodal interpolant Π^h u_0, which is also the first state.
         """
-        start = self.v_norm.sample(0.0).interpolant
-        problem = SemiDiscrete.of(self.space, self.solution.law, self.v_norm.load, start, self.gap)
-        return problem, MIDPOINT.march(problem, steps)
+        return self.experiment.problem, self.experiment.march(steps)
 
     def error_of_march(self, steps: int) -> float:
         """Return the largest error ‖u(t_n) − u_n‖_V of the midpoint rule over the time nodes after t = 0."""
@@ -135,12 +138,10 @@ class Task:
         It is Σ_i ∫ p φ_i with the exact pressure p and the hat functions φ_i of the vertices that are not clamped.
         """
         totals = []
-        for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
-            points = FACET_POINTS if self.space.dim == 2 else SOLID_FACET_POINTS
-            rule = facet_rule(self.space.mesh, self.space.facets(part), part, face.rough, points)
-            forces = rule.weights * self.solution.on(face, rule.s).pressure(time)
-            moments = hat_functions(self.space.mesh, rule).T @ forces.ravel()
-            totals.append(moments[vertices].sum())
+        points = FACET_POINTS if self.space.dim == 2 else SOLID_FACET_POINTS
+        for face, (_, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
+            at = FacePoints(self.solution, self.space, face, points, face.rough)
+            totals.append(at.moments(at.exact.pressure(time))[vertices].sum())
         return np.array(totals)
 
     def pressures(self, time: float) -> list[Array]:
@@ -154,8 +155,8 @@ class Task:
     def tractions(self, kind: Kind, time: float) -> list[Array]:
         """Return exact tractions at the facet corners of all boundary parts of a kind.
 
-        They are the viscous traction A ε(u̇) ν on contact faces, and the surface load f_2 = σν on loaded parts. The load
-        b of a task already contains the work of f_2.
+        They are the viscous traction A ε(u̇) ν on contact faces, and the surface load f_2 = σν on loaded parts. The
+        load b of a task already contains the work of f_2.
 
         Returns:
             One array for each part: the components of the traction at the corners of each facet, (facets, corners,
