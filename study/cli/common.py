@@ -2,16 +2,29 @@
 
 import sys
 from collections.abc import Callable, Sequence
+from concurrent.futures import BrokenExecutor
 from pathlib import Path
 from typing import Any, TypeVar
 
 import pandas as pd
 from tqdm import tqdm
 
-from study.cli.options import FAILED, OK, UNCLEAR
-from study.ledger.files import UsageError
+from manufactured.body import BodyError
+from manufactured.case import CaseError
+from manufactured.data import LoadError
+from manufactured.law import LawError
+from manufactured.self_proof import SelfProofError
+from manufactured.symbols import FormulaError
+from study.bound.problem import BoundError
+from study.cli.options import BAD_USAGE, FAILED, OK, UNCLEAR
+from study.fem.error_norm import NormError
+from study.fem.mesh import MeshError
+from study.ledger.datafiles import DataError
+from study.ledger.files import JobsError, StoreError, UsageError, disk_full
+from study.ledger.quantities import RatesError
 from study.ledger.text import folded
 from study.ledger.verdict import ROW_KEY, UNDECIDED, Verdict, exit_code
+from study.orders import OrderError
 from study.run.plan import Job
 
 Result = TypeVar("Result")
@@ -53,7 +66,8 @@ def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
         file: a CSV file with checks that are known to be undecided, or None. With a file, the exit code is 0 if exactly
             these checks are undecided, and 3 otherwise; differences are printed.
     """
-    code, known = exit_code(verdicts), known_undecided(file)
+    code = exit_code(verdicts)
+    known = known_undecided(file)
     if file is None or code == FAILED:
         return code
     found = {verdict.identity for verdict in verdicts if verdict.verdict == UNDECIDED}
@@ -81,7 +95,8 @@ class ProgressBar(tqdm):  # type: ignore[misc]
     def format_dict(self) -> dict[str, Any]:
         """The values for the text of the bar, with the estimated remaining time as ``left``."""
         values: dict[str, Any] = super().format_dict
-        done, total = values["n"], values["total"] or 0
+        done = values["n"]
+        total = values["total"] or 0
         known = total > 0 and done >= SURE_SHARE * total
         values["left"] = tqdm.format_interval(values["elapsed"] * (total - done) / done) if known else "?"
         return values
@@ -115,3 +130,41 @@ def tell_written(paths: Sequence[Path], more: str = "") -> None:
         kinds.setdefault(f"{path.parent}/*{path.suffix}", []).append(path)
     names = (f"{kind} ({len(of)})" if len(of) > 2 else ", ".join(map(str, of)) for kind, of in kinds.items())
     print(folded(f"written: {', '.join(names)}{more}"))
+
+
+OF_CASES = (BodyError, CaseError, FormulaError, LawError, LoadError, SelfProofError)
+OF_FILES = (DataError, OrderError, RatesError, StoreError)
+REFUSALS = (*OF_CASES, *OF_FILES, BoundError, MeshError, NormError, UsageError)
+"""Errors whose message states the given input, the expected input and the remedy."""
+
+KILLED = (
+    "a worker process was killed, perhaps because of too little memory: run the same command again, if necessary with "
+    "fewer --jobs; finished results are kept"
+)
+
+OUT_OF_MEMORY = (
+    "there is not enough memory for this: take coarser levels or meshes, fewer refinements, for example --refine 0, or "
+    "a machine with more memory"
+)
+
+
+def exit_code_and_message(error: Exception) -> tuple[int, str]:
+    """Return the exit code and the message of an error that ends a command.
+
+    An unexpected error is raised again, so that its traceback is shown.
+    """
+    if isinstance(error, REFUSALS):
+        return BAD_USAGE, str(error)
+    if isinstance(error, JobsError):
+        return FAILED, str(error)
+    if isinstance(error, MemoryError):
+        return FAILED, str(error) or OUT_OF_MEMORY
+    if isinstance(error, BrokenExecutor):
+        return FAILED, KILLED
+    if full := disk_full(error):
+        what = f"cannot write {full.filename}" if full.filename else "cannot write the output"
+        return BAD_USAGE, f"{what}: the disk is full ({full.strerror}); free space there and run the command again"
+    if isinstance(error, OSError):
+        what = f"cannot read or write {error.filename}" if error.filename else "cannot write the output"
+        return BAD_USAGE, f"{what}: {error.strerror or error}; make it accessible and run the command again"
+    raise error

@@ -23,7 +23,7 @@ from study.controls.seeded import rules, seeded
 from study.fem.naming import absolute, choose, family_named, is_own, name_of, resolve
 from study.ledger.controls import FalseAlarms, SeedRecord, in_words, missed, summary
 from study.ledger.datafiles import write_csv
-from study.ledger.schema import TABLES
+from study.ledger.schema import SCHEMA
 from study.ledger.text import folded
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
 from study.run.executor import Pool, Processes, execute, local_pool, unfinished
@@ -59,7 +59,7 @@ def do_faults(options: argparse.Namespace) -> int:
                 store.save(*keys[case], found)
             rows += found["rows"]
             bar.update()
-    table = pd.DataFrame(rows, columns=list(TABLES["faults.csv"].columns))
+    table = pd.DataFrame(rows, columns=list(SCHEMA["faults.csv"].columns))
     written = write_csv(options.out / "data" / "faults.csv", table)
     heads = {"errors": "noticed by errors", "any_check": "by any check"}
     print(f"\n{tabulate(summary(table).rename(columns=heads), 'keys', showindex=False)}\ndata: {written}")
@@ -162,7 +162,8 @@ def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tup
     Raises:
         TimeIsUpError: the time is over before all measurements are finished.
     """
-    store, plan = Store(directory / "seeds" / str(seed)), seeded(seed)
+    store = Store(directory / "seeds" / str(seed))
+    plan = seeded(seed)
     with progress_bar(round(sum(job.cost for job in unfinished(plan.jobs, store))), name) as bar:
         execute(plan.jobs, store, pool, watch(bar, end))
         collect(plan, store)

@@ -10,7 +10,7 @@ from contextlib import redirect_stderr, redirect_stdout
 from typing import Any, TextIO
 
 from convergence_orders.printing import printable
-from study.cli.options import CLOSED, INTERRUPTED, USAGE, parser
+from study.cli.options import BAD_USAGE, BROKEN_PIPE, INTERRUPTED, parser
 
 
 class PrintableStream:
@@ -22,7 +22,8 @@ class PrintableStream:
     """
 
     def __init__(self, stream: TextIO, permitted: str = "") -> None:
-        self.stream, self.permitted = stream, permitted
+        self.stream = stream
+        self.permitted = permitted
 
     def write(self, text: str) -> int:
         return self.stream.write(printable(text, self.permitted))
@@ -46,7 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         # All figures are files. Matplotlib cannot be imported if this variable names a window system it does not know.
         os.environ.pop("MPLBACKEND", None)
-    output, messages = PrintableStream(sys.stdout), PrintableStream(sys.stderr, permitted="\r")
+    output = PrintableStream(sys.stdout)
+    messages = PrintableStream(sys.stderr, permitted="\r")
     with redirect_stdout(output), redirect_stderr(messages):  # type: ignore[type-var]
         return _run(sys.argv[1:] if arguments is None else list(arguments))
 
@@ -60,7 +62,7 @@ def _run(words: list[str]) -> int:
     module, name = options.command
     if sys.flags.optimize >= 2 and module not in WITHOUT_PYAMG:
         print(f"study: {STRIPPED}", file=sys.stderr)
-        return USAGE
+        return BAD_USAGE
     try:
         # Only the module of this command is imported, because importing the solvers takes seconds.
         command = getattr(importlib.import_module(f"study.cli.{module}"), name)
@@ -72,15 +74,15 @@ def _run(words: list[str]) -> int:
         return INTERRUPTED
     except BrokenPipeError:
         _close_output()
-        return CLOSED
+        return BROKEN_PIPE
     except ModuleNotFoundError as error:
         if (error.name or "study").partition(".")[0] in ("study", "manufactured"):
             raise
         source = "./convergence_orders" if error.name == "convergence_orders" else "'.[study]'"
         print(f"study: {LACKING.format(error.name, source)}", file=sys.stderr)
-        return USAGE
+        return BAD_USAGE
     except Exception as error:
-        code, message = importlib.import_module("study.cli.refusals").exit_code_and_message(error)
+        code, message = importlib.import_module("study.cli.common").exit_code_and_message(error)
         print(f"study: {message}", file=sys.stderr)
         if isinstance(error, OSError):
             _close_output()

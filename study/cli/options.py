@@ -13,7 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
-OK, FAILED, USAGE, UNCLEAR, INTERRUPTED, CLOSED = 0, 1, 2, 3, 130, 141
+OK, FAILED, BAD_USAGE, UNCLEAR, INTERRUPTED, BROKEN_PIPE = 0, 1, 2, 3, 130, 141
 """Exit codes: success; a check or a job fails; bad usage or input; undecided; Ctrl-C; broken pipe."""
 SCHEME_NAMES = ("backward-euler", "midpoint", "bdf2")
 FAMILY_NAMES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded", "alternating")
@@ -216,7 +216,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
               help=f"largest number of cells of --adapt (default {MOST_CELLS})"),
         out("bounds"),
     ]),
-    "certify": ("certify", "write proofs of error bounds as files, which a stand-alone program checks", [
+    "certify": ("bound", "write proofs of error bounds as files, which a stand-alone program checks", [
         option("problem", metavar=CASE, help="a problem given by formulas"),
         *enclosed((4, 8), shorter=2),
         out("certificates"),
@@ -240,8 +240,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
               help="also write a mesh of the foundation, with this number of segments"),
         out("tasks", "--to"),
     ]),
-    "show": ("show", "draw a problem as it is stated; of a case also images and a film of its solution, and files for "
-             "ParaView", [
+    "show": ("present", "draw a problem as it is stated; of a case also images and a film of its solution, and files "
+             "for ParaView", [
         option("case", metavar=CASE, help="a case, or a problem"),
         whole("--level", within=FROM_2, metavar="N", help="cells along a side (default 24, in 3D 9)"),
         option("--mp4", action="store_true",

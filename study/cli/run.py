@@ -146,7 +146,8 @@ def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) 
 def warn_of_few_levels(scope: Scope) -> None:
     """Print a warning for each case that has too few levels for a verdict on an observed order."""
     for case in scope.resolved():
-        needed, given = least_levels(case.proposition), scope.levels_of(case).all
+        needed = least_levels(case.proposition)
+        given = scope.levels_of(case).all
         if len(given) < needed:
             print(
                 f"study: {case.name}: a verdict on an order needs {needed} levels, not only "

@@ -29,9 +29,9 @@ from study.ledger.window import Window
 
 Groups = dict[str, pd.DataFrame]
 """Mesh family ↦ table of its levels, coarse to fine, with the columns level, h and the measured quantities."""
-ENOUGH = 3
+MIN_LEVELS = 3
 """Least number of levels for an observed order."""
-ROUNDING = 1e-9
+ROUNDING_ROOM = 1e-9
 """Tolerance for rounding errors in bounds that hold exactly."""
 
 
@@ -75,7 +75,9 @@ class Check:
         values = [each for each in found if each is not None]
         fewest = min(map(len, groups.values()), default=0)
         if not values or len(values) < len(groups):
-            observed, span, verdict = math.nan, NOWHERE, UNDECIDED
+            observed = math.nan
+            span = NOWHERE
+            verdict = UNDECIDED
         else:
             every = np.concatenate(values)
             decisive = [float(each[-1]) if self.finest else self.window.worst(each.tolist()) for each in values]

@@ -18,7 +18,7 @@ import pandas as pd
 from study.ledger.datafiles import DataError, made_by, read_table, read_uncompressed
 from study.ledger.files import Json
 from study.ledger.pictures import Packed
-from study.ledger.schema import TABLES, TEXTS, Table
+from study.ledger.schema import SCHEMA, TEXT_COLUMNS, Table
 
 IDENTICAL, WITHIN_TOLERANCE, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left out"
 """States of a file in two directories. IDENTICAL: the bytes are equal. WITHIN_TOLERANCE: numbers differ within the
@@ -104,7 +104,7 @@ def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
     tables = [pd.DataFrame(columns=CELL_COLUMNS)]
     for name in sorted({*files[0], *files[1]}, key=lambda name: ("/" in name, name)):
         if name not in files[0] or name not in files[1]:
-            states[name] = LEFT_OUT if name in TABLES and TABLES[name].command else DIFFERS
+            states[name] = LEFT_OUT if name in SCHEMA and SCHEMA[name].command else DIFFERS
             continue
         contents = _content(old, files[0][name]), _content(new, files[1][name])
         # Two truncated files may be equal. They have no line end at their end, and reading them raises an error.
@@ -148,9 +148,9 @@ def _cells(directory: Path, name: str, content: bytes) -> pd.Series:
         except (ValueError, RecursionError, KeyError, TypeError) as error:
             again = f"make it again with `{made_by(directory)}`"
             raise DataError(f"{directory}/data/{name}.gz is not a picture ({error}): {again}") from error
-    known = TABLES.get(name, Table((), {}))
+    known = SCHEMA.get(name, Table((), {}))
     # Times in ``enclosures.csv`` may differ by rounding, so these rows are numbered.
-    key = [*known.key, *(column for column in known.within if column in TEXTS)]
+    key = [*known.key, *(column for column in known.within if column in TEXT_COLUMNS)]
     table = read_table(directory / "data" / name, key, made_by(directory)).astype(object).fillna("").astype(str)
     names = pd.Series([", ".join(filter(None, cells)) or "row" for cells in table[key].to_numpy()], dtype=str)
     number = names.groupby(names).cumcount() + 1
@@ -177,7 +177,8 @@ def _changed(old: pd.Series, new: pd.Series, name: str, tolerance: Tolerance) ->
     both = pd.concat([old, new], axis=1, keys=["old", "new"]).rename_axis(["row", "column"]).fillna("")
     both = both[both["old"] != both["new"]].reset_index()
     a, b = (pd.to_numeric(both[side], errors="coerce") for side in ("old", "new"))
-    larger, difference = np.maximum(abs(a), abs(b)), abs(a - b)
+    larger = np.maximum(abs(a), abs(b))
+    difference = abs(a - b)
     loose = both["column"].isin(MAGNITUDES) & (name == "equivalence.csv")
     relative = np.where(loose, max(tolerance.relative, SAME_MAGNITUDE), tolerance.relative)
     whole = both["old"].str.fullmatch(WHOLE) & both["new"].str.fullmatch(WHOLE)
@@ -195,7 +196,9 @@ def as_text(comparison: Comparison) -> str:
 
     The text has the changed verdicts, the differences in each file, the largest first, and a summary.
     """
-    cells, tolerance, changed = comparison.cells, comparison.tolerance, comparison.verdicts
+    cells = comparison.cells
+    tolerance = comparison.tolerance
+    changed = comparison.verdicts
     lines = [f"verdicts: {len(changed) or 'none'} changed", *_listed(changed, SHOWN_VERDICTS), ""]
     for name, state in comparison.states.items():
         if state != IDENTICAL:

@@ -17,7 +17,7 @@ import pandas as pd
 import scipy  # loads ``scipy.stats`` at its first use, because importing it takes half a second
 
 from study.ledger.datafiles import DataError, read_csv, write_csv
-from study.ledger.schema import TABLES
+from study.ledger.schema import SCHEMA
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 
 INVISIBLE_SHARE = 1e-6
@@ -77,7 +77,7 @@ def in_words(lacking: dict[str, str]) -> str:
 
 
 SEEDS_FILE = "seeds.csv"
-SEED_COLUMNS = [*TABLES[SEEDS_FILE].columns]
+SEED_COLUMNS = [*SCHEMA[SEEDS_FILE].columns]
 CONFIDENCE = 0.95
 LARGEST_RATE = 0.01
 """The largest permitted false-alarm rate: on which share of seeds at least one check may fail by chance."""
@@ -193,7 +193,8 @@ class FalseAlarms:
         finished = [row for row in record.rows if row.judged >= 0]
         counted = [row for row in finished if row.rules == finished[-1].rules]
         self.checks = counted[-1].judged if counted else 0
-        self.seeds, self.red = len(counted), sum(row.alarms > 0 for row in counted)
+        self.seeds = len(counted)
+        self.red = sum(row.alarms > 0 for row in counted)
         self.low, self.high = interval(self.red, self.seeds)
         self.verdict = HOLDS if self.high <= LARGEST_RATE else FAILS if self.low > LARGEST_RATE else UNDECIDED
 

@@ -15,7 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from study.ledger.files import Json, write_packed, write_text
-from study.ledger.schema import TABLES, TEXTS
+from study.ledger.schema import SCHEMA, TEXT_COLUMNS
 from study.ledger.verdict import HOLDS, VERDICTS, CheckKind
 from study.orders import consecutive_orders
 
@@ -41,28 +41,29 @@ def read_csv(directory: Path, name: str, columns: Collection[str] = ()) -> pd.Da
 
     Parameters:
         directory: the result directory.
-        name: name of the file, a key of ``TABLES``.
+        name: name of the file, a key of ``SCHEMA``.
         columns: columns that the table must have, besides those that identify a row.
 
     Raises:
         DataError: see ``read_checked``.
     """
-    command = TABLES[name].command
+    command = SCHEMA[name].command
     again = f"{command} --out {directory}" if command else made_by(directory)
     return read_checked(directory / "data" / name, name, again, columns)
 
 
 def read_checked(path: Path, name: str, command: str, columns: Collection[str] = ()) -> pd.DataFrame:
-    """Return a table whose cells have the units of ``TABLES``: text, numbers, or empty cells where they are allowed.
+    """Return a table whose cells have the units of ``SCHEMA``: text, numbers, or empty cells where they are allowed.
 
     Columns that the file lacks are not read, so that files of an older program can be read. The parameters are those of
-    ``read_table``, and the key in ``TABLES``.
+    ``read_table``, and the key in ``SCHEMA``.
 
     Raises:
         DataError: the file is missing or damaged, a number is missing or is no number, or a row is repeated; the
             message names file, line and column.
     """
-    table, mend = TABLES[name], f"make it again with `{command}`"
+    table = SCHEMA[name]
+    mend = f"make it again with `{command}`"
     key = [*table.key, *table.within]
     frame = read_table(path, (*key, *columns), command)
     for column in table.numbers:
@@ -137,7 +138,7 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
     again = f"make it again with `{command}`"
     try:
         # Only empty cells are read as NaN. A word such as "nan" or "null" is text, because no command writes it.
-        kinds = dict.fromkeys(TEXTS, str)
+        kinds = dict.fromkeys(TEXT_COLUMNS, str)
         content = read_uncompressed(path)
         frame = pd.read_csv(BytesIO(content), dtype=kinds, keep_default_na=False, na_values=[""], low_memory=False)  # type: ignore[arg-type]
     except ValueError as error:
@@ -146,7 +147,7 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
         raise DataError(f"{path} is truncated, because its last line is incomplete: {again}")
     if lacking := [column for column in columns if column not in frame]:
         raise DataError(f"{path} lacks the columns {', '.join(lacking)}: {again}")
-    return frame.fillna(dict.fromkeys([name for name in frame if name in TEXTS], ""))
+    return frame.fillna(dict.fromkeys([name for name in frame if name in TEXT_COLUMNS], ""))
 
 
 def read_uncompressed(path: Path) -> bytes:
@@ -206,7 +207,7 @@ class CsvFile:
     """A CSV file of measurements.
 
     Attributes:
-        name: name of the file in the folder ``data``, a key of ``TABLES``.
+        name: name of the file in the folder ``data``, a key of ``SCHEMA``.
         derived: columns that are computed from measured ones, such as observed orders.
         derive: function that returns the table to be written, given the table of measured columns.
     """
@@ -218,12 +219,12 @@ class CsvFile:
     @property
     def key(self) -> tuple[str, ...]:
         """The columns that identify a measurement."""
-        return TABLES[self.name].key
+        return SCHEMA[self.name].key
 
     @property
     def columns(self) -> list[str]:
         """The measured columns."""
-        return [name for name in TABLES[self.name].columns if name not in self.derived]
+        return [name for name in SCHEMA[self.name].columns if name not in self.derived]
 
     def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
         """Write all rows into the file in the folder ``data`` and return its path, as a list."""
@@ -277,7 +278,7 @@ def read_rates(directory: Path) -> pd.DataFrame:
     """
     rates = read_csv(directory, "rates.csv", SHOWN_RATES)
     # Figures cannot show infinite errors.
-    numbers = [name for name in TABLES["rates.csv"].filled if name in rates]
+    numbers = [name for name in SCHEMA["rates.csv"].filled if name in rates]
     if (infinite := np.isinf(rates[numbers])).any(axis=None):
         row = int(infinite.any(axis=1).to_numpy().argmax())
         raise DataError(
@@ -309,7 +310,7 @@ def read_claims(directory: Path) -> pd.DataFrame:
     Raises:
         DataError: the file is missing or damaged, or has an unknown verdict.
     """
-    claims = read_csv(directory, "claims.csv", TABLES["claims.csv"].columns)
+    claims = read_csv(directory, "claims.csv", SCHEMA["claims.csv"].columns)
     unknown = sorted(set(claims["verdict"]) - set(VERDICTS))
     if unknown:
         raise DataError(
@@ -368,6 +369,7 @@ def since_before(table: pd.DataFrame, column: str) -> NDArray[np.float64]:
         table: a table with one row for each level, coarse to fine, and the column h.
         column: the column with the errors.
     """
-    h, error = table["h"].to_numpy(), table[column].to_numpy()
+    h = table["h"].to_numpy()
+    error = table[column].to_numpy()
     orders = consecutive_orders(h, np.where(error > 0, error, np.nan))
     return np.append(np.nan, np.where(np.diff(h) < 0, orders, np.nan))

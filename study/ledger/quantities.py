@@ -27,7 +27,8 @@ def orders(h: Array, error: Array) -> Array:
     Raises:
         RatesError: mesh sizes do not decrease, or errors are not positive and finite.
     """
-    h, error = np.asarray(h, dtype=float), np.asarray(error, dtype=float)
+    h = np.asarray(h, dtype=float)
+    error = np.asarray(error, dtype=float)
     if not (np.diff(h) < 0).all():
         raise RatesError(f"mesh sizes must decrease from level to level, got {h.tolist()}")
     if not (np.isfinite(error).all() and (error > 0).all()):
@@ -44,7 +45,9 @@ def fit(h: Array, error: Array, power: float = 0) -> float:
         RatesError: mesh sizes do not decrease, or errors are not positive and finite.
     """
     orders(h, error)
-    x, y, weights = np.log(h), np.log(error), np.asarray(h, dtype=float) ** -power
+    x = np.log(h)
+    y = np.log(error)
+    weights = np.asarray(h, dtype=float) ** -power
     x = x - np.average(x, weights=weights)
     return float((weights * x) @ y / ((weights * x) @ x))
 

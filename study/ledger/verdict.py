@@ -21,6 +21,9 @@ from typing import Protocol
 
 import pandas as pd
 
+from convergence_orders.orders import FAILS as FAILS
+from convergence_orders.orders import HOLDS as HOLDS
+from convergence_orders.orders import UNDECIDED as UNDECIDED
 from study.ledger.window import Window, is_two_sided, position
 
 NO_ROW, NOT_TESTED = "no row", "not tested"
@@ -48,7 +51,7 @@ def named(text: str) -> set[str]:
     return found
 
 
-HOLDS, FAILS, UNDECIDED, REPORTED, MISSED = "holds", "fails", "undecided", "reported", "missed"
+REPORTED, MISSED = "reported", "missed"
 VERDICTS = (HOLDS, REPORTED, MISSED, UNDECIDED, FAILS)
 """The possible verdicts on a check, from best to worst."""
 ROW_KEY = ("label", "key", "case", "family")
@@ -151,7 +154,8 @@ def row(
     """
     observed, (low, high), verdict = found
     words = f"{quantity}, {family} meshes" if family else quantity
-    numbers, ends = (observed, low, high), (window.low, window.high)
+    numbers = (observed, low, high)
+    ends = (window.low, window.high)
     return Verdict(
         of.label, of.claim, case, words, expected or window.text, *numbers, verdict, key, family, str(kind), *ends
     )
@@ -207,10 +211,12 @@ def _shares(row: pd.Series) -> list[tuple[float, float]]:
     These are both ends of the range. If the check holds although its range reaches beyond the window, it is the
     observed value alone.
     """
-    low, high = row.window_low, row.window_high
+    low = row.window_low
+    high = row.window_high
     if not low < high or (low <= 0 and math.isinf(high)):
         return []
-    window, judged = Window(low, high), [row.low, row.high]
+    window = Window(low, high)
+    judged = [row.low, row.high]
     if row.verdict == HOLDS and not window.contains(*judged):
         judged = [row.observed] if window.contains(row.observed) else []
     positions = [position(value, low, high) for value in judged]

@@ -35,11 +35,13 @@ class Window:
     @property
     def text(self) -> str:
         """The window in words, such as ``1 ± 0.15: every consecutive order``."""
-        low, high = shown(self.low), shown(self.high)
+        low = shown(self.low)
+        high = shown(self.high)
         if self.predicted:
             least, largest = self.predicted
             middle = shown(least) if least == largest else f"{shown(least)} … {shown(largest)}"
-            below, above = f"{least - self.low:.3g}", f"{self.high - largest:.3g}"
+            below = f"{least - self.low:.3g}"
+            above = f"{self.high - largest:.3g}"
             numbers = f"{middle} ± {below}" if below == above else f"{low} … {high}, predicted {middle}"
         elif math.isinf(self.high):
             numbers = f"≥ {low}"

@@ -26,12 +26,14 @@ from study.ledger.verdict import (
     worst_value,
 )
 from study.present.notation import encode, folding, read_page, tabular
-from study.present.tables import TABLES
+from study.present.tables import RUN_TABLES
 from study.present.templates import EVIDENCE_TITLES, MISPRINTS, FullRun, context, evidence, render
 
-TEXTS = read_page("article")
+ARTICLE_TEXTS = read_page("article")
 """Titles of groups of statements, and headings and columns of tables."""
-GROUPS: dict[str, list[str]] = {EVIDENCE_TITLES.get(title, title): begins for title, begins in TEXTS["groups"].items()}
+GROUPS: dict[str, list[str]] = {
+    EVIDENCE_TITLES.get(title, title): begins for title, begins in ARTICLE_TEXTS["groups"].items()
+}
 """Title of a group of statements ↦ the beginnings of the labels of these statements."""
 BEYOND = "beyond the source"
 TOTAL = "all"
@@ -56,7 +58,7 @@ def write_tables(directory: Path) -> list[Path]:
 def texts(directory: Path) -> dict[Path, str]:
     """Return path ↦ text of the files that ``write_tables`` writes; raises the same errors."""
     by_path: dict[Path, str] = {}
-    for table in [make(directory) for make in TABLES]:
+    for table in [make(directory) for make in RUN_TABLES]:
         by_path |= table.texts(directory / "tables") if table else {}
     return by_path | article(directory)
 
@@ -80,7 +82,7 @@ def article(directory: Path) -> dict[Path, str]:
 
 def latex(name: str, rows: PlainRows) -> str:
     """Return a LaTeX table with the headings and columns of ``page/article.toml`` and the given cells."""
-    layout = TEXTS["tables"][name]
+    layout = ARTICLE_TEXTS["tables"][name]
     columns = [folding(column) if isinstance(column, float) else column for column in layout["columns"]]
     cells = [[encode(cell) for cell in row] for row in rows]
     if rows and rows[-1][0] == TOTAL:
@@ -105,7 +107,8 @@ def verdicts(data: FullRun) -> PlainRows:
 
     The checks that hold are counted by the kind of their evidence.
     """
-    groups, body = data.claims["label"].map(group_of), []
+    groups = data.claims["label"].map(group_of)
+    body = []
     for title in (*GROUPS, BEYOND, TOTAL):
         rows = data.claims if title == TOTAL else data.claims[groups == title]
         body.append([title, *map(str, count_kinds(rows).values()), *numbers_of_others(rows)])
@@ -120,7 +123,8 @@ def numbers_of_others(rows: pd.DataFrame) -> list[str]:
 
 def accounts(data: FullRun) -> PlainRows:
     """Return the numbers of checks, of checks that hold, and of those that fail or are undecided, by evidence."""
-    names, body = data.claims.apply(evidence, axis=1), []
+    names = data.claims.apply(evidence, axis=1)
+    body = []
     for name, title in (EVIDENCE_TITLES | {TOTAL: TOTAL}).items():
         rows = data.claims if name == TOTAL else data.claims[names == name]
         count = count_verdicts(rows)
@@ -138,7 +142,8 @@ def ledger(data: FullRun) -> str:
     """
     bodies: dict[str, PlainRows] = {title: [] for title in (*GROUPS, BEYOND)}
     for label, claim, rows in by_claim(data.claims):
-        judged, nearest = rows[~rows["verdict"].isin(UNCLAIMED)], ["–", ""]
+        judged = rows[~rows["verdict"].isin(UNCLAIMED)]
+        nearest = ["–", ""]
         shares = pd.Series({at: window_share(row) for at, row in judged.iterrows()}, dtype=float).dropna()
         if len(shares):
             row = judged.loc[shares.idxmax()]
@@ -248,9 +253,11 @@ def stresses(data: FullRun) -> PlainRows:
 
     There is a row for each case and mesh family, except shaken meshes.
     """
-    rows, body = data.labelled("Thm 4.2, own space"), []
+    rows = data.labelled("Thm 4.2, own space")
+    body = []
     for (case, family), part in rows[rows["family"] != "shaken"].groupby(["case", "family"], sort=False):
-        by_key, cells = part.set_index("key"), []
+        by_key = part.set_index("key")
+        cells = []
         for key in ("order-stress", "order-displacement", "order-pressure", "order-primal_stress", "growth"):
             cells.append(three_digits(by_key.loc[key, "observed"]))
             cells += [window_ends(by_key.loc[key])] * (key in ("order-stress", "order-displacement"))

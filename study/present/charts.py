@@ -79,7 +79,8 @@ def draw_cases(
         slopes: case ↦ slope of its triangle.
         columns: the number of columns of the grid.
     """
-    cases, styles = rows["case"].unique(), family_styles(rows["family"])
+    cases = rows["case"].unique()
+    styles = family_styles(rows["family"])
     lines = math.ceil(len(cases) / columns)
     width = min(max(column_width(), 0.5 + 1.05 * columns), page_width())
     figure = Figure(figsize=(width, 0.8 + (0.15 + 0.9 * (width - 0.5) / columns) * lines))
@@ -170,7 +171,8 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
         zorder=1.5,
     )
     text = {"textcoords": "offset points", "fontsize": rcParams["xtick.labelsize"]}
-    beside, above_it = (10**start, 10 ** ((base + top) / 2)), (10 ** ((start + end) / 2), 10**top)
+    beside = (10**start, 10 ** ((base + top) / 2))
+    above_it = (10 ** ((start + end) / 2), 10**top)
     if not small:
         axes.annotate(f"{slope:.3g}", beside, (-2, 0), ha="right", va="center", **text)
     axes.annotate(f"{slope:.3g}" if small else "1", above_it, (0, 1.5), ha="center", va="bottom", **text)
@@ -265,7 +267,8 @@ def draw_convergence(rates: pd.DataFrame, order: float) -> Figure:
         order: the expected order, which is the slope of the triangle.
     """
     figure, (axes,) = stacked_axes(1)
-    styles, lowest = family_styles(rates["family"]), NEGLIGIBLE_VALUE * rates["error"].min()
+    styles = family_styles(rates["family"])
+    lowest = NEGLIGIBLE_VALUE * rates["error"].min()
     rates = rates.assign(in_time=rates["time_share"] * rates["error"])
     for column, (_, style) in reversed(ERROR_LINES.items()):
         shown = rates.assign(**{column: rates[column].where(rates[column] >= lowest)})
@@ -390,7 +393,8 @@ def order_in_words(rates: pd.DataFrame) -> str:
     observed = order_differences(rates, dict.fromkeys(rates["case"], 1.0))["observed"]
     if observed.empty:
         return ""
-    low, high = observed.min(), observed.max()
+    low = observed.min()
+    high = observed.max()
     result = "the error is O(h)" if low >= 1 - ROOM_BELOW else "on these meshes the error is not O(h)"
     return (
         f"{result}: observed orders {below(low, 2)} to {above(high, 2)} in {_all_cases(rates)}, over the last two "
@@ -426,11 +430,13 @@ def draw_enclosure(series: pd.DataFrame, title: str) -> Figure:
             ``error``, which is NaN if it is unknown, and possibly ``plain``, a bound from u_h alone.
         title: the title of the upper axes.
     """
-    known, ends = series["error"].notna().all(), enclosure_ends(series)
+    known = series["error"].notna().all()
+    ends = enclosure_ends(series)
     column, name = ("error", "error") if known else ("distance", r"$\|\tilde u-u_h\|_V$")
     figure, (errors, ratios) = stacked_axes(3, 2)
     errors.set_yscale("log")
-    lowest, levels = ends["upper"].min() / 3, []
+    lowest = ends["upper"].min() / 3
+    levels = []
     for (level, rows), colour in zip(ends.groupby("level"), cycle(COLOURS), strict=False):
         time = rows["time"]
         errors.fill_between(time, rows["lower"].clip(lower=lowest), rows["upper"], color=colour, **RANGE)
@@ -454,7 +460,8 @@ def draw_enclosure(series: pd.DataFrame, title: str) -> Figure:
 
 def caption_enclosure(series: pd.DataFrame, title: str) -> str:
     """Return the caption of ``draw_enclosure``."""
-    known, ends = series["error"].notna().all(), enclosure_ends(series)
+    known = series["error"].notna().all()
+    ends = enclosure_ends(series)
     inside = ends[(ends["error"] - ends["distance"]).abs() <= ends["bound"]]
     final = ends.loc[ends.groupby("level")["time"].idxmax()]
     return caption("enclosure", title=title, interval=interval, known=known, ends=ends, inside=inside, final=final)
@@ -485,7 +492,8 @@ class AdaptiveRefinement:
 
 def draw_adapted(result: AdaptiveRefinement) -> Figure:
     """Draw the last adapted mesh, and the bounds of the error against the number of unknowns."""
-    figure, rows = Figure(figsize=(page_width(), 0.5 * page_width())), result.rows
+    figure = Figure(figsize=(page_width(), 0.5 * page_width()))
+    rows = result.rows
     mesh, bounds = figure.subplots(1, 2)
     mesh.triplot(result.mesh, color=DARK, lw=0.25)
     handles = []
@@ -499,7 +507,8 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
         uniform = result.uniform
         handles += bounds.plot(uniform["dofs"], uniform["plain"], color=GREY, marker="s", label="refined everywhere")
     bounds.plot(rows["dofs"], rows["error"], color=BLUE, ls=":")
-    first, last = rows.iloc[0], rows.iloc[-1]
+    first = rows.iloc[0]
+    last = rows.iloc[-1]
     x = np.geomspace(first["dofs"], last["dofs"], 3)
     y = 0.7 * last["bound"] * (x / last["dofs"]) ** -0.5
     bounds.plot(x, y, color=DARK, ls="--", lw=0.8)
@@ -576,7 +585,8 @@ def draw_rollers(rows: pd.DataFrame) -> Figure:
     Parameters:
         rows: the rows that ``roller_rows`` returns.
     """
-    styles, lowest = family_styles(rows["family"]), rows.loc[rows["value"].idxmin()]
+    styles = family_styles(rows["family"])
+    lowest = rows.loc[rows["value"].idxmin()]
     figure, (axes,) = stacked_axes(1)
     for family, table in roller_means(rows):
         if family == "shaken":
@@ -639,7 +649,8 @@ def _complete(codes: Codes) -> pd.DataFrame:
 
 def caption_codes(codes: Codes) -> str:
     """Return the caption of ``draw_codes``."""
-    rows, tolerance = _complete(codes), 0.15
+    rows = _complete(codes)
+    tolerance = 0.15
     passing = rows[abs(rows["order_in_v"] - 1) <= tolerance]
     bad = passing[passing["class"].isin(["stagnates", "wrong"])]
     return caption("codes", rows=rows, bad=bad, tolerance=tolerance)
@@ -663,12 +674,14 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     """
     sizes = matrix["size"].abs()
     is_smallest = sizes == sizes.groupby([matrix["fault"], matrix["case"]]).transform("min")
-    errors, others = matrix["by_error"] != "", matrix["by_others"] != ""
+    errors = matrix["by_error"] != ""
+    others = matrix["by_others"] != ""
     # Without a distance nothing is known about the discrete solution.
     visible = ~(matrix["distance"] < INVISIBLE_SHARE * matrix["error"])
     shade = np.select([errors & is_smallest, errors, others], [4, 3, 2], 1)
     cells = matrix.assign(shade=shade, visible=visible * 1.0).groupby(["fault", "case"])[["shade", "visible"]].max()
-    equations, cases = matrix.groupby("fault", sort=False)["equation"].first(), matrix["case"].unique()
+    equations = matrix.groupby("fault", sort=False)["equation"].first()
+    cases = matrix["case"].unique()
     table = cells.unstack().reindex(equations.index)
     figure = Figure(figsize=(page_width(), 1.9 + 0.155 * len(equations)))
     axes = figure.subplots()

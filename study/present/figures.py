@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 from study.ledger.codes import Codes
 from study.ledger.datafiles import expected_orders, read_csv, read_rates
 from study.ledger.files import UsageError
-from study.present import body, charts, contact, problem
+from study.present import body, charts
 from study.present.drawing import SHEET, Drawing
 from study.present.picture import Picture, read_pictures
 
 FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., str], str]] = {
-    "problem": (problem.draw_sketch, problem.caption_sketch, "Sketch of a body on a rigid foundation"),
+    "problem": (body.draw_sketch, body.caption_sketch, "Sketch of a body on a rigid foundation"),
     "convergence": (
         charts.draw_convergence,
         charts.caption_convergence,
@@ -66,9 +66,9 @@ FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., str], str]] = {
     ),
     "faults": (charts.draw_faults, charts.caption_faults, "The matrix of deliberate faults"),
     "body": (body.draw_body, body.caption_body, "The deformed body on its foundation, with stresses and contact"),
-    "zone": (contact.draw_zone, contact.caption_zone, "The contact zone in space and time, exact and computed"),
-    "fronts": (contact.draw_fronts, contact.caption_fronts, "Maps of the contact zone, exact and computed"),
-    "profiles": (contact.draw_profiles, contact.caption_profiles, "Gap and pressure along the contact boundary"),
+    "zone": (body.draw_zone, body.caption_zone, "The contact zone in space and time, exact and computed"),
+    "fronts": (body.draw_fronts, body.caption_fronts, "Maps of the contact zone, exact and computed"),
+    "profiles": (body.draw_profiles, body.caption_profiles, "Gap and pressure along the contact boundary"),
 }
 """Kind of figure ↦ the function that draws it, the function that returns its caption, and what it shows in a few words.
 
@@ -114,7 +114,8 @@ def drawings(directory: Path) -> list[Drawing]:
     Raises:
         DataError: a data file is missing or damaged.
     """
-    figures, rates = overview(directory), read_rates(directory)
+    figures = overview(directory)
+    rates = read_rates(directory)
     orders = expected_orders(directory, rates)
     for (scheme, case), rows in rates.groupby(["scheme", "case"], sort=False):
         name = f"convergence-{case}" + f"-{scheme}" * (rates["scheme"].nunique() > 1)
@@ -163,7 +164,8 @@ def overview(directory: Path) -> list[Drawing]:
     Raises:
         DataError: a data file is missing or damaged.
     """
-    figures, rates = [], read_rates(directory)
+    figures = []
+    rates = read_rates(directory)
     orders = expected_orders(directory, rates)
     for scheme, rows in rates.groupby("scheme", sort=False):
         suffix = f"-{scheme}" * (rates["scheme"].nunique() > 1)

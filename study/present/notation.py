@@ -48,7 +48,7 @@ _SCRIPT = re.compile(
 )
 _SHORT = re.compile(r"(?:\(?[B-HJ-Zb-z][)\]]?|[+/|]|\(?[-+]?[\d./]+[)\]]?|[A-Z]?\((?!.*[a-z]{2})[^()]*\))[,;]?")
 _TAIL = re.compile(r"[.,;:]+$")
-_NUMBER = re.compile(r"(-?)(?:[\d.]+|(inf))")
+_SIGNED_NUMBER = re.compile(r"(-?)(?:[\d.]+|(inf))")
 # The subscript of u_lin is a word; elsewhere a script without braces is one character, as in P_hu.
 _TOKEN = re.compile(r"[\^_]\{(?:[^{}]|\{[^{}]*\})*\}|_lin\b|[\^_].|[A-Za-z]{2,}|.", re.DOTALL)
 
@@ -72,7 +72,7 @@ def encode(text: str) -> str:
     """
     if _RANGE.fullmatch(text):
         return "--".join(map(encode, text.split("–")))
-    if number := _NUMBER.fullmatch(text):
+    if number := _SIGNED_NUMBER.fullmatch(text):
         sign, infinity = number.groups()
         return rf"\({sign}\infty\)" if infinity else rf"\({text}\)" if sign else text
     for spelling, usual in _SPELLINGS.items():
@@ -80,7 +80,8 @@ def encode(text: str) -> str:
     for pattern, braced in _PATTERNS.items():
         text = pattern.sub(braced, text)
     words = _LITERAL.sub(lambda match: _LITERALS[match[0][0]].format(match[0][1:]), text).split(" ")
-    parts, marked = [], zip(_kinds(words), _clauses(words), words, strict=True)
+    parts = []
+    marked = zip(_kinds(words), _clauses(words), words, strict=True)
     for (mathematical, _), run in groupby(marked, key=itemgetter(0, 1)):
         text = " ".join(word for *_, word in run)
         parts.append(_run(text) if mathematical else prose(text))
@@ -208,7 +209,8 @@ def typeset(text: str) -> Markup:
 
     Scripts are written as in x^y, x_y, x_word, x^∞, x^{yz}, x^1.5 and x^(1+s).
     """
-    out, end = Markup(), 0
+    out = Markup()
+    end = 0
     for match in _HTML_SCRIPT.finditer(text):
         script = match[2][1:-1] if match[2].startswith("{") else match[2]
         tag = Markup(_TAGS[match[1]])

@@ -18,7 +18,7 @@ from study.ledger.codes import MADE, Codes
 from study.ledger.controls import missed as missed_faults
 from study.ledger.datafiles import DataError, by_claim, count_verdicts
 from study.ledger.files import write_text
-from study.ledger.schema import TABLES as SCHEMA
+from study.ledger.schema import SCHEMA
 from study.ledger.schema import markdown as described
 from study.ledger.text import cell
 from study.ledger.verdict import (
@@ -41,7 +41,7 @@ from study.present.templates import ENVIRONMENT, MISPRINTS, FullRun, context, re
 
 BY_TABLES, BY_FIGURES, BY_PAGES = "study tables --out {}", "study figures --out {}", "make pages"
 """The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
-FILM, FILM_DPI, FILM_COLOURS = "hexagon", 66, 32
+README_FILM, README_DPI, README_COLOURS = "hexagon", 66, 32
 """The case that the animation at the top of the README shows, its dots per inch, and the number of its colours."""
 TEXTS = read_page("results")
 """Texts about the results, which are templates."""
@@ -62,11 +62,11 @@ def main() -> None:
     data = FullRun.read(directory)
     if data is None:
         raise DataError(f"{directory} has no full run: `make full`, `study faults` and `make seeds` make it")
-    picture = Picture(read_record(picture_path(directory, FILM)))
+    picture = Picture(read_record(picture_path(directory, README_FILM)))
     # Every second time is enough, and keeps the file below 120 kB.
     picture = picture.showing(range(0, len(picture.times), 2))
     with in_style():
-        write_gif(directory / "figures" / f"{FILM}.gif", picture, lambda: None, FILM_DPI, FILM_COLOURS)
+        write_gif(directory / "figures" / f"{README_FILM}.gif", picture, lambda: None, README_DPI, README_COLOURS)
     for name, svg in badges(data, Path("pyproject.toml")).items():
         write_text(directory / "badges" / name, svg)
     for page in pages:
@@ -115,7 +115,8 @@ def expected_texts(directory: Path) -> dict[Path, tuple[str, str]]:
     expected = {path: (text, BY_TABLES) for path, text in texts(directory).items()}
     for drawing in drawings(directory):
         expected[directory / "figures" / f"{drawing.name}.txt"] = caption_text(drawing), BY_FIGURES
-    data, root = FullRun.read(directory), directory.resolve().parent
+    data = FullRun.read(directory)
+    root = directory.resolve().parent
     if data and (root / "pyproject.toml").is_file():
         for name, badge in badges(data, root / "pyproject.toml").items():
             expected[directory / "badges" / name] = badge, BY_PAGES
@@ -152,7 +153,8 @@ def sentences(data: FullRun) -> Callable[[str], str]:
 
     Templates use the names of ``context``, and those that are defined here.
     """
-    of_rough, own = data.checks("Prop. 5.3", "order"), data.checks("Thm 4.2, own space", "order-stress")
+    of_rough = data.checks("Prop. 5.3", "order")
+    own = data.checks("Thm 4.2, own space", "order-stress")
     predicted = of_rough["case"].map(data.cases["expected_order"])
     is_smooth = own["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
     values = context(data) | {
@@ -178,7 +180,8 @@ def short(data: FullRun) -> str:
 
 def results(data: FullRun) -> str:
     """Return the table of results in Markdown: claims, predictions, observations rounded outwards, and verdicts."""
-    fill, lines = sentences(data), []
+    fill = sentences(data)
+    lines = []
     for line in TEXTS["lines"].values():
         verdict = fill(line["verdict"]) if "verdict" in line else _verdict(data.claims, line)
         lines.append([fill(line["claim"]), fill(line["predicted"]), fill(line["observed"]), verdict])
@@ -200,7 +203,8 @@ def _verdict(claims: pd.DataFrame, line: Mapping[str, Any]) -> str:
     further = ""
     if "keys" in line:
         is_test = rows["key"].isin(line["keys"])
-        tests, further = rows[is_test], verdicts_in_words(rows[~is_test], "further checks of the same computations")
+        tests = rows[is_test]
+        further = verdicts_in_words(rows[~is_test], "further checks of the same computations")
     count = count_verdicts(tests)
     return ENVIRONMENT.from_string(TEXTS["verdict"]).render(
         worst=next((verdict for verdict in CLAIMED if count[verdict]), REPORTED),
@@ -251,7 +255,8 @@ def missed(data: FullRun) -> str:
 
 def statements(data: FullRun) -> str:
     """Return all claims in Markdown: verdicts, cases, the command that measures them, tables, figures and data."""
-    lines, shown = [], TEXTS["shown"]
+    lines = []
+    shown = TEXTS["shown"]
     for label, claim, rows in by_claim(data.claims[~data.claims["label"].isin((MISPRINTS, NOT_TESTED, NO_ROW))]):
         where = data.provenance["statements"][label]
         moved = (MOVED.get(path, path) for path in where["code"])
@@ -326,7 +331,8 @@ def badges(data: FullRun, project: Path) -> dict[str, str]:
     ``project`` is the path of ``pyproject.toml``.
     """
     stated = tomllib.loads(project.read_text(encoding="utf-8"))["project"]
-    count, injected = count_verdicts(data.claims), data.faults["fault"].nunique()
+    count = count_verdicts(data.claims)
+    injected = data.faults["fault"].nunique()
     noticed = injected - len(missed_faults(data.faults))
     ledger = VERMILLION if count[FAILS] else ORANGE if count[UNDECIDED] else GREEN
     rows = f"{count[HOLDS]} rows hold, {count[UNDECIDED]} undecided, {count[FAILS]} fail"

@@ -179,7 +179,9 @@ class Picture:
     """
 
     def __init__(self, record: Mapping[str, Any]) -> None:
-        self.case, self.family, self.level = str(record["case"]), str(record["family"]), int(record["level"])
+        self.case = str(record["case"])
+        self.family = str(record["family"])
+        self.level = int(record["level"])
         self.times, self.vertices = (np.array(record[name], dtype=float) for name in ("times", "vertices"))
         self.cells = np.array(record["cells"], dtype=np.int64)
         self.displacement, self.von_mises = (Packed.read(record[name]).values for name in ("displacement", "von_mises"))
@@ -268,9 +270,11 @@ def _face(record: Mapping[str, Any], times: Array, cells: NDArray[np.int64], pla
     common: dict[str, Any] = {name: read_values(record[name]) for name in names}
     common |= {"times": times, "number": int(record["face"])}
     if not plane:
-        nodes, level = np.array(record["nodes"], dtype=np.int64), read_values(record["level_exact"])
+        nodes = np.array(record["nodes"], dtype=np.int64)
+        level = read_values(record["level_exact"])
         return Polygon(**common, facets=Facets.between(nodes, cells), nodes=nodes, level=level)
-    zone, line = record["zone_exact"], record["line"]
+    zone = record["zone_exact"]
+    line = record["line"]
     return Segment(
         **common,
         zone_times=np.array(zone["times"], dtype=float),

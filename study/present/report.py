@@ -59,8 +59,10 @@ def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[
         StoreError: the directory cannot be written.
         DataError: a data file is missing, damaged or written by an older version; then nothing is written.
     """
-    claims, rates = read_claims(directory), read_rates(directory)
-    smooth, predicted = rates[rates["claim"] == "Prop. 5.4"], expected_orders(directory, rates)
+    claims = read_claims(directory)
+    rates = read_rates(directory)
+    smooth = rates[rates["claim"] == "Prop. 5.4"]
+    predicted = expected_orders(directory, rates)
     statements = provenance.get("statements", {})
     # A statement with the code files that judge it and its checks. A label with two statements gives two groups.
     groups: list[dict[str, Any]] = [
@@ -73,7 +75,8 @@ def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[
         }
         for label, says, rows in by_claim(all_rows(directory))
     ]
-    cases, counts = case_pages(directory, claims, rates, run_map), count_verdicts(claims)
+    cases = case_pages(directory, claims, rates, run_map)
+    counts = count_verdicts(claims)
     values = {
         "counts": counts,
         "conclusion": printed("conclusion", count=counts, orders=orders_text(directory)),
@@ -101,7 +104,8 @@ def _files(directory: Path) -> Table:
     data = directory / "data"
     rows = []
     for path in sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json.gz")]):
-        name, content = path.relative_to(data).as_posix(), path.read_bytes()
+        name = path.relative_to(data).as_posix()
+        content = path.read_bytes()
         rows.append({"file": name, "size": significant(len(content) / 1000), "sha": sha256(content).hexdigest()})
     return Table.of("files", pd.DataFrame(rows), grouped=0)
 

@@ -22,15 +22,23 @@ from PIL import Image
 from manufactured.colours import BLACK, SKY, VERMILLION
 from study.ledger.files import write_text, write_whole
 from study.ledger.pictures import MeshFields, MeshSeries
-from study.present.body import ROUND_OFF, BodyScale, draw_deformed_mesh, draw_keys, draw_shapes
-from study.present.contact import NODES, draw_map, draw_profile
+from study.present.body import (
+    NEGLIGIBLE_CONTACT,
+    NODES,
+    BodyScale,
+    draw_deformed_mesh,
+    draw_keys,
+    draw_map,
+    draw_profile,
+    draw_shapes,
+)
 from study.present.drawing import RAMPS, RIM, column_width, dots, entry, in_style, page_width
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment
 
 MOMENTS, COLUMNS = 6, 3
 """The number of images of the storyboard, and the number of its columns."""
 STORYBOARD_DPI, FILM_DPI = 200, 110
-COLOURS = 128
+GIF_COLOURS = 128
 """The number of colours of a GIF; with much fewer colours, small arrows get the colour of the stress around them."""
 PER_SECOND, HOLD = 8, 1000
 """The frames per second of animations, and the milliseconds for which a GIF shows its last frame."""
@@ -79,14 +87,15 @@ def draw_storyboard(picture: Picture) -> Figure:
     """Draw the deformed body with stress and contact at ``MOMENTS`` times, evenly spaced from the first to the last."""
     chosen = np.linspace(0, len(picture.shown) - 1, MOMENTS).round().astype(int)
     picture = picture.showing([picture.shown[n] for n in chosen])
-    rows, width = MOMENTS // COLUMNS, (page_width() - 0.8) / COLUMNS
+    rows = MOMENTS // COLUMNS
+    width = (page_width() - 0.8) / COLUMNS
     figure = Figure(figsize=(page_width(), 0.8 + rows * (0.2 + width * BodyScale(picture).aspect)))
     draw_shapes(figure, figure.subplots(rows, COLUMNS).ravel(), picture, width, 4, fraction=0.04, shrink=0.8)
     return figure
 
 
 def write_gif(
-    path: Path, picture: Picture, notify: Callable[[], object], dpi: int = FILM_DPI, colours: int = COLOURS
+    path: Path, picture: Picture, notify: Callable[[], object], dpi: int = FILM_DPI, colours: int = GIF_COLOURS
 ) -> Path:
     """Write an animated GIF with a frame for each time in ``picture.shown``.
 
@@ -251,13 +260,14 @@ def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int
         axes.axvspan(start, end, color=SKY, alpha=0.35, lw=0)
     draw_profile(axes, face, face.line_pressure[instant], face.pressure[instant], VERMILLION)
     top = max(face.pressure.max(), face.line_pressure.max())
-    axes.set(ylim=(0, 1.08 * top if top > ROUND_OFF else 1), xlabel=f"$s$ on {name}", ylabel="pressure $p$")
+    axes.set(ylim=(0, 1.08 * top if top > NEGLIGIBLE_CONTACT else 1), xlabel=f"$s$ on {name}", ylabel="pressure $p$")
 
 
 def write_vtk(directory: Path, name: str, series: MeshSeries) -> list[Path]:
     """Write the files ``name-000.vtu``, ``name-001.vtu``, …, one for each time, and ``name.pvd``, which lists them."""
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
-    collection, files = ElementTree.SubElement(root, "Collection"), []
+    collection = ElementTree.SubElement(root, "Collection")
+    files = []
     for number, fields in enumerate(series.fields):
         mesh = mesh_of(series, fields)
         files.append(write_whole(directory / f"{name}-{number:03d}.vtu", partial(mesh.write, file_format="vtu")))

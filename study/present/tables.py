@@ -176,7 +176,7 @@ def faults(directory: Path) -> Table | None:
     return Table.of("faults", summary(read_csv(directory, "faults.csv"))) if measured else None
 
 
-TABLES: tuple[Callable[[Path], Table | None], ...] = (rates, ledger, equivalence, stresses, bounds, faults)
+RUN_TABLES: tuple[Callable[[Path], Table | None], ...] = (rates, ledger, equivalence, stresses, bounds, faults)
 
 
 def _read(directory: Path, name: str, *more: str) -> pd.DataFrame:

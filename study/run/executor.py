@@ -252,14 +252,15 @@ def _failure(job: Job, future: Future[Result]) -> str:
     return f"{job.key}: {type(error).__name__}: {error}" if error else ""
 
 
-def require(what: str, need: float, room: float) -> None:
+def require(what: str, need: float, room: float | None = None) -> None:
     """Raise UsageError if a computation needs more memory than is available.
 
     Parameters:
         what: the computation in words, for the message.
         need: needed memory in bytes.
-        room: available memory in bytes.
+        room: available memory in bytes; by default that of this process.
     """
+    room = available() if room is None else room
     if need > room:
         raise UsageError(
             f"{what} needs about {need / GIB:.1f} GiB of memory, {room / GIB:.1f} GiB are available; take coarser "
@@ -276,7 +277,7 @@ def require_bound(what: str, cells: int, refinements: int) -> None:
         cells: the number of its cells.
         refinements: how often it is refined for the bound.
     """
-    require(what, estimates.bound(cells, refinements), available())
+    require(what, estimates.bound(cells, refinements))
     estimates.require_factorisation(cells, refinements)
 
 

@@ -171,7 +171,8 @@ def _parsed(module: str) -> tuple[str, frozenset[str]]:
 
     Not all of these files exist.
     """
-    tree, names = ast.parse((ROOT / module).read_text(encoding="utf-8")), set[str]()
+    tree = ast.parse((ROOT / module).read_text(encoding="utf-8"))
+    names = set[str]()
     package = ".".join(Path(module).parent.parts)
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom):

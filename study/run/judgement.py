@@ -25,7 +25,7 @@ from study.ledger.datafiles import (
     write_csv,
 )
 from study.ledger.files import write_text
-from study.ledger.schema import TABLES
+from study.ledger.schema import SCHEMA
 from study.ledger.verdict import Verdict
 from study.run.plan import Job, Plan
 from study.run.provenance import SUMS, Complete, provenance, read_provenance, text_sum
@@ -65,8 +65,10 @@ def judge_stored(jobs: Sequence[Job], store: Store) -> list[Verdict]:
     The list is empty if the statement cannot be judged from these results alone. On a user's case, verdicts depend on
     the errors, so only statements about errors are judged.
     """
-    statement, case = jobs[0].statement, jobs[0].case
-    file, own = statement.file, case not in NAMES
+    statement = jobs[0].statement
+    case = jobs[0].case
+    file = statement.file
+    own = case not in NAMES
     if statement.joined_file or (own and file != RATES):
         return []
     rows = stored_rows(jobs, store)
@@ -84,7 +86,8 @@ def collect(plan: Plan, store: Store) -> None:
         plan: the plan; the results of all its jobs must be stored.
         store: the result directory.
     """
-    rows, written = stored_rows(plan.jobs, store), list[Path]()
+    rows = stored_rows(plan.jobs, store)
+    written = list[Path]()
     for file in data_files():
         written += file.write(store.data, rows.get(file, []))
     write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.scope.resolved()]))
@@ -122,10 +125,11 @@ def claims_file(directory: Path) -> Path:
 
 def compare_claims(directory: Path, judged: Sequence[Verdict]) -> None:
     """Raise DataError if ``claims.csv`` is missing or differs from the checks that follow from the data."""
-    path, again = claims_file(directory), f"`study tables --out {directory}` writes it again"
+    path = claims_file(directory)
+    again = f"`study tables --out {directory}` writes it again"
     if not path.is_file():
         raise DataError(f"{path} is missing: {again}")
-    if differs := difference(path, table_text(claims(judged)), frozenset(TABLES["claims.csv"].numbers)):
+    if differs := difference(path, table_text(claims(judged)), frozenset(SCHEMA["claims.csv"].numbers)):
         raise DataError(f"{differs}: {again}")
 
 
@@ -182,7 +186,8 @@ def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.D
         tables: data file ↦ its table.
     """
     assert isinstance(statement.file, CsvFile)
-    own_rows, key = tables[statement.file], list(statement.file.key)
+    own_rows = tables[statement.file]
+    key = list(statement.file.key)
     if statement.joined_file is None:
         return own_rows
     joined_rows = tables[statement.joined_file].set_index(key).add_suffix(JOINED_SUFFIX).reset_index()
@@ -223,5 +228,6 @@ def _refuse_gaps(directory: Path, tables: dict[CsvFile, pd.DataFrame]) -> None:
             expected_orders(directory, tables[file])
     bounds, courses = ({key[1:] for key in file.keys(tables[file])} for file in (BOUNDS, ENCLOSURES))
     if without := bounds - courses:
-        path, again = f"{directory}/data/enclosures.csv", f"make it with `{made_by(directory)}`"
+        path = f"{directory}/data/enclosures.csv"
+        again = f"make it with `{made_by(directory)}`"
         raise DataError(f"{path} lacks {' '.join(min(without))}: {again}")

@@ -163,7 +163,9 @@ class Plan:
         """
         groups: dict[Hashable, list[tuple[Case, str, int]]] = {}
         for setting in (job.setting for job in self.jobs if job.statement.of_every_case):
-            case, family, level = resolve(setting.case), setting.family, setting.level
+            case = resolve(setting.case)
+            family = setting.family
+            level = setting.level
             groups.setdefault((shape(case.solution.body), family, level), []).append((case, family, level))
         for group in groups.values():
             case, family, level = group[0]

@@ -45,7 +45,8 @@ def provenance(plan: Plan, directory: Path) -> Json:
         plan: the plan of the run.
         directory: the result directory, to which the paths of users' cases are relative.
     """
-    scope, names = plan.scope, []
+    scope = plan.scope
+    names = []
     for reference in scope.cases:
         file, colon, name = reference.rpartition(":")
         names.append(f"{Path(os.path.relpath(file, directory)).as_posix()}:{name}" if colon else reference)
@@ -70,7 +71,8 @@ def commit() -> Json:
 
     Without a git repository, as after an installation from a wheel, the commit is empty.
     """
-    name, changes = "", ""
+    name = ""
+    changes = ""
     # A package that is installed below another repository does not belong to it.
     if (ROOT / ".git").exists():
         with suppress(OSError, subprocess.CalledProcessError):

@@ -14,7 +14,7 @@ from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, tracti
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.quadrature import facet_rule
 from study.fem.space import on_cells
-from study.ledger.check import ENOUGH, ROUNDING, Groups, consequence, paper_claim
+from study.ledger.check import MIN_LEVELS, ROUNDING_ROOM, Groups, consequence, paper_claim
 from study.ledger.quantities import change
 from study.ledger.window import Window, around, between
 from study.solve.factorisation import Cholesky
@@ -91,7 +91,7 @@ class LoadInTime(ListedNumbers):
             "variation",
             f"variation of f^h on {LOAD_INTERVALS} intervals / on {LOAD_INTERVALS // 2} intervals",
             "variation",
-            Window(1 - ROUNDING, 1.01, "the variation cannot fall; without a bound it grows by a power of 2"),
+            Window(1 - ROUNDING_ROOM, 1.01, "the variation cannot fall; without a bound it grows by a power of 2"),
         ),
         consequence(
             "increments",
@@ -174,7 +174,7 @@ class TractionInTime(ListedNumbers):
                 "σν ∉ L²(Γ): last / previous increment of max_t ‖σν‖²_{L²(Γ)} under refinement",
                 last_increments,
                 around(1, 0.1, "logarithmic growth: the increments of the square do not fall"),
-                levels=ENOUGH,
+                levels=MIN_LEVELS,
             )
         else:
             check = paper_claim(
@@ -182,7 +182,7 @@ class TractionInTime(ListedNumbers):
                 "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh",
                 change("norm", since=-2),
                 around(1, 0.02, "the maximum has converged in space and time, which are refined together"),
-                levels=ENOUGH,
+                levels=MIN_LEVELS,
             )
         return [(check, groups)]
 

@@ -25,7 +25,7 @@ from manufactured.law import (
 from manufactured.tensors import Array, size
 from study.fem.naming import resolve
 from study.fem.space import Space, form
-from study.ledger.check import ENOUGH, ROUNDING, consequence, identity, paper_claim
+from study.ledger.check import MIN_LEVELS, ROUNDING_ROOM, consequence, identity, paper_claim
 from study.ledger.quantities import finest, ratios
 from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
@@ -102,10 +102,10 @@ class Korn(ListedNumbers):
             "falling",
             f"{VALUE} / value on the next coarser level",
             ratios(VALUE),
-            at_most(1 + ROUNDING, "on every level"),
+            at_most(1 + ROUNDING_ROOM, "on every level"),
             levels=2,
         ),
-        paper_claim("limit", f"limit of the {VALUE} for h → 0", extrapolated, EIGENVALUE_LIMIT, levels=ENOUGH),
+        paper_claim("limit", f"limit of the {VALUE} for h → 0", extrapolated, EIGENVALUE_LIMIT, levels=MIN_LEVELS),
     )
 
     def places(self, full: bool) -> list[Setting]:
