@@ -4,17 +4,19 @@ The displacements are computed or read from files. With ``--adapt``, mesh and ti
 bound is at most a tolerance. Finished meshes are stored, so that the command continues after Ctrl-C.
 """
 
-import argparse
 import hashlib
 import shlex
+from argparse import Namespace
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import count
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from matplotlib.tri import Triangulation
+from pandas import DataFrame
 from skfem import Mesh
 
 from manufactured.body import Kind
@@ -46,7 +48,7 @@ from study.run.executor import require_bound
 from study.run.fingerprint import of_data, of_problem
 from study.run.store import Store
 from study.solve.steps import MOST, rate_steps
-from study.solve.tableau import SCHEMES
+from study.solve.tableau import SCHEMES, Tableau
 from study.statements.shared import estimates
 
 CLOSED_GAP = 1e-9
@@ -75,7 +77,7 @@ class Displacement:
     remark: str = ""
 
 
-def do_bound(options: argparse.Namespace) -> int:
+def do_bound(options: Namespace) -> int:
     """Enclose the error of the displacement on each mesh, and write tables and figures.
 
     Returns:
@@ -99,7 +101,7 @@ def do_bound(options: argparse.Namespace) -> int:
         store.begin(of_data(data))
         rows = [store.cached(one.key, one.cache_key, one.compute, *one.files) for one in displacements]
         table = bounded.levels([row["row"] for row in rows])
-        over_time = pd.concat([pd.DataFrame(row["series"]) for row in rows])
+        over_time = pd.concat([DataFrame(row["series"]) for row in rows])
         written = bounded.write(directory, table, over_time)
         written += [file for one in displacements for file in one.files]
         one_of_each_size = table["level"].is_unique
@@ -123,14 +125,19 @@ def do_bound(options: argparse.Namespace) -> int:
     if any(squares):
         worst = vertices[:, triangles[:, int(np.argmax(squares))]].mean(axis=1)
         sentences.append(f"{worst_tenth(squares)}; the worst one is near x = {place(worst)}")
-    last = pd.DataFrame(rows[-1]["series"])
+    last = DataFrame(rows[-1]["series"])
     names = [one.file_name for one in displacements if one.file_name]
     print(f"\n{bounds_text(name, table, last, sentences, data.in_time, names)}\n")
     return OK if case is None or all(row["inside"] for row in rows) else FAILED
 
 
+def scheme_and_family(options: Namespace) -> tuple[Tableau, MeshFamily]:
+    """Return the time scheme and the mesh family of the options."""
+    return choose("scheme", options.scheme, SCHEMES), family_named(options.family)
+
+
 def computed_displacements(
-    options: argparse.Namespace, name: str, data: Data, case: Case | None, refined: Refined
+    options: Namespace, name: str, data: Data, case: Case | None, refined: Refined
 ) -> tuple[Path, list[Displacement]]:
     """Return the result directory, and for each level the displacement that is to be computed.
 
@@ -139,8 +146,7 @@ def computed_displacements(
         name, data, case: name and data of the problem, and the case with its exact solution, or None.
         refined: how the mesh and the time steps are refined for the bound.
     """
-    scheme = choose("scheme", options.scheme, SCHEMES)
-    family = family_named(options.family)
+    scheme, family = scheme_and_family(options)
     check_levels(options, data, family, refined)
     directory = options.out / name
 
@@ -164,7 +170,7 @@ def computed_displacements(
     return directory, [displacement(level) for level in options.levels]
 
 
-def check_levels(options: argparse.Namespace, data: Data, family: MeshFamily, refined: Refined) -> None:
+def check_levels(options: Namespace, data: Data, family: MeshFamily, refined: Refined) -> None:
     """Refuse levels whose meshes are too large or do not fit the body, and problems that cannot be bounded.
 
     The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
@@ -175,7 +181,7 @@ def check_levels(options: argparse.Namespace, data: Data, family: MeshFamily, re
 
 
 def displacements_in_files(
-    options: argparse.Namespace, name: str, data: Data, case: Case | None, refined: Refined
+    options: Namespace, name: str, data: Data, case: Case | None, refined: Refined
 ) -> tuple[Path, list[Displacement]]:
     """Return the result directory, and the displacements in the files of --displacement, from coarse to fine meshes.
 
@@ -216,7 +222,7 @@ def displacements_in_files(
 # Adaptive refinement.
 
 
-def adapt(options: argparse.Namespace) -> int:
+def adapt(options: Namespace) -> int:
     """Refine mesh and time steps until the error bound is at most the tolerance; write results and a figure.
 
     Returns:
@@ -224,8 +230,7 @@ def adapt(options: argparse.Namespace) -> int:
         is larger than its upper bound or smaller than its lower bound.
     """
     name, data, case = resolve_data(options.problem)
-    scheme = choose("scheme", options.scheme, SCHEMES)
-    family = family_named(options.family)
+    scheme, family = scheme_and_family(options)
     level = min(options.levels)
     check_force(case)
     tolerance = adaptive.tolerance_from(options.adapt)
@@ -234,22 +239,17 @@ def adapt(options: argparse.Namespace) -> int:
     directory = options.out / name
     store = Store(directory, written=(".",))
     results: list[Json] = []
+    paths: list[Path] = []
     with store.locked():
         store.begin(of_data(data))
-        while True:
-            number = len(results)
+        for number in count():
             # The tolerance only decides when to stop. It is not part of the cache key, so stored meshes can be used
             # with another tolerance.
             cache_key = of_problem(data, case, (stage.mesh.p, stage.mesh.t, stage.steps, scheme))
             path = adaptive.stage_file(directory, number)
-
-            def compute(stage: Stage = stage, number: int = number, path: Path = path) -> Json:
-                found = adaptive.adapted(data, case, stage, scheme)
-                shares = {"shares": found.shares.cells, "in_time": np.array(found.shares.time)}
-                bounded.write_displacement(path, found.computed, **shares)
-                return adaptive.record(number, found)
-
+            compute = partial(_adapted, data, case, stage, scheme, number, path)
             results.append(store.cached(f"adapted-{number}", cache_key, compute, path))
+            paths.append(path)
             rows = adaptive.table([one["row"] for one in results])
             table = write_text(directory / "adaptive.csv", rows.to_csv(index=False))
             print(f"mesh {number}: {stage.cells} cells, bound {up(rows['bound'].iloc[-1], SHOWN)}", flush=True)
@@ -263,20 +263,27 @@ def adapt(options: argparse.Namespace) -> int:
             stage = following
         # If ``study bound`` has written the bounds on uniform meshes for this problem, the figure shows them, too.
         levels = directory / "levels.csv"
-        uniform = pd.read_csv(levels) if levels.is_file() else pd.DataFrame()
-        written = [table, *(adaptive.stage_file(directory, number) for number in range(len(results)))]
+        uniform = pd.read_csv(levels) if levels.is_file() else DataFrame()
         edges, closed = contact_edges(data, stage.mesh, at_vertices[1][-1])
         shown = Triangulation(*stage.mesh.p, stage.mesh.t.T)
         result = AdaptiveRefinement(
             name, "max " * data.in_time + NORM[data.in_time], shown, edges, closed, rows, uniform
         )
-        written += draw_one(directory, figure("adaptive", result, about=name))
+        drawn = draw_one(directory, figure("adaptive", result, about=name))
         solved = (stage.mesh.p, stage.mesh.t), at_vertices
-        written += draw_one(directory, problem_drawing(name, data, solved), PROBLEM_OUTPUT)
-    tell_written(written)
+        drawn += draw_one(directory, problem_drawing(name, data, solved), PROBLEM_OUTPUT)
+    tell_written([table, *paths, *drawn])
     sentences = [*results[-1]["sentences"], *bounded.contact_sentences(data.body)]
     print("\n" + "\n".join(adaptive_text(name, rows, str(tolerance), stopped, sentences, data.in_time)) + "\n")
     return OK if reached and all(one["inside"] for one in results if case) else FAILED
+
+
+def _adapted(data: Data, case: Case | None, stage: Stage, scheme: Tableau, number: int, path: Path) -> Json:
+    """Compute and bound the displacement on one mesh, write it into a file, and return the record of the mesh."""
+    found = adaptive.adapted(data, case, stage, scheme)
+    shares = {"shares": found.shares.cells, "in_time": np.array(found.shares.time)}
+    bounded.write_displacement(path, found.computed, **shares)
+    return adaptive.record(number, found)
 
 
 def _limit(stage: Stage, cells: int) -> str:
@@ -323,11 +330,10 @@ def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, A
 # Certificates.
 
 
-def do_certify(options: argparse.Namespace) -> int:
+def do_certify(options: Namespace) -> int:
     """Write a certificate (proof of an error bound) for each mesh, check all; return the checker's exit code."""
     name, data, _ = resolve_data(options.problem)
-    scheme = choose("scheme", options.scheme, SCHEMES)
-    family = family_named(options.family)
+    scheme, family = scheme_and_family(options)
     refined = Refined(options.refine, options.shorter)
     if isinstance(data, Static):
         raise UsageError(f"{name} is a static problem, for which there are no certificates: take `study bound`")

@@ -3,10 +3,10 @@
 The list is read from the docstrings of the cases, because making all solutions takes seconds; ``--json`` makes them.
 """
 
-import argparse
 import json
 import re
 import textwrap
+from argparse import Namespace
 from importlib.resources import files
 
 from manufactured.catalogue import NAMES, OTHER_NAMES, catalogue, module_of
@@ -17,7 +17,7 @@ LINE_WIDTH = 100
 INDENT = "    "
 
 
-def do_cases(options: argparse.Namespace) -> int:
+def do_cases(options: Namespace) -> int:
     """Print the exact solutions of the catalogue; return 0."""
     if options.json:
         # Imported here, because SymPy takes a second.

@@ -1,15 +1,15 @@
 """``study check``: compares data, verdicts, tables and the inputs of the papers with their expected contents."""
 
-import argparse
 import secrets
 import tempfile
+from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
+from pandas import DataFrame
 
-from study.cli.common import code_of, known_undecided, progress_bar
+from study.cli.common import code_of, job_progress, known_undecided
 from study.cli.options import FAILED, OK, SEED_BITS
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.compare import Comparison, Tolerance, as_text, compare, difference
@@ -46,7 +46,7 @@ IN_PART = (
 tables of a run also belong to these files if its provenance has no checksums."""
 
 
-def do_check(options: argparse.Namespace) -> int:
+def do_check(options: Namespace) -> int:
     """Check a result directory.
 
     Returns:
@@ -54,13 +54,14 @@ def do_check(options: argparse.Namespace) -> int:
         with an unexpected content raises an error, for which the command returns 2.
     """
     known_undecided(options.undecided)
+    directory = options.out
     if options.again is None and options.seed is not None:
         raise UsageError("--seed chooses the rows of --again: give --again N with it")
-    with Store(options.out).steady():
-        verified = verify(options.out)
-        compared = compare_sums(options.out)
-        SeedRecord.read(options.out)
-        judged = verdicts(options.out)
+    with Store(directory).steady():
+        verified = verify(directory)
+        compared = compare_sums(directory)
+        SeedRecord.read(directory)
+        judged = verdicts(directory)
         if options.junit:
             write_junit(options.junit, judged)
         print(ledger_text(claims(judged)))
@@ -68,31 +69,28 @@ def do_check(options: argparse.Namespace) -> int:
         if code == FAILED or (options.again is not None and _again(options) == FAILED):
             return FAILED
         # Tables are compared after the data, because a message might advise to write tables from damaged data.
-        compared |= as_written(options.out, judged)
-    compared |= {options.out / "data" / "cases.csv"}
-    inside = len([path for path in compared if options.out in path.parents])
+        compared |= as_written(directory, judged)
+    compared |= {directory / "data" / "cases.csv"}
+    inside = sum(directory in path.parents for path in compared)
     print(
         folded(f"{verified}; {len(judged)} verdicts and {inside} files agree with the texts that this version writes")
     )
-    in_part, unchecked = not_compared(options.out, compared)
+    in_part, unchecked = not_compared(directory, compared)
     for what, paths in (("checked in part", in_part), ("not checked", unchecked)):
         if paths:
-            listed = " ".join(str(path) for path in paths)
+            listed = " ".join(map(str, paths))
             print(folded(f"{what}, {len(paths)} files: {listed}"))
     return code
 
 
-def _again(options: argparse.Namespace) -> int:
+def _again(options: Namespace) -> int:
     """Measure a random sample of the rows again; return 0 if all numbers agree, 1 if one differs."""
     seed = secrets.randbits(SEED_BITS) if options.seed is None else options.seed
     every = planned_jobs(options.out)
     jobs = draw_jobs(every, options.again, seed)
     about = f"measured again: {len(jobs)} of {len(every)} measurements, drawn with --seed {seed}"
     print(f"\n{folded(f'{about}, about {expected_seconds(jobs):.0f} s of computing time')}", flush=True)
-    with (
-        local_pool(min(options.jobs, len(jobs))) as pool,
-        progress_bar(round(sum(job.cost for job in jobs))) as bar,
-    ):
+    with local_pool(min(options.jobs, len(jobs))) as pool, job_progress(jobs) as bar:
         tolerance = Tolerance(options.tolerance, options.absolute)
         comparison = compare_again(options.out, jobs, pool, tolerance, bar.add)
     if not comparison.differs:
@@ -168,7 +166,7 @@ def verify(directory: Path) -> str:
     # predictions in the provenance of the run are used.
     path = directory / "data" / "cases.csv"
     read_csv(directory, path.name, PREDICTED)
-    if differs := difference(path, table_text(pd.DataFrame(expectation.lines))):
+    if differs := difference(path, table_text(DataFrame(expectation.lines))):
         raise DataError(f"{differs} from the catalogue or from the file of the case: {again}")
     for folder in (FOLDER, MARCHES):
         Codes.read(directory, folder)
@@ -197,12 +195,12 @@ def _plan(directory: Path, record: Json, expectation: Expectation, again: str) -
     differing = set(recorded) ^ set(expectation.plan.keys() if expectation.plan else recorded)
     if differing and record.get("commit") == commit()["commit"]:
         first = min(differing)
-        plans = "plans" if min(differing) in recorded else "does not plan"
+        plans = "plans" if first in recorded else "does not plan"
         raise DataError(f"{where} {plans} {' '.join(first)}, which disagrees with its scope: {again}")
     return set(recorded)
 
 
-def _refuse_unplanned(directory: Path, file: CsvFile, table: pd.DataFrame, planned: set[Key], again: str) -> None:
+def _refuse_unplanned(directory: Path, file: CsvFile, table: DataFrame, planned: set[Key], again: str) -> None:
     """Raise DataError if a table has a row that is not in the plan of the run.
 
     Rows that are in the plan but not in the table are no error here. The first check of the ledger reports them.
@@ -287,11 +285,10 @@ def compare_again(directory: Path, jobs: Sequence[Job], pool: Pool, tolerance: T
         execute(jobs, store, pool, notify)
         for file, measured in stored_rows(jobs, store).items():
             assert isinstance(file, CsvFile), file.name
-            table = pd.DataFrame(measured, columns=list(file.columns))
+            table = DataFrame(measured, columns=file.columns)
             write_csv(new / "data" / file.name, table)
             # From the file on disk, only the rows that were measured again are compared, without derived columns.
-            committed = file.read(directory)
-            key = list(file.key)
-            on_disk, wanted = (pd.MultiIndex.from_frame(rows_of[key].astype(str)) for rows_of in (committed, table))
-            write_csv(old / "data" / file.name, committed.loc[on_disk.isin(wanted), list(file.columns)])
+            wanted = table[[*file.key]].drop_duplicates()
+            committed = file.read(directory).merge(wanted, on=[*file.key])
+            write_csv(old / "data" / file.name, committed[file.columns])
         return compare(old, new, tolerance)

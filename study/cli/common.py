@@ -108,6 +108,11 @@ def progress_bar(total: int, name: str = "") -> ProgressBar:
     return ProgressBar(desc=name, total=total, unit="", bar_format=BAR, mininterval=pause, miniters=1)
 
 
+def job_progress(jobs: Sequence[Job], name: str = "") -> ProgressBar:
+    """Return a progress bar for measurements, in units of their expected time."""
+    return progress_bar(round(sum(job.cost for job in jobs)), name)
+
+
 def with_progress(name: str, T: float, compute: Callable[[Callable[[float], object]], Result]) -> Result:
     """Return the result of a computation over time, and show its progress.
 

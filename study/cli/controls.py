@@ -4,18 +4,18 @@ A *seed* is a number from which a random mesh of every size and body is made. On
 judged that the study claims to hold there. The results are added to the record of seeds (``study.ledger.controls``).
 """
 
-import argparse
 import secrets
 import shutil
 import time
+from argparse import Namespace
 from collections.abc import Callable
 from pathlib import Path
 
-import pandas as pd
+from pandas import DataFrame
 from tabulate import tabulate
 
 from manufactured.self_proof import prove
-from study.cli.common import ProgressBar, progress_bar
+from study.cli.common import ProgressBar, job_progress, progress_bar
 from study.cli.options import FAILED, OK, SEED_BITS, UNCLEAR
 from study.controls.faults import FAULTS
 from study.controls.matrix import measure_case
@@ -33,7 +33,7 @@ from study.run.plan import COVER, Job, check_own
 from study.run.store import Store
 
 
-def do_faults(options: argparse.Namespace) -> int:
+def do_faults(options: Namespace) -> int:
     """Measure the matrix fault × case × check, write it and print which fault each case notices.
 
     Returns:
@@ -59,7 +59,7 @@ def do_faults(options: argparse.Namespace) -> int:
                 store.save(*keys[case], found)
             rows += found["rows"]
             bar.update()
-    table = pd.DataFrame(rows, columns=list(SCHEMA["faults.csv"].columns))
+    table = DataFrame(rows, columns=list(SCHEMA["faults.csv"].columns))
     written = write_csv(options.out / "data" / "faults.csv", table)
     heads = {"errors": "noticed by errors", "any_check": "by any check"}
     print(f"\n{tabulate(summary(table).rename(columns=heads), 'keys', showindex=False)}\ndata: {written}")
@@ -91,7 +91,7 @@ def watch(bar: ProgressBar, end: float) -> Callable[[Job], None]:
     return notify
 
 
-def do_seeds(options: argparse.Namespace) -> int:
+def do_seeds(options: Namespace) -> int:
     """Judge checks on new random meshes as long as time permits, and count the seeds with a false alarm.
 
     With the option ``--seed``, the command instead measures again on the random meshes with this seed.
@@ -164,7 +164,7 @@ def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tup
     """
     store = Store(directory / "seeds" / str(seed))
     plan = seeded(seed)
-    with progress_bar(round(sum(job.cost for job in unfinished(plan.jobs, store))), name) as bar:
+    with job_progress(unfinished(plan.jobs, store), name) as bar:
         execute(plan.jobs, store, pool, watch(bar, end))
         collect(plan, store)
     measured = {job.statement.label for job in plan.jobs}

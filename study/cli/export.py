@@ -1,9 +1,9 @@
 """``study export``: writes contact problems as files for other codes."""
 
-import argparse
 import hashlib
 import json
 import lzma
+from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ MOST_LEVELS = 12
 """Levels next to the one that was asked for that are tried if its mesh does not fit the body."""
 
 
-def do_export(options: argparse.Namespace) -> int:
+def do_export(options: Namespace) -> int:
     """Write one file for each case, mesh family and level; return 0.
 
     By default, each case is written on the mesh families on which the quick study measures it.
@@ -82,11 +82,11 @@ def _require_mesh(task: Task) -> None:
         raise UsageError(f"{where}: {error}{mend}") from error
 
 
-def _instants(options: argparse.Namespace, case: Case) -> list[float]:
+def _instants(options: Namespace, case: Case) -> list[float]:
     return options.instants or [case.solution.body.T * part for part in FROZEN_TIMES]
 
 
-def _check(options: argparse.Namespace, case: Case) -> None:
+def _check(options: Namespace, case: Case) -> None:
     """Raise UsageError for options that cannot be used, before anything is written."""
     if options.mode == "march" and options.instants:
         raise UsageError("--instants belong to --mode frozen; for --mode march give the number of --steps")
@@ -102,8 +102,10 @@ def _check(options: argparse.Namespace, case: Case) -> None:
         raise UsageError("--foundation meshes foundations in the plane only; leave it out for a body in space")
 
 
-TASK_FORMAT, TASK_VERSION = "contact-task", 2
-FOUNDATION_MARGIN, FOUNDATION_DEPTH = 0.25, 0.25
+TASK_FORMAT = "contact-task"
+TASK_VERSION = 2
+FOUNDATION_MARGIN = 0.25
+FOUNDATION_DEPTH = 0.25
 """The length by which the mesh of a foundation extends beyond its contact face on each side, and its thickness. Both
 are relative to the length of the face."""
 TASK_SUMS = "SHA256SUMS"

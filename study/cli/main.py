@@ -1,16 +1,20 @@
-"""The ``study`` command: parses options, calls the function of a command, and turns errors into messages."""
+"""The ``study`` command: parses options, calls the function of a command, and turns errors into messages.
 
-import argparse
+The commands ``study rates`` and ``study compare``, which need no solver, are here, too.
+"""
+
 import importlib
 import io
+import json
 import os
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from typing import Any, TextIO
 
 from convergence_orders.printing import printable
-from study.cli.options import BAD_USAGE, BROKEN_PIPE, INTERRUPTED, parser
+from study.cli.options import BAD_USAGE, BROKEN_PIPE, FAILED, INTERRUPTED, OK, parser
 
 
 class PrintableStream:
@@ -89,7 +93,7 @@ def _run(words: list[str]) -> int:
         return int(code)
 
 
-def do_rates(options: argparse.Namespace) -> int:
+def do_rates(options: Namespace) -> int:
     """Run the command ``convergence-orders`` with the words behind ``study rates``, and return its exit code."""
     # Imported here, because NumPy takes a tenth of a second.
     from convergence_orders.command import main as command
@@ -97,8 +101,25 @@ def do_rates(options: argparse.Namespace) -> int:
     return command(options.words, "study rates")
 
 
+def do_compare(options: Namespace) -> int:
+    """Compare two result directories and print the differences.
+
+    Returns:
+        0 if they agree within the tolerance, else 1.
+    """
+    # Imported here, because pandas takes half a second.
+    from study.ledger.compare import Tolerance, as_text, compare
+    from study.run.store import Store
+
+    tolerance = Tolerance(options.tolerance, options.absolute)
+    with Store(options.old).steady(), Store(options.new).steady():
+        comparison = compare(options.old, options.new, tolerance)
+    print(json.dumps(comparison.as_json(), indent=2, allow_nan=False) if options.json else as_text(comparison))
+    return FAILED if comparison.differs else OK
+
+
 LACKING = "this command needs {}, which is not installed: python -m pip install {} in a clone of the repository"
-WITHOUT_PYAMG = "cases", "compare", "main"
+WITHOUT_PYAMG = "cases", "main"
 """Modules of the commands that import pyamg neither directly nor indirectly."""
 STRIPPED = (
     "python -OO removes docstrings, and pyamg, which this command needs, cannot be imported without them: "

@@ -171,7 +171,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         JOBS,
         out(),
     ]),
-    "compare": ("compare", "show in which numbers and verdicts two result directories differ", [
+    "compare": ("main", "show in which numbers and verdicts two result directories differ", [
         option("old", type=Path, metavar="OLD", help="result directory of a run"),
         option("new", type=Path, metavar="NEW", help="result directory of another run"),
         option("--tolerance", type=float, within=FINITE, default=COMPARE_TOLERANCE, metavar="X",

@@ -1,7 +1,7 @@
 """``study tables``, ``study figures`` and ``study report`` present the data of a run; ``study show`` draws a case."""
 
-import argparse
 import shutil
+from argparse import Namespace
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from pathlib import Path
@@ -35,7 +35,7 @@ from study.statements.shared import estimates
 from study.statements.shared.scope import regular
 
 
-def do_tables(options: argparse.Namespace) -> int:
+def do_tables(options: Namespace) -> int:
     """Judge the data, and write ``claims.csv`` and the tables; return 0."""
     read_provenance(options.out)
     with Store(options.out).steady():
@@ -44,7 +44,7 @@ def do_tables(options: argparse.Namespace) -> int:
     return OK
 
 
-def do_report(options: argparse.Namespace) -> int:
+def do_report(options: Namespace) -> int:
     """Write the report, one HTML page, unless data and ``claims.csv`` contradict each other; return 0."""
     with Processes(options.jobs) as processes, Store(options.out).steady():
         compare_claims(options.out, verdicts(options.out))
@@ -52,7 +52,7 @@ def do_report(options: argparse.Namespace) -> int:
     return OK
 
 
-def do_figures(options: argparse.Namespace) -> int:
+def do_figures(options: Namespace) -> int:
     """Draw all figures of the data, or those that ``--case``, ``--overview`` or ``--only`` choose; return 0."""
     output = Output(options.use, tuple(options.format or ()), options.dpi, options.style)
     with in_style(output):
@@ -70,7 +70,7 @@ def do_figures(options: argparse.Namespace) -> int:
     return OK
 
 
-def write_overview(options: argparse.Namespace, directory: Path) -> list[Path]:
+def write_overview(options: Namespace, directory: Path) -> list[Path]:
     """Write the tables and figures of a run, and return their files.
 
     Figures of single cases are only drawn if the user has selected cases. For all cases they take too long.
@@ -176,7 +176,7 @@ def _on_contact(motion: Motion, values: dict[str, Array]) -> Iterator[tuple[str,
             yield name if len(faces) == 1 else f"{name}_{number}", field
 
 
-def do_show(options: argparse.Namespace) -> int:
+def do_show(options: Namespace) -> int:
     """Solve a case on one mesh, draw it, and write files for ParaView; or draw a problem as it is stated. Return 0."""
     name, data, case = resolve_data(options.case)
     if case is None:

@@ -1,15 +1,15 @@
 """``study run``: measures, writes data and judges them; with ``--figures`` it also writes tables and figures."""
 
-import argparse
 import shlex
 import sys
+from argparse import Namespace
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from study.cli.common import ProgressBar, code_of, known_undecided, progress_bar, tell_written
+from study.cli.common import ProgressBar, code_of, job_progress, known_undecided, tell_written
 from study.fem.naming import absolute, choose, name_of
 from study.ledger.datafiles import read_claims
 from study.ledger.text import folded
@@ -27,7 +27,7 @@ RESULT_PLACES = {"quick": Path("results/quick"), "full": Path("results")}
 """Default result directories of the quick and the full study."""
 
 
-def do_run(options: argparse.Namespace) -> int:
+def do_run(options: Namespace) -> int:
     """Run the study: measure, write data and judge them; with ``--figures``, also write tables and figures.
 
     Returns:
@@ -79,7 +79,7 @@ def measure(plan: Plan, store: Store, pool: Pool) -> None:
     refuse_to_replace(plan, store.directory)
     store.check()
     left = unfinished(plan.jobs, store)
-    with progress_bar(round(sum(job.cost for job in left)), f"{len(left)} jobs") as bar:
+    with job_progress(left, f"{len(left)} jobs") as bar:
         for stage in plan.stages():
             save_proofs(prove(stage, plan.scope.cases, store, pool), store)
             execute(stage, store, pool, verdict_printer(stage, store, bar))
@@ -134,7 +134,7 @@ def with_levels_of(directory: Path, scope: Scope) -> Scope:
     return scope
 
 
-def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) -> str:
+def on_finer_meshes(options: Namespace, scope: Scope, directory: Path) -> str:
     """Return a command line that repeats this run on finer meshes and writes into another directory."""
     cases = scope.resolved()
     dim = max(case.solution.body.dim for case in cases)
@@ -157,7 +157,7 @@ def warn_of_few_levels(scope: Scope) -> None:
             )
 
 
-def scope_from_options(options: argparse.Namespace) -> Scope:
+def scope_from_options(options: Namespace) -> Scope:
     """Return the scope of the quick or full study, changed by the options for cases, levels and time steps."""
     study = {"quick": quick, "full": full}[options.plan]()
     scope = replace(study, scheme=options.scheme, k=options.step, command=command_line(options, out=None))
@@ -179,7 +179,7 @@ def scope_from_options(options: argparse.Namespace) -> Scope:
     return scope
 
 
-def command_line(options: argparse.Namespace, **changes: Any) -> str:
+def command_line(options: Namespace, **changes: Any) -> str:
     """Return the command line of ``study run`` with the given options, but for those that change no result.
 
     Parameters:

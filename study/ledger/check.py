@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-import pandas as pd
+from pandas import DataFrame
 
 from study.ledger.quantities import Array, RatesError, Value
 from study.ledger.verdict import (
@@ -27,7 +27,7 @@ from study.ledger.verdict import (
 )
 from study.ledger.window import Window
 
-Groups = dict[str, pd.DataFrame]
+Groups = dict[str, DataFrame]
 """Mesh family ↦ table of its levels, coarse to fine, with the columns level, h and the measured quantities."""
 MIN_LEVELS = 3
 """Least number of levels for an observed order."""
@@ -92,7 +92,7 @@ class Check:
         result = row(of, self.key, self.quantity, self.window, judged, case, family, expected, self.kind)
         return result if not self.if_missed else self._without_claim(result)
 
-    def _values(self, table: pd.DataFrame) -> Array | None:
+    def _values(self, table: DataFrame) -> Array | None:
         """Return the values of one mesh family, (n,); None if levels or columns are missing, NaN without an order."""
         if len(table) < self.levels:
             return None
@@ -119,12 +119,12 @@ paper_claim, consequence, accuracy, identity = (partial(Check, kind=kind) for ki
 """Make checks of the four kinds; the arguments are the other fields of ``Check``."""
 
 
-def by_family(rows: pd.DataFrame) -> Groups:
+def by_family(rows: DataFrame) -> Groups:
     """Divide a table by mesh families, and return a dictionary: name of the family ↦ its rows, coarse to fine."""
     return {str(name): table.sort_values("h", ascending=False) for name, table in rows.groupby("family", sort=False)}
 
 
-def by_case(rows: pd.DataFrame) -> Iterator[tuple[str, Groups]]:
+def by_case(rows: DataFrame) -> Iterator[tuple[str, Groups]]:
     """Divide a table by cases, and yield each case with its measurements on each mesh family.
 
     Parameters:

@@ -14,13 +14,17 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from pandas import DataFrame, Series
 
 from study.ledger.datafiles import DataError, made_by, read_table, read_uncompressed
 from study.ledger.files import Json
 from study.ledger.pictures import Packed
 from study.ledger.schema import SCHEMA, TEXT_COLUMNS, Table
 
-IDENTICAL, WITHIN_TOLERANCE, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left out"
+IDENTICAL = "identical"
+WITHIN_TOLERANCE = "within"
+DIFFERS = "differs"
+LEFT_OUT = "left out"
 """States of a file in two directories. IDENTICAL: the bytes are equal. WITHIN_TOLERANCE: numbers differ within the
 tolerance.
 DIFFERS: there are larger differences. LEFT_OUT: only one directory has the file, and ``study run`` does not write
@@ -63,7 +67,7 @@ class Comparison:
 
     tolerance: Tolerance
     states: dict[str, str]
-    cells: pd.DataFrame
+    cells: DataFrame
 
     @property
     def counts(self) -> dict[str, int]:
@@ -76,7 +80,7 @@ class Comparison:
         return DIFFERS in self.states.values()
 
     @property
-    def verdicts(self) -> pd.DataFrame:
+    def verdicts(self) -> DataFrame:
         """The rows of ``cells`` with changed verdicts."""
         return self.cells[self.cells["column"] == "verdict"]
 
@@ -101,7 +105,7 @@ def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
     """
     files = _files(old), _files(new)
     states: dict[str, str] = {}
-    tables = [pd.DataFrame(columns=CELL_COLUMNS)]
+    tables = [DataFrame(columns=CELL_COLUMNS)]
     for name in sorted({*files[0], *files[1]}, key=lambda name: ("/" in name, name)):
         if name not in files[0] or name not in files[1]:
             states[name] = LEFT_OUT if name in SCHEMA and SCHEMA[name].command else DIFFERS
@@ -136,14 +140,14 @@ def _content(directory: Path, path: Path) -> bytes:
         raise DataError(f"{path} is damaged ({error}): make it again with `{made_by(directory)}`") from error
 
 
-def _cells(directory: Path, name: str, content: bytes) -> pd.Series:
+def _cells(directory: Path, name: str, content: bytes) -> Series:
     """Return the cells of a data file as texts, with their rows and columns as index.
 
     A row is named by its key, with a number if the key is repeated. In a picture, rows are the places in the file.
     """
     if not name.endswith(".csv"):
         try:
-            return pd.Series({(place, "value"): str(value) for place, value in _places(json.loads(content), "")})
+            return Series({(place, "value"): str(value) for place, value in _places(json.loads(content), "")})
         # The file is not JSON in UTF-8, has too many nested brackets, or its packed numbers are damaged.
         except (ValueError, RecursionError, KeyError, TypeError) as error:
             again = f"make it again with `{made_by(directory)}`"
@@ -152,7 +156,7 @@ def _cells(directory: Path, name: str, content: bytes) -> pd.Series:
     # Times in ``enclosures.csv`` may differ by rounding, so these rows are numbered.
     key = [*known.key, *(column for column in known.within if column in TEXT_COLUMNS)]
     table = read_table(directory / "data" / name, key, made_by(directory)).astype(object).fillna("").astype(str)
-    names = pd.Series([", ".join(filter(None, cells)) or "row" for cells in table[key].to_numpy()], dtype=str)
+    names = Series([", ".join(filter(None, cells)) or "row" for cells in table[key].to_numpy()], dtype=str)
     number = names.groupby(names).cumcount() + 1
     rows = table.set_index(names.where(number == 1, names + ", no. " + number.astype(str)))
     return rows.drop(columns=PROSE, errors="ignore").stack()
@@ -172,7 +176,7 @@ def _places(value: Any, place: str) -> Iterator[tuple[str, Any]]:
         yield place, value
 
 
-def _changed(old: pd.Series, new: pd.Series, name: str, tolerance: Tolerance) -> pd.DataFrame:
+def _changed(old: Series, new: Series, name: str, tolerance: Tolerance) -> DataFrame:
     """Return the cells that differ, among numbers by more than the tolerance; it does not apply to whole numbers."""
     both = pd.concat([old, new], axis=1, keys=["old", "new"]).rename_axis(["row", "column"]).fillna("")
     both = both[both["old"] != both["new"]].reset_index()
@@ -187,7 +191,8 @@ def _changed(old: pd.Series, new: pd.Series, name: str, tolerance: Tolerance) ->
     return both.assign(file=name, relative=difference / larger)[~equal]
 
 
-SHOWN_VERDICTS, SHOWN_CELLS = 20, 3
+SHOWN_VERDICTS = 20
+SHOWN_CELLS = 3
 """Largest numbers of changed verdicts, and of differing cells in a column of a file, that are printed."""
 
 
@@ -214,7 +219,7 @@ def as_text(comparison: Comparison) -> str:
     return "\n".join(wrapped).replace("\u00a0", " ")
 
 
-def _listed(cells: pd.DataFrame, most: int) -> Iterator[str]:
+def _listed(cells: DataFrame, most: int) -> Iterator[str]:
     for cell in cells.head(most).itertuples():
         size = "" if math.isnan(cell.relative) else f", relative {cell.relative:.1e}"
         # The spaces are non-breaking, so that lines are not wrapped at the arrow.

@@ -13,8 +13,8 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-import pandas as pd
 import scipy  # loads ``scipy.stats`` at its first use, because importing it takes half a second
+from pandas import DataFrame
 
 from study.ledger.datafiles import DataError, read_csv, write_csv
 from study.ledger.schema import SCHEMA
@@ -28,7 +28,7 @@ ALONE = r"(?:^|; )(?!Thm 4\.2)."
 The comparison notices any fault that the other formulation does not have."""
 
 
-def summary(matrix: pd.DataFrame) -> pd.DataFrame:
+def summary(matrix: DataFrame) -> DataFrame:
     """Return for each fault and size in how many cases it occurs, is noticed, and is invisible.
 
     Parameters:
@@ -45,7 +45,7 @@ def summary(matrix: pd.DataFrame) -> pd.DataFrame:
     return counts.assign(cases=grouped.size()).reset_index()
 
 
-def missed(matrix: pd.DataFrame) -> dict[str, str]:
+def missed(matrix: DataFrame) -> dict[str, str]:
     """Return the faults that are not noticed as the rules demand: name ↦ where, "in the plane" or "in space" or both.
 
     By the order or the size of the error, every fault must be noticed at its smallest size in two plane cases. In space
@@ -152,7 +152,7 @@ class SeedRecord:
 
     def write(self, directory: Path) -> Path:
         """Write the record into a result directory and return the path of the file."""
-        return write_csv(directory / "data" / SEEDS_FILE, pd.DataFrame(self.rows, columns=SEED_COLUMNS))
+        return write_csv(directory / "data" / SEEDS_FILE, DataFrame(self.rows, columns=SEED_COLUMNS))
 
     def pending(self) -> Seed | None:
         """Return the seed that was drawn but not yet judged; None if there is none."""

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from pandas import DataFrame, Series
 
 from study.ledger.files import Json, write_packed, write_text
 from study.ledger.schema import SCHEMA, TEXT_COLUMNS
@@ -36,7 +37,7 @@ class DataError(ValueError):
     """
 
 
-def read_csv(directory: Path, name: str, columns: Collection[str] = ()) -> pd.DataFrame:
+def read_csv(directory: Path, name: str, columns: Collection[str] = ()) -> DataFrame:
     """Return the table in the file ``directory/data/name`` of a run.
 
     Parameters:
@@ -52,7 +53,7 @@ def read_csv(directory: Path, name: str, columns: Collection[str] = ()) -> pd.Da
     return read_checked(directory / "data" / name, name, again, columns)
 
 
-def read_checked(path: Path, name: str, command: str, columns: Collection[str] = ()) -> pd.DataFrame:
+def read_checked(path: Path, name: str, command: str, columns: Collection[str] = ()) -> DataFrame:
     """Return a table whose cells have the units of ``SCHEMA``: text, numbers, or empty cells where they are allowed.
 
     Columns that the file lacks are not read, so that files of an older program can be read. The parameters are those of
@@ -122,7 +123,7 @@ def planned_keys(provenance: Mapping[str, Any]) -> list[Key]:
     return [*flatten(provenance.get("planned", {}), ())]
 
 
-def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFrame:
+def read_table(path: Path, columns: Collection[str], command: str) -> DataFrame:
     """Return a table from a CSV file; empty cells of text are "", empty cells of numbers are NaN.
 
     Parameters:
@@ -168,7 +169,7 @@ def line(row: int) -> int:
     return row + 2
 
 
-def refuse_repeated(path: Path, table: pd.DataFrame, key: Sequence[str], mend: str) -> None:
+def refuse_repeated(path: Path, table: DataFrame, key: Sequence[str], mend: str) -> None:
     """Raise an error if two rows of a table have the same key.
 
     Parameters:
@@ -189,7 +190,7 @@ def refuse_repeated(path: Path, table: pd.DataFrame, key: Sequence[str], mend: s
         )
 
 
-def write_csv(path: Path, table: pd.DataFrame) -> Path:
+def write_csv(path: Path, table: DataFrame) -> Path:
     """Write a table as CSV with 12 digits and Unix line ends, and return the path.
 
     If writing is interrupted, the old file remains.
@@ -197,7 +198,7 @@ def write_csv(path: Path, table: pd.DataFrame) -> Path:
     return write_text(path, table_text(table))
 
 
-def table_text(table: pd.DataFrame) -> str:
+def table_text(table: DataFrame) -> str:
     """Return the text of the CSV file that ``write_csv`` writes."""
     return str(table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
 
@@ -214,7 +215,7 @@ class CsvFile:
 
     name: str
     derived: tuple[str, ...] = ()
-    derive: Callable[[pd.DataFrame], pd.DataFrame] = pd.DataFrame.copy
+    derive: Callable[[DataFrame], DataFrame] = DataFrame.copy
 
     @property
     def key(self) -> tuple[str, ...]:
@@ -228,13 +229,13 @@ class CsvFile:
 
     def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
         """Write all rows into the file in the folder ``data`` and return its path, as a list."""
-        return [write_csv(data / self.name, self.derive(pd.DataFrame(rows, columns=self.columns)))]
+        return [write_csv(data / self.name, self.derive(DataFrame(rows, columns=self.columns)))]
 
-    def read(self, directory: Path) -> pd.DataFrame:
+    def read(self, directory: Path) -> DataFrame:
         """Return the table from the file in a result directory; raises DataError if it is missing or damaged."""
         return read_csv(directory, self.name)
 
-    def keys(self, table: pd.DataFrame) -> set[Key]:
+    def keys(self, table: DataFrame) -> set[Key]:
         """Return the keys of all rows of a table, as texts.
 
         A key is a tuple of the name of the file and the cells of the key columns.
@@ -267,7 +268,7 @@ DataFile = CsvFile | JsonFiles
 """A file or folder into which measurements are written."""
 
 
-def read_rates(directory: Path) -> pd.DataFrame:
+def read_rates(directory: Path) -> DataFrame:
     """Return the table ``rates.csv``, sorted by levels, with a new column ``discrete_order``.
 
     This column has the observed orders of the discrete error, the distance between the interpolant of the exact
@@ -290,7 +291,7 @@ def read_rates(directory: Path) -> pd.DataFrame:
     return rates.assign(discrete_order=in_series(rates, "discrete_error"))
 
 
-def expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
+def expected_orders(directory: Path, rates: DataFrame) -> dict[str, float]:
     """Return case ↦ expected order of the error, from ``cases.csv``.
 
     Raises:
@@ -304,7 +305,7 @@ def expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
     return orders
 
 
-def read_claims(directory: Path) -> pd.DataFrame:
+def read_claims(directory: Path) -> DataFrame:
     """Return ``claims.csv``, the table of all checks.
 
     Raises:
@@ -320,18 +321,18 @@ def read_claims(directory: Path) -> pd.DataFrame:
     return claims
 
 
-def count_verdicts(claims: pd.DataFrame) -> dict[str, int]:
+def count_verdicts(claims: DataFrame) -> dict[str, int]:
     """Return the number of checks with each verdict."""
     return {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}
 
 
-def count_kinds(claims: pd.DataFrame) -> dict[str, int]:
+def count_kinds(claims: DataFrame) -> dict[str, int]:
     """Return the number of checks that hold, for each kind of check (``CheckKind``)."""
     kinds = claims.loc[claims["verdict"] == HOLDS, "kind"]
     return {str(name): int((kinds == name).sum()) for name in CheckKind}
 
 
-def by_claim(claims: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
+def by_claim(claims: DataFrame) -> Iterator[tuple[str, str, DataFrame]]:
     """Divide the table of all checks by statements, in the order of the ledger.
 
     Yields:
@@ -341,26 +342,26 @@ def by_claim(claims: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
         yield str(label), str(claim), rows
 
 
-def with_orders(table: pd.DataFrame) -> pd.DataFrame:
+def with_orders(table: DataFrame) -> DataFrame:
     """Return a table of errors with their observed orders in a new column ``order`` after the column ``time_share``."""
     completed = table.copy()
     completed.insert(table.columns.tolist().index("time_share") + 1, "order", in_series(table, "error"))
     return completed
 
 
-def in_series(table: pd.DataFrame, column: str) -> pd.Series:
+def in_series(table: DataFrame, column: str) -> Series:
     """Return for each row of a table the observed order of a column between this level and the level before, (rows,).
 
     Rows with the same proposition, case, mesh family and time scheme belong together. The order is NaN on the first
     level.
     """
-    orders = pd.Series(np.nan, table.index)
+    orders = Series(np.nan, table.index)
     for _, group in table.groupby(SERIES, sort=False):
         orders[group.index] = since_before(group, column)
     return orders
 
 
-def since_before(table: pd.DataFrame, column: str) -> NDArray[np.float64]:
+def since_before(table: DataFrame, column: str) -> NDArray[np.float64]:
     """Return for each level the observed order between this level and the level before, (levels,).
 
     The order is NaN on the first level. It is also NaN if an error is zero, negative or not finite.

@@ -8,8 +8,8 @@ and the measured numbers.
 from collections.abc import Callable
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
+from pandas import DataFrame
 
 import study.orders
 from study.orders import consecutive_orders
@@ -82,7 +82,7 @@ def limit(h: Array, error: Array, order: float) -> float:
     return float((e[1] * x[0] - e[0] * x[1]) / (x[0] - x[1]) / e[1])
 
 
-Value = Callable[[pd.DataFrame], float | Array]
+Value = Callable[[DataFrame], float | Array]
 """Function that computes a quantity, or several values of it, from the levels of one mesh family."""
 
 
@@ -120,7 +120,7 @@ def of_errors(column: str, evaluate: Callable[[Array, Array], float | Array], la
         last: number of finest levels that are used; 0 for all.
     """
 
-    def value(table: pd.DataFrame) -> float | Array:
+    def value(table: DataFrame) -> float | Array:
         used = table.tail(last) if last else table
         return evaluate(used["h"].to_numpy(), used[column].to_numpy())
 

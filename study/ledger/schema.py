@@ -8,7 +8,8 @@ and write the column where the rows are measured.
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-TEXT, COUNT = "text", "count"
+TEXT = "text"
+COUNT = "count"
 """Units of columns with text and with whole numbers. All measured quantities are dimensionless, with the unit 1."""
 
 

@@ -19,14 +19,15 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Protocol
 
-import pandas as pd
+from pandas import Series
 
 from convergence_orders.orders import FAILS as FAILS
 from convergence_orders.orders import HOLDS as HOLDS
 from convergence_orders.orders import UNDECIDED as UNDECIDED
 from study.ledger.window import Window, is_two_sided, position
 
-NO_ROW, NOT_TESTED = "no row", "not tested"
+NO_ROW = "no row"
+NOT_TESTED = "not tested"
 """Labels of rows that give the reason why a formula or statement of the paper has no check that can fail."""
 
 _FORMULA = re.compile(r"\((\d)\.(\d+)\)(?:–\((\d)\.(\d+)\))?")
@@ -51,7 +52,8 @@ def named(text: str) -> set[str]:
     return found
 
 
-REPORTED, MISSED = "reported", "missed"
+REPORTED = "reported"
+MISSED = "missed"
 VERDICTS = (HOLDS, REPORTED, MISSED, UNDECIDED, FAILS)
 """The possible verdicts on a check, from best to worst."""
 ROW_KEY = ("label", "key", "case", "family")
@@ -170,7 +172,7 @@ def exit_code(verdicts: Sequence[Verdict]) -> int:
     return 1 if FAILS in found else 3 if UNDECIDED in found or not found else 0
 
 
-def window_share(row: pd.Series) -> float:
+def window_share(row: Series) -> float:
     """Return how near a check is to the end of its tolerance window, as a share of the window.
 
     The result is 1 for a value at an end of the window. It is 0 for a value in the middle of a window with two ends. If
@@ -182,7 +184,7 @@ def window_share(row: pd.Series) -> float:
     return max(_shares(row), default=(math.nan, math.nan))[0]
 
 
-def worst_value(row: pd.Series) -> float:
+def worst_value(row: Series) -> float:
     """Return the worst value of a check: nearest to an end of its tolerance window, or farthest outside.
 
     If there is no window, it is the observed value.
@@ -193,7 +195,7 @@ def worst_value(row: pd.Series) -> float:
     return max(_shares(row), default=(math.nan, row.observed))[1]
 
 
-def agreement(found: Verdict | pd.Series) -> str:
+def agreement(found: Verdict | Series) -> str:
     """Return whether a prediction, for which no claim is made, was met, wrong or undecided.
 
     Parameters:
@@ -205,7 +207,7 @@ def agreement(found: Verdict | pd.Series) -> str:
     return "met" if inside and not math.isnan(found.observed) else "undecided"
 
 
-def _shares(row: pd.Series) -> list[tuple[float, float]]:
+def _shares(row: Series) -> list[tuple[float, float]]:
     """Return the values of a check that were compared with its tolerance window, each after the share that it uses.
 
     These are both ends of the range. If the check holds although its range reaches beyond the window, it is the

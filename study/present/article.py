@@ -7,7 +7,7 @@ plain text, which ``encode`` turns into LaTeX.
 from collections.abc import Sequence
 from pathlib import Path
 
-import pandas as pd
+from pandas import DataFrame, Series
 
 from study.ledger.codes import Codes
 from study.ledger.controls import summary
@@ -25,9 +25,19 @@ from study.ledger.verdict import (
     window_share,
     worst_value,
 )
-from study.present.notation import encode, folding, read_page, tabular
 from study.present.tables import RUN_TABLES
-from study.present.templates import EVIDENCE_TITLES, MISPRINTS, FullRun, context, evidence, render
+from study.present.templates import (
+    EVIDENCE_TITLES,
+    MISPRINTS,
+    FullRun,
+    context,
+    encode,
+    evidence,
+    folding,
+    read_page,
+    render,
+    tabular,
+)
 
 ARTICLE_TEXTS = read_page("article")
 """Titles of groups of statements, and headings and columns of tables."""
@@ -115,7 +125,7 @@ def verdicts(data: FullRun) -> PlainRows:
     return body
 
 
-def numbers_of_others(rows: pd.DataFrame) -> list[str]:
+def numbers_of_others(rows: DataFrame) -> list[str]:
     """Return the numbers of checks that fail or are undecided, of wrong predictions, and of reported numbers."""
     count = count_verdicts(rows)
     return [str(number) for number in (count[FAILS] + count[UNDECIDED], count[MISSED], count[REPORTED])]
@@ -144,7 +154,7 @@ def ledger(data: FullRun) -> str:
     for label, claim, rows in by_claim(data.claims):
         judged = rows[~rows["verdict"].isin(UNCLAIMED)]
         nearest = ["–", ""]
-        shares = pd.Series({at: window_share(row) for at, row in judged.iterrows()}, dtype=float).dropna()
+        shares = Series({at: window_share(row) for at, row in judged.iterrows()}, dtype=float).dropna()
         if len(shares):
             row = judged.loc[shares.idxmax()]
             nearest = [f"{row['quantity']} ({row['case']})", f"{three_digits(worst_value(row))}; {window_ends(row)}"]
@@ -154,7 +164,7 @@ def ledger(data: FullRun) -> str:
     return "".join(heading.format(encode(title)) + latex("ledger", body) for title, body in bodies.items())
 
 
-def window_ends(row: pd.Series) -> str:
+def window_ends(row: Series) -> str:
     """Return a tolerance window as text: an interval; one inequality if an end is infinite or the lower end is 0."""
     low, high = (f"{float(row[name]):.4g}" for name in ("window_low", "window_high"))
     if low in ("0", "-inf"):
@@ -185,19 +195,19 @@ def catalogue(data: FullRun) -> PlainRows:
     return data.cases.assign(law=laws)[["case", "summary", "law"]].to_numpy().tolist()
 
 
-def cases_of(data: FullRun, label: str) -> pd.DataFrame:
+def cases_of(data: FullRun, label: str) -> DataFrame:
     """Return a table of the cases of a proposition with their names and regularities; the index has their names."""
     names = data.rates.loc[data.rates["claim"] == label, "case"].unique()
     shorter = {"strain with a jump inside cells": "jump inside cells", " front, ": ", "}
     return data.cases.loc[names, ["case", "regularity"]].replace({"regularity": shorter}, regex=True)
 
 
-def measured(data: FullRun, label: str, key: str, *columns: str, scale: float = 1) -> pd.Series:
+def measured(data: FullRun, label: str, key: str, *columns: str, scale: float = 1) -> Series:
     """Return case ↦ the values of a check in some columns, times a scale, with two decimals."""
     rows = data.labelled(label)
     rows = rows[rows["key"] == key].drop_duplicates("case").set_index("case")
     values = scale * rows[[*columns]].to_numpy()
-    return pd.Series([*map(decimals, values)], rows.index, dtype=object)
+    return Series([*map(decimals, values)], rows.index, dtype=object)
 
 
 def three_digits(value: float) -> str:
@@ -226,7 +236,7 @@ def smooth(data: FullRun) -> PlainRows:
     return plain_rows(cells)
 
 
-def plain_rows(cells: pd.DataFrame) -> PlainRows:
+def plain_rows(cells: DataFrame) -> PlainRows:
     """Return the rows of a table of texts, with a dash in empty cells."""
     return cells.fillna("–").to_numpy().tolist()
 

@@ -9,18 +9,18 @@ from itertools import cycle
 from typing import Any
 
 import numpy as np
-from matplotlib import patches
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import BoundaryNorm, Colormap, LinearSegmentedColormap, Normalize, PowerNorm
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
-from numpy.typing import NDArray
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, PURPLE, SKY, VERMILLION
+from study.ledger.pictures import Numbers
 from study.present.drawing import (
     FOUNDATION,
     FOUNDATION_EDGE,
@@ -110,7 +110,7 @@ def view_of(picture: Picture) -> Array:
     return np.array([right, np.cross(towards, right), towards])
 
 
-def drawing_order(view: Array, x: Array, cells: NDArray[np.int64]) -> NDArray[np.int64]:
+def drawing_order(view: Array, x: Array, cells: Numbers) -> Numbers:
     """Return the indices of the triangles that face the eye, in the order in which they must be drawn.
 
     In 3D the farthest triangle comes first, so that nearer triangles hide it. In 2D, where no triangle hides another,
@@ -227,11 +227,11 @@ def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) 
     """
     ends = face.x[:, [face.s.argmin(), face.s.argmax()]]
     ground = band(ends, THICKNESS * scale.size * face.normal[:, None])
-    axes.add_patch(patches.Polygon(ground.T, facecolor=FOUNDATION, edgecolor="none", zorder=0.5))
+    axes.fill(*ground, facecolor=FOUNDATION, edgecolor="none", zorder=0.5)
     axes.plot(*ends, color=FOUNDATION_EDGE, lw=0.6, solid_capstyle="butt", zorder=2.5)
     if scale.gap > NEGLIGIBLE_CONTACT:
         depth = ARROW_LENGTH * scale.size * face.gap[instant].clip(0) / scale.gap * face.normal[:, None]
-        axes.add_patch(patches.Polygon(band(face.x, depth).T, **GAP_STYLE, zorder=0.6))
+        axes.fill(*band(face.x, depth), **GAP_STYLE, zorder=0.6)
     for interval in face.computed_zone(instant):
         points = [np.interp(interval, face.s, component) for component in face.x]
         axes.plot(*points, color=BLACK, lw=1.8, solid_capstyle="butt", zorder=2.6)
@@ -304,7 +304,7 @@ def draw_keys(
         handles.append(dots("vertices in contact", color=BLACK, ms=2, mew=0))
     else:
         handles += [
-            patches.Patch(facecolor=FOUNDATION, edgecolor=FOUNDATION_EDGE, label="foundation"),
+            Patch(facecolor=FOUNDATION, edgecolor=FOUNDATION_EDGE, label="foundation"),
             dots(
                 f"contact pressure, at most {scale.pressure:.3g}",
                 color=VERMILLION,
@@ -315,7 +315,7 @@ def draw_keys(
             entry("computed contact zone", color=BLACK, lw=1.8),
         ]
         if scale.gap > NEGLIGIBLE_CONTACT:
-            handles.append(patches.Patch(**GAP_STYLE, label=f"gap, at most {scale.gap:.3g}"))
+            handles.append(Patch(**GAP_STYLE, label=f"gap, at most {scale.gap:.3g}"))
     legend(figure, [*handles, *more], columns=columns, wide=True)
 
 
@@ -356,7 +356,8 @@ def caption_body(picture: Picture) -> str:
     )
 
 
-ZONE_POINTS, ZONE_CUT = 401, 0.01
+ZONE_POINTS = 401
+ZONE_CUT = 0.01
 """The number of positions along a face at which the exact zone is drawn, and the largest depth inside of it."""
 MAP_LEVELS = 10
 """The number of colours of a map."""
@@ -428,7 +429,7 @@ def _draw_zone_of_face(axes: Axes, face: Segment, faces: int) -> None:
 
 def _zone_handles(picture: Picture) -> list[Artist]:
     """Return the legend entries of the exact zone, of nodes in contact, and of nodes in contact outside of the zone."""
-    exact = patches.Patch(facecolor=(SKY, 0.45), edgecolor=VERMILLION, label=r"exact zone, $w=0$")
+    exact = Patch(facecolor=(SKY, 0.45), edgecolor=VERMILLION, label=r"exact zone, $w=0$")
     handles = [exact, dots(r"nodes in contact, $p^h>0$", ms=2.5, **INSIDE_STYLE)]
     if any(face.outside.any() for face in picture.faces):
         handles.append(dots("nodes in contact outside of it", ms=2.5, **STRAY))
@@ -657,17 +658,12 @@ def draw_sketch() -> Figure:
     axes = figure.subplots()
     s = np.linspace(0, wide, 61)
     gap = 0.28 * np.maximum(s - front, 0) ** 2
-    outline = np.vstack([np.column_stack([s, gap]), [[wide, high], [0, high]]])
-    axes.add_patch(patches.Polygon(outline, facecolor=RAMPS["stress"][0], edgecolor=BLACK, linewidth=0.8))
-    axes.add_patch(
-        patches.Rectangle((0, high), wide, 0.05, facecolor="none", edgecolor=DARK, linewidth=0, hatch="/////")
-    )
+    axes.fill([*s, wide, 0], [*gap, high, high], facecolor=RAMPS["stress"][0], edgecolor=BLACK, linewidth=0.8)
+    axes.add_patch(Rectangle((0, high), wide, 0.05, facecolor="none", edgecolor=DARK, linewidth=0, hatch="/////"))
     axes.plot([0, wide], [high, high], color=DARK, lw=1.6)
     axes.plot(s, gap, color=BLUE, lw=1.6)
 
-    axes.add_patch(
-        patches.Rectangle((-0.12, -0.09), wide + 0.24, 0.09, facecolor=FOUNDATION, edgecolor="none", zorder=0.5)
-    )
+    axes.add_patch(Rectangle((-0.12, -0.09), wide + 0.24, 0.09, facecolor=FOUNDATION, edgecolor="none", zorder=0.5))
     axes.plot([-0.12, wide + 0.12], [0, 0], color=FOUNDATION_EDGE, lw=0.6, zorder=0.6)
     axes.fill_between(s, 0 * s, gap, **GAP_STYLE)
     for at in np.arange(0.06, front, 0.12):

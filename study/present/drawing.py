@@ -10,7 +10,6 @@ from itertools import cycle
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
 from cycler import cycler
 from matplotlib import rc_context, rc_params_from_file, rcParams
 from matplotlib.artist import Artist
@@ -18,12 +17,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pgf import LatexError
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from pandas import DataFrame
 
 from manufactured.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION
 from study.ledger.datafiles import DataError
 from study.ledger.files import UsageError, write_text, write_whole
-from study.present.notation import read_page
-from study.present.templates import ENVIRONMENT
+from study.present.templates import ENVIRONMENT, read_page
 
 OUTLINE, RIM = "0.35", "0.4"
 FOUNDATION, FOUNDATION_EDGE, TRIANGLE = "0.82", "0.25", "0.93"
@@ -37,6 +36,8 @@ RAMPS = {
 
 Larger values have darker colours, so that figures can be read in grey; small values leave the mesh visible.
 """
+RunMap = Callable[..., Iterable[Any]]
+"""``map``, or the method ``map`` of an executor, which makes several things at a time."""
 Style = dict[str, Any]
 """Properties of a line, as Matplotlib names them."""
 FAMILY_STYLES: dict[str, Style] = {
@@ -79,7 +80,7 @@ class Drawing:
     summary: str
     case: str = ""
     sheet: bool = False
-    table: Callable[[], pd.DataFrame | None] = lambda: None
+    table: Callable[[], DataFrame | None] = lambda: None
 
     @property
     def alternative(self) -> str:
@@ -214,7 +215,7 @@ def dots(label: str, **style: Any) -> Line2D:
 def draw_figures(
     directory: Path,
     chosen: Sequence[Drawing],
-    run_map: Callable[..., Iterable[list[Path]]] = map,
+    run_map: RunMap = map,
     progress: Callable[[int, int, str], None] = lambda done, total, name: None,
     output: Output = ARTICLE,
 ) -> list[Path]:

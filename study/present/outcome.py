@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
+from pandas import DataFrame
 from tabulate import tabulate
 
 from convergence_orders.printing import printable
@@ -24,8 +25,7 @@ from study.ledger.verdict import (
     VERDICTS,
     Verdict,
 )
-from study.present.notation import read_page
-from study.present.templates import ENVIRONMENT
+from study.present.templates import ENVIRONMENT, read_page
 
 SENTENCES: dict[str, str] = read_page("texts")["printed"]
 """Name of a printed sentence ↦ its template."""
@@ -75,7 +75,7 @@ def orders_text(directory: Path) -> str:
     return f"observed orders of the error over two refinements differ from the predicted ones by {low} to {high}"
 
 
-def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
+def ledger_text(claims: DataFrame, orders: str = "") -> str:
     """Return the ledger as ``study run`` prints it: statements with their verdicts, failed checks, and a summary.
 
     There is a row for each statement with the number of cases and the number of checks with each verdict. Then all
@@ -147,7 +147,7 @@ def observed_text(observed: float, low: float, high: float) -> str:
     return f"at least {cell(low)}" if math.isinf(high) else f"{cell(observed)} in [{cell(low)}, {cell(high)}]"
 
 
-def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bool, shown: int) -> list[object]:
+def _rates_row(series: DataFrame, predicted: Mapping[str, float], schemes: bool, shown: int) -> list[object]:
     """Return the cells of a row of ``rates_text``.
 
     Parameters:
@@ -201,8 +201,8 @@ NAME_WIDTH = 20
 
 def bounds_text(
     name: str,
-    table: pd.DataFrame,
-    over_time: pd.DataFrame,
+    table: DataFrame,
+    over_time: DataFrame,
     sentences: Sequence[str],
     in_time: bool = True,
     names: Sequence[str] = (),
@@ -243,7 +243,7 @@ def worst_tenth(squares: Sequence[float]) -> str:
 
 
 def adaptive_text(
-    name: str, rows: pd.DataFrame, tolerance: str, stopped: str, sentences: Sequence[str], in_time: bool = True
+    name: str, rows: DataFrame, tolerance: str, stopped: str, sentences: Sequence[str], in_time: bool = True
 ) -> list[str]:
     """Return the printed lines: a verdict on the tolerance and on the bound, and one line for each mesh.
 
@@ -291,7 +291,7 @@ def aligned(columns: Mapping[str, Iterable[object]]) -> list[str]:
     return [" ".join(f"{cell:>{k}}" for k, cell in zip(widths, line, strict=True)).rstrip() for line in lines]
 
 
-def _over_time(over_time: pd.DataFrame, known: bool, name: str) -> list[str]:
+def _over_time(over_time: DataFrame, known: bool, name: str) -> list[str]:
     """Return lines with the interval of the error on the finest level, at up to ``SHOWN_TIMES`` times."""
     finest = over_time[over_time["level"] == over_time["level"].max()]
     rows = list(finest.iloc[np.unique(np.linspace(0, len(finest) - 1, SHOWN_TIMES).round().astype(int))].itertuples())
@@ -307,7 +307,7 @@ def _over_time(over_time: pd.DataFrame, known: bool, name: str) -> list[str]:
     return [name or f"level {finest['level'].iloc[0]}", *aligned(columns)]
 
 
-def _intervals(table: pd.DataFrame, known: bool, in_time: bool = True, names: Sequence[str] = ()) -> list[str]:
+def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Sequence[str] = ()) -> list[str]:
     """Return lines with the interval of the error on each mesh, then lines with the intervals of the orders.
 
     Names of more than ``NAME_WIDTH`` characters are cut, so that a line has at most 80 characters.

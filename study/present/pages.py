@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
+from pandas import DataFrame
 
 from manufactured.colours import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.fem.mesh import FAMILIES
@@ -34,14 +34,17 @@ from study.ledger.verdict import (
 from study.present.article import contact_codes, slips, texts
 from study.present.drawing import caption_text, in_style
 from study.present.figures import drawings
-from study.present.notation import read_page, typeset
 from study.present.picture import Picture, picture_path, read_record
 from study.present.show import write_gif
-from study.present.templates import ENVIRONMENT, MISPRINTS, FullRun, context, render
+from study.present.templates import ENVIRONMENT, MISPRINTS, FullRun, context, read_page, render, typeset
 
-BY_TABLES, BY_FIGURES, BY_PAGES = "study tables --out {}", "study figures --out {}", "make pages"
+BY_TABLES = "study tables --out {}"
+BY_FIGURES = "study figures --out {}"
+BY_PAGES = "make pages"
 """The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
-README_FILM, README_DPI, README_COLOURS = "hexagon", 66, 32
+README_FILM = "hexagon"
+README_DPI = 66
+README_COLOURS = 32
 """The case that the animation at the top of the README shows, its dots per inch, and the number of its colours."""
 TEXTS = read_page("results")
 """Texts about the results, which are templates."""
@@ -188,7 +191,7 @@ def results(data: FullRun) -> str:
     return _table(["claim", "predicted", "observed", "verdict"], lines)
 
 
-def _verdict(claims: pd.DataFrame, line: Mapping[str, Any]) -> str:
+def _verdict(claims: DataFrame, line: Mapping[str, Any]) -> str:
     """Return the worst verdict on a statement, and how many of its checks have each verdict.
 
     Then follows how many of them can only fail if the program is wrong.
@@ -215,7 +218,7 @@ def _verdict(claims: pd.DataFrame, line: Mapping[str, Any]) -> str:
     )
 
 
-def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
+def verdicts_in_words(rows: DataFrame, noun: str) -> str:
     """Return "all 44 checks hold" or the number of checks for each verdict, then the number of missed predictions.
 
     ``noun`` is what the checks are called, in the plural.
@@ -278,7 +281,7 @@ def statements(data: FullRun) -> str:
     return markdown(["claim, with its code", "checks", "cases", "command", "tables and figures; data"], lines)
 
 
-def _verdicts(rows: pd.DataFrame) -> str:
+def _verdicts(rows: DataFrame) -> str:
     """Return the number of checks with each verdict, as in "3 holds, 1 undecided"."""
     return ", ".join(f"{count} {name}" for name, count in count_verdicts(rows).items() if count)
 

@@ -2,17 +2,16 @@
 
 import re
 from base64 import b64encode
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from hashlib import sha256
 from io import BytesIO, StringIO
 from itertools import repeat
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import pandas as pd
 from markupsafe import Markup
 from matplotlib import rcParams
+from pandas import DataFrame
 from PIL import Image
 
 from study.ledger.datafiles import (
@@ -25,21 +24,23 @@ from study.ledger.datafiles import (
     read_csv,
     read_rates,
 )
-from study.ledger.files import write_text
+from study.ledger.files import Json, write_text
 from study.ledger.text import cell, significant
 from study.present import tables
 from study.present.charts import enclosed_series, finest_orders, order_differences
-from study.present.drawing import Drawing, Output, in_style
+from study.present.drawing import Drawing, Output, RunMap, in_style
 from study.present.figures import figure
-from study.present.notation import counted, read_page, typeset
 from study.present.outcome import orders_text, printed
 from study.present.picture import Picture, picture_path, read_record
 from study.present.show import film_images, image_of
 from study.present.tables import Table
-from study.present.templates import render
+from study.present.templates import counted, read_page, render, typeset
 
 CHECKS = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
-FRAME_STEP, FRAME_DPI, ZONE_DPI, QUALITY = 4, 110, 160, 25
+FRAME_STEP = 4
+FRAME_DPI = 110
+ZONE_DPI = 160
+QUALITY = 25
 """Animations show every fourth time; dots per inch of their images and of contact zones; WebP quality, 0 to 100."""
 WEB = Output("web")
 
@@ -47,7 +48,7 @@ PAGE_TEXTS = read_page("texts")
 """Texts of the page: ``meanings``, verdict ↦ its meaning, and ``letters``, table or place ↦ symbol ↦ its meaning."""
 
 
-def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[..., Iterable[Any]] = map) -> Path:
+def write_report(directory: Path, provenance: Json, run_map: RunMap = map) -> Path:
     """Write the report page ``directory/report.html`` from the files in ``directory/data``, and return its path.
 
     Parameters:
@@ -65,7 +66,7 @@ def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[
     predicted = expected_orders(directory, rates)
     statements = provenance.get("statements", {})
     # A statement with the code files that judge it and its checks. A label with two statements gives two groups.
-    groups: list[dict[str, Any]] = [
+    groups: list[Json] = [
         {
             "label": label,
             "says": says,
@@ -94,7 +95,7 @@ def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[
     return write_text(directory / "report.html", render("page.html", PAGE_TEXTS | values) + "\n")
 
 
-def all_rows(directory: Path) -> pd.DataFrame:
+def all_rows(directory: Path) -> DataFrame:
     """Return the texts of all cells of the ledger."""
     return tables.all_checks(directory).map(cell)
 
@@ -107,12 +108,10 @@ def _files(directory: Path) -> Table:
         name = path.relative_to(data).as_posix()
         content = path.read_bytes()
         rows.append({"file": name, "size": significant(len(content) / 1000), "sha": sha256(content).hexdigest()})
-    return Table.of("files", pd.DataFrame(rows), grouped=0)
+    return Table.of("files", DataFrame(rows), grouped=0)
 
 
-def case_pages(
-    directory: Path, claims: pd.DataFrame, rates: pd.DataFrame, run_map: Callable[..., Iterable[Any]]
-) -> list[dict[str, Any]]:
+def case_pages(directory: Path, claims: DataFrame, rates: DataFrame, run_map: RunMap) -> list[Json]:
     """Return the texts, pictures and tables of each case on the report page, in the order of ``cases.csv``.
 
     The entries of a case are
@@ -160,7 +159,7 @@ def case_pages(
     return [page | drawn for page, drawn in zip(pages, pictures, strict=True)]
 
 
-def draw_case(directory: Path, case: str, charts: Sequence[Drawing]) -> dict[str, Any]:
+def draw_case(directory: Path, case: str, charts: Sequence[Drawing]) -> Json:
     """Return the pictures of a case: ``charts`` in HTML, the number of contact ``faces``, ``frames``, and ``zone``.
 
     ``frames`` are the images of the animation, each as its text and its address, which contains the image. ``zone`` is

@@ -1,11 +1,10 @@
 """The files of ``study show``: a storyboard and an animation of one case, and files for ParaView."""
 
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import meshio  # type: ignore[import-untyped]
@@ -20,7 +19,7 @@ from matplotlib.patches import Patch
 from PIL import Image
 
 from manufactured.colours import BLACK, SKY, VERMILLION
-from study.ledger.files import write_text, write_whole
+from study.ledger.files import Json, write_text, write_whole
 from study.ledger.pictures import MeshFields, MeshSeries
 from study.present.body import (
     NEGLIGIBLE_CONTACT,
@@ -35,12 +34,15 @@ from study.present.body import (
 from study.present.drawing import RAMPS, RIM, column_width, dots, entry, in_style, page_width
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment
 
-MOMENTS, COLUMNS = 6, 3
+MOMENTS = 6
+COLUMNS = 3
 """The number of images of the storyboard, and the number of its columns."""
-STORYBOARD_DPI, FILM_DPI = 200, 110
+STORYBOARD_DPI = 200
+FILM_DPI = 110
 GIF_COLOURS = 128
 """The number of colours of a GIF; with much fewer colours, small arrows get the colour of the stress around them."""
-PER_SECOND, HOLD = 8, 1000
+PER_SECOND = 8
+HOLD = 1000
 """The frames per second of animations, and the milliseconds for which a GIF shows its last frame."""
 
 
@@ -48,7 +50,7 @@ NO_FFMPEG = "ffmpeg is missing: install it, or `python -m pip install imageio-ff
 
 
 def draw_show(
-    record: Mapping[str, Any], series: MeshSeries, directory: Path, notify: Callable[[], object] = lambda: None
+    record: Json, series: MeshSeries, directory: Path, notify: Callable[[], object] = lambda: None
 ) -> tuple[list[Path], list[str]]:
     """Write ``storyboard.png``, ``animation.gif``, ``animation.mp4`` and ``vtk/`` into a directory.
 

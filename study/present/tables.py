@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from pandas import DataFrame, Series
 
 from study.ledger.controls import summary
 from study.ledger.datafiles import read_claims, read_csv, read_rates, since_before
 from study.ledger.text import cell
 from study.ledger.verdict import NOWHERE
-from study.present.notation import encode, folding, prose, read_page
-from study.present.templates import render
+from study.present.templates import encode, folding, prose, read_page, render
 
 TABLE_COLUMNS: dict[str, list[dict[str, Any]]] = read_page("tables")
 """Name of a table ↦ groups of columns: the kind of the columns ↦ names and headings, and perhaps their width."""
@@ -72,15 +72,15 @@ class Table:
 
     name: str
     columns: Sequence[Column]
-    cells: pd.DataFrame
+    cells: DataFrame
     grouped: int = 0
 
     @classmethod
-    def of(cls, name: str, values: pd.DataFrame, grouped: int = 2) -> Table:
+    def of(cls, name: str, values: DataFrame, grouped: int = 2) -> Table:
         """Return the table with the columns of ``page/tables.toml`` and these values."""
         columns = columns_of(name)
         cells = {column.name: [column.text(value) for value in values[column.name]] for column in columns}
-        return cls(name, columns, pd.DataFrame(cells, dtype=str), grouped)
+        return cls(name, columns, DataFrame(cells, dtype=str), grouped)
 
     @property
     def rows(self) -> list[list[str]]:
@@ -122,7 +122,7 @@ def rates(directory: Path) -> Table:
     return Table.of("rates", values.assign(time_share_percent=100 * values["time_share"]), grouped=4)
 
 
-def all_checks(directory: Path) -> pd.DataFrame:
+def all_checks(directory: Path) -> DataFrame:
     """Return ``claims.csv`` with empty cells ``low`` and ``high`` instead of the range −∞ to ∞.
 
     This range means that nothing was measured.
@@ -138,7 +138,7 @@ def ledger(directory: Path) -> Table:
     The row has the range of their observed values, the smallest low end and the largest high end.
     """
 
-    def few_names(cases: pd.Series) -> str:
+    def few_names(cases: Series) -> str:
         names = cases.unique()
         return ", ".join(names) if len(names) <= 3 else f"{len(names)} cases"
 
@@ -179,7 +179,7 @@ def faults(directory: Path) -> Table | None:
 RUN_TABLES: tuple[Callable[[Path], Table | None], ...] = (rates, ledger, equivalence, stresses, bounds, faults)
 
 
-def _read(directory: Path, name: str, *more: str) -> pd.DataFrame:
+def _read(directory: Path, name: str, *more: str) -> DataFrame:
     """Return the data file of a table; raise DataError if it is missing or lacks a column of the table."""
     derived = ("order", "time_share_percent") if name == "stresses" else ()
     names = [column.name for column in columns_of(name) if column.name not in derived]

@@ -1,8 +1,14 @@
-"""The data of a full run, and the templates that papers, README, documentation and report make from them.
+"""How texts are made: notation in LaTeX and HTML, and templates with the data of a full run.
 
-In a template, ``checks(label, key)`` are the rows of ``claims.csv`` with this label and key, and a filter makes a text
-from them: ``{{ checks("Prop. 5.4", "order")|span }}`` is "0.92 to 1.00". Extreme values are rounded outwards, a
-smallest value down and a largest value up, so that no sentence claims more than was measured.
+The plain Unicode text of the data files becomes LaTeX or HTML: ‖u − u^h‖_V becomes \\(\\|u-u^{h}\\|_{V}\\). A word
+becomes part of a LaTeX formula if it contains a mathematical character, a superscript or a subscript, as u^h and max_n
+do. Single letters and numbers between two such words belong to the same formula. All other words are prose, in which
+special characters are escaped.
+
+Papers, README, documentation and report are made by templates. In a template, ``checks(label, key)`` are the rows of
+``claims.csv`` with this label and key, and a filter makes a text from them: ``{{ checks("Prop. 5.4", "order")|span }}``
+is "0.92 to 1.00". Extreme values are rounded outwards, a smallest value down and a largest value up, so that no sentence
+claims more than was measured.
 """
 
 from __future__ import annotations
@@ -10,12 +16,18 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Sequence
+import tomllib
+import unicodedata
+from collections.abc import Iterable, Sequence
+from functools import cache
+from itertools import accumulate, groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup, escape
+from pandas import DataFrame, Series
 
 from study.ledger.codes import MARCHES, Codes
 from study.ledger.controls import LARGEST_RATE, FalseAlarms, SeedRecord, in_words, missed, seeds_needed
@@ -27,10 +39,214 @@ from study.ledger.datafiles import (
     read_csv,
     read_rates,
 )
+from study.ledger.files import Json
 from study.ledger.text import above, below
 from study.ledger.verdict import NO_ROW, NOT_TESTED, UNCLAIMED, agreement
 from study.ledger.window import STEEPER
-from study.present.notation import counted, encode, read_page, typeset
+
+
+def read_page(name: str) -> dict[str, Any]:
+    """Return the texts in ``page/NAME.toml``."""
+    return tomllib.loads((Path(__file__).parent / "page" / f"{name}.toml").read_text(encoding="utf-8"))
+
+
+def _greek(letter: str) -> str:
+    r"""Return the LaTeX command of a Greek letter, such as \\Gamma for GREEK CAPITAL LETTER GAMMA."""
+    _, size, _, name = unicodedata.name(letter).split()
+    return "\\" + (name.capitalize() if size == "CAPITAL" else name.lower())
+
+
+_LATEX = read_page("notation")
+_GREEK = "ΓΔΘΠΣΦΨΩαβγδζηθκμνξπρστχψω"
+"""Letters whose names are LaTeX commands; others are in ``page/notation.toml``."""
+_SIGNS = _LATEX["formulas"].split()
+_COMMANDS: dict[str, str] = {letter: _greek(letter) for letter in _GREEK}
+_COMMANDS |= dict(zip(_SIGNS[::2], _SIGNS[1::2], strict=True))
+_ACCENTS = {"\u0307": r"\dot", "\u0308": r"\ddot", "\u0303": r"\tilde", "\u0302": r"\hat", "\u0304": r"\bar"}
+_RAISED = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ⁿ", "0123456789-+n", strict=True))
+_LOWERED = dict(zip("₀₁₂₃₄₅₆₇₈₉₋₊ₙ", "0123456789-+n", strict=True))
+_PROSE: dict[str, str] = _LATEX["prose"]
+
+# Γ3,i, L∞ and e∞ have no script marks in plain text but scripts in a formula.
+_LITERAL = re.compile(r"Γ\d(?:,\w)?|L∞|\be∞")
+_LITERALS = {"Γ": "Γ_{{{}}}", "L": "L^{}", "e": "e_{}"}
+_SCRIPT = re.compile(
+    r"(?:^|[^A-Za-z])(?:[A-Za-z][\u0300-\u036f]?|max|min|sup|inf|lim)[\^_]|\d\^|[)\]}][\^_]|^O\(|^[=<>]$|^\[-?[\d.]|^-[\d.]+[,;]?$"
+)
+_SHORT = re.compile(r"(?:\(?[B-HJ-Zb-z][)\]]?|[+/|]|\(?[-+]?[\d./]+[)\]]?|[A-Z]?\((?!.*[a-z]{2})[^()]*\))[,;]?")
+_TAIL = re.compile(r"[.,;:]+$")
+_SIGNED_NUMBER = re.compile(r"(-?)(?:[\d.]+|(inf))")
+# The subscript of u_lin is a word; elsewhere a script without braces is one character, as in P_hu.
+_TOKEN = re.compile(r"[\^_]\{(?:[^{}]|\{[^{}]*\})*\}|_lin\b|[\^_].|[A-Za-z]{2,}|.", re.DOTALL)
+
+_SPELLINGS = {"u̇(t)": "u̇", "~": "∼", "ᵀ": "^{T}", "𝓛": "L", "½": "^{1/2}", "Nv": "N v"}
+_PATTERNS = {
+    re.compile(r"\^(\d+(?:\.\d+)?)"): r"^{\1}",
+    re.compile(r"(?<![\d.])1e(?:\+|(-))0*(\d+)"): r"10^{\1\2}",
+    re.compile(r"(\d)e(?:\+|(-))0*(\d+)"): r"\1·10^{\2\3}",
+}
+"""Numbers in superscripts, powers of ten and their multiples, and how they are written with braces."""
+_RANGE = re.compile(r"-?[\d.]+–-?[\d.]+")
+_LETTER = re.compile(r"(?:[|(]*[A-HJ-Zb-z]|[|(]+a)(?:[(|);,:]+[A-Za-z0-9.]*)*|a[)|]+[;,]?")
+_TWO = re.compile(r"[a-z]{2}")
+
+
+@cache
+def encode(text: str) -> str:
+    """Return a line of plain Unicode text as LaTeX, with formulas where the text has mathematical words or letters.
+
+    Results are cached, because the columns of tables repeat few texts.
+    """
+    if _RANGE.fullmatch(text):
+        return "--".join(map(encode, text.split("–")))
+    if number := _SIGNED_NUMBER.fullmatch(text):
+        sign, infinity = number.groups()
+        return rf"\({sign}\infty\)" if infinity else rf"\({text}\)" if sign else text
+    for spelling, usual in _SPELLINGS.items():
+        text = text.replace(spelling, usual)
+    for pattern, braced in _PATTERNS.items():
+        text = pattern.sub(braced, text)
+    words = _LITERAL.sub(lambda match: _LITERALS[match[0][0]].format(match[0][1:]), text).split(" ")
+    parts = []
+    marked = zip(_kinds(words), _clauses(words), words, strict=True)
+    for (mathematical, _), run in groupby(marked, key=itemgetter(0, 1)):
+        text = " ".join(word for *_, word in run)
+        parts.append(_run(text) if mathematical else prose(text))
+    return " ".join(parts)
+
+
+def prose(text: str) -> str:
+    """Return text without formulas, such as a name, as LaTeX; characters that are not Latin are shown by their code."""
+    latin = {c for c in text if c.isascii() or ("LATIN" in unicodedata.name(c, "") and ord(c) < 0x180)}
+    return "".join(_PROSE.get(c) or (c if c in latin else rf"\texttt{{U+{ord(c):04X}}}") for c in text)
+
+
+def counted(number: int, noun: str) -> str:
+    """Return a number followed by a noun, in the plural if the number is not 1: "1 case", "2 cases"."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def folding(width: float) -> str:
+    """Return the LaTeX alignment of a column whose text is folded at a width, given as a fraction of the line width."""
+    return rf">{{\raggedright\arraybackslash}}p{{{width}\linewidth}}"
+
+
+def tabular(headings: Sequence[str], alignment: str, rows: Iterable[Sequence[str]]) -> str:
+    r"""Return a LaTeX table for a float; it needs the packages booktabs and array.
+
+    Parameters:
+        headings: the headings of the columns, in LaTeX.
+        alignment: the alignments of the columns.
+        rows: the cells, in LaTeX.
+    """
+    lines = [rf"\begin{{tabular}}{{@{{}}{alignment}@{{}}}}", r"\toprule", _row(headings), r"\midrule"]
+    return "\n".join([*lines, *map(_row, rows), r"\bottomrule", r"\end{tabular}", ""])
+
+
+def _row(cells: Sequence[str]) -> str:
+    return " & ".join(cells) + r" \\"
+
+
+def _kinds(words: Sequence[str]) -> list[bool]:
+    """Return whether each word of a line belongs to a formula.
+
+    It does if it contains mathematics, or if it is short and its neighbour belongs to a formula.
+    """
+    kinds = []
+    for word in words:
+        marked = any(c in _RAISED or c in _LOWERED or c in _COMMANDS for c in word) or bool(_SCRIPT.search(word))
+        dotted = any(c in "\u0307\u0303" for c in unicodedata.normalize("NFD", word))
+        few_letters = len(_TAIL.sub("", word)) <= 3
+        kinds.append(marked or (dotted and few_letters) or bool(_LETTER.fullmatch(word)))
+    short = [bool(_SHORT.fullmatch(word)) for word in words]
+    for i in range(1, len(words)):
+        before = words[i - 1]
+        kinds[i] |= short[i] and kinds[i - 1] and (before.startswith("[") or not _TAIL.search(before))
+    for i in reversed(range(len(words) - 1)):
+        kinds[i] |= short[i] and kinds[i + 1] and not words[i].endswith((";", ":"))
+    return kinds
+
+
+def _clauses(words: Sequence[str]) -> list[int]:
+    """Return the number of the clause of each word; a semicolon or a colon outside of parentheses ends a clause."""
+    ends = [word.endswith((";", ":")) and word.count("(") == word.count(")") for word in words]
+    return list(accumulate(ends[:-1], initial=0))
+
+
+def _run(text: str) -> str:
+    """Return words of mathematics as one formula, with the final punctuation outside."""
+    tail = _TAIL.search(text)
+    return rf"\({_formula(text[: tail.start()])}\){tail[0]}" if tail else rf"\({_formula(text)}\)"
+
+
+def _formula(text: str) -> str:
+    """Return the content of a LaTeX formula from mathematical Unicode text."""
+    out: list[str] = []
+    for token in _TOKEN.findall(unicodedata.normalize("NFD", text)):
+        if token in _ACCENTS and out:
+            out[-1] = f"{_ACCENTS[token]}{{{out[-1]}}}"
+        elif token[0] in "^_" and len(token) > 1:
+            script = token[2:-1] if token[1] == "{" else token[1:]
+            # Two letters are two variables, as in e^{ct} and u^{hk}, not a word.
+            out.append(f"{token[0]}{{{script if _TWO.fullmatch(script) else _formula(script)}}}")
+        else:
+            out.append(_atom(token))
+    return _joined(out)
+
+
+def _atom(token: str) -> str:
+    if token in _RAISED:
+        return f"^{{{_RAISED[token]}}}"
+    if token in _LOWERED:
+        return f"_{{{_LOWERED[token]}}}"
+    if token in _COMMANDS:
+        return _COMMANDS[token]
+    if token in {"max", "min", "sup", "inf", "lim", "log", "exp"}:
+        return rf"\{token}"
+    if len(token) > 1:
+        return rf"\mathrm{{{token}}}"
+    return token if token in " ^'<>" else _PROSE.get(token, token)
+
+
+def _joined(atoms: list[str]) -> str:
+    r"""Return a LaTeX formula from its parts, where \nu and h become \nu h, not \nuh.
+
+    Superscripts that follow each other are merged, and so are subscripts.
+    """
+    merged: list[str] = []
+    for atom in atoms:
+        # x² ³ or q_{3}_{1} would be a double script.
+        if merged and atom[:2] in ("^{", "_{") and merged[-1][:2] == atom[:2]:
+            merged[-1] = merged[-1][:-1] + atom[2:]
+        else:
+            merged.append(atom)
+    text = ""
+    for atom in merged:
+        text += " " if re.search(r"\\[A-Za-z]+$", text) and atom[:1].isalnum() else ""
+        text += atom
+    return re.sub(r" +", " ", text).strip()
+
+
+_HTML_SCRIPT = re.compile(r"(?<=\S)([\^_])(\{(?:[^{}]|\{[^{}]*\})*\}|\([^()]*\)|\d+(?:\.\d+)?|(?<=_)[a-z]{3,}|[\w+−∞])")
+_TAGS = {"^": "sup", "_": "sub"}
+
+
+def typeset(text: str) -> Markup:
+    """Return a line of plain Unicode text as HTML with superscripts and subscripts.
+
+    Scripts are written as in x^y, x_y, x_word, x^∞, x^{yz}, x^1.5 and x^(1+s).
+    """
+    out = Markup()
+    end = 0
+    for match in _HTML_SCRIPT.finditer(text):
+        script = match[2][1:-1] if match[2].startswith("{") else match[2]
+        tag = Markup(_TAGS[match[1]])
+        out += escape(text[end : match.start()]) + Markup("<{0}>{1}</{0}>").format(tag, typeset(script))
+        end = match.end()
+    return out + escape(text[end:])
+
+
+# Templates, and the data that they show
 
 NAMED_CASES = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cube-disc"}
 """The cases that the papers name. If a run lacks one of them, the papers are not made from it."""
@@ -46,22 +262,22 @@ ENVIRONMENT = Environment(
 )
 
 
-def least(rows: pd.DataFrame, decimals: int = 2, scale: float = 1) -> str:
+def least(rows: DataFrame, decimals: int = 2, scale: float = 1) -> str:
     """Return the smallest low end of checks, times a scale, rounded down."""
     return below(scale * rows["low"].min(), decimals)
 
 
-def most(rows: pd.DataFrame, decimals: int = 2, scale: float = 1) -> str:
+def most(rows: DataFrame, decimals: int = 2, scale: float = 1) -> str:
     """Return the largest high end of checks, times a scale, rounded up."""
     return above(scale * rows["high"].max(), decimals)
 
 
-def span(rows: pd.DataFrame, decimals: int = 2) -> str:
+def span(rows: DataFrame, decimals: int = 2) -> str:
     """Return the range of checks as text, such as "0.92 to 1.00"."""
     return f"{least(rows, decimals)} to {most(rows, decimals)}"
 
 
-def spans(rows: pd.DataFrame) -> str:
+def spans(rows: DataFrame) -> str:
     """Return the ranges of checks of each case as text."""
     return "; ".join(f"{case}: {span(part)}" for case, part in rows.groupby("case", sort=False))
 
@@ -76,7 +292,7 @@ def digits(value: float, count: int = 3) -> str:
     return f"{value:.{count}g}"
 
 
-def deviation(rows: pd.DataFrame) -> float:
+def deviation(rows: DataFrame) -> float:
     """Return the largest distance of the ends of checks from 1."""
     return (rows[["low", "high"]] - 1).abs().max(axis=None)
 
@@ -120,7 +336,7 @@ FILTERS = (
 ENVIRONMENT.filters |= {function.__name__: function for function in FILTERS} | {"down_to": below, "up_to": above}
 
 
-def evidence(row: pd.Series) -> str:
+def evidence(row: Series) -> str:
     """Return the kind of evidence of a row of ``claims.csv``, as a key of ``EVIDENCE_TITLES``."""
     if row["label"] in (NO_ROW, NOT_TESTED, MISPRINTS):
         return "lines"
@@ -144,7 +360,7 @@ class FullRun:
         DataError: a file is missing or lacks a column.
     """
 
-    def __init__(self, directory: Path, provenance: dict[str, Any], cases: pd.DataFrame) -> None:
+    def __init__(self, directory: Path, provenance: Json, cases: DataFrame) -> None:
         self.rates = read_rates(directory)
         self.claims = read_claims(directory)
         self.cases = cases.set_index("case", drop=False).rename_axis(None)
@@ -171,11 +387,11 @@ class FullRun:
         is_full = made.get("plan") == "full" and set(cases["case"]) >= NAMED_CASES
         return cls(directory, made, cases) if is_full else None
 
-    def labelled(self, label: str) -> pd.DataFrame:
+    def labelled(self, label: str) -> DataFrame:
         """Return the rows of the ledger with a label."""
         return self.claims[self.claims["label"] == label]
 
-    def checks(self, label: str, *keys: str, case: str = "") -> pd.DataFrame:
+    def checks(self, label: str, *keys: str, case: str = "") -> DataFrame:
         """Return the rows of the ledger with a label and one of the keys, of all cases or of one case.
 
         Raises:
@@ -192,7 +408,7 @@ class FullRun:
         return chosen
 
 
-def context(data: FullRun) -> dict[str, Any]:
+def context(data: FullRun) -> Json:
     """Return the names that templates use: the tables of a full run, its checks, and what is counted in them."""
     counts = data.claims.apply(evidence, axis=1).value_counts()
     orders = data.checks("(5.36)", "order")
@@ -211,6 +427,6 @@ def context(data: FullRun) -> dict[str, Any]:
     }
 
 
-def render(name: str, values: dict[str, Any]) -> str:
+def render(name: str, values: Json) -> str:
     """Return the text that a template in ``page`` makes."""
     return ENVIRONMENT.get_template(name).render(values)

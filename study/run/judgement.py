@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-import pandas as pd
+from pandas import DataFrame
 
 from manufactured.catalogue import NAMES
 from study.fem.naming import describe, resolve
@@ -74,7 +74,7 @@ def judge_stored(jobs: Sequence[Job], store: Store) -> list[Verdict]:
     rows = stored_rows(jobs, store)
     if not isinstance(file, CsvFile) or file not in rows:
         return []
-    table = predicted(pd.DataFrame(rows[file]), pd.DataFrame([describe(resolve(case))]))
+    table = predicted(DataFrame(rows[file]), DataFrame([describe(resolve(case))]))
     verdicts = statement.judge(table)
     return judge_own(verdicts, table) if own else verdicts
 
@@ -90,13 +90,13 @@ def collect(plan: Plan, store: Store) -> None:
     written = list[Path]()
     for file in data_files():
         written += file.write(store.data, rows.get(file, []))
-    write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.scope.resolved()]))
+    write_csv(store.data / "cases.csv", DataFrame([describe(case) for case in plan.scope.resolved()]))
     sums = {path.relative_to(store.data).as_posix(): text_sum(path) for path in sorted(written)}
     content = {**provenance(plan, store.directory), SUMS: sums}
     write_text(store.data / "provenance.json", json.dumps(content, separators=(",", ":")) + "\n")
 
 
-def read_tables(directory: Path) -> dict[CsvFile, pd.DataFrame]:
+def read_tables(directory: Path) -> dict[CsvFile, DataFrame]:
     """Return all tables of measurements in a result directory.
 
     Raises:
@@ -133,9 +133,9 @@ def compare_claims(directory: Path, judged: Sequence[Verdict]) -> None:
         raise DataError(f"{differs}: {again}")
 
 
-def claims(judged: Sequence[Verdict]) -> pd.DataFrame:
+def claims(judged: Sequence[Verdict]) -> DataFrame:
     """Return checks as the table ``claims.csv``."""
-    return pd.DataFrame([asdict(verdict) for verdict in judged])
+    return DataFrame([asdict(verdict) for verdict in judged])
 
 
 def verdicts(directory: Path) -> list[Verdict]:
@@ -161,7 +161,7 @@ def verdicts(directory: Path) -> list[Verdict]:
     return with_reasons(rows, judged[RATES])
 
 
-def predicted(table: pd.DataFrame, cases: pd.DataFrame) -> pd.DataFrame:
+def predicted(table: DataFrame, cases: DataFrame) -> DataFrame:
     """Return a table of measurements with the predictions for its cases, and a new column ``known``.
 
     Parameters:
@@ -175,7 +175,7 @@ def predicted(table: pd.DataFrame, cases: pd.DataFrame) -> pd.DataFrame:
     return table.merge(cases[new], on="case", how="left").assign(known=table["case"].isin(cases["case"]).to_numpy())
 
 
-def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.DataFrame:
+def joined(statement: Statement, tables: Mapping[CsvFile, DataFrame]) -> DataFrame:
     """Return the rows by which a statement is judged.
 
     Some statements compare their measurements with the measurements in another file. Then the columns of the other file
@@ -194,7 +194,7 @@ def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.D
     return own_rows.merge(joined_rows, on=key, how="left")
 
 
-def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdict]:
+def with_reasons(verdicts: Sequence[Verdict], rates: DataFrame) -> list[Verdict]:
     """Judge the checks of users' cases again, and return all checks.
 
     A check of a user's case only fails if the data contradict the statement. Otherwise, the text of the check says why
@@ -209,7 +209,7 @@ def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdi
     return [next(judged[verdict.case]) if verdict.case in judged else verdict for verdict in verdicts]
 
 
-def judge_statement(statement: Statement, rows: pd.DataFrame) -> list[Verdict]:
+def judge_statement(statement: Statement, rows: DataFrame) -> list[Verdict]:
     """Return the checks of a statement; an empty list if the table has no rows of the statement.
 
     Parameters:
@@ -221,7 +221,7 @@ def judge_statement(statement: Statement, rows: pd.DataFrame) -> list[Verdict]:
     return statement.judge(own_rows) if len(own_rows) else []
 
 
-def _refuse_gaps(directory: Path, tables: dict[CsvFile, pd.DataFrame]) -> None:
+def _refuse_gaps(directory: Path, tables: dict[CsvFile, DataFrame]) -> None:
     """Raise DataError if ``cases.csv`` lacks a measured case, or an error bound has no values over time."""
     for file in tables:
         if file.name in EVERY_CASE:

@@ -13,12 +13,10 @@ import inspect
 import os
 import platform
 import subprocess
-from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 from study.fem.naming import describe, resolve
 from study.ledger.datafiles import DataError, Key, made_by, nested_keys, planned_keys, read_uncompressed
@@ -192,7 +190,7 @@ class Expectation:
         UsageError: the file of a user's case exists, but no longer defines the case.
     """
 
-    def __init__(self, record: Mapping[str, Any], directory: Path) -> None:
+    def __init__(self, record: Json, directory: Path) -> None:
         if not {"scope", "own_cases"} <= set(record):
             raise DataError(
                 f"{directory}/data/provenance.json has no scope, because an older version wrote it: "
@@ -215,10 +213,10 @@ class Expectation:
         self.gone = {str(line["case"]) for line in self.lines} - set(self.cases)
 
 
-def read_scope(values: Mapping[str, Any]) -> Scope:
+def read_scope(values: Json) -> Scope:
     """Return a scope from its attributes in ``provenance.json``, in which tuples became lists."""
 
-    def levels(fields: Mapping[str, Any]) -> Levels:
+    def levels(fields: Json) -> Levels:
         return Levels(tuple(map(int, fields["all"])), tuple(map(int, fields["first"])))
 
     lists = {name: tuple(values[name]) for name in ("equivalence", "solid_equivalence")}

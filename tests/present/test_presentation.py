@@ -15,9 +15,9 @@ from study.ledger.files import write_packed, write_text
 from study.present.article import write_tables
 from study.present.drawing import draw_figures
 from study.present.figures import drawings, overview
-from study.present.notation import encode
 from study.present.outcome import ledger_text, observed_text, orders_text, rates_text
 from study.present.picture import read_pictures
+from study.present.templates import encode
 
 NAMES = ("bounds", "equivalence", "ledger", "rates", "stresses")
 
