@@ -36,7 +36,6 @@ from study.present.templates import (
     folding,
     read_page,
     render,
-    tabular,
 )
 
 ARTICLE_TEXTS = read_page("article")
@@ -91,13 +90,16 @@ def article(directory: Path) -> dict[Path, str]:
 
 
 def latex(name: str, rows: PlainRows) -> str:
-    """Return a LaTeX table with the headings and columns of ``page/article.toml`` and the given cells."""
+    """Return a LaTeX table with the headings and columns of ``page/article.toml`` and the given cells.
+
+    The table needs the packages booktabs and array.
+    """
     layout = ARTICLE_TEXTS["tables"][name]
     columns = [folding(column) if isinstance(column, float) else column for column in layout["columns"]]
-    cells = [[encode(cell) for cell in row] for row in rows]
+    cells = DataFrame([map(encode, row) for row in rows], columns=layout["headings"])
     if rows and rows[-1][0] == TOTAL:
-        cells[-1][0] = rf"\midrule {TOTAL}"
-    return tabular(layout["headings"], "".join(columns), cells)
+        cells.iloc[-1, 0] = rf"\midrule {TOTAL}"
+    return cells.style.hide().to_latex(column_format=rf"@{{}}{''.join(columns)}@{{}}", hrules=True)
 
 
 # Tables of checks

@@ -7,8 +7,8 @@ special characters are escaped.
 
 Papers, README, documentation and report are made by templates. In a template, ``checks(label, key)`` are the rows of
 ``claims.csv`` with this label and key, and a filter makes a text from them: ``{{ checks("Prop. 5.4", "order")|span }}``
-is "0.92 to 1.00". Extreme values are rounded outwards, a smallest value down and a largest value up, so that no sentence
-claims more than was measured.
+is "0.92 to 1.00". Extreme values are rounded outwards, a smallest value down and a largest value up, so that no
+sentence claims more than was measured.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import math
 import re
 import tomllib
 import unicodedata
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import cache
 from itertools import accumulate, groupby
 from operator import itemgetter
@@ -60,11 +60,12 @@ _LATEX = read_page("notation")
 _GREEK = "ΓΔΘΠΣΦΨΩαβγδζηθκμνξπρστχψω"
 """Letters whose names are LaTeX commands; others are in ``page/notation.toml``."""
 _SIGNS = _LATEX["formulas"].split()
-_COMMANDS: dict[str, str] = {letter: _greek(letter) for letter in _GREEK}
-_COMMANDS |= dict(zip(_SIGNS[::2], _SIGNS[1::2], strict=True))
+_SCRIPTS = "0123456789-+n"
+_SYMBOLS: dict[str, str] = {letter: _greek(letter) for letter in _GREEK}
+_SYMBOLS |= dict(zip(_SIGNS[::2], _SIGNS[1::2], strict=True))
+_SYMBOLS |= {raised: f"^{{{script}}}" for raised, script in zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ⁿ", _SCRIPTS, strict=True)}
+_SYMBOLS |= {lowered: f"_{{{script}}}" for lowered, script in zip("₀₁₂₃₄₅₆₇₈₉₋₊ₙ", _SCRIPTS, strict=True)}
 _ACCENTS = {"\u0307": r"\dot", "\u0308": r"\ddot", "\u0303": r"\tilde", "\u0302": r"\hat", "\u0304": r"\bar"}
-_RAISED = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ⁿ", "0123456789-+n", strict=True))
-_LOWERED = dict(zip("₀₁₂₃₄₅₆₇₈₉₋₊ₙ", "0123456789-+n", strict=True))
 _PROSE: dict[str, str] = _LATEX["prose"]
 
 # Γ3,i, L∞ and e∞ have no script marks in plain text but scripts in a formula.
@@ -131,22 +132,6 @@ def folding(width: float) -> str:
     return rf">{{\raggedright\arraybackslash}}p{{{width}\linewidth}}"
 
 
-def tabular(headings: Sequence[str], alignment: str, rows: Iterable[Sequence[str]]) -> str:
-    r"""Return a LaTeX table for a float; it needs the packages booktabs and array.
-
-    Parameters:
-        headings: the headings of the columns, in LaTeX.
-        alignment: the alignments of the columns.
-        rows: the cells, in LaTeX.
-    """
-    lines = [rf"\begin{{tabular}}{{@{{}}{alignment}@{{}}}}", r"\toprule", _row(headings), r"\midrule"]
-    return "\n".join([*lines, *map(_row, rows), r"\bottomrule", r"\end{tabular}", ""])
-
-
-def _row(cells: Sequence[str]) -> str:
-    return " & ".join(cells) + r" \\"
-
-
 def _kinds(words: Sequence[str]) -> list[bool]:
     """Return whether each word of a line belongs to a formula.
 
@@ -154,7 +139,7 @@ def _kinds(words: Sequence[str]) -> list[bool]:
     """
     kinds = []
     for word in words:
-        marked = any(c in _RAISED or c in _LOWERED or c in _COMMANDS for c in word) or bool(_SCRIPT.search(word))
+        marked = any(c in _SYMBOLS for c in word) or bool(_SCRIPT.search(word))
         dotted = any(c in "\u0307\u0303" for c in unicodedata.normalize("NFD", word))
         few_letters = len(_TAIL.sub("", word)) <= 3
         kinds.append(marked or (dotted and few_letters) or bool(_LETTER.fullmatch(word)))
@@ -195,12 +180,8 @@ def _formula(text: str) -> str:
 
 
 def _atom(token: str) -> str:
-    if token in _RAISED:
-        return f"^{{{_RAISED[token]}}}"
-    if token in _LOWERED:
-        return f"_{{{_LOWERED[token]}}}"
-    if token in _COMMANDS:
-        return _COMMANDS[token]
+    if token in _SYMBOLS:
+        return _SYMBOLS[token]
     if token in {"max", "min", "sup", "inf", "lim", "log", "exp"}:
         return rf"\{token}"
     if len(token) > 1:
