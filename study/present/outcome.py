@@ -3,12 +3,13 @@
 import math
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
-from pandas import DataFrame
+from pandas import DataFrame, Series
 from tabulate import tabulate
 
 from convergence_orders.printing import printable
@@ -186,8 +187,13 @@ def _aligned(head: Sequence[str], rows: Sequence[Sequence[object]], widths: Sequ
 
 SHOWN_TIMES = 8
 """The printed table shows the error at no more than this number of times."""
-SHOWN, PERCENT, ENERGY = 4, 3, 6
+SHOWN = 4
+PERCENT = 3
+ENERGY = 6
 """Numbers of significant digits in printed texts: of error bounds, of error bounds in per cent, and of energies."""
+upper = partial(up, digits=SHOWN)
+lower = partial(down, digits=SHOWN)
+ERROR = "{:.4g}".format
 NORM = {True: "‖u(t) − u_h(t)‖_V", False: "‖u − u_h‖_G"}
 """Whether a problem is in time ↦ the error in its norm; for static problems this is the energy norm."""
 MEANING = {
@@ -258,10 +264,10 @@ def adaptive_text(
         in_time: whether the problem is in time, and not static.
     """
     sign, end = ("≤", "is reached") if not stopped else (">", f"is not reached: {stopped}")
-    percents = [f"{up(percent, SHOWN)} %" if percent < math.inf else "∞" for percent in rows["percent"]]
-    bound = up(rows["bound"].iloc[-1], SHOWN)
+    percents = [f"{upper(percent)} %" if percent < math.inf else "∞" for percent in rows["percent"]]
+    bounds = [*rows["bound"].map(upper)]
     known = rows["error"].notna().all()
-    reached = f"{bound}, {percents[-1]} of u," if tolerance.endswith("%") else bound
+    reached = f"{bounds[-1]}, {percents[-1]} of u," if tolerance.endswith("%") else bounds[-1]
     found = [f"{name}: {'max ' * in_time}{NORM[in_time]} ≤ {reached} {sign} {tolerance}, the tolerance {end}"]
     found += [*(textwrap.fill(sentence, width()) for sentence in sentences), ""]
     columns = {
@@ -269,11 +275,11 @@ def adaptive_text(
         "  cells": rows["cells"],
         "unknowns": rows["dofs"],
         " steps": rows["steps"] if in_time else None,
-        "     bound": [up(bound, SHOWN) for bound in rows["bound"]],
+        "     bound": bounds,
         "   % of u": percents,
-        " order": ["" if math.isnan(order) else f"{order:.2f}" for order in rows["order"]],
-        " in time": [f"{100 * share:.1f} %" for share in rows["in_time"]] if in_time else None,
-        "     error": [f"{error:.4g}" for error in rows["error"]] if known else None,
+        " order": rows["order"].map("{:.2f}".format, na_action="ignore").fillna(""),
+        " in time": (100 * rows["in_time"]).map("{:.1f} %".format) if in_time else None,
+        "     error": rows["error"].map(ERROR) if known else None,
     }
     found += aligned({head: cells for head, cells in columns.items() if cells is not None})
     notes = "% of u: the bound over the least value that the norm of u can have", MEANING[in_time]
@@ -294,15 +300,16 @@ def aligned(columns: Mapping[str, Iterable[object]]) -> list[str]:
 def _over_time(over_time: DataFrame, known: bool, name: str) -> list[str]:
     """Return lines with the interval of the error on the finest level, at up to ``SHOWN_TIMES`` times."""
     finest = over_time[over_time["level"] == over_time["level"].max()]
-    rows = list(finest.iloc[np.unique(np.linspace(0, len(finest) - 1, SHOWN_TIMES).round().astype(int))].itertuples())
+    rows = finest.iloc[np.unique(np.linspace(0, len(finest) - 1, SHOWN_TIMES).round().astype(int))]
+    ratios = rows["upper"] / rows["lower"].where(rows["lower"] > 0)
     columns = {
-        "      t": [f"{row.time:.4f}" for row in rows],
-        "    lower": [down(row.lower, SHOWN) for row in rows],
-        "    error": [f"{row.error:.4g}" if known else "unknown" for row in rows],
-        "    upper": [up(row.upper, SHOWN) for row in rows],
-        "         % of u": [_percent(row.percent_low, row.percent_high) for row in rows],
-        "upper/lower": [f"{row.upper / row.lower:.3f}" if row.lower > 0 else "∞" for row in rows],
-        "from u_h alone": [_plain(row.plain) for row in rows],
+        "      t": rows["time"].map("{:.4f}".format),
+        "    lower": rows["lower"].map(lower),
+        "    error": rows["error"].map(ERROR if known else lambda _: "unknown"),
+        "    upper": rows["upper"].map(upper),
+        "         % of u": _within(rows, "percent_low", "percent_high", PERCENT),
+        "upper/lower": ratios.map("{:.3f}".format, na_action="ignore").fillna("∞"),
+        "from u_h alone": _plain(rows),
     }
     return [name or f"level {finest['level'].iloc[0]}", *aligned(columns)]
 
@@ -316,24 +323,21 @@ def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Seque
         one if len(one) <= NAME_WIDTH else f"{one[: NAME_WIDTH - 1]}…" for one in names or map(str, table["level"])
     ]
     kind = "file" if names else "level"
-    rows = list(table.itertuples())
     kind = f"{kind:>{max(len(kind), *map(len, labels))}}"
+    error = "       max error in" if in_time else "           error in"
     columns = {
         kind: labels,
-        "       max error in" if in_time else "           error in": [
-            interval(row.lowest, row.highest, SHOWN) for row in rows
-        ],
-        "         % of u": [_percent(row.percent_low, row.percent_high) for row in rows],
+        error: _within(table, "lowest", "highest"),
+        "         % of u": _within(table, "percent_low", "percent_high", PERCENT),
     }
-    columns |= {"    error": [f"{row.error:.4g}" for row in rows]} if known else {}
-    lines = aligned(columns | {"from u_h alone": [_plain(row.plain) for row in rows]})
+    columns |= {"    error": table["error"].map(ERROR)} if known else {}
+    lines = aligned(columns | {"from u_h alone": _plain(table)})
     if not table["order_low"].notna().any():
         return lines
     orders = {f"order since {labels[0]}": "order"} | ({"since the mesh before": "pair"} if len(table) > 2 else {})
     columns = {kind: labels[1:]}
     for head, name in orders.items():
-        ends = zip(table[f"{name}_low"][1:], table[f"{name}_high"][1:], strict=True)
-        columns[f"{head:>19}"] = ["" if math.isnan(low) else interval(low, high, SHOWN) for low, high in ends]
+        columns[f"{head:>19}"] = _within(table[1:], f"{name}_low", f"{name}_high")
     lines += ["", *aligned(columns)]
     if in_time:
         steps = "the same steps on every mesh" if table["steps"].nunique() == 1 else "steps that follow the mesh"
@@ -341,9 +345,16 @@ def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Seque
     return lines
 
 
-def _plain(bound: float) -> str:
-    return "left out" if math.isnan(bound) else up(bound, SHOWN)
+def _plain(rows: DataFrame) -> Series:
+    return rows["plain"].map(upper, na_action="ignore").fillna("left out")
 
 
-def _percent(low: float, high: float) -> str:
-    return interval(low, high, PERCENT) if high < math.inf else f"[{down(low, PERCENT)}, ∞]"
+def _within(rows: DataFrame, low: str, high: str, digits: int = SHOWN) -> list[str]:
+    """Return the intervals between two columns as texts, rounded outwards; the text is empty if an end is unknown."""
+    texts = []
+    for least, most in zip(rows[low], rows[high], strict=True):
+        if math.isnan(least):
+            texts.append("")
+        else:
+            texts.append(interval(least, most, digits) if most < math.inf else f"[{down(least, digits)}, ∞]")
+    return texts
