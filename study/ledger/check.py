@@ -3,10 +3,10 @@
 A check gives one row of the ledger for each case.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from math import isnan, nan
 
 import numpy as np
 from pandas import DataFrame
@@ -75,7 +75,7 @@ class Check:
         values = [each for each in found if each is not None]
         fewest = min(map(len, groups.values()), default=0)
         if not values or len(values) < len(groups):
-            observed = math.nan
+            observed = nan
             span = NOWHERE
             verdict = UNDECIDED
         else:
@@ -103,13 +103,13 @@ class Check:
         except KeyError:
             return None
         except RatesError:
-            return np.array([math.nan])
+            return np.array([nan])
 
     def _without_claim(self, judged: Verdict) -> Verdict:
         """Return the row of a check about which nothing is claimed: *missed* if a prediction is wrong."""
         if self.window == Window():
             return replace(judged, verdict=REPORTED, expected=f"no claim: {self.if_missed}")
-        missed = judged.verdict == FAILS and not math.isnan(judged.observed)
+        missed = judged.verdict == FAILS and not isnan(judged.observed)
         judged = replace(judged, verdict=MISSED if missed else REPORTED)
         text = f"predicted {self.window.text} ({agreement(judged)}); no claim, because {self.if_missed}"
         return replace(judged, expected=text)

@@ -2,13 +2,13 @@
 
 import csv
 import json
-import math
 import textwrap
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from itertools import takewhile, zip_longest
+from math import isclose, isnan
 from pathlib import Path
 from typing import Any
 
@@ -221,7 +221,7 @@ def as_text(comparison: Comparison) -> str:
 
 def _listed(cells: DataFrame, most: int) -> Iterator[str]:
     for cell in cells.head(most).itertuples():
-        size = "" if math.isnan(cell.relative) else f", relative {cell.relative:.1e}"
+        size = "" if isnan(cell.relative) else f", relative {cell.relative:.1e}"
         # The spaces are non-breaking, so that lines are not wrapped at the arrow.
         yield f"    {cell.row}: {cell.old or 'nothing'}\u00a0→\u00a0{cell.new or 'nothing'}{size}"
     if len(cells) > most:
@@ -260,7 +260,7 @@ def difference(path: Path, expected: str, close: frozenset[str] = frozenset()) -
 
 def _near(a: str | None, b: str | None) -> bool:
     with suppress(ValueError):
-        return math.isclose(float(a or "nan"), float(b or "nan"), rel_tol=ROUNDED_RTOL, abs_tol=1e-12)
+        return isclose(float(a or "nan"), float(b or "nan"), rel_tol=ROUNDED_RTOL, abs_tol=1e-12)
     return False
 
 

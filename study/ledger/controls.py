@@ -9,8 +9,8 @@ checks had the same rules (quantities, tolerance windows, levels) as the checks 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from math import ceil, log
 from pathlib import Path
 
 import scipy  # loads ``scipy.stats`` at its first use, because importing it takes half a second
@@ -101,7 +101,7 @@ def seeds_needed() -> int:
 
     Their number shows, with the probability ``CONFIDENCE``, that the false-alarm rate is at most ``LARGEST_RATE``.
     """
-    return math.ceil(math.log((1 - CONFIDENCE) / 2) / math.log(1 - LARGEST_RATE))
+    return ceil(log((1 - CONFIDENCE) / 2) / log(1 - LARGEST_RATE))
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ import shutil
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TextIO
@@ -77,13 +76,16 @@ def _receives_bytes(path: Path) -> bool:
     """Return whether a path leads to a device, a pipe, a socket or the standard output of this program."""
     if not path.exists():
         return False
-    return not (path.is_file() or path.is_dir()) or any(map(partial(_leads_to, path), (sys.stdout, sys.stderr)))
+    return not (path.is_file() or path.is_dir()) or _output(path) is not None
 
 
-def _leads_to(path: Path, stream: TextIO) -> bool:
-    with suppress(OSError, ValueError):
-        return os.path.samestat(os.fstat(stream.fileno()), os.stat(path))
-    return False
+def _output(path: Path) -> TextIO | None:
+    """Return the standard output or the standard error to which a path leads; None if it leads to neither."""
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            if os.path.samestat(os.fstat(stream.fileno()), os.stat(path)):
+                return stream
+    return None
 
 
 def _send(path: Path, write: Callable[[Path], object]) -> None:
@@ -92,14 +94,12 @@ def _send(path: Path, write: Callable[[Path], object]) -> None:
         file = Path(directory) / "content"
         write(file)
         content = file.read_bytes()
-    for stream in (sys.stdout, sys.stderr):
-        if _leads_to(path, stream):
-            stream.flush()
-            stream.buffer.write(content)
-            stream.flush()
-            return
-    with path.open("wb") as target:
-        target.write(content)
+    if stream := _output(path):
+        stream.flush()
+        stream.buffer.write(content)
+        stream.flush()
+    else:
+        path.write_bytes(content)
 
 
 def disk_full(error: BaseException | None) -> OSError | None:

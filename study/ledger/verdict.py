@@ -12,11 +12,11 @@ missed     a prediction of this study was wrong: the value lies outside the pred
 reported   nothing is claimed about the value
 """
 
-import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from math import inf, isinf, isnan, nan
 from typing import Protocol
 
 from pandas import Series
@@ -60,7 +60,7 @@ ROW_KEY = ("label", "key", "case", "family")
 """The columns of ``claims.csv`` that identify a row."""
 UNCLAIMED = (REPORTED, MISSED)
 """Verdicts on checks for which no statement makes a claim."""
-NOWHERE = (-math.inf, math.inf)
+NOWHERE = (-inf, inf)
 """The range (lowest, highest value) of a quantity that could not be measured."""
 BECAUSE = "; undecided, because "
 """Separates, in the column ``expected``, the window from the reason why a check is undecided."""
@@ -181,7 +181,7 @@ def window_share(row: Series) -> float:
     Parameters:
         row: a row of ``claims.csv``.
     """
-    return max(_shares(row), default=(math.nan, math.nan))[0]
+    return max(_shares(row), default=(nan, nan))[0]
 
 
 def worst_value(row: Series) -> float:
@@ -192,7 +192,7 @@ def worst_value(row: Series) -> float:
     Parameters:
         row: a row of ``claims.csv``.
     """
-    return max(_shares(row), default=(math.nan, row.observed))[1]
+    return max(_shares(row), default=(nan, row.observed))[1]
 
 
 def agreement(found: Verdict | Series) -> str:
@@ -204,7 +204,7 @@ def agreement(found: Verdict | Series) -> str:
     if found.verdict == MISSED:
         return "wrong"
     inside = found.window_low <= found.low and found.high <= found.window_high
-    return "met" if inside and not math.isnan(found.observed) else "undecided"
+    return "met" if inside and not isnan(found.observed) else "undecided"
 
 
 def _shares(row: Series) -> list[tuple[float, float]]:
@@ -215,7 +215,7 @@ def _shares(row: Series) -> list[tuple[float, float]]:
     """
     low = row.window_low
     high = row.window_high
-    if not low < high or (low <= 0 and math.isinf(high)):
+    if not low < high or (low <= 0 and isinf(high)):
         return []
     window = Window(low, high)
     judged = [row.low, row.high]

@@ -3,9 +3,9 @@
 Contact faces are lines in 2D, and maps seen from inside the body in 3D.
 """
 
-import math
 from collections.abc import Sequence
 from itertools import cycle
+from math import floor, log10, sqrt
 from typing import Any
 
 import numpy as np
@@ -85,8 +85,8 @@ def magnification(vertices: Array, displacements: Array) -> float:
     if largest == 0:
         return 1.0
     exact = DRAWN_DISPLACEMENT * np.ptp(vertices, axis=1).max() / largest
-    unit = 10.0 ** (math.floor(math.log10(exact)) - 1)
-    return float(f"{math.floor(exact / unit) * unit:.2g}")
+    unit = 10.0 ** (floor(log10(exact)) - 1)
+    return float(f"{floor(exact / unit) * unit:.2g}")
 
 
 def view_of(picture: Picture) -> Array:
@@ -186,7 +186,7 @@ def draw_deformed_mesh(
     order = drawing_order(scale.view, moved, picture.cells)
     flat = scale.view[:2] @ moved
     # A cell is about this many points wide; thicker lines would cover fine meshes.
-    cell = 72 * width / math.sqrt(len(order) / 2)
+    cell = 72 * width / sqrt(len(order) / 2)
     triangles = PolyCollection(
         flat.T[picture.cells.T[order]],
         facecolors=cell_colours(picture, instant, scale)[order],
@@ -663,32 +663,32 @@ def draw_sketch() -> Figure:
     axes.plot([0, wide], [high, high], color=DARK, lw=1.6)
     axes.plot(s, gap, color=BLUE, lw=1.6)
 
-    axes.add_patch(Rectangle((-0.12, -0.09), wide + 0.24, 0.09, facecolor=FOUNDATION, edgecolor="none", zorder=0.5))
-    axes.plot([-0.12, wide + 0.12], [0, 0], color=FOUNDATION_EDGE, lw=0.6, zorder=0.6)
+    axes.add_patch(Rectangle((-0.12, -0.09), 1.74, 0.09, facecolor=FOUNDATION, edgecolor="none", zorder=0.5))
+    axes.plot([-0.12, 1.62], [0, 0], color=FOUNDATION_EDGE, lw=0.6, zorder=0.6)
     axes.fill_between(s, 0 * s, gap, **GAP_STYLE)
     for at in np.arange(0.06, front, 0.12):
         arrow(axes, (at, -0.26 * (1 - at / front) - 0.015), (at, 0), VERMILLION)
-    arrow(axes, (front + 0.32, 0.028), (front + 0.32, -0.17), BLACK)
+    arrow(axes, (1.07, 0.028), (1.07, -0.17), BLACK)
     for at in (0.22, 0.36, 0.5):
         arrow(axes, (wide + 0.2, at + 0.05), (wide, at), GREEN)
         arrow(axes, (-0.2, at), (0, at), GREEN)
     arrow(axes, (1.25, 0.57), (1.25, 0.42), GREEN)
 
     for x, y, text, colour, side in (
-        (wide / 2, high + 0.1, r"$\Gamma_1$: clamped, $u=0$", BLACK, "center"),
+        (0.75, 0.72, r"$\Gamma_1$: clamped, $u=0$", BLACK, "center"),
         (0.24, 0.33, r"$\Omega$", BLACK, "center"),
         (0.75, 0.33, r"$\sigma=\mathcal{A}\varepsilon(\dot u)+\mathcal{G}\varepsilon(u)$", BLACK, "center"),
         (0.34, 0.075, r"$\Gamma_3$", BLUE, "center"),
-        (wide + 0.03, 0.06, "gap $w$", BLUE, "left"),
+        (1.53, 0.06, "gap $w$", BLUE, "left"),
         (0.33, -0.235, "pressure $p$", VERMILLION, "left"),
-        (front + 0.36, -0.14, r"$\nu$", BLACK, "left"),
-        (wide + 0.12, -0.15, "foundation", BLACK, "right"),
-        (wide + 0.22, 0.41, r"$\Gamma_2$: $\sigma\nu=f_2$", GREEN, "left"),
+        (1.11, -0.14, r"$\nu$", BLACK, "left"),
+        (1.62, -0.15, "foundation", BLACK, "right"),
+        (1.72, 0.41, r"$\Gamma_2$: $\sigma\nu=f_2$", GREEN, "left"),
         (-0.2, 0.14, r"$\Gamma_2$", GREEN, "left"),
         (1.28, 0.5, "$f_0$", GREEN, "left"),
     ):
         axes.text(x, y, text, color=colour, ha=side, va="center")
-    axes.set(xlim=(-0.3, wide + 0.42), ylim=(-0.36, high + 0.14), aspect="equal")
+    axes.set(xlim=(-0.3, 1.92), ylim=(-0.36, 0.76), aspect="equal")
     axes.axis("off")
     return figure
 

@@ -1,11 +1,11 @@
 """The charts of the study and their captions, made from the data files. Each figure has a function for its caption."""
 
-import math
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain, cycle, zip_longest
+from math import ceil, inf, isnan
 from typing import Any
 
 import numpy as np
@@ -83,7 +83,7 @@ def draw_cases(rows: DataFrame, quantities: Lines, slopes: Orders, columns: int)
     """
     cases = rows["case"].unique()
     styles = family_styles(rows["family"])
-    lines = math.ceil(len(cases) / columns)
+    lines = ceil(len(cases) / columns)
     width = min(max(column_width(), 0.5 + 1.05 * columns), page_width())
     figure = Figure(figsize=(width, 0.8 + (0.15 + 0.9 * (width - 0.5) / columns) * lines))
     panels = figure.subplots(lines, columns, sharex=True, sharey="row", squeeze=False).ravel()
@@ -118,7 +118,7 @@ def label_ticks(panels: Iterable[Axes], least: int = 3) -> None:
             if np.count_nonzero((low <= ticks) & (ticks <= high)) >= least:
                 break
         axis.set_major_locator(locator)
-        axis.set_major_formatter(LogFormatterSciNotation(minor_thresholds=(math.inf, math.inf)))
+        axis.set_major_formatter(LogFormatterSciNotation(minor_thresholds=(inf, inf)))
         axis.set_minor_formatter(NullFormatter())
 
 
@@ -153,7 +153,7 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
         small: whether the axes are so small that the slope must be written above the triangle, not to its left.
     """
     curves = [np.log10(line.get_xydata()) for line in axes.get_lines()]
-    if math.isnan(slope) or max(map(len, curves)) < 2:
+    if isnan(slope) or max(map(len, curves)) < 2:
         return
     decades = np.ptp(np.log10(axes.get_ylim()))
     x = np.concatenate(curves)[:, 0]

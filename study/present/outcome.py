@@ -1,9 +1,9 @@
 """The printed texts of the commands: results of a run, bounds of errors, and verdicts as JUnit XML."""
 
-import math
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
+from math import ceil, inf, isinf, isnan
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -139,13 +139,13 @@ def write_junit(path: Path, verdicts: list[Verdict]) -> None:
 
 def observed_text(observed: float, low: float, high: float) -> str:
     """Return an observed value with its range as text; if one end is infinite, the other end as a bound."""
-    if math.isnan(observed):
+    if isnan(observed):
         return "no number"
-    if math.isinf(low) and math.isinf(high):
+    if isinf(low) and isinf(high):
         return cell(observed)
-    if math.isinf(low):
+    if isinf(low):
         return f"at most {cell(high)}"
-    return f"at least {cell(low)}" if math.isinf(high) else f"{cell(observed)} in [{cell(low)}, {cell(high)}]"
+    return f"at least {cell(low)}" if isinf(high) else f"{cell(observed)} in [{cell(low)}, {cell(high)}]"
 
 
 def _rates_row(series: DataFrame, predicted: Mapping[str, float], schemes: bool, shown: int) -> list[object]:
@@ -234,7 +234,7 @@ def bounds_text(
     lines = [f"{name}: {NORM[in_time]} enclosed, {'exact solution known' if known else 'solution unknown'}"]
     lines += [*(textwrap.fill(sentence, width()) for sentence in (*sentences, MEANING[in_time], share)), ""]
     # A static problem has one time only, and the last table already shows its enclosure.
-    over = [*_over_time(over_time, known, names[-1] if names else ""), ""] if in_time else []
+    over = [*_over_time(over_time, names[-1] if names else ""), ""] if in_time else []
     return "\n".join([*lines, *over, *_intervals(table, known, in_time, names)])
 
 
@@ -244,7 +244,7 @@ def worst_tenth(squares: Sequence[float]) -> str:
     Args:
         squares: ‖ũ − u_h‖² on every triangle.
     """
-    share = sum(sorted(squares)[-math.ceil(len(squares) / 10) :]) / sum(squares)
+    share = sum(sorted(squares)[-ceil(len(squares) / 10) :]) / sum(squares)
     return f"the worst tenth of the triangles has {100 * share:.0f} % of ‖ũ − u_h‖², as cells.png shows"
 
 
@@ -264,7 +264,7 @@ def adaptive_text(
         in_time: whether the problem is in time, and not static.
     """
     sign, end = ("≤", "is reached") if not stopped else (">", f"is not reached: {stopped}")
-    percents = [f"{upper(percent)} %" if percent < math.inf else "∞" for percent in rows["percent"]]
+    percents = [f"{upper(percent)} %" if percent < inf else "∞" for percent in rows["percent"]]
     bounds = [*rows["bound"].map(upper)]
     known = rows["error"].notna().all()
     reached = f"{bounds[-1]}, {percents[-1]} of u," if tolerance.endswith("%") else bounds[-1]
@@ -277,7 +277,7 @@ def adaptive_text(
         " steps": rows["steps"] if in_time else None,
         "     bound": bounds,
         "   % of u": percents,
-        " order": rows["order"].map("{:.2f}".format, na_action="ignore").fillna(""),
+        " order": _texts(rows["order"], "{:.2f}".format, ""),
         " in time": (100 * rows["in_time"]).map("{:.1f} %".format) if in_time else None,
         "     error": rows["error"].map(ERROR) if known else None,
     }
@@ -297,7 +297,7 @@ def aligned(columns: Mapping[str, Iterable[object]]) -> list[str]:
     return [" ".join(f"{cell:>{k}}" for k, cell in zip(widths, line, strict=True)).rstrip() for line in lines]
 
 
-def _over_time(over_time: DataFrame, known: bool, name: str) -> list[str]:
+def _over_time(over_time: DataFrame, name: str) -> list[str]:
     """Return lines with the interval of the error on the finest level, at up to ``SHOWN_TIMES`` times."""
     finest = over_time[over_time["level"] == over_time["level"].max()]
     rows = finest.iloc[np.unique(np.linspace(0, len(finest) - 1, SHOWN_TIMES).round().astype(int))]
@@ -305,10 +305,10 @@ def _over_time(over_time: DataFrame, known: bool, name: str) -> list[str]:
     columns = {
         "      t": rows["time"].map("{:.4f}".format),
         "    lower": rows["lower"].map(lower),
-        "    error": rows["error"].map(ERROR if known else lambda _: "unknown"),
+        "    error": _texts(rows["error"], ERROR, "unknown"),
         "    upper": rows["upper"].map(upper),
         "         % of u": _within(rows, "percent_low", "percent_high", PERCENT),
-        "upper/lower": ratios.map("{:.3f}".format, na_action="ignore").fillna("∞"),
+        "upper/lower": _texts(ratios, "{:.3f}".format, "∞"),
         "from u_h alone": _plain(rows),
     }
     return [name or f"level {finest['level'].iloc[0]}", *aligned(columns)]
@@ -345,16 +345,20 @@ def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Seque
     return lines
 
 
-def _plain(rows: DataFrame) -> Series:
-    return rows["plain"].map(upper, na_action="ignore").fillna("left out")
+def _texts(numbers: Series, text: Callable[[float], str], unknown: str) -> list[str]:
+    return [unknown if isnan(number) else text(number) for number in numbers]
+
+
+def _plain(rows: DataFrame) -> list[str]:
+    return _texts(rows["plain"], upper, "left out")
 
 
 def _within(rows: DataFrame, low: str, high: str, digits: int = SHOWN) -> list[str]:
     """Return the intervals between two columns as texts, rounded outwards; the text is empty if an end is unknown."""
     texts = []
     for least, most in zip(rows[low], rows[high], strict=True):
-        if math.isnan(least):
+        if isnan(least):
             texts.append("")
         else:
-            texts.append(interval(least, most, digits) if most < math.inf else f"[{down(least, digits)}, ∞]")
+            texts.append(interval(least, most, digits) if most < inf else f"[{down(least, digits)}, ∞]")
     return texts

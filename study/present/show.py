@@ -143,13 +143,14 @@ def write_mp4(path: Path, picture: Picture) -> Path | None:
     if not ffmpeg:
         return None
     rcParams["animation.ffmpeg_path"] = ffmpeg
-    film = _film_axes(picture, FILM_DPI)
+    frames = _frames(picture, FILM_DPI)
     # The file has a temporary name that does not tell ffmpeg the format.
     writer = FFMpegWriter(fps=PER_SECOND, extra_args=["-f", "mp4"])
 
     def write(part: Path) -> None:
-        with writer.saving(film[0], str(part), FILM_DPI):
-            for _ in _frames(picture, film):
+        with writer.saving(next(frames), str(part), FILM_DPI):
+            writer.grab_frame()
+            for _ in frames:
                 writer.grab_frame()
 
     return write_whole(path, write)
@@ -164,9 +165,8 @@ def film_images(picture: Picture, dpi: int, upright: bool = False) -> Iterator[I
         upright: whether the pressure is drawn below the body, not beside it, and the body without the edges of its
             mesh, which would take most of the size of a frame.
     """
-    film = _film_axes(picture, dpi, upright)
-    for _ in _frames(picture, film, upright):
-        yield image_of(film[0], dpi)
+    for figure in _frames(picture, dpi, upright):
+        yield image_of(figure, dpi)
 
 
 def image_of(figure: Figure, dpi: int) -> Image.Image:
@@ -177,7 +177,7 @@ def image_of(figure: Figure, dpi: int) -> Image.Image:
     return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
 
 
-def _film_axes(picture: Picture, dpi: int, upright: bool = False) -> tuple[Figure, Axes, Array]:
+def _film_axes(picture: Picture, dpi: int, upright: bool) -> tuple[Figure, Axes, Array]:
     """Return an empty figure for an animation, its axes for the body, and its axes for each contact face."""
     faces = len(picture.faces)
     aspect = min(BodyScale(picture).aspect, 1.2)
@@ -196,13 +196,15 @@ def _film_axes(picture: Picture, dpi: int, upright: bool = False) -> tuple[Figur
     return figure, body, grid[1].subgridspec(faces, 1).subplots(squeeze=False)[:, 0]
 
 
-def _frames(picture: Picture, film: tuple[Figure, Axes, Array], upright: bool = False) -> Iterator[None]:
+def _frames(picture: Picture, dpi: int, upright: bool = False) -> Iterator[Figure]:
     """Draw the frames of an animation one after the other: the body, and the pressure on its contact faces.
 
+    The parameters are those of ``film_images``.
+
     Yields:
-        Nothing, after each frame, so that the caller can save the frame.
+        The figure, which is the same for all frames, after each frame, so that the caller can save the frame.
     """
-    figure, body, panels = film
+    figure, body, panels = _film_axes(picture, dpi, upright)
     scale = BodyScale(picture)
     columns = (1 if picture.polygons else 2) if upright else 4
     draw_keys(
@@ -228,7 +230,7 @@ def _frames(picture: Picture, film: tuple[Figure, Axes, Array], upright: bool = 
             # Later frames keep the layout of the first frame, so that nothing jumps.
             figure.canvas.draw()
             figure.set_layout_engine("none")
-        yield
+        yield figure
 
 
 def _pressure_handles(picture: Picture) -> list[Artist]:

@@ -5,9 +5,9 @@ Numbers have four significant digits, orders three decimals. The three files of 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -158,7 +158,7 @@ def equivalence(directory: Path) -> Table:
 def stresses(directory: Path) -> Table:
     """Return the table of errors of Problem 3.2 with its own space for stresses, with the orders of the stress."""
     values = _read(directory, "stresses", "h", "time_share")
-    values = values.assign(order=math.nan, time_share_percent=100 * values["time_share"])
+    values = values.assign(order=nan, time_share_percent=100 * values["time_share"])
     series = [rows.sort_values("level") for _, rows in values.groupby(["case", "family"], sort=False)]
     for rows in series:
         rows["order"] = since_before(rows, "stress")

@@ -14,13 +14,13 @@ sentence claims more than was measured.
 from __future__ import annotations
 
 import json
-import math
 import re
 import tomllib
 import unicodedata
 from collections.abc import Sequence
 from functools import cache
 from itertools import accumulate, groupby
+from math import floor, log10
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
@@ -280,7 +280,7 @@ def deviation(rows: DataFrame) -> float:
 
 def two_digits_up(value: float) -> float:
     """Return a value rounded up to two significant digits. A value with fewer digits, such as 1e-5, is unchanged."""
-    return float(above(value, 1 - math.floor(math.log10(value)))) if value else 0.0
+    return float(above(value, 1 - floor(log10(value)))) if value else 0.0
 
 
 def percent(value: float) -> str:

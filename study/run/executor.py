@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import gc
 import logging
-import math
 import multiprocessing
 import os
 import re
@@ -22,6 +21,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import cycle
+from math import inf
 from pathlib import Path
 from threading import Thread
 from typing import Any, ParamSpec, TypeVar
@@ -456,7 +456,7 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
             return f"the Dask scheduler at {address} {LOST}"
         return "" if workers.keys() & present.keys() else f"the last worker of the cluster at {address} {LOST}"
 
-    return Pool([executor] * len(workers), each, math.inf, failure)
+    return Pool([executor] * len(workers), each, inf, failure)
 
 
 def identity(references: Sequence[str]) -> dict[str, str]:
