@@ -178,7 +178,7 @@ def draw_problem(picture: ProblemPicture) -> Figure:
     return figure
 
 
-SUPPORT_EDGE: Style = {"edgecolor": FOUNDATION_EDGE, "linewidth": 0.4}
+SUPPORT_EDGE: Style = dict(edgecolor=FOUNDATION_EDGE, linewidth=0.4)
 SUPPORT_STYLES = {
     "CLAMPED": SUPPORT_EDGE | {"hatch": "/////", "facecolor": "white"},
     "CONTACT": SUPPORT_EDGE | {"facecolor": FOUNDATION},
@@ -196,7 +196,7 @@ def _draw_side(axes: Axes, part: Part, number: int, size: float) -> None:
     x, y = part.corners.mean(axis=1) - NUMBER_DISTANCE * outward
     moved = float(np.linalg.norm(part.prescribed(part.corners), axis=0).max())
     label, frame = (f"{number}: |u| ≤ {moved:.3g}", "round") if moved else (str(number), "circle")
-    box = {"boxstyle": f"{frame},pad=0.15", "facecolor": "white", "edgecolor": GREEN, "linewidth": 0.6}
+    box = dict(boxstyle=f"{frame},pad=0.15", facecolor="white", edgecolor=GREEN, linewidth=0.6)
     axes.text(x, y, label, color=GREEN, ha="center", va="center", bbox=box, zorder=6)
 
 
@@ -242,6 +242,6 @@ def _middle(body: Body) -> Array:
 
 
 def _label(axes: Axes, place: Array, text: str) -> None:
-    box = {"boxstyle": "round,pad=0.1", "facecolor": (1, 1, 1, 0.7), "edgecolor": "none"}
+    box = dict(boxstyle="round,pad=0.1", facecolor=(1, 1, 1, 0.7), edgecolor="none")
     axes.text(place[0], place[1], text, color=VERMILLION, ha="center", va="center", bbox=box, zorder=6)
     axes.update_datalim(place[None])

@@ -56,7 +56,7 @@ COLOUR_SHADES = 16
 """The number of colours of the stress, and of the pressure."""
 MOST_ARROWS = 16
 """The approximate largest number of pressure arrows on a contact face."""
-GAP_STYLE: Style = {"facecolor": (BLUE, 0.3), "edgecolor": BLUE, "linewidth": 0.5}
+GAP_STYLE: Style = dict(facecolor=(BLUE, 0.3), edgecolor=BLUE, linewidth=0.5)
 
 
 def ramp(name: str, shades: int = 256) -> Colormap:
@@ -330,9 +330,9 @@ def draw_body(picture: Picture) -> Figure:
     aspect = BodyScale(picture).aspect
     figure = Figure(figsize=(column_width(), 0.7 + 0.45 * bars + (column_width() - 0.1) / count * aspect))
     panels = figure.subplots(1, count, squeeze=False)[0]
-    layout: dict[str, Any] = {"orientation": "horizontal", "fraction": 0.05, "shrink": 0.7, "pad": 0.02}
+    layout: dict[str, Any] = dict(orientation="horizontal", fraction=0.05, shrink=0.7, pad=0.02)
     if is_slide():
-        layout = {"fraction": 0.04, "shrink": 0.8}
+        layout = dict(fraction=0.04, shrink=0.8)
     draw_shapes(figure, panels, picture, column_width() / count, 2, **layout)
     return figure
 
@@ -363,10 +363,10 @@ MAP_LEVELS = 10
 """The number of colours of a map."""
 FACE_LINES = ((BLACK, "o"), (GREEN, "s"), (PURPLE, "^"))
 """Colour and marker of the first, second and third contact face."""
-INSIDE_STYLE: Style = {"color": BLUE, "mew": 0}
-STRAY: Style = {"color": BLUE, "mfc": "white", "mew": 0.5}
+INSIDE_STYLE: Style = dict(color=BLUE, mew=0)
+STRAY: Style = dict(color=BLUE, mfc="white", mew=0.5)
 """The styles of nodes in contact inside the exact contact zone, and of nodes in contact outside of it."""
-NODES: Style = {"mfc": "white", "ms": 2.6}
+NODES: Style = dict(mfc="white", ms=2.6)
 """The style of computed values at nodes."""
 QUANTITY_LABELS = {"gap": "gap $w$", "pressure": "pressure $p$"}
 QUANTITY_COLOURS = {"gap": BLUE, "pressure": VERMILLION}
@@ -613,7 +613,7 @@ def draw_map(axes: Axes, face: Polygon, instant: int, top: float) -> None:
     exact = face.pressure_exact[instant].clip(0)
     computed = face.pressure[instant].clip(0)
     levels = np.linspace(0, top, MAP_LEVELS + 1)
-    style: Style = {"cmap": ramp("pressure"), "norm": BoundaryNorm(levels, 256)}
+    style: Style = dict(cmap=ramp("pressure"), norm=BoundaryNorm(levels, 256))
     axes.tricontourf(Triangulation(*face.s, face.facets.corners.T), exact, levels, **style)
     axes.scatter(face.s[0], face.s[1], s=5, c=computed, zorder=2, edgecolors=RIM, linewidths=0.2, **style)
     _draw_front(axes, face, face.level[instant])
@@ -700,5 +700,5 @@ def caption_sketch() -> str:
 
 def arrow(axes: Axes, start: Any, end: Any, colour: str, head: float = 6, **more: Any) -> None:
     """Draw an arrow between two points; ``head`` is the size of its head in points."""
-    style = {"arrowstyle": "-|>", "color": colour, "lw": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": head}
+    style = dict(arrowstyle="-|>", color=colour, lw=0.9, shrinkA=0, shrinkB=0, mutation_scale=head)
     axes.annotate("", tuple(end), tuple(start), arrowprops=style, **more)

@@ -45,11 +45,11 @@ from study.present.templates import counted
 
 # Axes, ticks, legends and slope triangles.
 
-DASHED: Style = {"ls": "--", "lw": 0.7}
-DOTTED: Style = {"ls": ":", "lw": 0.9, "alpha": 0.8}
+DASHED: Style = dict(ls="--", lw=0.7)
+DOTTED: Style = dict(ls=":", lw=0.9, alpha=0.8)
 HOLLOW: Style = {"mfc": "white"}
-RANGE: Style = {"alpha": 0.35, "lw": 0}
-RULE: Style = {"color": GREY, "lw": 0.6}
+RANGE: Style = dict(alpha=0.35, lw=0)
+RULE: Style = dict(color=GREY, lw=0.6)
 MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
 """The ticks of a logarithmic axis in a decade: the first choice with enough ticks is taken."""
 MESH_SIZE = "mesh size $h$"
@@ -164,7 +164,7 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
     top = base + slope * (end - start)
     corners = 10 ** np.array([[start, base], [end, top], [start, top]])
     axes.fill(*corners.T, facecolor=TRIANGLE, edgecolor=OUTLINE, lw=0.6, zorder=1.5)
-    text = {"textcoords": "offset points", "fontsize": rcParams["xtick.labelsize"]}
+    text = dict(textcoords="offset points", fontsize=rcParams["xtick.labelsize"])
     beside = (10**start, 10 ** ((base + top) / 2))
     above_it = (10 ** ((start + end) / 2), 10**top)
     if not small:
@@ -595,7 +595,7 @@ def caption_rollers(rows: DataFrame) -> str:
 # Other codes, cost, and deliberate faults.
 
 GRADE_STYLES: dict[str, Style] = {
-    grade: {"color": colour, "marker": marker, "ls": "", **HOLLOW}
+    grade: dict(color=colour, marker=marker, ls="", **HOLLOW)
     for grade, colour, marker in zip(GRADES, (BLUE, GREEN, ORANGE, VERMILLION, GREY), "osDXh", strict=True)
 }
 

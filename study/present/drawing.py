@@ -41,13 +41,13 @@ RunMap = Callable[..., Iterable[Any]]
 Style = dict[str, Any]
 """Properties of a line, as Matplotlib names them."""
 FAMILY_STYLES: dict[str, Style] = {
-    "one-diagonal": {"color": BLUE, "marker": "o"},
-    "criss-cross": {"color": VERMILLION, "marker": "s"},
-    "shaken": {"color": GREEN, "marker": "^"},
-    "unstructured": {"color": PURPLE, "marker": "D"},
-    "graded": {"color": ORANGE, "marker": "v"},
+    "one-diagonal": dict(color=BLUE, marker="o"),
+    "criss-cross": dict(color=VERMILLION, marker="s"),
+    "shaken": dict(color=GREEN, marker="^"),
+    "unstructured": dict(color=PURPLE, marker="D"),
+    "graded": dict(color=ORANGE, marker="v"),
 }
-OTHER_STYLES: tuple[Style, ...] = tuple({"color": c, "marker": m} for c, m in ((SKY, "P"), (BLACK, "X"), (GREY, "h")))
+OTHER_STYLES: tuple[Style, ...] = tuple(dict(color=c, marker=m) for c, m in ((SKY, "P"), (BLACK, "X"), (GREY, "h")))
 STYLES = Path(__file__).parent
 """The folder of the Matplotlib style files.
 
@@ -209,7 +209,7 @@ def entry(label: str, **style: Any) -> Line2D:
 
 def dots(label: str, **style: Any) -> Line2D:
     """Return a legend entry that shows a marker; the marker is a circle unless the style has another."""
-    return entry(label, **{"ls": "", "marker": "o", **style})
+    return entry(label, **dict(ls="", marker="o") | style)
 
 
 def draw_figures(

@@ -160,15 +160,16 @@ def sentences(data: FullRun) -> Callable[[str], str]:
     own = data.checks("Thm 4.2, own space", "order-stress")
     predicted = of_rough["case"].map(data.cases["expected_order"])
     is_smooth = own["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
-    values = context(data) | {
-        "verdicts_in_words": verdicts_in_words,
-        "misprints": slips(data),
-        "predicted": predicted,
-        "difference": (of_rough["observed"] - predicted).abs().max(),
-        "steps": data.rates.loc[data.rates["claim"] == "Prop. 5.3", "order"].dropna(),
-        "own_smooth": own[is_smooth],
-        "own_others": own[~is_smooth],
-    }
+    values = dict(
+        context(data),
+        verdicts_in_words=verdicts_in_words,
+        misprints=slips(data),
+        predicted=predicted,
+        difference=(of_rough["observed"] - predicted).abs().max(),
+        steps=data.rates.loc[data.rates["claim"] == "Prop. 5.3", "order"].dropna(),
+        own_smooth=own[is_smooth],
+        own_others=own[~is_smooth],
+    )
     return lambda template: ENVIRONMENT.from_string(template).render(values)
 
 
@@ -325,7 +326,7 @@ def badge(name: str, says: str, colour: str) -> str:
 
     The width follows from the number of letters.
     """
-    return render("badge.svg", {"name": name, "says": says, "colour": colour, "dark": DARK}) + "\n"
+    return render("badge.svg", name=name, says=says, colour=colour, dark=DARK) + "\n"
 
 
 def badges(data: FullRun, project: Path) -> dict[str, str]:

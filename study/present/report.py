@@ -67,32 +67,34 @@ def write_report(directory: Path, provenance: Json, run_map: RunMap = map) -> Pa
     statements = provenance.get("statements", {})
     # A statement with the code files that judge it and its checks. A label with two statements gives two groups.
     groups: list[Json] = [
-        {
-            "label": label,
-            "says": says,
-            "counts": count_verdicts(rows),
-            "judges": statements.get(label, {"code": []})["code"],
-            "rows": rows[CHECKS].to_numpy().tolist(),
-        }
+        dict(
+            label=label,
+            says=says,
+            counts=count_verdicts(rows),
+            judges=statements.get(label, {"code": []})["code"],
+            rows=rows[CHECKS].to_numpy().tolist(),
+        )
         for label, says, rows in by_claim(all_rows(directory))
     ]
     cases = case_pages(directory, claims, rates, run_map)
     counts = count_verdicts(claims)
-    values = {
-        "counts": counts,
-        "conclusion": printed("conclusion", count=counts, orders=orders_text(directory)),
+    page = render(
+        "page.html",
+        PAGE_TEXTS,
+        counts=counts,
+        conclusion=printed("conclusion", count=counts, orders=orders_text(directory)),
         # The page opens with the 2D case that has the most contact faces.
-        "shown": max(cases, key=lambda case: (case["facts"]["dimension"] == 2) * case["faces"]),
-        "collapsed": svg_chart(figure("collapsed", smooth)) if len(smooth) else "",
-        "orders": svg_chart(figure("orders", rates, predicted)) if len(order_differences(rates, predicted)) else "",
-        "groups": groups,
-        "cases": cases,
-        "bounds": tables.bounds(directory),
-        "faults": tables.faults(directory),
-        "provenance": provenance,
-        "files": _files(directory),
-    }
-    return write_text(directory / "report.html", render("page.html", PAGE_TEXTS | values) + "\n")
+        shown=max(cases, key=lambda case: (case["facts"]["dimension"] == 2) * case["faces"]),
+        collapsed=svg_chart(figure("collapsed", smooth)) if len(smooth) else "",
+        orders=svg_chart(figure("orders", rates, predicted)) if len(order_differences(rates, predicted)) else "",
+        groups=groups,
+        cases=cases,
+        bounds=tables.bounds(directory),
+        faults=tables.faults(directory),
+        provenance=provenance,
+        files=_files(directory),
+    )
+    return write_text(directory / "report.html", f"{page}\n")
 
 
 def all_rows(directory: Path) -> DataFrame:
@@ -107,7 +109,7 @@ def _files(directory: Path) -> Table:
     for path in sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json.gz")]):
         name = path.relative_to(data).as_posix()
         content = path.read_bytes()
-        rows.append({"file": name, "size": significant(len(content) / 1000), "sha": sha256(content).hexdigest()})
+        rows.append(dict(file=name, size=significant(len(content) / 1000), sha=sha256(content).hexdigest()))
     return Table.of("files", DataFrame(rows), grouped=0)
 
 
@@ -146,14 +148,14 @@ def case_pages(directory: Path, claims: DataFrame, rates: DataFrame, run_map: Ru
         enclosed = enclosed_series(enclosures[enclosures["case"] == name])
         charts += [figure("enclosure", rows, title, name=title) for _, rows, title in enclosed]
         of_case = [(caption, table.of_case(name)) for caption, table in shown]
-        page = {
-            "name": name,
-            "facts": fact,
-            "counts": count_verdicts(claims[claims["case"] == name]),
-            "observed": " – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
-            "charts": charts,
-            "tables": [(caption, table) for caption, table in of_case if table.rows],
-        }
+        page = dict(
+            name=name,
+            facts=fact,
+            counts=count_verdicts(claims[claims["case"] == name]),
+            observed=" – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
+            charts=charts,
+            tables=[(caption, table) for caption, table in of_case if table.rows],
+        )
         pages.append(page)
     pictures = run_map(draw_case, repeat(directory), cases["case"], [page["charts"] for page in pages])
     return [page | drawn for page, drawn in zip(pages, pictures, strict=True)]
@@ -185,7 +187,7 @@ def draw_case(directory: Path, case: str, charts: Sequence[Drawing]) -> Json:
         images = film_images(film, FRAME_DPI, upright=True)
         frames = [(_frame_text(film, at), _address(image)) for at, image in zip(film.shown, images, strict=True)]
         zone = drawing.caption, _address(image_of(drawing.draw(), ZONE_DPI))
-    return {"charts": [*map(svg_chart, charts)], "faces": len(picture.faces), "frames": frames, "zone": zone}
+    return dict(charts=[*map(svg_chart, charts)], faces=len(picture.faces), frames=frames, zone=zone)
 
 
 def _frame_text(picture: Picture, instant: int) -> str:

@@ -99,8 +99,8 @@ class Table:
             (titles, rows.iloc[:, self.grouped :].to_numpy().tolist())
             for titles, rows in self.cells.groupby([*self.cells.columns[: self.grouped]], sort=False)
         ]
-        values = {"columns": self.columns[self.grouped :], "groups": groups}
-        texts = {form: render(f"table.{form}.j2", values) for form in ("md", "tex")}
+        columns = self.columns[self.grouped :]
+        texts = {form: render(f"table.{form}.j2", columns=columns, groups=groups) for form in ("md", "tex")}
         texts["csv"] = self.cells.to_csv(index=False, lineterminator="\n")
         return {directory / f"{self.name}.{form}": text for form, text in texts.items()}
 

@@ -393,21 +393,22 @@ def context(data: FullRun) -> Json:
     """Return the names that templates use: the tables of a full run, its checks, and what is counted in them."""
     counts = data.claims.apply(evidence, axis=1).value_counts()
     orders = data.checks("(5.36)", "order")
-    return vars(data) | {
-        "checks": data.checks,
-        "evidence": {name: counts.get(name, 0) for name in EVIDENCE_TITLES},
-        "missed_faults": missed(data.faults),
-        "without_5_36": orders[orders["case"].map(data.cases["expected_order"]) == 1],
-        "discrete_scheme": data.labelled("beyond: fully discrete").apply(agreement, axis=1).tolist(),
-        "STEEPER": STEEPER,
-        "LARGEST_RATE": LARGEST_RATE,
-        "seeds_needed": seeds_needed(),
-        "count_verdicts": count_verdicts,
-        "planned_keys": planned_keys,
-        "in_words": in_words,
-    }
+    return dict(
+        vars(data),
+        checks=data.checks,
+        evidence={name: counts.get(name, 0) for name in EVIDENCE_TITLES},
+        missed_faults=missed(data.faults),
+        without_5_36=orders[orders["case"].map(data.cases["expected_order"]) == 1],
+        discrete_scheme=data.labelled("beyond: fully discrete").apply(agreement, axis=1).tolist(),
+        STEEPER=STEEPER,
+        LARGEST_RATE=LARGEST_RATE,
+        seeds_needed=seeds_needed(),
+        count_verdicts=count_verdicts,
+        planned_keys=planned_keys,
+        in_words=in_words,
+    )
 
 
-def render(name: str, values: Json) -> str:
-    """Return the text that a template in ``page`` makes."""
-    return ENVIRONMENT.get_template(name).render(values)
+def render(template: str, /, *tables: Json, **values: object) -> str:
+    """Return the text that a template in ``page`` makes from values."""
+    return ENVIRONMENT.get_template(template).render(*tables, **values)

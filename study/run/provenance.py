@@ -18,6 +18,8 @@ from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
 
+from pandas import DataFrame
+
 from study.fem.naming import describe, resolve
 from study.ledger.datafiles import DataError, Key, made_by, nested_keys, planned_keys, read_uncompressed
 from study.ledger.files import Json, StoreError, UsageError
@@ -93,14 +95,9 @@ def sources() -> dict[str, Json]:
     for statement in STATEMENTS:
         data = "claims.csv" if isinstance(statement, Listed) else statement.file.name
         places.append((type(statement), statement.label, data))
-    entries: dict[str, Json] = {}
-    for kind, label, data in places:
-        code = Path(inspect.getfile(kind)).relative_to(ROOT).as_posix()
-        entry = entries.setdefault(label, {"code": [], "data": []})
-        for files, file in ((entry["code"], code), (entry["data"], data)):
-            if file not in files:
-                files.append(file)
-    return entries
+    files = [(label, Path(inspect.getfile(kind)).relative_to(ROOT).as_posix(), data) for kind, label, data in places]
+    of_labels = DataFrame(files, columns=["label", "code", "data"]).groupby("label", sort=False)
+    return {str(label): {name: rows[name].unique().tolist() for name in ("code", "data")} for label, rows in of_labels}
 
 
 def read_provenance(directory: Path) -> Json:
