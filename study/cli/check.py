@@ -3,7 +3,6 @@
 import secrets
 import tempfile
 from argparse import Namespace
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,7 @@ from study.ledger.controls import SEEDS_FILE, SeedRecord
 from study.ledger.datafiles import CsvFile, DataError, Key, line, made_by, read_claims, read_csv, table_text, write_csv
 from study.ledger.files import Json, UsageError
 from study.ledger.text import folded
-from study.ledger.verdict import Verdict
+from study.ledger.verdict import Verdicts
 from study.present.outcome import ledger_text, write_junit
 from study.present.pages import expected_texts
 from study.run.executor import Notify, Pool, execute, local_pool
@@ -31,7 +30,7 @@ from study.run.judgement import (
     stored_rows,
     verdicts,
 )
-from study.run.plan import Job
+from study.run.plan import Job, Jobs
 from study.run.provenance import Expectation, commit, compare_sums, read_provenance
 from study.run.store import Store
 from study.statements.enclosure import BOUNDS, ENCLOSURES
@@ -101,7 +100,7 @@ def _again(options: Namespace) -> int:
     return FAILED
 
 
-def as_written(directory: Path, judged: Sequence[Verdict]) -> set[Path]:
+def as_written(directory: Path, judged: Verdicts) -> set[Path]:
     """Compare verdicts, tables, captions, badges and README with the texts that the program would write now.
 
     Returns:
@@ -236,7 +235,7 @@ def planned_jobs(directory: Path) -> tuple[Job, ...]:
     return tuple(job for job in expectation.plan.jobs if job.identity in set(record["planned"]))
 
 
-def draw_jobs(jobs: Sequence[Job], count: int, seed: int) -> list[Job]:
+def draw_jobs(jobs: Jobs, count: int, seed: int) -> list[Job]:
     """Return a random sample of jobs without repetition.
 
     A job is drawn with a probability proportional to 1 / cost. So the expected time of one draw is the harmonic mean of
@@ -253,12 +252,12 @@ def draw_jobs(jobs: Sequence[Job], count: int, seed: int) -> list[Job]:
     return [jobs[i] for i in drawn]
 
 
-def expected_seconds(jobs: Sequence[Job]) -> float:
+def expected_seconds(jobs: Jobs) -> float:
     """Return the expected computing time of jobs in seconds."""
     return sum(job.cost for job in jobs) / 1e6
 
 
-def compare_again(directory: Path, jobs: Sequence[Job], pool: Pool, tolerance: Tolerance, notify: Notify) -> Comparison:
+def compare_again(directory: Path, jobs: Jobs, pool: Pool, tolerance: Tolerance, notify: Notify) -> Comparison:
     """Run jobs again and compare the new measurements with the rows on disk.
 
     Only measured columns are compared, not columns that are derived from them.

@@ -23,9 +23,9 @@ from study.ledger.datafiles import DataError
 from study.ledger.files import JobsError, StoreError, UsageError, disk_full
 from study.ledger.quantities import RatesError
 from study.ledger.text import folded
-from study.ledger.verdict import ROW_KEY, UNDECIDED, Verdict, exit_code
+from study.ledger.verdict import ROW_KEY, UNDECIDED, Verdicts, exit_code
 from study.orders import OrderError
-from study.run.plan import Job
+from study.run.plan import Job, Jobs
 
 Result = TypeVar("Result")
 BAR = "{l_bar}{bar}| {elapsed}<{left}"
@@ -58,7 +58,7 @@ def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
     return set(table[[*ROW_KEY]].itertuples(index=False, name=None))
 
 
-def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
+def code_of(verdicts: Verdicts, file: Path | None) -> int:
     """Return the exit code of a judged run: 1 if a check fails, else 3 if a check is undecided, else 0.
 
     Parameters:
@@ -108,7 +108,7 @@ def progress_bar(total: int, name: str = "") -> ProgressBar:
     return ProgressBar(desc=name, total=total, unit="", bar_format=BAR, mininterval=pause, miniters=1)
 
 
-def job_progress(jobs: Sequence[Job], name: str = "") -> ProgressBar:
+def job_progress(jobs: Jobs, name: str = "") -> ProgressBar:
     """Return a progress bar for measurements, in units of their expected time."""
     return progress_bar(round(sum(job.cost for job in jobs)), name)
 

@@ -25,7 +25,7 @@ from study.ledger.controls import FalseAlarms, SeedRecord, in_words, missed, sum
 from study.ledger.datafiles import write_csv
 from study.ledger.schema import SCHEMA
 from study.ledger.text import folded
-from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
+from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdicts
 from study.run.executor import Pool, Processes, execute, local_pool, unfinished
 from study.run.fingerprint import of_everything, problem
 from study.run.judgement import collect, judge
@@ -146,7 +146,7 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
         record.judged(hash_of_rules, len(verdicts), _print_alarms(verdicts)).write(directory)
 
 
-def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tuple[list[Verdict], str]:
+def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tuple[Verdicts, str]:
     """Measure on the random meshes with one seed, and delete the measurements afterwards.
 
     Measurements of an interrupted call are used.
@@ -173,7 +173,7 @@ def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tup
     return claimed, rules(plan, claimed)
 
 
-def _print_alarms(verdicts: list[Verdict]) -> int:
+def _print_alarms(verdicts: Verdicts) -> int:
     """Print the checks that do not hold, and return their number."""
     alarms = [verdict for verdict in verdicts if verdict.verdict != HOLDS]
     for row in alarms:

@@ -4,7 +4,7 @@ import shlex
 import sys
 from argparse import Namespace
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from study.ledger.text import folded
 from study.present.outcome import ledger_text, orders_text, rates_text
 from study.run.executor import Pool, connected, execute, local_pool, prove, refuse_too_large, save_proofs, unfinished
 from study.run.judgement import collect, judge, judge_stored
-from study.run.plan import Job, Plan, full, quick
+from study.run.plan import Job, Jobs, Plan, full, quick
 from study.run.provenance import read_provenance, refuse_to_replace
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
@@ -86,7 +86,7 @@ def measure(plan: Plan, store: Store, pool: Pool) -> None:
         collect(plan, store)
 
 
-def verdict_printer(jobs: Sequence[Job], store: Store, bar: ProgressBar) -> Callable[[Job], None]:
+def verdict_printer(jobs: Jobs, store: Store, bar: ProgressBar) -> Callable[[Job], None]:
     """Return a function that moves a progress bar, and prints the verdicts on a statement when they can be judged.
 
     The function is called with each finished job. The verdicts on a statement for a case are printed when all its

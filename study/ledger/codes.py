@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from pandas import DataFrame
+from pandas import DataFrame, Series
 
 from study.ledger.datafiles import CsvFile, DataError, line, read_checked, refuse_repeated
 
@@ -87,14 +87,24 @@ class Codes:
         largest ``share``, ``excess`` (see ``series``) and ``invariance`` (change of the result if all loads are
         scaled).
         """
-        lines = []
-        for key, series in self.series().groupby(KEY, sort=False):
-            counts = series["class"].value_counts()
-            text = ", ".join(f"{grade} ({counts[grade]})" for grade in GRADES if grade in counts)
-            worst = series[["share", "excess", "invariance"]].max().to_dict()
-            orders = {"order_low": series["order_in_v"].min(), "order_high": series["order_in_v"].max()}
-            lines.append(dict(zip(KEY, key, strict=True)) | {"classes": text} | orders | worst)
-        return DataFrame(lines)
+        rows = (
+            self.series()
+            .groupby(KEY, sort=False)
+            .agg(
+                classes=("class", _counted_grades),
+                order_low=("order_in_v", "min"),
+                order_high=("order_in_v", "max"),
+                share=("share", "max"),
+                excess=("excess", "max"),
+                invariance=("invariance", "max"),
+            )
+        )
+        return rows.reset_index()
+
+
+def _counted_grades(classes: Series) -> str:
+    counts = classes.value_counts()
+    return ", ".join(f"{grade} ({counts[grade]})" for grade in GRADES if grade in counts)
 
 
 @dataclass(frozen=True)

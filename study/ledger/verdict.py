@@ -13,7 +13,6 @@ reported   nothing is claimed about the value
 """
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from math import inf, isinf, isnan, nan
@@ -134,6 +133,9 @@ class Verdict:
         return self.label, self.key, self.case, self.family
 
 
+Verdicts = list[Verdict]
+
+
 def row(
     of: Named,
     key: str,
@@ -163,7 +165,7 @@ def row(
     )
 
 
-def exit_code(verdicts: Sequence[Verdict]) -> int:
+def exit_code(verdicts: Verdicts) -> int:
     """Return the exit code of a command that judges.
 
     It is 1 if a check fails. Otherwise, it is 3 if a check is undecided or there are no checks, and 0 if not.

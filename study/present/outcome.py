@@ -24,7 +24,7 @@ from study.ledger.verdict import (
     REPORTED,
     UNDECIDED,
     VERDICTS,
-    Verdict,
+    Verdicts,
 )
 from study.present.templates import ENVIRONMENT, read_page
 
@@ -118,7 +118,7 @@ def _wrapped(text: str, indent: str = "") -> list[str]:
     return textwrap.wrap(text, width(), subsequent_indent=indent, break_on_hyphens=False)
 
 
-def write_junit(path: Path, verdicts: list[Verdict]) -> None:
+def write_junit(path: Path, verdicts: Verdicts) -> None:
     """Write verdicts into a JUnit XML file, as one test case each.
 
     The verdict *fails* is a failure; the verdicts *undecided*, *missed* and *reported* are skipped tests.

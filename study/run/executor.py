@@ -33,7 +33,7 @@ from manufactured.self_proof import SelfProofError, examine
 from study.fem.naming import name_of, resolve
 from study.ledger.files import JobsError, UsageError
 from study.run.fingerprint import ALL_CODE, code_hash, of_solution, problem, versions
-from study.run.plan import Job, Result
+from study.run.plan import Job, Jobs, Result
 from study.run.store import Store
 from study.statements.enclosure import resolve_problem
 from study.statements.shared import estimates
@@ -145,14 +145,14 @@ def unfinished(jobs: Sequence[AnyJob], store: Store) -> list[AnyJob]:
     return sorted(missing, key=lambda job: -job.cost)
 
 
-def refuse_too_large(jobs: Sequence[Job], pool: Pool) -> None:
+def refuse_too_large(jobs: Jobs, pool: Pool) -> None:
     """Raise UsageError if the largest job needs more memory than is available."""
     if jobs:
         largest = max(jobs, key=lambda job: job.memory)
         require(largest.key, largest.memory, pool.each)
 
 
-def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> None:
+def execute(jobs: Jobs, store: Store, pool: Pool, notify: Notify) -> None:
     """Run the jobs whose results are not stored, and store each result when its job ends.
 
     If a worker is killed, its job may have used too much memory. The job waits until all other jobs have ended, and
@@ -210,9 +210,7 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
         raise JobsError("\n".join([f"{len(failures)} job(s) failed, all other results are stored:", *failures]))
 
 
-def next_job(
-    waiting: Sequence[Job], running: Sequence[Job], suspects: set[str], case: str, together: float
-) -> Job | None:
+def next_job(waiting: Jobs, running: Jobs, suspects: set[str], case: str, together: float) -> Job | None:
     """Return the job that an idle worker starts now; None if it must wait.
 
     Parameters:

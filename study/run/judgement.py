@@ -4,7 +4,7 @@ Judging needs the data files only: nothing is solved, and the checks in ``claims
 """
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 
@@ -26,8 +26,8 @@ from study.ledger.datafiles import (
 )
 from study.ledger.files import write_text
 from study.ledger.schema import SCHEMA
-from study.ledger.verdict import Verdict
-from study.run.plan import Job, Plan
+from study.ledger.verdict import Verdicts
+from study.run.plan import Job, Jobs, Plan
 from study.run.provenance import SUMS, Complete, provenance, read_provenance, text_sum
 from study.run.store import Store
 from study.statements import STATEMENTS
@@ -59,7 +59,7 @@ def stored_rows(jobs: Iterable[Job], store: Store) -> dict[DataFile, list[Row]]:
     return rows
 
 
-def judge_stored(jobs: Sequence[Job], store: Store) -> list[Verdict]:
+def judge_stored(jobs: Jobs, store: Store) -> Verdicts:
     """Judge the stored results of jobs of one statement and one case, before the data files are written.
 
     The list is empty if the statement cannot be judged from these results alone. On a user's case, verdicts depend on
@@ -106,7 +106,7 @@ def read_tables(directory: Path) -> dict[CsvFile, DataFrame]:
     return {file: file.read(directory) for file in data_files() if isinstance(file, CsvFile)}
 
 
-def judge(directory: Path) -> list[Verdict]:
+def judge(directory: Path) -> Verdicts:
     """Judge the data in a result directory, write the checks into ``claims.csv`` and return them.
 
     Raises:
@@ -123,7 +123,7 @@ def claims_file(directory: Path) -> Path:
     return directory / "data" / "claims.csv"
 
 
-def compare_claims(directory: Path, judged: Sequence[Verdict]) -> None:
+def compare_claims(directory: Path, judged: Verdicts) -> None:
     """Raise DataError if ``claims.csv`` is missing or differs from the checks that follow from the data."""
     path = claims_file(directory)
     again = f"`study tables --out {directory}` writes it again"
@@ -133,12 +133,12 @@ def compare_claims(directory: Path, judged: Sequence[Verdict]) -> None:
         raise DataError(f"{differs}: {again}")
 
 
-def claims(judged: Sequence[Verdict]) -> DataFrame:
+def claims(judged: Verdicts) -> DataFrame:
     """Return checks as the table ``claims.csv``."""
     return DataFrame([asdict(verdict) for verdict in judged])
 
 
-def verdicts(directory: Path) -> list[Verdict]:
+def verdicts(directory: Path) -> Verdicts:
     """Judge the data in a result directory and return all checks; nothing is solved or written.
 
     Raises:
@@ -194,7 +194,7 @@ def joined(statement: Statement, tables: Mapping[CsvFile, DataFrame]) -> DataFra
     return own_rows.merge(joined_rows, on=key, how="left")
 
 
-def with_reasons(verdicts: Sequence[Verdict], rates: DataFrame) -> list[Verdict]:
+def with_reasons(verdicts: Verdicts, rates: DataFrame) -> Verdicts:
     """Judge the checks of users' cases again, and return all checks.
 
     A check of a user's case only fails if the data contradict the statement. Otherwise, the text of the check says why
@@ -209,7 +209,7 @@ def with_reasons(verdicts: Sequence[Verdict], rates: DataFrame) -> list[Verdict]
     return [next(judged[verdict.case]) if verdict.case in judged else verdict for verdict in verdicts]
 
 
-def judge_statement(statement: Statement, rows: DataFrame) -> list[Verdict]:
+def judge_statement(statement: Statement, rows: DataFrame) -> Verdicts:
     """Return the checks of a statement; an empty list if the table has no rows of the statement.
 
     Parameters:

@@ -8,7 +8,7 @@ have.
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -82,6 +82,9 @@ class Job:
     def run(self) -> Result:
         """Measure, and return the measured numbers by their names."""
         return self.statement.run(self.setting)
+
+
+Jobs = Sequence[Job]
 
 
 def check_own(reference: str) -> None:
