@@ -66,6 +66,11 @@ above = partial(_to_decimals, rounding=ROUND_CEILING)
 """Return a number as text, rounded up to a number of decimal places; it remains an upper bound."""
 
 
+def outwards(low: float, high: float, decimals: int = 2) -> str:
+    """Return the range from low to high as text, rounded outwards: "0.92 to 1.00"."""
+    return f"{below(low, decimals)} to {above(high, decimals)}"
+
+
 def interval(low: float, high: float, digits: int) -> str:
     """Return the interval [low, high] as text, with both ends rounded outwards to a number of significant digits."""
     if low > high:

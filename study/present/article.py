@@ -13,7 +13,7 @@ from study.ledger.codes import Codes
 from study.ledger.controls import summary
 from study.ledger.datafiles import by_claim, count_kinds, count_verdicts
 from study.ledger.files import write_text
-from study.ledger.text import above, below, down, up
+from study.ledger.text import down, outwards, up
 from study.ledger.verdict import (
     FAILS,
     HOLDS,
@@ -320,7 +320,7 @@ def contact_codes(results: Codes) -> PlainRows:
             f"{row['code']} {row['version']}",
             row["variant"],
             row["classes"],
-            f"{below(row['order_low'], 2)} to {above(row['order_high'], 2)}",
+            outwards(row["order_low"], row["order_high"]),
             *(up(row[name], digits) for name, digits in {"share": 2, "excess": 3, "invariance": 2}.items()),
         ]
         for row in results.rows().to_dict("records")

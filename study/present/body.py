@@ -35,7 +35,7 @@ from study.present.drawing import (
     is_slide,
     legend,
 )
-from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment, misplaced_length
+from study.present.picture import Array, Bools, FaceHistory, Picture, Polygon, Segment, misplaced_length
 
 DRAWN_DISPLACEMENT = 0.12
 """The length of the largest displacement in figures, as a fraction of the longest side of the body."""
@@ -410,21 +410,25 @@ def draw_zone(picture: Picture) -> Figure:
 
 def _draw_zone_of_face(axes: Axes, face: Segment, faces: int) -> None:
     """Draw the contact zone of one face in 2D; ``faces`` is the number of faces in the figure."""
-    times = face.times
-    s = np.linspace(face.s.min(), face.s.max(), ZONE_POINTS)
+    ends = face.s.min(), face.s.max()
+    s = np.linspace(*ends, ZONE_POINTS)
     # Far from the front the depth is cut off, so that the front of a zone that appears at once is drawn halfway.
     depth = face.depth(face.zone, s).clip(-ZONE_CUT, ZONE_CUT)
     axes.contourf(s, face.zone_times, depth, [0, 1], colors=[SKY], alpha=0.45)
     axes.contour(s, face.zone_times, depth, [0], colors=VERMILLION, linewidths=1.0)
-    for nodes, style in ((face.touching & ~face.outside, INSIDE_STYLE), (face.outside, STRAY)):
-        when, where = np.nonzero(nodes)
-        # An empty line would disturb the layout of Matplotlib.
-        if len(when):
-            axes.plot(face.s[where], times[when], "o", ms=2.5 / faces**0.5, clip_on=False, zorder=3, **style)
+    _plot_nodes(axes, *np.meshgrid(face.s, face.times), face.touching, face.outside, 2.5 / faces**0.5)
     if depth.max() < 0 and not face.touching.any():
         axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", va="center", color=GREY)
-    axes.set(xlim=(face.s.min(), face.s.max()), ylim=(times[0], times[-1]))
+    axes.set(xlim=ends, ylim=(face.times[0], face.times[-1]))
     axes.xaxis.set_major_locator(MaxNLocator(5 if faces == 1 else 2))
+
+
+def _plot_nodes(axes: Axes, x: Array, y: Array, touching: Bools, outside: Bools, size: float) -> None:
+    """Plot the nodes in contact at the places (x, y): those inside and those outside of the exact contact zone."""
+    for nodes, style in ((touching & ~outside, INSIDE_STYLE), (outside, STRAY)):
+        # An empty line would disturb the layout of Matplotlib.
+        if nodes.any():
+            axes.plot(x[nodes], y[nodes], "o", ms=size, clip_on=False, zorder=3, **style)
 
 
 def _zone_handles(picture: Picture) -> list[Artist]:
@@ -531,9 +535,8 @@ def draw_profile(axes: Axes, face: Segment, exact: Array, computed: Array, colou
 
 def caption_profiles(picture: Picture) -> str:
     """Return the caption of ``draw_profiles``."""
-    gap = _largest_difference(picture, "gap")
-    pressure = _largest_difference(picture, "pressure")
-    return caption("profiles", picture=picture, gap=gap, pressure=pressure)
+    differences = {name: _largest_difference(picture, name) for name in QUANTITY_LABELS}
+    return caption("profiles", picture=picture, **differences)
 
 
 def _largest_difference(picture: Picture, name: str) -> str:
@@ -622,12 +625,9 @@ def draw_map(axes: Axes, face: Polygon, instant: int, top: float) -> None:
 def _draw_zone_map(axes: Axes, face: Polygon, instant: int) -> None:
     """Draw the map of the exact contact zone on a face in 3D, and the nodes in contact."""
     level = face.level[instant]
-    stray = face.outside[instant]
     if level.max() >= 0:
         axes.tricontourf(_refined(face), level, [0, level.max() + 1], colors=[SKY], alpha=0.45)
-    for nodes, style in ((face.touching[instant] & ~stray, INSIDE_STYLE), (stray, STRAY)):
-        if nodes.any():
-            axes.plot(*face.s[:, nodes], "o", ms=1.6, clip_on=False, zorder=3, **style)
+    _plot_nodes(axes, face.s[0], face.s[1], face.touching[instant], face.outside[instant], 1.6)
     _draw_front(axes, face, level)
 
 

@@ -26,7 +26,7 @@ from study.ledger.check import by_family
 from study.ledger.codes import GRADES, Codes
 from study.ledger.controls import INVISIBLE_SHARE
 from study.ledger.quantities import Array, RatesError, fit, orders
-from study.ledger.text import above, below, interval
+from study.ledger.text import interval, outwards
 from study.present.drawing import (
     COLOURS,
     OUTLINE,
@@ -333,7 +333,7 @@ def draw_orders(rates: DataFrame, expected: Orders) -> Figure:
 def caption_orders(rates: DataFrame, expected: Orders) -> str:
     """Return the caption of ``draw_orders``."""
     differences = order_differences(rates, expected)["difference"]
-    ends = below(differences.min(), 2), above(differences.max(), 2)
+    ends = outwards(differences.min(), differences.max())
     return caption("orders", cases=_all_cases(rates), sequences=len(differences), ends=ends)
 
 
@@ -382,12 +382,9 @@ def order_in_words(rates: DataFrame) -> str:
     if observed.empty:
         return ""
     low = observed.min()
-    high = observed.max()
     result = "the error is O(h)" if low >= 1 - ROOM_BELOW else "on these meshes the error is not O(h)"
-    return (
-        f"{result}: observed orders {below(low, 2)} to {above(high, 2)} in {_all_cases(rates)}, over the last two "
-        "refinements"
-    )
+    orders = outwards(low, observed.max())
+    return f"{result}: observed orders {orders} in {_all_cases(rates)}, over the last two refinements"
 
 
 # Bounds of the error.

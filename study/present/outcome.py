@@ -15,7 +15,7 @@ from tabulate import tabulate
 from convergence_orders.printing import printable
 from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, expected_orders, read_rates
 from study.ledger.files import write_text
-from study.ledger.text import above, below, cell, down, interval, is_narrow, significant, up, width
+from study.ledger.text import cell, down, interval, is_narrow, outwards, significant, up, width
 from study.ledger.verdict import (
     BECAUSE,
     FAILS,
@@ -71,9 +71,8 @@ def orders_text(directory: Path) -> str:
     differences = order_differences(rates, expected_orders(directory, rates))["difference"]
     if differences.empty:
         return ""
-    low = below(differences.min(), 2)
-    high = above(differences.max(), 2)
-    return f"observed orders of the error over two refinements differ from the predicted ones by {low} to {high}"
+    ends = outwards(differences.min(), differences.max())
+    return f"observed orders of the error over two refinements differ from the predicted ones by {ends}"
 
 
 def ledger_text(claims: DataFrame, orders: str = "") -> str:

@@ -40,7 +40,7 @@ from study.ledger.datafiles import (
     read_rates,
 )
 from study.ledger.files import Json
-from study.ledger.text import above, below
+from study.ledger.text import above, below, outwards
 from study.ledger.verdict import NO_ROW, NOT_TESTED, UNCLAIMED, agreement
 from study.ledger.window import STEEPER
 
@@ -255,7 +255,7 @@ def most(rows: DataFrame, decimals: int = 2, scale: float = 1) -> str:
 
 def span(rows: DataFrame, decimals: int = 2) -> str:
     """Return the range of checks as text, such as "0.92 to 1.00"."""
-    return f"{least(rows, decimals)} to {most(rows, decimals)}"
+    return outwards(rows["low"].min(), rows["high"].max(), decimals)
 
 
 def spans(rows: DataFrame) -> str:
