@@ -75,8 +75,8 @@ class Codes:
         finest = self.errors.sort_values("level", kind="stable").groupby(CODE_SERIES, sort=False).tail(1)
         judged = self.classes[self.classes["class"] != NOT_EXPRESSED]
         finest_rows = judged.merge(finest, on=["series", *CODE_SERIES], validate="one_to_one")
-        share = finest_rows["distance"] / finest_rows["best"]
-        excess = finest_rows["pressure"] / finest_rows["best_pressure"]
+        share = finest_rows.distance / finest_rows.best
+        excess = finest_rows.pressure / finest_rows.best_pressure
         return finest_rows.assign(share=share, excess=excess).replace([np.inf, -np.inf], np.nan)
 
     def rows(self) -> DataFrame:

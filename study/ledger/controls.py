@@ -34,11 +34,11 @@ def summary(matrix: DataFrame) -> DataFrame:
     Parameters:
         matrix: the table ``faults.csv``.
     """
-    by_error = matrix["by_error"] != ""
+    by_error = matrix.by_error != ""
     rows = matrix.assign(
         errors=by_error,
-        any_check=by_error | (matrix["by_others"] != ""),
-        invisible=matrix["distance"] < INVISIBLE_SHARE * matrix["error"],
+        any_check=by_error | (matrix.by_others != ""),
+        invisible=matrix.distance < INVISIBLE_SHARE * matrix.error,
     )
     grouped = rows.groupby(["equation", "fault", "size"], sort=False)
     counts = grouped[["errors", "any_check", "invisible"]].sum()
@@ -56,10 +56,10 @@ def missed(matrix: DataFrame) -> dict[str, str]:
         matrix: the table ``faults.csv``.
     """
     lacking = {}
-    alone = matrix["by_others"].str.contains(ALONE)
+    alone = matrix.by_others.str.contains(ALONE)
     for fault, rows in matrix.groupby("fault", sort=False):
         size = rows["size"].abs()
-        noticed = (rows["by_error"] != "") | (rows["single"] == 1) & alone[rows.index]
+        noticed = (rows.by_error != "") | (rows["single"] == 1) & alone[rows.index]
         plane = noticed[(rows["dim"] == 2) & (size == size.min())]
         solid = noticed[(rows["dim"] == 3) & (size == size.max())]
         places = {

@@ -298,8 +298,8 @@ def expected_orders(directory: Path, rates: DataFrame) -> dict[str, float]:
         DataError: the file is missing or damaged, or lacks a case of the table ``rates``.
     """
     cases = read_csv(directory, "cases.csv", ("case", "expected_order"))
-    orders = dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
-    if unknown := sorted(set(rates["case"]) - set(orders)):
+    orders = dict(zip(cases.case, cases.expected_order.astype(float), strict=True))
+    if unknown := sorted(set(rates.case) - set(orders)):
         lacking = f"{directory / 'data' / 'cases.csv'} lacks the cases {', '.join(unknown)}"
         raise DataError(f"{lacking}: make it again with `{made_by(directory)}`")
     return orders
@@ -312,7 +312,7 @@ def read_claims(directory: Path) -> DataFrame:
         DataError: the file is missing or damaged, or has an unknown verdict.
     """
     claims = read_csv(directory, "claims.csv", SCHEMA["claims.csv"].columns)
-    unknown = sorted(set(claims["verdict"]) - set(VERDICTS))
+    unknown = sorted(set(claims.verdict) - set(VERDICTS))
     if unknown:
         raise DataError(
             f"{directory / 'data' / 'claims.csv'} has the verdicts {', '.join(unknown)}, expected "
@@ -323,12 +323,12 @@ def read_claims(directory: Path) -> DataFrame:
 
 def count_verdicts(claims: DataFrame) -> dict[str, int]:
     """Return the number of checks with each verdict."""
-    return {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}
+    return {verdict: int((claims.verdict == verdict).sum()) for verdict in VERDICTS}
 
 
 def count_kinds(claims: DataFrame) -> dict[str, int]:
     """Return the number of checks that hold, for each kind of check (``CheckKind``)."""
-    kinds = claims.loc[claims["verdict"] == HOLDS, "kind"]
+    kinds = claims.loc[claims.verdict == HOLDS, "kind"]
     return {str(name): int((kinds == name).sum()) for name in CheckKind}
 
 

@@ -119,7 +119,7 @@ def verdicts(data: FullRun) -> PlainRows:
 
     The checks that hold are counted by the kind of their evidence.
     """
-    groups = data.claims["label"].map(group_of)
+    groups = data.claims.label.map(group_of)
     body = []
     for title in (*GROUPS, BEYOND, TOTAL):
         rows = data.claims if title == TOTAL else data.claims[groups == title]
@@ -141,7 +141,7 @@ def accounts(data: FullRun) -> PlainRows:
         rows = data.claims if name == TOTAL else data.claims[names == name]
         count = count_verdicts(rows)
         judged = [str(count[HOLDS]), str(count[FAILS] + count[UNDECIDED])]
-        is_judged = not rows["verdict"].isin(UNCLAIMED).all()
+        is_judged = not rows.verdict.isin(UNCLAIMED).all()
         body.append([title, str(len(rows)), *(judged if is_judged else ["–", "–"])])
     return body
 
@@ -154,13 +154,13 @@ def ledger(data: FullRun) -> str:
     """
     bodies: dict[str, PlainRows] = {title: [] for title in (*GROUPS, BEYOND)}
     for label, claim, rows in by_claim(data.claims):
-        judged = rows[~rows["verdict"].isin(UNCLAIMED)]
+        judged = rows[~rows.verdict.isin(UNCLAIMED)]
         nearest = ["–", ""]
         shares = Series({at: window_share(row) for at, row in judged.iterrows()}, dtype=float).dropna()
         if len(shares):
             row = judged.loc[shares.idxmax()]
             nearest = [f"{row['quantity']} ({row['case']})", f"{three_digits(worst_value(row))}; {window_ends(row)}"]
-        holds = str((rows["verdict"] == HOLDS).sum())
+        holds = str((rows.verdict == HOLDS).sum())
         bodies[group_of(label)].append([label, claim, holds, *numbers_of_others(rows), *nearest])
     heading = r"\par\medskip\noindent\textbf{{{}}}\par\nobreak\smallskip\noindent" + "\n"
     return "".join(heading.format(encode(title)) + latex("ledger", body) for title, body in bodies.items())
@@ -193,13 +193,13 @@ def faults(data: FullRun) -> PlainRows:
 
 def catalogue(data: FullRun) -> PlainRows:
     """Return the exact solutions with their names, summaries and laws."""
-    laws = data.cases["law"].str.removeprefix("linear, ")
+    laws = data.cases.law.str.removeprefix("linear, ")
     return data.cases.assign(law=laws)[["case", "summary", "law"]].to_numpy().tolist()
 
 
 def cases_of(data: FullRun, label: str) -> DataFrame:
     """Return a table of the cases of a proposition with their names and regularities; the index has their names."""
-    names = data.rates.loc[data.rates["claim"] == label, "case"].unique()
+    names = data.rates.loc[data.rates.claim == label, "case"].unique()
     shorter = {"strain with a jump inside cells": "jump inside cells", " front, ": ", "}
     return data.cases.loc[names, ["case", "regularity"]].replace({"regularity": shorter}, regex=True)
 
@@ -207,7 +207,7 @@ def cases_of(data: FullRun, label: str) -> DataFrame:
 def measured(data: FullRun, label: str, key: str, *columns: str, scale: float = 1) -> Series:
     """Return case ↦ the values of a check in some columns, times a scale, with two decimals."""
     rows = data.labelled(label)
-    rows = rows[rows["key"] == key].drop_duplicates("case").set_index("case")
+    rows = rows[rows.key == key].drop_duplicates("case").set_index("case")
     values = scale * rows[[*columns]].to_numpy()
     return Series([*map(decimals, values)], rows.index, dtype=object)
 
@@ -230,7 +230,7 @@ def smooth(data: FullRun) -> PlainRows:
     """
     label = "Prop. 5.4"
     cells = cases_of(data, label)
-    cells["level"] = data.rates[data.rates["claim"] == label].groupby("case")["level"].max().astype(str)
+    cells["level"] = data.rates[data.rates.claim == label].groupby("case")["level"].max().astype(str)
     for key in ("order", "order-extrapolated", "discrete-order-superclose", "discrete-order-others"):
         cells[key] = measured(data, label, key, "low", "high")
     cells["share"] = measured(data, label, "discrete-share", "observed")
@@ -267,7 +267,7 @@ def stresses(data: FullRun) -> PlainRows:
     """
     rows = data.labelled("Thm 4.2, own space")
     body = []
-    for (case, family), part in rows[rows["family"] != "shaken"].groupby(["case", "family"], sort=False):
+    for (case, family), part in rows[rows.family != "shaken"].groupby(["case", "family"], sort=False):
         by_key = part.set_index("key")
         cells = []
         for key in ("order-stress", "order-displacement", "order-pressure", "order-primal_stress", "growth"):
@@ -282,9 +282,9 @@ def enclosures(data: FullRun) -> PlainRows:
 
     The ends of the bounds are rounded outwards. The error is empty for problems without a known exact solution.
     """
-    rows = data.bounds[data.bounds["trajectory"] == "enclosure"]
+    rows = data.bounds[data.bounds.trajectory == "enclosure"]
     rows = rows.groupby("case", sort=False).filter(lambda of_case: len(of_case) > 2)
-    cells = rows[["case", "family", "level"]].astype(str).assign(h=rows["h"].map(three_digits))
+    cells = rows[["case", "family", "level"]].astype(str).assign(h=rows.h.map(three_digits))
     for name, rounding in {"lowest": down, "error": None, "highest": up, "upper": up, "lower": down}.items():
         values = rows[name].apply(rounding, digits=4).astype(float) if rounding else rows[name]
         cells[name] = values.map("{:#.4g}".format, na_action="ignore")
@@ -298,8 +298,8 @@ def discrete(data: FullRun) -> PlainRows:
     """
     rows = data.labelled("beyond: fully discrete")
     orders = rows[["low", "high"]].apply(decimals, axis=1) + rows.apply(agreement, axis=1).map(MARKS)
-    names = rows["key"].str.extract(f"(?P<scheme>.+)-(?P<order>{'|'.join(DISCRETE)})$")
-    cells = names.assign(case=rows["case"], cell=orders)
+    names = rows.key.str.extract(f"(?P<scheme>.+)-(?P<order>{'|'.join(DISCRETE)})$")
+    cells = names.assign(case=rows.case, cell=orders)
     table = cells.pivot_table("cell", ["case", "scheme"], "order", aggfunc="first", sort=False)
     return table[[*DISCRETE]].reset_index().to_numpy().tolist()
 

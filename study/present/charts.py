@@ -81,8 +81,8 @@ def draw_cases(rows: DataFrame, quantities: Lines, slopes: Orders, columns: int)
         slopes: case ↦ slope of its triangle.
         columns: the number of columns of the grid.
     """
-    cases = rows["case"].unique()
-    styles = family_styles(rows["family"])
+    cases = rows.case.unique()
+    styles = family_styles(rows.family)
     lines = ceil(len(cases) / columns)
     width = min(max(column_width(), 0.5 + 1.05 * columns), page_width())
     figure = Figure(figsize=(width, 0.8 + (0.15 + 0.9 * (width - 0.5) / columns) * lines))
@@ -90,7 +90,7 @@ def draw_cases(rows: DataFrame, quantities: Lines, slopes: Orders, columns: int)
     shown = dict(zip(cases, panels, strict=False))
     for i, (case, axes) in enumerate(shown.items()):
         for column, (_, style) in quantities.items():
-            plot_families(axes, rows[rows["case"] == case], column, styles, style | {"ms": 2.4})
+            plot_families(axes, rows[rows.case == case], column, styles, style | {"ms": 2.4})
         axes.set_title(textwrap.fill(case, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
         axes.tick_params(labelbottom=i + columns >= len(cases))
         axes.grid(True)
@@ -139,7 +139,7 @@ def families(styles: Mapping[str, Style], **more: Any) -> list[Line2D]:
 def plot_families(axes: Axes, rows: DataFrame, column: str, styles: Mapping[str, Style], more: Style) -> None:
     """Plot a column of a table over the mesh size, both logarithmic, with a line for each mesh family."""
     for family, of_family in by_family(rows).items():
-        axes.loglog(of_family["h"], of_family[column], **styles[family] | more)
+        axes.loglog(of_family.h, of_family[column], **styles[family] | more)
 
 
 def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
@@ -197,7 +197,7 @@ def finest_orders(rates: DataFrame, refinements: int) -> dict[str, float]:
         ends = rows.tail(refinements + 1).iloc[[0, -1]]
         if len(rows) > 1:
             with suppress(RatesError):
-                by_name[family] = orders(ends["h"].to_numpy(), ends["error"].to_numpy())[0]
+                by_name[family] = orders(ends.h.to_numpy(), ends.error.to_numpy())[0]
     return by_name
 
 
@@ -228,11 +228,11 @@ def order_differences(rates: DataFrame, expected: Orders, refinements: int = 2) 
         if family != "graded"
     ]
     table = DataFrame(points, columns=["case", "family", "predicted", "observed"])
-    return table.assign(difference=table["observed"] - table["predicted"])
+    return table.assign(difference=table.observed - table.predicted)
 
 
 def _all_cases(rates: DataFrame) -> str:
-    count = rates["case"].nunique()
+    count = rates.case.nunique()
     return f"{'all ' if count > 1 else ''}{counted(count, 'case')}"
 
 
@@ -260,14 +260,14 @@ def draw_convergence(rates: DataFrame, order: float) -> Figure:
         order: the expected order, which is the slope of the triangle.
     """
     figure, (axes,) = stacked_axes(1)
-    styles = family_styles(rates["family"])
-    lowest = NEGLIGIBLE_VALUE * rates["error"].min()
-    rates = rates.assign(in_time=rates["time_share"] * rates["error"])
+    styles = family_styles(rates.family)
+    lowest = NEGLIGIBLE_VALUE * rates.error.min()
+    rates = rates.assign(in_time=rates.time_share * rates.error)
     for column, (_, style) in reversed(ERROR_LINES.items()):
         shown = rates.assign(**{column: rates[column].where(rates[column] >= lowest)})
         plot_families(axes, shown, column, styles, style)
     draw_slope(axes, order)
-    axes.set(title=rates["case"].iloc[0], xlabel=MESH_SIZE, ylabel=r"maximum over time in $\|\cdot\|_V$")
+    axes.set(title=rates.case.iloc[0], xlabel=MESH_SIZE, ylabel=r"maximum over time in $\|\cdot\|_V$")
     kinds = [entry(text, color=DARK, **{"marker": "o"} | style) for text, style in ERROR_LINES.values()]
     return complete(figure, families(styles), kinds)
 
@@ -276,7 +276,7 @@ def caption_convergence(rates: DataFrame, order: float) -> str:
     """Return the caption of ``draw_convergence``."""
     last, graded = last_orders(rates)
     finest = rates.groupby("family").tail(1).query("discrete_error > 0")
-    closer = finest["error"] / finest["discrete_error"]
+    closer = finest.error / finest["discrete_error"]
     return caption(
         "convergence",
         rates=rates,
@@ -295,7 +295,7 @@ def draw_overview(rates: DataFrame, expected: Orders) -> Figure:
         rates: the rows of these cases in ``rates.csv``.
         expected: case ↦ expected order.
     """
-    columns = min(MOST_COLUMNS, rates["case"].nunique())
+    columns = min(MOST_COLUMNS, rates.case.nunique())
     figure = draw_cases(rates, {"error": ("", {})}, expected, columns)
     figure.supylabel(r"$\max_t\,\|u-u^h\|_V$")
     return figure
@@ -316,15 +316,15 @@ def draw_orders(rates: DataFrame, expected: Orders) -> Figure:
         expected: case ↦ predicted order.
     """
     table = order_differences(rates, expected)
-    styles = family_styles(table["family"])
+    styles = family_styles(table.family)
     figure, (axes,) = stacked_axes(1)
     top = max(1.1, table[["predicted", "observed"]].max(axis=None) + 0.1)
     axes.plot([0, top], [0, top], color=GREY)
     for number, (family, style) in enumerate(styles.items()):
-        rows = table[table["family"] == family]
+        rows = table[table.family == family]
         # Families are drawn next to each other, because their markers would hide each other.
         shift = 0.012 * (number - (len(styles) - 1) / 2)
-        axes.plot(rows["predicted"] + shift, rows["observed"], ls="", **style)
+        axes.plot(rows.predicted + shift, rows.observed, ls="", **style)
     axes.set(xlabel="predicted order, families side by side", ylabel="observed order, last two refinements")
     axes.set(xlim=(0, top), ylim=(0, top))
     return complete(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
@@ -345,8 +345,8 @@ def over_constants(rates: DataFrame) -> DataFrame:
     """
     rates = rates.sort_values("level", kind="stable")
     finest = rates.groupby(["case", "family"], sort=False)[["h", "predicted_interpolation"]].transform("last")
-    scaled = rates["error"] * finest["h"] / finest["predicted_interpolation"]
-    return rates.assign(scaled=scaled, relative=scaled / rates["h"])
+    scaled = rates.error * finest.h / finest["predicted_interpolation"]
+    return rates.assign(scaled=scaled, relative=scaled / rates.h)
 
 
 def draw_collapsed(rates: DataFrame) -> Figure:
@@ -354,14 +354,14 @@ def draw_collapsed(rates: DataFrame) -> Figure:
 
     The upper axes show error / C, the lower axes error / (C h), both against the mesh size h.
     """
-    styles = family_styles(rates["family"])
+    styles = family_styles(rates.family)
     figure, (errors, ratios) = stacked_axes(3, 2)
-    ends = [rates["h"].min(), rates["h"].max()]
+    ends = [rates.h.min(), rates.h.max()]
     errors.loglog(ends, ends, color=GREY)
     ratios.axhline(1, **RULE)
     for (_, family), rows in over_constants(rates).groupby(["case", "family"], sort=False):
-        errors.plot(rows["h"], rows["scaled"], **styles[family])
-        ratios.plot(rows["h"], rows["relative"], **styles[family])
+        errors.plot(rows.h, rows.scaled, **styles[family])
+        ratios.plot(rows.h, rows.relative, **styles[family])
     draw_slope(errors, 1)
     errors.set_ylabel("error / C")
     ratios.set(xlabel=MESH_SIZE, ylabel="error / (C h)")
@@ -373,12 +373,12 @@ def caption_collapsed(rates: DataFrame) -> str:
     table = over_constants(rates)
     finest = table.groupby(["case", "family"], sort=False)["relative"].last().groupby("family", sort=False)
     orders = order_in_words(rates)
-    return caption("collapsed", cases=_all_cases(rates), relative=table["relative"], finest=finest, orders=orders)
+    return caption("collapsed", cases=_all_cases(rates), relative=table.relative, finest=finest, orders=orders)
 
 
 def order_in_words(rates: DataFrame) -> str:
     """Return the orders of the errors of smooth solutions over the last two refinements, and whether they are O(h)."""
-    observed = order_differences(rates, dict.fromkeys(rates["case"], 1.0))["observed"]
+    observed = order_differences(rates, dict.fromkeys(rates.case, 1.0))["observed"]
     if observed.empty:
         return ""
     low = observed.min()
@@ -392,15 +392,15 @@ def order_in_words(rates: DataFrame) -> str:
 
 def enclosed_series(series: DataFrame) -> Iterator[tuple[str, DataFrame, str]]:
     """Yield case, rows and title for each case and mesh family with two-sided bounds in ``enclosures.csv``."""
-    enclosed = series[series["trajectory"] == "enclosure"]
+    enclosed = series[series.trajectory == "enclosure"]
     for (case, family), rows in enclosed.groupby(["case", "family"], sort=False):
         yield case, rows, f"{case}, {family}"
 
 
 def enclosure_ends(series: DataFrame) -> DataFrame:
     """Return a series of bounds with the columns ``lower`` and ``upper``, the ends of the enclosure."""
-    lower = (series["distance"] - series["bound"]).clip(lower=0)
-    return series.assign(lower=lower, upper=series["distance"] + series["bound"])
+    lower = (series.distance - series.bound).clip(lower=0)
+    return series.assign(lower=lower, upper=series.distance + series.bound)
 
 
 def draw_enclosure(series: DataFrame, title: str) -> Figure:
@@ -415,19 +415,19 @@ def draw_enclosure(series: DataFrame, title: str) -> Figure:
             ``error``, which is NaN if it is unknown, and possibly ``plain``, a bound from u_h alone.
         title: the title of the upper axes.
     """
-    known = series["error"].notna().all()
+    known = series.error.notna().all()
     ends = enclosure_ends(series)
     column, name = ("error", "error") if known else ("distance", r"$\|\tilde u-u_h\|_V$")
     figure, (errors, ratios) = stacked_axes(3, 2)
     errors.set_yscale("log")
-    lowest = ends["upper"].min() / 3
+    lowest = ends.upper.min() / 3
     levels = []
     for (level, rows), colour in zip(ends.groupby("level"), cycle(COLOURS), strict=False):
-        time = rows["time"]
-        errors.fill_between(time, rows["lower"].clip(lower=lowest), rows["upper"], color=colour, **RANGE)
+        time = rows.time
+        errors.fill_between(time, rows.lower.clip(lower=lowest), rows.upper, color=colour, **RANGE)
         errors.plot(time, rows[column], color=colour)
         if "plain" in rows:
-            errors.plot(time, rows["plain"], color=colour, **DOTTED)
+            errors.plot(time, rows.plain, color=colour, **DOTTED)
         for end in ("lower", "upper"):
             ratios.plot(time, rows[end] / rows[column], color=colour)
         levels.append(Patch(color=colour, **RANGE, label=f"$n={level}$"))
@@ -443,9 +443,9 @@ def draw_enclosure(series: DataFrame, title: str) -> Figure:
 
 def caption_enclosure(series: DataFrame, title: str) -> str:
     """Return the caption of ``draw_enclosure``."""
-    known = series["error"].notna().all()
+    known = series.error.notna().all()
     ends = enclosure_ends(series)
-    inside = ends[(ends["error"] - ends["distance"]).abs() <= ends["bound"]]
+    inside = ends[(ends.error - ends.distance).abs() <= ends.bound]
     final = ends.loc[ends.groupby("level")["time"].idxmax()]
     return caption("enclosure", title=title, interval=interval, known=known, ends=ends, inside=inside, final=final)
 
@@ -485,15 +485,15 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
         handles += [entry(f"CONTACT side {text}", color=colour, lw=2.5)] * bool(result.closed.size)
     mesh.set(aspect="equal", title=f"mesh {rows['mesh'].iloc[-1]}, {rows['cells'].iloc[-1]} cells")
     mesh.axis("off")
-    handles += bounds.loglog(rows["dofs"], rows["bound"], color=BLUE, marker="o", label="adaptive")
+    handles += bounds.loglog(rows.dofs, rows.bound, color=BLUE, marker="o", label="adaptive")
     if len(result.uniform):
         uniform = result.uniform
-        handles += bounds.plot(uniform["dofs"], uniform["plain"], color=GREY, marker="s", label="refined everywhere")
-    bounds.plot(rows["dofs"], rows["error"], color=BLUE, ls=":")
+        handles += bounds.plot(uniform.dofs, uniform.plain, color=GREY, marker="s", label="refined everywhere")
+    bounds.plot(rows.dofs, rows.error, color=BLUE, ls=":")
     first = rows.iloc[0]
     last = rows.iloc[-1]
-    x = np.geomspace(first["dofs"], last["dofs"], 3)
-    y = 0.7 * last["bound"] * (x / last["dofs"]) ** -0.5
+    x = np.geomspace(first.dofs, last.dofs, 3)
+    y = 0.7 * last.bound * (x / last.dofs) ** -0.5
     bounds.plot(x, y, color=DARK, ls="--", lw=0.8)
     bounds.annotate("slope $-1/2$", (x[1], y[1]), (-5, -5), textcoords="offset points", ha="right", va="top")
     bounds.set(xlabel="unknowns", ylabel="bound of the error")
@@ -518,7 +518,7 @@ CONTACT_TERMS: Lines = {
 
 def work_rows(statements: DataFrame) -> DataFrame:
     """Return a table for ``draw_work`` from ``statements.csv``, with a column for each of ``CONTACT_TERMS``."""
-    chosen = statements["label"].eq("beyond: work of contact") & statements["quantity"].isin(CONTACT_TERMS)
+    chosen = statements.label.eq("beyond: work of contact") & statements.quantity.isin(CONTACT_TERMS)
     key = ["case", "family", "level", "h"]
     return statements[chosen].pivot_table("value", key, "quantity", sort=False).reset_index()
 
@@ -532,23 +532,23 @@ def draw_work(rows: DataFrame) -> Figure:
     Parameters:
         rows: the table that ``work_rows`` returns.
     """
-    return draw_cases(rows, CONTACT_TERMS, dict.fromkeys(rows["case"], 1.0), columns=2)
+    return draw_cases(rows, CONTACT_TERMS, dict.fromkeys(rows.case, 1.0), columns=2)
 
 
 def caption_work(rows: DataFrame) -> str:
     """Return the caption of ``draw_work``."""
     by_term: dict[str, list[float]] = {"work": [], "error": []}
-    for _, of_case in rows[rows["family"] == "one-diagonal"].groupby("case"):
+    for _, of_case in rows[rows.family == "one-diagonal"].groupby("case"):
         last = of_case.sort_values("level").tail(3)
         for term, of_term in by_term.items():
-            of_term += orders(last["h"].to_numpy(), last[term].to_numpy()).tolist()
+            of_term += orders(last.h.to_numpy(), last[term].to_numpy()).tolist()
     return caption("contact-work", **by_term)
 
 
 def roller_rows(statements: DataFrame) -> DataFrame:
     """Return the rows of ``statements.csv`` for ``draw_rollers``; all shaken meshes are one mesh family."""
-    chosen = statements["label"].eq("beyond: rollers") & statements["quantity"].eq("excess")
-    rows = statements[chosen & statements["case"].str.fullmatch(r"roller-\d+")]
+    chosen = statements.label.eq("beyond: rollers") & statements.quantity.eq("excess")
+    rows = statements[chosen & statements.case.str.fullmatch(r"roller-\d+")]
     return rows.replace({"family": {"^shaken.*": "shaken"}}, regex=True)
 
 
@@ -568,15 +568,15 @@ def draw_rollers(rows: DataFrame) -> Figure:
     Parameters:
         rows: the rows that ``roller_rows`` returns.
     """
-    styles = family_styles(rows["family"])
-    lowest = rows.loc[rows["value"].idxmin()]
+    styles = family_styles(rows.family)
+    lowest = rows.loc[rows.value.idxmin()]
     figure, (axes,) = stacked_axes(1)
     for family, table in roller_means(rows):
         if family == "shaken":
-            axes.fill_between(table["h"], table["min"], table["max"], color=styles[family]["color"], **RANGE)
-        axes.loglog(table["h"], table["mean"], **styles[family])
+            axes.fill_between(table.h, table["min"], table["max"], color=styles[family]["color"], **RANGE)
+        axes.loglog(table.h, table["mean"], **styles[family])
     draw_slope(axes, 0.5)
-    ends = rows.loc[rows["family"] == lowest["family"], "h"].agg(["min", "max"])
+    ends = rows.loc[rows.family == lowest["family"], "h"].agg(["min", "max"])
     axes.plot(ends, 0.8 * lowest["value"] / lowest["h"] * ends, color=GREY, **DOTTED)
     axes.set(xlabel=MESH_SIZE, ylabel=r"excess $\max_t\,\|u^h-u^h_\mathrm{lin}\|_V$")
     return complete(figure, families(styles), [entry("slope 1", color=GREY, **DOTTED)])
@@ -585,7 +585,7 @@ def draw_rollers(rows: DataFrame) -> Figure:
 def caption_rollers(rows: DataFrame) -> str:
     """Return the caption of ``draw_rollers``."""
     means = roller_means(rows)
-    fits = {family: fit(table["h"].to_numpy(), table["mean"].to_numpy()) for family, table in means if len(table) > 1}
+    fits = {family: fit(table.h.to_numpy(), table["mean"].to_numpy()) for family, table in means if len(table) > 1}
     return caption("rollers", fits=fits)
 
 
@@ -611,9 +611,9 @@ def draw_codes(codes: Codes) -> Figure:
     for grade, style in GRADE_STYLES.items():
         points = rows[rows["class"] == grade]
         if len(points):
-            order.plot(points["excess"], points["order_in_v"], **style)
+            order.plot(points.excess, points["order_in_v"], **style)
             # Smaller distances are due to rounding.
-            share.plot(points["excess"], points["share"].clip(lower=1e-11), **style)
+            share.plot(points.excess, points["share"].clip(lower=1e-11), **style)
             handles.append(entry(grade, **style | {"ls": "-"}))
     for axes in (order, share):
         axes.axhline(1, **RULE)
@@ -652,15 +652,15 @@ def draw_faults(matrix: DataFrame) -> Figure:
         matrix: the table ``faults.csv``.
     """
     sizes = matrix["size"].abs()
-    is_smallest = sizes == sizes.groupby([matrix["fault"], matrix["case"]]).transform("min")
-    errors = matrix["by_error"] != ""
-    others = matrix["by_others"] != ""
+    is_smallest = sizes == sizes.groupby([matrix.fault, matrix.case]).transform("min")
+    errors = matrix.by_error != ""
+    others = matrix.by_others != ""
     # Without a distance nothing is known about the discrete solution.
-    visible = ~(matrix["distance"] < INVISIBLE_SHARE * matrix["error"])
+    visible = ~(matrix.distance < INVISIBLE_SHARE * matrix.error)
     shade = np.select([errors & is_smallest, errors, others], [4, 3, 2], 1)
     cells = matrix.assign(shade=shade, visible=visible * 1.0).groupby(["fault", "case"])[["shade", "visible"]].max()
     equations = matrix.groupby("fault", sort=False)["equation"].first()
-    cases = matrix["case"].unique()
+    cases = matrix.case.unique()
     table = cells.unstack().reindex(equations.index)
     figure = Figure(figsize=(page_width(), 1.9 + 0.155 * len(equations)))
     axes = figure.subplots()
@@ -687,6 +687,6 @@ def draw_faults(matrix: DataFrame) -> Figure:
 
 def caption_faults(matrix: DataFrame) -> str:
     """Return the caption of the matrix of faults."""
-    by_fault = matrix[matrix["by_error"] != ""].groupby("fault")["case"].nunique()
-    never = [fault for fault in matrix["fault"].unique() if fault not in by_fault]
+    by_fault = matrix[matrix.by_error != ""].groupby("fault")["case"].nunique()
+    never = [fault for fault in matrix.fault.unique() if fault not in by_fault]
     return caption("faults", never=never, fewest=by_fault.min())

@@ -155,7 +155,7 @@ def drawings(directory: Path) -> list[Drawing]:
     rates = read_rates(directory)
     orders = expected_orders(directory, rates)
     for (scheme, case), rows in rates.groupby(["scheme", "case"], sort=False):
-        name = f"convergence-{case}" + f"-{scheme}" * (rates["scheme"].nunique() > 1)
+        name = f"convergence-{case}" + f"-{scheme}" * (rates.scheme.nunique() > 1)
         figures.append(figure("convergence", rows, orders[case], name=name, case=case))
     columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
     for case, rows, title in enclosed_series(read_csv(directory, "enclosures.csv", columns)):
@@ -205,13 +205,13 @@ def overview(directory: Path) -> list[Drawing]:
     rates = read_rates(directory)
     orders = expected_orders(directory, rates)
     for scheme, rows in rates.groupby("scheme", sort=False):
-        suffix = f"-{scheme}" * (rates["scheme"].nunique() > 1)
+        suffix = f"-{scheme}" * (rates.scheme.nunique() > 1)
         # The largest figure comes first, because it takes longest to draw and would otherwise delay the end.
         for claim, of_claim in sorted(rows.groupby("claim"), key=lambda group: -len(group[1])):
             name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", claim.lower()).strip("-")
-            many = of_claim["case"].nunique() > SHEET
+            many = of_claim.case.nunique() > SHEET
             figures.append(figure("overview", of_claim, orders, name=f"convergence{name}{suffix}", sheet=many))
-        smooth = rows[rows["claim"] == "Prop. 5.4"]
+        smooth = rows[rows.claim == "Prop. 5.4"]
         if len(smooth):
             figures.append(figure("collapsed", smooth, name=f"collapsed{suffix}"))
         if len(order_differences(rows, orders)):

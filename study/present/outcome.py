@@ -43,7 +43,7 @@ def rates_text(directory: Path) -> str:
     """
     rates = read_rates(directory)
     predicted = expected_orders(directory, rates)
-    schemes = rates["scheme"].nunique() > 1
+    schemes = rates.scheme.nunique() > 1
     predicted_head, words = ("pred.", (11, 12, 14)) if is_narrow() else ("predicted", (22, 13, 25))
     if schemes and not is_narrow():
         words = (20, 21, 21)
@@ -92,9 +92,9 @@ def ledger_text(claims: DataFrame, orders: str = "") -> str:
     ]
     words = (11, 17) if is_narrow() else (22, 36)
     lines = [_aligned(("statement", "", "cases", *VERDICTS), rows, (*words, 5, 5, 8, 6, 9, 5), numbers=slice(2, 8)), ""]
-    few = claims["case"].nunique() <= MOST_DETAILED_CASES
+    few = claims.case.nunique() <= MOST_DETAILED_CASES
     for verdict in (*([REPORTED] if few else []), MISSED, UNDECIDED, FAILS):
-        for _, row in claims[claims["verdict"] == verdict].iterrows():
+        for _, row in claims[claims.verdict == verdict].iterrows():
             expected, _, why = row["expected"].partition(BECAUSE)
             observed = observed_text(row["observed"], row["low"], row["high"])
             where = row["label"], row["case"]
@@ -157,15 +157,15 @@ def _rates_row(series: DataFrame, predicted: Mapping[str, float], schemes: bool,
         shown: the largest number of orders.
     """
     finest = series.iloc[-1]
-    orders = [f"{order:.2f}" for order in series["order"].dropna()]
+    orders = [f"{order:.2f}" for order in series.order.dropna()]
     return [
-        finest["case"],
-        f"{finest['family']}, {finest['scheme']}" if schemes else finest["family"],
-        finest["level"],
-        significant(finest["error"]),
+        finest.case,
+        f"{finest.family}, {finest.scheme}" if schemes else finest.family,
+        finest.level,
+        significant(finest.error),
         "" if pd.isna(finest["discrete_order"]) else f"{finest['discrete_order']:.2f}",
-        f"{100 * series['time_share'].max():.2f}",
-        f"{predicted[finest['case']]:.3g}",
+        f"{100 * series.time_share.max():.2f}",
+        f"{predicted[finest.case]:.3g}",
         " ".join(["…"] * (len(orders) > shown) + orders[-shown:]),
     ]
 
@@ -223,7 +223,7 @@ def bounds_text(
         names: for each row of the table, the name of the file with its displacement; empty if rows are named by their
             levels.
     """
-    known = table["error"].notna().all()
+    known = table.error.notna().all()
     last = table.iloc[-1]
     size = "max ‖u(t)‖_V" if in_time else "‖u‖_G"
     share = f"% of u: per cent of {size}, which lies in {interval(last['norm_low'], last['norm_high'], SHOWN)}"
@@ -264,21 +264,21 @@ def adaptive_text(
     """
     sign, end = ("≤", "is reached") if not stopped else (">", f"is not reached: {stopped}")
     percents = [f"{upper(percent)} %" if percent < inf else "∞" for percent in rows["percent"]]
-    bounds = [*rows["bound"].map(upper)]
-    known = rows["error"].notna().all()
+    bounds = [*rows.bound.map(upper)]
+    known = rows.error.notna().all()
     reached = f"{bounds[-1]}, {percents[-1]} of u," if tolerance.endswith("%") else bounds[-1]
     found = [f"{name}: {'max ' * in_time}{NORM[in_time]} ≤ {reached} {sign} {tolerance}, the tolerance {end}"]
     found += [*(textwrap.fill(sentence, width()) for sentence in sentences), ""]
     columns = {
         "mesh": rows["mesh"],
         "  cells": rows["cells"],
-        "unknowns": rows["dofs"],
+        "unknowns": rows.dofs,
         " steps": rows["steps"] if in_time else None,
         "     bound": bounds,
         "   % of u": percents,
-        " order": _texts(rows["order"], "{:.2f}".format, ""),
+        " order": _texts(rows.order, "{:.2f}".format, ""),
         " in time": (100 * rows["in_time"]).map("{:.1f} %".format) if in_time else None,
-        "     error": rows["error"].map(ERROR) if known else None,
+        "     error": rows.error.map(ERROR) if known else None,
     }
     found += aligned({head: cells for head, cells in columns.items() if cells is not None})
     notes = "% of u: the bound over the least value that the norm of u can have", MEANING[in_time]
@@ -298,19 +298,19 @@ def aligned(columns: Mapping[str, Iterable[object]]) -> list[str]:
 
 def _over_time(over_time: DataFrame, name: str) -> list[str]:
     """Return lines with the interval of the error on the finest level, at up to ``SHOWN_TIMES`` times."""
-    finest = over_time[over_time["level"] == over_time["level"].max()]
+    finest = over_time[over_time.level == over_time.level.max()]
     rows = finest.iloc[np.unique(np.linspace(0, len(finest) - 1, SHOWN_TIMES).round().astype(int))]
-    ratios = rows["upper"] / rows["lower"].where(rows["lower"] > 0)
+    ratios = rows.upper / rows.lower.where(rows.lower > 0)
     columns = {
-        "      t": rows["time"].map("{:.4f}".format),
-        "    lower": rows["lower"].map(lower),
-        "    error": _texts(rows["error"], ERROR, "unknown"),
-        "    upper": rows["upper"].map(upper),
+        "      t": rows.time.map("{:.4f}".format),
+        "    lower": rows.lower.map(lower),
+        "    error": _texts(rows.error, ERROR, "unknown"),
+        "    upper": rows.upper.map(upper),
         "         % of u": _within(rows, "percent_low", "percent_high", PERCENT),
         "upper/lower": _texts(ratios, "{:.3f}".format, "∞"),
         "from u_h alone": _plain(rows),
     }
-    return [name or f"level {finest['level'].iloc[0]}", *aligned(columns)]
+    return [name or f"level {finest.level.iloc[0]}", *aligned(columns)]
 
 
 def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Sequence[str] = ()) -> list[str]:
@@ -318,9 +318,7 @@ def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Seque
 
     Names of more than ``NAME_WIDTH`` characters are cut, so that a line has at most 80 characters.
     """
-    labels = [
-        one if len(one) <= NAME_WIDTH else f"{one[: NAME_WIDTH - 1]}…" for one in names or map(str, table["level"])
-    ]
+    labels = [one if len(one) <= NAME_WIDTH else f"{one[: NAME_WIDTH - 1]}…" for one in names or map(str, table.level)]
     kind = "file" if names else "level"
     kind = f"{kind:>{max(len(kind), *map(len, labels))}}"
     error = "       max error in" if in_time else "           error in"
@@ -329,9 +327,9 @@ def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Seque
         error: _within(table, "lowest", "highest"),
         "         % of u": _within(table, "percent_low", "percent_high", PERCENT),
     }
-    columns |= {"    error": table["error"].map(ERROR)} if known else {}
+    columns |= {"    error": table.error.map(ERROR)} if known else {}
     lines = aligned(columns | {"from u_h alone": _plain(table)})
-    if not table["order_low"].notna().any():
+    if not table.order_low.notna().any():
         return lines
     orders = {f"order since {labels[0]}": "order"} | ({"since the mesh before": "pair"} if len(table) > 2 else {})
     columns = {kind: labels[1:]}
@@ -349,7 +347,7 @@ def _texts(numbers: Series, text: Callable[[float], str], unknown: str) -> list[
 
 
 def _plain(rows: DataFrame) -> list[str]:
-    return _texts(rows["plain"], upper, "left out")
+    return _texts(rows.plain, upper, "left out")
 
 
 def _within(rows: DataFrame, low: str, high: str, digits: int = SHOWN) -> list[str]:

@@ -158,15 +158,15 @@ def sentences(data: FullRun) -> Callable[[str], str]:
     """
     of_rough = data.checks("Prop. 5.3", "order")
     own = data.checks("Thm 4.2, own space", "order-stress")
-    predicted = of_rough["case"].map(data.cases["expected_order"])
-    is_smooth = own["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
+    predicted = of_rough.case.map(data.cases.expected_order)
+    is_smooth = own.case.isin(data.rates.loc[data.rates.claim == "Prop. 5.4", "case"])
     values = dict(
         context(data),
         verdicts_in_words=verdicts_in_words,
         misprints=slips(data),
         predicted=predicted,
-        difference=(of_rough["observed"] - predicted).abs().max(),
-        steps=data.rates.loc[data.rates["claim"] == "Prop. 5.3", "order"].dropna(),
+        difference=(of_rough.observed - predicted).abs().max(),
+        steps=data.rates.loc[data.rates.claim == "Prop. 5.3", "order"].dropna(),
         own_smooth=own[is_smooth],
         own_others=own[~is_smooth],
     )
@@ -203,10 +203,10 @@ def _verdict(claims: DataFrame, line: Mapping[str, Any]) -> str:
             test the statement directly, and ``noun``, what these checks are called. With keys, the numbers for all
             further checks follow; without, all checks are counted together.
     """
-    rows = tests = claims[claims["label"] == line["label"]]
+    rows = tests = claims[claims.label == line["label"]]
     further = ""
     if "keys" in line:
-        is_test = rows["key"].isin(line["keys"])
+        is_test = rows.key.isin(line["keys"])
         tests = rows[is_test]
         further = verdicts_in_words(rows[~is_test], "further checks of the same computations")
     count = count_verdicts(tests)
@@ -214,7 +214,7 @@ def _verdict(claims: DataFrame, line: Mapping[str, Any]) -> str:
         worst=next((verdict for verdict in CLAIMED if count[verdict]), REPORTED),
         tested=verdicts_in_words(tests, line.get("noun", "checks")),
         total=sum(count[verdict] for verdict in CLAIMED),
-        safe=((tests["verdict"] == HOLDS) & (tests["kind"] == CheckKind.IDENTITY)).sum(),
+        safe=((tests.verdict == HOLDS) & (tests.kind == CheckKind.IDENTITY)).sum(),
         further=further,
     )
 
@@ -241,7 +241,7 @@ def missed(data: FullRun) -> str:
         DataError: ``page/results.toml`` has no lesson for a wrong prediction.
     """
     lines = []
-    for row in data.claims[data.claims["verdict"] == MISSED].to_dict("records"):
+    for row in data.claims[data.claims.verdict == MISSED].to_dict("records"):
         lessons = TEXTS["learned"].get(row["label"], {})
         lesson = next((lesson for key, lesson in lessons.items() if key in row["key"]), None)
         if lesson is None:
@@ -261,11 +261,11 @@ def statements(data: FullRun) -> str:
     """Return all claims in Markdown: verdicts, cases, the command that measures them, tables, figures and data."""
     lines = []
     shown = TEXTS["shown"]
-    for label, claim, rows in by_claim(data.claims[~data.claims["label"].isin((MISPRINTS, NOT_TESTED, NO_ROW))]):
+    for label, claim, rows in by_claim(data.claims[~data.claims.label.isin((MISPRINTS, NOT_TESTED, NO_ROW))]):
         where = data.provenance["statements"][label]
         moved = (MOVED.get(path, path) for path in where["code"])
         code = next((path for path in moved if (REPOSITORY / path).is_file()), "study/run/provenance.py")
-        cases = rows["case"].unique()
+        cases = rows.case.unique()
         more = f" and {len(cases) - 1} more" if len(cases) > 1 else ""
         command = TEXTS["commands"].get(label, "make study").format(cases[0])
         places = [shown[name] for name in (label, *where["data"]) if name in shown] or [shown["ledger"]]
@@ -336,7 +336,7 @@ def badges(data: FullRun, project: Path) -> dict[str, str]:
     """
     stated = tomllib.loads(project.read_text(encoding="utf-8"))["project"]
     count = count_verdicts(data.claims)
-    injected = data.faults["fault"].nunique()
+    injected = data.faults.fault.nunique()
     noticed = injected - len(missed_faults(data.faults))
     ledger = VERMILLION if count[FAILS] else ORANGE if count[UNDECIDED] else GREEN
     rows = f"{count[HOLDS]} rows hold, {count[UNDECIDED]} undecided, {count[FAILS]} fail"

@@ -62,7 +62,7 @@ def write_report(directory: Path, provenance: Json, run_map: RunMap = map) -> Pa
     """
     claims = read_claims(directory)
     rates = read_rates(directory)
-    smooth = rates[rates["claim"] == "Prop. 5.4"]
+    smooth = rates[rates.claim == "Prop. 5.4"]
     predicted = expected_orders(directory, rates)
     statements = provenance.get("statements", {})
     # A statement with the code files that judge it and its checks. A label with two statements gives two groups.
@@ -142,22 +142,22 @@ def case_pages(directory: Path, claims: DataFrame, rates: DataFrame, run_map: Ru
     # No order is proved for some cases, which the template writes as an empty text.
     for fact in cases.replace({"proved_order": {np.nan: None}}).to_dict("records"):
         name = fact["case"]
-        errors = rates[rates["case"] == name]
+        errors = rates[rates.case == name]
         orders = sorted(finest_orders(errors, refinements=2).values())
         charts = [figure("convergence", errors, fact["expected_order"], name=name)] if len(errors) else []
-        enclosed = enclosed_series(enclosures[enclosures["case"] == name])
+        enclosed = enclosed_series(enclosures[enclosures.case == name])
         charts += [figure("enclosure", rows, title, name=title) for _, rows, title in enclosed]
         of_case = [(caption, table.of_case(name)) for caption, table in shown]
         page = dict(
             name=name,
             facts=fact,
-            counts=count_verdicts(claims[claims["case"] == name]),
+            counts=count_verdicts(claims[claims.case == name]),
             observed=" – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
             charts=charts,
             tables=[(caption, table) for caption, table in of_case if table.rows],
         )
         pages.append(page)
-    pictures = run_map(draw_case, repeat(directory), cases["case"], [page["charts"] for page in pages])
+    pictures = run_map(draw_case, repeat(directory), cases.case, [page["charts"] for page in pages])
     return [page | drawn for page, drawn in zip(pages, pictures, strict=True)]
 
 

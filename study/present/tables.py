@@ -90,7 +90,7 @@ class Table:
     def of_case(self, case: str) -> Table:
         """Return the table of the rows of one case, without the columns ``case`` and ``claim``."""
         columns = [column for column in self.columns if column.name not in ("case", "claim")]
-        rows = self.cells.loc[self.cells["case"] == case, [column.name for column in columns]]
+        rows = self.cells.loc[self.cells.case == case, [column.name for column in columns]]
         return Table(self.name, columns, rows)
 
     def texts(self, directory: Path) -> dict[Path, str]:
@@ -119,7 +119,7 @@ def columns_of(name: str) -> list[Column]:
 def rates(directory: Path) -> Table:
     """Return the table of errors and orders on all levels."""
     values = read_rates(directory)
-    return Table.of("rates", values.assign(time_share_percent=100 * values["time_share"]), grouped=4)
+    return Table.of("rates", values.assign(time_share_percent=100 * values.time_share), grouped=4)
 
 
 def all_checks(directory: Path) -> DataFrame:
@@ -158,7 +158,7 @@ def equivalence(directory: Path) -> Table:
 def stresses(directory: Path) -> Table:
     """Return the table of errors of Problem 3.2 with its own space for stresses, with the orders of the stress."""
     values = _read(directory, "stresses", "h", "time_share")
-    values = values.assign(order=nan, time_share_percent=100 * values["time_share"])
+    values = values.assign(order=nan, time_share_percent=100 * values.time_share)
     series = [rows.sort_values("level") for _, rows in values.groupby(["case", "family"], sort=False)]
     for rows in series:
         rows["order"] = since_before(rows, "stress")

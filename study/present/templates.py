@@ -245,17 +245,17 @@ ENVIRONMENT = Environment(
 
 def least(rows: DataFrame, decimals: int = 2, scale: float = 1) -> str:
     """Return the smallest low end of checks, times a scale, rounded down."""
-    return below(scale * rows["low"].min(), decimals)
+    return below(scale * rows.low.min(), decimals)
 
 
 def most(rows: DataFrame, decimals: int = 2, scale: float = 1) -> str:
     """Return the largest high end of checks, times a scale, rounded up."""
-    return above(scale * rows["high"].max(), decimals)
+    return above(scale * rows.high.max(), decimals)
 
 
 def span(rows: DataFrame, decimals: int = 2) -> str:
     """Return the range of checks as text, such as "0.92 to 1.00"."""
-    return outwards(rows["low"].min(), rows["high"].max(), decimals)
+    return outwards(rows.low.min(), rows.high.max(), decimals)
 
 
 def spans(rows: DataFrame) -> str:
@@ -365,12 +365,12 @@ class FullRun:
             return None
         made = json.loads(needed[0].read_text(encoding="utf-8"))
         cases = read_csv(directory, "cases.csv")
-        is_full = made.get("plan") == "full" and set(cases["case"]) >= NAMED_CASES
+        is_full = made.get("plan") == "full" and set(cases.case) >= NAMED_CASES
         return cls(directory, made, cases) if is_full else None
 
     def labelled(self, label: str) -> DataFrame:
         """Return the rows of the ledger with a label."""
-        return self.claims[self.claims["label"] == label]
+        return self.claims[self.claims.label == label]
 
     def checks(self, label: str, *keys: str, case: str = "") -> DataFrame:
         """Return the rows of the ledger with a label and one of the keys, of all cases or of one case.
@@ -379,9 +379,9 @@ class FullRun:
             DataError: there is no row for one of the keys.
         """
         chosen = self.labelled(label)
-        chosen = chosen[chosen["key"].isin(keys)]
-        chosen = chosen[chosen["case"] == case] if case else chosen
-        if lacking := sorted(set(keys) - set(chosen["key"])):
+        chosen = chosen[chosen.key.isin(keys)]
+        chosen = chosen[chosen.case == case] if case else chosen
+        if lacking := sorted(set(keys) - set(chosen.key)):
             raise DataError(
                 f"claims.csv has no row {label}, {', '.join(lacking)}, {case or 'any case'}: make it with "
                 "`study run --full`"
@@ -398,7 +398,7 @@ def context(data: FullRun) -> Json:
         checks=data.checks,
         evidence={name: counts.get(name, 0) for name in EVIDENCE_TITLES},
         missed_faults=missed(data.faults),
-        without_5_36=orders[orders["case"].map(data.cases["expected_order"]) == 1],
+        without_5_36=orders[orders.case.map(data.cases.expected_order) == 1],
         discrete_scheme=data.labelled("beyond: fully discrete").apply(agreement, axis=1).tolist(),
         STEEPER=STEEPER,
         LARGEST_RATE=LARGEST_RATE,
