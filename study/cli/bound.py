@@ -4,12 +4,12 @@ The displacements are computed or read from files. With ``--adapt``, mesh and ti
 bound is at most a tolerance. Finished meshes are stored, so that the command continues after Ctrl-C.
 """
 
-import hashlib
 import shlex
 from argparse import Namespace
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from hashlib import sha256
 from itertools import count
 from pathlib import Path
 
@@ -26,7 +26,15 @@ from manufactured.self_proof import prove
 from manufactured.static import Static
 from manufactured.tensors import Array
 from study.bound import adaptive, bounded, fields
-from study.bound.adaptive import Stage
+from study.bound.adaptive import Stage, adapted, next_stage, stage_file, tolerance_from
+from study.bound.bounded import (
+    check_bound,
+    check_problem,
+    contact_sentences,
+    steps_on,
+    trajectory_file,
+    write_displacement,
+)
 from study.bound.discretisation import check_force
 from study.bound.given import bounded_displacement, given
 from study.bound.problem import place
@@ -49,7 +57,7 @@ from study.run.fingerprint import of_data, of_problem
 from study.run.store import Store
 from study.solve.steps import MOST, rate_steps
 from study.solve.tableau import SCHEMES, Tableau
-from study.statements.shared import estimates
+from study.statements.shared.estimates import triangles
 
 CLOSED_GAP = 1e-9
 """A vertex of the contact boundary Γ3 counts as in contact up to this gap, relative to the largest displacement."""
@@ -121,7 +129,7 @@ def do_bound(options: Namespace) -> int:
     for one in displacements:
         if one.remark:
             print(folded(one.remark))
-    sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
+    sentences = [*rows[-1]["sentences"], *contact_sentences(data.body)]
     if any(squares):
         worst = vertices[:, triangles[:, int(np.argmax(squares))]].mean(axis=1)
         sentences.append(f"{worst_tenth(squares)}; the worst one is near x = {place(worst)}")
@@ -151,13 +159,13 @@ def computed_displacements(
     directory = options.out / name
 
     def displacement(level: int) -> Displacement:
-        steps = bounded.steps_on(data, level, options.steps)
-        file = bounded.trajectory_file(directory, level)
+        steps = steps_on(data, level, options.steps)
+        file = trajectory_file(directory, level)
 
         def compute() -> Json:
             solve = partial(bounded.bounded_solution, data, case, family, level, scheme, steps, refined)
             found = with_progress(f"level {level}", data.body.T, solve)
-            bounded.write_displacement(file, found.computed)
+            write_displacement(file, found.computed)
             return bounded.record(level, found)
 
         def shown() -> MeshInTime:
@@ -176,8 +184,8 @@ def check_levels(options: Namespace, data: Data, family: MeshFamily, refined: Re
     The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
     """
     finest = max(options.levels)
-    require_bound(f"level {finest}", estimates.triangles(finest, family.name), refined.refinements)
-    bounded.check_bound(data, family, options.levels, options.steps, refined)
+    require_bound(f"level {finest}", triangles(finest, family.name), refined.refinements)
+    check_bound(data, family, options.levels, options.steps, refined)
 
 
 def displacements_in_files(
@@ -190,7 +198,7 @@ def displacements_in_files(
     Raises:
         UsageError: there is too little memory to bound the error on a mesh, or the mesh has too many triangles.
     """
-    bounded.check_problem(data, options.steps, refined)
+    check_problem(data, options.steps, refined)
     read = []
     for path in options.displacement:
         field = fields.read(path, options.field, options.step)
@@ -211,7 +219,7 @@ def displacements_in_files(
         def shown(u_h: Computed = u_h) -> MeshInTime:
             return (u_h.mesh.p, u_h.mesh.t), (u_h.times, u_h.at_vertices)
 
-        content = hashlib.sha256(b"".join(array.tobytes() for array in (mesh.p, mesh.t, u_h.times, u_h.nodes)))
+        content = sha256(b"".join(array.tobytes() for array in (mesh.p, mesh.t, u_h.times, u_h.nodes)))
         cache_key = of_problem(data, case, (content.hexdigest(), u_h.steps, u_h.remarks, refined))
         remark = f"{path}: degree {u_h.degree}, {mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"
         of_file = {"file_name": path.name, "remark": remark}
@@ -233,9 +241,9 @@ def adapt(options: Namespace) -> int:
     scheme, family = scheme_and_family(options)
     level = min(options.levels)
     check_force(case)
-    tolerance = adaptive.tolerance_from(options.adapt)
-    bounded.check_bound(data, family, [level], options.steps, Refined(0, 1))
-    stage = Stage(family(data.body, level), bounded.steps_on(data, level, options.steps))
+    tolerance = tolerance_from(options.adapt)
+    check_bound(data, family, [level], options.steps, Refined(0, 1))
+    stage = Stage(family(data.body, level), steps_on(data, level, options.steps))
     directory = options.out / name
     store = Store(directory, written=(".",))
     results: list[Json] = []
@@ -246,7 +254,7 @@ def adapt(options: Namespace) -> int:
             # The tolerance only decides when to stop. It is not part of the cache key, so stored meshes can be used
             # with another tolerance.
             cache_key = of_problem(data, case, (stage.mesh.p, stage.mesh.t, stage.steps, scheme))
-            path = adaptive.stage_file(directory, number)
+            path = stage_file(directory, number)
             compute = partial(_adapted, data, case, stage, scheme, number, path)
             results.append(store.cached(f"adapted-{number}", cache_key, compute, path))
             paths.append(path)
@@ -254,7 +262,7 @@ def adapt(options: Namespace) -> int:
             table = write_text(directory / "adaptive.csv", rows.to_csv(index=False))
             print(f"mesh {number}: {stage.cells} cells, bound {up(rows['bound'].iloc[-1], SHOWN)}", flush=True)
             with np.load(path) as arrays:
-                following = adaptive.next_stage(stage, arrays["shares"], float(arrays["in_time"]))
+                following = next_stage(stage, arrays["shares"], float(arrays["in_time"]))
                 at_vertices = arrays["times"], arrays["u"]
             reached = tolerance.reached(rows.iloc[-1])
             stopped = "" if reached else _limit(following, options.cells)
@@ -273,16 +281,16 @@ def adapt(options: Namespace) -> int:
         solved = (stage.mesh.p, stage.mesh.t), at_vertices
         drawn += draw_one(directory, problem_drawing(name, data, solved), PROBLEM_OUTPUT)
     tell_written([table, *paths, *drawn])
-    sentences = [*results[-1]["sentences"], *bounded.contact_sentences(data.body)]
+    sentences = [*results[-1]["sentences"], *contact_sentences(data.body)]
     print("\n" + "\n".join(adaptive_text(name, rows, str(tolerance), stopped, sentences, data.in_time)) + "\n")
     return OK if reached and all(one["inside"] for one in results if case) else FAILED
 
 
 def _adapted(data: Data, case: Case | None, stage: Stage, scheme: Tableau, number: int, path: Path) -> Json:
     """Compute and bound the displacement on one mesh, write it into a file, and return the record of the mesh."""
-    found = adaptive.adapted(data, case, stage, scheme)
+    found = adapted(data, case, stage, scheme)
     shares = {"shares": found.shares.cells, "in_time": np.array(found.shares.time)}
-    bounded.write_displacement(path, found.computed, **shares)
+    write_displacement(path, found.computed, **shares)
     return adaptive.record(number, found)
 
 

@@ -5,9 +5,9 @@ The list is read from the docstrings of the cases, because making all solutions 
 
 import json
 import re
-import textwrap
 from argparse import Namespace
 from importlib.resources import files
+from textwrap import fill
 
 from manufactured.catalogue import NAMES, OTHER_NAMES, catalogue, module_of
 from study.cli.options import OK
@@ -28,7 +28,7 @@ def do_cases(options: Namespace) -> int:
     for name in NAMES:
         summary, order = summary_and_order(name)
         print(f"{name:<24}order {order}")
-        print(textwrap.fill(summary, LINE_WIDTH, initial_indent=INDENT, subsequent_indent=INDENT))
+        print(fill(summary, LINE_WIDTH, initial_indent=INDENT, subsequent_indent=INDENT))
     print(f"Further cases, which only single statements use: {', '.join(OTHER_NAMES)}")
     return OK
 

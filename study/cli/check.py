@@ -1,9 +1,9 @@
 """``study check``: compares data, verdicts, tables and the inputs of the papers with their expected contents."""
 
-import secrets
 import tempfile
 from argparse import Namespace
 from pathlib import Path
+from secrets import randbits
 
 import numpy as np
 from pandas import DataFrame
@@ -84,7 +84,7 @@ def do_check(options: Namespace) -> int:
 
 def _again(options: Namespace) -> int:
     """Measure a random sample of the rows again; return 0 if all numbers agree, 1 if one differs."""
-    seed = secrets.randbits(SEED_BITS) if options.seed is None else options.seed
+    seed = randbits(SEED_BITS) if options.seed is None else options.seed
     every = planned_jobs(options.out)
     jobs = draw_jobs(every, options.again, seed)
     about = f"measured again: {len(jobs)} of {len(every)} measurements, drawn with --seed {seed}"

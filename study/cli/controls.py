@@ -4,12 +4,12 @@ A *seed* is a number from which a random mesh of every size and body is made. On
 judged that the study claims to hold there. The results are added to the record of seeds (``study.ledger.controls``).
 """
 
-import secrets
 import shutil
 import time
 from argparse import Namespace
 from collections.abc import Callable
 from pathlib import Path
+from secrets import randbits
 
 from pandas import DataFrame
 from tabulate import tabulate
@@ -136,7 +136,7 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
         record = SeedRecord.read(directory)
         if record.pending() is None:
             # The seed is recorded before anything is measured, so that a seed with a bad result cannot be left out.
-            record = record.drawn(secrets.randbits(SEED_BITS))
+            record = record.drawn(randbits(SEED_BITS))
             record.write(directory)
         seed = record.rows[-1].seed
         try:

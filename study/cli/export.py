@@ -1,12 +1,12 @@
 """``study export``: writes contact problems as files for other codes."""
 
-import hashlib
 import json
 import lzma
 from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -324,7 +324,7 @@ def write_task(directory: Path, data: Json) -> Path:
                 f"{listed}, line {number}: found {line!r}, expected a checksum and a file: remove the line"
             )
         sums[parts[1]] = parts[0]
-    sums[path.name] = hashlib.sha256(packed).hexdigest()
+    sums[path.name] = sha256(packed).hexdigest()
     write_whole(path, lambda part: part.write_bytes(packed))
     write_text(listed, "".join(f"{sums[name]}  {name}\n" for name in sorted(sums)))
     return path

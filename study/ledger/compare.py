@@ -2,7 +2,6 @@
 
 import csv
 import json
-import textwrap
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
@@ -10,6 +9,7 @@ from dataclasses import asdict, dataclass
 from itertools import takewhile, zip_longest
 from math import isclose, isnan
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -215,7 +215,7 @@ def as_text(comparison: Comparison) -> str:
     size = f"{tolerance.relative:g} relative + {tolerance.absolute:g}"
     files = f"{len(comparison.states)} files: {identical} identical, {within} within {size}"
     lines += ["", f"{files}, {differ} differ, {left_out} left out"]
-    wrapped = (textwrap.fill(line, 80, subsequent_indent=" " * 8, break_on_hyphens=False) for line in lines)
+    wrapped = (fill(line, 80, subsequent_indent=" " * 8, break_on_hyphens=False) for line in lines)
     return "\n".join(wrapped).replace("\u00a0", " ")
 
 

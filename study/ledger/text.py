@@ -1,11 +1,11 @@
 """Text for the terminal and for tables: wraps lines, and rounds numbers so that bounds remain bounds."""
 
 import shutil
-import textwrap
 from collections.abc import Hashable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from functools import partial
 from math import isfinite
+from textwrap import fill
 
 import pandas as pd
 
@@ -27,7 +27,7 @@ def is_narrow() -> bool:
 
 def folded(text: str) -> str:
     """Return a text wrapped to the width of the output, between words only, so that paths can be copied."""
-    return textwrap.fill(text, width(), subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
+    return fill(text, width(), subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
 
 
 def _significant(value: float, digits: int, rounding: str) -> str:

@@ -159,7 +159,7 @@ def ledger(data: FullRun) -> str:
         shares = Series({at: window_share(row) for at, row in judged.iterrows()}, dtype=float).dropna()
         if len(shares):
             row = judged.loc[shares.idxmax()]
-            nearest = [f"{row['quantity']} ({row['case']})", f"{three_digits(worst_value(row))}; {window_ends(row)}"]
+            nearest = [f"{row.quantity} ({row.case})", f"{three_digits(worst_value(row))}; {window_ends(row)}"]
         holds = str((rows.verdict == HOLDS).sum())
         bodies[group_of(label)].append([label, claim, holds, *numbers_of_others(rows), *nearest])
     heading = r"\par\medskip\noindent\textbf{{{}}}\par\nobreak\smallskip\noindent" + "\n"
@@ -168,7 +168,8 @@ def ledger(data: FullRun) -> str:
 
 def window_ends(row: Series) -> str:
     """Return a tolerance window as text: an interval; one inequality if an end is infinite or the lower end is 0."""
-    low, high = (f"{float(row[name]):.4g}" for name in ("window_low", "window_high"))
+    low = f"{row.window_low:.4g}"
+    high = f"{row.window_high:.4g}"
     if low in ("0", "-inf"):
         return f"≤ {high}"
     return f"≥ {low}" if high == "inf" else f"[{low}, {high}]"
@@ -317,11 +318,13 @@ def contact_codes(results: Codes) -> PlainRows:
     """
     return [
         [
-            f"{row['code']} {row['version']}",
-            row["variant"],
-            row["classes"],
-            outwards(row["order_low"], row["order_high"]),
-            *(up(row[name], digits) for name, digits in {"share": 2, "excess": 3, "invariance": 2}.items()),
+            f"{row.code} {row.version}",
+            row.variant,
+            row.classes,
+            outwards(row.order_low, row.order_high),
+            up(row.share, 2),
+            up(row.excess, 3),
+            up(row.invariance, 2),
         ]
-        for row in results.rows().to_dict("records")
+        for row in results.rows().itertuples()
     ]

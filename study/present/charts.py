@@ -1,11 +1,11 @@
 """The charts of the study and their captions, made from the data files. Each figure has a function for its caption."""
 
-import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain, cycle, zip_longest
 from math import ceil, inf, isnan
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -91,7 +91,7 @@ def draw_cases(rows: DataFrame, quantities: Lines, slopes: Orders, columns: int)
     for i, (case, axes) in enumerate(shown.items()):
         for column, (_, style) in quantities.items():
             plot_families(axes, rows[rows.case == case], column, styles, style | {"ms": 2.4})
-        axes.set_title(textwrap.fill(case, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
+        axes.set_title(fill(case, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
         axes.tick_params(labelbottom=i + columns >= len(cases))
         axes.grid(True)
     # Triangles come last, because axes of a row share their limits.

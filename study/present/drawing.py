@@ -1,13 +1,13 @@
 """The style of all figures, their legends and labels, and functions that draw figures and save them with captions."""
 
 import re
-import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import cycle
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 from cycler import cycler
@@ -249,7 +249,7 @@ def drawn_for_use(drawing: Drawing) -> Figure:
     figure = drawing.draw()
     if is_slide():
         figure.set_size_inches(rcParams["figure.figsize"])
-        lines = [textwrap.fill(drawing.headline, 76), figure.get_suptitle()]
+        lines = [fill(drawing.headline, 76), figure.get_suptitle()]
         figure.suptitle("\n".join(filter(None, lines)))
     return figure
 
@@ -308,4 +308,4 @@ def caption(name: str, /, **values: object) -> str:
 def caption_text(drawing: Drawing) -> str:
     """Return the text of the file with the caption and the alternative text of a figure."""
     texts = drawing.caption, f"Alternative text: {drawing.alternative}"
-    return "\n\n".join(textwrap.fill(text, 100) for text in texts) + "\n"
+    return "\n\n".join(fill(text, 100) for text in texts) + "\n"

@@ -1,10 +1,10 @@
 """The printed texts of the commands: results of a run, bounds of errors, and verdicts as JUnit XML."""
 
-import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from math import ceil, inf, isinf, isnan
 from pathlib import Path
+from textwrap import fill, wrap
 from xml.etree import ElementTree
 
 import numpy as np
@@ -94,10 +94,10 @@ def ledger_text(claims: DataFrame, orders: str = "") -> str:
     lines = [_aligned(("statement", "", "cases", *VERDICTS), rows, (*words, 5, 5, 8, 6, 9, 5), numbers=slice(2, 8)), ""]
     few = claims.case.nunique() <= MOST_DETAILED_CASES
     for verdict in (*([REPORTED] if few else []), MISSED, UNDECIDED, FAILS):
-        for _, row in claims[claims.verdict == verdict].iterrows():
-            expected, _, why = row["expected"].partition(BECAUSE)
-            observed = observed_text(row["observed"], row["low"], row["high"])
-            where = row["label"], row["case"]
+        for row in claims[claims.verdict == verdict].itertuples():
+            expected, _, why = row.expected.partition(BECAUSE)
+            observed = observed_text(row.observed, row.low, row.high)
+            where = row.label, row.case
             text = printed("check", row=row, where=where, expected=expected, why=why, observed=observed)
             lines += _wrapped(text, indent="    ")
     count = count_verdicts(claims)
@@ -114,7 +114,7 @@ def printed(name: str, **values: object) -> str:
 
 
 def _wrapped(text: str, indent: str = "") -> list[str]:
-    return textwrap.wrap(text, width(), subsequent_indent=indent, break_on_hyphens=False)
+    return wrap(text, width(), subsequent_indent=indent, break_on_hyphens=False)
 
 
 def write_junit(path: Path, verdicts: Verdicts) -> None:
@@ -231,7 +231,7 @@ def bounds_text(
         energy = interval(last["norm_low"] ** 2, last["norm_high"] ** 2, ENERGY)
         share += f"; its square, the energy, lies in {energy}"
     lines = [f"{name}: {NORM[in_time]} enclosed, {'exact solution known' if known else 'solution unknown'}"]
-    lines += [*(textwrap.fill(sentence, width()) for sentence in (*sentences, MEANING[in_time], share)), ""]
+    lines += [*(fill(sentence, width()) for sentence in (*sentences, MEANING[in_time], share)), ""]
     # A static problem has one time only, and the last table already shows its enclosure.
     over = [*_over_time(over_time, names[-1] if names else ""), ""] if in_time else []
     return "\n".join([*lines, *over, *_intervals(table, known, in_time, names)])
@@ -268,7 +268,7 @@ def adaptive_text(
     known = rows.error.notna().all()
     reached = f"{bounds[-1]}, {percents[-1]} of u," if tolerance.endswith("%") else bounds[-1]
     found = [f"{name}: {'max ' * in_time}{NORM[in_time]} ≤ {reached} {sign} {tolerance}, the tolerance {end}"]
-    found += [*(textwrap.fill(sentence, width()) for sentence in sentences), ""]
+    found += [*(fill(sentence, width()) for sentence in sentences), ""]
     columns = {
         "mesh": rows["mesh"],
         "  cells": rows["cells"],

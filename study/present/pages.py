@@ -241,16 +241,16 @@ def missed(data: FullRun) -> str:
         DataError: ``page/results.toml`` has no lesson for a wrong prediction.
     """
     lines = []
-    for row in data.claims[data.claims.verdict == MISSED].to_dict("records"):
-        lessons = TEXTS["learned"].get(row["label"], {})
-        lesson = next((lesson for key, lesson in lessons.items() if key in row["key"]), None)
+    for row in data.claims[data.claims.verdict == MISSED].itertuples():
+        lessons = TEXTS["learned"].get(row.label, {})
+        lesson = next((lesson for key, lesson in lessons.items() if key in row.key), None)
         if lesson is None:
             raise DataError(
-                f"the prediction of {row['label']}, {row['key']} for {row['case']} was missed: say in "
+                f"the prediction of {row.label}, {row.key} for {row.case} was missed: say in "
                 "study/present/page/results.toml, [learned], what was learned"
             )
-        predicted = row["expected"].removeprefix("predicted ").partition(" (wrong)")[0]
-        lines.append([row["label"], row["case"], row["quantity"], predicted, cell(row["observed"]), lesson])
+        predicted = row.expected.removeprefix("predicted ").partition(" (wrong)")[0]
+        lines.append([row.label, row.case, row.quantity, predicted, cell(row.observed), lesson])
     return _table(["statement", "case", "quantity", "predicted", "observed", "what was learned"], lines)
 
 

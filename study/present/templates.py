@@ -319,11 +319,11 @@ ENVIRONMENT.filters |= {function.__name__: function for function in FILTERS} | {
 
 def evidence(row: Series) -> str:
     """Return the kind of evidence of a row of ``claims.csv``, as a key of ``EVIDENCE_TITLES``."""
-    if row["label"] in (NO_ROW, NOT_TESTED, MISPRINTS):
+    if row.label in (NO_ROW, NOT_TESTED, MISPRINTS):
         return "lines"
-    if row["verdict"] in UNCLAIMED:
-        return agreement(row) if row["expected"].startswith("predicted") else "numbers"
-    return row["kind"]
+    if row.verdict in UNCLAIMED:
+        return agreement(row) if row.expected.startswith("predicted") else "numbers"
+    return row.kind
 
 
 class FullRun:

@@ -12,13 +12,13 @@ value, because the file of a user may replace functions of this program or of a 
 """
 
 import ast
-import hashlib
 import platform
 import uuid
 from collections.abc import Iterable, Set
 from dataclasses import fields, is_dataclass, replace
 from enum import Enum
 from functools import cache
+from hashlib import sha256
 from importlib.metadata import version
 from importlib.util import resolve_name
 from pathlib import Path
@@ -267,4 +267,4 @@ def _hash(values: list[object], code: str | None = None) -> str:
 
 
 def _digest(value: object) -> str:
-    return hashlib.sha256(repr(value).encode()).hexdigest()[:16]
+    return sha256(repr(value).encode()).hexdigest()[:16]

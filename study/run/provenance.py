@@ -8,13 +8,13 @@ user's case no longer exists, the recorded values are used.
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 import os
 import platform
 import subprocess
 from contextlib import suppress
 from dataclasses import asdict, replace
+from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 
@@ -231,7 +231,7 @@ def text_sum(path: Path) -> str:
         content = read_uncompressed(path)
     except ValueError:
         content = path.read_bytes()
-    return hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
+    return sha256(content.replace(b"\r\n", b"\n")).hexdigest()
 
 
 def compare_sums(directory: Path) -> set[Path]:

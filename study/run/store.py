@@ -6,13 +6,13 @@ killed, the results of finished jobs remain, and the same command runs only the 
 cache key differs, the file is ignored and the job runs again.
 """
 
-import hashlib
 import json
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -214,7 +214,7 @@ def _is_running(process: int) -> bool:
 
 def _entry(key: str, fingerprint: str, result: Mapping[str, Any]) -> Json:
     """Return the content of the file of a result; its checksum is the same before writing and after reading."""
-    checksum = hashlib.sha256(json.dumps(result).encode()).hexdigest()
+    checksum = sha256(json.dumps(result).encode()).hexdigest()
     return {"format": STORE_FORMAT, "key": key, "fingerprint": fingerprint, "sha256": checksum, "result": result}
 
 
