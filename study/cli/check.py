@@ -74,8 +74,7 @@ def do_check(options: Namespace) -> int:
     print(
         folded(f"{verified}; {len(judged)} verdicts and {inside} files agree with the texts that this version writes")
     )
-    in_part, unchecked = not_compared(directory, compared)
-    for what, paths in (("checked in part", in_part), ("not checked", unchecked)):
+    for what, paths in not_compared(directory, compared).items():
         if paths:
             listed = " ".join(map(str, paths))
             print(folded(f"{what}, {len(paths)} files: {listed}"))
@@ -121,8 +120,8 @@ def as_written(directory: Path, judged: Verdicts) -> set[Path]:
     return {claims_file(directory), *expected}
 
 
-def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list[Path]]:
-    """Return the files of a result directory that were checked in part, and the files that were not checked.
+def not_compared(directory: Path, compared: set[Path]) -> dict[str, list[Path]]:
+    """Return the files of a result directory that were checked in part, and the files that were not checked, in words.
 
     Hidden files, stored results of jobs, and result directories inside this one are left out.
 
@@ -132,11 +131,14 @@ def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list
     """
     inside = (path.parent.parent for path in directory.rglob("data/provenance.json"))
     left_out = {directory / "data" / "jobs", *inside} - {directory}
-    files = [path for path in sorted(directory.rglob("*")) if path.is_file() and not path.name.startswith(".")]
-    rest = [path for path in files if path not in compared and not left_out & {*path.parents}]
     tables = [f"data/{file.name}" for file in data_files() if isinstance(file, CsvFile)]
     in_part = {directory / name for name in (*IN_PART, *tables)}
-    return [path for path in rest if path in in_part], [path for path in rest if path not in in_part]
+    rest: dict[str, list[Path]] = {"checked in part": [], "not checked": []}
+    for path in sorted(directory.rglob("*")):
+        hidden = path.name.startswith(".") or not path.is_file()
+        if not (hidden or path in compared or left_out & {*path.parents}):
+            rest["checked in part" if path in in_part else "not checked"].append(path)
+    return rest
 
 
 # Measuring again.

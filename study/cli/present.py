@@ -4,6 +4,7 @@ import shutil
 from argparse import Namespace
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ from study.ledger.files import Json, UsageError
 from study.ledger.pictures import MeshFields, MeshSeries
 from study.ledger.text import folded
 from study.present.article import write_tables
-from study.present.drawing import ARTICLE, Drawing, Output, draw_figures, draw_one, in_style
+from study.present.drawing import ARTICLE, Drawing, Output, draw_one, in_style
 from study.present.figures import drawings, drawings_of, overview
 from study.present.report import write_report
 from study.present.show import NO_FFMPEG, draw_show, find_ffmpeg
@@ -81,7 +82,7 @@ def write_overview(options: Namespace, directory: Path) -> list[Path]:
 
 
 def draw(directory: Path, processes: Processes, chosen: Sequence[Drawing], output: Output = ARTICLE) -> list[Path]:
-    """Draw figures, show the progress, and return the files.
+    """Draw figures with their texts in txt files and their data in csv files, show the progress, and return the files.
 
     Parameters:
         directory: the result directory.
@@ -89,14 +90,15 @@ def draw(directory: Path, processes: Processes, chosen: Sequence[Drawing], outpu
         chosen: the figures.
         output: use, formats, resolution and style of the figures.
     """
+    written: list[Path] = []
+    drawn = processes.map(partial(draw_one, output.folder(directory), output=output), chosen)
     with progress_bar(0) as bar:
-
-        def show(done: int, total: int, name: str) -> None:
-            bar.total = total
-            bar.set_description(f"figure {name}", refresh=False)
+        for drawing, paths in zip(chosen, drawn, strict=True):
+            bar.total = len(chosen)
+            bar.set_description(f"figure {drawing.name}", refresh=False)
             bar.update()
-
-        return draw_figures(directory, chosen, processes.map, show, output)
+            written += paths
+    return written
 
 
 SHOWN_EVERY = 2

@@ -98,7 +98,7 @@ def quotients(above: str, below: str) -> Value:
 
 def finest_quotient(above: str, below: str) -> Value:
     """Return the function that gives the quotient of two columns on the finest level."""
-    return lambda table: float(table[above].iloc[-1] / table[below].iloc[-1])
+    return lambda table: float((table[above] / table[below]).iloc[-1])
 
 
 def change(column: str, since: int = 0) -> Value:
@@ -108,7 +108,7 @@ def change(column: str, since: int = 0) -> Value:
 
 def ratios(column: str) -> Value:
     """Return the function for the quotients of the values of a column on a level and the next coarser one."""
-    return lambda table: table[column].to_numpy()[1:] / table[column].to_numpy()[:-1]
+    return lambda table: (table[column] / table[column].shift()).to_numpy()[1:]
 
 
 def of_errors(column: str, evaluate: Callable[[Array, Array], float | Array], last: int = 0) -> Value:

@@ -212,38 +212,6 @@ def dots(label: str, **style: Any) -> Line2D:
     return entry(label, **dict(ls="", marker="o") | style)
 
 
-def draw_figures(
-    directory: Path,
-    chosen: Sequence[Drawing],
-    run_map: RunMap = map,
-    progress: Callable[[int, int, str], None] = lambda done, total, name: None,
-    output: Output = ARTICLE,
-) -> list[Path]:
-    """Draw figures into ``output.folder(directory)``, with their texts in txt files and their data in csv files.
-
-    Parameters:
-        directory: directory of a run.
-        chosen: the figures.
-        run_map: ``map``, or the method ``map`` of an executor, which draws several figures at a time.
-        progress: function that is called after each figure with the number of finished figures, their total, and the
-            name of the figure.
-        output: use, formats and style.
-
-    Returns:
-        The paths of the files.
-
-    Raises:
-        DataError: a name from the data would write a figure into another directory.
-        UsageError: the style file cannot be used, or pgf is wanted without LaTeX.
-    """
-    written: list[Path] = []
-    drawn = run_map(partial(draw_one, output.folder(directory), output=output), chosen)
-    for done, paths in enumerate(drawn, start=1):
-        written += paths
-        progress(done, len(chosen), chosen[done - 1].name)
-    return written
-
-
 def drawn_for_use(drawing: Drawing) -> Figure:
     """Return a figure in the current style. A slide has no caption, but a headline above the title of the figure."""
     figure = drawing.draw()

@@ -141,6 +141,11 @@ def _table(data: Sequence[Any]) -> DataFrame | None:
     return None
 
 
+def _suffix(rates: DataFrame, scheme: str) -> str:
+    """Return the end of the names of figures of a time scheme, which is empty if the run has a single scheme."""
+    return f"-{scheme}" * (rates.scheme.nunique() > 1)
+
+
 def drawings(directory: Path) -> list[Drawing]:
     """Return all figures of a result directory without drawing them: figures over all cases, and of each case.
 
@@ -155,7 +160,7 @@ def drawings(directory: Path) -> list[Drawing]:
     rates = read_rates(directory)
     orders = expected_orders(directory, rates)
     for (scheme, case), rows in rates.groupby(["scheme", "case"], sort=False):
-        name = f"convergence-{case}" + f"-{scheme}" * (rates.scheme.nunique() > 1)
+        name = f"convergence-{case}{_suffix(rates, scheme)}"
         figures.append(figure("convergence", rows, orders[case], name=name, case=case))
     columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
     for case, rows, title in enclosed_series(read_csv(directory, "enclosures.csv", columns)):
@@ -205,7 +210,7 @@ def overview(directory: Path) -> list[Drawing]:
     rates = read_rates(directory)
     orders = expected_orders(directory, rates)
     for scheme, rows in rates.groupby("scheme", sort=False):
-        suffix = f"-{scheme}" * (rates.scheme.nunique() > 1)
+        suffix = _suffix(rates, scheme)
         # The largest figure comes first, because it takes longest to draw and would otherwise delay the end.
         for claim, of_claim in sorted(rows.groupby("claim"), key=lambda group: -len(group[1])):
             name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", claim.lower()).strip("-")

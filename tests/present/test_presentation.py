@@ -13,7 +13,7 @@ from tables import texts
 from study.ledger.datafiles import DataError, read_claims, read_rates, read_uncompressed
 from study.ledger.files import write_packed, write_text
 from study.present.article import write_tables
-from study.present.drawing import draw_figures
+from study.present.drawing import ARTICLE, draw_one
 from study.present.figures import drawings, overview
 from study.present.outcome import ledger_text, observed_text, orders_text, rates_text
 from study.present.picture import read_pictures
@@ -23,7 +23,7 @@ NAMES = ("bounds", "equivalence", "ledger", "rates", "stresses")
 
 
 def draw_some(directory):
-    return draw_figures(directory, drawings(directory)[::8])
+    return [path for drawing in drawings(directory)[::8] for path in draw_one(ARTICLE.folder(directory), drawing)]
 
 
 @pytest.fixture(scope="module")
