@@ -46,7 +46,7 @@ from study.cli.options import FAILED, OK
 from study.cli.problem import PROBLEM_OUTPUT, MeshInTime, error_map, problem_drawing
 from study.fem.mesh import MeshedBody, MeshFamily
 from study.fem.naming import choose, family_named, resolve_data
-from study.ledger.files import Json, UsageError, write_text
+from study.ledger.files import Json, Paths, UsageError, write_text
 from study.ledger.text import folded, up
 from study.present.charts import AdaptiveRefinement
 from study.present.drawing import draw_one
@@ -247,7 +247,7 @@ def adapt(options: Namespace) -> int:
     directory = options.out / name
     store = Store(directory, written=(".",))
     results: list[Json] = []
-    paths: list[Path] = []
+    paths: Paths = []
     with store.locked():
         store.begin(of_data(data))
         for number in count():

@@ -3,10 +3,10 @@
 The list is read from the docstrings of the cases, because making all solutions takes seconds; ``--json`` makes them.
 """
 
-import json
 import re
 from argparse import Namespace
 from importlib.resources import files
+from json import dumps
 from textwrap import fill
 
 from manufactured.catalogue import NAMES, OTHER_NAMES, catalogue, module_of
@@ -23,7 +23,7 @@ def do_cases(options: Namespace) -> int:
         # Imported here, because SymPy takes a second.
         from study.fem.naming import describe
 
-        print(json.dumps([describe(case) for case in catalogue()], indent=2))
+        print(dumps([describe(case) for case in catalogue()], indent=2))
         return OK
     for name in NAMES:
         summary, order = summary_and_order(name)

@@ -14,7 +14,7 @@ from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.compare import Comparison, Tolerance, as_text, compare, difference
 from study.ledger.controls import SEEDS_FILE, SeedRecord
 from study.ledger.datafiles import CsvFile, DataError, Key, line, made_by, read_claims, read_csv, table_text, write_csv
-from study.ledger.files import Json, UsageError
+from study.ledger.files import Json, Paths, UsageError
 from study.ledger.text import folded
 from study.ledger.verdict import Verdicts
 from study.present.outcome import ledger_text, write_junit
@@ -120,7 +120,7 @@ def as_written(directory: Path, judged: Verdicts) -> set[Path]:
     return {claims_file(directory), *expected}
 
 
-def not_compared(directory: Path, compared: set[Path]) -> dict[str, list[Path]]:
+def not_compared(directory: Path, compared: set[Path]) -> dict[str, Paths]:
     """Return the files of a result directory that were checked in part, and the files that were not checked, in words.
 
     Hidden files, stored results of jobs, and result directories inside this one are left out.
@@ -133,7 +133,7 @@ def not_compared(directory: Path, compared: set[Path]) -> dict[str, list[Path]]:
     left_out = {directory / "data" / "jobs", *inside} - {directory}
     tables = [f"data/{file.name}" for file in data_files() if isinstance(file, CsvFile)]
     in_part = {directory / name for name in (*IN_PART, *tables)}
-    rest: dict[str, list[Path]] = {"checked in part": [], "not checked": []}
+    rest: dict[str, Paths] = {"checked in part": [], "not checked": []}
     for path in sorted(directory.rglob("*")):
         hidden = path.name.startswith(".") or not path.is_file()
         if not (hidden or path in compared or left_out & {*path.parents}):

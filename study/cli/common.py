@@ -20,7 +20,7 @@ from study.cli.options import BAD_USAGE, FAILED, OK, UNCLEAR
 from study.fem.error_norm import NormError
 from study.fem.mesh import MeshError
 from study.ledger.datafiles import DataError
-from study.ledger.files import JobsError, StoreError, UsageError, disk_full
+from study.ledger.files import JobsError, Paths, StoreError, UsageError, disk_full
 from study.ledger.quantities import RatesError
 from study.ledger.text import folded
 from study.ledger.verdict import ROW_KEY, UNDECIDED, Verdicts, exit_code
@@ -130,7 +130,7 @@ def tell_written(paths: Sequence[Path], more: str = "") -> None:
 
     Three or more files with the same ending in a folder become FOLDER/*.ENDING (NUMBER).
     """
-    kinds: dict[str, list[Path]] = {}
+    kinds: dict[str, Paths] = {}
     for path in paths:
         kinds.setdefault(f"{path.parent}/*{path.suffix}", []).append(path)
     names = (f"{kind} ({len(of)})" if len(of) > 2 else ", ".join(map(str, of)) for kind, of in kinds.items())

@@ -1,12 +1,12 @@
 """``study export``: writes contact problems as files for other codes."""
 
-import json
 import lzma
 from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from hashlib import sha256
+from json import dumps
 from pathlib import Path
 from typing import Any
 
@@ -315,7 +315,7 @@ def write_task(directory: Path, data: Json) -> Path:
     """
     scale = "" if data["scale"] == 1 else f"-times-{data['scale']:g}"
     path = directory / f"{data['case']}-{data['family']}-{data['mode']}-{data['level']}{scale}.json.xz"
-    packed = lzma.compress(json.dumps(plain(data), separators=(",", ":")).encode())
+    packed = lzma.compress(dumps(plain(data), separators=(",", ":")).encode())
     sums = {}
     listed = directory / TASK_SUMS
     for number, line in enumerate(listed.read_text(encoding="utf-8").splitlines() if listed.exists() else [], 1):

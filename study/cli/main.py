@@ -5,12 +5,12 @@ The commands ``study rates`` and ``study compare``, which need no solver, are he
 
 import importlib
 import io
-import json
 import os
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout
+from json import dumps
 from typing import Any, TextIO
 
 from convergence_orders.printing import printable
@@ -114,7 +114,7 @@ def do_compare(options: Namespace) -> int:
     tolerance = Tolerance(options.tolerance, options.absolute)
     with Store(options.old).steady(), Store(options.new).steady():
         comparison = compare(options.old, options.new, tolerance)
-    print(json.dumps(comparison.as_json(), indent=2, allow_nan=False) if options.json else as_text(comparison))
+    print(dumps(comparison.as_json(), indent=2, allow_nan=False) if options.json else as_text(comparison))
     return FAILED if comparison.differs else OK
 
 

@@ -18,7 +18,7 @@ from study.cli.options import OK
 from study.cli.problem import PROBLEM_OUTPUT, problem_drawing
 from study.fem.mesh import MeshFamily
 from study.fem.naming import resolve_data
-from study.ledger.files import Json, UsageError
+from study.ledger.files import Json, Paths, UsageError
 from study.ledger.pictures import MeshFields, MeshSeries
 from study.ledger.text import folded
 from study.present.article import write_tables
@@ -71,7 +71,7 @@ def do_figures(options: Namespace) -> int:
     return OK
 
 
-def write_overview(options: Namespace, directory: Path) -> list[Path]:
+def write_overview(options: Namespace, directory: Path) -> Paths:
     """Write the tables and figures of a run, and return their files.
 
     Figures of single cases are only drawn if the user has selected cases. For all cases they take too long.
@@ -81,7 +81,7 @@ def write_overview(options: Namespace, directory: Path) -> list[Path]:
         return [*write_tables(directory), *draw(directory, processes, chosen)]
 
 
-def draw(directory: Path, processes: Processes, chosen: Sequence[Drawing], output: Output = ARTICLE) -> list[Path]:
+def draw(directory: Path, processes: Processes, chosen: Sequence[Drawing], output: Output = ARTICLE) -> Paths:
     """Draw figures with their texts in txt files and their data in csv files, show the progress, and return the files.
 
     Parameters:
@@ -90,7 +90,7 @@ def draw(directory: Path, processes: Processes, chosen: Sequence[Drawing], outpu
         chosen: the figures.
         output: use, formats, resolution and style of the figures.
     """
-    written: list[Path] = []
+    written: Paths = []
     drawn = processes.map(partial(draw_one, output.folder(directory), output=output), chosen)
     with progress_bar(0) as bar:
         for drawing, paths in zip(chosen, drawn, strict=True):

@@ -1,12 +1,12 @@
 """Differences between two result directories (``study compare``), and between a file and its expected text."""
 
 import csv
-import json
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from itertools import takewhile, zip_longest
+from json import loads
 from math import isclose, isnan
 from pathlib import Path
 from textwrap import fill
@@ -82,7 +82,7 @@ class Comparison:
     @property
     def verdicts(self) -> DataFrame:
         """The rows of ``cells`` with changed verdicts."""
-        return self.cells[self.cells["column"] == "verdict"]
+        return self.cells[self.cells.column == "verdict"]
 
     def as_json(self) -> Json:
         """Return the comparison as a dictionary that can be written as JSON."""
@@ -147,7 +147,7 @@ def _cells(directory: Path, name: str, content: bytes) -> Series:
     """
     if not name.endswith(".csv"):
         try:
-            return Series({(place, "value"): str(value) for place, value in _places(json.loads(content), "")})
+            return Series({(place, "value"): str(value) for place, value in _places(loads(content), "")})
         # The file is not JSON in UTF-8, has too many nested brackets, or its packed numbers are damaged.
         except (ValueError, RecursionError, KeyError, TypeError) as error:
             again = f"make it again with `{made_by(directory)}`"
@@ -179,13 +179,13 @@ def _places(value: Any, place: str) -> Iterator[tuple[str, Any]]:
 def _changed(old: Series, new: Series, name: str, tolerance: Tolerance) -> DataFrame:
     """Return the cells that differ, among numbers by more than the tolerance; it does not apply to whole numbers."""
     both = pd.concat([old, new], axis=1, keys=["old", "new"]).rename_axis(["row", "column"]).fillna("")
-    both = both[both["old"] != both["new"]].reset_index()
+    both = both[both.old != both.new].reset_index()
     a, b = (pd.to_numeric(both[side], errors="coerce") for side in ("old", "new"))
     larger = np.maximum(abs(a), abs(b))
     difference = abs(a - b)
-    loose = both["column"].isin(MAGNITUDES) & (name == "equivalence.csv")
+    loose = both.column.isin(MAGNITUDES) & (name == "equivalence.csv")
     relative = np.where(loose, max(tolerance.relative, SAME_MAGNITUDE), tolerance.relative)
-    whole = both["old"].str.fullmatch(WHOLE) & both["new"].str.fullmatch(WHOLE)
+    whole = both.old.str.fullmatch(WHOLE) & both.new.str.fullmatch(WHOLE)
     # An infinite number is equal to no other one: its difference is infinite or no number.
     equal = np.where(whole, difference == 0, (difference <= tolerance.absolute + relative * larger) & (larger < np.inf))
     return both.assign(file=name, relative=difference / larger)[~equal]
@@ -208,7 +208,7 @@ def as_text(comparison: Comparison) -> str:
     for name, state in comparison.states.items():
         if state != IDENTICAL:
             lines.append(f"{name}: {state}")
-        for column, differing in cells[cells["file"] == name].groupby("column", sort=False):
+        for column, differing in cells[cells.file == name].groupby("column", sort=False):
             lines.append(f"  {column}: {len(differing)} beyond tolerance")
             lines += _listed(differing.sort_values("relative", ascending=False, kind="stable"), SHOWN_CELLS)
     identical, within, differ, left_out = comparison.counts.values()

@@ -1,12 +1,12 @@
 """The data files of a run: defines their columns and keys, reads them with a check of every cell, and writes them."""
 
 import gzip
-import json
 import shlex
 import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
+from json import dumps, loads
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from pandas import DataFrame, Series
 
-from study.ledger.files import Json, write_packed, write_text
+from study.ledger.files import Json, Paths, write_packed, write_text
 from study.ledger.schema import SCHEMA, TEXT_COLUMNS
 from study.ledger.verdict import HOLDS, VERDICTS, CheckKind
 from study.orders import consecutive_orders
@@ -83,7 +83,7 @@ def read_checked(path: Path, name: str, command: str, columns: Collection[str] =
 def made_by(directory: Path) -> str:
     """Return the command line that wrote a result directory, from its provenance; else ``study run``."""
     try:
-        command = json.loads((directory / "data" / "provenance.json").read_text(encoding="utf-8"))["scope"]["command"]
+        command = loads((directory / "data" / "provenance.json").read_text(encoding="utf-8"))["scope"]["command"]
     except (OSError, ValueError, LookupError, TypeError):
         command = "study run"
     return f"{command} --out {shlex.quote(str(directory))}"
@@ -227,7 +227,7 @@ class CsvFile:
         """The measured columns."""
         return [name for name in SCHEMA[self.name].columns if name not in self.derived]
 
-    def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
+    def write(self, data: Path, rows: Sequence[Row]) -> Paths:
         """Write all rows into the file in the folder ``data`` and return its path, as a list."""
         return [write_csv(data / self.name, self.derive(DataFrame(rows, columns=self.columns)))]
 
@@ -255,12 +255,12 @@ class JsonFiles:
     name: str
     key: tuple[str, ...]
 
-    def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
+    def write(self, data: Path, rows: Sequence[Row]) -> Paths:
         """Write one file for each row and return the paths.
 
         The JSON text has no spaces after separators, which makes the files a tenth smaller.
         """
-        texts = {row[self.key[0]]: json.dumps(row, separators=(",", ":")) + "\n" for row in rows}
+        texts = {row[self.key[0]]: dumps(row, separators=(",", ":")) + "\n" for row in rows}
         return [write_packed(data / self.name / f"{name}.json.gz", text) for name, text in texts.items()]
 
 

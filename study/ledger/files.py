@@ -11,6 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TextIO
 
+Paths = list[Path]
 Json = dict[str, Any]
 """An object for a JSON file: name ↦ number, text, array, list or further object."""
 

@@ -12,7 +12,7 @@ from pandas import DataFrame, Series
 from study.ledger.codes import Codes
 from study.ledger.controls import summary
 from study.ledger.datafiles import by_claim, count_kinds, count_verdicts
-from study.ledger.files import write_text
+from study.ledger.files import Paths, write_text
 from study.ledger.text import down, outwards, up
 from study.ledger.verdict import (
     FAILS,
@@ -55,7 +55,7 @@ PlainRows = list[list[str]]
 """The cells of a table, row by row, as plain text."""
 
 
-def write_tables(directory: Path) -> list[Path]:
+def write_tables(directory: Path) -> Paths:
     """Write all tables into ``directory/tables`` and, for a full run, the LaTeX files for the papers.
 
     Raises:

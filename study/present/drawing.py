@@ -21,7 +21,7 @@ from pandas import DataFrame
 
 from manufactured.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION
 from study.ledger.datafiles import DataError
-from study.ledger.files import UsageError, write_text, write_whole
+from study.ledger.files import Paths, UsageError, write_text, write_whole
 from study.present.templates import ENVIRONMENT, read_page
 
 OUTLINE, RIM = "0.35", "0.4"
@@ -222,7 +222,7 @@ def drawn_for_use(drawing: Drawing) -> Figure:
     return figure
 
 
-def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> list[Path]:
+def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> Paths:
     """Draw one figure, save it in each format, its caption in a txt file, and its data in a csv file.
 
     Returns:

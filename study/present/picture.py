@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, fields
+from json import loads
 from pathlib import Path
 from typing import Any
 
@@ -295,7 +295,7 @@ def picture_path(directory: Path, case: str) -> Path:
 
 def read_record(path: Path) -> Json:
     """Return the content of a compressed JSON file; raises ValueError if the file is damaged."""
-    record: Json = json.loads(read_uncompressed(path))
+    record: Json = loads(read_uncompressed(path))
     return record
 
 

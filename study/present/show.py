@@ -19,7 +19,7 @@ from matplotlib.patches import Patch
 from PIL import Image
 
 from manufactured.colours import BLACK, SKY, VERMILLION
-from study.ledger.files import Json, write_text, write_whole
+from study.ledger.files import Json, Paths, write_text, write_whole
 from study.ledger.pictures import MeshFields, MeshSeries
 from study.present.body import (
     NEGLIGIBLE_CONTACT,
@@ -51,7 +51,7 @@ NO_FFMPEG = "ffmpeg is missing: install it, or `python -m pip install imageio-ff
 
 def draw_show(
     record: Json, series: MeshSeries, directory: Path, notify: Callable[[], object] = lambda: None
-) -> tuple[list[Path], list[str]]:
+) -> tuple[Paths, list[str]]:
     """Write ``storyboard.png``, ``animation.gif``, ``animation.mp4`` and ``vtk/`` into a directory.
 
     Parameters:
@@ -267,7 +267,7 @@ def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int
     axes.set(ylim=(0, 1.08 * top if top > NEGLIGIBLE_CONTACT else 1), xlabel=f"$s$ on {name}", ylabel="pressure $p$")
 
 
-def write_vtk(directory: Path, name: str, series: MeshSeries) -> list[Path]:
+def write_vtk(directory: Path, name: str, series: MeshSeries) -> Paths:
     """Write the files ``name-000.vtu``, ``name-001.vtu``, …, one for each time, and ``name.pvd``, which lists them."""
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     collection = ElementTree.SubElement(root, "Collection")

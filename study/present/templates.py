@@ -13,13 +13,13 @@ sentence claims more than was measured.
 
 from __future__ import annotations
 
-import json
 import re
 import tomllib
 import unicodedata
 from collections.abc import Sequence
 from functools import cache
 from itertools import accumulate, groupby
+from json import loads
 from math import floor, log10
 from operator import itemgetter
 from pathlib import Path
@@ -363,7 +363,7 @@ class FullRun:
         needed = [directory / "data" / name for name in ("provenance.json", "faults.csv", "seeds.csv")]
         if not all(path.is_file() for path in needed):
             return None
-        made = json.loads(needed[0].read_text(encoding="utf-8"))
+        made = loads(needed[0].read_text(encoding="utf-8"))
         cases = read_csv(directory, "cases.csv")
         is_full = made.get("plan") == "full" and set(cases.case) >= NAMED_CASES
         return cls(directory, made, cases) if is_full else None

@@ -3,9 +3,9 @@
 Judging needs the data files only: nothing is solved, and the checks in ``claims.csv`` follow from the other files.
 """
 
-import json
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
+from json import dumps
 from pathlib import Path
 
 from pandas import DataFrame
@@ -24,7 +24,7 @@ from study.ledger.datafiles import (
     table_text,
     write_csv,
 )
-from study.ledger.files import write_text
+from study.ledger.files import Paths, write_text
 from study.ledger.schema import SCHEMA
 from study.ledger.verdict import Verdicts
 from study.run.plan import Job, Jobs, Plan
@@ -87,13 +87,13 @@ def collect(plan: Plan, store: Store) -> None:
         store: the result directory.
     """
     rows = stored_rows(plan.jobs, store)
-    written = list[Path]()
+    written = Paths()
     for file in data_files():
         written += file.write(store.data, rows.get(file, []))
     write_csv(store.data / "cases.csv", DataFrame([describe(case) for case in plan.scope.resolved()]))
     sums = {path.relative_to(store.data).as_posix(): text_sum(path) for path in sorted(written)}
     content = {**provenance(plan, store.directory), SUMS: sums}
-    write_text(store.data / "provenance.json", json.dumps(content, separators=(",", ":")) + "\n")
+    write_text(store.data / "provenance.json", dumps(content, separators=(",", ":")) + "\n")
 
 
 def read_tables(directory: Path) -> dict[CsvFile, DataFrame]:
@@ -172,7 +172,7 @@ def predicted(table: DataFrame, cases: DataFrame) -> DataFrame:
         The table; the column ``known`` tells whether the exact solution of the case is known.
     """
     new = [name for name in PREDICTED if name not in table or name == "case"]
-    return table.merge(cases[new], on="case", how="left").assign(known=table["case"].isin(cases["case"]).to_numpy())
+    return table.merge(cases[new], on="case", how="left").assign(known=table.case.isin(cases.case).to_numpy())
 
 
 def joined(statement: Statement, tables: Mapping[CsvFile, DataFrame]) -> DataFrame:
@@ -217,7 +217,7 @@ def judge_statement(statement: Statement, rows: DataFrame) -> Verdicts:
         rows: the table of the data file of the statement; several statements may use the same file.
     """
     of_all = statement.file != LISTED or isinstance(statement, Listed)
-    own_rows = rows if of_all else rows[rows["label"] == statement.label]
+    own_rows = rows if of_all else rows[rows.label == statement.label]
     return statement.judge(own_rows) if len(own_rows) else []
 
 
