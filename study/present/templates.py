@@ -217,14 +217,14 @@ def typeset(text: str) -> Markup:
 
     Scripts are written as in x^y, x_y, x_word, x^∞, x^{yz}, x^1.5 and x^(1+s).
     """
-    out = Markup()
-    end = 0
-    for match in _HTML_SCRIPT.finditer(text):
-        script = match[2][1:-1] if match[2].startswith("{") else match[2]
-        tag = Markup(_TAGS[match[1]])
-        out += escape(text[end : match.start()]) + Markup("<{0}>{1}</{0}>").format(tag, typeset(script))
-        end = match.end()
-    return out + escape(text[end:])
+    return Markup(_HTML_SCRIPT.sub(_tagged, escape(text)))
+
+
+def _tagged(match: re.Match[str]) -> str:
+    """Return a superscript or subscript, and scripts in it, in HTML."""
+    tag = _TAGS[match[1]]
+    script = match[2][1:-1] if match[2].startswith("{") else match[2]
+    return f"<{tag}>{_HTML_SCRIPT.sub(_tagged, script)}</{tag}>"
 
 
 # Templates, and the data that they show
