@@ -56,8 +56,8 @@ class Codes:
             return None
         errors, classes = (read_checked(place / name, f"codes/{name}", MADE) for name in ("errors.csv", "classes.csv"))
         refuse_repeated(place / "classes.csv", classes, CODE_SERIES, AGAIN)
-        if (unknown := ~errors.series.isin(classes.series).to_numpy()).any():
-            row = int(unknown.argmax())
+        if (unknown := ~errors.series.isin(classes.series)).any():
+            row = unknown.idxmax()
             where = f"{place / 'errors.csv'}, line {line(row)}, column series"
             found = f"found {errors.series.iloc[row]}, expected a series of classes.csv"
             raise DataError(f"{where}: {found}; {AGAIN}")

@@ -69,11 +69,11 @@ def read_checked(path: Path, name: str, command: str, columns: Collection[str] =
     frame = read_table(path, (*key, *columns), command)
     for column in table.numbers:
         if column in frame:
-            wrong = pd.to_numeric(frame[column], errors="coerce").isna().to_numpy()
+            wrong = pd.to_numeric(frame[column], errors="coerce").isna()
             if table.columns[column].empty:
-                wrong = wrong & frame[column].notna().to_numpy()
+                wrong &= frame[column].notna()
             if wrong.any():
-                row = int(wrong.argmax())
+                row = wrong.idxmax()
                 cell = pd.read_csv(path, dtype=str, keep_default_na=False)[column].iloc[row]
                 raise DataError(f"{path}, line {line(row)}, column {column}: found {cell!r}, expected a number; {mend}")
     refuse_repeated(path, frame, key, mend)
@@ -181,10 +181,11 @@ def refuse_repeated(path: Path, table: DataFrame, key: Sequence[str], mend: str)
     Raises:
         DataError: a key is repeated; the message names both lines.
     """
-    if (again := table.duplicated([*key]).to_numpy()).any():
-        row = int(again.argmax())
-        first = int((table[[*key]] == table[[*key]].iloc[row]).all(axis=1).to_numpy().argmax())
-        names = ", ".join(f"{name} {table[name].iloc[row]}" for name in key)
+    keys = table[[*key]]
+    if (again := keys.duplicated()).any():
+        row = again.idxmax()
+        first = (keys == keys.loc[row]).all(axis=1).idxmax()
+        names = ", ".join(f"{name} {cell}" for name, cell in keys.loc[row].items())
         raise DataError(
             f"{path}, line {line(row)}: the row {names} is also in line {line(first)}, expected once; {mend}"
         )
@@ -281,7 +282,7 @@ def read_rates(directory: Path) -> DataFrame:
     # Figures cannot show infinite errors.
     numbers = [name for name in SCHEMA["rates.csv"].filled if name in rates]
     if (infinite := np.isinf(rates[numbers])).any(axis=None):
-        row = int(infinite.any(axis=1).to_numpy().argmax())
+        row = infinite.any(axis=1).idxmax()
         raise DataError(
             f"{directory / 'data' / 'rates.csv'}, line {line(row)}: found an infinite number, expected a finite one; "
             f"make it again with `{made_by(directory)}`"
@@ -345,7 +346,7 @@ def by_claim(claims: DataFrame) -> Iterator[tuple[str, str, DataFrame]]:
 def with_orders(table: DataFrame) -> DataFrame:
     """Return a table of errors with their observed orders in a new column ``order`` after the column ``time_share``."""
     completed = table.copy()
-    completed.insert(table.columns.tolist().index("time_share") + 1, "order", in_series(table, "error"))
+    completed.insert(table.columns.get_loc("time_share") + 1, "order", in_series(table, "error"))
     return completed
 
 
