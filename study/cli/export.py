@@ -7,6 +7,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from json import dumps
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -128,13 +129,13 @@ def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Json:
         scale: factor of all loads, positive.
     """
     loads = [
-        {
-            "time": float(t),
-            "load": scale * task.space.nodal(task.v_norm.load(t)).T,
-            "initial_stress": scale * task.initial_stress(t).T,
-            "initial_traction": [scale * values for values in task.tractions(Kind.CONTACT, t)],
-            "traction": [scale * values for values in task.tractions(Kind.LOADED, t)],
-        }
+        dict(
+            time=float(t),
+            load=scale * task.space.nodal(task.v_norm.load(t)).T,
+            initial_stress=scale * task.initial_stress(t).T,
+            initial_traction=[scale * values for values in task.tractions(Kind.CONTACT, t)],
+            traction=[scale * values for values in task.tractions(Kind.LOADED, t)],
+        )
         for t in instants
     ]
     judge = [_judged(task, t, t, task.static(t)) for t in instants]
@@ -174,15 +175,15 @@ def _judged(task: Task, time: float, balanced: float, reference: Array) -> Json:
         reference: the discrete solution, (n_dofs,).
     """
     sample = task.v_norm.sample(time)
-    return {
-        "time": float(time),
-        "strain": sample.means.T,
-        "rest": sample.oscillation,
-        "displacement": task.space.nodal(sample.interpolant).T,
-        "reference": task.space.nodal(reference).T,
-        "pressure": task.pressures(balanced),
-        "resultant": task.resultants(balanced),
-    }
+    return dict(
+        time=float(time),
+        strain=sample.means.T,
+        rest=sample.oscillation,
+        displacement=task.space.nodal(sample.interpolant).T,
+        reference=task.space.nodal(reference).T,
+        pressure=task.pressures(balanced),
+        resultant=task.resultants(balanced),
+    )
 
 
 def _head(task: Task, mode: str, scale: float) -> Json:
@@ -198,27 +199,25 @@ def _head(task: Task, mode: str, scale: float) -> Json:
     for name, tensor in (("A", law.A), ("G", law.G)):
         factor = means(space, tensor.factor)
         numbers[name] = {"matrix": tensor.matrix, "factor": 1.0 if np.all(factor == 1) else factor}
-    return {
-        "format": TASK_FORMAT,
-        "version": TASK_VERSION,
-        "case": task.case.name,
-        "family": task.family.name,
-        "level": task.level,
-        "mode": mode,
-        "scale": scale,
-        "h": space.h,
-        "vertices": mesh.p.T,
-        "cells": oriented(mesh.p, mesh.t).T,
-        "clamped": np.unique(np.concatenate(clamped)),
-        "contact": [
+    return dict(
+        format=TASK_FORMAT,
+        version=TASK_VERSION,
+        case=task.case.name,
+        family=task.family.name,
+        level=task.level,
+        mode=mode,
+        scale=scale,
+        h=space.h,
+        vertices=mesh.p.T,
+        cells=oriented(mesh.p, mesh.t).T,
+        clamped=np.unique(np.concatenate(clamped)),
+        contact=[
             {"normal": part.normal, "facets": mesh.facets[:, space.facets(part)].T, "vertices": vertices} | gap
             for (part, vertices), gap in zip(space.contact, gaps, strict=True)
         ],
-        "loaded": [
-            {"normal": part.normal, "facets": mesh.facets[:, facets].T} for part, facets in space.on(Kind.LOADED)
-        ],
-        "law": numbers,
-    }
+        loaded=[{"normal": part.normal, "facets": mesh.facets[:, facets].T} for part, facets in space.on(Kind.LOADED)],
+        law=numbers,
+    )
 
 
 def oriented(points: Array, cells: Array) -> Array:
@@ -343,6 +342,6 @@ def plain(value: Any, digits: int = ARRAY_DIGITS) -> Any:
     if not isinstance(value, np.ndarray):
         return value
     largest = abs(value).max(initial=0.0)
-    if value.dtype.kind == "f" and 0 < largest < np.inf:
+    if value.dtype.kind == "f" and 0 < largest < inf:
         return np.round(value, digits - int(np.ceil(np.log10(largest)))).tolist()
     return value.tolist()

@@ -5,6 +5,7 @@ from argparse import Namespace
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from functools import partial
+from math import nan
 from pathlib import Path
 
 import numpy as np
@@ -173,7 +174,7 @@ def _on_contact(motion: Motion, values: dict[str, Array]) -> Iterator[tuple[str,
         rows = slice(start, start + len(vertices))
         start += len(vertices)
         for name, mine in values.items():
-            field = np.full(motion.space.mesh.p.shape[1], np.nan)
+            field = np.full(motion.space.mesh.p.shape[1], nan)
             field[vertices] = mine[rows]
             yield name if len(faces) == 1 else f"{name}_{number}", field
 

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.tri import Triangulation
+from numpy.linalg import norm
 
 from manufactured.body import Body, Kind, Part
 from manufactured.colours import BLACK, BLUE, GREEN, VERMILLION
@@ -194,7 +195,7 @@ def _draw_side(axes: Axes, part: Part, number: int, size: float) -> None:
     if part.kind.name in SUPPORT_STYLES:
         axes.fill(*band(part.corners, outward[:, None]), zorder=3, **SUPPORT_STYLES[part.kind.name])
     x, y = part.corners.mean(axis=1) - NUMBER_DISTANCE * outward
-    moved = float(np.linalg.norm(part.prescribed(part.corners), axis=0).max())
+    moved = float(norm(part.prescribed(part.corners), axis=0).max())
     label, frame = (f"{number}: |u| ≤ {moved:.3g}", "round") if moved else (str(number), "circle")
     box = dict(boxstyle=f"{frame},pad=0.15", facecolor="white", edgecolor=GREEN, linewidth=0.6)
     axes.text(x, y, label, color=GREEN, ha="center", va="center", bbox=box, zorder=6)
@@ -208,7 +209,7 @@ def _draw_loads(axes: Axes, data: Data, time: float) -> bool:
     """
     body = data.body
     tractions = [_traction(data, part, time) for part in body.parts]
-    sizes = [np.linalg.norm(traction, axis=0) for _, traction in tractions]
+    sizes = [norm(traction, axis=0) for _, traction in tractions]
     strongest = np.max(sizes)
     for part, (points, traction), lengths in zip(body.parts, tractions, sizes, strict=True):
         largest = lengths.max()
@@ -227,7 +228,7 @@ def _draw_loads(axes: Axes, data: Data, time: float) -> bool:
         _label(axes, far + SUPPORT_DEPTH * body.extent * part.normal, f"{largest:.3g}")
     middle = _middle(body)
     force = data.body_force(middle[:, None])(time)[:, 0]
-    weight = np.linalg.norm(force)
+    weight = norm(force)
     if weight:
         push = LOAD_LENGTH / 2 * body.extent / weight * force
         arrow(axes, middle, middle + push, VERMILLION, 7, zorder=5)
@@ -238,7 +239,7 @@ def _draw_loads(axes: Axes, data: Data, time: float) -> bool:
 def _middle(body: Body) -> Array:
     """Return a point near the middle of the body, (2,)."""
     inside = body.sample(np.random.default_rng(0), MIDDLE_SAMPLES)
-    return inside[:, np.linalg.norm(inside - inside.mean(axis=1, keepdims=True), axis=0).argmin()]
+    return inside[:, norm(inside - inside.mean(axis=1, keepdims=True), axis=0).argmin()]
 
 
 def _label(axes: Axes, place: Array, text: str) -> None:

@@ -8,9 +8,9 @@ measures.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf, nan
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 from pandas import DataFrame, Series
 
@@ -77,7 +77,7 @@ class Codes:
         finest_rows = judged.merge(finest, on=["series", *CODE_SERIES], validate="one_to_one")
         share = finest_rows.distance / finest_rows.best
         excess = finest_rows.pressure / finest_rows.best_pressure
-        return finest_rows.assign(share=share, excess=excess).replace([np.inf, -np.inf], np.nan)
+        return finest_rows.assign(share=share, excess=excess).replace([inf, -inf], nan)
 
     def rows(self) -> DataFrame:
         """Return a table with one row for each code with fixed parameters, over all cases and mesh families.

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from itertools import takewhile, zip_longest
 from json import loads
-from math import isclose, isnan
+from math import inf, isclose, isnan
 from pathlib import Path
 from textwrap import fill
 from typing import Any
@@ -87,14 +87,14 @@ class Comparison:
     def as_json(self) -> Json:
         """Return the comparison as a dictionary that can be written as JSON."""
         cells, verdicts = (table.astype(object).where(table.notna(), None) for table in (self.cells, self.verdicts))
-        return {
-            "differs": self.differs,
-            "counts": self.counts,
-            "tolerance": asdict(self.tolerance),
-            "verdicts": verdicts.to_dict("records"),
-            "states": self.states,
-            "differences": cells.to_dict("records"),
-        }
+        return dict(
+            differs=self.differs,
+            counts=self.counts,
+            tolerance=asdict(self.tolerance),
+            verdicts=verdicts.to_dict("records"),
+            states=self.states,
+            differences=cells.to_dict("records"),
+        )
 
 
 def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
@@ -187,7 +187,7 @@ def _changed(old: Series, new: Series, name: str, tolerance: Tolerance) -> DataF
     relative = np.where(loose, max(tolerance.relative, SAME_MAGNITUDE), tolerance.relative)
     whole = both.old.str.fullmatch(WHOLE) & both.new.str.fullmatch(WHOLE)
     # An infinite number is equal to no other one: its difference is infinite or no number.
-    equal = np.where(whole, difference == 0, (difference <= tolerance.absolute + relative * larger) & (larger < np.inf))
+    equal = np.where(whole, difference == 0, (difference <= tolerance.absolute + relative * larger) & (larger < inf))
     return both.assign(file=name, relative=difference / larger)[~equal]
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass
 from io import BytesIO
 from json import dumps, loads
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -356,7 +357,7 @@ def in_series(table: DataFrame, column: str) -> Series:
     Rows with the same proposition, case, mesh family and time scheme belong together. The order is NaN on the first
     level.
     """
-    orders = Series(np.nan, table.index)
+    orders = Series(nan, table.index)
     for _, group in table.groupby(SERIES, sort=False):
         orders[group.index] = since_before(group, column)
     return orders
@@ -373,5 +374,5 @@ def since_before(table: DataFrame, column: str) -> NDArray[np.float64]:
     """
     h = table["h"].to_numpy()
     error = table[column].to_numpy()
-    orders = consecutive_orders(h, np.where(error > 0, error, np.nan))
-    return np.append(np.nan, np.where(np.diff(h) < 0, orders, np.nan))
+    orders = consecutive_orders(h, np.where(error > 0, error, nan))
+    return np.append(nan, np.where(np.diff(h) < 0, orders, nan))

@@ -69,7 +69,7 @@ class Window:
             distances = [abs(value - (self.low + self.high) / 2) for value in values]
         else:
             distances = list(values)
-        return values[int(np.argmax(np.nan_to_num(distances, nan=np.inf)))]
+        return values[int(np.argmax(np.nan_to_num(distances, nan=inf)))]
 
 
 def is_two_sided(low: float, high: float) -> bool:

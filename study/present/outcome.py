@@ -5,7 +5,7 @@ from functools import partial
 from math import ceil, inf, isinf, isnan
 from pathlib import Path
 from textwrap import fill, wrap
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import numpy as np
 import pandas as pd
@@ -122,18 +122,18 @@ def write_junit(path: Path, verdicts: Verdicts) -> None:
 
     The verdict *fails* is a failure; the verdicts *undecided*, *missed* and *reported* are skipped tests.
     """
-    suite = ElementTree.Element("testsuite", name="ledger", tests=str(len(verdicts)))
+    suite = Element("testsuite", name="ledger", tests=str(len(verdicts)))
     for verdict in verdicts:
         name = f"{verdict.label}.{verdict.case}"
-        case = ElementTree.SubElement(suite, "testcase", classname=name, name=verdict.quantity)
+        case = SubElement(suite, "testcase", classname=name, name=verdict.quantity)
         if verdict.verdict != HOLDS:
             observed = observed_text(verdict.observed, verdict.low, verdict.high)
             message = f"expected {verdict.expected}, observed {observed}"
-            ElementTree.SubElement(case, "failure" if verdict.verdict == FAILS else "skipped", message=message)
+            SubElement(case, "failure" if verdict.verdict == FAILS else "skipped", message=message)
     for total, tag in (("failures", "failure"), ("skipped", "skipped")):
         suite.set(total, str(len(suite.findall(f"*/{tag}"))))
-    ElementTree.indent(suite)
-    write_text(path, printable(ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"))
+    indent(suite)
+    write_text(path, printable(tostring(suite, encoding="unicode", xml_declaration=True) + "\n"))
 
 
 def observed_text(observed: float, low: float, high: float) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, fields
 from json import loads
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -126,10 +127,10 @@ class Segment(FaceHistory):
         """
         depths = []
         for zone in zones:
-            depth = np.full(len(s), -np.inf)
+            depth = np.full(len(s), -inf)
             for left, right in zone:
-                from_left = s - left if left > s.min() else np.inf
-                from_right = right - s if right < s.max() else np.inf
+                from_left = s - left if left > s.min() else inf
+                from_right = right - s if right < s.max() else inf
                 depth = np.maximum(depth, np.minimum(from_left, from_right))
             depths.append(depth)
         return np.array(depths)

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from hashlib import sha256
 from io import BytesIO, StringIO
 from itertools import repeat
+from math import nan
 from pathlib import Path
 
-import numpy as np
 from markupsafe import Markup
 from matplotlib import rcParams
 from pandas import DataFrame
@@ -140,7 +140,7 @@ def case_pages(directory: Path, claims: DataFrame, rates: DataFrame, run_map: Ru
     pages = []
     cases = read_csv(directory, "cases.csv")
     # No order is proved for some cases, which the template writes as an empty text.
-    for fact in cases.replace({"proved_order": {np.nan: None}}).to_dict("records"):
+    for fact in cases.replace({"proved_order": {nan: None}}).to_dict("records"):
         name = fact["case"]
         errors = rates[rates.case == name]
         orders = sorted(finest_orders(errors, refinements=2).values())

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import meshio  # type: ignore[import-untyped]
 import numpy as np
@@ -269,16 +269,16 @@ def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int
 
 def write_vtk(directory: Path, name: str, series: MeshSeries) -> Paths:
     """Write the files ``name-000.vtu``, ``name-001.vtu``, …, one for each time, and ``name.pvd``, which lists them."""
-    root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
-    collection = ElementTree.SubElement(root, "Collection")
+    root = Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
+    collection = SubElement(root, "Collection")
     files = []
     for number, fields in enumerate(series.fields):
         mesh = mesh_of(series, fields)
         files.append(write_whole(directory / f"{name}-{number:03d}.vtu", partial(mesh.write, file_format="vtu")))
         time = f"{fields.time:.12g}"
-        ElementTree.SubElement(collection, "DataSet", timestep=time, group="", part="0", file=files[-1].name)
-    ElementTree.indent(root)
-    text = ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
+        SubElement(collection, "DataSet", timestep=time, group="", part="0", file=files[-1].name)
+    indent(root)
+    text = tostring(root, encoding="unicode", xml_declaration=True) + "\n"
     return [write_text(directory / f"{name}.pvd", text), *files]
 
 

@@ -13,7 +13,6 @@ import logging
 import multiprocessing
 import os
 import re
-import signal
 import socket
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
@@ -23,6 +22,7 @@ from importlib.metadata import version
 from itertools import cycle
 from math import inf
 from pathlib import Path
+from signal import SIG_IGN, SIGINT, signal
 from threading import Thread
 from typing import Any, ParamSpec, TypeVar
 
@@ -92,17 +92,17 @@ class Processes(Executor):
         """
         if kind is not KeyboardInterrupt:
             return self.shutdown()
-        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+        before = signal(SIGINT, SIG_IGN)
         for worker in multiprocessing.active_children():
             worker.kill()
         self.shutdown()
-        signal.signal(signal.SIGINT, before)
+        signal(SIGINT, before)
         return None
 
 
 def _end_with_parent() -> None:
     # Ctrl-C reaches all processes of a terminal. The main process ends the workers.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal(SIGINT, SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None
 

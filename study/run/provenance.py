@@ -51,19 +51,19 @@ def provenance(plan: Plan, directory: Path) -> Json:
         file, colon, name = reference.rpartition(":")
         names.append(f"{Path(os.path.relpath(file, directory)).as_posix()}:{name}" if colon else reference)
     own = {name: describe(case) for name, case in zip(names, scope.resolved(), strict=True) if ":" in name}
-    return {
-        "format": STORE_FORMAT,
-        "study": version("signorini-study"),
+    return dict(
+        format=STORE_FORMAT,
+        study=version("signorini-study"),
         **commit(),
-        "plan": scope.name,
-        "scope": {**asdict(scope), "cases": names},
-        "own_cases": own,
-        "planned": nested_keys(plan.keys()),
-        "statements": sources(),
-        "python": platform.python_version(),
-        "machine": platform.machine(),
-        "packages": packages(),
-    }
+        plan=scope.name,
+        scope={**asdict(scope), "cases": names},
+        own_cases=own,
+        planned=nested_keys(plan.keys()),
+        statements=sources(),
+        python=platform.python_version(),
+        machine=platform.machine(),
+        packages=packages(),
+    )
 
 
 def commit() -> Json:

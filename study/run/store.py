@@ -215,7 +215,7 @@ def _is_running(process: int) -> bool:
 def _entry(key: str, fingerprint: str, result: Mapping[str, Any]) -> Json:
     """Return the content of the file of a result; its checksum is the same before writing and after reading."""
     checksum = sha256(dumps(result).encode()).hexdigest()
-    return {"format": STORE_FORMAT, "key": key, "fingerprint": fingerprint, "sha256": checksum, "result": result}
+    return dict(format=STORE_FORMAT, key=key, fingerprint=fingerprint, sha256=checksum, result=result)
 
 
 def require_format(path: Path, content: Json | None) -> None:
