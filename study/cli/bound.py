@@ -112,7 +112,7 @@ def do_bound(options: Namespace) -> int:
         over_time = pd.concat([DataFrame(row["series"]) for row in rows])
         written = bounded.write(directory, table, over_time)
         written += [file for one in displacements for file in one.files]
-        one_of_each_size = table["level"].is_unique
+        one_of_each_size = table.level.is_unique
         if data.in_time and one_of_each_size:
             # Its data are in enclosure.csv already, rounded outwards.
             drawing = replace(figure("enclosure", over_time, name), table=lambda: None)
@@ -260,7 +260,7 @@ def adapt(options: Namespace) -> int:
             paths.append(path)
             rows = adaptive.table([one["row"] for one in results])
             table = write_text(directory / "adaptive.csv", rows.to_csv(index=False))
-            print(f"mesh {number}: {stage.cells} cells, bound {up(rows['bound'].iloc[-1], SHOWN)}", flush=True)
+            print(f"mesh {number}: {stage.cells} cells, bound {up(rows.bound.iloc[-1], SHOWN)}", flush=True)
             with np.load(path) as arrays:
                 following = next_stage(stage, arrays["shares"], float(arrays["in_time"]))
                 at_vertices = arrays["times"], arrays["u"]

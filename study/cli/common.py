@@ -53,7 +53,7 @@ def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
         raise UsageError(f"--undecided {file} cannot be read as CSV: {error}") from error
     if list(table.columns) != [*ROW_KEY, "reason"]:
         raise UsageError(f"{file} has the columns {', '.join(table.columns)}, expected {', '.join(ROW_KEY)}, reason")
-    if unexplained := [line + 2 for line, reason in enumerate(table["reason"]) if not reason.strip()]:
+    if unexplained := [line + 2 for line, reason in enumerate(table.reason) if not reason.strip()]:
         raise UsageError(f"{file}, line {unexplained[0]}: the reason why the row is undecided is missing")
     return set(table[[*ROW_KEY]].itertuples(index=False, name=None))
 

@@ -59,9 +59,9 @@ def missed(matrix: DataFrame) -> dict[str, str]:
     alone = matrix.by_others.str.contains(ALONE)
     for fault, rows in matrix.groupby("fault", sort=False):
         size = rows["size"].abs()
-        noticed = (rows.by_error != "") | (rows["single"] == 1) & alone[rows.index]
-        plane = noticed[(rows["dim"] == 2) & (size == size.min())]
-        solid = noticed[(rows["dim"] == 3) & (size == size.max())]
+        noticed = (rows.by_error != "") | (rows.single == 1) & alone[rows.index]
+        plane = noticed[(rows.dim == 2) & (size == size.min())]
+        solid = noticed[(rows.dim == 3) & (size == size.max())]
         places = {
             "in the plane": plane.sum() < min(2, len(plane)),
             "in space": len(solid) > 0 and not solid.any(),

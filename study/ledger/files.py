@@ -7,6 +7,7 @@ import shutil
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from errno import EACCES, ELOOP, ENOSPC
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TextIO
@@ -15,7 +16,7 @@ Paths = list[Path]
 Json = dict[str, Any]
 """An object for a JSON file: name ↦ number, text, array, list or further object."""
 
-FULL = (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC))
+FULL = (ENOSPC, getattr(errno, "EDQUOT", ENOSPC))
 """Error numbers of a full disk and of an exhausted quota. Windows has no error number for quotas."""
 
 DISK_BLOCK = 4096
@@ -56,9 +57,9 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
             return path
         path.parent.mkdir(parents=True, exist_ok=True)
         if file.is_symlink():
-            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+            raise OSError(ELOOP, os.strerror(ELOOP))
         if file.is_file() and not os.access(file, os.W_OK):
-            raise OSError(errno.EACCES, os.strerror(errno.EACCES))
+            raise OSError(EACCES, os.strerror(EACCES))
         write(part)
         os.replace(part, file)
     except Exception as error:
@@ -121,7 +122,7 @@ def _no_room(path: Path) -> OSError | None:
     """
     with suppress(OSError):
         if shutil.disk_usage(path.parent).free < DISK_BLOCK:
-            return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            return OSError(ENOSPC, os.strerror(ENOSPC))
     return None
 
 

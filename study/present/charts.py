@@ -276,7 +276,7 @@ def caption_convergence(rates: DataFrame, order: float) -> str:
     """Return the caption of ``draw_convergence``."""
     last, graded = last_orders(rates)
     finest = rates.groupby("family").tail(1).query("discrete_error > 0")
-    closer = finest.error / finest["discrete_error"]
+    closer = finest.error / finest.discrete_error
     return caption(
         "convergence",
         rates=rates,
@@ -345,7 +345,7 @@ def over_constants(rates: DataFrame) -> DataFrame:
     """
     rates = rates.sort_values("level", kind="stable")
     finest = rates.groupby(["case", "family"], sort=False)[["h", "predicted_interpolation"]].transform("last")
-    scaled = rates.error * finest.h / finest["predicted_interpolation"]
+    scaled = rates.error * finest.h / finest.predicted_interpolation
     return rates.assign(scaled=scaled, relative=scaled / rates.h)
 
 
@@ -611,9 +611,9 @@ def draw_codes(codes: Codes) -> Figure:
     for grade, style in GRADE_STYLES.items():
         points = rows[rows["class"] == grade]
         if len(points):
-            order.plot(points.excess, points["order_in_v"], **style)
+            order.plot(points.excess, points.order_in_v, **style)
             # Smaller distances are due to rounding.
-            share.plot(points.excess, points["share"].clip(lower=1e-11), **style)
+            share.plot(points.excess, points.share.clip(lower=1e-11), **style)
             handles.append(entry(grade, **style | {"ls": "-"}))
     for axes in (order, share):
         axes.axhline(1, **RULE)
@@ -630,7 +630,7 @@ def caption_codes(codes: Codes) -> str:
     """Return the caption of ``draw_codes``."""
     rows = _complete(codes)
     tolerance = 0.15
-    passing = rows[abs(rows["order_in_v"] - 1) <= tolerance]
+    passing = rows[abs(rows.order_in_v - 1) <= tolerance]
     bad = passing[passing["class"].isin(["stagnates", "wrong"])]
     return caption("codes", rows=rows, bad=bad, tolerance=tolerance)
 
@@ -665,14 +665,14 @@ def draw_faults(matrix: DataFrame) -> Figure:
     figure = Figure(figsize=(page_width(), 1.9 + 0.155 * len(equations)))
     axes = figure.subplots()
     axes.pcolormesh(
-        table["shade"][cases].fillna(0).to_numpy(),
+        table.shade[cases].fillna(0).to_numpy(),
         cmap=ListedColormap([colour for colour, _ in FAULT_SHADES]),
         vmin=-0.5,
         vmax=4.5,
         edgecolors="white",
         linewidth=0.5,
     )
-    rows, columns = np.nonzero(table["visible"][cases] == 0)
+    rows, columns = np.nonzero(table.visible[cases] == 0)
     axes.plot(columns + 0.5, rows + 0.5, ".", color=GREY, markersize=3)
     axes.invert_yaxis()
     axes.set_xticks(np.arange(len(cases)) + 0.5, cases, rotation=90)

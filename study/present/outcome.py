@@ -163,7 +163,7 @@ def _rates_row(series: DataFrame, predicted: Mapping[str, float], schemes: bool,
         f"{finest.family}, {finest.scheme}" if schemes else finest.family,
         finest.level,
         significant(finest.error),
-        "" if pd.isna(finest["discrete_order"]) else f"{finest['discrete_order']:.2f}",
+        "" if pd.isna(finest.discrete_order) else f"{finest.discrete_order:.2f}",
         f"{100 * series.time_share.max():.2f}",
         f"{predicted[finest.case]:.3g}",
         " ".join(["…"] * (len(orders) > shown) + orders[-shown:]),
@@ -226,9 +226,9 @@ def bounds_text(
     known = table.error.notna().all()
     last = table.iloc[-1]
     size = "max ‖u(t)‖_V" if in_time else "‖u‖_G"
-    share = f"% of u: per cent of {size}, which lies in {interval(last['norm_low'], last['norm_high'], SHOWN)}"
+    share = f"% of u: per cent of {size}, which lies in {interval(last.norm_low, last.norm_high, SHOWN)}"
     if not in_time:
-        energy = interval(last["norm_low"] ** 2, last["norm_high"] ** 2, ENERGY)
+        energy = interval(last.norm_low**2, last.norm_high**2, ENERGY)
         share += f"; its square, the energy, lies in {energy}"
     lines = [f"{name}: {NORM[in_time]} enclosed, {'exact solution known' if known else 'solution unknown'}"]
     lines += [*(fill(sentence, width()) for sentence in (*sentences, MEANING[in_time], share)), ""]
@@ -263,7 +263,7 @@ def adaptive_text(
         in_time: whether the problem is in time, and not static.
     """
     sign, end = ("≤", "is reached") if not stopped else (">", f"is not reached: {stopped}")
-    percents = [f"{upper(percent)} %" if percent < inf else "∞" for percent in rows["percent"]]
+    percents = [f"{upper(percent)} %" if percent < inf else "∞" for percent in rows.percent]
     bounds = [*rows.bound.map(upper)]
     known = rows.error.notna().all()
     reached = f"{bounds[-1]}, {percents[-1]} of u," if tolerance.endswith("%") else bounds[-1]
@@ -273,11 +273,11 @@ def adaptive_text(
         "mesh": rows["mesh"],
         "  cells": rows["cells"],
         "unknowns": rows.dofs,
-        " steps": rows["steps"] if in_time else None,
+        " steps": rows.steps if in_time else None,
         "     bound": bounds,
         "   % of u": percents,
         " order": _texts(rows.order, "{:.2f}".format, ""),
-        " in time": (100 * rows["in_time"]).map("{:.1f} %".format) if in_time else None,
+        " in time": (100 * rows.in_time).map("{:.1f} %".format) if in_time else None,
         "     error": rows.error.map(ERROR) if known else None,
     }
     found += aligned({head: cells for head, cells in columns.items() if cells is not None})
@@ -337,7 +337,7 @@ def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Seque
         columns[f"{head:>19}"] = _within(table[1:], f"{name}_low", f"{name}_high")
     lines += ["", *aligned(columns)]
     if in_time:
-        steps = "the same steps on every mesh" if table["steps"].nunique() == 1 else "steps that follow the mesh"
+        steps = "the same steps on every mesh" if table.steps.nunique() == 1 else "steps that follow the mesh"
         lines += ["", f"orders of the fully discrete u_h, with {steps}"]
     return lines
 

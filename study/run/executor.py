@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import gc
 import logging
-import multiprocessing
 import os
 import re
 import socket
@@ -21,6 +20,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import cycle
 from math import inf
+from multiprocessing import active_children, parent_process
 from pathlib import Path
 from signal import SIG_IGN, SIGINT, signal
 from threading import Thread
@@ -36,7 +36,7 @@ from study.run.fingerprint import ALL_CODE, code_hash, of_solution, problem, ver
 from study.run.plan import Job, Jobs, Result
 from study.run.store import Store
 from study.statements.enclosure import resolve_problem
-from study.statements.shared import estimates
+from study.statements.shared.estimates import bound, require_factorisation
 
 P = ParamSpec("P")
 Returned = TypeVar("Returned")
@@ -93,7 +93,7 @@ class Processes(Executor):
         if kind is not KeyboardInterrupt:
             return self.shutdown()
         before = signal(SIGINT, SIG_IGN)
-        for worker in multiprocessing.active_children():
+        for worker in active_children():
             worker.kill()
         self.shutdown()
         signal(SIGINT, before)
@@ -103,7 +103,7 @@ class Processes(Executor):
 def _end_with_parent() -> None:
     # Ctrl-C reaches all processes of a terminal. The main process ends the workers.
     signal(SIGINT, SIG_IGN)
-    parent = multiprocessing.parent_process()
+    parent = parent_process()
     assert parent is not None
 
     def watch() -> None:
@@ -275,8 +275,8 @@ def require_bound(what: str, cells: int, refinements: int) -> None:
         cells: the number of its cells.
         refinements: how often it is refined for the bound.
     """
-    require(what, estimates.bound(cells, refinements))
-    estimates.require_factorisation(cells, refinements)
+    require(what, bound(cells, refinements))
+    require_factorisation(cells, refinements)
 
 
 def available(root: Path = Path("/")) -> float:
