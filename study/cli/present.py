@@ -33,6 +33,7 @@ from study.run.provenance import read_provenance
 from study.run.store import Store
 from study.solve.motion import Motion, von_mises
 from study.statements import pictures
+from study.statements.pictures import FAMILY, LEVEL, PICTURE_STEPS, contact_weights
 from study.statements.shared import estimates
 from study.statements.shared.scope import regular
 
@@ -104,8 +105,8 @@ def draw(directory: Path, processes: Processes, chosen: Sequence[Drawing], outpu
 
 SHOWN_EVERY = 2
 """Every second time step is shown."""
-SHOWN_STEPS = pictures.PICTURE_STEPS
-SHOWN_LEVELS = {2: pictures.LEVEL, 3: 9}
+SHOWN_STEPS = PICTURE_STEPS
+SHOWN_LEVELS = {2: LEVEL, 3: 9}
 """Dimension ↦ default level (cells along a side). In 3D it is a multiple of the number of parts into which a
 face of the cube is divided."""
 
@@ -135,7 +136,7 @@ def affordable_family(case: Case, level: int) -> MeshFamily:
         UsageError: no mesh family can mesh the body, or there is not enough memory for this level.
     """
     dim = case.solution.body.dim
-    family = pictures.FAMILY if dim == 2 else regular(case)
+    family = FAMILY if dim == 2 else regular(case)
     require(f"level {level}", estimates.displacement(dim, level, family.name))
     return family
 
@@ -147,7 +148,7 @@ def mesh_series(motion: Motion, every: int) -> MeshSeries:
     (``gap_1``, ``gap_2``, … if this boundary has several faces). Fields on the cells, constant on each, are ``stress``
     and ``von_mises``.
     """
-    weights = pictures.contact_weights(motion.space)
+    weights = contact_weights(motion.space)
     mesh = motion.space.mesh
     nodal = motion.space.nodal
     fields = []

@@ -181,9 +181,9 @@ def draw_problem(picture: ProblemPicture) -> Figure:
 
 SUPPORT_EDGE: Style = dict(edgecolor=FOUNDATION_EDGE, linewidth=0.4)
 SUPPORT_STYLES = {
-    "CLAMPED": SUPPORT_EDGE | {"hatch": "/////", "facecolor": "white"},
-    "CONTACT": SUPPORT_EDGE | {"facecolor": FOUNDATION},
-    "ROLLER": SUPPORT_EDGE | {"hatch": "oo", "facecolor": "white"},
+    "CLAMPED": dict(SUPPORT_EDGE, hatch="/////", facecolor="white"),
+    "CONTACT": dict(SUPPORT_EDGE, facecolor=FOUNDATION),
+    "ROLLER": dict(SUPPORT_EDGE, hatch="oo", facecolor="white"),
 }
 """Kind of a supported side ↦ the style of the band that is drawn outside of it."""
 

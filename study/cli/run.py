@@ -56,16 +56,14 @@ def do_run(options: Namespace) -> int:
             save_proofs(proofs, store)
             measure(plan, store, pool)
             verdicts = judge(store.directory)
-    written = []
+    data = ", ".join(path.name for path in sorted(store.data.glob("[!.]*")))
+    print("\n" + folded(f"data: {store.data}/{data}"))
     if options.figures:
         # Imported only to draw, because Matplotlib takes half a second.
         from study.cli.present import write_overview
 
         with store.locked():
             written = write_overview(options, store.directory)
-    data = ", ".join(path.name for path in sorted(store.data.glob("[!.]*")))
-    print("\n" + folded(f"data: {store.data}/{data}"))
-    if options.figures:
         tell_written(written)
     print(f"\n{rates_text(store.directory)}")
     if any(TRY in verdict.expected for verdict in verdicts):

@@ -88,8 +88,9 @@ class Check:
         expected = self.window.text
         if fewest < self.levels:
             expected += f"; undecided, because the check needs {self.levels} levels, and has {fewest}"
-        judged = observed, span, verdict
-        result = row(of, self.key, self.quantity, self.window, judged, case, family, expected, self.kind)
+        result = row(
+            of, self.key, self.quantity, self.window, (observed, span, verdict), case, family, expected, self.kind
+        )
         return result if not self.if_missed else self._without_claim(result)
 
     def _values(self, table: DataFrame) -> Array | None:

@@ -158,10 +158,21 @@ def row(
     """
     observed, (low, high), verdict = found
     words = f"{quantity}, {family} meshes" if family else quantity
-    numbers = (observed, low, high)
-    ends = (window.low, window.high)
     return Verdict(
-        of.label, of.claim, case, words, expected or window.text, *numbers, verdict, key, family, str(kind), *ends
+        of.label,
+        of.claim,
+        case,
+        words,
+        expected or window.text,
+        observed,
+        low,
+        high,
+        verdict,
+        key,
+        family,
+        str(kind),
+        window.low,
+        window.high,
     )
 
 

@@ -89,11 +89,13 @@ def article(directory: Path) -> dict[Path, str]:
     return {directory / "article" / f"{name}.tex": text for name, text in by_name.items()}
 
 
-def latex(name: str, rows: PlainRows) -> str:
+def latex(name: str, rows: DataFrame | PlainRows) -> str:
     """Return a LaTeX table with the headings and columns of ``page/article.toml`` and the given cells.
 
-    The table needs the packages booktabs and array.
+    Empty cells get a dash. The table needs the packages booktabs and array.
     """
+    if isinstance(rows, DataFrame):
+        rows = rows.fillna("–").astype(str).to_numpy().tolist()
     layout = ARTICLE_TEXTS["tables"][name]
     columns = [folding(column) if isinstance(column, float) else column for column in layout["columns"]]
     cells = DataFrame([map(encode, row) for row in rows], columns=layout["headings"])
@@ -181,21 +183,21 @@ def slips(data: FullRun) -> PlainRows:
     return rows.replace("^read: ", "", regex=True).to_numpy().tolist()
 
 
-def faults(data: FullRun) -> PlainRows:
+def faults(data: FullRun) -> DataFrame:
     """Return the deliberate faults: in how many cases they are noticed, and are invisible."""
     rows = summary(data.faults)
     rows["size"] = rows["size"].map("{:g}".format)
     columns = ["equation", "fault", "size", "cases", "errors", "any_check", "invisible"]
-    return rows[columns].astype(str).to_numpy().tolist()
+    return rows[columns]
 
 
 # Tables of results
 
 
-def catalogue(data: FullRun) -> PlainRows:
+def catalogue(data: FullRun) -> DataFrame:
     """Return the exact solutions with their names, summaries and laws."""
     laws = data.cases.law.str.removeprefix("linear, ")
-    return data.cases.assign(law=laws)[["case", "summary", "law"]].to_numpy().tolist()
+    return data.cases.assign(law=laws)[["case", "summary", "law"]]
 
 
 def cases_of(data: FullRun, label: str) -> DataFrame:
@@ -223,7 +225,7 @@ def decimals(values: Sequence[float]) -> str:
     return "–".join(dict.fromkeys(f"{value:.2f}" for value in values))
 
 
-def smooth(data: FullRun) -> PlainRows:
+def smooth(data: FullRun) -> DataFrame:
     """Return the table of Proposition 5.4 with a row for each case.
 
     A row has the finest level, the observed orders of the error and of the discrete error, the size of the discrete
@@ -236,15 +238,10 @@ def smooth(data: FullRun) -> PlainRows:
         cells[key] = measured(data, label, key, "low", "high")
     cells["share"] = measured(data, label, "discrete-share", "observed")
     cells["time"] = measured(data, label, "time-share", "observed", scale=100)
-    return plain_rows(cells)
+    return cells
 
 
-def plain_rows(cells: DataFrame) -> PlainRows:
-    """Return the rows of a table of texts, with a dash in empty cells."""
-    return cells.fillna("–").to_numpy().tolist()
-
-
-def rough(data: FullRun) -> PlainRows:
+def rough(data: FullRun) -> DataFrame:
     """Return the table of Proposition 5.3 with a row for each case.
 
     A row has the order that the regularity of the solution predicts, the order that the proof of Proposition 5.4 gives
@@ -258,7 +255,7 @@ def rough(data: FullRun) -> PlainRows:
     cells["graded"] = measured(data, label, "order-graded", "observed")
     cells["ratio"] = measured(data, label, "falling", "high")
     cells["limit"] = measured(data, label, "limit", "high")
-    return plain_rows(cells)
+    return cells
 
 
 def stresses(data: FullRun) -> PlainRows:
@@ -278,7 +275,7 @@ def stresses(data: FullRun) -> PlainRows:
     return body
 
 
-def enclosures(data: FullRun) -> PlainRows:
+def enclosures(data: FullRun) -> DataFrame:
     """Return two-sided bounds of the error, for all cases that were measured on three or more levels.
 
     The ends of the bounds are rounded outwards. The error is empty for problems without a known exact solution.
@@ -289,10 +286,10 @@ def enclosures(data: FullRun) -> PlainRows:
     for name, rounding in {"lowest": down, "error": None, "highest": up, "upper": up, "lower": down}.items():
         values = rows[name].apply(rounding, digits=4).astype(float) if rounding else rows[name]
         cells[name] = values.map("{:#.4g}".format, na_action="ignore")
-    return plain_rows(cells)
+    return cells
 
 
-def discrete(data: FullRun) -> PlainRows:
+def discrete(data: FullRun) -> DataFrame:
     """Return the observed orders of the fully discrete error for each case and time scheme.
 
     Undecided predictions are marked with * and wrong predictions with †.
@@ -302,7 +299,7 @@ def discrete(data: FullRun) -> PlainRows:
     names = rows.key.str.extract(f"(?P<scheme>.+)-(?P<order>{'|'.join(DISCRETE)})$")
     cells = names.assign(case=rows.case, cell=orders)
     table = cells.pivot_table("cell", ["case", "scheme"], "order", aggfunc="first", sort=False)
-    return table[[*DISCRETE]].reset_index().to_numpy().tolist()
+    return table[[*DISCRETE]].reset_index()
 
 
 def codes(data: FullRun) -> PlainRows:

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
+from numpy.linalg import norm
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, PURPLE, SKY, VERMILLION
 from study.ledger.pictures import Numbers
@@ -81,7 +82,7 @@ def magnification(vertices: Array, displacements: Array) -> float:
         vertices: the vertices of the mesh, (d, vertices).
         displacements: the displacements of the vertices at all times, (times, d, vertices).
     """
-    largest = np.linalg.norm(displacements, axis=1).max()
+    largest = norm(displacements, axis=1).max()
     if largest == 0:
         return 1.0
     exact = DRAWN_DISPLACEMENT * np.ptp(vertices, axis=1).max() / largest
@@ -104,9 +105,9 @@ def view_of(picture: Picture) -> Array:
     normal = np.sum([face.normal for face in picture.faces], axis=0)
     side = np.where(normal > 0, 1, -1)
     towards = side * (abs(normal) + OBLIQUE)
-    towards /= np.linalg.norm(towards)
+    towards /= norm(towards)
     right = np.cross([0, 0, side[2]], towards)
-    right /= np.linalg.norm(right)
+    right /= norm(right)
     return np.array([right, np.cross(towards, right), towards])
 
 

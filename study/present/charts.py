@@ -90,7 +90,7 @@ def draw_cases(rows: DataFrame, quantities: Lines, slopes: Orders, columns: int)
     shown = dict(zip(cases, panels, strict=False))
     for i, (case, axes) in enumerate(shown.items()):
         for column, (_, style) in quantities.items():
-            plot_families(axes, rows[rows.case == case], column, styles, style | {"ms": 2.4})
+            plot_families(axes, rows[rows.case == case], column, styles, dict(style, ms=2.4))
         axes.set_title(fill(case, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
         axes.tick_params(labelbottom=i + columns >= len(cases))
         axes.grid(True)
@@ -614,7 +614,7 @@ def draw_codes(codes: Codes) -> Figure:
             order.plot(points.excess, points.order_in_v, **style)
             # Smaller distances are due to rounding.
             share.plot(points.excess, points.share.clip(lower=1e-11), **style)
-            handles.append(entry(grade, **style | {"ls": "-"}))
+            handles.append(entry(grade, **dict(style, ls="-")))
     for axes in (order, share):
         axes.axhline(1, **RULE)
     order.set_ylabel("order in V")

@@ -37,8 +37,6 @@ from study.statements.prop_5_4 import RATES
 from study.statements.shared.base import JOINED_SUFFIX, LISTED, Statement
 from study.statements.unmeasured import Listed
 
-EVERY_CASE = {statement.file.name for statement in STATEMENTS if statement.of_every_case}
-"""Names of the data files whose measurements are made for every case of a run."""
 PREDICTED = ["case", "expected_order", "proved_order", "twin"]
 """Columns of ``cases.csv`` that are fixed before anything is measured."""
 
@@ -223,9 +221,9 @@ def judge_statement(statement: Statement, rows: DataFrame) -> Verdicts:
 
 def _refuse_gaps(directory: Path, tables: dict[CsvFile, DataFrame]) -> None:
     """Raise DataError if ``cases.csv`` lacks a measured case, or an error bound has no values over time."""
-    for file in tables:
-        if file.name in EVERY_CASE:
-            expected_orders(directory, tables[file])
+    for statement in STATEMENTS:
+        if statement.of_every_case and statement.file in tables:
+            expected_orders(directory, tables[statement.file])
     bounds, courses = ({key[1:] for key in file.keys(tables[file])} for file in (BOUNDS, ENCLOSURES))
     if without := bounds - courses:
         path = f"{directory}/data/enclosures.csv"
