@@ -51,9 +51,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         # All figures are files. Matplotlib cannot be imported if this variable names a window system it does not know.
         os.environ.pop("MPLBACKEND", None)
-    output = PrintableStream(sys.stdout)
-    messages = PrintableStream(sys.stderr, permitted="\r")
-    with redirect_stdout(output), redirect_stderr(messages):  # type: ignore[type-var]
+    with (
+        redirect_stdout(PrintableStream(sys.stdout)),  # type: ignore[type-var]
+        redirect_stderr(PrintableStream(sys.stderr, permitted="\r")),  # type: ignore[type-var]
+    ):
         return _run(sys.argv[1:] if arguments is None else list(arguments))
 
 
