@@ -1,4 +1,9 @@
-"""``study check``: compares data, verdicts, tables and the inputs of the papers with their expected contents."""
+"""``study check``: compares data, verdicts, tables and the inputs of the papers with their expected contents.
+
+The recorded plan is compared with the plan that its scope gives now, the rows of all tables with the plan, and
+``cases.csv`` with the catalogue of cases. Nothing is measured for this. With ``--again N``, a random sample of the rows
+is also measured again.
+"""
 
 import tempfile
 from argparse import Namespace
@@ -141,7 +146,7 @@ def not_compared(directory: Path, compared: set[Path]) -> dict[str, Paths]:
     return rest
 
 
-# Measuring again.
+# Plan, rows and predictions.
 
 
 def verify(directory: Path) -> str:
@@ -217,7 +222,7 @@ def _refuse_unplanned(directory: Path, file: CsvFile, table: DataFrame, planned:
             )
 
 
-# Functions that measure a sample of the rows again.
+# A sample of the rows is measured again.
 
 
 def planned_jobs(directory: Path) -> tuple[Job, ...]:

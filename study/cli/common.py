@@ -1,10 +1,12 @@
-"""Functions that several commands use: exit codes, progress bars, lists of files."""
+"""Functions that several commands use: exit codes, progress bars, lists of files, messages of errors."""
+
+from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import BrokenExecutor
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import pandas as pd
 from tqdm import tqdm
@@ -25,7 +27,10 @@ from study.ledger.quantities import RatesError
 from study.ledger.text import folded
 from study.ledger.verdict import ROW_KEY, UNDECIDED, Verdicts, exit_code
 from study.orders import OrderError
-from study.run.plan import Job, Jobs
+
+if TYPE_CHECKING:
+    # ``study compare``, whose errors get their messages here, must not import pyamg, as plans do.
+    from study.run.plan import Job, Jobs
 
 Result = TypeVar("Result")
 BAR = "{l_bar}{bar}| {elapsed}<{left}"
@@ -136,6 +141,8 @@ def tell_written(paths: Sequence[Path], more: str = "") -> None:
     names = (f"{kind} ({len(of)})" if len(of) > 2 else ", ".join(map(str, of)) for kind, of in kinds.items())
     print(folded(f"written: {', '.join(names)}{more}"))
 
+
+# Errors that end a command: exit code and message, without a traceback.
 
 OF_CASES = (BodyError, CaseError, FormulaError, LawError, LoadError, SelfProofError)
 OF_FILES = (DataError, OrderError, RatesError, StoreError)

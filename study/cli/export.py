@@ -1,4 +1,7 @@
-"""``study export``: writes contact problems as files for other codes."""
+"""``study export``: writes contact problems as files for other codes.
+
+The format of the files is described in docs/reference/tasks.md.
+"""
 
 import lzma
 from argparse import Namespace
@@ -102,6 +105,8 @@ def _check(options: Namespace, case: Case) -> None:
     if options.foundation is not None and case.solution.body.dim != 2:
         raise UsageError("--foundation meshes foundations in the plane only; leave it out for a body in space")
 
+
+# The content of the files.
 
 TASK_FORMAT = "contact-task"
 TASK_VERSION = 2

@@ -103,6 +103,8 @@ def draw(directory: Path, processes: Processes, chosen: Sequence[Drawing], outpu
     return written
 
 
+# Solving and drawing a case.
+
 SHOWN_EVERY = 2
 """Every second time step is shown."""
 SHOWN_STEPS = PICTURE_STEPS

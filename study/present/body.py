@@ -357,6 +357,8 @@ def caption_body(picture: Picture) -> str:
     )
 
 
+# Contact faces: zone, gap and pressure.
+
 ZONE_POINTS = 401
 ZONE_CUT = 0.01
 """The number of positions along a face at which the exact zone is drawn, and the largest depth inside of it."""

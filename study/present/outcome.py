@@ -184,6 +184,8 @@ def _aligned(head: Sequence[str], rows: Sequence[Sequence[object]], widths: Sequ
     return tabulate([head, *rows], tablefmt="plain", disable_numparse=True, maxcolwidths=[*widths], colalign=sides)
 
 
+# Bounds of errors.
+
 SHOWN_TIMES = 8
 """The printed table shows the error at no more than this number of times."""
 SHOWN = 4
