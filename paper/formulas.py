@@ -28,7 +28,7 @@ from manufactured import (
 from manufactured.exact import ExactSolution, Face
 from manufactured.factor import UNIFORM
 from manufactured.profile import HERMITE, ZERO, Piecewise, Profile
-from study.present.notation import prose
+from study.present.templates import prose
 
 y = sp.Symbol("y")
 STANDARD = (

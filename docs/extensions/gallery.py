@@ -21,9 +21,9 @@ from manufactured.catalogue import catalogue
 from study.ledger.datafiles import read_csv
 from study.present.body import BodyScale, draw_deformed_mesh
 from study.present.drawing import in_style
-from study.present.notation import typeset
 from study.present.picture import Picture, picture_path, read_record
 from study.present.show import write_gif
+from study.present.templates import typeset
 
 INSTRUCTIVE = (
     "advance-recede",

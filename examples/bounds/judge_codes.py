@@ -31,12 +31,12 @@ from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose
 from study.bound.given import given
 from study.bound.trajectory import Refined, prolongation
+from study.cli.export import march, write_task
 from study.fem.naming import family_named
 from study.fem.space import Space
 from study.ledger.files import write_text
 from study.ledger.text import interval, up
 from study.present.pages import markdown, put
-from study.run.tasks import march, write_task
 from study.solve.evolution import SemiDiscrete
 from study.solve.tableau import MIDPOINT
 
@@ -58,7 +58,7 @@ DEFAULT = 16
 
 
 def task(name: str, data: Data, mesh: Mesh, level: int) -> Any:
-    """Return the march through a problem on a mesh in the form that ``study.run.tasks.march`` exports.
+    """Return the march through a problem on a mesh in the form that ``study.cli.export.march`` exports.
 
     The export has a place for exact values, to judge answers by. Nobody knows them here, and zeros take their place.
     """

@@ -3,11 +3,11 @@
 The list is read from the docstrings of the cases, because making all solutions takes seconds; ``--json`` makes them.
 """
 
-import argparse
-import json
 import re
-import textwrap
+from argparse import Namespace
 from importlib.resources import files
+from json import dumps
+from textwrap import fill
 
 from manufactured.catalogue import NAMES, OTHER_NAMES, catalogue, module_of
 from study.cli.options import OK
@@ -17,18 +17,18 @@ LINE_WIDTH = 100
 INDENT = "    "
 
 
-def do_cases(options: argparse.Namespace) -> int:
+def do_cases(options: Namespace) -> int:
     """Print the exact solutions of the catalogue; return 0."""
     if options.json:
         # Imported here, because SymPy takes a second.
         from study.fem.naming import describe
 
-        print(json.dumps([describe(case) for case in catalogue()], indent=2))
+        print(dumps([describe(case) for case in catalogue()], indent=2))
         return OK
     for name in NAMES:
         summary, order = summary_and_order(name)
         print(f"{name:<24}order {order}")
-        print(textwrap.fill(summary, LINE_WIDTH, initial_indent=INDENT, subsequent_indent=INDENT))
+        print(fill(summary, LINE_WIDTH, initial_indent=INDENT, subsequent_indent=INDENT))
     print(f"Further cases, which only single statements use: {', '.join(OTHER_NAMES)}")
     return OK
 

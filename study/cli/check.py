@@ -1,26 +1,44 @@
-"""``study check``: compares data, verdicts, tables and the inputs of the papers with their expected contents."""
+"""``study check``: compares data, verdicts, tables and the inputs of the papers with their expected contents.
 
-import argparse
-import secrets
-from collections.abc import Sequence
+The recorded plan is compared with the plan that its scope gives now, the rows of all tables with the plan, and
+``cases.csv`` with the catalogue of cases. Nothing is measured for this. With ``--again N``, a random sample of the rows
+is also measured again.
+"""
+
+import tempfile
+from argparse import Namespace
 from pathlib import Path
+from secrets import randbits
 
-from study.cli.common import code_of, known_undecided, progress_bar
+import numpy as np
+from pandas import DataFrame
+
+from study.cli.common import code_of, job_progress, known_undecided
 from study.cli.options import FAILED, OK, SEED_BITS
-from study.ledger.codes import FOLDER, MARCHES
-from study.ledger.compare import Tolerance, as_text, difference
+from study.ledger.codes import FOLDER, MARCHES, Codes
+from study.ledger.compare import Comparison, Tolerance, as_text, compare, difference
 from study.ledger.controls import SEEDS_FILE, SeedRecord
-from study.ledger.datafiles import CsvFile, DataError, read_claims
-from study.ledger.files import UsageError
+from study.ledger.datafiles import CsvFile, DataError, Key, line, made_by, read_claims, read_csv, table_text, write_csv
+from study.ledger.files import Json, Paths, UsageError
 from study.ledger.text import folded
-from study.ledger.verdict import Verdict
+from study.ledger.verdict import Verdicts
 from study.present.outcome import ledger_text, write_junit
 from study.present.pages import expected_texts
-from study.run.check import compare_again, draw_jobs, expected_seconds, planned_jobs, verify
-from study.run.executor import local_pool
-from study.run.judgement import claims, claims_file, compare_claims, data_files, verdicts
-from study.run.provenance import compare_sums
+from study.run.executor import Notify, Pool, execute, local_pool
+from study.run.judgement import (
+    PREDICTED,
+    claims,
+    claims_file,
+    compare_claims,
+    data_files,
+    read_tables,
+    stored_rows,
+    verdicts,
+)
+from study.run.plan import Job, Jobs
+from study.run.provenance import Expectation, commit, compare_sums, read_provenance
 from study.run.store import Store
+from study.statements.enclosure import BOUNDS, ENCLOSURES
 
 IN_PART = (
     "data/provenance.json",
@@ -32,7 +50,7 @@ IN_PART = (
 tables of a run also belong to these files if its provenance has no checksums."""
 
 
-def do_check(options: argparse.Namespace) -> int:
+def do_check(options: Namespace) -> int:
     """Check a result directory.
 
     Returns:
@@ -40,13 +58,14 @@ def do_check(options: argparse.Namespace) -> int:
         with an unexpected content raises an error, for which the command returns 2.
     """
     known_undecided(options.undecided)
+    directory = options.out
     if options.again is None and options.seed is not None:
         raise UsageError("--seed chooses the rows of --again: give --again N with it")
-    with Store(options.out).steady():
-        verified = verify(options.out)
-        compared = compare_sums(options.out)
-        SeedRecord.read(options.out)
-        judged = verdicts(options.out)
+    with Store(directory).steady():
+        verified = verify(directory)
+        compared = compare_sums(directory)
+        SeedRecord.read(directory)
+        judged = verdicts(directory)
         if options.junit:
             write_junit(options.junit, judged)
         print(ledger_text(claims(judged)))
@@ -54,31 +73,27 @@ def do_check(options: argparse.Namespace) -> int:
         if code == FAILED or (options.again is not None and _again(options) == FAILED):
             return FAILED
         # Tables are compared after the data, because a message might advise to write tables from damaged data.
-        compared |= as_written(options.out, judged)
-    compared |= {options.out / "data" / "cases.csv"}
-    inside = len([path for path in compared if options.out in path.parents])
+        compared |= as_written(directory, judged)
+    compared |= {directory / "data" / "cases.csv"}
+    inside = sum(directory in path.parents for path in compared)
     print(
         folded(f"{verified}; {len(judged)} verdicts and {inside} files agree with the texts that this version writes")
     )
-    in_part, unchecked = not_compared(options.out, compared)
-    for what, paths in (("checked in part", in_part), ("not checked", unchecked)):
+    for what, paths in not_compared(directory, compared).items():
         if paths:
-            listed = " ".join(str(path) for path in paths)
+            listed = " ".join(map(str, paths))
             print(folded(f"{what}, {len(paths)} files: {listed}"))
     return code
 
 
-def _again(options: argparse.Namespace) -> int:
+def _again(options: Namespace) -> int:
     """Measure a random sample of the rows again; return 0 if all numbers agree, 1 if one differs."""
-    seed = secrets.randbits(SEED_BITS) if options.seed is None else options.seed
+    seed = randbits(SEED_BITS) if options.seed is None else options.seed
     every = planned_jobs(options.out)
     jobs = draw_jobs(every, options.again, seed)
     about = f"measured again: {len(jobs)} of {len(every)} measurements, drawn with --seed {seed}"
     print(f"\n{folded(f'{about}, about {expected_seconds(jobs):.0f} s of computing time')}", flush=True)
-    with (
-        local_pool(min(options.jobs, len(jobs))) as pool,
-        progress_bar(round(sum(job.cost for job in jobs))) as bar,
-    ):
+    with local_pool(min(options.jobs, len(jobs))) as pool, job_progress(jobs) as bar:
         tolerance = Tolerance(options.tolerance, options.absolute)
         comparison = compare_again(options.out, jobs, pool, tolerance, bar.add)
     if not comparison.differs:
@@ -89,7 +104,7 @@ def _again(options: argparse.Namespace) -> int:
     return FAILED
 
 
-def as_written(directory: Path, judged: Sequence[Verdict]) -> set[Path]:
+def as_written(directory: Path, judged: Verdicts) -> set[Path]:
     """Compare verdicts, tables, captions, badges and README with the texts that the program would write now.
 
     Returns:
@@ -110,8 +125,8 @@ def as_written(directory: Path, judged: Sequence[Verdict]) -> set[Path]:
     return {claims_file(directory), *expected}
 
 
-def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list[Path]]:
-    """Return the files of a result directory that were checked in part, and the files that were not checked.
+def not_compared(directory: Path, compared: set[Path]) -> dict[str, Paths]:
+    """Return the files of a result directory that were checked in part, and the files that were not checked, in words.
 
     Hidden files, stored results of jobs, and result directories inside this one are left out.
 
@@ -121,8 +136,165 @@ def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list
     """
     inside = (path.parent.parent for path in directory.rglob("data/provenance.json"))
     left_out = {directory / "data" / "jobs", *inside} - {directory}
-    files = [path for path in sorted(directory.rglob("*")) if path.is_file() and not path.name.startswith(".")]
-    rest = [path for path in files if path not in compared and not left_out & {*path.parents}]
     tables = [f"data/{file.name}" for file in data_files() if isinstance(file, CsvFile)]
     in_part = {directory / name for name in (*IN_PART, *tables)}
-    return [path for path in rest if path in in_part], [path for path in rest if path not in in_part]
+    rest: dict[str, Paths] = {"checked in part": [], "not checked": []}
+    for path in sorted(directory.rglob("*")):
+        hidden = path.name.startswith(".") or not path.is_file()
+        if not (hidden or path in compared or left_out & {*path.parents}):
+            rest["checked in part" if path in in_part else "not checked"].append(path)
+    return rest
+
+
+# Plan, rows and predictions.
+
+
+def verify(directory: Path) -> str:
+    """Compare the data of a run with its plan and with the predictions for its cases.
+
+    Returns:
+        A sentence with the numbers of rows, files, planned measurements and cases that were compared, and the cases
+        that were not compared because their files no longer exist.
+
+    Raises:
+        UsageError: the directory has no data.
+        StoreError, DataError: data are of another format, missing, damaged or edited; the message names file, line and
+            column, the value and the expected value.
+    """
+    record = read_provenance(directory)
+    again = f"make them again with `{made_by(directory)}`; finished measurements are kept"
+    expectation = Expectation(record, directory)
+    planned = _plan(directory, record, expectation, again)
+    tables = read_tables(directory)
+    for file, table in tables.items():
+        _refuse_unplanned(directory, file, table, planned, again)
+    # Predicted orders come from the catalogue, or from the file of a user's case. If this file no longer exists, the
+    # predictions in the provenance of the run are used.
+    path = directory / "data" / "cases.csv"
+    read_csv(directory, path.name, PREDICTED)
+    if differs := difference(path, table_text(DataFrame(expectation.lines))):
+        raise DataError(f"{differs} from the catalogue or from the file of the case: {again}")
+    for folder in (FOLDER, MARCHES):
+        Codes.read(directory, folder)
+    rows = sum(map(len, tables.values()))
+    gone = ", ".join(sorted(expectation.gone))
+    return (
+        f"measured with the catalogue of commit {record.get('commit') or 'unknown'}: "
+        f"{rows} rows in {len(tables)} files belong to the {len(planned)} planned measurements; "
+        f"the predictions of {len(expectation.cases)} cases agree with the definitions of the cases"
+        f"{'; not compared, because their files no longer exist: ' if gone else ''}{gone}"
+    )
+
+
+def _plan(directory: Path, record: Json, expectation: Expectation, again: str) -> set[Key]:
+    """Return the keys of all measurements in the recorded plan of a run.
+
+    Raises:
+        DataError: the plan is empty, repeats a key, or differs from the plan that the same commit makes of the recorded
+            scope.
+    """
+    recorded = record["planned"]
+    where = f"{directory}/data/provenance.json"
+    if not recorded or len({*recorded}) < len(recorded):
+        raise DataError(f"{where} has an empty plan, or plans a measurement twice: {again}")
+    # A newer program may plan more. What an older one has measured stands.
+    differing = set(recorded) ^ set(expectation.plan.keys() if expectation.plan else recorded)
+    if differing and record.get("commit") == commit()["commit"]:
+        first = min(differing)
+        plans = "plans" if first in recorded else "does not plan"
+        raise DataError(f"{where} {plans} {' '.join(first)}, which disagrees with its scope: {again}")
+    return set(recorded)
+
+
+def _refuse_unplanned(directory: Path, file: CsvFile, table: DataFrame, planned: set[Key], again: str) -> None:
+    """Raise DataError if a table has a row that is not in the plan of the run.
+
+    Rows that are in the plan but not in the table are no error here. The first check of the ledger reports them.
+    """
+    # The plan lists each error bound once. The values of a bound over time, in another file, have the same key.
+    name = BOUNDS.name if file == ENCLOSURES else file.name
+    keys = zip(*(table[column].astype(str) for column in file.key), strict=True)
+    for row, key in enumerate(keys):
+        if (name, *key) not in planned:
+            raise DataError(
+                f"{directory}/data/{file.name}, line {line(row)}: {' '.join(key)} is not among the {len(planned)} "
+                f"measurements of the plan: {again}"
+            )
+
+
+# A sample of the rows is measured again.
+
+
+def planned_jobs(directory: Path) -> tuple[Job, ...]:
+    """Return all jobs, that is measurements, whose rows are in the tables of a result directory.
+
+    Jobs for pictures are left out. On other processors, the cells of unstructured meshes of symmetric bodies may be
+    numbered differently, so that pictures differ.
+
+    Raises:
+        UsageError: there are no data, or the file of a user's case no longer exists.
+    """
+    record = read_provenance(directory)
+    expectation = Expectation(record, directory)
+    if expectation.plan is None:
+        gone = ", ".join(sorted(expectation.gone))
+        raise UsageError(f"--again needs the files of all cases; the files of {gone} no longer exist: put them back")
+    return tuple(job for job in expectation.plan.jobs if job.identity in set(record["planned"]))
+
+
+def draw_jobs(jobs: Jobs, count: int, seed: int) -> list[Job]:
+    """Return a random sample of jobs without repetition.
+
+    A job is drawn with a probability proportional to 1 / cost. So the expected time of one draw is the harmonic mean of
+    all costs, about 0.4 s for the full study, even if some jobs take very long.
+
+    Parameters:
+        jobs: all jobs of the plan.
+        count: size of the sample; if there are fewer jobs, all are returned.
+        seed: seed of the random generator, 0 or more; the same seed gives the same sample.
+    """
+    weights = 1 / np.array([job.cost for job in jobs])
+    size = min(count, len(jobs))
+    drawn = np.random.default_rng(seed).choice(len(jobs), size, replace=False, p=weights / weights.sum())
+    return [jobs[i] for i in drawn]
+
+
+def expected_seconds(jobs: Jobs) -> float:
+    """Return the expected computing time of jobs in seconds."""
+    return sum(job.cost for job in jobs) / 1e6
+
+
+def compare_again(directory: Path, jobs: Jobs, pool: Pool, tolerance: Tolerance, notify: Notify) -> Comparison:
+    """Run jobs again and compare the new measurements with the rows on disk.
+
+    Only measured columns are compared, not columns that are derived from them.
+
+    Parameters:
+        directory: the result directory.
+        jobs: the jobs that are run again.
+        pool: runs the jobs.
+        tolerance: the permitted differences.
+        notify: called with each finished job.
+
+    Returns:
+        The differences; ``old`` means the rows in ``directory``, ``new`` the rows that were measured now.
+
+    Raises:
+        UsageError: a measurement needs more memory than is available.
+        JobsError: a measurement failed.
+        DataError: a data file is missing or damaged.
+    """
+    with tempfile.TemporaryDirectory() as temporary:
+        old = Path(temporary) / "old"
+        new = Path(temporary) / "new"
+        store = Store(new)
+        execute(jobs, store, pool, notify)
+        for file, measured in stored_rows(jobs, store).items():
+            assert isinstance(file, CsvFile), file.name
+            table = DataFrame(measured, columns=file.columns)
+            write_csv(new / "data" / file.name, table)
+            # From the file on disk, only the rows that were measured again are compared, without derived columns.
+            wanted = table[[*file.key]].drop_duplicates()
+            committed = file.read(directory).merge(wanted, on=[*file.key])
+            write_csv(old / "data" / file.name, committed[file.columns])
+        return compare(old, new, tolerance)

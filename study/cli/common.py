@@ -1,18 +1,36 @@
-"""Functions that several commands use: exit codes, progress bars, lists of files."""
+"""Functions that several commands use: exit codes, progress bars, lists of files, messages of errors."""
+
+from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from concurrent.futures import BrokenExecutor
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import pandas as pd
 from tqdm import tqdm
 
-from study.cli.options import FAILED, OK, UNCLEAR
-from study.ledger.files import UsageError
+from manufactured.body import BodyError
+from manufactured.case import CaseError
+from manufactured.data import LoadError
+from manufactured.law import LawError
+from manufactured.self_proof import SelfProofError
+from manufactured.symbols import FormulaError
+from study.bound.problem import BoundError
+from study.cli.options import BAD_USAGE, FAILED, OK, UNCLEAR
+from study.fem.error_norm import NormError
+from study.fem.mesh import MeshError
+from study.ledger.datafiles import DataError
+from study.ledger.files import JobsError, Paths, StoreError, UsageError, disk_full
+from study.ledger.quantities import RatesError
 from study.ledger.text import folded
-from study.ledger.verdict import ROW_KEY, UNDECIDED, Verdict, exit_code
-from study.run.plan import Job
+from study.ledger.verdict import ROW_KEY, UNDECIDED, Verdicts, exit_code
+from study.orders import OrderError
+
+if TYPE_CHECKING:
+    # ``study compare``, whose errors get their messages here, must not import pyamg, as plans do.
+    from study.run.plan import Job, Jobs
 
 Result = TypeVar("Result")
 BAR = "{l_bar}{bar}| {elapsed}<{left}"
@@ -40,12 +58,12 @@ def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
         raise UsageError(f"--undecided {file} cannot be read as CSV: {error}") from error
     if list(table.columns) != [*ROW_KEY, "reason"]:
         raise UsageError(f"{file} has the columns {', '.join(table.columns)}, expected {', '.join(ROW_KEY)}, reason")
-    if unexplained := [line + 2 for line, reason in enumerate(table["reason"]) if not reason.strip()]:
+    if unexplained := [line + 2 for line, reason in enumerate(table.reason) if not reason.strip()]:
         raise UsageError(f"{file}, line {unexplained[0]}: the reason why the row is undecided is missing")
     return set(table[[*ROW_KEY]].itertuples(index=False, name=None))
 
 
-def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
+def code_of(verdicts: Verdicts, file: Path | None) -> int:
     """Return the exit code of a judged run: 1 if a check fails, else 3 if a check is undecided, else 0.
 
     Parameters:
@@ -53,7 +71,8 @@ def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
         file: a CSV file with checks that are known to be undecided, or None. With a file, the exit code is 0 if exactly
             these checks are undecided, and 3 otherwise; differences are printed.
     """
-    code, known = exit_code(verdicts), known_undecided(file)
+    code = exit_code(verdicts)
+    known = known_undecided(file)
     if file is None or code == FAILED:
         return code
     found = {verdict.identity for verdict in verdicts if verdict.verdict == UNDECIDED}
@@ -81,7 +100,8 @@ class ProgressBar(tqdm):  # type: ignore[misc]
     def format_dict(self) -> dict[str, Any]:
         """The values for the text of the bar, with the estimated remaining time as ``left``."""
         values: dict[str, Any] = super().format_dict
-        done, total = values["n"], values["total"] or 0
+        done = values["n"]
+        total = values["total"] or 0
         known = total > 0 and done >= SURE_SHARE * total
         values["left"] = tqdm.format_interval(values["elapsed"] * (total - done) / done) if known else "?"
         return values
@@ -91,6 +111,11 @@ def progress_bar(total: int, name: str = "") -> ProgressBar:
     """Return a progress bar with a name on standard error. If this is not a terminal, it is updated less often."""
     pause = 0.5 if sys.stderr.isatty() else 10
     return ProgressBar(desc=name, total=total, unit="", bar_format=BAR, mininterval=pause, miniters=1)
+
+
+def job_progress(jobs: Jobs, name: str = "") -> ProgressBar:
+    """Return a progress bar for measurements, in units of their expected time."""
+    return progress_bar(round(sum(job.cost for job in jobs)), name)
 
 
 def with_progress(name: str, T: float, compute: Callable[[Callable[[float], object]], Result]) -> Result:
@@ -110,8 +135,48 @@ def tell_written(paths: Sequence[Path], more: str = "") -> None:
 
     Three or more files with the same ending in a folder become FOLDER/*.ENDING (NUMBER).
     """
-    kinds: dict[str, list[Path]] = {}
+    kinds: dict[str, Paths] = {}
     for path in paths:
         kinds.setdefault(f"{path.parent}/*{path.suffix}", []).append(path)
     names = (f"{kind} ({len(of)})" if len(of) > 2 else ", ".join(map(str, of)) for kind, of in kinds.items())
     print(folded(f"written: {', '.join(names)}{more}"))
+
+
+# Errors that end a command: exit code and message, without a traceback.
+
+OF_CASES = (BodyError, CaseError, FormulaError, LawError, LoadError, SelfProofError)
+OF_FILES = (DataError, OrderError, RatesError, StoreError)
+REFUSALS = (*OF_CASES, *OF_FILES, BoundError, MeshError, NormError, UsageError)
+"""Errors whose message states the given input, the expected input and the remedy."""
+
+KILLED = (
+    "a worker process was killed, perhaps because of too little memory: run the same command again, if necessary with "
+    "fewer --jobs; finished results are kept"
+)
+
+OUT_OF_MEMORY = (
+    "there is not enough memory for this: take coarser levels or meshes, fewer refinements, for example --refine 0, or "
+    "a machine with more memory"
+)
+
+
+def exit_code_and_message(error: Exception) -> tuple[int, str]:
+    """Return the exit code and the message of an error that ends a command.
+
+    An unexpected error is raised again, so that its traceback is shown.
+    """
+    if isinstance(error, REFUSALS):
+        return BAD_USAGE, str(error)
+    if isinstance(error, JobsError):
+        return FAILED, str(error)
+    if isinstance(error, MemoryError):
+        return FAILED, str(error) or OUT_OF_MEMORY
+    if isinstance(error, BrokenExecutor):
+        return FAILED, KILLED
+    if full := disk_full(error):
+        what = f"cannot write {full.filename}" if full.filename else "cannot write the output"
+        return BAD_USAGE, f"{what}: the disk is full ({full.strerror}); free space there and run the command again"
+    if isinstance(error, OSError):
+        what = f"cannot read or write {error.filename}" if error.filename else "cannot write the output"
+        return BAD_USAGE, f"{what}: {error.strerror or error}; make it accessible and run the command again"
+    raise error

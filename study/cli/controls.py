@@ -4,18 +4,18 @@ A *seed* is a number from which a random mesh of every size and body is made. On
 judged that the study claims to hold there. The results are added to the record of seeds (``study.ledger.controls``).
 """
 
-import argparse
-import secrets
 import shutil
 import time
+from argparse import Namespace
 from collections.abc import Callable
 from pathlib import Path
+from secrets import randbits
 
-import pandas as pd
+from pandas import DataFrame
 from tabulate import tabulate
 
 from manufactured.self_proof import prove
-from study.cli.common import ProgressBar, progress_bar
+from study.cli.common import ProgressBar, job_progress, progress_bar
 from study.cli.options import FAILED, OK, SEED_BITS, UNCLEAR
 from study.controls.faults import FAULTS
 from study.controls.matrix import measure_case
@@ -23,9 +23,9 @@ from study.controls.seeded import rules, seeded
 from study.fem.naming import absolute, choose, family_named, is_own, name_of, resolve
 from study.ledger.controls import FalseAlarms, SeedRecord, in_words, missed, summary
 from study.ledger.datafiles import write_csv
-from study.ledger.schema import TABLES
+from study.ledger.schema import SCHEMA
 from study.ledger.text import folded
-from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
+from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdicts
 from study.run.executor import Pool, Processes, execute, local_pool, unfinished
 from study.run.fingerprint import of_everything, problem
 from study.run.judgement import collect, judge
@@ -33,7 +33,7 @@ from study.run.plan import COVER, Job, check_own
 from study.run.store import Store
 
 
-def do_faults(options: argparse.Namespace) -> int:
+def do_faults(options: Namespace) -> int:
     """Measure the matrix fault × case × check, write it and print which fault each case notices.
 
     Returns:
@@ -59,7 +59,7 @@ def do_faults(options: argparse.Namespace) -> int:
                 store.save(*keys[case], found)
             rows += found["rows"]
             bar.update()
-    table = pd.DataFrame(rows, columns=list(TABLES["faults.csv"].columns))
+    table = DataFrame(rows, columns=list(SCHEMA["faults.csv"].columns))
     written = write_csv(options.out / "data" / "faults.csv", table)
     heads = {"errors": "noticed by errors", "any_check": "by any check"}
     print(f"\n{tabulate(summary(table).rename(columns=heads), 'keys', showindex=False)}\ndata: {written}")
@@ -91,7 +91,7 @@ def watch(bar: ProgressBar, end: float) -> Callable[[Job], None]:
     return notify
 
 
-def do_seeds(options: argparse.Namespace) -> int:
+def do_seeds(options: Namespace) -> int:
     """Judge checks on new random meshes as long as time permits, and count the seeds with a false alarm.
 
     With the option ``--seed``, the command instead measures again on the random meshes with this seed.
@@ -136,7 +136,7 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
         record = SeedRecord.read(directory)
         if record.pending() is None:
             # The seed is recorded before anything is measured, so that a seed with a bad result cannot be left out.
-            record = record.drawn(secrets.randbits(SEED_BITS))
+            record = record.drawn(randbits(SEED_BITS))
             record.write(directory)
         seed = record.rows[-1].seed
         try:
@@ -146,7 +146,7 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
         record.judged(hash_of_rules, len(verdicts), _print_alarms(verdicts)).write(directory)
 
 
-def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tuple[list[Verdict], str]:
+def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tuple[Verdicts, str]:
     """Measure on the random meshes with one seed, and delete the measurements afterwards.
 
     Measurements of an interrupted call are used.
@@ -162,8 +162,9 @@ def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tup
     Raises:
         TimeIsUpError: the time is over before all measurements are finished.
     """
-    store, plan = Store(directory / "seeds" / str(seed)), seeded(seed)
-    with progress_bar(round(sum(job.cost for job in unfinished(plan.jobs, store))), name) as bar:
+    store = Store(directory / "seeds" / str(seed))
+    plan = seeded(seed)
+    with job_progress(unfinished(plan.jobs, store), name) as bar:
         execute(plan.jobs, store, pool, watch(bar, end))
         collect(plan, store)
     measured = {job.statement.label for job in plan.jobs}
@@ -172,7 +173,7 @@ def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tup
     return claimed, rules(plan, claimed)
 
 
-def _print_alarms(verdicts: list[Verdict]) -> int:
+def _print_alarms(verdicts: Verdicts) -> int:
     """Print the checks that do not hold, and return their number."""
     alarms = [verdict for verdict in verdicts if verdict.verdict != HOLDS]
     for row in alarms:

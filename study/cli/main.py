@@ -1,16 +1,20 @@
-"""The ``study`` command: parses options, calls the function of a command, and turns errors into messages."""
+"""The ``study`` command: parses options, calls the function of a command, and turns errors into messages.
 
-import argparse
+The commands ``study rates`` and ``study compare``, which need no solver, are here, too.
+"""
+
 import importlib
 import io
 import os
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout
+from json import dumps
 from typing import Any, TextIO
 
 from convergence_orders.printing import printable
-from study.cli.options import CLOSED, INTERRUPTED, USAGE, parser
+from study.cli.options import BAD_USAGE, BROKEN_PIPE, FAILED, INTERRUPTED, OK, parser
 
 
 class PrintableStream:
@@ -22,7 +26,8 @@ class PrintableStream:
     """
 
     def __init__(self, stream: TextIO, permitted: str = "") -> None:
-        self.stream, self.permitted = stream, permitted
+        self.stream = stream
+        self.permitted = permitted
 
     def write(self, text: str) -> int:
         return self.stream.write(printable(text, self.permitted))
@@ -46,8 +51,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         # All figures are files. Matplotlib cannot be imported if this variable names a window system it does not know.
         os.environ.pop("MPLBACKEND", None)
-    output, messages = PrintableStream(sys.stdout), PrintableStream(sys.stderr, permitted="\r")
-    with redirect_stdout(output), redirect_stderr(messages):  # type: ignore[type-var]
+    with (
+        redirect_stdout(PrintableStream(sys.stdout)),  # type: ignore[type-var]
+        redirect_stderr(PrintableStream(sys.stderr, permitted="\r")),  # type: ignore[type-var]
+    ):
         return _run(sys.argv[1:] if arguments is None else list(arguments))
 
 
@@ -60,7 +67,7 @@ def _run(words: list[str]) -> int:
     module, name = options.command
     if sys.flags.optimize >= 2 and module not in WITHOUT_PYAMG:
         print(f"study: {STRIPPED}", file=sys.stderr)
-        return USAGE
+        return BAD_USAGE
     try:
         # Only the module of this command is imported, because importing the solvers takes seconds.
         command = getattr(importlib.import_module(f"study.cli.{module}"), name)
@@ -72,22 +79,22 @@ def _run(words: list[str]) -> int:
         return INTERRUPTED
     except BrokenPipeError:
         _close_output()
-        return CLOSED
+        return BROKEN_PIPE
     except ModuleNotFoundError as error:
         if (error.name or "study").partition(".")[0] in ("study", "manufactured"):
             raise
         source = "./convergence_orders" if error.name == "convergence_orders" else "'.[study]'"
         print(f"study: {LACKING.format(error.name, source)}", file=sys.stderr)
-        return USAGE
+        return BAD_USAGE
     except Exception as error:
-        code, message = importlib.import_module("study.cli.refusals").exit_code_and_message(error)
+        code, message = importlib.import_module("study.cli.common").exit_code_and_message(error)
         print(f"study: {message}", file=sys.stderr)
         if isinstance(error, OSError):
             _close_output()
         return int(code)
 
 
-def do_rates(options: argparse.Namespace) -> int:
+def do_rates(options: Namespace) -> int:
     """Run the command ``convergence-orders`` with the words behind ``study rates``, and return its exit code."""
     # Imported here, because NumPy takes a tenth of a second.
     from convergence_orders.command import main as command
@@ -95,8 +102,25 @@ def do_rates(options: argparse.Namespace) -> int:
     return command(options.words, "study rates")
 
 
+def do_compare(options: Namespace) -> int:
+    """Compare two result directories and print the differences.
+
+    Returns:
+        0 if they agree within the tolerance, else 1.
+    """
+    # Imported here, because pandas takes half a second.
+    from study.ledger.compare import Tolerance, as_text, compare
+    from study.run.store import Store
+
+    tolerance = Tolerance(options.tolerance, options.absolute)
+    with Store(options.old).steady(), Store(options.new).steady():
+        comparison = compare(options.old, options.new, tolerance)
+    print(dumps(comparison.as_json(), indent=2, allow_nan=False) if options.json else as_text(comparison))
+    return FAILED if comparison.differs else OK
+
+
 LACKING = "this command needs {}, which is not installed: python -m pip install {} in a clone of the repository"
-WITHOUT_PYAMG = "cases", "compare", "main"
+WITHOUT_PYAMG = "cases", "main"
 """Modules of the commands that import pyamg neither directly nor indirectly."""
 STRIPPED = (
     "python -OO removes docstrings, and pyamg, which this command needs, cannot be imported without them: "

@@ -13,7 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
-OK, FAILED, USAGE, UNCLEAR, INTERRUPTED, CLOSED = 0, 1, 2, 3, 130, 141
+OK, FAILED, BAD_USAGE, UNCLEAR, INTERRUPTED, BROKEN_PIPE = 0, 1, 2, 3, 130, 141
 """Exit codes: success; a check or a job fails; bad usage or input; undecided; Ctrl-C; broken pipe."""
 SCHEME_NAMES = ("backward-euler", "midpoint", "bdf2")
 FAMILY_NAMES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded", "alternating")
@@ -56,7 +56,7 @@ def option(*flags: str, within: Range | None = None, **settings: Any) -> Option:
     return flags, settings
 
 
-whole = partial(option, type=int)
+whole = partial(option, type=int, metavar="N")
 """Makes an option whose values are whole numbers."""
 
 
@@ -97,10 +97,10 @@ def enclosed(levels: tuple[int, ...], shorter: int) -> list[Option]:
     refine = "refinements of the mesh for the better displacement ũ of the bound (default 1)"
     steps = f"time steps of ũ in each time step of the displacement (default {shorter})"
     return [
-        whole("--levels", nargs="+", default=list(levels), metavar="N", help=increasing),
+        whole("--levels", nargs="+", default=list(levels), help=increasing),
         option("--family", default="unstructured", help=f"meshes: {', '.join(FAMILY_NAMES)} (default unstructured)"),
         SCHEME,
-        whole("--steps", within=FROM_1, metavar="N", help="time steps of the displacement on every level"),
+        whole("--steps", within=FROM_1, help="time steps of the displacement on every level"),
         whole("--refine", within=Range(0, "0 to 20", 20), default=1, metavar="R", help=refine),
         whole("--shorter", within=FROM_1, default=shorter, metavar="Q", help=steps),
     ]
@@ -108,7 +108,7 @@ def enclosed(levels: tuple[int, ...], shorter: int) -> list[Option]:
 
 SCHEME = option("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEME_NAMES)} (default midpoint)")
 JSON = option("--json", action="store_true", help="print as JSON")
-JOBS = whole("--jobs", within=Range(1, "1 to 1024", 1024), default=os.cpu_count() or 1,
+JOBS = option("--jobs", type=int, within=Range(1, "1 to 1024", 1024), default=os.cpu_count() or 1,
              help="number of processes (default: all cores)")  # fmt: skip
 SCOPE = (
     " Served: plane polygons with straight sides, also with holes, each side clamped, free, loaded, rolling (a line of "
@@ -145,7 +145,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         ],
         option("--case", action="extend", nargs="+", metavar=CASE,
                help="measure only these cases, by name or from your own file"),
-        whole("--levels", nargs="+", metavar="N", help="meshes: numbers of cells along a side, increasing"),
+        whole("--levels", nargs="+", help="meshes: numbers of cells along a side, increasing"),
         SCHEME,
         option("--step", type=float, metavar="K", help="time step on all levels (default: chosen for each case)"),
         JOBS,
@@ -158,7 +158,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     "check": ("check", "compare data, verdicts and tables on disk with their expected contents", [
         option("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML"),
         UNDECIDED_OPTION,
-        whole("--again", within=Range(1, "1 or more rows"), metavar="N",
+        whole("--again", within=Range(1, "1 or more rows"),
               help="also measure N random rows again, cheap rows more often, and compare; exit code 1 if a number "
               "differs"),
         whole("--seed", within=FROM_0, metavar="S",
@@ -171,7 +171,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         JOBS,
         out(),
     ]),
-    "compare": ("compare", "show in which numbers and verdicts two result directories differ", [
+    "compare": ("main", "show in which numbers and verdicts two result directories differ", [
         option("old", type=Path, metavar="OLD", help="result directory of a run"),
         option("new", type=Path, metavar="NEW", help="result directory of another run"),
         option("--tolerance", type=float, within=FINITE, default=COMPARE_TOLERANCE, metavar="X",
@@ -190,8 +190,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--minutes", type=float, default=60.0, metavar="M",
                within=Range(0, "0 or more (0 prints the record)"),
                help="time for new seeds (default 60; 0: only print the record)"),
-        whole("--seeds", within=FROM_1, metavar="N", help="largest number of new seeds"),
-        whole("--seed", within=FROM_0, metavar="N",
+        whole("--seeds", within=FROM_1, help="largest number of new seeds"),
+        whole("--seed", within=FROM_0,
               help="measure this seed again and compare with the record"),
         JOBS,
         out(),
@@ -205,25 +205,25 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
                help="enclose the errors of displacements in files (.npz, .vtu and others) instead of computing one"),
         option("--field", metavar="NAME",
                help="name of the displacement in the file (default: u, displacement, or the only vector field)"),
-        whole("--step", metavar="N",
+        whole("--step",
               help="the load step in the file that a static problem describes, counted from 0; -1 is the last"),
         option("--nearest", action="store_true",
                help="replace the values of the displacement at the nodes of clamped and rolling sides, where they "
                "are not the prescribed ones"),
         option("--adapt", metavar="TOL|P%",
                help="refine the first mesh until the error bound is at most TOL, or P per cent of the norm of u"),
-        whole("--cells", within=FROM_1, default=MOST_CELLS, metavar="N",
+        whole("--cells", within=FROM_1, default=MOST_CELLS,
               help=f"largest number of cells of --adapt (default {MOST_CELLS})"),
         out("bounds"),
     ]),
-    "certify": ("certify", "write proofs of error bounds as files, which a stand-alone program checks", [
+    "certify": ("bound", "write proofs of error bounds as files, which a stand-alone program checks", [
         option("problem", metavar=CASE, help="a problem given by formulas"),
         *enclosed((4, 8), shorter=2),
         out("certificates"),
     ]),
     "export": ("export", "write cases as data files, to test other contact codes", [
         option("case", nargs="+", metavar=CASE, help="cases with linear laws"),
-        whole("--levels", nargs="+", within=FROM_2, default=[8, 16, 32], metavar="N",
+        whole("--levels", nargs="+", within=FROM_2, default=[8, 16, 32],
               help="cells along a side (default 8 16 32)"),
         option("--family", nargs="+", metavar="NAME",
                help=f"meshes: {', '.join(FAMILY_NAMES)} (default: those on which `study run --quick` measures the "
@@ -232,7 +232,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
                help="frozen: static problems (default); march: a problem with time steps"),
         option("--instants", nargs="+", type=float, within=ANY, metavar="T",
                help="times of the static problems (default: three times)"),
-        whole("--steps", within=FROM_1, metavar="N",
+        whole("--steps", within=FROM_1,
               help="number of time steps of --mode march (default: the level)"),
         option("--scale", type=float, within=Range(1e-100, "1e-100 to 1e100", 1e100), default=1.0, metavar="S",
                help="factor of all loads (default 1)"),
@@ -240,10 +240,10 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
               help="also write a mesh of the foundation, with this number of segments"),
         out("tasks", "--to"),
     ]),
-    "show": ("show", "draw a problem as it is stated; of a case also images and a film of its solution, and files for "
-             "ParaView", [
+    "show": ("present", "draw a problem as it is stated; of a case also images and a film of its solution, and files "
+             "for ParaView", [
         option("case", metavar=CASE, help="a case, or a problem"),
-        whole("--level", within=FROM_2, metavar="N", help="cells along a side (default 24, in 3D 9)"),
+        whole("--level", within=FROM_2, help="cells along a side (default 24, in 3D 9)"),
         option("--mp4", action="store_true",
                help="require animation.mp4: a missing ffmpeg is an error (without this option the film is then left "
                "out)"),

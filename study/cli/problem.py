@@ -1,44 +1,85 @@
-"""Pictures of problems: ``study show FILE.py:NAME`` for a problem, and the end of ``study bound``."""
+"""Pictures of a stated problem with supports and loads, and of the error on the cells of its mesh."""
 
-from pathlib import Path
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
-from skfem import Mesh
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.tri import Triangulation
+from numpy.linalg import norm
 
-from manufactured.body import Kind, Part
+from manufactured.body import Body, Kind, Part
+from manufactured.colours import BLACK, BLUE, GREEN, VERMILLION
 from manufactured.data import Data
-from manufactured.tensors import Array
-from study.fem.mesh import MeshedBody
 from study.ledger.files import UsageError
-from study.present.drawing import Output, draw_one
-from study.present.problem import ProblemPicture, Side
+from study.present.body import arrow, band, magnification
+from study.present.drawing import (
+    FOUNDATION,
+    FOUNDATION_EDGE,
+    Drawing,
+    Output,
+    Style,
+    caption,
+    column_width,
+    entry,
+    legend,
+)
+from study.present.picture import Array
 
 MeshInTime = tuple[tuple[Array, Array], tuple[Array, Array]]
-"""A mesh and a displacement over time, as ``draw_problem`` takes them."""
-OUTPUT = Output(formats=("png", "svg"))
-ARROWS = 7
+"""A mesh and a displacement over time: vertices, (2, n), and vertex numbers of triangles, (3, cells); and times, (k,),
+with displacements of the vertices, (k, 2, n)."""
+PROBLEM_OUTPUT = Output(formats=("png", "svg"))
+SUPPORT_DEPTH = 0.05
+"""Drawn thickness of supports, as a fraction of the longest side of the body."""
+LOAD_LENGTH = 0.2
+"""Length of the arrow of the largest traction, as a fraction of the longest side of the body."""
+LOAD_ARROWS = 7
 """Number of arrows of the traction on a side."""
-SAMPLES = 200
+NUMBER_DISTANCE = 0.5
+"""Distance of the number of a side from the side, inside the body, in thicknesses of supports."""
+LINE_WIDTHS = 12
+"""Width of the lines of a mesh times the root of the number of its cells, in points."""
+MIDDLE_SAMPLES = 200
 """Number of random points of the body; the one nearest to their mean is called its middle."""
-TOUCHING = 1e-9
-"""A vertex of the contact boundary Γ3 counts as in contact up to this gap, relative to the largest displacement."""
-TIMES = 5
+TRACTION_TIMES = 5
 """Number of times of which the one with the largest tractions is shown, if no displacement is given."""
 
 
-def draw_problem(
-    directory: Path,
-    name: str,
-    data: Data,
-    solved: MeshInTime | None = None,
-) -> list[Path]:
-    """Draw a problem, and perhaps a mesh with its displacement; return the files.
+@dataclass(frozen=True, eq=False)
+class ProblemPicture:
+    """What the picture of a problem shows.
 
-    Parameters:
-        directory: the directory of the files.
+    Attributes:
         name, data: the name and the data of the problem.
-        solved: the mesh, by vertices (2, n) and triangles (3, cells); and times (k,) with displacements of the
-            vertices, (k, 2, n). The largest displacement is drawn.
+        time: the time of the loads and of the displacement.
+        mesh: the mesh; None if no mesh is drawn.
+        displacement: the displacements of its vertices, (2, vertices).
+    """
+
+    name: str
+    data: Data
+    time: float
+    mesh: Triangulation | None
+    displacement: Array
+
+    @property
+    def when(self) -> str:
+        """The time of the loads, as text; empty for static problems."""
+        return f", t = {self.time:.3g}" if self.data.in_time else ""
+
+    @property
+    def factor(self) -> float:
+        """The factor by which the displacement is drawn too large."""
+        return magnification(self.data.body.vertices, self.displacement[None])
+
+
+def problem_drawing(name: str, data: Data, solved: MeshInTime | None = None) -> Drawing:
+    """Return the figure ``problem``: a problem, and perhaps a mesh with its largest displacement.
 
     Raises:
         UsageError: the body is not plane.
@@ -47,50 +88,161 @@ def draw_problem(
     if body.dim != 2:
         raise UsageError(f"{name} has a body in {body.dim} dimensions; pictures of problems show plane bodies")
     if solved is None:
-        vertices, cells, displacement = body.vertices, np.zeros((3, 0), dtype=int), np.zeros_like(body.vertices)
-        times = np.linspace(0.0, body.T, TIMES if data.in_time else 1)
-        time = max(times, key=lambda time: max(abs(_traction(data, part, time)[1]).max() for part in body.parts))
+        times = np.linspace(0.0, body.T, TRACTION_TIMES if data.in_time else 1)
+        largest = max(times, key=lambda time: max(abs(_traction(data, part, time)[1]).max() for part in body.parts))
+        picture = ProblemPicture(name, data, float(largest), None, np.zeros_like(body.vertices))
+        moved = ""
     else:
         (vertices, cells), (times, displacements) = solved
-        largest = int(abs(displacements).max(axis=(1, 2)).argmax())
-        time, displacement = times[largest], displacements[largest]
-    sides = []
-    for part in body.parts:
-        moved = float(np.linalg.norm(part.prescribed(part.corners), axis=0).max())
-        sides.append(Side(part.kind.name, part.corners, *_traction(data, part, float(time)), moved))
-    inside = body.sample(np.random.default_rng(0), SAMPLES)
-    middle = inside[:, np.linalg.norm(inside - inside.mean(axis=1, keepdims=True), axis=0).argmin()]
-    force = data.body_force(middle[:, None])(float(time))[:, 0]
-    when = f", t = {time:.3g}" if data.in_time else ""
-    picture = ProblemPicture(name, sides, middle, force, when, vertices, cells.T, displacement)
-    return draw_one(directory, picture.drawing(), OUTPUT)
+        at = int(abs(displacements).max(axis=(1, 2)).argmax())
+        picture = ProblemPicture(name, data, float(times[at]), Triangulation(*vertices, cells.T), displacements[at])
+        moved = f", and the mesh moved by {picture.factor:g} times its displacement"
+    text = caption("problem_picture", name=name, moved=moved, when=picture.when)
+    return Drawing("problem", partial(draw_problem, picture), text, f"The problem {name}")
 
 
 def _traction(data: Data, part: Part, time: float) -> tuple[Array, Array]:
     """Return points on a side, and the traction at these points, (2, n) each; it is 0 on a side that is not LOADED."""
-    places = (np.arange(ARROWS) + 0.5) / ARROWS
+    places = (np.arange(LOAD_ARROWS) + 0.5) / LOAD_ARROWS
     points = part.start[:, None] + places * (part.end - part.start)[:, None]
     loaded = part.kind is Kind.LOADED
     return points, np.asarray(data.surface_load(part, points)(time)) if loaded else np.zeros_like(points)
 
 
-def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, Array]:
-    """Find out which edges of the contact boundary Γ3 are in contact.
+def error_map(name: str, vertices: Array, cells: Array, squares: Sequence[float]) -> Drawing:
+    """Return the figure ``cells``: a map of ‖ũ − u_h‖², per area, on the cells of a mesh.
 
-    Args:
-        data: the problem.
-        mesh: the mesh.
-        displacement: the values of the displacement at the vertices, (2, vertices).
+    Parameters:
+        name: the name of the problem.
+        vertices, cells: the mesh, (2, vertices) and (3, cells).
+        squares: the squared distances on the cells.
+    """
+    text = (
+        f"{name}: distance of u_h from the better displacement ũ on each triangle, in the energy norm, divided by the "
+        "root of the area. It estimates where the error arises; the error of a single triangle is not bounded."
+    )
+    draw = partial(_draw_map, vertices, cells, np.array(squares))
+    return Drawing("cells", draw, text, f"Where the error of {name} arises")
+
+
+def _draw_map(vertices: Array, cells: Array, squares: Array) -> Figure:
+    figure, axes = _axes(vertices)
+    corners = vertices[:, cells[1:]] - vertices[:, cells[:1]]
+    areas = abs(np.linalg.det(np.moveaxis(corners, 2, 0))) / 2
+    density = np.sqrt(squares / areas)
+    drawn = axes.tripcolor(
+        Triangulation(*vertices, cells.T),
+        density,
+        cmap="viridis",
+        edgecolors="0.6",
+        linewidth=min(0.2, LINE_WIDTHS / np.sqrt(len(squares)) / 2),
+    )
+    label = r"distance of $u_h$ from $\tilde u$, $(\Vert\tilde u - u_h\Vert_T^2/|T|)^{1/2}$"
+    figure.colorbar(drawn, ax=axes, location="bottom", aspect=40, label=label)
+    return figure
+
+
+def _axes(points: Array) -> tuple[Figure, Axes]:
+    """Return a figure whose shape fits points of the plane, (2, n), and its axes."""
+    wide, high = np.ptp(points, axis=1)
+    shape = np.clip(high / wide, 0.4, 1.4)
+    figure = Figure(figsize=(1.4 * column_width(), 1.4 * column_width() * shape + 0.5), layout="constrained")
+    axes = figure.subplots()
+    axes.set_aspect("equal")
+    axes.set(xlabel="$x_1$", ylabel="$x_2$")
+    return figure, axes
+
+
+def draw_problem(picture: ProblemPicture) -> Figure:
+    """Draw outline, supports, loads, the mesh and its displacement, if there is one."""
+    body = picture.data.body
+    figure, axes = _axes(body.vertices)
+    handles: list[Artist] = []
+    if picture.mesh:
+        # On fine meshes lines are thin, so that their cells can be seen.
+        thin = min(0.4, LINE_WIDTHS / np.sqrt(len(picture.mesh.triangles)))
+        axes.triplot(picture.mesh, color="0.8", lw=thin, zorder=1)
+        moved = [picture.mesh.x, picture.mesh.y] + picture.factor * picture.displacement
+        axes.triplot(Triangulation(*moved, picture.mesh.triangles), color=BLUE, lw=thin, zorder=2)
+        handles.append(entry(f"displacement × {picture.factor:g}", color=BLUE, lw=0.8))
+    for number, part in enumerate(body.parts):
+        _draw_side(axes, part, number, body.extent)
+    loaded = _draw_loads(axes, picture.data, picture.time)
+    axes.margins(0.06)
+    axes.tick_params(length=2)
+    axes.set_title(f"{picture.name}{picture.when}")
+    present = {part.kind.name for part in body.parts}
+    handles += [Patch(label=kind, **style) for kind, style in SUPPORT_STYLES.items() if kind in present]
+    if loaded:
+        handles.append(entry("load", color=VERMILLION, marker=">"))
+    legend(figure, handles, 4)
+    return figure
+
+
+SUPPORT_EDGE: Style = dict(edgecolor=FOUNDATION_EDGE, linewidth=0.4)
+SUPPORT_STYLES = {
+    "CLAMPED": dict(SUPPORT_EDGE, hatch="/////", facecolor="white"),
+    "CONTACT": dict(SUPPORT_EDGE, facecolor=FOUNDATION),
+    "ROLLER": dict(SUPPORT_EDGE, hatch="oo", facecolor="white"),
+}
+"""Kind of a supported side ↦ the style of the band that is drawn outside of it."""
+
+
+def _draw_side(axes: Axes, part: Part, number: int, size: float) -> None:
+    """Draw the support of a side outside of the body, and its number inside."""
+    outward = SUPPORT_DEPTH * size * part.normal
+    axes.plot(*part.corners, color=BLACK, lw=0.9, zorder=4)
+    if part.kind.name in SUPPORT_STYLES:
+        axes.fill(*band(part.corners, outward[:, None]), zorder=3, **SUPPORT_STYLES[part.kind.name])
+    x, y = part.corners.mean(axis=1) - NUMBER_DISTANCE * outward
+    moved = float(norm(part.prescribed(part.corners), axis=0).max())
+    label, frame = (f"{number}: |u| ≤ {moved:.3g}", "round") if moved else (str(number), "circle")
+    box = dict(boxstyle=f"{frame},pad=0.15", facecolor="white", edgecolor=GREEN, linewidth=0.6)
+    axes.text(x, y, label, color=GREEN, ha="center", va="center", bbox=box, zorder=6)
+
+
+def _draw_loads(axes: Axes, data: Data, time: float) -> bool:
+    """Draw tractions as arrows with the size of the largest arrow on each side, and the force on the volume.
 
     Returns:
-        The end points of the n edges on Γ3, (2, 2, n), and for each edge whether both end points are in contact, (n,).
+        Whether there is a load.
     """
-    # Bodies without contact have no array to concatenate, so each list starts with an empty array.
-    ends, closed = [np.empty((2, 2, 0))], [np.empty(0, dtype=bool)]
-    size = max(float(abs(displacement).max()), np.finfo(float).tiny)
-    for part, facets in MeshedBody(mesh, data.body).on(Kind.CONTACT):
-        vertices = mesh.facets[:, facets]
-        ends.append(mesh.p[:, vertices])
-        opening = -np.einsum("d,den->en", part.normal, displacement[:, vertices])
-        closed.append((opening <= TOUCHING * size).all(axis=0))
-    return np.concatenate(ends, axis=2), np.concatenate(closed)
+    body = data.body
+    tractions = [_traction(data, part, time) for part in body.parts]
+    sizes = [norm(traction, axis=0) for _, traction in tractions]
+    strongest = np.max(sizes)
+    for part, (points, traction), lengths in zip(body.parts, tractions, sizes, strict=True):
+        largest = lengths.max()
+        if largest == 0:
+            continue
+        arrows = LOAD_LENGTH * body.extent / strongest * traction
+        # An arrow that pushes ends at the side; an arrow that pulls starts there.
+        pushes = part.normal @ traction < 0
+        starts = np.where(pushes, points - arrows, points)
+        for start, length in zip(starts.T, arrows.T, strict=True):
+            arrow(axes, start, start + length, VERMILLION, 7, zorder=5, annotation_clip=False)
+        axes.update_datalim(np.hstack([starts, starts + arrows]).T)
+        # Of equal arrows the middle one gets the label.
+        top = np.argmax((lengths >= 0.99 * largest) * (1 - np.linspace(-0.5, 0.5, len(lengths)) ** 2))
+        far = starts[:, top] if pushes[top] else (starts + arrows)[:, top]
+        _label(axes, far + SUPPORT_DEPTH * body.extent * part.normal, f"{largest:.3g}")
+    middle = _middle(body)
+    force = data.body_force(middle[:, None])(time)[:, 0]
+    weight = norm(force)
+    if weight:
+        push = LOAD_LENGTH / 2 * body.extent / weight * force
+        arrow(axes, middle, middle + push, VERMILLION, 7, zorder=5)
+        _label(axes, middle - push / 3, f"$f_0$: {weight:.3g}")
+    return bool(strongest or weight)
+
+
+def _middle(body: Body) -> Array:
+    """Return a point near the middle of the body, (2,)."""
+    inside = body.sample(np.random.default_rng(0), MIDDLE_SAMPLES)
+    return inside[:, norm(inside - inside.mean(axis=1, keepdims=True), axis=0).argmin()]
+
+
+def _label(axes: Axes, place: Array, text: str) -> None:
+    box = dict(boxstyle="round,pad=0.1", facecolor=(1, 1, 1, 0.7), edgecolor="none")
+    axes.text(place[0], place[1], text, color=VERMILLION, ha="center", va="center", bbox=box, zorder=6)
+    axes.update_datalim(place[None])

@@ -1,22 +1,22 @@
 """``study run``: measures, writes data and judges them; with ``--figures`` it also writes tables and figures."""
 
-import argparse
 import shlex
 import sys
+from argparse import Namespace
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from study.cli.common import ProgressBar, code_of, known_undecided, progress_bar, tell_written
+from study.cli.common import ProgressBar, code_of, job_progress, known_undecided, tell_written
 from study.fem.naming import absolute, choose, name_of
 from study.ledger.datafiles import read_claims
 from study.ledger.text import folded
 from study.present.outcome import ledger_text, orders_text, rates_text
 from study.run.executor import Pool, connected, execute, local_pool, prove, refuse_too_large, save_proofs, unfinished
 from study.run.judgement import collect, judge, judge_stored
-from study.run.plan import Job, Plan, full, quick
+from study.run.plan import Job, Jobs, Plan, full, quick
 from study.run.provenance import read_provenance, refuse_to_replace
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
@@ -27,7 +27,7 @@ RESULT_PLACES = {"quick": Path("results/quick"), "full": Path("results")}
 """Default result directories of the quick and the full study."""
 
 
-def do_run(options: argparse.Namespace) -> int:
+def do_run(options: Namespace) -> int:
     """Run the study: measure, write data and judge them; with ``--figures``, also write tables and figures.
 
     Returns:
@@ -56,16 +56,14 @@ def do_run(options: argparse.Namespace) -> int:
             save_proofs(proofs, store)
             measure(plan, store, pool)
             verdicts = judge(store.directory)
-    written = []
+    data = ", ".join(path.name for path in sorted(store.data.glob("[!.]*")))
+    print("\n" + folded(f"data: {store.data}/{data}"))
     if options.figures:
         # Imported only to draw, because Matplotlib takes half a second.
         from study.cli.present import write_overview
 
         with store.locked():
             written = write_overview(options, store.directory)
-    data = ", ".join(path.name for path in sorted(store.data.glob("[!.]*")))
-    print("\n" + folded(f"data: {store.data}/{data}"))
-    if options.figures:
         tell_written(written)
     print(f"\n{rates_text(store.directory)}")
     if any(TRY in verdict.expected for verdict in verdicts):
@@ -79,14 +77,14 @@ def measure(plan: Plan, store: Store, pool: Pool) -> None:
     refuse_to_replace(plan, store.directory)
     store.check()
     left = unfinished(plan.jobs, store)
-    with progress_bar(round(sum(job.cost for job in left)), f"{len(left)} jobs") as bar:
+    with job_progress(left, f"{len(left)} jobs") as bar:
         for stage in plan.stages():
             save_proofs(prove(stage, plan.scope.cases, store, pool), store)
             execute(stage, store, pool, verdict_printer(stage, store, bar))
         collect(plan, store)
 
 
-def verdict_printer(jobs: Sequence[Job], store: Store, bar: ProgressBar) -> Callable[[Job], None]:
+def verdict_printer(jobs: Jobs, store: Store, bar: ProgressBar) -> Callable[[Job], None]:
     """Return a function that moves a progress bar, and prints the verdicts on a statement when they can be judged.
 
     The function is called with each finished job. The verdicts on a statement for a case are printed when all its
@@ -134,7 +132,7 @@ def with_levels_of(directory: Path, scope: Scope) -> Scope:
     return scope
 
 
-def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) -> str:
+def on_finer_meshes(options: Namespace, scope: Scope, directory: Path) -> str:
     """Return a command line that repeats this run on finer meshes and writes into another directory."""
     cases = scope.resolved()
     dim = max(case.solution.body.dim for case in cases)
@@ -146,7 +144,8 @@ def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) 
 def warn_of_few_levels(scope: Scope) -> None:
     """Print a warning for each case that has too few levels for a verdict on an observed order."""
     for case in scope.resolved():
-        needed, given = least_levels(case.proposition), scope.levels_of(case).all
+        needed = least_levels(case.proposition)
+        given = scope.levels_of(case).all
         if len(given) < needed:
             print(
                 f"study: {case.name}: a verdict on an order needs {needed} levels, not only "
@@ -156,7 +155,7 @@ def warn_of_few_levels(scope: Scope) -> None:
             )
 
 
-def scope_from_options(options: argparse.Namespace) -> Scope:
+def scope_from_options(options: Namespace) -> Scope:
     """Return the scope of the quick or full study, changed by the options for cases, levels and time steps."""
     study = {"quick": quick, "full": full}[options.plan]()
     scope = replace(study, scheme=options.scheme, k=options.step, command=command_line(options, out=None))
@@ -178,7 +177,7 @@ def scope_from_options(options: argparse.Namespace) -> Scope:
     return scope
 
 
-def command_line(options: argparse.Namespace, **changes: Any) -> str:
+def command_line(options: Namespace, **changes: Any) -> str:
     """Return the command line of ``study run`` with the given options, but for those that change no result.
 
     Parameters:

@@ -3,13 +3,13 @@
 A check gives one row of the ledger for each case.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from math import isnan, nan
 
 import numpy as np
-import pandas as pd
+from pandas import DataFrame
 
 from study.ledger.quantities import Array, RatesError, Value
 from study.ledger.verdict import (
@@ -27,11 +27,11 @@ from study.ledger.verdict import (
 )
 from study.ledger.window import Window
 
-Groups = dict[str, pd.DataFrame]
+Groups = dict[str, DataFrame]
 """Mesh family ↦ table of its levels, coarse to fine, with the columns level, h and the measured quantities."""
-ENOUGH = 3
+MIN_LEVELS = 3
 """Least number of levels for an observed order."""
-ROUNDING = 1e-9
+ROUNDING_ROOM = 1e-9
 """Tolerance for rounding errors in bounds that hold exactly."""
 
 
@@ -75,7 +75,9 @@ class Check:
         values = [each for each in found if each is not None]
         fewest = min(map(len, groups.values()), default=0)
         if not values or len(values) < len(groups):
-            observed, span, verdict = math.nan, NOWHERE, UNDECIDED
+            observed = nan
+            span = NOWHERE
+            verdict = UNDECIDED
         else:
             every = np.concatenate(values)
             decisive = [float(each[-1]) if self.finest else self.window.worst(each.tolist()) for each in values]
@@ -86,11 +88,12 @@ class Check:
         expected = self.window.text
         if fewest < self.levels:
             expected += f"; undecided, because the check needs {self.levels} levels, and has {fewest}"
-        judged = observed, span, verdict
-        result = row(of, self.key, self.quantity, self.window, judged, case, family, expected, self.kind)
+        result = row(
+            of, self.key, self.quantity, self.window, (observed, span, verdict), case, family, expected, self.kind
+        )
         return result if not self.if_missed else self._without_claim(result)
 
-    def _values(self, table: pd.DataFrame) -> Array | None:
+    def _values(self, table: DataFrame) -> Array | None:
         """Return the values of one mesh family, (n,); None if levels or columns are missing, NaN without an order."""
         if len(table) < self.levels:
             return None
@@ -101,13 +104,13 @@ class Check:
         except KeyError:
             return None
         except RatesError:
-            return np.array([math.nan])
+            return np.array([nan])
 
     def _without_claim(self, judged: Verdict) -> Verdict:
         """Return the row of a check about which nothing is claimed: *missed* if a prediction is wrong."""
         if self.window == Window():
             return replace(judged, verdict=REPORTED, expected=f"no claim: {self.if_missed}")
-        missed = judged.verdict == FAILS and not math.isnan(judged.observed)
+        missed = judged.verdict == FAILS and not isnan(judged.observed)
         judged = replace(judged, verdict=MISSED if missed else REPORTED)
         text = f"predicted {self.window.text} ({agreement(judged)}); no claim, because {self.if_missed}"
         return replace(judged, expected=text)
@@ -117,12 +120,12 @@ paper_claim, consequence, accuracy, identity = (partial(Check, kind=kind) for ki
 """Make checks of the four kinds; the arguments are the other fields of ``Check``."""
 
 
-def by_family(rows: pd.DataFrame) -> Groups:
+def by_family(rows: DataFrame) -> Groups:
     """Divide a table by mesh families, and return a dictionary: name of the family ↦ its rows, coarse to fine."""
     return {str(name): table.sort_values("h", ascending=False) for name, table in rows.groupby("family", sort=False)}
 
 
-def by_case(rows: pd.DataFrame) -> Iterator[tuple[str, Groups]]:
+def by_case(rows: DataFrame) -> Iterator[tuple[str, Groups]]:
     """Divide a table by cases, and yield each case with its measurements on each mesh family.
 
     Parameters:

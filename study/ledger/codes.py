@@ -8,10 +8,11 @@ measures.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf, nan
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
+from pandas import DataFrame, Series
 
 from study.ledger.datafiles import CsvFile, DataError, line, read_checked, refuse_repeated
 
@@ -22,9 +23,11 @@ NOT_EXPRESSED = "not expressed"
 GRADES = ("exact for P1", "consistent", "stagnates", "wrong", "undecided")
 MADE = "make codes"
 AGAIN = f"make it again with `{MADE}`"
-FOLDER, MARCHES = "codes", "codes/march"
+FOLDER = "codes"
+MARCHES = "codes/march"
 """Folders of a result directory with the results on static problems, and on problems in time."""
-FROZEN, MARCH = "frozen", "march"
+FROZEN = "frozen"
+MARCH = "march"
 
 
 @dataclass(frozen=True)
@@ -38,8 +41,8 @@ class Codes:
         classes: one row for each series: how well the code solves the problem (one of ``GRADES``), and observed orders.
     """
 
-    errors: pd.DataFrame
-    classes: pd.DataFrame
+    errors: DataFrame
+    classes: DataFrame
 
     @classmethod
     def read(cls, directory: Path, folder: str = FOLDER) -> Codes | None:
@@ -53,14 +56,14 @@ class Codes:
             return None
         errors, classes = (read_checked(place / name, f"codes/{name}", MADE) for name in ("errors.csv", "classes.csv"))
         refuse_repeated(place / "classes.csv", classes, CODE_SERIES, AGAIN)
-        if (unknown := ~errors["series"].isin(classes["series"]).to_numpy()).any():
-            row = int(unknown.argmax())
+        if (unknown := ~errors.series.isin(classes.series)).any():
+            row = unknown.idxmax()
             where = f"{place / 'errors.csv'}, line {line(row)}, column series"
-            found = f"found {errors['series'].iloc[row]}, expected a series of classes.csv"
+            found = f"found {errors.series.iloc[row]}, expected a series of classes.csv"
             raise DataError(f"{where}: {found}; {AGAIN}")
         return cls(errors.merge(classes[["series", *CODE_SERIES]], on="series"), classes)
 
-    def series(self) -> pd.DataFrame:
+    def series(self) -> DataFrame:
         """Return one row for each series that the code can express: its class, and two quotients on its finest mesh.
 
         The columns of the quotients are:
@@ -72,11 +75,11 @@ class Codes:
         finest = self.errors.sort_values("level", kind="stable").groupby(CODE_SERIES, sort=False).tail(1)
         judged = self.classes[self.classes["class"] != NOT_EXPRESSED]
         finest_rows = judged.merge(finest, on=["series", *CODE_SERIES], validate="one_to_one")
-        share = finest_rows["distance"] / finest_rows["best"]
-        excess = finest_rows["pressure"] / finest_rows["best_pressure"]
-        return finest_rows.assign(share=share, excess=excess).replace([np.inf, -np.inf], np.nan)
+        share = finest_rows.distance / finest_rows.best
+        excess = finest_rows.pressure / finest_rows.best_pressure
+        return finest_rows.assign(share=share, excess=excess).replace([inf, -inf], nan)
 
-    def rows(self) -> pd.DataFrame:
+    def rows(self) -> DataFrame:
         """Return a table with one row for each code with fixed parameters, over all cases and mesh families.
 
         Its columns are ``KEY``; ``classes``, the number of series in each class as text; ``order_low`` and
@@ -84,14 +87,24 @@ class Codes:
         largest ``share``, ``excess`` (see ``series``) and ``invariance`` (change of the result if all loads are
         scaled).
         """
-        lines = []
-        for key, series in self.series().groupby(KEY, sort=False):
-            counts = series["class"].value_counts()
-            text = ", ".join(f"{grade} ({counts[grade]})" for grade in GRADES if grade in counts)
-            worst = series[["share", "excess", "invariance"]].max().to_dict()
-            orders = {"order_low": series["order_in_v"].min(), "order_high": series["order_in_v"].max()}
-            lines.append(dict(zip(KEY, key, strict=True)) | {"classes": text} | orders | worst)
-        return pd.DataFrame(lines)
+        rows = (
+            self.series()
+            .groupby(KEY, sort=False)
+            .agg(
+                classes=("class", _counted_grades),
+                order_low=("order_in_v", "min"),
+                order_high=("order_in_v", "max"),
+                share=("share", "max"),
+                excess=("excess", "max"),
+                invariance=("invariance", "max"),
+            )
+        )
+        return rows.reset_index()
+
+
+def _counted_grades(classes: Series) -> str:
+    counts = classes.value_counts()
+    return ", ".join(f"{grade} ({counts[grade]})" for grade in GRADES if grade in counts)
 
 
 @dataclass(frozen=True)
@@ -106,7 +119,7 @@ class OtherErrors(CsvFile):
     key = ("label", *MESH_KEY)
     columns = ["label", *MESH_KEY, "mode", "code", "version", "variant", "class", "error", "distance"]
 
-    def read(self, directory: Path) -> pd.DataFrame:
+    def read(self, directory: Path) -> DataFrame:
         """Return the errors of all codes in one table with the columns ``mode`` and ``label``; empty without data.
 
         The column ``mode`` is FROZEN for static problems and MARCH for problems in time. If a code cannot express a
@@ -120,4 +133,4 @@ class OtherErrors(CsvFile):
                 left_out = told[told["class"] == NOT_EXPRESSED].merge(meshes, on=MESH_KEY[:2])
                 both = pd.concat([codes.errors.merge(told, on=CODE_SERIES, how="left"), left_out], ignore_index=True)
                 found.append(both.assign(mode=mode, label=self.label))
-        return pd.concat(found, ignore_index=True)[self.columns] if found else pd.DataFrame(columns=self.columns)
+        return pd.concat(found, ignore_index=True)[self.columns] if found else DataFrame(columns=self.columns)

@@ -1,26 +1,30 @@
 """Differences between two result directories (``study compare``), and between a file and its expected text."""
 
 import csv
-import json
-import math
-import textwrap
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from itertools import takewhile, zip_longest
+from json import loads
+from math import inf, isclose, isnan
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from pandas import DataFrame, Series
 
 from study.ledger.datafiles import DataError, made_by, read_table, read_uncompressed
 from study.ledger.files import Json
 from study.ledger.pictures import Packed
-from study.ledger.schema import TABLES, TEXTS, Table
+from study.ledger.schema import SCHEMA, TEXT_COLUMNS, Table
 
-IDENTICAL, WITHIN_TOLERANCE, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left out"
+IDENTICAL = "identical"
+WITHIN_TOLERANCE = "within"
+DIFFERS = "differs"
+LEFT_OUT = "left out"
 """States of a file in two directories. IDENTICAL: the bytes are equal. WITHIN_TOLERANCE: numbers differ within the
 tolerance.
 DIFFERS: there are larger differences. LEFT_OUT: only one directory has the file, and ``study run`` does not write
@@ -63,7 +67,7 @@ class Comparison:
 
     tolerance: Tolerance
     states: dict[str, str]
-    cells: pd.DataFrame
+    cells: DataFrame
 
     @property
     def counts(self) -> dict[str, int]:
@@ -76,21 +80,21 @@ class Comparison:
         return DIFFERS in self.states.values()
 
     @property
-    def verdicts(self) -> pd.DataFrame:
+    def verdicts(self) -> DataFrame:
         """The rows of ``cells`` with changed verdicts."""
-        return self.cells[self.cells["column"] == "verdict"]
+        return self.cells[self.cells.column == "verdict"]
 
     def as_json(self) -> Json:
         """Return the comparison as a dictionary that can be written as JSON."""
         cells, verdicts = (table.astype(object).where(table.notna(), None) for table in (self.cells, self.verdicts))
-        return {
-            "differs": self.differs,
-            "counts": self.counts,
-            "tolerance": asdict(self.tolerance),
-            "verdicts": verdicts.to_dict("records"),
-            "states": self.states,
-            "differences": cells.to_dict("records"),
-        }
+        return dict(
+            differs=self.differs,
+            counts=self.counts,
+            tolerance=asdict(self.tolerance),
+            verdicts=verdicts.to_dict("records"),
+            states=self.states,
+            differences=cells.to_dict("records"),
+        )
 
 
 def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
@@ -101,10 +105,10 @@ def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
     """
     files = _files(old), _files(new)
     states: dict[str, str] = {}
-    tables = [pd.DataFrame(columns=CELL_COLUMNS)]
+    tables = [DataFrame(columns=CELL_COLUMNS)]
     for name in sorted({*files[0], *files[1]}, key=lambda name: ("/" in name, name)):
         if name not in files[0] or name not in files[1]:
-            states[name] = LEFT_OUT if name in TABLES and TABLES[name].command else DIFFERS
+            states[name] = LEFT_OUT if name in SCHEMA and SCHEMA[name].command else DIFFERS
             continue
         contents = _content(old, files[0][name]), _content(new, files[1][name])
         # Two truncated files may be equal. They have no line end at their end, and reading them raises an error.
@@ -136,23 +140,23 @@ def _content(directory: Path, path: Path) -> bytes:
         raise DataError(f"{path} is damaged ({error}): make it again with `{made_by(directory)}`") from error
 
 
-def _cells(directory: Path, name: str, content: bytes) -> pd.Series:
+def _cells(directory: Path, name: str, content: bytes) -> Series:
     """Return the cells of a data file as texts, with their rows and columns as index.
 
     A row is named by its key, with a number if the key is repeated. In a picture, rows are the places in the file.
     """
     if not name.endswith(".csv"):
         try:
-            return pd.Series({(place, "value"): str(value) for place, value in _places(json.loads(content), "")})
+            return Series({(place, "value"): str(value) for place, value in _places(loads(content), "")})
         # The file is not JSON in UTF-8, has too many nested brackets, or its packed numbers are damaged.
         except (ValueError, RecursionError, KeyError, TypeError) as error:
             again = f"make it again with `{made_by(directory)}`"
             raise DataError(f"{directory}/data/{name}.gz is not a picture ({error}): {again}") from error
-    known = TABLES.get(name, Table((), {}))
+    known = SCHEMA.get(name, Table((), {}))
     # Times in ``enclosures.csv`` may differ by rounding, so these rows are numbered.
-    key = [*known.key, *(column for column in known.within if column in TEXTS)]
+    key = [*known.key, *(column for column in known.within if column in TEXT_COLUMNS)]
     table = read_table(directory / "data" / name, key, made_by(directory)).astype(object).fillna("").astype(str)
-    names = pd.Series([", ".join(filter(None, cells)) or "row" for cells in table[key].to_numpy()], dtype=str)
+    names = Series([", ".join(filter(None, cells)) or "row" for cells in table[key].to_numpy()], dtype=str)
     number = names.groupby(names).cumcount() + 1
     rows = table.set_index(names.where(number == 1, names + ", no. " + number.astype(str)))
     return rows.drop(columns=PROSE, errors="ignore").stack()
@@ -172,21 +176,23 @@ def _places(value: Any, place: str) -> Iterator[tuple[str, Any]]:
         yield place, value
 
 
-def _changed(old: pd.Series, new: pd.Series, name: str, tolerance: Tolerance) -> pd.DataFrame:
+def _changed(old: Series, new: Series, name: str, tolerance: Tolerance) -> DataFrame:
     """Return the cells that differ, among numbers by more than the tolerance; it does not apply to whole numbers."""
     both = pd.concat([old, new], axis=1, keys=["old", "new"]).rename_axis(["row", "column"]).fillna("")
-    both = both[both["old"] != both["new"]].reset_index()
+    both = both[both.old != both.new].reset_index()
     a, b = (pd.to_numeric(both[side], errors="coerce") for side in ("old", "new"))
-    larger, difference = np.maximum(abs(a), abs(b)), abs(a - b)
-    loose = both["column"].isin(MAGNITUDES) & (name == "equivalence.csv")
+    larger = np.maximum(abs(a), abs(b))
+    difference = abs(a - b)
+    loose = both.column.isin(MAGNITUDES) & (name == "equivalence.csv")
     relative = np.where(loose, max(tolerance.relative, SAME_MAGNITUDE), tolerance.relative)
-    whole = both["old"].str.fullmatch(WHOLE) & both["new"].str.fullmatch(WHOLE)
+    whole = both.old.str.fullmatch(WHOLE) & both.new.str.fullmatch(WHOLE)
     # An infinite number is equal to no other one: its difference is infinite or no number.
-    equal = np.where(whole, difference == 0, (difference <= tolerance.absolute + relative * larger) & (larger < np.inf))
+    equal = np.where(whole, difference == 0, (difference <= tolerance.absolute + relative * larger) & (larger < inf))
     return both.assign(file=name, relative=difference / larger)[~equal]
 
 
-SHOWN_VERDICTS, SHOWN_CELLS = 20, 3
+SHOWN_VERDICTS = 20
+SHOWN_CELLS = 3
 """Largest numbers of changed verdicts, and of differing cells in a column of a file, that are printed."""
 
 
@@ -195,25 +201,27 @@ def as_text(comparison: Comparison) -> str:
 
     The text has the changed verdicts, the differences in each file, the largest first, and a summary.
     """
-    cells, tolerance, changed = comparison.cells, comparison.tolerance, comparison.verdicts
+    cells = comparison.cells
+    tolerance = comparison.tolerance
+    changed = comparison.verdicts
     lines = [f"verdicts: {len(changed) or 'none'} changed", *_listed(changed, SHOWN_VERDICTS), ""]
     for name, state in comparison.states.items():
         if state != IDENTICAL:
             lines.append(f"{name}: {state}")
-        for column, differing in cells[cells["file"] == name].groupby("column", sort=False):
+        for column, differing in cells[cells.file == name].groupby("column", sort=False):
             lines.append(f"  {column}: {len(differing)} beyond tolerance")
             lines += _listed(differing.sort_values("relative", ascending=False, kind="stable"), SHOWN_CELLS)
     identical, within, differ, left_out = comparison.counts.values()
     size = f"{tolerance.relative:g} relative + {tolerance.absolute:g}"
     files = f"{len(comparison.states)} files: {identical} identical, {within} within {size}"
     lines += ["", f"{files}, {differ} differ, {left_out} left out"]
-    wrapped = (textwrap.fill(line, 80, subsequent_indent=" " * 8, break_on_hyphens=False) for line in lines)
+    wrapped = (fill(line, 80, subsequent_indent=" " * 8, break_on_hyphens=False) for line in lines)
     return "\n".join(wrapped).replace("\u00a0", " ")
 
 
-def _listed(cells: pd.DataFrame, most: int) -> Iterator[str]:
+def _listed(cells: DataFrame, most: int) -> Iterator[str]:
     for cell in cells.head(most).itertuples():
-        size = "" if math.isnan(cell.relative) else f", relative {cell.relative:.1e}"
+        size = "" if isnan(cell.relative) else f", relative {cell.relative:.1e}"
         # The spaces are non-breaking, so that lines are not wrapped at the arrow.
         yield f"    {cell.row}: {cell.old or 'nothing'}\u00a0→\u00a0{cell.new or 'nothing'}{size}"
     if len(cells) > most:
@@ -252,7 +260,7 @@ def difference(path: Path, expected: str, close: frozenset[str] = frozenset()) -
 
 def _near(a: str | None, b: str | None) -> bool:
     with suppress(ValueError):
-        return math.isclose(float(a or "nan"), float(b or "nan"), rel_tol=ROUNDED_RTOL, abs_tol=1e-12)
+        return isclose(float(a or "nan"), float(b or "nan"), rel_tol=ROUNDED_RTOL, abs_tol=1e-12)
     return False
 
 

@@ -9,15 +9,15 @@ checks had the same rules (quantities, tolerance windows, levels) as the checks 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from math import ceil, log
 from pathlib import Path
 
-import pandas as pd
 import scipy  # loads ``scipy.stats`` at its first use, because importing it takes half a second
+from pandas import DataFrame
 
 from study.ledger.datafiles import DataError, read_csv, write_csv
-from study.ledger.schema import TABLES
+from study.ledger.schema import SCHEMA
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 
 INVISIBLE_SHARE = 1e-6
@@ -28,24 +28,24 @@ ALONE = r"(?:^|; )(?!Thm 4\.2)."
 The comparison notices any fault that the other formulation does not have."""
 
 
-def summary(matrix: pd.DataFrame) -> pd.DataFrame:
+def summary(matrix: DataFrame) -> DataFrame:
     """Return for each fault and size in how many cases it occurs, is noticed, and is invisible.
 
     Parameters:
         matrix: the table ``faults.csv``.
     """
-    by_error = matrix["by_error"] != ""
+    by_error = matrix.by_error != ""
     rows = matrix.assign(
         errors=by_error,
-        any_check=by_error | (matrix["by_others"] != ""),
-        invisible=matrix["distance"] < INVISIBLE_SHARE * matrix["error"],
+        any_check=by_error | (matrix.by_others != ""),
+        invisible=matrix.distance < INVISIBLE_SHARE * matrix.error,
     )
     grouped = rows.groupby(["equation", "fault", "size"], sort=False)
     counts = grouped[["errors", "any_check", "invisible"]].sum()
     return counts.assign(cases=grouped.size()).reset_index()
 
 
-def missed(matrix: pd.DataFrame) -> dict[str, str]:
+def missed(matrix: DataFrame) -> dict[str, str]:
     """Return the faults that are not noticed as the rules demand: name ↦ where, "in the plane" or "in space" or both.
 
     By the order or the size of the error, every fault must be noticed at its smallest size in two plane cases. In space
@@ -56,12 +56,12 @@ def missed(matrix: pd.DataFrame) -> dict[str, str]:
         matrix: the table ``faults.csv``.
     """
     lacking = {}
-    alone = matrix["by_others"].str.contains(ALONE)
+    alone = matrix.by_others.str.contains(ALONE)
     for fault, rows in matrix.groupby("fault", sort=False):
         size = rows["size"].abs()
-        noticed = (rows["by_error"] != "") | (rows["single"] == 1) & alone[rows.index]
-        plane = noticed[(rows["dim"] == 2) & (size == size.min())]
-        solid = noticed[(rows["dim"] == 3) & (size == size.max())]
+        noticed = (rows.by_error != "") | (rows.single == 1) & alone[rows.index]
+        plane = noticed[(rows.dim == 2) & (size == size.min())]
+        solid = noticed[(rows.dim == 3) & (size == size.max())]
         places = {
             "in the plane": plane.sum() < min(2, len(plane)),
             "in space": len(solid) > 0 and not solid.any(),
@@ -77,7 +77,7 @@ def in_words(lacking: dict[str, str]) -> str:
 
 
 SEEDS_FILE = "seeds.csv"
-SEED_COLUMNS = [*TABLES[SEEDS_FILE].columns]
+SEED_COLUMNS = [*SCHEMA[SEEDS_FILE].columns]
 CONFIDENCE = 0.95
 LARGEST_RATE = 0.01
 """The largest permitted false-alarm rate: on which share of seeds at least one check may fail by chance."""
@@ -101,7 +101,7 @@ def seeds_needed() -> int:
 
     Their number shows, with the probability ``CONFIDENCE``, that the false-alarm rate is at most ``LARGEST_RATE``.
     """
-    return math.ceil(math.log((1 - CONFIDENCE) / 2) / math.log(1 - LARGEST_RATE))
+    return ceil(log((1 - CONFIDENCE) / 2) / log(1 - LARGEST_RATE))
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ class SeedRecord:
 
     def write(self, directory: Path) -> Path:
         """Write the record into a result directory and return the path of the file."""
-        return write_csv(directory / "data" / SEEDS_FILE, pd.DataFrame(self.rows, columns=SEED_COLUMNS))
+        return write_csv(directory / "data" / SEEDS_FILE, DataFrame(self.rows, columns=SEED_COLUMNS))
 
     def pending(self) -> Seed | None:
         """Return the seed that was drawn but not yet judged; None if there is none."""
@@ -193,7 +193,8 @@ class FalseAlarms:
         finished = [row for row in record.rows if row.judged >= 0]
         counted = [row for row in finished if row.rules == finished[-1].rules]
         self.checks = counted[-1].judged if counted else 0
-        self.seeds, self.red = len(counted), sum(row.alarms > 0 for row in counted)
+        self.seeds = len(counted)
+        self.red = sum(row.alarms > 0 for row in counted)
         self.low, self.high = interval(self.red, self.seeds)
         self.verdict = HOLDS if self.high <= LARGEST_RATE else FAILS if self.low > LARGEST_RATE else UNDECIDED
 

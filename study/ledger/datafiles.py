@@ -1,21 +1,23 @@
 """The data files of a run: defines their columns and keys, reads them with a check of every cell, and writes them."""
 
 import gzip
-import json
 import shlex
 import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
+from json import dumps, loads
+from math import nan
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from pandas import DataFrame, Series
 
-from study.ledger.files import Json, write_packed, write_text
-from study.ledger.schema import TABLES, TEXTS
+from study.ledger.files import Json, Paths, write_packed, write_text
+from study.ledger.schema import SCHEMA, TEXT_COLUMNS
 from study.ledger.verdict import HOLDS, VERDICTS, CheckKind
 from study.orders import consecutive_orders
 
@@ -36,42 +38,43 @@ class DataError(ValueError):
     """
 
 
-def read_csv(directory: Path, name: str, columns: Collection[str] = ()) -> pd.DataFrame:
+def read_csv(directory: Path, name: str, columns: Collection[str] = ()) -> DataFrame:
     """Return the table in the file ``directory/data/name`` of a run.
 
     Parameters:
         directory: the result directory.
-        name: name of the file, a key of ``TABLES``.
+        name: name of the file, a key of ``SCHEMA``.
         columns: columns that the table must have, besides those that identify a row.
 
     Raises:
         DataError: see ``read_checked``.
     """
-    command = TABLES[name].command
+    command = SCHEMA[name].command
     again = f"{command} --out {directory}" if command else made_by(directory)
     return read_checked(directory / "data" / name, name, again, columns)
 
 
-def read_checked(path: Path, name: str, command: str, columns: Collection[str] = ()) -> pd.DataFrame:
-    """Return a table whose cells have the units of ``TABLES``: text, numbers, or empty cells where they are allowed.
+def read_checked(path: Path, name: str, command: str, columns: Collection[str] = ()) -> DataFrame:
+    """Return a table whose cells have the units of ``SCHEMA``: text, numbers, or empty cells where they are allowed.
 
     Columns that the file lacks are not read, so that files of an older program can be read. The parameters are those of
-    ``read_table``, and the key in ``TABLES``.
+    ``read_table``, and the key in ``SCHEMA``.
 
     Raises:
         DataError: the file is missing or damaged, a number is missing or is no number, or a row is repeated; the
             message names file, line and column.
     """
-    table, mend = TABLES[name], f"make it again with `{command}`"
+    table = SCHEMA[name]
+    mend = f"make it again with `{command}`"
     key = [*table.key, *table.within]
     frame = read_table(path, (*key, *columns), command)
     for column in table.numbers:
         if column in frame:
-            wrong = pd.to_numeric(frame[column], errors="coerce").isna().to_numpy()
+            wrong = pd.to_numeric(frame[column], errors="coerce").isna()
             if table.columns[column].empty:
-                wrong = wrong & frame[column].notna().to_numpy()
+                wrong &= frame[column].notna()
             if wrong.any():
-                row = int(wrong.argmax())
+                row = wrong.idxmax()
                 cell = pd.read_csv(path, dtype=str, keep_default_na=False)[column].iloc[row]
                 raise DataError(f"{path}, line {line(row)}, column {column}: found {cell!r}, expected a number; {mend}")
     refuse_repeated(path, frame, key, mend)
@@ -81,7 +84,7 @@ def read_checked(path: Path, name: str, command: str, columns: Collection[str] =
 def made_by(directory: Path) -> str:
     """Return the command line that wrote a result directory, from its provenance; else ``study run``."""
     try:
-        command = json.loads((directory / "data" / "provenance.json").read_text(encoding="utf-8"))["scope"]["command"]
+        command = loads((directory / "data" / "provenance.json").read_text(encoding="utf-8"))["scope"]["command"]
     except (OSError, ValueError, LookupError, TypeError):
         command = "study run"
     return f"{command} --out {shlex.quote(str(directory))}"
@@ -121,7 +124,7 @@ def planned_keys(provenance: Mapping[str, Any]) -> list[Key]:
     return [*flatten(provenance.get("planned", {}), ())]
 
 
-def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFrame:
+def read_table(path: Path, columns: Collection[str], command: str) -> DataFrame:
     """Return a table from a CSV file; empty cells of text are "", empty cells of numbers are NaN.
 
     Parameters:
@@ -137,7 +140,7 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
     again = f"make it again with `{command}`"
     try:
         # Only empty cells are read as NaN. A word such as "nan" or "null" is text, because no command writes it.
-        kinds = dict.fromkeys(TEXTS, str)
+        kinds = dict.fromkeys(TEXT_COLUMNS, str)
         content = read_uncompressed(path)
         frame = pd.read_csv(BytesIO(content), dtype=kinds, keep_default_na=False, na_values=[""], low_memory=False)  # type: ignore[arg-type]
     except ValueError as error:
@@ -146,7 +149,7 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
         raise DataError(f"{path} is truncated, because its last line is incomplete: {again}")
     if lacking := [column for column in columns if column not in frame]:
         raise DataError(f"{path} lacks the columns {', '.join(lacking)}: {again}")
-    return frame.fillna(dict.fromkeys([name for name in frame if name in TEXTS], ""))
+    return frame.fillna(dict.fromkeys([name for name in frame if name in TEXT_COLUMNS], ""))
 
 
 def read_uncompressed(path: Path) -> bytes:
@@ -167,7 +170,7 @@ def line(row: int) -> int:
     return row + 2
 
 
-def refuse_repeated(path: Path, table: pd.DataFrame, key: Sequence[str], mend: str) -> None:
+def refuse_repeated(path: Path, table: DataFrame, key: Sequence[str], mend: str) -> None:
     """Raise an error if two rows of a table have the same key.
 
     Parameters:
@@ -179,16 +182,17 @@ def refuse_repeated(path: Path, table: pd.DataFrame, key: Sequence[str], mend: s
     Raises:
         DataError: a key is repeated; the message names both lines.
     """
-    if (again := table.duplicated([*key]).to_numpy()).any():
-        row = int(again.argmax())
-        first = int((table[[*key]] == table[[*key]].iloc[row]).all(axis=1).to_numpy().argmax())
-        names = ", ".join(f"{name} {table[name].iloc[row]}" for name in key)
+    keys = table[[*key]]
+    if (again := keys.duplicated()).any():
+        row = again.idxmax()
+        first = (keys == keys.loc[row]).all(axis=1).idxmax()
+        names = ", ".join(f"{name} {cell}" for name, cell in keys.loc[row].items())
         raise DataError(
             f"{path}, line {line(row)}: the row {names} is also in line {line(first)}, expected once; {mend}"
         )
 
 
-def write_csv(path: Path, table: pd.DataFrame) -> Path:
+def write_csv(path: Path, table: DataFrame) -> Path:
     """Write a table as CSV with 12 digits and Unix line ends, and return the path.
 
     If writing is interrupted, the old file remains.
@@ -196,7 +200,7 @@ def write_csv(path: Path, table: pd.DataFrame) -> Path:
     return write_text(path, table_text(table))
 
 
-def table_text(table: pd.DataFrame) -> str:
+def table_text(table: DataFrame) -> str:
     """Return the text of the CSV file that ``write_csv`` writes."""
     return str(table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
 
@@ -206,34 +210,34 @@ class CsvFile:
     """A CSV file of measurements.
 
     Attributes:
-        name: name of the file in the folder ``data``, a key of ``TABLES``.
+        name: name of the file in the folder ``data``, a key of ``SCHEMA``.
         derived: columns that are computed from measured ones, such as observed orders.
         derive: function that returns the table to be written, given the table of measured columns.
     """
 
     name: str
     derived: tuple[str, ...] = ()
-    derive: Callable[[pd.DataFrame], pd.DataFrame] = pd.DataFrame.copy
+    derive: Callable[[DataFrame], DataFrame] = DataFrame.copy
 
     @property
     def key(self) -> tuple[str, ...]:
         """The columns that identify a measurement."""
-        return TABLES[self.name].key
+        return SCHEMA[self.name].key
 
     @property
     def columns(self) -> list[str]:
         """The measured columns."""
-        return [name for name in TABLES[self.name].columns if name not in self.derived]
+        return [name for name in SCHEMA[self.name].columns if name not in self.derived]
 
-    def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
+    def write(self, data: Path, rows: Sequence[Row]) -> Paths:
         """Write all rows into the file in the folder ``data`` and return its path, as a list."""
-        return [write_csv(data / self.name, self.derive(pd.DataFrame(rows, columns=self.columns)))]
+        return [write_csv(data / self.name, self.derive(DataFrame(rows, columns=self.columns)))]
 
-    def read(self, directory: Path) -> pd.DataFrame:
+    def read(self, directory: Path) -> DataFrame:
         """Return the table from the file in a result directory; raises DataError if it is missing or damaged."""
         return read_csv(directory, self.name)
 
-    def keys(self, table: pd.DataFrame) -> set[Key]:
+    def keys(self, table: DataFrame) -> set[Key]:
         """Return the keys of all rows of a table, as texts.
 
         A key is a tuple of the name of the file and the cells of the key columns.
@@ -253,12 +257,12 @@ class JsonFiles:
     name: str
     key: tuple[str, ...]
 
-    def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
+    def write(self, data: Path, rows: Sequence[Row]) -> Paths:
         """Write one file for each row and return the paths.
 
         The JSON text has no spaces after separators, which makes the files a tenth smaller.
         """
-        texts = {row[self.key[0]]: json.dumps(row, separators=(",", ":")) + "\n" for row in rows}
+        texts = {row[self.key[0]]: dumps(row, separators=(",", ":")) + "\n" for row in rows}
         return [write_packed(data / self.name / f"{name}.json.gz", text) for name, text in texts.items()]
 
 
@@ -266,7 +270,7 @@ DataFile = CsvFile | JsonFiles
 """A file or folder into which measurements are written."""
 
 
-def read_rates(directory: Path) -> pd.DataFrame:
+def read_rates(directory: Path) -> DataFrame:
     """Return the table ``rates.csv``, sorted by levels, with a new column ``discrete_order``.
 
     This column has the observed orders of the discrete error, the distance between the interpolant of the exact
@@ -277,9 +281,9 @@ def read_rates(directory: Path) -> pd.DataFrame:
     """
     rates = read_csv(directory, "rates.csv", SHOWN_RATES)
     # Figures cannot show infinite errors.
-    numbers = [name for name in TABLES["rates.csv"].filled if name in rates]
+    numbers = [name for name in SCHEMA["rates.csv"].filled if name in rates]
     if (infinite := np.isinf(rates[numbers])).any(axis=None):
-        row = int(infinite.any(axis=1).to_numpy().argmax())
+        row = infinite.any(axis=1).idxmax()
         raise DataError(
             f"{directory / 'data' / 'rates.csv'}, line {line(row)}: found an infinite number, expected a finite one; "
             f"make it again with `{made_by(directory)}`"
@@ -289,28 +293,28 @@ def read_rates(directory: Path) -> pd.DataFrame:
     return rates.assign(discrete_order=in_series(rates, "discrete_error"))
 
 
-def expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
+def expected_orders(directory: Path, rates: DataFrame) -> dict[str, float]:
     """Return case ↦ expected order of the error, from ``cases.csv``.
 
     Raises:
         DataError: the file is missing or damaged, or lacks a case of the table ``rates``.
     """
     cases = read_csv(directory, "cases.csv", ("case", "expected_order"))
-    orders = dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
-    if unknown := sorted(set(rates["case"]) - set(orders)):
+    orders = dict(zip(cases.case, cases.expected_order.astype(float), strict=True))
+    if unknown := sorted(set(rates.case) - set(orders)):
         lacking = f"{directory / 'data' / 'cases.csv'} lacks the cases {', '.join(unknown)}"
         raise DataError(f"{lacking}: make it again with `{made_by(directory)}`")
     return orders
 
 
-def read_claims(directory: Path) -> pd.DataFrame:
+def read_claims(directory: Path) -> DataFrame:
     """Return ``claims.csv``, the table of all checks.
 
     Raises:
         DataError: the file is missing or damaged, or has an unknown verdict.
     """
-    claims = read_csv(directory, "claims.csv", TABLES["claims.csv"].columns)
-    unknown = sorted(set(claims["verdict"]) - set(VERDICTS))
+    claims = read_csv(directory, "claims.csv", SCHEMA["claims.csv"].columns)
+    unknown = sorted(set(claims.verdict) - set(VERDICTS))
     if unknown:
         raise DataError(
             f"{directory / 'data' / 'claims.csv'} has the verdicts {', '.join(unknown)}, expected "
@@ -319,18 +323,18 @@ def read_claims(directory: Path) -> pd.DataFrame:
     return claims
 
 
-def count_verdicts(claims: pd.DataFrame) -> dict[str, int]:
+def count_verdicts(claims: DataFrame) -> dict[str, int]:
     """Return the number of checks with each verdict."""
-    return {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}
+    return {verdict: int((claims.verdict == verdict).sum()) for verdict in VERDICTS}
 
 
-def count_kinds(claims: pd.DataFrame) -> dict[str, int]:
+def count_kinds(claims: DataFrame) -> dict[str, int]:
     """Return the number of checks that hold, for each kind of check (``CheckKind``)."""
-    kinds = claims.loc[claims["verdict"] == HOLDS, "kind"]
+    kinds = claims.loc[claims.verdict == HOLDS, "kind"]
     return {str(name): int((kinds == name).sum()) for name in CheckKind}
 
 
-def by_claim(claims: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
+def by_claim(claims: DataFrame) -> Iterator[tuple[str, str, DataFrame]]:
     """Divide the table of all checks by statements, in the order of the ledger.
 
     Yields:
@@ -340,26 +344,26 @@ def by_claim(claims: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
         yield str(label), str(claim), rows
 
 
-def with_orders(table: pd.DataFrame) -> pd.DataFrame:
+def with_orders(table: DataFrame) -> DataFrame:
     """Return a table of errors with their observed orders in a new column ``order`` after the column ``time_share``."""
     completed = table.copy()
-    completed.insert(table.columns.tolist().index("time_share") + 1, "order", in_series(table, "error"))
+    completed.insert(table.columns.get_loc("time_share") + 1, "order", in_series(table, "error"))
     return completed
 
 
-def in_series(table: pd.DataFrame, column: str) -> pd.Series:
+def in_series(table: DataFrame, column: str) -> Series:
     """Return for each row of a table the observed order of a column between this level and the level before, (rows,).
 
     Rows with the same proposition, case, mesh family and time scheme belong together. The order is NaN on the first
     level.
     """
-    orders = pd.Series(np.nan, table.index)
+    orders = Series(nan, table.index)
     for _, group in table.groupby(SERIES, sort=False):
         orders[group.index] = since_before(group, column)
     return orders
 
 
-def since_before(table: pd.DataFrame, column: str) -> NDArray[np.float64]:
+def since_before(table: DataFrame, column: str) -> NDArray[np.float64]:
     """Return for each level the observed order between this level and the level before, (levels,).
 
     The order is NaN on the first level. It is also NaN if an error is zero, negative or not finite.
@@ -368,6 +372,7 @@ def since_before(table: pd.DataFrame, column: str) -> NDArray[np.float64]:
         table: a table with one row for each level, coarse to fine, and the column h.
         column: the column with the errors.
     """
-    h, error = table["h"].to_numpy(), table[column].to_numpy()
-    orders = consecutive_orders(h, np.where(error > 0, error, np.nan))
-    return np.append(np.nan, np.where(np.diff(h) < 0, orders, np.nan))
+    h = table["h"].to_numpy()
+    error = table[column].to_numpy()
+    orders = consecutive_orders(h, np.where(error > 0, error, nan))
+    return np.append(nan, np.where(np.diff(h) < 0, orders, nan))

@@ -7,15 +7,16 @@ import shutil
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from functools import partial
+from errno import EACCES, ELOOP, ENOSPC
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TextIO
 
+Paths = list[Path]
 Json = dict[str, Any]
 """An object for a JSON file: name ↦ number, text, array, list or further object."""
 
-FULL = (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC))
+FULL = (ENOSPC, getattr(errno, "EDQUOT", ENOSPC))
 """Error numbers of a full disk and of an exhausted quota. Windows has no error number for quotas."""
 
 DISK_BLOCK = 4096
@@ -56,9 +57,9 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
             return path
         path.parent.mkdir(parents=True, exist_ok=True)
         if file.is_symlink():
-            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+            raise OSError(ELOOP, os.strerror(ELOOP))
         if file.is_file() and not os.access(file, os.W_OK):
-            raise OSError(errno.EACCES, os.strerror(errno.EACCES))
+            raise OSError(EACCES, os.strerror(EACCES))
         write(part)
         os.replace(part, file)
     except Exception as error:
@@ -77,13 +78,16 @@ def _receives_bytes(path: Path) -> bool:
     """Return whether a path leads to a device, a pipe, a socket or the standard output of this program."""
     if not path.exists():
         return False
-    return not (path.is_file() or path.is_dir()) or any(map(partial(_leads_to, path), (sys.stdout, sys.stderr)))
+    return not (path.is_file() or path.is_dir()) or _output(path) is not None
 
 
-def _leads_to(path: Path, stream: TextIO) -> bool:
-    with suppress(OSError, ValueError):
-        return os.path.samestat(os.fstat(stream.fileno()), os.stat(path))
-    return False
+def _output(path: Path) -> TextIO | None:
+    """Return the standard output or the standard error to which a path leads; None if it leads to neither."""
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            if os.path.samestat(os.fstat(stream.fileno()), os.stat(path)):
+                return stream
+    return None
 
 
 def _send(path: Path, write: Callable[[Path], object]) -> None:
@@ -92,14 +96,12 @@ def _send(path: Path, write: Callable[[Path], object]) -> None:
         file = Path(directory) / "content"
         write(file)
         content = file.read_bytes()
-    for stream in (sys.stdout, sys.stderr):
-        if _leads_to(path, stream):
-            stream.flush()
-            stream.buffer.write(content)
-            stream.flush()
-            return
-    with path.open("wb") as target:
-        target.write(content)
+    if stream := _output(path):
+        stream.flush()
+        stream.buffer.write(content)
+        stream.flush()
+    else:
+        path.write_bytes(content)
 
 
 def disk_full(error: BaseException | None) -> OSError | None:
@@ -120,7 +122,7 @@ def _no_room(path: Path) -> OSError | None:
     """
     with suppress(OSError):
         if shutil.disk_usage(path.parent).free < DISK_BLOCK:
-            return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            return OSError(ENOSPC, os.strerror(ENOSPC))
     return None
 
 

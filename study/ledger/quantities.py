@@ -8,8 +8,8 @@ and the measured numbers.
 from collections.abc import Callable
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
+from pandas import DataFrame
 
 import study.orders
 from study.orders import consecutive_orders
@@ -27,7 +27,8 @@ def orders(h: Array, error: Array) -> Array:
     Raises:
         RatesError: mesh sizes do not decrease, or errors are not positive and finite.
     """
-    h, error = np.asarray(h, dtype=float), np.asarray(error, dtype=float)
+    h = np.asarray(h, dtype=float)
+    error = np.asarray(error, dtype=float)
     if not (np.diff(h) < 0).all():
         raise RatesError(f"mesh sizes must decrease from level to level, got {h.tolist()}")
     if not (np.isfinite(error).all() and (error > 0).all()):
@@ -44,7 +45,9 @@ def fit(h: Array, error: Array, power: float = 0) -> float:
         RatesError: mesh sizes do not decrease, or errors are not positive and finite.
     """
     orders(h, error)
-    x, y, weights = np.log(h), np.log(error), np.asarray(h, dtype=float) ** -power
+    x = np.log(h)
+    y = np.log(error)
+    weights = np.asarray(h, dtype=float) ** -power
     x = x - np.average(x, weights=weights)
     return float((weights * x) @ y / ((weights * x) @ x))
 
@@ -79,7 +82,7 @@ def limit(h: Array, error: Array, order: float) -> float:
     return float((e[1] * x[0] - e[0] * x[1]) / (x[0] - x[1]) / e[1])
 
 
-Value = Callable[[pd.DataFrame], float | Array]
+Value = Callable[[DataFrame], float | Array]
 """Function that computes a quantity, or several values of it, from the levels of one mesh family."""
 
 
@@ -95,7 +98,7 @@ def quotients(above: str, below: str) -> Value:
 
 def finest_quotient(above: str, below: str) -> Value:
     """Return the function that gives the quotient of two columns on the finest level."""
-    return lambda table: float(table[above].iloc[-1] / table[below].iloc[-1])
+    return lambda table: float((table[above] / table[below]).iloc[-1])
 
 
 def change(column: str, since: int = 0) -> Value:
@@ -105,7 +108,7 @@ def change(column: str, since: int = 0) -> Value:
 
 def ratios(column: str) -> Value:
     """Return the function for the quotients of the values of a column on a level and the next coarser one."""
-    return lambda table: table[column].to_numpy()[1:] / table[column].to_numpy()[:-1]
+    return lambda table: (table[column] / table[column].shift()).to_numpy()[1:]
 
 
 def of_errors(column: str, evaluate: Callable[[Array, Array], float | Array], last: int = 0) -> Value:
@@ -117,7 +120,7 @@ def of_errors(column: str, evaluate: Callable[[Array, Array], float | Array], la
         last: number of finest levels that are used; 0 for all.
     """
 
-    def value(table: pd.DataFrame) -> float | Array:
+    def value(table: DataFrame) -> float | Array:
         used = table.tail(last) if last else table
         return evaluate(used["h"].to_numpy(), used[column].to_numpy())
 

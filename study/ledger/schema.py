@@ -1,14 +1,15 @@
 # ruff: noqa: E501 – every column has one line.
 """The tables of a result directory: the meaning, the unit and the empty cells of every column.
 
-Reading, checks and the tables in ``docs/reference/columns.md`` follow from ``TABLES``. To add a column, add a line here,
+Reading, checks and the tables in ``docs/reference/columns.md`` follow from ``SCHEMA``. To add a column, add a line here,
 and write the column where the rows are measured.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-TEXT, COUNT = "text", "count"
+TEXT = "text"
+COUNT = "count"
 """Units of columns with text and with whole numbers. All measured quantities are dimensionless, with the unit 1."""
 
 
@@ -64,7 +65,7 @@ def columns(text: str) -> dict[str, Column]:
 
 def markdown(name: str) -> Iterator[str]:
     """Yield the lines that describe the columns of a table in the documentation."""
-    table = TABLES[name]
+    table = SCHEMA[name]
     yield f"## Columns of `{name}`\n"
     if table.note:
         yield f"{table.note}\n"
@@ -77,11 +78,11 @@ def markdown(name: str) -> Iterator[str]:
 
 
 UNKNOWN = "if the exact solution is unknown"
-PLACE = ("case", "family", "level")
+MESH_PLACE = ("case", "family", "level")
 NORMS = "Norms are taken in $L^2(0,T)$ and divided by the norm of the exact quantity."
 STRESS_NORMS = """Errors are root mean squares over the time steps. Errors of stresses and of the pressure are divided by the norm of σ, the
 others by the norm of the exact quantity."""
-TABLES = {
+SCHEMA = {
     "rates.csv": Table(
         ("case", "family", "scheme", "level"),
         columns(r"""
@@ -150,7 +151,7 @@ reason | text | the reason for the orders
 """),
     ),
     "equivalence.csv": Table(
-        PLACE,
+        MESH_PLACE,
         columns(r"""
 case | text | the exact solution
 form | text | the space of strains that belongs to the stresses
@@ -169,7 +170,7 @@ family | text | the mesh family
         note="Problem 3.1 is the displacement problem, Problem 3.2 the stress problem.",
     ),
     "stresses.csv": Table(
-        PLACE,
+        MESH_PLACE,
         columns(r"""
 case | text | the exact solution
 family | text | the mesh family
@@ -191,7 +192,7 @@ time_share | 1 | change of the stress when the time step $k$ is doubled, divided
         note=STRESS_NORMS,
     ),
     "contact.csv": Table(
-        PLACE,
+        MESH_PLACE,
         columns(r"""
 case | text | the exact solution
 family | text | the mesh family
@@ -229,7 +230,7 @@ multipliers_same_load | 1 | `multipliers` if both computations use the same load
 """),
     ),
     "statements.csv": Table(
-        ("label", *PLACE),
+        ("label", *MESH_PLACE),
         columns("""
 label | text | the statement, as it is numbered in the paper, or a name
 case | text | the exact solution
@@ -349,5 +350,5 @@ solves | 1 | number of linear systems that were solved | if the code does not te
     ),
 }
 """Name of a file, in the folder ``data`` if it has no other ↦ its table."""
-TEXTS = {name for table in TABLES.values() for name, column in table.columns.items() if column.unit == TEXT}
+TEXT_COLUMNS = {name for table in SCHEMA.values() for name, column in table.columns.items() if column.unit == TEXT}
 """Columns that hold text in some table, even if a cell looks like a number or is empty. None holds numbers in another."""

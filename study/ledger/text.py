@@ -1,10 +1,11 @@
 """Text for the terminal and for tables: wraps lines, and rounds numbers so that bounds remain bounds."""
 
-import math
 import shutil
-import textwrap
 from collections.abc import Hashable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from functools import partial
+from math import isfinite
+from textwrap import fill
 
 import pandas as pd
 
@@ -26,21 +27,17 @@ def is_narrow() -> bool:
 
 def folded(text: str) -> str:
     """Return a text wrapped to the width of the output, between words only, so that paths can be copied."""
-    return textwrap.fill(text, width(), subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
+    return fill(text, width(), subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
 
 
 def _significant(value: float, digits: int, rounding: str) -> str:
     return f"{float(Context(prec=digits, rounding=rounding).create_decimal(Decimal(value))):.{digits}g}"
 
 
-def down(value: float, digits: int) -> str:
-    """Return a number as text, rounded down to a number of significant digits; it remains a lower bound."""
-    return _significant(value, digits, ROUND_FLOOR)
-
-
-def up(value: float, digits: int) -> str:
-    """Return a number as text, rounded up to a number of significant digits; it remains an upper bound."""
-    return _significant(value, digits, ROUND_CEILING)
+down = partial(_significant, rounding=ROUND_FLOOR)
+"""Return a number as text, rounded down to a number of significant digits; it remains a lower bound."""
+up = partial(_significant, rounding=ROUND_CEILING)
+"""Return a number as text, rounded up to a number of significant digits; it remains an upper bound."""
 
 
 def power_of_ten(value: float, least: float) -> float:
@@ -52,7 +49,7 @@ def power_of_ten(value: float, least: float) -> float:
         value: a number ≥ 0, infinity or NaN.
         least: a power of ten.
     """
-    if not math.isfinite(value) or value <= least:
+    if not isfinite(value) or value <= least:
         return max(value, least)
     exponent = Decimal(value).adjusted()
     lower = float(f"1e{exponent}")
@@ -63,14 +60,15 @@ def _to_decimals(value: float, decimals: int, rounding: str) -> str:
     return str(Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-decimals), rounding))
 
 
-def below(value: float, decimals: int) -> str:
-    """Return a number as text, rounded down to a number of decimal places; it remains a lower bound."""
-    return _to_decimals(value, decimals, ROUND_FLOOR)
+below = partial(_to_decimals, rounding=ROUND_FLOOR)
+"""Return a number as text, rounded down to a number of decimal places; it remains a lower bound."""
+above = partial(_to_decimals, rounding=ROUND_CEILING)
+"""Return a number as text, rounded up to a number of decimal places; it remains an upper bound."""
 
 
-def above(value: float, decimals: int) -> str:
-    """Return a number as text, rounded up to a number of decimal places; it remains an upper bound."""
-    return _to_decimals(value, decimals, ROUND_CEILING)
+def outwards(low: float, high: float, decimals: int = 2) -> str:
+    """Return the range from low to high as text, rounded outwards: "0.92 to 1.00"."""
+    return f"{below(low, decimals)} to {above(high, decimals)}"
 
 
 def interval(low: float, high: float, digits: int) -> str:

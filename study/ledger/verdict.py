@@ -12,18 +12,21 @@ missed     a prediction of this study was wrong: the value lies outside the pred
 reported   nothing is claimed about the value
 """
 
-import math
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from math import inf, isinf, isnan, nan
 from typing import Protocol
 
-import pandas as pd
+from pandas import Series
 
+from convergence_orders.orders import FAILS as FAILS
+from convergence_orders.orders import HOLDS as HOLDS
+from convergence_orders.orders import UNDECIDED as UNDECIDED
 from study.ledger.window import Window, is_two_sided, position
 
-NO_ROW, NOT_TESTED = "no row", "not tested"
+NO_ROW = "no row"
+NOT_TESTED = "not tested"
 """Labels of rows that give the reason why a formula or statement of the paper has no check that can fail."""
 
 _FORMULA = re.compile(r"\((\d)\.(\d+)\)(?:–\((\d)\.(\d+)\))?")
@@ -48,14 +51,15 @@ def named(text: str) -> set[str]:
     return found
 
 
-HOLDS, FAILS, UNDECIDED, REPORTED, MISSED = "holds", "fails", "undecided", "reported", "missed"
+REPORTED = "reported"
+MISSED = "missed"
 VERDICTS = (HOLDS, REPORTED, MISSED, UNDECIDED, FAILS)
 """The possible verdicts on a check, from best to worst."""
 ROW_KEY = ("label", "key", "case", "family")
 """The columns of ``claims.csv`` that identify a row."""
 UNCLAIMED = (REPORTED, MISSED)
 """Verdicts on checks for which no statement makes a claim."""
-NOWHERE = (-math.inf, math.inf)
+NOWHERE = (-inf, inf)
 """The range (lowest, highest value) of a quantity that could not be measured."""
 BECAUSE = "; undecided, because "
 """Separates, in the column ``expected``, the window from the reason why a check is undecided."""
@@ -129,6 +133,9 @@ class Verdict:
         return self.label, self.key, self.case, self.family
 
 
+Verdicts = list[Verdict]
+
+
 def row(
     of: Named,
     key: str,
@@ -151,13 +158,25 @@ def row(
     """
     observed, (low, high), verdict = found
     words = f"{quantity}, {family} meshes" if family else quantity
-    numbers, ends = (observed, low, high), (window.low, window.high)
     return Verdict(
-        of.label, of.claim, case, words, expected or window.text, *numbers, verdict, key, family, str(kind), *ends
+        of.label,
+        of.claim,
+        case,
+        words,
+        expected or window.text,
+        observed,
+        low,
+        high,
+        verdict,
+        key,
+        family,
+        str(kind),
+        window.low,
+        window.high,
     )
 
 
-def exit_code(verdicts: Sequence[Verdict]) -> int:
+def exit_code(verdicts: Verdicts) -> int:
     """Return the exit code of a command that judges.
 
     It is 1 if a check fails. Otherwise, it is 3 if a check is undecided or there are no checks, and 0 if not.
@@ -166,7 +185,7 @@ def exit_code(verdicts: Sequence[Verdict]) -> int:
     return 1 if FAILS in found else 3 if UNDECIDED in found or not found else 0
 
 
-def window_share(row: pd.Series) -> float:
+def window_share(row: Series) -> float:
     """Return how near a check is to the end of its tolerance window, as a share of the window.
 
     The result is 1 for a value at an end of the window. It is 0 for a value in the middle of a window with two ends. If
@@ -175,10 +194,10 @@ def window_share(row: pd.Series) -> float:
     Parameters:
         row: a row of ``claims.csv``.
     """
-    return max(_shares(row), default=(math.nan, math.nan))[0]
+    return max(_shares(row), default=(nan, nan))[0]
 
 
-def worst_value(row: pd.Series) -> float:
+def worst_value(row: Series) -> float:
     """Return the worst value of a check: nearest to an end of its tolerance window, or farthest outside.
 
     If there is no window, it is the observed value.
@@ -186,10 +205,10 @@ def worst_value(row: pd.Series) -> float:
     Parameters:
         row: a row of ``claims.csv``.
     """
-    return max(_shares(row), default=(math.nan, row.observed))[1]
+    return max(_shares(row), default=(nan, row.observed))[1]
 
 
-def agreement(found: Verdict | pd.Series) -> str:
+def agreement(found: Verdict | Series) -> str:
     """Return whether a prediction, for which no claim is made, was met, wrong or undecided.
 
     Parameters:
@@ -198,19 +217,21 @@ def agreement(found: Verdict | pd.Series) -> str:
     if found.verdict == MISSED:
         return "wrong"
     inside = found.window_low <= found.low and found.high <= found.window_high
-    return "met" if inside and not math.isnan(found.observed) else "undecided"
+    return "met" if inside and not isnan(found.observed) else "undecided"
 
 
-def _shares(row: pd.Series) -> list[tuple[float, float]]:
+def _shares(row: Series) -> list[tuple[float, float]]:
     """Return the values of a check that were compared with its tolerance window, each after the share that it uses.
 
     These are both ends of the range. If the check holds although its range reaches beyond the window, it is the
     observed value alone.
     """
-    low, high = row.window_low, row.window_high
-    if not low < high or (low <= 0 and math.isinf(high)):
+    low = row.window_low
+    high = row.window_high
+    if not low < high or (low <= 0 and isinf(high)):
         return []
-    window, judged = Window(low, high), [row.low, row.high]
+    window = Window(low, high)
+    judged = [row.low, row.high]
     if row.verdict == HOLDS and not window.contains(*judged):
         judged = [row.observed] if window.contains(row.observed) else []
     positions = [position(value, low, high) for value in judged]

@@ -1,8 +1,8 @@
 """Tolerance windows: the intervals in which measured numbers must lie, fixed before the measurement."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf, isfinite, isinf
 
 import numpy as np
 
@@ -27,25 +27,27 @@ class Window:
         predicted: the smallest and the largest predicted value, if the window extends beyond them on both sides.
     """
 
-    low: float = -math.inf
-    high: float = math.inf
+    low: float = -inf
+    high: float = inf
     why: str = ""
     predicted: tuple[float, float] | None = None
 
     @property
     def text(self) -> str:
         """The window in words, such as ``1 ± 0.15: every consecutive order``."""
-        low, high = shown(self.low), shown(self.high)
+        low = shown(self.low)
+        high = shown(self.high)
         if self.predicted:
             least, largest = self.predicted
             middle = shown(least) if least == largest else f"{shown(least)} … {shown(largest)}"
-            below, above = f"{least - self.low:.3g}", f"{self.high - largest:.3g}"
+            below = f"{least - self.low:.3g}"
+            above = f"{self.high - largest:.3g}"
             numbers = f"{middle} ± {below}" if below == above else f"{low} … {high}, predicted {middle}"
-        elif math.isinf(self.high):
+        elif isinf(self.high):
             numbers = f"≥ {low}"
         elif self.low == MIN_POSITIVE:
             numbers = f"> 0 and ≤ {high}"
-        elif self.low == 0 or math.isinf(self.low):
+        elif self.low == 0 or isinf(self.low):
             numbers = f"≤ {high}"
         else:
             numbers = f"{low} … {high}"
@@ -61,13 +63,13 @@ class Window:
         In a window with two ends, the worst value is the one farthest from the middle. If only large values are bad, it
         is the largest one; if only small values are bad, the smallest one. NaN is worse than any number.
         """
-        if math.isinf(self.high) and math.isfinite(self.low):
+        if isinf(self.high) and isfinite(self.low):
             distances = [-value for value in values]
         elif is_two_sided(self.low, self.high) or self.predicted:
             distances = [abs(value - (self.low + self.high) / 2) for value in values]
         else:
             distances = list(values)
-        return values[int(np.argmax(np.nan_to_num(distances, nan=np.inf)))]
+        return values[int(np.argmax(np.nan_to_num(distances, nan=inf)))]
 
 
 def is_two_sided(low: float, high: float) -> bool:
@@ -75,7 +77,7 @@ def is_two_sided(low: float, high: float) -> bool:
 
     They cannot if an end is infinite, or if the lower end is 0 or negligible next to the upper end.
     """
-    return math.isfinite(low) and math.isfinite(high) and not 0 <= low <= SMALL_END * high
+    return isfinite(low) and isfinite(high) and not 0 <= low <= SMALL_END * high
 
 
 def position(value: float, low: float, high: float) -> float:
@@ -83,15 +85,15 @@ def position(value: float, low: float, high: float) -> float:
 
     If only one end can be reached, it has the position 1, and the position is the share of the window that is used.
     """
-    if math.isinf(high):
-        return low / value if value > 0 else math.inf
+    if isinf(high):
+        return low / value if value > 0 else inf
     return (2 * value - low - high) / (high - low) if is_two_sided(low, high) else value / high
 
 
 def at_most(high: float, why: str = "", low: float = 0.0) -> Window:
     """Return the tolerance window of values up to ``high``.
 
-    The lower end is 0; quantities that may be negative need ``low=-math.inf``.
+    The lower end is 0; quantities that may be negative need ``low=-inf``.
     """
     return Window(low, high, why)
 
@@ -103,12 +105,12 @@ def positive_at_most(high: float, why: str = "") -> Window:
 
 def at_least(low: float, why: str = "") -> Window:
     """Return the tolerance window of values that are at least ``low``."""
-    return Window(low, math.inf, why)
+    return Window(low, inf, why)
 
 
 def around(predicted: float, room: float, why: str = "") -> Window:
     """Return the tolerance window from ``predicted`` − ``room`` to ``predicted`` + ``room``."""
-    return Window(predicted - room, predicted + room, why, (predicted, predicted))
+    return between(predicted, predicted, room, room, why)
 
 
 def between(least: float, largest: float, below: float, above: float, why: str = "") -> Window:
@@ -119,7 +121,7 @@ def between(least: float, largest: float, below: float, above: float, why: str =
 def shown(number: float) -> str:
     """Return a number as text with three significant digits; a small difference is written after it: 1 + 1e-9."""
     text = f"{number:.3g}"
-    rest = number - float(text) if math.isfinite(number) else 0.0
+    rest = number - float(text) if isfinite(number) else 0.0
     if number and 0 < abs(rest) < 1e-4 * abs(number):
         text += f" {'+' if rest > 0 else '−'} {abs(rest):.1g}"
     return text.replace("e-0", "e-").replace("e+0", "e")

@@ -7,13 +7,13 @@ plain text, which ``encode`` turns into LaTeX.
 from collections.abc import Sequence
 from pathlib import Path
 
-import pandas as pd
+from pandas import DataFrame, Series
 
 from study.ledger.codes import Codes
 from study.ledger.controls import summary
 from study.ledger.datafiles import by_claim, count_kinds, count_verdicts
-from study.ledger.files import write_text
-from study.ledger.text import above, below, down, up
+from study.ledger.files import Paths, write_text
+from study.ledger.text import down, outwards, up
 from study.ledger.verdict import (
     FAILS,
     HOLDS,
@@ -25,13 +25,24 @@ from study.ledger.verdict import (
     window_share,
     worst_value,
 )
-from study.present.notation import encode, folding, read_page, tabular
-from study.present.tables import TABLES
-from study.present.templates import EVIDENCE_TITLES, MISPRINTS, FullRun, context, evidence, render
+from study.present.tables import RUN_TABLES
+from study.present.templates import (
+    EVIDENCE_TITLES,
+    MISPRINTS,
+    FullRun,
+    context,
+    encode,
+    evidence,
+    folding,
+    read_page,
+    render,
+)
 
-TEXTS = read_page("article")
+ARTICLE_TEXTS = read_page("article")
 """Titles of groups of statements, and headings and columns of tables."""
-GROUPS: dict[str, list[str]] = {EVIDENCE_TITLES.get(title, title): begins for title, begins in TEXTS["groups"].items()}
+GROUPS: dict[str, list[str]] = {
+    EVIDENCE_TITLES.get(title, title): begins for title, begins in ARTICLE_TEXTS["groups"].items()
+}
 """Title of a group of statements ↦ the beginnings of the labels of these statements."""
 BEYOND = "beyond the source"
 TOTAL = "all"
@@ -44,7 +55,7 @@ PlainRows = list[list[str]]
 """The cells of a table, row by row, as plain text."""
 
 
-def write_tables(directory: Path) -> list[Path]:
+def write_tables(directory: Path) -> Paths:
     """Write all tables into ``directory/tables`` and, for a full run, the LaTeX files for the papers.
 
     Raises:
@@ -56,7 +67,7 @@ def write_tables(directory: Path) -> list[Path]:
 def texts(directory: Path) -> dict[Path, str]:
     """Return path ↦ text of the files that ``write_tables`` writes; raises the same errors."""
     by_path: dict[Path, str] = {}
-    for table in [make(directory) for make in TABLES]:
+    for table in [make(directory) for make in RUN_TABLES]:
         by_path |= table.texts(directory / "tables") if table else {}
     return by_path | article(directory)
 
@@ -78,14 +89,19 @@ def article(directory: Path) -> dict[Path, str]:
     return {directory / "article" / f"{name}.tex": text for name, text in by_name.items()}
 
 
-def latex(name: str, rows: PlainRows) -> str:
-    """Return a LaTeX table with the headings and columns of ``page/article.toml`` and the given cells."""
-    layout = TEXTS["tables"][name]
+def latex(name: str, rows: DataFrame | PlainRows) -> str:
+    """Return a LaTeX table with the headings and columns of ``page/article.toml`` and the given cells.
+
+    Empty cells get a dash. The table needs the packages booktabs and array.
+    """
+    if isinstance(rows, DataFrame):
+        rows = rows.fillna("–").astype(str).to_numpy().tolist()
+    layout = ARTICLE_TEXTS["tables"][name]
     columns = [folding(column) if isinstance(column, float) else column for column in layout["columns"]]
-    cells = [[encode(cell) for cell in row] for row in rows]
+    cells = DataFrame([map(encode, row) for row in rows], columns=layout["headings"])
     if rows and rows[-1][0] == TOTAL:
-        cells[-1][0] = rf"\midrule {TOTAL}"
-    return tabular(layout["headings"], "".join(columns), cells)
+        cells.iloc[-1, 0] = rf"\midrule {TOTAL}"
+    return cells.style.hide().to_latex(column_format=rf"@{{}}{''.join(columns)}@{{}}", hrules=True)
 
 
 # Tables of checks
@@ -105,14 +121,15 @@ def verdicts(data: FullRun) -> PlainRows:
 
     The checks that hold are counted by the kind of their evidence.
     """
-    groups, body = data.claims["label"].map(group_of), []
+    groups = data.claims.label.map(group_of)
+    body = []
     for title in (*GROUPS, BEYOND, TOTAL):
         rows = data.claims if title == TOTAL else data.claims[groups == title]
         body.append([title, *map(str, count_kinds(rows).values()), *numbers_of_others(rows)])
     return body
 
 
-def numbers_of_others(rows: pd.DataFrame) -> list[str]:
+def numbers_of_others(rows: DataFrame) -> list[str]:
     """Return the numbers of checks that fail or are undecided, of wrong predictions, and of reported numbers."""
     count = count_verdicts(rows)
     return [str(number) for number in (count[FAILS] + count[UNDECIDED], count[MISSED], count[REPORTED])]
@@ -120,12 +137,13 @@ def numbers_of_others(rows: pd.DataFrame) -> list[str]:
 
 def accounts(data: FullRun) -> PlainRows:
     """Return the numbers of checks, of checks that hold, and of those that fail or are undecided, by evidence."""
-    names, body = data.claims.apply(evidence, axis=1), []
+    names = data.claims.apply(evidence, axis=1)
+    body = []
     for name, title in (EVIDENCE_TITLES | {TOTAL: TOTAL}).items():
         rows = data.claims if name == TOTAL else data.claims[names == name]
         count = count_verdicts(rows)
         judged = [str(count[HOLDS]), str(count[FAILS] + count[UNDECIDED])]
-        is_judged = not rows["verdict"].isin(UNCLAIMED).all()
+        is_judged = not rows.verdict.isin(UNCLAIMED).all()
         body.append([title, str(len(rows)), *(judged if is_judged else ["–", "–"])])
     return body
 
@@ -138,20 +156,22 @@ def ledger(data: FullRun) -> str:
     """
     bodies: dict[str, PlainRows] = {title: [] for title in (*GROUPS, BEYOND)}
     for label, claim, rows in by_claim(data.claims):
-        judged, nearest = rows[~rows["verdict"].isin(UNCLAIMED)], ["–", ""]
-        shares = pd.Series({at: window_share(row) for at, row in judged.iterrows()}, dtype=float).dropna()
+        judged = rows[~rows.verdict.isin(UNCLAIMED)]
+        nearest = ["–", ""]
+        shares = Series({at: window_share(row) for at, row in judged.iterrows()}, dtype=float).dropna()
         if len(shares):
             row = judged.loc[shares.idxmax()]
-            nearest = [f"{row['quantity']} ({row['case']})", f"{three_digits(worst_value(row))}; {window_ends(row)}"]
-        holds = str((rows["verdict"] == HOLDS).sum())
+            nearest = [f"{row.quantity} ({row.case})", f"{three_digits(worst_value(row))}; {window_ends(row)}"]
+        holds = str((rows.verdict == HOLDS).sum())
         bodies[group_of(label)].append([label, claim, holds, *numbers_of_others(rows), *nearest])
     heading = r"\par\medskip\noindent\textbf{{{}}}\par\nobreak\smallskip\noindent" + "\n"
     return "".join(heading.format(encode(title)) + latex("ledger", body) for title, body in bodies.items())
 
 
-def window_ends(row: pd.Series) -> str:
+def window_ends(row: Series) -> str:
     """Return a tolerance window as text: an interval; one inequality if an end is infinite or the lower end is 0."""
-    low, high = (f"{float(row[name]):.4g}" for name in ("window_low", "window_high"))
+    low = f"{row.window_low:.4g}"
+    high = f"{row.window_high:.4g}"
     if low in ("0", "-inf"):
         return f"≤ {high}"
     return f"≥ {low}" if high == "inf" else f"[{low}, {high}]"
@@ -163,36 +183,36 @@ def slips(data: FullRun) -> PlainRows:
     return rows.replace("^read: ", "", regex=True).to_numpy().tolist()
 
 
-def faults(data: FullRun) -> PlainRows:
+def faults(data: FullRun) -> DataFrame:
     """Return the deliberate faults: in how many cases they are noticed, and are invisible."""
     rows = summary(data.faults)
     rows["size"] = rows["size"].map("{:g}".format)
     columns = ["equation", "fault", "size", "cases", "errors", "any_check", "invisible"]
-    return rows[columns].astype(str).to_numpy().tolist()
+    return rows[columns]
 
 
 # Tables of results
 
 
-def catalogue(data: FullRun) -> PlainRows:
+def catalogue(data: FullRun) -> DataFrame:
     """Return the exact solutions with their names, summaries and laws."""
-    laws = data.cases["law"].str.removeprefix("linear, ")
-    return data.cases.assign(law=laws)[["case", "summary", "law"]].to_numpy().tolist()
+    laws = data.cases.law.str.removeprefix("linear, ")
+    return data.cases.assign(law=laws)[["case", "summary", "law"]]
 
 
-def cases_of(data: FullRun, label: str) -> pd.DataFrame:
+def cases_of(data: FullRun, label: str) -> DataFrame:
     """Return a table of the cases of a proposition with their names and regularities; the index has their names."""
-    names = data.rates.loc[data.rates["claim"] == label, "case"].unique()
+    names = data.rates.loc[data.rates.claim == label, "case"].unique()
     shorter = {"strain with a jump inside cells": "jump inside cells", " front, ": ", "}
     return data.cases.loc[names, ["case", "regularity"]].replace({"regularity": shorter}, regex=True)
 
 
-def measured(data: FullRun, label: str, key: str, *columns: str, scale: float = 1) -> pd.Series:
+def measured(data: FullRun, label: str, key: str, *columns: str, scale: float = 1) -> Series:
     """Return case ↦ the values of a check in some columns, times a scale, with two decimals."""
     rows = data.labelled(label)
-    rows = rows[rows["key"] == key].drop_duplicates("case").set_index("case")
+    rows = rows[rows.key == key].drop_duplicates("case").set_index("case")
     values = scale * rows[[*columns]].to_numpy()
-    return pd.Series([*map(decimals, values)], rows.index, dtype=object)
+    return Series([*map(decimals, values)], rows.index, dtype=object)
 
 
 def three_digits(value: float) -> str:
@@ -205,7 +225,7 @@ def decimals(values: Sequence[float]) -> str:
     return "–".join(dict.fromkeys(f"{value:.2f}" for value in values))
 
 
-def smooth(data: FullRun) -> PlainRows:
+def smooth(data: FullRun) -> DataFrame:
     """Return the table of Proposition 5.4 with a row for each case.
 
     A row has the finest level, the observed orders of the error and of the discrete error, the size of the discrete
@@ -213,20 +233,15 @@ def smooth(data: FullRun) -> PlainRows:
     """
     label = "Prop. 5.4"
     cells = cases_of(data, label)
-    cells["level"] = data.rates[data.rates["claim"] == label].groupby("case")["level"].max().astype(str)
+    cells["level"] = data.rates[data.rates.claim == label].groupby("case")["level"].max().astype(str)
     for key in ("order", "order-extrapolated", "discrete-order-superclose", "discrete-order-others"):
         cells[key] = measured(data, label, key, "low", "high")
     cells["share"] = measured(data, label, "discrete-share", "observed")
     cells["time"] = measured(data, label, "time-share", "observed", scale=100)
-    return plain_rows(cells)
+    return cells
 
 
-def plain_rows(cells: pd.DataFrame) -> PlainRows:
-    """Return the rows of a table of texts, with a dash in empty cells."""
-    return cells.fillna("–").to_numpy().tolist()
-
-
-def rough(data: FullRun) -> PlainRows:
+def rough(data: FullRun) -> DataFrame:
     """Return the table of Proposition 5.3 with a row for each case.
 
     A row has the order that the regularity of the solution predicts, the order that the proof of Proposition 5.4 gives
@@ -240,7 +255,7 @@ def rough(data: FullRun) -> PlainRows:
     cells["graded"] = measured(data, label, "order-graded", "observed")
     cells["ratio"] = measured(data, label, "falling", "high")
     cells["limit"] = measured(data, label, "limit", "high")
-    return plain_rows(cells)
+    return cells
 
 
 def stresses(data: FullRun) -> PlainRows:
@@ -248,9 +263,11 @@ def stresses(data: FullRun) -> PlainRows:
 
     There is a row for each case and mesh family, except shaken meshes.
     """
-    rows, body = data.labelled("Thm 4.2, own space"), []
-    for (case, family), part in rows[rows["family"] != "shaken"].groupby(["case", "family"], sort=False):
-        by_key, cells = part.set_index("key"), []
+    rows = data.labelled("Thm 4.2, own space")
+    body = []
+    for (case, family), part in rows[rows.family != "shaken"].groupby(["case", "family"], sort=False):
+        by_key = part.set_index("key")
+        cells = []
         for key in ("order-stress", "order-displacement", "order-pressure", "order-primal_stress", "growth"):
             cells.append(three_digits(by_key.loc[key, "observed"]))
             cells += [window_ends(by_key.loc[key])] * (key in ("order-stress", "order-displacement"))
@@ -258,31 +275,31 @@ def stresses(data: FullRun) -> PlainRows:
     return body
 
 
-def enclosures(data: FullRun) -> PlainRows:
+def enclosures(data: FullRun) -> DataFrame:
     """Return two-sided bounds of the error, for all cases that were measured on three or more levels.
 
     The ends of the bounds are rounded outwards. The error is empty for problems without a known exact solution.
     """
-    rows = data.bounds[data.bounds["trajectory"] == "enclosure"]
+    rows = data.bounds[data.bounds.trajectory == "enclosure"]
     rows = rows.groupby("case", sort=False).filter(lambda of_case: len(of_case) > 2)
-    cells = rows[["case", "family", "level"]].astype(str).assign(h=rows["h"].map(three_digits))
+    cells = rows[["case", "family", "level"]].astype(str).assign(h=rows.h.map(three_digits))
     for name, rounding in {"lowest": down, "error": None, "highest": up, "upper": up, "lower": down}.items():
         values = rows[name].apply(rounding, digits=4).astype(float) if rounding else rows[name]
         cells[name] = values.map("{:#.4g}".format, na_action="ignore")
-    return plain_rows(cells)
+    return cells
 
 
-def discrete(data: FullRun) -> PlainRows:
+def discrete(data: FullRun) -> DataFrame:
     """Return the observed orders of the fully discrete error for each case and time scheme.
 
     Undecided predictions are marked with * and wrong predictions with †.
     """
     rows = data.labelled("beyond: fully discrete")
     orders = rows[["low", "high"]].apply(decimals, axis=1) + rows.apply(agreement, axis=1).map(MARKS)
-    names = rows["key"].str.extract(f"(?P<scheme>.+)-(?P<order>{'|'.join(DISCRETE)})$")
-    cells = names.assign(case=rows["case"], cell=orders)
+    names = rows.key.str.extract(f"(?P<scheme>.+)-(?P<order>{'|'.join(DISCRETE)})$")
+    cells = names.assign(case=rows.case, cell=orders)
     table = cells.pivot_table("cell", ["case", "scheme"], "order", aggfunc="first", sort=False)
-    return table[[*DISCRETE]].reset_index().to_numpy().tolist()
+    return table[[*DISCRETE]].reset_index()
 
 
 def codes(data: FullRun) -> PlainRows:
@@ -298,11 +315,13 @@ def contact_codes(results: Codes) -> PlainRows:
     """
     return [
         [
-            f"{row['code']} {row['version']}",
-            row["variant"],
-            row["classes"],
-            f"{below(row['order_low'], 2)} to {above(row['order_high'], 2)}",
-            *(up(row[name], digits) for name, digits in {"share": 2, "excess": 3, "invariance": 2}.items()),
+            f"{row.code} {row.version}",
+            row.variant,
+            row.classes,
+            outwards(row.order_low, row.order_high),
+            up(row.share, 2),
+            up(row.excess, 3),
+            up(row.invariance, 2),
         ]
-        for row in results.rows().to_dict("records")
+        for row in results.rows().itertuples()
     ]

@@ -1,15 +1,14 @@
 """The charts of the study and their captions, made from the data files. Each figure has a function for its caption."""
 
-import math
-import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import cycle
+from itertools import chain, cycle, zip_longest
+from math import ceil, inf, isnan
+from textwrap import fill
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from matplotlib import rcParams
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -20,14 +19,14 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
 from matplotlib.tri import Triangulation
-from numpy.typing import NDArray
+from pandas import DataFrame
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, ORANGE, SKY, VERMILLION
 from study.ledger.check import by_family
 from study.ledger.codes import GRADES, Codes
 from study.ledger.controls import INVISIBLE_SHARE
 from study.ledger.quantities import Array, RatesError, fit, orders
-from study.ledger.text import above, below, interval
+from study.ledger.text import interval, outwards
 from study.present.drawing import (
     COLOURS,
     OUTLINE,
@@ -41,18 +40,23 @@ from study.present.drawing import (
     legend,
     page_width,
 )
-from study.present.notation import counted
+from study.present.picture import Bools
+from study.present.templates import counted
 
 # Axes, ticks, legends and slope triangles.
 
-DASHED: Style = {"ls": "--", "lw": 0.7}
-DOTTED: Style = {"ls": ":", "lw": 0.9, "alpha": 0.8}
+DASHED: Style = dict(ls="--", lw=0.7)
+DOTTED: Style = dict(ls=":", lw=0.9, alpha=0.8)
 HOLLOW: Style = {"mfc": "white"}
-RANGE: Style = {"alpha": 0.35, "lw": 0}
-RULE: Style = {"color": GREY, "lw": 0.6}
+RANGE: Style = dict(alpha=0.35, lw=0)
+RULE: Style = dict(color=GREY, lw=0.6)
 MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
 """The ticks of a logarithmic axis in a decade: the first choice with enough ticks is taken."""
 MESH_SIZE = "mesh size $h$"
+Orders = Mapping[str, float]
+"""Case ↦ order."""
+Lines = dict[str, tuple[str, Style]]
+"""Column of a table ↦ its text in the legend, and the style of its lines."""
 
 
 def stacked_axes(*heights: int) -> tuple[Figure, list[Axes]]:
@@ -62,15 +66,13 @@ def stacked_axes(*heights: int) -> tuple[Figure, list[Axes]]:
         heights: the relative heights of the axes.
     """
     figure = Figure(figsize=(column_width(), 3.8 + 0.2 * len(heights)))
-    panels = figure.subplots(len(heights), sharex=True, squeeze=False, height_ratios=heights)[:, 0]
+    panels = list(figure.subplots(len(heights), sharex=True, squeeze=False, height_ratios=heights)[:, 0])
     for axes in panels:
         axes.grid(True)
-    return figure, list(panels)
+    return figure, panels
 
 
-def draw_cases(
-    rows: pd.DataFrame, quantities: Mapping[str, tuple[str, Style]], slopes: Mapping[str, float], columns: int
-) -> Figure:
+def draw_cases(rows: DataFrame, quantities: Lines, slopes: Orders, columns: int) -> Figure:
     """Draw quantities against the mesh size in small axes in a grid, one for each case; a row has common limits.
 
     Parameters:
@@ -79,16 +81,17 @@ def draw_cases(
         slopes: case ↦ slope of its triangle.
         columns: the number of columns of the grid.
     """
-    cases, styles = rows["case"].unique(), family_styles(rows["family"])
-    lines = math.ceil(len(cases) / columns)
+    cases = rows.case.unique()
+    styles = family_styles(rows.family)
+    lines = ceil(len(cases) / columns)
     width = min(max(column_width(), 0.5 + 1.05 * columns), page_width())
     figure = Figure(figsize=(width, 0.8 + (0.15 + 0.9 * (width - 0.5) / columns) * lines))
     panels = figure.subplots(lines, columns, sharex=True, sharey="row", squeeze=False).ravel()
     shown = dict(zip(cases, panels, strict=False))
     for i, (case, axes) in enumerate(shown.items()):
         for column, (_, style) in quantities.items():
-            plot_families(axes, rows[rows["case"] == case], column, styles, style | {"ms": 2.4})
-        axes.set_title(textwrap.fill(case, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
+            plot_families(axes, rows[rows.case == case], column, styles, dict(style, ms=2.4))
+        axes.set_title(fill(case, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
         axes.tick_params(labelbottom=i + columns >= len(cases))
         axes.grid(True)
     # Triangles come last, because axes of a row share their limits.
@@ -115,19 +118,17 @@ def label_ticks(panels: Iterable[Axes], least: int = 3) -> None:
             if np.count_nonzero((low <= ticks) & (ticks <= high)) >= least:
                 break
         axis.set_major_locator(locator)
-        axis.set_major_formatter(LogFormatterSciNotation(minor_thresholds=(math.inf, math.inf)))
+        axis.set_major_formatter(LogFormatterSciNotation(minor_thresholds=(inf, inf)))
         axis.set_minor_formatter(NullFormatter())
 
 
-def add_legend(figure: Figure, *columns: Sequence[Artist]) -> None:
-    """Add a legend with these columns below the axes."""
-    longest = max(map(len, columns))
-    handles: list[Artist] = []
-    for column in columns:
-        # Matplotlib fills a legend column by column, so shorter columns need blank entries.
-        blanks = [entry(" ", ls="")] * (longest - len(column))
-        handles += [*column, *blanks]
-    legend(figure, handles, columns=len(columns))
+def complete(figure: Figure, *columns: Sequence[Artist]) -> Figure:
+    """Label the ticks of the axes, add a legend with these columns below the axes, and return the figure."""
+    label_ticks(figure.axes)
+    # Matplotlib fills a legend column by column, so shorter columns get blank entries.
+    lines = zip_longest(*columns, fillvalue=entry(" ", ls=""))
+    legend(figure, list(chain(*zip(*lines, strict=True))), columns=len(columns))
+    return figure
 
 
 def families(styles: Mapping[str, Style], **more: Any) -> list[Line2D]:
@@ -135,10 +136,10 @@ def families(styles: Mapping[str, Style], **more: Any) -> list[Line2D]:
     return [entry("mesh family", ls=""), *(entry(family, **style, **more) for family, style in styles.items())]
 
 
-def plot_families(axes: Axes, rows: pd.DataFrame, column: str, styles: Mapping[str, Style], more: Style) -> None:
+def plot_families(axes: Axes, rows: DataFrame, column: str, styles: Mapping[str, Style], more: Style) -> None:
     """Plot a column of a table over the mesh size, both logarithmic, with a line for each mesh family."""
     for family, of_family in by_family(rows).items():
-        axes.loglog(of_family["h"], of_family[column], **styles[family] | more)
+        axes.loglog(of_family.h, of_family[column], **styles[family] | more)
 
 
 def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
@@ -152,7 +153,7 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
         small: whether the axes are so small that the slope must be written above the triangle, not to its left.
     """
     curves = [np.log10(line.get_xydata()) for line in axes.get_lines()]
-    if math.isnan(slope) or max(map(len, curves)) < 2:
+    if isnan(slope) or max(map(len, curves)) < 2:
         return
     decades = np.ptp(np.log10(axes.get_ylim()))
     x = np.concatenate(curves)[:, 0]
@@ -161,16 +162,11 @@ def draw_slope(axes: Axes, slope: float, small: bool = False) -> None:
     heights = [np.interp(at, *curve[np.argsort(curve[:, 0])].T) - slope * (at - start) for curve in curves]
     base = np.nanmax(heights) + 0.06 * decades
     top = base + slope * (end - start)
-    axes.fill(
-        [10**start, 10**end, 10**start],
-        [10**base, 10**top, 10**top],
-        facecolor=TRIANGLE,
-        edgecolor=OUTLINE,
-        lw=0.6,
-        zorder=1.5,
-    )
-    text = {"textcoords": "offset points", "fontsize": rcParams["xtick.labelsize"]}
-    beside, above_it = (10**start, 10 ** ((base + top) / 2)), (10 ** ((start + end) / 2), 10**top)
+    corners = 10 ** np.array([[start, base], [end, top], [start, top]])
+    axes.fill(*corners.T, facecolor=TRIANGLE, edgecolor=OUTLINE, lw=0.6, zorder=1.5)
+    text = dict(textcoords="offset points", fontsize=rcParams["xtick.labelsize"])
+    beside = (10**start, 10 ** ((base + top) / 2))
+    above_it = (10 ** ((start + end) / 2), 10**top)
     if not small:
         axes.annotate(f"{slope:.3g}", beside, (-2, 0), ha="right", va="center", **text)
     axes.annotate(f"{slope:.3g}" if small else "1", above_it, (0, 1.5), ha="center", va="bottom", **text)
@@ -185,7 +181,7 @@ ROOM_BELOW = 0.15
 """Observed orders may be smaller than the proved order by this number, as in the checks of Proposition 5.4."""
 
 
-def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
+def finest_orders(rates: DataFrame, refinements: int) -> dict[str, float]:
     """Return mesh family ↦ observed order of the error between the finest mesh and a coarser mesh.
 
     With two refinements, a fixed front or jump of the material at 1/3 (the cases rough-1.75 and layered-unmet) has the
@@ -201,18 +197,18 @@ def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
         ends = rows.tail(refinements + 1).iloc[[0, -1]]
         if len(rows) > 1:
             with suppress(RatesError):
-                by_name[family] = orders(ends["h"].to_numpy(), ends["error"].to_numpy())[0]
+                by_name[family] = orders(ends.h.to_numpy(), ends.error.to_numpy())[0]
     return by_name
 
 
-def last_orders(rates: pd.DataFrame) -> tuple[list[float], list[float]]:
+def last_orders(rates: DataFrame) -> tuple[list[float], list[float]]:
     """Return the observed orders over the last refinement in two lists: graded meshes are in the second list."""
     by_name = finest_orders(rates, refinements=1)
     graded = [by_name.pop("graded")] if "graded" in by_name else []
     return list(by_name.values()), graded
 
 
-def order_differences(rates: pd.DataFrame, expected: Mapping[str, float], refinements: int = 2) -> pd.DataFrame:
+def order_differences(rates: DataFrame, expected: Orders, refinements: int = 2) -> DataFrame:
     """Return the predicted and observed orders of the error and their differences, a row for each case and mesh family.
 
     Meshes that are graded towards a singularity are left out, because the predictions are for quasi-uniform meshes.
@@ -231,12 +227,12 @@ def order_differences(rates: pd.DataFrame, expected: Mapping[str, float], refine
         for family, order in finest_orders(rows, refinements).items()
         if family != "graded"
     ]
-    table = pd.DataFrame(points, columns=["case", "family", "predicted", "observed"])
-    return table.assign(difference=table["observed"] - table["predicted"])
+    table = DataFrame(points, columns=["case", "family", "predicted", "observed"])
+    return table.assign(difference=table.observed - table.predicted)
 
 
-def _all_cases(rates: pd.DataFrame) -> str:
-    count = rates["case"].nunique()
+def _all_cases(rates: DataFrame) -> str:
+    count = rates.case.nunique()
     return f"{'all ' if count > 1 else ''}{counted(count, 'case')}"
 
 
@@ -245,17 +241,16 @@ def _all_cases(rates: pd.DataFrame) -> str:
 NEGLIGIBLE_VALUE = 1e-3
 """In a chart of errors, values below this fraction of the smallest error are not shown, because the vertical axis would
 become too long."""
-ERROR_LINES: dict[str, tuple[str, Style]] = {
+ERROR_LINES: Lines = {
     "error": (r"error $\|u-u^h\|_V$", {}),
     "discrete_error": (r"discrete error $\|\Pi^hu-u^h\|_V$", DASHED | HOLLOW),
     "in_time": ("share of time discretisation", {"marker": "", **DOTTED}),
 }
-"""Column ↦ its text in the legend, and the style of its lines."""
 MOST_COLUMNS = 5
 """The largest number of columns of the figure with axes for each case."""
 
 
-def draw_convergence(rates: pd.DataFrame, order: float) -> Figure:
+def draw_convergence(rates: DataFrame, order: float) -> Figure:
     """Draw the errors of one case against the mesh size, on all mesh families.
 
     The lines are the error, the discrete error and the part of the error that is due to time discretisation.
@@ -265,24 +260,23 @@ def draw_convergence(rates: pd.DataFrame, order: float) -> Figure:
         order: the expected order, which is the slope of the triangle.
     """
     figure, (axes,) = stacked_axes(1)
-    styles, lowest = family_styles(rates["family"]), NEGLIGIBLE_VALUE * rates["error"].min()
-    rates = rates.assign(in_time=rates["time_share"] * rates["error"])
+    styles = family_styles(rates.family)
+    lowest = NEGLIGIBLE_VALUE * rates.error.min()
+    rates = rates.assign(in_time=rates.time_share * rates.error)
     for column, (_, style) in reversed(ERROR_LINES.items()):
         shown = rates.assign(**{column: rates[column].where(rates[column] >= lowest)})
         plot_families(axes, shown, column, styles, style)
     draw_slope(axes, order)
-    label_ticks([axes])
-    axes.set(title=rates["case"].iloc[0], xlabel=MESH_SIZE, ylabel=r"maximum over time in $\|\cdot\|_V$")
+    axes.set(title=rates.case.iloc[0], xlabel=MESH_SIZE, ylabel=r"maximum over time in $\|\cdot\|_V$")
     kinds = [entry(text, color=DARK, **{"marker": "o"} | style) for text, style in ERROR_LINES.values()]
-    add_legend(figure, families(styles), kinds)
-    return figure
+    return complete(figure, families(styles), kinds)
 
 
-def caption_convergence(rates: pd.DataFrame, order: float) -> str:
+def caption_convergence(rates: DataFrame, order: float) -> str:
     """Return the caption of ``draw_convergence``."""
     last, graded = last_orders(rates)
     finest = rates.groupby("family").tail(1).query("discrete_error > 0")
-    closer = finest["error"] / finest["discrete_error"]
+    closer = finest.error / finest.discrete_error
     return caption(
         "convergence",
         rates=rates,
@@ -294,27 +288,27 @@ def caption_convergence(rates: pd.DataFrame, order: float) -> str:
     )
 
 
-def draw_overview(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
+def draw_overview(rates: DataFrame, expected: Orders) -> Figure:
     """Draw the errors of all cases against the mesh size, with axes for each case.
 
     Parameters:
         rates: the rows of these cases in ``rates.csv``.
         expected: case ↦ expected order.
     """
-    columns = min(MOST_COLUMNS, rates["case"].nunique())
+    columns = min(MOST_COLUMNS, rates.case.nunique())
     figure = draw_cases(rates, {"error": ("", {})}, expected, columns)
     figure.supylabel(r"$\max_t\,\|u-u^h\|_V$")
     return figure
 
 
-def caption_overview(rates: pd.DataFrame, expected: Mapping[str, float]) -> str:
+def caption_overview(rates: DataFrame, expected: Orders) -> str:
     """Return the caption of ``draw_overview``."""
     differences = order_differences(rates, expected, refinements=1).set_index("case")["difference"]
     graded = [order for _, rows in rates.groupby("case") for order in last_orders(rows)[1]]
     return caption("overview", rates=rates, cases=_all_cases(rates), differences=differences, graded=graded)
 
 
-def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
+def draw_orders(rates: DataFrame, expected: Orders) -> Figure:
     """Draw observed orders of the error against predicted orders, a point for each case and mesh family.
 
     Parameters:
@@ -322,29 +316,28 @@ def draw_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> Figure:
         expected: case ↦ predicted order.
     """
     table = order_differences(rates, expected)
-    styles = family_styles(table["family"])
+    styles = family_styles(table.family)
     figure, (axes,) = stacked_axes(1)
     top = max(1.1, table[["predicted", "observed"]].max(axis=None) + 0.1)
     axes.plot([0, top], [0, top], color=GREY)
     for number, (family, style) in enumerate(styles.items()):
-        rows = table[table["family"] == family]
+        rows = table[table.family == family]
         # Families are drawn next to each other, because their markers would hide each other.
         shift = 0.012 * (number - (len(styles) - 1) / 2)
-        axes.plot(rows["predicted"] + shift, rows["observed"], ls="", **style)
+        axes.plot(rows.predicted + shift, rows.observed, ls="", **style)
     axes.set(xlabel="predicted order, families side by side", ylabel="observed order, last two refinements")
     axes.set(xlim=(0, top), ylim=(0, top))
-    add_legend(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
-    return figure
+    return complete(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
 
 
-def caption_orders(rates: pd.DataFrame, expected: Mapping[str, float]) -> str:
+def caption_orders(rates: DataFrame, expected: Orders) -> str:
     """Return the caption of ``draw_orders``."""
     differences = order_differences(rates, expected)["difference"]
-    ends = below(differences.min(), 2), above(differences.max(), 2)
+    ends = outwards(differences.min(), differences.max())
     return caption("orders", cases=_all_cases(rates), sequences=len(differences), ends=ends)
 
 
-def over_constants(rates: pd.DataFrame) -> pd.DataFrame:
+def over_constants(rates: DataFrame) -> DataFrame:
     """Return the rows of ``rates.csv`` with the columns ``scaled``, error / C, and ``relative``, error / (C h).
 
     C h is the leading term of the interpolation error ‖u − Π^h u‖_V on the finest mesh. C follows from second
@@ -352,69 +345,65 @@ def over_constants(rates: pd.DataFrame) -> pd.DataFrame:
     """
     rates = rates.sort_values("level", kind="stable")
     finest = rates.groupby(["case", "family"], sort=False)[["h", "predicted_interpolation"]].transform("last")
-    scaled = rates["error"] * finest["h"] / finest["predicted_interpolation"]
-    return rates.assign(scaled=scaled, relative=scaled / rates["h"])
+    scaled = rates.error * finest.h / finest.predicted_interpolation
+    return rates.assign(scaled=scaled, relative=scaled / rates.h)
 
 
-def draw_collapsed(rates: pd.DataFrame) -> Figure:
+def draw_collapsed(rates: DataFrame) -> Figure:
     """Draw the errors of all smooth cases, each divided by its constant C, so that the lines coincide.
 
     The upper axes show error / C, the lower axes error / (C h), both against the mesh size h.
     """
-    styles = family_styles(rates["family"])
+    styles = family_styles(rates.family)
     figure, (errors, ratios) = stacked_axes(3, 2)
-    ends = [rates["h"].min(), rates["h"].max()]
+    ends = [rates.h.min(), rates.h.max()]
     errors.loglog(ends, ends, color=GREY)
     ratios.axhline(1, **RULE)
     for (_, family), rows in over_constants(rates).groupby(["case", "family"], sort=False):
-        errors.plot(rows["h"], rows["scaled"], **styles[family])
-        ratios.plot(rows["h"], rows["relative"], **styles[family])
+        errors.plot(rows.h, rows.scaled, **styles[family])
+        ratios.plot(rows.h, rows.relative, **styles[family])
     draw_slope(errors, 1)
-    label_ticks([errors, ratios])
     errors.set_ylabel("error / C")
     ratios.set(xlabel=MESH_SIZE, ylabel="error / (C h)")
-    add_legend(figure, families(styles), [entry("C h, not fitted", color=GREY)])
-    return figure
+    return complete(figure, families(styles), [entry("C h, not fitted", color=GREY)])
 
 
-def caption_collapsed(rates: pd.DataFrame) -> str:
+def caption_collapsed(rates: DataFrame) -> str:
     """Return the caption of ``draw_collapsed``."""
     table = over_constants(rates)
     finest = table.groupby(["case", "family"], sort=False)["relative"].last().groupby("family", sort=False)
     orders = order_in_words(rates)
-    return caption("collapsed", cases=_all_cases(rates), relative=table["relative"], finest=finest, orders=orders)
+    return caption("collapsed", cases=_all_cases(rates), relative=table.relative, finest=finest, orders=orders)
 
 
-def order_in_words(rates: pd.DataFrame) -> str:
+def order_in_words(rates: DataFrame) -> str:
     """Return the orders of the errors of smooth solutions over the last two refinements, and whether they are O(h)."""
-    observed = order_differences(rates, dict.fromkeys(rates["case"], 1.0))["observed"]
+    observed = order_differences(rates, dict.fromkeys(rates.case, 1.0))["observed"]
     if observed.empty:
         return ""
-    low, high = observed.min(), observed.max()
+    low = observed.min()
     result = "the error is O(h)" if low >= 1 - ROOM_BELOW else "on these meshes the error is not O(h)"
-    return (
-        f"{result}: observed orders {below(low, 2)} to {above(high, 2)} in {_all_cases(rates)}, over the last two "
-        "refinements"
-    )
+    orders = outwards(low, observed.max())
+    return f"{result}: observed orders {orders} in {_all_cases(rates)}, over the last two refinements"
 
 
 # Bounds of the error.
 
 
-def enclosed_series(series: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame, str]]:
+def enclosed_series(series: DataFrame) -> Iterator[tuple[str, DataFrame, str]]:
     """Yield case, rows and title for each case and mesh family with two-sided bounds in ``enclosures.csv``."""
-    enclosed = series[series["trajectory"] == "enclosure"]
+    enclosed = series[series.trajectory == "enclosure"]
     for (case, family), rows in enclosed.groupby(["case", "family"], sort=False):
         yield case, rows, f"{case}, {family}"
 
 
-def enclosure_ends(series: pd.DataFrame) -> pd.DataFrame:
+def enclosure_ends(series: DataFrame) -> DataFrame:
     """Return a series of bounds with the columns ``lower`` and ``upper``, the ends of the enclosure."""
-    lower = (series["distance"] - series["bound"]).clip(lower=0)
-    return series.assign(lower=lower, upper=series["distance"] + series["bound"])
+    lower = (series.distance - series.bound).clip(lower=0)
+    return series.assign(lower=lower, upper=series.distance + series.bound)
 
 
-def draw_enclosure(series: pd.DataFrame, title: str) -> Figure:
+def draw_enclosure(series: DataFrame, title: str) -> Figure:
     """Draw the two-sided bounds (enclosures) of an error over time, with a band for each level.
 
     The band reaches from d − y to d + y, where d is the distance of u_h from a more accurate displacement ũ and y is
@@ -426,17 +415,19 @@ def draw_enclosure(series: pd.DataFrame, title: str) -> Figure:
             ``error``, which is NaN if it is unknown, and possibly ``plain``, a bound from u_h alone.
         title: the title of the upper axes.
     """
-    known, ends = series["error"].notna().all(), enclosure_ends(series)
+    known = series.error.notna().all()
+    ends = enclosure_ends(series)
     column, name = ("error", "error") if known else ("distance", r"$\|\tilde u-u_h\|_V$")
     figure, (errors, ratios) = stacked_axes(3, 2)
     errors.set_yscale("log")
-    lowest, levels = ends["upper"].min() / 3, []
+    lowest = ends.upper.min() / 3
+    levels = []
     for (level, rows), colour in zip(ends.groupby("level"), cycle(COLOURS), strict=False):
-        time = rows["time"]
-        errors.fill_between(time, rows["lower"].clip(lower=lowest), rows["upper"], color=colour, **RANGE)
+        time = rows.time
+        errors.fill_between(time, rows.lower.clip(lower=lowest), rows.upper, color=colour, **RANGE)
         errors.plot(time, rows[column], color=colour)
         if "plain" in rows:
-            errors.plot(time, rows["plain"], color=colour, **DOTTED)
+            errors.plot(time, rows.plain, color=colour, **DOTTED)
         for end in ("lower", "upper"):
             ratios.plot(time, rows[end] / rows[column], color=colour)
         levels.append(Patch(color=colour, **RANGE, label=f"$n={level}$"))
@@ -444,18 +435,17 @@ def draw_enclosure(series: pd.DataFrame, title: str) -> Figure:
     errors.set(title=title, ylabel=r"$\|u(t)-u_h(t)\|_V$")
     errors.set_ylim(bottom=lowest)
     ratios.set(xlabel="time $t$", ylabel=f"ends over {name}", ylim=(0, 2))
-    label_ticks([errors])
     lines = [entry(name, color=BLACK)]
     if "plain" in series:
         lines.append(entry("bound from $u_h$ alone", color=BLACK, **DOTTED))
-    add_legend(figure, levels, lines)
-    return figure
+    return complete(figure, levels, lines)
 
 
-def caption_enclosure(series: pd.DataFrame, title: str) -> str:
+def caption_enclosure(series: DataFrame, title: str) -> str:
     """Return the caption of ``draw_enclosure``."""
-    known, ends = series["error"].notna().all(), enclosure_ends(series)
-    inside = ends[(ends["error"] - ends["distance"]).abs() <= ends["bound"]]
+    known = series.error.notna().all()
+    ends = enclosure_ends(series)
+    inside = ends[(ends.error - ends.distance).abs() <= ends.bound]
     final = ends.loc[ends.groupby("level")["time"].idxmax()]
     return caption("enclosure", title=title, interval=interval, known=known, ends=ends, inside=inside, final=final)
 
@@ -478,14 +468,15 @@ class AdaptiveRefinement:
     norm: str
     mesh: Triangulation
     edges: Array
-    closed: NDArray[np.bool_]
-    rows: pd.DataFrame
-    uniform: pd.DataFrame
+    closed: Bools
+    rows: DataFrame
+    uniform: DataFrame
 
 
 def draw_adapted(result: AdaptiveRefinement) -> Figure:
     """Draw the last adapted mesh, and the bounds of the error against the number of unknowns."""
-    figure, rows = Figure(figsize=(page_width(), 0.5 * page_width())), result.rows
+    figure = Figure(figsize=(page_width(), 0.5 * page_width()))
+    rows = result.rows
     mesh, bounds = figure.subplots(1, 2)
     mesh.triplot(result.mesh, color=DARK, lw=0.25)
     handles = []
@@ -494,14 +485,15 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
         handles += [entry(f"CONTACT side {text}", color=colour, lw=2.5)] * bool(result.closed.size)
     mesh.set(aspect="equal", title=f"mesh {rows['mesh'].iloc[-1]}, {rows['cells'].iloc[-1]} cells")
     mesh.axis("off")
-    handles += bounds.loglog(rows["dofs"], rows["bound"], color=BLUE, marker="o", label="adaptive")
+    handles += bounds.loglog(rows.dofs, rows.bound, color=BLUE, marker="o", label="adaptive")
     if len(result.uniform):
         uniform = result.uniform
-        handles += bounds.plot(uniform["dofs"], uniform["plain"], color=GREY, marker="s", label="refined everywhere")
-    bounds.plot(rows["dofs"], rows["error"], color=BLUE, ls=":")
-    first, last = rows.iloc[0], rows.iloc[-1]
-    x = np.geomspace(first["dofs"], last["dofs"], 3)
-    y = 0.7 * last["bound"] * (x / last["dofs"]) ** -0.5
+        handles += bounds.plot(uniform.dofs, uniform.plain, color=GREY, marker="s", label="refined everywhere")
+    bounds.plot(rows.dofs, rows.error, color=BLUE, ls=":")
+    first = rows.iloc[0]
+    last = rows.iloc[-1]
+    x = np.geomspace(first.dofs, last.dofs, 3)
+    y = 0.7 * last.bound * (x / last.dofs) ** -0.5
     bounds.plot(x, y, color=DARK, ls="--", lw=0.8)
     bounds.annotate("slope $-1/2$", (x[1], y[1]), (-5, -5), textcoords="offset points", ha="right", va="top")
     bounds.set(xlabel="unknowns", ylabel="bound of the error")
@@ -516,7 +508,7 @@ def caption_adapted(result: AdaptiveRefinement) -> str:
 
 # Contact.
 
-CONTACT_TERMS: dict[str, tuple[str, Style]] = {
+CONTACT_TERMS: Lines = {
     "work": (r"work $\|R\|^{1/2}$", {}),
     "error": (r"error $\|u-u^h\|_V$", DOTTED | HOLLOW),
     "excess": (r"excess $\|u^h-u^h_\mathrm{lin}\|_V$", DASHED | HOLLOW),
@@ -524,14 +516,14 @@ CONTACT_TERMS: dict[str, tuple[str, Style]] = {
 """Quantity of ``statements.csv`` ↦ its text in the legend, and the style of its lines."""
 
 
-def work_rows(statements: pd.DataFrame) -> pd.DataFrame:
+def work_rows(statements: DataFrame) -> DataFrame:
     """Return a table for ``draw_work`` from ``statements.csv``, with a column for each of ``CONTACT_TERMS``."""
-    chosen = statements["label"].eq("beyond: work of contact") & statements["quantity"].isin(CONTACT_TERMS)
+    chosen = statements.label.eq("beyond: work of contact") & statements.quantity.isin(CONTACT_TERMS)
     key = ["case", "family", "level", "h"]
     return statements[chosen].pivot_table("value", key, "quantity", sort=False).reset_index()
 
 
-def draw_work(rows: pd.DataFrame) -> Figure:
+def draw_work(rows: DataFrame) -> Figure:
     """Draw the contact term of the error estimate against the mesh size, with axes for each case.
 
     The lines are the square root of the work of contact, the error, and the excess: the distance between u^h and the
@@ -540,34 +532,34 @@ def draw_work(rows: pd.DataFrame) -> Figure:
     Parameters:
         rows: the table that ``work_rows`` returns.
     """
-    return draw_cases(rows, CONTACT_TERMS, dict.fromkeys(rows["case"], 1.0), columns=2)
+    return draw_cases(rows, CONTACT_TERMS, dict.fromkeys(rows.case, 1.0), columns=2)
 
 
-def caption_work(rows: pd.DataFrame) -> str:
+def caption_work(rows: DataFrame) -> str:
     """Return the caption of ``draw_work``."""
     by_term: dict[str, list[float]] = {"work": [], "error": []}
-    for _, of_case in rows[rows["family"] == "one-diagonal"].groupby("case"):
+    for _, of_case in rows[rows.family == "one-diagonal"].groupby("case"):
         last = of_case.sort_values("level").tail(3)
         for term, of_term in by_term.items():
-            of_term += orders(last["h"].to_numpy(), last[term].to_numpy()).tolist()
+            of_term += orders(last.h.to_numpy(), last[term].to_numpy()).tolist()
     return caption("contact-work", **by_term)
 
 
-def roller_rows(statements: pd.DataFrame) -> pd.DataFrame:
+def roller_rows(statements: DataFrame) -> DataFrame:
     """Return the rows of ``statements.csv`` for ``draw_rollers``; all shaken meshes are one mesh family."""
-    chosen = statements["label"].eq("beyond: rollers") & statements["quantity"].eq("excess")
-    rows = statements[chosen & statements["case"].str.fullmatch(r"roller-\d+")]
+    chosen = statements.label.eq("beyond: rollers") & statements.quantity.eq("excess")
+    rows = statements[chosen & statements.case.str.fullmatch(r"roller-\d+")]
     return rows.replace({"family": {"^shaken.*": "shaken"}}, regex=True)
 
 
-def roller_means(rows: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+def roller_means(rows: DataFrame) -> Iterator[tuple[str, DataFrame]]:
     """Yield mesh family and a table of ``h`` and the ``mean``, ``min`` and ``max`` of the excess, coarse to fine."""
     for family, of_family in rows.groupby("family", sort=False):
         levels = of_family.groupby("level")
         yield family, levels["value"].agg(["mean", "min", "max"]).assign(h=levels["h"].mean())
 
 
-def draw_rollers(rows: pd.DataFrame) -> Figure:
+def draw_rollers(rows: DataFrame) -> Figure:
     """Draw the additional error due to the contact condition, for a narrow patch that rolls along Γ3.
 
     This is the error that contact adds to the error of the linear problem. There is a line for each mesh family; for
@@ -576,32 +568,31 @@ def draw_rollers(rows: pd.DataFrame) -> Figure:
     Parameters:
         rows: the rows that ``roller_rows`` returns.
     """
-    styles, lowest = family_styles(rows["family"]), rows.loc[rows["value"].idxmin()]
+    styles = family_styles(rows.family)
+    lowest = rows.loc[rows.value.idxmin()]
     figure, (axes,) = stacked_axes(1)
     for family, table in roller_means(rows):
         if family == "shaken":
-            axes.fill_between(table["h"], table["min"], table["max"], color=styles[family]["color"], **RANGE)
-        axes.loglog(table["h"], table["mean"], **styles[family])
+            axes.fill_between(table.h, table["min"], table["max"], color=styles[family]["color"], **RANGE)
+        axes.loglog(table.h, table["mean"], **styles[family])
     draw_slope(axes, 0.5)
-    ends = rows.loc[rows["family"] == lowest["family"], "h"].agg(["min", "max"])
+    ends = rows.loc[rows.family == lowest["family"], "h"].agg(["min", "max"])
     axes.plot(ends, 0.8 * lowest["value"] / lowest["h"] * ends, color=GREY, **DOTTED)
-    label_ticks([axes])
     axes.set(xlabel=MESH_SIZE, ylabel=r"excess $\max_t\,\|u^h-u^h_\mathrm{lin}\|_V$")
-    add_legend(figure, families(styles), [entry("slope 1", color=GREY, **DOTTED)])
-    return figure
+    return complete(figure, families(styles), [entry("slope 1", color=GREY, **DOTTED)])
 
 
-def caption_rollers(rows: pd.DataFrame) -> str:
+def caption_rollers(rows: DataFrame) -> str:
     """Return the caption of ``draw_rollers``."""
     means = roller_means(rows)
-    fits = {family: fit(table["h"].to_numpy(), table["mean"].to_numpy()) for family, table in means if len(table) > 1}
+    fits = {family: fit(table.h.to_numpy(), table["mean"].to_numpy()) for family, table in means if len(table) > 1}
     return caption("rollers", fits=fits)
 
 
 # Other codes, cost, and deliberate faults.
 
 GRADE_STYLES: dict[str, Style] = {
-    grade: {"color": colour, "marker": marker, "ls": "", **HOLLOW}
+    grade: dict(color=colour, marker=marker, ls="", **HOLLOW)
     for grade, colour, marker in zip(GRADES, (BLUE, GREEN, ORANGE, VERMILLION, GREY), "osDXh", strict=True)
 }
 
@@ -620,27 +611,26 @@ def draw_codes(codes: Codes) -> Figure:
     for grade, style in GRADE_STYLES.items():
         points = rows[rows["class"] == grade]
         if len(points):
-            order.plot(points["excess"], points["order_in_v"], **style)
+            order.plot(points.excess, points.order_in_v, **style)
             # Smaller distances are due to rounding.
-            share.plot(points["excess"], points["share"].clip(lower=1e-11), **style)
-            handles.append(entry(grade, **style | {"ls": "-"}))
+            share.plot(points.excess, points.share.clip(lower=1e-11), **style)
+            handles.append(entry(grade, **dict(style, ls="-")))
     for axes in (order, share):
         axes.axhline(1, **RULE)
-    label_ticks([order, share])
     order.set_ylabel("order in V")
     share.set(xlabel="error of the pressure / that of the solution in $K^h$", ylabel="distance / error")
-    add_legend(figure, handles[::2], handles[1::2])
-    return figure
+    return complete(figure, handles[::2], handles[1::2])
 
 
-def _complete(codes: Codes) -> pd.DataFrame:
+def _complete(codes: Codes) -> DataFrame:
     return codes.series().dropna(subset=["order_in_v", "share", "excess"])
 
 
 def caption_codes(codes: Codes) -> str:
     """Return the caption of ``draw_codes``."""
-    rows, tolerance = _complete(codes), 0.15
-    passing = rows[abs(rows["order_in_v"] - 1) <= tolerance]
+    rows = _complete(codes)
+    tolerance = 0.15
+    passing = rows[abs(rows.order_in_v - 1) <= tolerance]
     bad = passing[passing["class"].isin(["stagnates", "wrong"])]
     return caption("codes", rows=rows, bad=bad, tolerance=tolerance)
 
@@ -655,32 +645,34 @@ FAULT_SHADES = (
 """The colours of the matrix of faults, and what notices a fault in a case."""
 
 
-def draw_faults(matrix: pd.DataFrame) -> Figure:
+def draw_faults(matrix: DataFrame) -> Figure:
     """Draw the matrix of faults: rows are faults by equation, columns are cases, the shade says what notices the fault.
 
     Parameters:
         matrix: the table ``faults.csv``.
     """
     sizes = matrix["size"].abs()
-    is_smallest = sizes == sizes.groupby([matrix["fault"], matrix["case"]]).transform("min")
-    errors, others = matrix["by_error"] != "", matrix["by_others"] != ""
+    is_smallest = sizes == sizes.groupby([matrix.fault, matrix.case]).transform("min")
+    errors = matrix.by_error != ""
+    others = matrix.by_others != ""
     # Without a distance nothing is known about the discrete solution.
-    visible = ~(matrix["distance"] < INVISIBLE_SHARE * matrix["error"])
+    visible = ~(matrix.distance < INVISIBLE_SHARE * matrix.error)
     shade = np.select([errors & is_smallest, errors, others], [4, 3, 2], 1)
     cells = matrix.assign(shade=shade, visible=visible * 1.0).groupby(["fault", "case"])[["shade", "visible"]].max()
-    equations, cases = matrix.groupby("fault", sort=False)["equation"].first(), matrix["case"].unique()
+    equations = matrix.groupby("fault", sort=False)["equation"].first()
+    cases = matrix.case.unique()
     table = cells.unstack().reindex(equations.index)
     figure = Figure(figsize=(page_width(), 1.9 + 0.155 * len(equations)))
     axes = figure.subplots()
     axes.pcolormesh(
-        table["shade"][cases].fillna(0).to_numpy(),
+        table.shade[cases].fillna(0).to_numpy(),
         cmap=ListedColormap([colour for colour, _ in FAULT_SHADES]),
         vmin=-0.5,
         vmax=4.5,
         edgecolors="white",
         linewidth=0.5,
     )
-    rows, columns = np.nonzero(table["visible"][cases] == 0)
+    rows, columns = np.nonzero(table.visible[cases] == 0)
     axes.plot(columns + 0.5, rows + 0.5, ".", color=GREY, markersize=3)
     axes.invert_yaxis()
     axes.set_xticks(np.arange(len(cases)) + 0.5, cases, rotation=90)
@@ -693,8 +685,8 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     return figure
 
 
-def caption_faults(matrix: pd.DataFrame) -> str:
+def caption_faults(matrix: DataFrame) -> str:
     """Return the caption of the matrix of faults."""
-    by_fault = matrix[matrix["by_error"] != ""].groupby("fault")["case"].nunique()
-    never = [fault for fault in matrix["fault"].unique() if fault not in by_fault]
+    by_fault = matrix[matrix.by_error != ""].groupby("fault")["case"].nunique()
+    never = [fault for fault in matrix.fault.unique() if fault not in by_fault]
     return caption("faults", never=never, fewest=by_fault.min())

@@ -1,16 +1,15 @@
 """The style of all figures, their legends and labels, and functions that draw figures and save them with captions."""
 
 import re
-import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import cycle
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
-import pandas as pd
 from cycler import cycler
 from matplotlib import rc_context, rc_params_from_file, rcParams
 from matplotlib.artist import Artist
@@ -18,12 +17,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pgf import LatexError
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from pandas import DataFrame
 
 from manufactured.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION
 from study.ledger.datafiles import DataError
-from study.ledger.files import UsageError, write_text, write_whole
-from study.present.notation import read_page
-from study.present.templates import ENVIRONMENT
+from study.ledger.files import Paths, UsageError, write_text, write_whole
+from study.present.templates import ENVIRONMENT, read_page
 
 OUTLINE, RIM = "0.35", "0.4"
 FOUNDATION, FOUNDATION_EDGE, TRIANGLE = "0.82", "0.25", "0.93"
@@ -37,16 +36,18 @@ RAMPS = {
 
 Larger values have darker colours, so that figures can be read in grey; small values leave the mesh visible.
 """
+RunMap = Callable[..., Iterable[Any]]
+"""``map``, or the method ``map`` of an executor, which makes several things at a time."""
 Style = dict[str, Any]
 """Properties of a line, as Matplotlib names them."""
 FAMILY_STYLES: dict[str, Style] = {
-    "one-diagonal": {"color": BLUE, "marker": "o"},
-    "criss-cross": {"color": VERMILLION, "marker": "s"},
-    "shaken": {"color": GREEN, "marker": "^"},
-    "unstructured": {"color": PURPLE, "marker": "D"},
-    "graded": {"color": ORANGE, "marker": "v"},
+    "one-diagonal": dict(color=BLUE, marker="o"),
+    "criss-cross": dict(color=VERMILLION, marker="s"),
+    "shaken": dict(color=GREEN, marker="^"),
+    "unstructured": dict(color=PURPLE, marker="D"),
+    "graded": dict(color=ORANGE, marker="v"),
 }
-OTHER_STYLES: tuple[Style, ...] = tuple({"color": c, "marker": m} for c, m in ((SKY, "P"), (BLACK, "X"), (GREY, "h")))
+OTHER_STYLES: tuple[Style, ...] = tuple(dict(color=c, marker=m) for c, m in ((SKY, "P"), (BLACK, "X"), (GREY, "h")))
 STYLES = Path(__file__).parent
 """The folder of the Matplotlib style files.
 
@@ -79,7 +80,7 @@ class Drawing:
     summary: str
     case: str = ""
     sheet: bool = False
-    table: Callable[[], pd.DataFrame | None] = lambda: None
+    table: Callable[[], DataFrame | None] = lambda: None
 
     @property
     def alternative(self) -> str:
@@ -208,39 +209,7 @@ def entry(label: str, **style: Any) -> Line2D:
 
 def dots(label: str, **style: Any) -> Line2D:
     """Return a legend entry that shows a marker; the marker is a circle unless the style has another."""
-    return entry(label, **{"ls": "", "marker": "o", **style})
-
-
-def draw_figures(
-    directory: Path,
-    chosen: Sequence[Drawing],
-    run_map: Callable[..., Iterable[list[Path]]] = map,
-    progress: Callable[[int, int, str], None] = lambda done, total, name: None,
-    output: Output = ARTICLE,
-) -> list[Path]:
-    """Draw figures into ``output.folder(directory)``, with their texts in txt files and their data in csv files.
-
-    Parameters:
-        directory: directory of a run.
-        chosen: the figures.
-        run_map: ``map``, or the method ``map`` of an executor, which draws several figures at a time.
-        progress: function that is called after each figure with the number of finished figures, their total, and the
-            name of the figure.
-        output: use, formats and style.
-
-    Returns:
-        The paths of the files.
-
-    Raises:
-        DataError: a name from the data would write a figure into another directory.
-        UsageError: the style file cannot be used, or pgf is wanted without LaTeX.
-    """
-    written: list[Path] = []
-    drawn = run_map(partial(draw_one, output.folder(directory), output=output), chosen)
-    for done, paths in enumerate(drawn, start=1):
-        written += paths
-        progress(done, len(chosen), chosen[done - 1].name)
-    return written
+    return entry(label, **dict(ls="", marker="o") | style)
 
 
 def drawn_for_use(drawing: Drawing) -> Figure:
@@ -248,12 +217,12 @@ def drawn_for_use(drawing: Drawing) -> Figure:
     figure = drawing.draw()
     if is_slide():
         figure.set_size_inches(rcParams["figure.figsize"])
-        lines = [textwrap.fill(drawing.headline, 76), figure.get_suptitle()]
+        lines = [fill(drawing.headline, 76), figure.get_suptitle()]
         figure.suptitle("\n".join(filter(None, lines)))
     return figure
 
 
-def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> list[Path]:
+def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> Paths:
     """Draw one figure, save it in each format, its caption in a txt file, and its data in a csv file.
 
     Returns:
@@ -307,4 +276,4 @@ def caption(name: str, /, **values: object) -> str:
 def caption_text(drawing: Drawing) -> str:
     """Return the text of the file with the caption and the alternative text of a figure."""
     texts = drawing.caption, f"Alternative text: {drawing.alternative}"
-    return "\n\n".join(textwrap.fill(text, 100) for text in texts) + "\n"
+    return "\n\n".join(fill(text, 100) for text in texts) + "\n"

@@ -6,69 +6,106 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
 from matplotlib.figure import Figure
+from pandas import DataFrame
 
 from study.ledger.codes import Codes
 from study.ledger.datafiles import expected_orders, read_csv, read_rates
 from study.ledger.files import UsageError
-from study.present import body, charts, contact, problem
+from study.present.body import (
+    caption_body,
+    caption_fronts,
+    caption_profiles,
+    caption_sketch,
+    caption_zone,
+    draw_body,
+    draw_fronts,
+    draw_profiles,
+    draw_sketch,
+    draw_zone,
+)
+from study.present.charts import (
+    caption_adapted,
+    caption_codes,
+    caption_collapsed,
+    caption_convergence,
+    caption_enclosure,
+    caption_faults,
+    caption_orders,
+    caption_overview,
+    caption_rollers,
+    caption_work,
+    draw_adapted,
+    draw_codes,
+    draw_collapsed,
+    draw_convergence,
+    draw_enclosure,
+    draw_faults,
+    draw_orders,
+    draw_overview,
+    draw_rollers,
+    draw_work,
+    enclosed_series,
+    order_differences,
+    roller_rows,
+    work_rows,
+)
 from study.present.drawing import SHEET, Drawing
 from study.present.picture import Picture, read_pictures
 
 FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., str], str]] = {
-    "problem": (problem.draw_sketch, problem.caption_sketch, "Sketch of a body on a rigid foundation"),
+    "problem": (draw_sketch, caption_sketch, "Sketch of a body on a rigid foundation"),
     "convergence": (
-        charts.draw_convergence,
-        charts.caption_convergence,
+        draw_convergence,
+        caption_convergence,
         "errors against the mesh size, both logarithmic",
     ),
     "overview": (
-        charts.draw_overview,
-        charts.caption_overview,
+        draw_overview,
+        caption_overview,
         "error of every case against the mesh size, both logarithmic",
     ),
     "orders": (
-        charts.draw_orders,
-        charts.caption_orders,
+        draw_orders,
+        caption_orders,
         "observed order of convergence over the last two refinements against the predicted order, a point for each "
         "case and mesh family",
     ),
     "collapsed": (
-        charts.draw_collapsed,
-        charts.caption_collapsed,
+        draw_collapsed,
+        caption_collapsed,
         "errors of all cases over their constants against the mesh size",
     ),
     "enclosure": (
-        charts.draw_enclosure,
-        charts.caption_enclosure,
+        draw_enclosure,
+        caption_enclosure,
         "error over time between its bounds, logarithmic",
     ),
     "adaptive": (
-        charts.draw_adapted,
-        charts.caption_adapted,
+        draw_adapted,
+        caption_adapted,
         "An adapted mesh, and the bound of the error over the unknowns",
     ),
     "contact-work": (
-        charts.draw_work,
-        charts.caption_work,
+        draw_work,
+        caption_work,
         "work of contact, error and excess against the mesh size, all logarithmic",
     ),
     "rollers": (
-        charts.draw_rollers,
-        charts.caption_rollers,
+        draw_rollers,
+        caption_rollers,
         "excess of contact over the linear problem against the mesh size, both logarithmic",
     ),
     "codes": (
-        charts.draw_codes,
-        charts.caption_codes,
+        draw_codes,
+        caption_codes,
         "order in V and distance from the right solution against the error of the pressure, for all contact codes",
     ),
-    "faults": (charts.draw_faults, charts.caption_faults, "The matrix of deliberate faults"),
-    "body": (body.draw_body, body.caption_body, "The deformed body on its foundation, with stresses and contact"),
-    "zone": (contact.draw_zone, contact.caption_zone, "The contact zone in space and time, exact and computed"),
-    "fronts": (contact.draw_fronts, contact.caption_fronts, "Maps of the contact zone, exact and computed"),
-    "profiles": (contact.draw_profiles, contact.caption_profiles, "Gap and pressure along the contact boundary"),
+    "faults": (draw_faults, caption_faults, "The matrix of deliberate faults"),
+    "body": (draw_body, caption_body, "The deformed body on its foundation, with stresses and contact"),
+    "zone": (draw_zone, caption_zone, "The contact zone in space and time, exact and computed"),
+    "fronts": (draw_fronts, caption_fronts, "Maps of the contact zone, exact and computed"),
+    "profiles": (draw_profiles, caption_profiles, "Gap and pressure along the contact boundary"),
 }
 """Kind of figure ↦ the function that draws it, the function that returns its caption, and what it shows in a few words.
 
@@ -92,16 +129,21 @@ def figure(kind: str, *data: Any, name: str = "", case: str = "", about: str = "
     return Drawing(name or kind, partial(draw, *data), describe(*data), title, case, sheet, partial(_table, data))
 
 
-def _table(data: Sequence[Any]) -> pd.DataFrame | None:
+def _table(data: Sequence[Any]) -> DataFrame | None:
     """Return the data of a figure as a table; None for a sketch."""
     for shown in data:
-        if isinstance(shown, pd.DataFrame):
+        if isinstance(shown, DataFrame):
             return shown
         if isinstance(shown, Codes):
             return shown.errors
         if isinstance(shown, Picture):
             return shown.on_faces
     return None
+
+
+def _suffix(rates: DataFrame, scheme: str) -> str:
+    """Return the end of the names of figures of a time scheme, which is empty if the run has a single scheme."""
+    return f"-{scheme}" * (rates.scheme.nunique() > 1)
 
 
 def drawings(directory: Path) -> list[Drawing]:
@@ -114,13 +156,14 @@ def drawings(directory: Path) -> list[Drawing]:
     Raises:
         DataError: a data file is missing or damaged.
     """
-    figures, rates = overview(directory), read_rates(directory)
+    figures = overview(directory)
+    rates = read_rates(directory)
     orders = expected_orders(directory, rates)
     for (scheme, case), rows in rates.groupby(["scheme", "case"], sort=False):
-        name = f"convergence-{case}" + f"-{scheme}" * (rates["scheme"].nunique() > 1)
+        name = f"convergence-{case}{_suffix(rates, scheme)}"
         figures.append(figure("convergence", rows, orders[case], name=name, case=case))
     columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
-    for case, rows, title in charts.enclosed_series(read_csv(directory, "enclosures.csv", columns)):
+    for case, rows, title in enclosed_series(read_csv(directory, "enclosures.csv", columns)):
         figures.append(figure("enclosure", rows, title, name=f"enclosure-{case}", case=case))
     for picture in read_pictures(directory):
         # Contact faces are lines in 2D and surfaces in 3D.
@@ -163,27 +206,28 @@ def overview(directory: Path) -> list[Drawing]:
     Raises:
         DataError: a data file is missing or damaged.
     """
-    figures, rates = [], read_rates(directory)
+    figures = []
+    rates = read_rates(directory)
     orders = expected_orders(directory, rates)
     for scheme, rows in rates.groupby("scheme", sort=False):
-        suffix = f"-{scheme}" * (rates["scheme"].nunique() > 1)
+        suffix = _suffix(rates, scheme)
         # The largest figure comes first, because it takes longest to draw and would otherwise delay the end.
         for claim, of_claim in sorted(rows.groupby("claim"), key=lambda group: -len(group[1])):
             name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", claim.lower()).strip("-")
-            many = of_claim["case"].nunique() > SHEET
+            many = of_claim.case.nunique() > SHEET
             figures.append(figure("overview", of_claim, orders, name=f"convergence{name}{suffix}", sheet=many))
-        smooth = rows[rows["claim"] == "Prop. 5.4"]
+        smooth = rows[rows.claim == "Prop. 5.4"]
         if len(smooth):
             figures.append(figure("collapsed", smooth, name=f"collapsed{suffix}"))
-        if len(charts.order_differences(rows, orders)):
+        if len(order_differences(rows, orders)):
             figures.append(figure("orders", rows, orders, name=f"orders{suffix}"))
     data = directory / "data"
-    tables: dict[str, pd.DataFrame] = {}
+    tables: dict[str, DataFrame] = {}
     # Runs of a user's own cases have no statements.csv.
     if (data / "statements.csv").is_file():
         columns = ("label", "case", "family", "level", "h", "quantity", "value")
         statements = read_csv(directory, "statements.csv", columns)
-        tables |= {"contact-work": charts.work_rows(statements), "rollers": charts.roller_rows(statements)}
+        tables |= {"contact-work": work_rows(statements), "rollers": roller_rows(statements)}
     if (data / "faults.csv").is_file():
         tables["faults"] = read_csv(directory, "faults.csv")
     figures += [figure(kind, table, sheet=kind == "faults") for kind, table in tables.items() if len(table)]

@@ -1,18 +1,21 @@
-"""The results of a run as text for a terminal, and its verdicts as JUnit XML."""
+"""The printed texts of the commands: results of a run, bounds of errors, and verdicts as JUnit XML."""
 
-import math
-import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from math import ceil, inf, isinf, isnan
 from pathlib import Path
-from xml.etree import ElementTree
+from textwrap import fill, wrap
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+import numpy as np
 import pandas as pd
+from pandas import DataFrame, Series
 from tabulate import tabulate
 
 from convergence_orders.printing import printable
 from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, expected_orders, read_rates
 from study.ledger.files import write_text
-from study.ledger.text import above, below, cell, is_narrow, significant, width
+from study.ledger.text import cell, down, interval, is_narrow, outwards, significant, up, width
 from study.ledger.verdict import (
     BECAUSE,
     FAILS,
@@ -21,14 +24,13 @@ from study.ledger.verdict import (
     REPORTED,
     UNDECIDED,
     VERDICTS,
-    Verdict,
+    Verdicts,
 )
-from study.present.notation import read_page
-from study.present.templates import ENVIRONMENT
+from study.present.templates import ENVIRONMENT, read_page
 
 SENTENCES: dict[str, str] = read_page("texts")["printed"]
 """Name of a printed sentence ↦ its template."""
-FEW_CASES = 3
+MOST_DETAILED_CASES = 3
 """If a run has at most this number of cases, its reported numbers without a claim are printed, too."""
 
 
@@ -41,7 +43,7 @@ def rates_text(directory: Path) -> str:
     """
     rates = read_rates(directory)
     predicted = expected_orders(directory, rates)
-    schemes = rates["scheme"].nunique() > 1
+    schemes = rates.scheme.nunique() > 1
     predicted_head, words = ("pred.", (11, 12, 14)) if is_narrow() else ("predicted", (22, 13, 25))
     if schemes and not is_narrow():
         words = (20, 21, 21)
@@ -69,16 +71,16 @@ def orders_text(directory: Path) -> str:
     differences = order_differences(rates, expected_orders(directory, rates))["difference"]
     if differences.empty:
         return ""
-    low, high = below(differences.min(), 2), above(differences.max(), 2)
-    return f"observed orders of the error over two refinements differ from the predicted ones by {low} to {high}"
+    ends = outwards(differences.min(), differences.max())
+    return f"observed orders of the error over two refinements differ from the predicted ones by {ends}"
 
 
-def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
+def ledger_text(claims: DataFrame, orders: str = "") -> str:
     """Return the ledger as ``study run`` prints it: statements with their verdicts, failed checks, and a summary.
 
     There is a row for each statement with the number of cases and the number of checks with each verdict. Then all
     checks that do not hold are listed. Reported numbers, about which nothing is claimed, are listed only if there are
-    at most ``FEW_CASES`` cases.
+    at most ``MOST_DETAILED_CASES`` cases.
 
     Parameters:
         claims: the content of ``claims.csv``.
@@ -90,15 +92,16 @@ def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
     ]
     words = (11, 17) if is_narrow() else (22, 36)
     lines = [_aligned(("statement", "", "cases", *VERDICTS), rows, (*words, 5, 5, 8, 6, 9, 5), numbers=slice(2, 8)), ""]
-    few = claims["case"].nunique() <= FEW_CASES
+    few = claims.case.nunique() <= MOST_DETAILED_CASES
     for verdict in (*([REPORTED] if few else []), MISSED, UNDECIDED, FAILS):
-        for _, row in claims[claims["verdict"] == verdict].iterrows():
-            expected, _, why = row["expected"].partition(BECAUSE)
-            observed = observed_text(row["observed"], row["low"], row["high"])
-            where = row["label"], row["case"]
+        for row in claims[claims.verdict == verdict].itertuples():
+            expected, _, why = row.expected.partition(BECAUSE)
+            observed = observed_text(row.observed, row.low, row.high)
+            where = row.label, row.case
             text = printed("check", row=row, where=where, expected=expected, why=why, observed=observed)
             lines += _wrapped(text, indent="    ")
-    count, kinds = count_verdicts(claims), count_kinds(claims)
+    count = count_verdicts(claims)
+    kinds = count_kinds(claims)
     lines += _wrapped(printed("counts", total=len(claims), count=count))
     lines += _wrapped(printed("kinds", kinds=kinds)) if count[HOLDS] else []
     lines += _wrapped(printed("conclusion", count=count, orders=orders))
@@ -111,40 +114,40 @@ def printed(name: str, **values: object) -> str:
 
 
 def _wrapped(text: str, indent: str = "") -> list[str]:
-    return textwrap.wrap(text, width(), subsequent_indent=indent, break_on_hyphens=False)
+    return wrap(text, width(), subsequent_indent=indent, break_on_hyphens=False)
 
 
-def write_junit(path: Path, verdicts: list[Verdict]) -> None:
+def write_junit(path: Path, verdicts: Verdicts) -> None:
     """Write verdicts into a JUnit XML file, as one test case each.
 
     The verdict *fails* is a failure; the verdicts *undecided*, *missed* and *reported* are skipped tests.
     """
-    suite = ElementTree.Element("testsuite", name="ledger", tests=str(len(verdicts)))
+    suite = Element("testsuite", name="ledger", tests=str(len(verdicts)))
     for verdict in verdicts:
         name = f"{verdict.label}.{verdict.case}"
-        case = ElementTree.SubElement(suite, "testcase", classname=name, name=verdict.quantity)
+        case = SubElement(suite, "testcase", classname=name, name=verdict.quantity)
         if verdict.verdict != HOLDS:
             observed = observed_text(verdict.observed, verdict.low, verdict.high)
             message = f"expected {verdict.expected}, observed {observed}"
-            ElementTree.SubElement(case, "failure" if verdict.verdict == FAILS else "skipped", message=message)
+            SubElement(case, "failure" if verdict.verdict == FAILS else "skipped", message=message)
     for total, tag in (("failures", "failure"), ("skipped", "skipped")):
         suite.set(total, str(len(suite.findall(f"*/{tag}"))))
-    ElementTree.indent(suite)
-    write_text(path, printable(ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"))
+    indent(suite)
+    write_text(path, printable(tostring(suite, encoding="unicode", xml_declaration=True) + "\n"))
 
 
 def observed_text(observed: float, low: float, high: float) -> str:
     """Return an observed value with its range as text; if one end is infinite, the other end as a bound."""
-    if math.isnan(observed):
+    if isnan(observed):
         return "no number"
-    if math.isinf(low) and math.isinf(high):
+    if isinf(low) and isinf(high):
         return cell(observed)
-    if math.isinf(low):
+    if isinf(low):
         return f"at most {cell(high)}"
-    return f"at least {cell(low)}" if math.isinf(high) else f"{cell(observed)} in [{cell(low)}, {cell(high)}]"
+    return f"at least {cell(low)}" if isinf(high) else f"{cell(observed)} in [{cell(low)}, {cell(high)}]"
 
 
-def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bool, shown: int) -> list[object]:
+def _rates_row(series: DataFrame, predicted: Mapping[str, float], schemes: bool, shown: int) -> list[object]:
     """Return the cells of a row of ``rates_text``.
 
     Parameters:
@@ -154,15 +157,15 @@ def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bo
         shown: the largest number of orders.
     """
     finest = series.iloc[-1]
-    orders = [f"{order:.2f}" for order in series["order"].dropna()]
+    orders = [f"{order:.2f}" for order in series.order.dropna()]
     return [
-        finest["case"],
-        f"{finest['family']}, {finest['scheme']}" if schemes else finest["family"],
-        finest["level"],
-        significant(finest["error"]),
-        "" if pd.isna(finest["discrete_order"]) else f"{finest['discrete_order']:.2f}",
-        f"{100 * series['time_share'].max():.2f}",
-        f"{predicted[finest['case']]:.3g}",
+        finest.case,
+        f"{finest.family}, {finest.scheme}" if schemes else finest.family,
+        finest.level,
+        significant(finest.error),
+        "" if pd.isna(finest.discrete_order) else f"{finest.discrete_order:.2f}",
+        f"{100 * series.time_share.max():.2f}",
+        f"{predicted[finest.case]:.3g}",
         " ".join(["…"] * (len(orders) > shown) + orders[-shown:]),
     ]
 
@@ -179,3 +182,182 @@ def _aligned(head: Sequence[str], rows: Sequence[Sequence[object]], widths: Sequ
     sides = ["left"] * len(head)
     sides[numbers] = ["right"] * len(sides[numbers])
     return tabulate([head, *rows], tablefmt="plain", disable_numparse=True, maxcolwidths=[*widths], colalign=sides)
+
+
+# Bounds of errors.
+
+SHOWN_TIMES = 8
+"""The printed table shows the error at no more than this number of times."""
+SHOWN = 4
+PERCENT = 3
+ENERGY = 6
+"""Numbers of significant digits in printed texts: of error bounds, of error bounds in per cent, and of energies."""
+upper = partial(up, digits=SHOWN)
+lower = partial(down, digits=SHOWN)
+ERROR = "{:.4g}".format
+NORM = {True: "‖u(t) − u_h(t)‖_V", False: "‖u − u_h‖_G"}
+"""Whether a problem is in time ↦ the error in its norm; for static problems this is the energy norm."""
+MEANING = {
+    True: "norm: ‖v‖_V² = ∫ Aε(v)·ε(v), weighted by the viscosity A",
+    False: "norm: ‖v‖_G² = ∫ Gε(v)·ε(v), weighted by the elasticity G (energy norm)",
+}
+"""Whether a problem is in time ↦ the definition of the norm."""
+NAME_WIDTH = 20
+"""Width, in characters, of the column with file names in the printed table."""
+
+
+def bounds_text(
+    name: str,
+    table: DataFrame,
+    over_time: DataFrame,
+    sentences: Sequence[str],
+    in_time: bool = True,
+    names: Sequence[str] = (),
+) -> str:
+    """Return the printed text: the interval of the error, whether it is guaranteed, and one line for each mesh.
+
+    Args:
+        name: the name of the problem.
+        table: the result of ``levels``.
+        over_time: the results of ``series`` for all levels.
+        sentences: texts that say whether the bounds are guaranteed.
+        in_time: whether the problem is in time, and not static.
+        names: for each row of the table, the name of the file with its displacement; empty if rows are named by their
+            levels.
+    """
+    known = table.error.notna().all()
+    last = table.iloc[-1]
+    size = "max ‖u(t)‖_V" if in_time else "‖u‖_G"
+    share = f"% of u: per cent of {size}, which lies in {interval(last.norm_low, last.norm_high, SHOWN)}"
+    if not in_time:
+        energy = interval(last.norm_low**2, last.norm_high**2, ENERGY)
+        share += f"; its square, the energy, lies in {energy}"
+    lines = [f"{name}: {NORM[in_time]} enclosed, {'exact solution known' if known else 'solution unknown'}"]
+    lines += [*(fill(sentence, width()) for sentence in (*sentences, MEANING[in_time], share)), ""]
+    # A static problem has one time only, and the last table already shows its enclosure.
+    over = [*_over_time(over_time, names[-1] if names else ""), ""] if in_time else []
+    return "\n".join([*lines, *over, *_intervals(table, known, in_time, names)])
+
+
+def worst_tenth(squares: Sequence[float]) -> str:
+    """Return a sentence on how much the worst tenth of the triangles contributes to ‖ũ − u_h‖².
+
+    Args:
+        squares: ‖ũ − u_h‖² on every triangle.
+    """
+    share = sum(sorted(squares)[-ceil(len(squares) / 10) :]) / sum(squares)
+    return f"the worst tenth of the triangles has {100 * share:.0f} % of ‖ũ − u_h‖², as cells.png shows"
+
+
+def adaptive_text(
+    name: str, rows: DataFrame, tolerance: str, stopped: str, sentences: Sequence[str], in_time: bool = True
+) -> list[str]:
+    """Return the printed lines: a verdict on the tolerance and on the bound, and one line for each mesh.
+
+    The verdict says whether the tolerance is reached, and whether the bound is guaranteed.
+
+    Args:
+        name: the name of the problem.
+        rows: the table ``adaptive.csv``.
+        tolerance: the tolerance for the error bound, as text.
+        stopped: why refinement ended before the tolerance was reached; empty if it was reached.
+        sentences: texts that say whether the bound is guaranteed.
+        in_time: whether the problem is in time, and not static.
+    """
+    sign, end = ("≤", "is reached") if not stopped else (">", f"is not reached: {stopped}")
+    percents = [f"{upper(percent)} %" if percent < inf else "∞" for percent in rows.percent]
+    bounds = [*rows.bound.map(upper)]
+    known = rows.error.notna().all()
+    reached = f"{bounds[-1]}, {percents[-1]} of u," if tolerance.endswith("%") else bounds[-1]
+    found = [f"{name}: {'max ' * in_time}{NORM[in_time]} ≤ {reached} {sign} {tolerance}, the tolerance {end}"]
+    found += [*(fill(sentence, width()) for sentence in sentences), ""]
+    columns = {
+        "mesh": rows["mesh"],
+        "  cells": rows["cells"],
+        "unknowns": rows.dofs,
+        " steps": rows.steps if in_time else None,
+        "     bound": bounds,
+        "   % of u": percents,
+        " order": _texts(rows.order, "{:.2f}".format, ""),
+        " in time": (100 * rows.in_time).map("{:.1f} %".format) if in_time else None,
+        "     error": rows.error.map(ERROR) if known else None,
+    }
+    found += aligned({head: cells for head, cells in columns.items() if cells is not None})
+    notes = "% of u: the bound over the least value that the norm of u can have", MEANING[in_time]
+    return [*found, "", *notes, "order: of the bound in unknowns; 1/2 is the best possible for P1"]
+
+
+def aligned(columns: Mapping[str, Iterable[object]]) -> list[str]:
+    """Return the lines of a table whose cells are aligned on the right, below heads that are as wide as their column.
+
+    Args:
+        columns: the cells of each column, by its head; blanks in front of a head make the column wider.
+    """
+    widths = [len(head) for head in columns]
+    lines = [columns, *zip(*columns.values(), strict=True)]
+    return [" ".join(f"{cell:>{k}}" for k, cell in zip(widths, line, strict=True)).rstrip() for line in lines]
+
+
+def _over_time(over_time: DataFrame, name: str) -> list[str]:
+    """Return lines with the interval of the error on the finest level, at up to ``SHOWN_TIMES`` times."""
+    finest = over_time[over_time.level == over_time.level.max()]
+    rows = finest.iloc[np.unique(np.linspace(0, len(finest) - 1, SHOWN_TIMES).round().astype(int))]
+    ratios = rows.upper / rows.lower.where(rows.lower > 0)
+    columns = {
+        "      t": rows.time.map("{:.4f}".format),
+        "    lower": rows.lower.map(lower),
+        "    error": _texts(rows.error, ERROR, "unknown"),
+        "    upper": rows.upper.map(upper),
+        "         % of u": _within(rows, "percent_low", "percent_high", PERCENT),
+        "upper/lower": _texts(ratios, "{:.3f}".format, "∞"),
+        "from u_h alone": _plain(rows),
+    }
+    return [name or f"level {finest.level.iloc[0]}", *aligned(columns)]
+
+
+def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Sequence[str] = ()) -> list[str]:
+    """Return lines with the interval of the error on each mesh, then lines with the intervals of the orders.
+
+    Names of more than ``NAME_WIDTH`` characters are cut, so that a line has at most 80 characters.
+    """
+    labels = [one if len(one) <= NAME_WIDTH else f"{one[: NAME_WIDTH - 1]}…" for one in names or map(str, table.level)]
+    kind = "file" if names else "level"
+    kind = f"{kind:>{max(len(kind), *map(len, labels))}}"
+    error = "       max error in" if in_time else "           error in"
+    columns = {
+        kind: labels,
+        error: _within(table, "lowest", "highest"),
+        "         % of u": _within(table, "percent_low", "percent_high", PERCENT),
+    }
+    columns |= {"    error": table.error.map(ERROR)} if known else {}
+    lines = aligned(columns | {"from u_h alone": _plain(table)})
+    if not table.order_low.notna().any():
+        return lines
+    orders = {f"order since {labels[0]}": "order"} | ({"since the mesh before": "pair"} if len(table) > 2 else {})
+    columns = {kind: labels[1:]}
+    for head, name in orders.items():
+        columns[f"{head:>19}"] = _within(table[1:], f"{name}_low", f"{name}_high")
+    lines += ["", *aligned(columns)]
+    if in_time:
+        steps = "the same steps on every mesh" if table.steps.nunique() == 1 else "steps that follow the mesh"
+        lines += ["", f"orders of the fully discrete u_h, with {steps}"]
+    return lines
+
+
+def _texts(numbers: Series, text: Callable[[float], str], unknown: str) -> list[str]:
+    return [unknown if isnan(number) else text(number) for number in numbers]
+
+
+def _plain(rows: DataFrame) -> list[str]:
+    return _texts(rows.plain, upper, "left out")
+
+
+def _within(rows: DataFrame, low: str, high: str, digits: int = SHOWN) -> list[str]:
+    """Return the intervals between two columns as texts, rounded outwards; the text is empty if an end is unknown."""
+    texts = []
+    for least, most in zip(rows[low], rows[high], strict=True):
+        if isnan(least):
+            texts.append("")
+        else:
+            texts.append(interval(least, most, digits) if most < inf else f"[{down(least, digits)}, ∞]")
+    return texts

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
+from pandas import DataFrame
 
 from manufactured.colours import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.fem.mesh import FAMILIES
@@ -18,7 +18,7 @@ from study.ledger.codes import MADE, Codes
 from study.ledger.controls import missed as missed_faults
 from study.ledger.datafiles import DataError, by_claim, count_verdicts
 from study.ledger.files import write_text
-from study.ledger.schema import TABLES as SCHEMA
+from study.ledger.schema import SCHEMA
 from study.ledger.schema import markdown as described
 from study.ledger.text import cell
 from study.ledger.verdict import (
@@ -34,14 +34,17 @@ from study.ledger.verdict import (
 from study.present.article import contact_codes, slips, texts
 from study.present.drawing import caption_text, in_style
 from study.present.figures import drawings
-from study.present.notation import read_page, typeset
 from study.present.picture import Picture, picture_path, read_record
 from study.present.show import write_gif
-from study.present.templates import ENVIRONMENT, MISPRINTS, FullRun, context, render
+from study.present.templates import ENVIRONMENT, MISPRINTS, FullRun, context, read_page, render, typeset
 
-BY_TABLES, BY_FIGURES, BY_PAGES = "study tables --out {}", "study figures --out {}", "make pages"
+BY_TABLES = "study tables --out {}"
+BY_FIGURES = "study figures --out {}"
+BY_PAGES = "make pages"
 """The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
-FILM, FILM_DPI, FILM_COLOURS = "hexagon", 66, 32
+README_FILM = "hexagon"
+README_DPI = 66
+README_COLOURS = 32
 """The case that the animation at the top of the README shows, its dots per inch, and the number of its colours."""
 TEXTS = read_page("results")
 """Texts about the results, which are templates."""
@@ -64,11 +67,11 @@ def main() -> None:
     data = FullRun.read(directory)
     if data is None:
         raise DataError(f"{directory} has no full run: `make full`, `study faults` and `make seeds` make it")
-    picture = Picture(read_record(picture_path(directory, FILM)))
+    picture = Picture(read_record(picture_path(directory, README_FILM)))
     # Every second time is enough, and keeps the file below 120 kB.
     picture = picture.showing(range(0, len(picture.times), 2))
     with in_style():
-        write_gif(directory / "figures" / f"{FILM}.gif", picture, lambda: None, FILM_DPI, FILM_COLOURS)
+        write_gif(directory / "figures" / f"{README_FILM}.gif", picture, lambda: None, README_DPI, README_COLOURS)
     for name, svg in badges(data, Path("pyproject.toml")).items():
         write_text(directory / "badges" / name, svg)
     for page in pages:
@@ -117,7 +120,8 @@ def expected_texts(directory: Path) -> dict[Path, tuple[str, str]]:
     expected = {path: (text, BY_TABLES) for path, text in texts(directory).items()}
     for drawing in drawings(directory):
         expected[directory / "figures" / f"{drawing.name}.txt"] = caption_text(drawing), BY_FIGURES
-    data, root = FullRun.read(directory), directory.resolve().parent
+    data = FullRun.read(directory)
+    root = directory.resolve().parent
     if data and (root / "pyproject.toml").is_file():
         for name, badge in badges(data, root / "pyproject.toml").items():
             expected[directory / "badges" / name] = badge, BY_PAGES
@@ -154,18 +158,20 @@ def sentences(data: FullRun) -> Callable[[str], str]:
 
     Templates use the names of ``context``, and those that are defined here.
     """
-    of_rough, own = data.checks("Prop. 5.3", "order"), data.checks("Thm 4.2, own space", "order-stress")
-    predicted = of_rough["case"].map(data.cases["expected_order"])
-    is_smooth = own["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
-    values = context(data) | {
-        "verdicts_in_words": verdicts_in_words,
-        "misprints": slips(data),
-        "predicted": predicted,
-        "difference": (of_rough["observed"] - predicted).abs().max(),
-        "steps": data.rates.loc[data.rates["claim"] == "Prop. 5.3", "order"].dropna(),
-        "own_smooth": own[is_smooth],
-        "own_others": own[~is_smooth],
-    }
+    of_rough = data.checks("Prop. 5.3", "order")
+    own = data.checks("Thm 4.2, own space", "order-stress")
+    predicted = of_rough.case.map(data.cases.expected_order)
+    is_smooth = own.case.isin(data.rates.loc[data.rates.claim == "Prop. 5.4", "case"])
+    values = dict(
+        context(data),
+        verdicts_in_words=verdicts_in_words,
+        misprints=slips(data),
+        predicted=predicted,
+        difference=(of_rough.observed - predicted).abs().max(),
+        steps=data.rates.loc[data.rates.claim == "Prop. 5.3", "order"].dropna(),
+        own_smooth=own[is_smooth],
+        own_others=own[~is_smooth],
+    )
     return lambda template: ENVIRONMENT.from_string(template).render(values)
 
 
@@ -180,14 +186,15 @@ def short(data: FullRun) -> str:
 
 def results(data: FullRun) -> str:
     """Return the table of results in Markdown: claims, predictions, observations rounded outwards, and verdicts."""
-    fill, lines = sentences(data), []
+    fill = sentences(data)
+    lines = []
     for line in TEXTS["lines"].values():
         verdict = fill(line["verdict"]) if "verdict" in line else _verdict(data.claims, line)
         lines.append([fill(line["claim"]), fill(line["predicted"]), fill(line["observed"]), verdict])
     return _table(["claim", "predicted", "observed", "verdict"], lines)
 
 
-def _verdict(claims: pd.DataFrame, line: Mapping[str, Any]) -> str:
+def _verdict(claims: DataFrame, line: Mapping[str, Any]) -> str:
     """Return the worst verdict on a statement, and how many of its checks have each verdict.
 
     Then follows how many of them can only fail if the program is wrong.
@@ -198,22 +205,23 @@ def _verdict(claims: pd.DataFrame, line: Mapping[str, Any]) -> str:
             test the statement directly, and ``noun``, what these checks are called. With keys, the numbers for all
             further checks follow; without, all checks are counted together.
     """
-    rows = tests = claims[claims["label"] == line["label"]]
+    rows = tests = claims[claims.label == line["label"]]
     further = ""
     if "keys" in line:
-        is_test = rows["key"].isin(line["keys"])
-        tests, further = rows[is_test], verdicts_in_words(rows[~is_test], "further checks of the same computations")
+        is_test = rows.key.isin(line["keys"])
+        tests = rows[is_test]
+        further = verdicts_in_words(rows[~is_test], "further checks of the same computations")
     count = count_verdicts(tests)
     return ENVIRONMENT.from_string(TEXTS["verdict"]).render(
         worst=next((verdict for verdict in CLAIMED if count[verdict]), REPORTED),
         tested=verdicts_in_words(tests, line.get("noun", "checks")),
         total=sum(count[verdict] for verdict in CLAIMED),
-        safe=((tests["verdict"] == HOLDS) & (tests["kind"] == CheckKind.IDENTITY)).sum(),
+        safe=((tests.verdict == HOLDS) & (tests.kind == CheckKind.IDENTITY)).sum(),
         further=further,
     )
 
 
-def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
+def verdicts_in_words(rows: DataFrame, noun: str) -> str:
     """Return "all 44 checks hold" or the number of checks for each verdict, then the number of missed predictions.
 
     ``noun`` is what the checks are called, in the plural.
@@ -235,16 +243,16 @@ def missed(data: FullRun) -> str:
         DataError: ``page/results.toml`` has no lesson for a wrong prediction.
     """
     lines = []
-    for row in data.claims[data.claims["verdict"] == MISSED].to_dict("records"):
-        lessons = TEXTS["learned"].get(row["label"], {})
-        lesson = next((lesson for key, lesson in lessons.items() if key in row["key"]), None)
+    for row in data.claims[data.claims.verdict == MISSED].itertuples():
+        lessons = TEXTS["learned"].get(row.label, {})
+        lesson = next((lesson for key, lesson in lessons.items() if key in row.key), None)
         if lesson is None:
             raise DataError(
-                f"the prediction of {row['label']}, {row['key']} for {row['case']} was missed: say in "
+                f"the prediction of {row.label}, {row.key} for {row.case} was missed: say in "
                 "study/present/page/results.toml, [learned], what was learned"
             )
-        predicted = row["expected"].removeprefix("predicted ").partition(" (wrong)")[0]
-        lines.append([row["label"], row["case"], row["quantity"], predicted, cell(row["observed"]), lesson])
+        predicted = row.expected.removeprefix("predicted ").partition(" (wrong)")[0]
+        lines.append([row.label, row.case, row.quantity, predicted, cell(row.observed), lesson])
     return _table(["statement", "case", "quantity", "predicted", "observed", "what was learned"], lines)
 
 
@@ -253,12 +261,13 @@ def missed(data: FullRun) -> str:
 
 def statements(data: FullRun) -> str:
     """Return all claims in Markdown: verdicts, cases, the command that measures them, tables, figures and data."""
-    lines, shown = [], TEXTS["shown"]
-    for label, claim, rows in by_claim(data.claims[~data.claims["label"].isin((MISPRINTS, NOT_TESTED, NO_ROW))]):
+    lines = []
+    shown = TEXTS["shown"]
+    for label, claim, rows in by_claim(data.claims[~data.claims.label.isin((MISPRINTS, NOT_TESTED, NO_ROW))]):
         where = data.provenance["statements"][label]
         moved = (MOVED.get(path, path) for path in where["code"])
         code = next((path for path in moved if (REPOSITORY / path).is_file()), "study/run/provenance.py")
-        cases = rows["case"].unique()
+        cases = rows.case.unique()
         more = f" and {len(cases) - 1} more" if len(cases) > 1 else ""
         command = TEXTS["commands"].get(label, "make study").format(cases[0])
         places = [shown[name] for name in (label, *where["data"]) if name in shown] or [shown["ledger"]]
@@ -275,7 +284,7 @@ def statements(data: FullRun) -> str:
     return markdown(["claim, with its code", "checks", "cases", "command", "tables and figures; data"], lines)
 
 
-def _verdicts(rows: pd.DataFrame) -> str:
+def _verdicts(rows: DataFrame) -> str:
     """Return the number of checks with each verdict, as in "3 holds, 1 undecided"."""
     return ", ".join(f"{count} {name}" for name, count in count_verdicts(rows).items() if count)
 
@@ -319,7 +328,7 @@ def badge(name: str, says: str, colour: str) -> str:
 
     The width follows from the number of letters.
     """
-    return render("badge.svg", {"name": name, "says": says, "colour": colour, "dark": DARK}) + "\n"
+    return render("badge.svg", name=name, says=says, colour=colour, dark=DARK) + "\n"
 
 
 def badges(data: FullRun, project: Path) -> dict[str, str]:
@@ -328,7 +337,8 @@ def badges(data: FullRun, project: Path) -> dict[str, str]:
     ``project`` is the path of ``pyproject.toml``.
     """
     stated = tomllib.loads(project.read_text(encoding="utf-8"))["project"]
-    count, injected = count_verdicts(data.claims), data.faults["fault"].nunique()
+    count = count_verdicts(data.claims)
+    injected = data.faults.fault.nunique()
     noticed = injected - len(missed_faults(data.faults))
     ledger = VERMILLION if count[FAILS] else ORANGE if count[UNDECIDED] else GREEN
     rows = f"{count[HOLDS]} rows hold, {count[UNDECIDED]} undecided, {count[FAILS]} fail"

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, fields
+from json import loads
+from math import inf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from pandas import DataFrame
 
 from study.ledger.datafiles import DataError, made_by, read_csv, read_uncompressed
-from study.ledger.pictures import Facets, Packed
+from study.ledger.files import Json
+from study.ledger.pictures import Facets, Numbers, Packed
 
 Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 ZONE_SAMPLES = 10_001
 """The number of positions along a face at which exact and computed contact zones are compared."""
 Interval = tuple[float, float]
@@ -49,17 +53,17 @@ class FaceHistory:
     pressure_exact: Array
 
     @property
-    def touching(self) -> NDArray[np.bool_]:
+    def touching(self) -> Bools:
         """Whether each node is in contact at each time, (times, nodes)."""
         return self.pressure > CONTACT_SHARE * self.pressure.max(initial=0.0)
 
     @property
-    def inside(self) -> NDArray[np.bool_]:
+    def inside(self) -> Bools:
         """Whether each node is in the exact contact zone at each time, (times, nodes)."""
         raise NotImplementedError
 
     @property
-    def outside(self) -> NDArray[np.bool_]:
+    def outside(self) -> Bools:
         """Whether each node is in contact outside the exact zone at each time, (times, nodes).
 
         At the first time, at which nothing has been solved, all entries are false.
@@ -87,7 +91,7 @@ class Segment(FaceHistory):
     line_pressure: Array
 
     @property
-    def inside(self) -> NDArray[np.bool_]:
+    def inside(self) -> Bools:
         """Whether each node is in the exact contact zone at each time, (times, nodes)."""
         return self.depth(map(self.exact_zone, self.times), self.s) >= 0
 
@@ -123,10 +127,10 @@ class Segment(FaceHistory):
         """
         depths = []
         for zone in zones:
-            depth = np.full(len(s), -np.inf)
+            depth = np.full(len(s), -inf)
             for left, right in zone:
-                from_left = s - left if left > s.min() else np.inf
-                from_right = right - s if right < s.max() else np.inf
+                from_left = s - left if left > s.min() else inf
+                from_right = right - s if right < s.max() else inf
                 depth = np.maximum(depth, np.minimum(from_left, from_right))
             depths.append(depth)
         return np.array(depths)
@@ -145,11 +149,11 @@ class Polygon(FaceHistory):
     """
 
     facets: Facets
-    nodes: NDArray[np.int64]
+    nodes: Numbers
     level: Array
 
     @property
-    def inside(self) -> NDArray[np.bool_]:
+    def inside(self) -> Bools:
         """Whether each node is in the exact contact zone at each time, (times, nodes)."""
         return self.level[:, : len(self.nodes)] >= 0
 
@@ -178,8 +182,10 @@ class Picture:
             displacements or stresses do not agree with the mesh.
     """
 
-    def __init__(self, record: Mapping[str, Any]) -> None:
-        self.case, self.family, self.level = str(record["case"]), str(record["family"]), int(record["level"])
+    def __init__(self, record: Json) -> None:
+        self.case = str(record["case"])
+        self.family = str(record["family"])
+        self.level = int(record["level"])
         self.times, self.vertices = (np.array(record[name], dtype=float) for name in ("times", "vertices"))
         self.cells = np.array(record["cells"], dtype=np.int64)
         self.displacement, self.von_mises = (Packed.read(record[name]).values for name in ("displacement", "von_mises"))
@@ -206,7 +212,7 @@ class Picture:
         return [face for face in self.faces if isinstance(face, Polygon)]
 
     @property
-    def on_faces(self) -> pd.DataFrame:
+    def on_faces(self) -> DataFrame:
         """Gap and pressure, computed and exact, with one row for each time and node of a contact face."""
         tables = []
         for face in self.faces:
@@ -214,7 +220,7 @@ class Picture:
             columns |= {f"x{i}": np.tile(x, len(face.times)) for i, x in enumerate(face.x, start=1)}
             for name in ("gap", "gap_exact", "pressure", "pressure_exact"):
                 columns[name] = getattr(face, name).ravel()
-            tables.append(pd.DataFrame(columns))
+            tables.append(DataFrame(columns))
         return pd.concat(tables)
 
     def showing(self, instants: Sequence[int]) -> Picture:
@@ -255,7 +261,7 @@ def read_values(entry: Any) -> Array:
     return Packed.read(entry).values if isinstance(entry, Mapping) else np.array(entry, dtype=float)
 
 
-def _face(record: Mapping[str, Any], times: Array, cells: NDArray[np.int64], plane: bool) -> FaceHistory:
+def _face(record: Json, times: Array, cells: Numbers, plane: bool) -> FaceHistory:
     """Return a contact face from its entry in the JSON file of a run.
 
     Parameters:
@@ -265,12 +271,14 @@ def _face(record: Mapping[str, Any], times: Array, cells: NDArray[np.int64], pla
         plane: whether the body is two-dimensional.
     """
     names = [field.name for field in fields(FaceHistory) if field.name not in ("times", "number")]
-    common: dict[str, Any] = {name: read_values(record[name]) for name in names}
+    common: Json = {name: read_values(record[name]) for name in names}
     common |= {"times": times, "number": int(record["face"])}
     if not plane:
-        nodes, level = np.array(record["nodes"], dtype=np.int64), read_values(record["level_exact"])
+        nodes = np.array(record["nodes"], dtype=np.int64)
+        level = read_values(record["level_exact"])
         return Polygon(**common, facets=Facets.between(nodes, cells), nodes=nodes, level=level)
-    zone, line = record["zone_exact"], record["line"]
+    zone = record["zone_exact"]
+    line = record["line"]
     return Segment(
         **common,
         zone_times=np.array(zone["times"], dtype=float),
@@ -286,9 +294,9 @@ def picture_path(directory: Path, case: str) -> Path:
     return directory / "data" / "pictures" / f"{case}.json.gz"
 
 
-def read_record(path: Path) -> dict[str, Any]:
+def read_record(path: Path) -> Json:
     """Return the content of a compressed JSON file; raises ValueError if the file is damaged."""
-    record: dict[str, Any] = json.loads(read_uncompressed(path))
+    record: Json = loads(read_uncompressed(path))
     return record
 
 

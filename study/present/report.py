@@ -2,17 +2,16 @@
 
 import re
 from base64 import b64encode
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from hashlib import sha256
 from io import BytesIO, StringIO
 from itertools import repeat
+from math import nan
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-import pandas as pd
 from markupsafe import Markup
 from matplotlib import rcParams
+from pandas import DataFrame
 from PIL import Image
 
 from study.ledger.datafiles import (
@@ -25,21 +24,23 @@ from study.ledger.datafiles import (
     read_csv,
     read_rates,
 )
-from study.ledger.files import write_text
+from study.ledger.files import Json, write_text
 from study.ledger.text import cell, significant
 from study.present import tables
 from study.present.charts import enclosed_series, finest_orders, order_differences
-from study.present.drawing import Drawing, Output, in_style
+from study.present.drawing import Drawing, Output, RunMap, in_style
 from study.present.figures import figure
-from study.present.notation import counted, read_page, typeset
 from study.present.outcome import orders_text, printed
 from study.present.picture import Picture, picture_path, read_record
 from study.present.show import film_images, image_of
 from study.present.tables import Table
-from study.present.templates import render
+from study.present.templates import counted, read_page, render, typeset
 
 CHECKS = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
-FRAME_STEP, FRAME_DPI, ZONE_DPI, QUALITY = 4, 110, 160, 25
+FRAME_STEP = 4
+FRAME_DPI = 110
+ZONE_DPI = 160
+QUALITY = 25
 """Animations show every fourth time; dots per inch of their images and of contact zones; WebP quality, 0 to 100."""
 WEB = Output("web")
 
@@ -47,7 +48,7 @@ PAGE_TEXTS = read_page("texts")
 """Texts of the page: ``meanings``, verdict ↦ its meaning, and ``letters``, table or place ↦ symbol ↦ its meaning."""
 
 
-def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[..., Iterable[Any]] = map) -> Path:
+def write_report(directory: Path, provenance: Json, run_map: RunMap = map) -> Path:
     """Write the report page ``directory/report.html`` from the files in ``directory/data``, and return its path.
 
     Parameters:
@@ -59,39 +60,44 @@ def write_report(directory: Path, provenance: dict[str, Any], run_map: Callable[
         StoreError: the directory cannot be written.
         DataError: a data file is missing, damaged or written by an older version; then nothing is written.
     """
-    claims, rates = read_claims(directory), read_rates(directory)
-    smooth, predicted = rates[rates["claim"] == "Prop. 5.4"], expected_orders(directory, rates)
+    claims = read_claims(directory)
+    rates = read_rates(directory)
+    smooth = rates[rates.claim == "Prop. 5.4"]
+    predicted = expected_orders(directory, rates)
     statements = provenance.get("statements", {})
     # A statement with the code files that judge it and its checks. A label with two statements gives two groups.
-    groups: list[dict[str, Any]] = [
-        {
-            "label": label,
-            "says": says,
-            "counts": count_verdicts(rows),
-            "judges": statements.get(label, {"code": []})["code"],
-            "rows": rows[CHECKS].to_numpy().tolist(),
-        }
+    groups: list[Json] = [
+        dict(
+            label=label,
+            says=says,
+            counts=count_verdicts(rows),
+            judges=statements.get(label, {"code": []})["code"],
+            rows=rows[CHECKS].to_numpy().tolist(),
+        )
         for label, says, rows in by_claim(all_rows(directory))
     ]
-    cases, counts = case_pages(directory, claims, rates, run_map), count_verdicts(claims)
-    values = {
-        "counts": counts,
-        "conclusion": printed("conclusion", count=counts, orders=orders_text(directory)),
+    cases = case_pages(directory, claims, rates, run_map)
+    counts = count_verdicts(claims)
+    page = render(
+        "page.html",
+        PAGE_TEXTS,
+        counts=counts,
+        conclusion=printed("conclusion", count=counts, orders=orders_text(directory)),
         # The page opens with the 2D case that has the most contact faces.
-        "shown": max(cases, key=lambda case: (case["facts"]["dimension"] == 2) * case["faces"]),
-        "collapsed": svg_chart(figure("collapsed", smooth)) if len(smooth) else "",
-        "orders": svg_chart(figure("orders", rates, predicted)) if len(order_differences(rates, predicted)) else "",
-        "groups": groups,
-        "cases": cases,
-        "bounds": tables.bounds(directory),
-        "faults": tables.faults(directory),
-        "provenance": provenance,
-        "files": _files(directory),
-    }
-    return write_text(directory / "report.html", render("page.html", PAGE_TEXTS | values) + "\n")
+        shown=max(cases, key=lambda case: (case["facts"]["dimension"] == 2) * case["faces"]),
+        collapsed=svg_chart(figure("collapsed", smooth)) if len(smooth) else "",
+        orders=svg_chart(figure("orders", rates, predicted)) if len(order_differences(rates, predicted)) else "",
+        groups=groups,
+        cases=cases,
+        bounds=tables.bounds(directory),
+        faults=tables.faults(directory),
+        provenance=provenance,
+        files=_files(directory),
+    )
+    return write_text(directory / "report.html", f"{page}\n")
 
 
-def all_rows(directory: Path) -> pd.DataFrame:
+def all_rows(directory: Path) -> DataFrame:
     """Return the texts of all cells of the ledger."""
     return tables.all_checks(directory).map(cell)
 
@@ -101,14 +107,13 @@ def _files(directory: Path) -> Table:
     data = directory / "data"
     rows = []
     for path in sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json.gz")]):
-        name, content = path.relative_to(data).as_posix(), path.read_bytes()
-        rows.append({"file": name, "size": significant(len(content) / 1000), "sha": sha256(content).hexdigest()})
-    return Table.of("files", pd.DataFrame(rows), grouped=0)
+        name = path.relative_to(data).as_posix()
+        content = path.read_bytes()
+        rows.append(dict(file=name, size=significant(len(content) / 1000), sha=sha256(content).hexdigest()))
+    return Table.of("files", DataFrame(rows), grouped=0)
 
 
-def case_pages(
-    directory: Path, claims: pd.DataFrame, rates: pd.DataFrame, run_map: Callable[..., Iterable[Any]]
-) -> list[dict[str, Any]]:
+def case_pages(directory: Path, claims: DataFrame, rates: DataFrame, run_map: RunMap) -> list[Json]:
     """Return the texts, pictures and tables of each case on the report page, in the order of ``cases.csv``.
 
     The entries of a case are
@@ -135,28 +140,28 @@ def case_pages(
     pages = []
     cases = read_csv(directory, "cases.csv")
     # No order is proved for some cases, which the template writes as an empty text.
-    for fact in cases.replace({"proved_order": {np.nan: None}}).to_dict("records"):
+    for fact in cases.replace({"proved_order": {nan: None}}).to_dict("records"):
         name = fact["case"]
-        errors = rates[rates["case"] == name]
+        errors = rates[rates.case == name]
         orders = sorted(finest_orders(errors, refinements=2).values())
         charts = [figure("convergence", errors, fact["expected_order"], name=name)] if len(errors) else []
-        enclosed = enclosed_series(enclosures[enclosures["case"] == name])
+        enclosed = enclosed_series(enclosures[enclosures.case == name])
         charts += [figure("enclosure", rows, title, name=title) for _, rows, title in enclosed]
         of_case = [(caption, table.of_case(name)) for caption, table in shown]
-        page = {
-            "name": name,
-            "facts": fact,
-            "counts": count_verdicts(claims[claims["case"] == name]),
-            "observed": " – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
-            "charts": charts,
-            "tables": [(caption, table) for caption, table in of_case if table.rows],
-        }
+        page = dict(
+            name=name,
+            facts=fact,
+            counts=count_verdicts(claims[claims.case == name]),
+            observed=" – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
+            charts=charts,
+            tables=[(caption, table) for caption, table in of_case if table.rows],
+        )
         pages.append(page)
-    pictures = run_map(draw_case, repeat(directory), cases["case"], [page["charts"] for page in pages])
+    pictures = run_map(draw_case, repeat(directory), cases.case, [page["charts"] for page in pages])
     return [page | drawn for page, drawn in zip(pages, pictures, strict=True)]
 
 
-def draw_case(directory: Path, case: str, charts: Sequence[Drawing]) -> dict[str, Any]:
+def draw_case(directory: Path, case: str, charts: Sequence[Drawing]) -> Json:
     """Return the pictures of a case: ``charts`` in HTML, the number of contact ``faces``, ``frames``, and ``zone``.
 
     ``frames`` are the images of the animation, each as its text and its address, which contains the image. ``zone`` is
@@ -182,7 +187,7 @@ def draw_case(directory: Path, case: str, charts: Sequence[Drawing]) -> dict[str
         images = film_images(film, FRAME_DPI, upright=True)
         frames = [(_frame_text(film, at), _address(image)) for at, image in zip(film.shown, images, strict=True)]
         zone = drawing.caption, _address(image_of(drawing.draw(), ZONE_DPI))
-    return {"charts": [*map(svg_chart, charts)], "faces": len(picture.faces), "frames": frames, "zone": zone}
+    return dict(charts=[*map(svg_chart, charts)], faces=len(picture.faces), frames=frames, zone=zone)
 
 
 def _frame_text(picture: Picture, instant: int) -> str:

@@ -1,12 +1,11 @@
 """The files of ``study show``: a storyboard and an animation of one case, and files for ParaView."""
 
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import meshio  # type: ignore[import-untyped]
 import numpy as np
@@ -20,19 +19,30 @@ from matplotlib.patches import Patch
 from PIL import Image
 
 from manufactured.colours import BLACK, SKY, VERMILLION
-from study.ledger.files import write_text, write_whole
+from study.ledger.files import Json, Paths, write_text, write_whole
 from study.ledger.pictures import MeshFields, MeshSeries
-from study.present.body import ROUND_OFF, BodyScale, draw_deformed_mesh, draw_keys, draw_shapes
-from study.present.contact import NODES, draw_map, draw_profile
+from study.present.body import (
+    NEGLIGIBLE_CONTACT,
+    NODES,
+    BodyScale,
+    draw_deformed_mesh,
+    draw_keys,
+    draw_map,
+    draw_profile,
+    draw_shapes,
+)
 from study.present.drawing import RAMPS, RIM, column_width, dots, entry, in_style, page_width
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment
 
-MOMENTS, COLUMNS = 6, 3
+MOMENTS = 6
+COLUMNS = 3
 """The number of images of the storyboard, and the number of its columns."""
-STORYBOARD_DPI, FILM_DPI = 200, 110
-COLOURS = 128
+STORYBOARD_DPI = 200
+FILM_DPI = 110
+GIF_COLOURS = 128
 """The number of colours of a GIF; with much fewer colours, small arrows get the colour of the stress around them."""
-PER_SECOND, HOLD = 8, 1000
+PER_SECOND = 8
+HOLD = 1000
 """The frames per second of animations, and the milliseconds for which a GIF shows its last frame."""
 
 
@@ -40,8 +50,8 @@ NO_FFMPEG = "ffmpeg is missing: install it, or `python -m pip install imageio-ff
 
 
 def draw_show(
-    record: Mapping[str, Any], series: MeshSeries, directory: Path, notify: Callable[[], object] = lambda: None
-) -> tuple[list[Path], list[str]]:
+    record: Json, series: MeshSeries, directory: Path, notify: Callable[[], object] = lambda: None
+) -> tuple[Paths, list[str]]:
     """Write ``storyboard.png``, ``animation.gif``, ``animation.mp4`` and ``vtk/`` into a directory.
 
     Parameters:
@@ -79,14 +89,15 @@ def draw_storyboard(picture: Picture) -> Figure:
     """Draw the deformed body with stress and contact at ``MOMENTS`` times, evenly spaced from the first to the last."""
     chosen = np.linspace(0, len(picture.shown) - 1, MOMENTS).round().astype(int)
     picture = picture.showing([picture.shown[n] for n in chosen])
-    rows, width = MOMENTS // COLUMNS, (page_width() - 0.8) / COLUMNS
+    rows = MOMENTS // COLUMNS
+    width = (page_width() - 0.8) / COLUMNS
     figure = Figure(figsize=(page_width(), 0.8 + rows * (0.2 + width * BodyScale(picture).aspect)))
     draw_shapes(figure, figure.subplots(rows, COLUMNS).ravel(), picture, width, 4, fraction=0.04, shrink=0.8)
     return figure
 
 
 def write_gif(
-    path: Path, picture: Picture, notify: Callable[[], object], dpi: int = FILM_DPI, colours: int = COLOURS
+    path: Path, picture: Picture, notify: Callable[[], object], dpi: int = FILM_DPI, colours: int = GIF_COLOURS
 ) -> Path:
     """Write an animated GIF with a frame for each time in ``picture.shown``.
 
@@ -132,13 +143,14 @@ def write_mp4(path: Path, picture: Picture) -> Path | None:
     if not ffmpeg:
         return None
     rcParams["animation.ffmpeg_path"] = ffmpeg
-    film = _film_axes(picture, FILM_DPI)
+    frames = _frames(picture, FILM_DPI)
     # The file has a temporary name that does not tell ffmpeg the format.
     writer = FFMpegWriter(fps=PER_SECOND, extra_args=["-f", "mp4"])
 
     def write(part: Path) -> None:
-        with writer.saving(film[0], str(part), FILM_DPI):
-            for _ in _frames(picture, film):
+        with writer.saving(next(frames), str(part), FILM_DPI):
+            writer.grab_frame()
+            for _ in frames:
                 writer.grab_frame()
 
     return write_whole(path, write)
@@ -153,9 +165,8 @@ def film_images(picture: Picture, dpi: int, upright: bool = False) -> Iterator[I
         upright: whether the pressure is drawn below the body, not beside it, and the body without the edges of its
             mesh, which would take most of the size of a frame.
     """
-    film = _film_axes(picture, dpi, upright)
-    for _ in _frames(picture, film, upright):
-        yield image_of(film[0], dpi)
+    for figure in _frames(picture, dpi, upright):
+        yield image_of(figure, dpi)
 
 
 def image_of(figure: Figure, dpi: int) -> Image.Image:
@@ -166,7 +177,7 @@ def image_of(figure: Figure, dpi: int) -> Image.Image:
     return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
 
 
-def _film_axes(picture: Picture, dpi: int, upright: bool = False) -> tuple[Figure, Axes, Array]:
+def _film_axes(picture: Picture, dpi: int, upright: bool) -> tuple[Figure, Axes, Array]:
     """Return an empty figure for an animation, its axes for the body, and its axes for each contact face."""
     faces = len(picture.faces)
     aspect = min(BodyScale(picture).aspect, 1.2)
@@ -185,13 +196,15 @@ def _film_axes(picture: Picture, dpi: int, upright: bool = False) -> tuple[Figur
     return figure, body, grid[1].subgridspec(faces, 1).subplots(squeeze=False)[:, 0]
 
 
-def _frames(picture: Picture, film: tuple[Figure, Axes, Array], upright: bool = False) -> Iterator[None]:
+def _frames(picture: Picture, dpi: int, upright: bool = False) -> Iterator[Figure]:
     """Draw the frames of an animation one after the other: the body, and the pressure on its contact faces.
 
+    The parameters are those of ``film_images``.
+
     Yields:
-        Nothing, after each frame, so that the caller can save the frame.
+        The figure, which is the same for all frames, after each frame, so that the caller can save the frame.
     """
-    figure, body, panels = film
+    figure, body, panels = _film_axes(picture, dpi, upright)
     scale = BodyScale(picture)
     columns = (1 if picture.polygons else 2) if upright else 4
     draw_keys(
@@ -217,7 +230,7 @@ def _frames(picture: Picture, film: tuple[Figure, Axes, Array], upright: bool = 
             # Later frames keep the layout of the first frame, so that nothing jumps.
             figure.canvas.draw()
             figure.set_layout_engine("none")
-        yield
+        yield figure
 
 
 def _pressure_handles(picture: Picture) -> list[Artist]:
@@ -251,20 +264,21 @@ def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int
         axes.axvspan(start, end, color=SKY, alpha=0.35, lw=0)
     draw_profile(axes, face, face.line_pressure[instant], face.pressure[instant], VERMILLION)
     top = max(face.pressure.max(), face.line_pressure.max())
-    axes.set(ylim=(0, 1.08 * top if top > ROUND_OFF else 1), xlabel=f"$s$ on {name}", ylabel="pressure $p$")
+    axes.set(ylim=(0, 1.08 * top if top > NEGLIGIBLE_CONTACT else 1), xlabel=f"$s$ on {name}", ylabel="pressure $p$")
 
 
-def write_vtk(directory: Path, name: str, series: MeshSeries) -> list[Path]:
+def write_vtk(directory: Path, name: str, series: MeshSeries) -> Paths:
     """Write the files ``name-000.vtu``, ``name-001.vtu``, …, one for each time, and ``name.pvd``, which lists them."""
-    root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
-    collection, files = ElementTree.SubElement(root, "Collection"), []
+    root = Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
+    collection = SubElement(root, "Collection")
+    files = []
     for number, fields in enumerate(series.fields):
         mesh = mesh_of(series, fields)
         files.append(write_whole(directory / f"{name}-{number:03d}.vtu", partial(mesh.write, file_format="vtu")))
         time = f"{fields.time:.12g}"
-        ElementTree.SubElement(collection, "DataSet", timestep=time, group="", part="0", file=files[-1].name)
-    ElementTree.indent(root)
-    text = ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
+        SubElement(collection, "DataSet", timestep=time, group="", part="0", file=files[-1].name)
+    indent(root)
+    text = tostring(root, encoding="unicode", xml_declaration=True) + "\n"
     return [write_text(directory / f"{name}.pvd", text), *files]
 
 

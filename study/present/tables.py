@@ -5,20 +5,20 @@ Numbers have four significant digits, orders three decimals. The three files of 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
+from math import nan
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from pandas import DataFrame, Series
 
 from study.ledger.controls import summary
 from study.ledger.datafiles import read_claims, read_csv, read_rates, since_before
 from study.ledger.text import cell
 from study.ledger.verdict import NOWHERE
-from study.present.notation import encode, folding, prose, read_page
-from study.present.templates import render
+from study.present.templates import encode, folding, prose, read_page, render
 
 TABLE_COLUMNS: dict[str, list[dict[str, Any]]] = read_page("tables")
 """Name of a table ↦ groups of columns: the kind of the columns ↦ names and headings, and perhaps their width."""
@@ -72,15 +72,15 @@ class Table:
 
     name: str
     columns: Sequence[Column]
-    cells: pd.DataFrame
+    cells: DataFrame
     grouped: int = 0
 
     @classmethod
-    def of(cls, name: str, values: pd.DataFrame, grouped: int = 2) -> Table:
+    def of(cls, name: str, values: DataFrame, grouped: int = 2) -> Table:
         """Return the table with the columns of ``page/tables.toml`` and these values."""
         columns = columns_of(name)
         cells = {column.name: [column.text(value) for value in values[column.name]] for column in columns}
-        return cls(name, columns, pd.DataFrame(cells, dtype=str), grouped)
+        return cls(name, columns, DataFrame(cells, dtype=str), grouped)
 
     @property
     def rows(self) -> list[list[str]]:
@@ -90,7 +90,7 @@ class Table:
     def of_case(self, case: str) -> Table:
         """Return the table of the rows of one case, without the columns ``case`` and ``claim``."""
         columns = [column for column in self.columns if column.name not in ("case", "claim")]
-        rows = self.cells.loc[self.cells["case"] == case, [column.name for column in columns]]
+        rows = self.cells.loc[self.cells.case == case, [column.name for column in columns]]
         return Table(self.name, columns, rows)
 
     def texts(self, directory: Path) -> dict[Path, str]:
@@ -99,8 +99,8 @@ class Table:
             (titles, rows.iloc[:, self.grouped :].to_numpy().tolist())
             for titles, rows in self.cells.groupby([*self.cells.columns[: self.grouped]], sort=False)
         ]
-        values = {"columns": self.columns[self.grouped :], "groups": groups}
-        texts = {form: render(f"table.{form}.j2", values) for form in ("md", "tex")}
+        columns = self.columns[self.grouped :]
+        texts = {form: render(f"table.{form}.j2", columns=columns, groups=groups) for form in ("md", "tex")}
         texts["csv"] = self.cells.to_csv(index=False, lineterminator="\n")
         return {directory / f"{self.name}.{form}": text for form, text in texts.items()}
 
@@ -119,10 +119,10 @@ def columns_of(name: str) -> list[Column]:
 def rates(directory: Path) -> Table:
     """Return the table of errors and orders on all levels."""
     values = read_rates(directory)
-    return Table.of("rates", values.assign(time_share_percent=100 * values["time_share"]), grouped=4)
+    return Table.of("rates", values.assign(time_share_percent=100 * values.time_share), grouped=4)
 
 
-def all_checks(directory: Path) -> pd.DataFrame:
+def all_checks(directory: Path) -> DataFrame:
     """Return ``claims.csv`` with empty cells ``low`` and ``high`` instead of the range −∞ to ∞.
 
     This range means that nothing was measured.
@@ -138,7 +138,7 @@ def ledger(directory: Path) -> Table:
     The row has the range of their observed values, the smallest low end and the largest high end.
     """
 
-    def few_names(cases: pd.Series) -> str:
+    def few_names(cases: Series) -> str:
         names = cases.unique()
         return ", ".join(names) if len(names) <= 3 else f"{len(names)} cases"
 
@@ -158,7 +158,7 @@ def equivalence(directory: Path) -> Table:
 def stresses(directory: Path) -> Table:
     """Return the table of errors of Problem 3.2 with its own space for stresses, with the orders of the stress."""
     values = _read(directory, "stresses", "h", "time_share")
-    values = values.assign(order=math.nan, time_share_percent=100 * values["time_share"])
+    values = values.assign(order=nan, time_share_percent=100 * values.time_share)
     series = [rows.sort_values("level") for _, rows in values.groupby(["case", "family"], sort=False)]
     for rows in series:
         rows["order"] = since_before(rows, "stress")
@@ -176,10 +176,10 @@ def faults(directory: Path) -> Table | None:
     return Table.of("faults", summary(read_csv(directory, "faults.csv"))) if measured else None
 
 
-TABLES: tuple[Callable[[Path], Table | None], ...] = (rates, ledger, equivalence, stresses, bounds, faults)
+RUN_TABLES: tuple[Callable[[Path], Table | None], ...] = (rates, ledger, equivalence, stresses, bounds, faults)
 
 
-def _read(directory: Path, name: str, *more: str) -> pd.DataFrame:
+def _read(directory: Path, name: str, *more: str) -> DataFrame:
     """Return the data file of a table; raise DataError if it is missing or lacks a column of the table."""
     derived = ("order", "time_share_percent") if name == "stresses" else ()
     names = [column.name for column in columns_of(name) if column.name not in derived]

@@ -10,11 +10,8 @@ from __future__ import annotations
 
 import gc
 import logging
-import math
-import multiprocessing
 import os
 import re
-import signal
 import socket
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
@@ -22,7 +19,10 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import cycle
+from math import inf
+from multiprocessing import active_children, parent_process
 from pathlib import Path
+from signal import SIG_IGN, SIGINT, signal
 from threading import Thread
 from typing import Any, ParamSpec, TypeVar
 
@@ -33,10 +33,10 @@ from manufactured.self_proof import SelfProofError, examine
 from study.fem.naming import name_of, resolve
 from study.ledger.files import JobsError, UsageError
 from study.run.fingerprint import ALL_CODE, code_hash, of_solution, problem, versions
-from study.run.plan import Job, Result
+from study.run.plan import Job, Jobs, Result
 from study.run.store import Store
 from study.statements.enclosure import resolve_problem
-from study.statements.shared import estimates
+from study.statements.shared.estimates import bound, require_factorisation
 
 P = ParamSpec("P")
 Returned = TypeVar("Returned")
@@ -92,18 +92,18 @@ class Processes(Executor):
         """
         if kind is not KeyboardInterrupt:
             return self.shutdown()
-        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-        for worker in multiprocessing.active_children():
+        before = signal(SIGINT, SIG_IGN)
+        for worker in active_children():
             worker.kill()
         self.shutdown()
-        signal.signal(signal.SIGINT, before)
+        signal(SIGINT, before)
         return None
 
 
 def _end_with_parent() -> None:
     # Ctrl-C reaches all processes of a terminal. The main process ends the workers.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = multiprocessing.parent_process()
+    signal(SIGINT, SIG_IGN)
+    parent = parent_process()
     assert parent is not None
 
     def watch() -> None:
@@ -145,14 +145,14 @@ def unfinished(jobs: Sequence[AnyJob], store: Store) -> list[AnyJob]:
     return sorted(missing, key=lambda job: -job.cost)
 
 
-def refuse_too_large(jobs: Sequence[Job], pool: Pool) -> None:
+def refuse_too_large(jobs: Jobs, pool: Pool) -> None:
     """Raise UsageError if the largest job needs more memory than is available."""
     if jobs:
         largest = max(jobs, key=lambda job: job.memory)
         require(largest.key, largest.memory, pool.each)
 
 
-def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> None:
+def execute(jobs: Jobs, store: Store, pool: Pool, notify: Notify) -> None:
     """Run the jobs whose results are not stored, and store each result when its job ends.
 
     If a worker is killed, its job may have used too much memory. The job waits until all other jobs have ended, and
@@ -210,9 +210,7 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
         raise JobsError("\n".join([f"{len(failures)} job(s) failed, all other results are stored:", *failures]))
 
 
-def next_job(
-    waiting: Sequence[Job], running: Sequence[Job], suspects: set[str], case: str, together: float
-) -> Job | None:
+def next_job(waiting: Jobs, running: Jobs, suspects: set[str], case: str, together: float) -> Job | None:
     """Return the job that an idle worker starts now; None if it must wait.
 
     Parameters:
@@ -252,14 +250,15 @@ def _failure(job: Job, future: Future[Result]) -> str:
     return f"{job.key}: {type(error).__name__}: {error}" if error else ""
 
 
-def require(what: str, need: float, room: float) -> None:
+def require(what: str, need: float, room: float | None = None) -> None:
     """Raise UsageError if a computation needs more memory than is available.
 
     Parameters:
         what: the computation in words, for the message.
         need: needed memory in bytes.
-        room: available memory in bytes.
+        room: available memory in bytes; by default that of this process.
     """
+    room = available() if room is None else room
     if need > room:
         raise UsageError(
             f"{what} needs about {need / GIB:.1f} GiB of memory, {room / GIB:.1f} GiB are available; take coarser "
@@ -276,8 +275,8 @@ def require_bound(what: str, cells: int, refinements: int) -> None:
         cells: the number of its cells.
         refinements: how often it is refined for the bound.
     """
-    require(what, estimates.bound(cells, refinements), available())
-    estimates.require_factorisation(cells, refinements)
+    require(what, bound(cells, refinements))
+    require_factorisation(cells, refinements)
 
 
 def available(root: Path = Path("/")) -> float:
@@ -455,7 +454,7 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
             return f"the Dask scheduler at {address} {LOST}"
         return "" if workers.keys() & present.keys() else f"the last worker of the cluster at {address} {LOST}"
 
-    return Pool([executor] * len(workers), each, math.inf, failure)
+    return Pool([executor] * len(workers), each, inf, failure)
 
 
 def identity(references: Sequence[str]) -> dict[str, str]:

@@ -12,19 +12,20 @@ value, because the file of a user may replace functions of this program or of a 
 """
 
 import ast
-import hashlib
 import platform
 import uuid
+from ast import Constant, Expr, Import, ImportFrom, NodeTransformer
 from collections.abc import Iterable, Set
 from dataclasses import fields, is_dataclass, replace
 from enum import Enum
 from functools import cache
+from hashlib import sha256
 from importlib.metadata import version
 from importlib.util import resolve_name
 from pathlib import Path
 
 import numpy as np
-import sympy as sp
+from sympy import Basic, preorder_traversal, srepr
 
 from manufactured.body import Kind
 from manufactured.case import Case
@@ -171,13 +172,14 @@ def _parsed(module: str) -> tuple[str, frozenset[str]]:
 
     Not all of these files exist.
     """
-    tree, names = ast.parse((ROOT / module).read_text(encoding="utf-8")), set[str]()
+    tree = ast.parse((ROOT / module).read_text(encoding="utf-8"))
+    names = set[str]()
     package = ".".join(Path(module).parent.parts)
     for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom):
+        if isinstance(node, ImportFrom):
             source = resolve_name("." * node.level + (node.module or ""), package)
             names |= {source, *(f"{source}.{alias.name}" for alias in node.names)}
-        elif isinstance(node, ast.Import):
+        elif isinstance(node, Import):
             names |= {alias.name for alias in node.names}
     return _digest(ast.dump(_WithoutTexts().visit(tree))), frozenset(file for name in names for file in _files(name))
 
@@ -186,11 +188,11 @@ def _hash_of(modules: Iterable[str]) -> str:
     return _digest([(module, _parsed(module)[0]) for module in sorted(modules)])
 
 
-class _WithoutTexts(ast.NodeTransformer):
+class _WithoutTexts(NodeTransformer):
     """Removes docstrings and other strings that are statements from a syntax tree."""
 
-    def visit_Expr(self, node: ast.Expr) -> ast.Expr | None:
-        is_text = isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+    def visit_Expr(self, node: Expr) -> Expr | None:
+        is_text = isinstance(node.value, Constant) and isinstance(node.value.value, str)
         return None if is_text else node
 
 
@@ -219,15 +221,15 @@ def by_value(item: object) -> object:
         item = item.tolist()
     if isinstance(item, tuple | list):
         return [by_value(entry) for entry in item]
-    return sp.srepr(item) if isinstance(item, sp.Basic) else repr(item)
+    return srepr(item) if isinstance(item, Basic) else repr(item)
 
 
 def _has_value(item: object) -> bool:
     """Return whether ``by_value`` describes everything on which computations with an object may depend."""
     kind = type(item)
-    if isinstance(item, sp.Basic):
+    if isinstance(item, Basic):
         # A function in a formula may be implemented by the user. Its class belongs to no package, or to the user's.
-        return {_package(type(node)) for node in sp.preorder_traversal(item)} <= {"sympy", *PROJECT}
+        return {_package(type(node)) for node in preorder_traversal(item)} <= {"sympy", *PROJECT}
     if _package(kind) in PROJECT:
         return isinstance(item, Enum) or is_dataclass(kind)
     return kind in HASHED_TYPES or (isinstance(item, np.generic) and _package(kind) == "numpy")
@@ -266,4 +268,4 @@ def _hash(values: list[object], code: str | None = None) -> str:
 
 
 def _digest(value: object) -> str:
-    return hashlib.sha256(repr(value).encode()).hexdigest()[:16]
+    return sha256(repr(value).encode()).hexdigest()[:16]

@@ -3,12 +3,12 @@
 Judging needs the data files only: nothing is solved, and the checks in ``claims.csv`` follow from the other files.
 """
 
-import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
+from json import dumps
 from pathlib import Path
 
-import pandas as pd
+from pandas import DataFrame
 
 from manufactured.catalogue import NAMES
 from study.fem.naming import describe, resolve
@@ -24,10 +24,10 @@ from study.ledger.datafiles import (
     table_text,
     write_csv,
 )
-from study.ledger.files import write_text
-from study.ledger.schema import TABLES
-from study.ledger.verdict import Verdict
-from study.run.plan import Job, Plan
+from study.ledger.files import Paths, write_text
+from study.ledger.schema import SCHEMA
+from study.ledger.verdict import Verdicts
+from study.run.plan import Job, Jobs, Plan
 from study.run.provenance import SUMS, Complete, provenance, read_provenance, text_sum
 from study.run.store import Store
 from study.statements import STATEMENTS
@@ -37,8 +37,6 @@ from study.statements.prop_5_4 import RATES
 from study.statements.shared.base import JOINED_SUFFIX, LISTED, Statement
 from study.statements.unmeasured import Listed
 
-EVERY_CASE = {statement.file.name for statement in STATEMENTS if statement.of_every_case}
-"""Names of the data files whose measurements are made for every case of a run."""
 PREDICTED = ["case", "expected_order", "proved_order", "twin"]
 """Columns of ``cases.csv`` that are fixed before anything is measured."""
 
@@ -59,20 +57,22 @@ def stored_rows(jobs: Iterable[Job], store: Store) -> dict[DataFile, list[Row]]:
     return rows
 
 
-def judge_stored(jobs: Sequence[Job], store: Store) -> list[Verdict]:
+def judge_stored(jobs: Jobs, store: Store) -> Verdicts:
     """Judge the stored results of jobs of one statement and one case, before the data files are written.
 
     The list is empty if the statement cannot be judged from these results alone. On a user's case, verdicts depend on
     the errors, so only statements about errors are judged.
     """
-    statement, case = jobs[0].statement, jobs[0].case
-    file, own = statement.file, case not in NAMES
+    statement = jobs[0].statement
+    case = jobs[0].case
+    file = statement.file
+    own = case not in NAMES
     if statement.joined_file or (own and file != RATES):
         return []
     rows = stored_rows(jobs, store)
     if not isinstance(file, CsvFile) or file not in rows:
         return []
-    table = predicted(pd.DataFrame(rows[file]), pd.DataFrame([describe(resolve(case))]))
+    table = predicted(DataFrame(rows[file]), DataFrame([describe(resolve(case))]))
     verdicts = statement.judge(table)
     return judge_own(verdicts, table) if own else verdicts
 
@@ -84,16 +84,17 @@ def collect(plan: Plan, store: Store) -> None:
         plan: the plan; the results of all its jobs must be stored.
         store: the result directory.
     """
-    rows, written = stored_rows(plan.jobs, store), list[Path]()
+    rows = stored_rows(plan.jobs, store)
+    written = Paths()
     for file in data_files():
         written += file.write(store.data, rows.get(file, []))
-    write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.scope.resolved()]))
+    write_csv(store.data / "cases.csv", DataFrame([describe(case) for case in plan.scope.resolved()]))
     sums = {path.relative_to(store.data).as_posix(): text_sum(path) for path in sorted(written)}
     content = {**provenance(plan, store.directory), SUMS: sums}
-    write_text(store.data / "provenance.json", json.dumps(content, separators=(",", ":")) + "\n")
+    write_text(store.data / "provenance.json", dumps(content, separators=(",", ":")) + "\n")
 
 
-def read_tables(directory: Path) -> dict[CsvFile, pd.DataFrame]:
+def read_tables(directory: Path) -> dict[CsvFile, DataFrame]:
     """Return all tables of measurements in a result directory.
 
     Raises:
@@ -103,7 +104,7 @@ def read_tables(directory: Path) -> dict[CsvFile, pd.DataFrame]:
     return {file: file.read(directory) for file in data_files() if isinstance(file, CsvFile)}
 
 
-def judge(directory: Path) -> list[Verdict]:
+def judge(directory: Path) -> Verdicts:
     """Judge the data in a result directory, write the checks into ``claims.csv`` and return them.
 
     Raises:
@@ -120,21 +121,22 @@ def claims_file(directory: Path) -> Path:
     return directory / "data" / "claims.csv"
 
 
-def compare_claims(directory: Path, judged: Sequence[Verdict]) -> None:
+def compare_claims(directory: Path, judged: Verdicts) -> None:
     """Raise DataError if ``claims.csv`` is missing or differs from the checks that follow from the data."""
-    path, again = claims_file(directory), f"`study tables --out {directory}` writes it again"
+    path = claims_file(directory)
+    again = f"`study tables --out {directory}` writes it again"
     if not path.is_file():
         raise DataError(f"{path} is missing: {again}")
-    if differs := difference(path, table_text(claims(judged)), frozenset(TABLES["claims.csv"].numbers)):
+    if differs := difference(path, table_text(claims(judged)), frozenset(SCHEMA["claims.csv"].numbers)):
         raise DataError(f"{differs}: {again}")
 
 
-def claims(judged: Sequence[Verdict]) -> pd.DataFrame:
+def claims(judged: Verdicts) -> DataFrame:
     """Return checks as the table ``claims.csv``."""
-    return pd.DataFrame([asdict(verdict) for verdict in judged])
+    return DataFrame([asdict(verdict) for verdict in judged])
 
 
-def verdicts(directory: Path) -> list[Verdict]:
+def verdicts(directory: Path) -> Verdicts:
     """Judge the data in a result directory and return all checks; nothing is solved or written.
 
     Raises:
@@ -157,7 +159,7 @@ def verdicts(directory: Path) -> list[Verdict]:
     return with_reasons(rows, judged[RATES])
 
 
-def predicted(table: pd.DataFrame, cases: pd.DataFrame) -> pd.DataFrame:
+def predicted(table: DataFrame, cases: DataFrame) -> DataFrame:
     """Return a table of measurements with the predictions for its cases, and a new column ``known``.
 
     Parameters:
@@ -168,10 +170,10 @@ def predicted(table: pd.DataFrame, cases: pd.DataFrame) -> pd.DataFrame:
         The table; the column ``known`` tells whether the exact solution of the case is known.
     """
     new = [name for name in PREDICTED if name not in table or name == "case"]
-    return table.merge(cases[new], on="case", how="left").assign(known=table["case"].isin(cases["case"]).to_numpy())
+    return table.merge(cases[new], on="case", how="left").assign(known=table.case.isin(cases.case).to_numpy())
 
 
-def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.DataFrame:
+def joined(statement: Statement, tables: Mapping[CsvFile, DataFrame]) -> DataFrame:
     """Return the rows by which a statement is judged.
 
     Some statements compare their measurements with the measurements in another file. Then the columns of the other file
@@ -182,14 +184,15 @@ def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.D
         tables: data file ↦ its table.
     """
     assert isinstance(statement.file, CsvFile)
-    own_rows, key = tables[statement.file], list(statement.file.key)
+    own_rows = tables[statement.file]
+    key = list(statement.file.key)
     if statement.joined_file is None:
         return own_rows
     joined_rows = tables[statement.joined_file].set_index(key).add_suffix(JOINED_SUFFIX).reset_index()
     return own_rows.merge(joined_rows, on=key, how="left")
 
 
-def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdict]:
+def with_reasons(verdicts: Verdicts, rates: DataFrame) -> Verdicts:
     """Judge the checks of users' cases again, and return all checks.
 
     A check of a user's case only fails if the data contradict the statement. Otherwise, the text of the check says why
@@ -204,7 +207,7 @@ def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdi
     return [next(judged[verdict.case]) if verdict.case in judged else verdict for verdict in verdicts]
 
 
-def judge_statement(statement: Statement, rows: pd.DataFrame) -> list[Verdict]:
+def judge_statement(statement: Statement, rows: DataFrame) -> Verdicts:
     """Return the checks of a statement; an empty list if the table has no rows of the statement.
 
     Parameters:
@@ -212,16 +215,17 @@ def judge_statement(statement: Statement, rows: pd.DataFrame) -> list[Verdict]:
         rows: the table of the data file of the statement; several statements may use the same file.
     """
     of_all = statement.file != LISTED or isinstance(statement, Listed)
-    own_rows = rows if of_all else rows[rows["label"] == statement.label]
+    own_rows = rows if of_all else rows[rows.label == statement.label]
     return statement.judge(own_rows) if len(own_rows) else []
 
 
-def _refuse_gaps(directory: Path, tables: dict[CsvFile, pd.DataFrame]) -> None:
+def _refuse_gaps(directory: Path, tables: dict[CsvFile, DataFrame]) -> None:
     """Raise DataError if ``cases.csv`` lacks a measured case, or an error bound has no values over time."""
-    for file in tables:
-        if file.name in EVERY_CASE:
-            expected_orders(directory, tables[file])
+    for statement in STATEMENTS:
+        if statement.of_every_case and statement.file in tables:
+            expected_orders(directory, tables[statement.file])
     bounds, courses = ({key[1:] for key in file.keys(tables[file])} for file in (BOUNDS, ENCLOSURES))
     if without := bounds - courses:
-        path, again = f"{directory}/data/enclosures.csv", f"make it with `{made_by(directory)}`"
+        path = f"{directory}/data/enclosures.csv"
+        again = f"make it with `{made_by(directory)}`"
         raise DataError(f"{path} lacks {' '.join(min(without))}: {again}")

@@ -8,7 +8,7 @@ have.
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -82,6 +82,9 @@ class Job:
     def run(self) -> Result:
         """Measure, and return the measured numbers by their names."""
         return self.statement.run(self.setting)
+
+
+Jobs = Sequence[Job]
 
 
 def check_own(reference: str) -> None:
@@ -161,16 +164,16 @@ class Plan:
         Raises:
             MeshError: a mesh does not fit.
         """
-        groups: dict[Hashable, list[tuple[Case, str, int]]] = {}
+        groups: dict[tuple[Hashable, str, int], list[Case]] = {}
         for setting in (job.setting for job in self.jobs if job.statement.of_every_case):
-            case, family, level = resolve(setting.case), setting.family, setting.level
-            groups.setdefault((shape(case.solution.body), family, level), []).append((case, family, level))
-        for group in groups.values():
-            case, family, level = group[0]
+            case = resolve(setting.case)
+            groups.setdefault((shape(case.solution.body), setting.family, setting.level), []).append(case)
+        for (_, family, level), cases in groups.items():
+            case = cases[0]
             try:
                 mesh = family_named(family)(case.solution.body, level)
                 boundary_parts(mesh, case.solution.body)
-                for case, _, _ in group:
+                for case in cases:
                     rough_cells(mesh, [Line(*line) for line in case.solution.rough], case.solution.singular)
             except MeshError as error:
                 raise MeshError(f"{case.name}, {family}, level {level}: {error}") from error

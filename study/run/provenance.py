@@ -8,17 +8,17 @@ user's case no longer exists, the recorded values are used.
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 import os
 import platform
 import subprocess
-from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, replace
+from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+
+from pandas import DataFrame
 
 from study.fem.naming import describe, resolve
 from study.ledger.datafiles import DataError, Key, made_by, nested_keys, planned_keys, read_uncompressed
@@ -45,24 +45,25 @@ def provenance(plan: Plan, directory: Path) -> Json:
         plan: the plan of the run.
         directory: the result directory, to which the paths of users' cases are relative.
     """
-    scope, names = plan.scope, []
+    scope = plan.scope
+    names = []
     for reference in scope.cases:
         file, colon, name = reference.rpartition(":")
         names.append(f"{Path(os.path.relpath(file, directory)).as_posix()}:{name}" if colon else reference)
     own = {name: describe(case) for name, case in zip(names, scope.resolved(), strict=True) if ":" in name}
-    return {
-        "format": STORE_FORMAT,
-        "study": version("signorini-study"),
+    return dict(
+        format=STORE_FORMAT,
+        study=version("signorini-study"),
         **commit(),
-        "plan": scope.name,
-        "scope": {**asdict(scope), "cases": names},
-        "own_cases": own,
-        "planned": nested_keys(plan.keys()),
-        "statements": sources(),
-        "python": platform.python_version(),
-        "machine": platform.machine(),
-        "packages": packages(),
-    }
+        plan=scope.name,
+        scope={**asdict(scope), "cases": names},
+        own_cases=own,
+        planned=nested_keys(plan.keys()),
+        statements=sources(),
+        python=platform.python_version(),
+        machine=platform.machine(),
+        packages=packages(),
+    )
 
 
 def commit() -> Json:
@@ -70,7 +71,8 @@ def commit() -> Json:
 
     Without a git repository, as after an installation from a wheel, the commit is empty.
     """
-    name, changes = "", ""
+    name = ""
+    changes = ""
     # A package that is installed below another repository does not belong to it.
     if (ROOT / ".git").exists():
         with suppress(OSError, subprocess.CalledProcessError):
@@ -93,14 +95,9 @@ def sources() -> dict[str, Json]:
     for statement in STATEMENTS:
         data = "claims.csv" if isinstance(statement, Listed) else statement.file.name
         places.append((type(statement), statement.label, data))
-    entries: dict[str, Json] = {}
-    for kind, label, data in places:
-        code = Path(inspect.getfile(kind)).relative_to(ROOT).as_posix()
-        entry = entries.setdefault(label, {"code": [], "data": []})
-        for files, file in ((entry["code"], code), (entry["data"], data)):
-            if file not in files:
-                files.append(file)
-    return entries
+    files = [(label, Path(inspect.getfile(kind)).relative_to(ROOT).as_posix(), data) for kind, label, data in places]
+    of_labels = DataFrame(files, columns=["label", "code", "data"]).groupby("label", sort=False)
+    return {str(label): {name: rows[name].unique().tolist() for name in ("code", "data")} for label, rows in of_labels}
 
 
 def read_provenance(directory: Path) -> Json:
@@ -190,7 +187,7 @@ class Expectation:
         UsageError: the file of a user's case exists, but no longer defines the case.
     """
 
-    def __init__(self, record: Mapping[str, Any], directory: Path) -> None:
+    def __init__(self, record: Json, directory: Path) -> None:
         if not {"scope", "own_cases"} <= set(record):
             raise DataError(
                 f"{directory}/data/provenance.json has no scope, because an older version wrote it: "
@@ -213,10 +210,10 @@ class Expectation:
         self.gone = {str(line["case"]) for line in self.lines} - set(self.cases)
 
 
-def read_scope(values: Mapping[str, Any]) -> Scope:
+def read_scope(values: Json) -> Scope:
     """Return a scope from its attributes in ``provenance.json``, in which tuples became lists."""
 
-    def levels(fields: Mapping[str, Any]) -> Levels:
+    def levels(fields: Json) -> Levels:
         return Levels(tuple(map(int, fields["all"])), tuple(map(int, fields["first"])))
 
     lists = {name: tuple(values[name]) for name in ("equivalence", "solid_equivalence")}
@@ -234,7 +231,7 @@ def text_sum(path: Path) -> str:
         content = read_uncompressed(path)
     except ValueError:
         content = path.read_bytes()
-    return hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
+    return sha256(content.replace(b"\r\n", b"\n")).hexdigest()
 
 
 def compare_sums(directory: Path) -> set[Path]:

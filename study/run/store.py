@@ -6,13 +6,13 @@ killed, the results of finished jobs remain, and the same command runs only the 
 cache key differs, the file is ignored and the job runs again.
 """
 
-import hashlib
-import json
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
+from hashlib import sha256
+from json import dumps, loads
 from pathlib import Path
 from typing import Any
 
@@ -156,14 +156,7 @@ class Store:
             fingerprint: cache key of the result.
             result: numbers, texts, lists and dictionaries.
         """
-        content = {
-            "format": STORE_FORMAT,
-            "key": key,
-            "fingerprint": fingerprint,
-            "sha256": _checksum(result),
-            "result": result,
-        }
-        write_text(self.path(key), json.dumps(content, indent=None) + "\n")
+        write_text(self.path(key), dumps(_entry(key, fingerprint, result)) + "\n")
 
     def load(self, key: str, fingerprint: str) -> Json | None:
         """Return the stored result of a job; None if its file is missing or damaged, or has another cache key.
@@ -177,10 +170,7 @@ class Store:
             return None
         require_format(path, content)
         result = content.get("result")
-        expected = key, fingerprint, _checksum(result)
-        if (content.get("key"), content.get("fingerprint"), content.get("sha256")) != expected:
-            return None
-        return result if isinstance(result, dict) else None
+        return result if isinstance(result, dict) and content == _entry(key, fingerprint, result) else None
 
     def cached(self, key: str, fingerprint: str, compute: Callable[[], Json], *files: Path) -> Json:
         """Return the stored result of a job; if it is missing, compute and store it.
@@ -206,7 +196,7 @@ class Store:
             StoreError: the file cannot be read.
         """
         try:
-            content = json.loads(path.read_text(encoding="utf-8"))
+            content = loads(path.read_text(encoding="utf-8"))
         # These errors mean that there is no file, or that it is not JSON or has too many digits or nested brackets.
         except (ValueError, RecursionError, FileNotFoundError, IsADirectoryError, NotADirectoryError):
             return None
@@ -222,9 +212,10 @@ def _is_running(process: int) -> bool:
     return process <= LARGEST_PROCESS and psutil.pid_exists(process)
 
 
-def _checksum(result: object) -> str:
-    """Return the SHA-256 of a result as JSON text, which is the same before writing and after reading."""
-    return hashlib.sha256(json.dumps(result).encode()).hexdigest()
+def _entry(key: str, fingerprint: str, result: Mapping[str, Any]) -> Json:
+    """Return the content of the file of a result; its checksum is the same before writing and after reading."""
+    checksum = sha256(dumps(result).encode()).hexdigest()
+    return dict(format=STORE_FORMAT, key=key, fingerprint=fingerprint, sha256=checksum, result=result)
 
 
 def require_format(path: Path, content: Json | None) -> None:

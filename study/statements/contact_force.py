@@ -55,7 +55,7 @@ from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
 from study.fem.naming import is_own
 from study.fem.space import Space
-from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
+from study.ledger.check import MIN_LEVELS, Groups, accuracy, consequence, identity
 from study.ledger.datafiles import CsvFile
 from study.ledger.quantities import finest
 from study.ledger.window import Window, around, at_least, at_most, between
@@ -267,7 +267,7 @@ class ContactForce(Statement):
             for reference, case, family in scope.on_families()
             if is_own(reference) or (scope.statements and (scope.full or reference in EVOLVING))
             if case.proposition == "Prop. 5.4" and touches(case.solution)
-            for level in scope.levels_of(case).all[0 if is_own(reference) else -ENOUGH :]
+            for level in scope.levels_of(case).all[0 if is_own(reference) else -MIN_LEVELS :]
         ]
 
     def setup(self, setting: Setting) -> Experiment:

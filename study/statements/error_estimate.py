@@ -20,7 +20,7 @@ from study.fem.mesh import Graded, Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import rule_on
 from study.fem.space import Space, on_cells
-from study.ledger.check import ENOUGH, ROUNDING, Groups, consequence, identity, paper_claim
+from study.ledger.check import MIN_LEVELS, ROUNDING_ROOM, Groups, consequence, identity, paper_claim
 from study.ledger.datafiles import Row
 from study.ledger.quantities import (
     Value,
@@ -123,7 +123,7 @@ class NodalStart(ListedNumbers):
             "order in h of ‖Π^h u_0‖_V − ‖u_0‖_V ≤ ‖u_0 − Π^h u_0‖_V",
             level_by_level("error from below"),
             Window(-1.5, -0.5, "the error grows at least like h^{−1/2}; every consecutive order"),
-            levels=ENOUGH,
+            levels=MIN_LEVELS,
             finest=True,
         ),
         consequence(
@@ -268,11 +268,14 @@ class InterpolationInV(ListedNumbers):
             if others:
                 text = f"{quantity}, level by level"
                 sharp = around(1.0, ORDER_TOLERANCE)
-                yield paper_claim(key, text, level_by_level(v), sharp, levels=ENOUGH, finest=True), others
+                yield paper_claim(key, text, level_by_level(v), sharp, levels=MIN_LEVELS, finest=True), others
             if random:
                 text = f"{quantity}, random meshes, fitted"
                 sharp = around(1.0, ORDER_TOLERANCE, "least squares, weighted by the number of cells")
-                yield paper_claim(f"{key}-random", text, fitted(v, power=CELL_POWER), sharp, levels=ENOUGH), random
+                yield (
+                    paper_claim(f"{key}-random", text, fitted(v, power=CELL_POWER), sharp, levels=MIN_LEVELS),
+                    random,
+                )
 
 
 # (5.24): interpolation of normal traces on contact faces.
@@ -335,7 +338,7 @@ class InterpolationOnContact(ListedNumbers):
                 f"{quantity}, {text}",
                 value,
                 around(2.0, ORDER_TOLERANCE) if tau > 2 else around(tau, 0.3),
-                levels=ENOUGH,
+                levels=MIN_LEVELS,
                 finest=tau >= 2.5,
                 if_missed="" if tau > 2 else "the trace is not in H², so that (5.24) does not apply",
             )
@@ -410,13 +413,13 @@ class ResidualBound(ListedNumbers):
             "prestress",
             "G(·, 0) = A ε(z): ‖R‖ / (‖G(·, 0)‖_Q / √m_A)",
             "prestress",
-            at_most(1 + ROUNDING, "proved"),
+            at_most(1 + ROUNDING_ROOM, "proved"),
         ),
         identity(
             "attained",
             "‖R‖ / (‖G(·, 0)‖_Q / √m_A) over √(m_A/‖A‖), its least possible value",
             "attained",
-            Window(1 - ROUNDING, np.inf, "over √(m_A/‖A‖)"),
+            Window(1 - ROUNDING_ROOM, np.inf, "over √(m_A/‖A‖)"),
         ),
     )
     quick = grid(("full-contact",), ("unstructured",), (8,))
@@ -562,14 +565,14 @@ class ErrorBounds(ListedNumbers):
                 quantity,
                 changing(bound, column),
                 Window(0.7, 1.4, "over two refinements: the orders differ by less than 1/4"),
-                levels=ENOUGH,
+                levels=MIN_LEVELS,
             )
             if gamma > 0:
                 term = RATE if gamma == known[GROWTH_EXPONENTS["(5.21)"]] else TRACE
                 lower = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
                 window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
                 power = of_errors(term, lambda h, ratio: -fit(h, ratio))
-                yield consequence(f"growth-{number}", lower, power, window, levels=ENOUGH), groups
+                yield consequence(f"growth-{number}", lower, power, window, levels=MIN_LEVELS), groups
             elif bound == "(5.42)" and known[LOGARITHM] > 0:
                 lower = f"{quantity}, of lower order by |log h|^{{1/4}}"
                 yield replace(steady, quantity=lower, if_missed="a few levels cannot show a logarithm"), groups

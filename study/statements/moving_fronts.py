@@ -18,7 +18,7 @@ from study.fem.independent import load_from_forces
 from study.fem.mesh import barycentric_gradients
 from study.fem.quadrature import gauss
 from study.fem.space import Space, form
-from study.ledger.check import ENOUGH, Groups, accuracy, consequence, identity
+from study.ledger.check import MIN_LEVELS, Groups, accuracy, consequence, identity
 from study.ledger.quantities import change, over_refinements
 from study.ledger.window import STEEPER, Window, around, at_least, at_most, between, positive_at_most
 from study.solve.evolution import SemiDiscrete, furthest, histories, norms, path
@@ -64,7 +64,7 @@ HALF_DERIVATIVE = (
         "the same quotient, finest / coarsest mesh",
         change("half"),
         at_most(1.25, "the constant does not depend on the mesh"),
-        levels=ENOUGH,
+        levels=MIN_LEVELS,
     ),
 )
 
@@ -348,7 +348,7 @@ class AdvancingFront(ListedNumbers):
             "order of ‖u − u^h‖ over two refinements",
             over_refinements("error", 2),
             around(1, STEEPER, "the order of the interpolation error; proved up to a logarithm"),
-            levels=ENOUGH,
+            levels=MIN_LEVELS,
         ),
         check_of_order(
             "rate",

@@ -25,7 +25,7 @@ import numpy as np
 import pandas as pd
 
 from manufactured.case import INITIAL_GAP
-from study.ledger.check import ENOUGH, Groups, by_family
+from study.ledger.check import MIN_LEVELS, Groups, by_family
 from study.ledger.datafiles import since_before
 from study.ledger.quantities import Array
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
@@ -193,8 +193,8 @@ def finer(levels: Sequence[int], dim: int) -> list[int]:
 
     If there are too few levels to judge an order, levels are added: 8, 16, 32 after 8.
     """
-    needed = len(levels) + 1 if len(levels) >= ENOUGH else ENOUGH
-    return enough(levels, needed, dim)[-max(len(levels), ENOUGH) :]
+    needed = len(levels) + 1 if len(levels) >= MIN_LEVELS else MIN_LEVELS
+    return enough(levels, needed, dim)[-max(len(levels), MIN_LEVELS) :]
 
 
 def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
@@ -213,4 +213,4 @@ def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
 
 def least_levels(proposition: str) -> int:
     """Return how many levels are necessary to judge an order, for a case of the given proposition."""
-    return ROUGH_LEVELS if proposition == "Prop. 5.3" else ENOUGH
+    return ROUGH_LEVELS if proposition == "Prop. 5.3" else MIN_LEVELS

@@ -45,7 +45,7 @@ from manufactured.tensors import Array
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm
 from study.fem.naming import choose
-from study.ledger.check import ENOUGH, ROUNDING, Check, Groups, accuracy, consequence, identity, paper_claim
+from study.ledger.check import MIN_LEVELS, ROUNDING_ROOM, Check, Groups, accuracy, consequence, identity, paper_claim
 from study.ledger.datafiles import CsvFile, Row, with_orders
 from study.ledger.quantities import (
     extrapolated,
@@ -334,23 +334,27 @@ On irregular meshes orders are orders in the leading term of the interpolation e
 SOLID_WINDOW = around(1, 0.1, ON_IRREGULAR.removeprefix("; "))
 SOLIDS = (
     paper_claim(
-        "order-finest", "order of the error, finest pair", over_refinements("error", 1), SOLID_WINDOW, levels=ENOUGH
+        "order-finest",
+        "order of the error, finest pair",
+        over_refinements("error", 1),
+        SOLID_WINDOW,
+        levels=MIN_LEVELS,
     ),
     consequence(
         "interpolation-order-finest",
         "order of ‖u − Π^h u‖_V, finest pair",
         over_refinements("interpolation_error", 1),
         SOLID_WINDOW,
-        levels=ENOUGH,
+        levels=MIN_LEVELS,
     ),
 )
 """Additional criteria in 3D: there are few levels, so the order on the two finest levels must be closer to 1."""
 LEADING_ORDER = accuracy(
     "leading-order",
     "order in h of the leading term of ‖u − Π^h u‖_V, fitted, irregular meshes",
-    fitted(LEADING, last=ENOUGH + 1),
+    fitted(LEADING, last=MIN_LEVELS + 1),
     around(1, 0.15, "least squares; on irregular meshes this term replaces h"),
-    levels=ENOUGH,
+    levels=MIN_LEVELS,
 )
 """A criterion for irregular meshes: the leading term of the interpolation error must be of order h.
 
@@ -362,14 +366,14 @@ DISCRETE_ORDERS = (
         f"{DISCRETE_ORDER}, superclose",
         "discrete_error",
         between(1.5, 2, 0.2, 0.2, "u^h is superclose to Π^h u on one-diagonal meshes"),
-        last=ENOUGH,
+        last=MIN_LEVELS,
     ),
     check_of_order(
         "discrete-order-others",
         f"{DISCRETE_ORDER}, other families",
         "discrete_error",
         between(1, 2, 0.15, 0.2, "other meshes"),
-        last=ENOUGH,
+        last=MIN_LEVELS,
     ),
 )
 """The checks of the order of the discrete error on one-diagonal meshes and on all others.
@@ -392,7 +396,7 @@ DISCRETE_SIZES = (
 )
 NOT_AT_START = 0.99
 """Upper bound of (error at t = 0) / (largest error) for which the largest error counts as attained after t = 0."""
-EXPECTED_AT_START = Window(0.8, 1 + ROUNDING)
+EXPECTED_AT_START = Window(0.8, 1 + ROUNDING_ROOM)
 """Window of (error / interpolation error) at t = 0 for a correct solver.
 
 By Pythagoras' theorem a discrete share of 0.6 leaves 0.8 of the interpolation error."""
@@ -440,14 +444,18 @@ class FirstOrder(Rates):
                 "order of the error, level by level",
                 level_by_level("error"),
                 by_level,
-                levels=ENOUGH,
+                levels=MIN_LEVELS,
                 finest=True,
             ),
             in_h,
         )
         yield (
             paper_claim(
-                "order-extrapolated", "order of the error, extrapolated", extrapolated("error"), limit, levels=ENOUGH
+                "order-extrapolated",
+                "order of the error, extrapolated",
+                extrapolated("error"),
+                limit,
+                levels=MIN_LEVELS,
             ),
             in_h,
         )
@@ -463,7 +471,7 @@ class FirstOrder(Rates):
             yield LEADING_ORDER, irregular
 
 
-ROUGH_LEVELS = ENOUGH + 1
+ROUGH_LEVELS = MIN_LEVELS + 1
 """Smallest number of levels that gives two observed orders over two refinements each."""
 ERROR_LIMIT = at_most(0.1, "of the two finest errors, if s is the predicted order", low=-math.inf)
 """Window of the limit e∞, relative to the two finest errors.
@@ -563,7 +571,7 @@ SEEN_ORDER = consequence(
     "observed order on uniform meshes",
     over_refinements("error", 2),
     Window(),
-    levels=ENOUGH,
+    levels=MIN_LEVELS,
     if_missed="the paper claims an order only under (5.36)",
 )
 

@@ -17,7 +17,7 @@ import scipy.sparse as sps
 from manufactured.no_potential import NAME
 from manufactured.tensors import Array
 from study.fem.space import Space
-from study.ledger.check import ENOUGH, ROUNDING, Check, accuracy, consequence, identity
+from study.ledger.check import MIN_LEVELS, ROUNDING_ROOM, Check, accuracy, consequence, identity
 from study.ledger.quantities import Value, change, fit, fitted
 from study.ledger.window import Window, around, between, positive_at_most
 from study.solve.evolution import Scheme, SemiDiscrete, furthest, interpolated, last, oscillation, path
@@ -110,7 +110,7 @@ class BackwardEuler(ListedNumbers):
             columns("{} between", HALVING_COUNTS),
             Window(
                 0.2,
-                1 + ROUNDING,
+                1 + ROUNDING_ROOM,
                 "at most 1 is proved; predicted 1/2 to 2/3 if u̇^h changes steadily, 1 if it jumps in the middle of a "
                 "step",
             ),
@@ -133,7 +133,7 @@ class BackwardEuler(ListedNumbers):
             f"{ERROR_IN_TIME} / its bound from the data, {MOST_STEPS} steps: finest / coarsest mesh",
             change(f"{MOST_STEPS} by data"),
             around(1, 0.1, "the constant does not depend on the mesh"),
-            levels=ENOUGH,
+            levels=MIN_LEVELS,
         ),
         accuracy(
             "reference",
@@ -297,7 +297,7 @@ class NoPotential(ListedNumbers):
             f"{INTERPOLANT_ERROR} with {STEP_COUNTS[-1]} steps, finest mesh / coarsest mesh",
             change(f"equal {STEP_COUNTS[-1]} error"),
             around(1, 0.1, "the constant does not depend on the mesh"),
-            levels=ENOUGH,
+            levels=MIN_LEVELS,
         ),
         check_of_order(
             "order-both",
@@ -394,7 +394,7 @@ def checks_of_scheme(scheme: Scheme) -> Iterator[Check]:
         ("error-in-h", "order p of ‖u − u^{hk}‖ in h", fitted(f"{name} {FEW_STEPS[-1]} e"), around(1, 0.15)),
     ):
         reason = "the paper leaves the fully discrete error open"
-        yield consequence(f"{name}-{key}", f"{name}: {quantity}", value, window, levels=ENOUGH, if_missed=reason)
+        yield consequence(f"{name}-{key}", f"{name}: {quantity}", value, window, levels=MIN_LEVELS, if_missed=reason)
 
 
 def exponent(scheme: Scheme, position: int, levels: pd.DataFrame) -> float:

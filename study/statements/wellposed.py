@@ -40,7 +40,7 @@ from study.fem.mesh import size as mesh_size
 from study.fem.naming import resolve
 from study.fem.quadrature import rule_on
 from study.fem.space import Space, form, on_cells
-from study.ledger.check import ENOUGH, ROUNDING, Check, Groups, consequence, identity, paper_claim
+from study.ledger.check import MIN_LEVELS, ROUNDING_ROOM, Check, Groups, consequence, identity, paper_claim
 from study.ledger.quantities import change, finest, ratios
 from study.ledger.window import Window, around, at_most, between, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete, State, furthest, norm, norms, path
@@ -119,10 +119,10 @@ class Korn(ListedNumbers):
             "falling",
             f"{VALUE} / value on the next coarser level",
             ratios(VALUE),
-            at_most(1 + ROUNDING, "on every level"),
+            at_most(1 + ROUNDING_ROOM, "on every level"),
             levels=2,
         ),
-        paper_claim("limit", f"limit of the {VALUE} for h → 0", extrapolated, EIGENVALUE_LIMIT, levels=ENOUGH),
+        paper_claim("limit", f"limit of the {VALUE} for h → 0", extrapolated, EIGENVALUE_LIMIT, levels=MIN_LEVELS),
     )
 
     def places(self, full: bool) -> list[Setting]:
@@ -706,7 +706,7 @@ class LoadInTime(ListedNumbers):
             "variation",
             f"variation of f^h on {LOAD_INTERVALS} intervals / on {LOAD_INTERVALS // 2} intervals",
             "variation",
-            Window(1 - ROUNDING, 1.01, "the variation cannot fall; without a bound it grows by a power of 2"),
+            Window(1 - ROUNDING_ROOM, 1.01, "the variation cannot fall; without a bound it grows by a power of 2"),
         ),
         consequence(
             "increments",
@@ -789,7 +789,7 @@ class TractionInTime(ListedNumbers):
                 "σν ∉ L²(Γ): last / previous increment of max_t ‖σν‖²_{L²(Γ)} under refinement",
                 last_increments,
                 around(1, 0.1, "logarithmic growth: the increments of the square do not fall"),
-                levels=ENOUGH,
+                levels=MIN_LEVELS,
             )
         else:
             check = paper_claim(
@@ -797,7 +797,7 @@ class TractionInTime(ListedNumbers):
                 "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh",
                 change("norm", since=-2),
                 around(1, 0.02, "the maximum has converged in space and time, which are refined together"),
-                levels=ENOUGH,
+                levels=MIN_LEVELS,
             )
         return [(check, groups)]
 

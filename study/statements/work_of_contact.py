@@ -40,7 +40,7 @@ from study.fem.mesh import Shaken, with_midpoints
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import PointsAndWeights, gauss, rule_on
 from study.fem.space import Space, form
-from study.ledger.check import ENOUGH, Check, Groups, accuracy, consequence, identity
+from study.ledger.check import MIN_LEVELS, Check, Groups, accuracy, consequence, identity
 from study.ledger.quantities import level_by_level, quotients
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_least, at_most
@@ -477,7 +477,7 @@ def from_32(key: str, quantity: str, column: str, window: Window, if_missed: str
         f"{quantity}, level by level from n = 32",
         lambda levels: orders(levels[levels["level"] >= COARSEST_LEVEL]),
         window,
-        levels=ENOUGH,
+        levels=MIN_LEVELS,
         finest=True,
         if_missed=if_missed,
     )
@@ -1076,6 +1076,6 @@ STEP_GROWTH = accuracy(
     "growth of |q|²_{1/2,Γ3} with every halving of ℓ",
     lambda table: np.diff(table["|q|²"].to_numpy()),
     around(2 * math.log(2), 0.15, "2 log 2 for a step of height 1; other powers of ℓ tend to 0 or infinity"),
-    levels=ENOUGH,
+    levels=MIN_LEVELS,
     finest=True,
 )

@@ -24,9 +24,9 @@ from study.bound.remainders import GUARANTEED
 from study.bound.static import compute_static, enclose_static
 from study.bound.terms import Majorant, part_that_changes
 from study.bound.trajectory import Refined, SmoothedInTime, compute
-from study.cli.problem import contact_edges
+from study.cli.bound import contact_edges
 from study.fem.mesh import Unstructured, boundary_parts, cell_volumes, facet_measures
-from study.present.bounds import adaptive_text
+from study.present.outcome import adaptive_text
 from study.solve.tableau import MIDPOINT
 
 

@@ -29,7 +29,7 @@ from study.bound.trajectory import Parabola, Refined, SmoothedInTime, compute, s
 from study.fem.mesh import FAMILIES, Graded, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
-from study.present.bounds import _intervals
+from study.present.outcome import _intervals
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
 from study.statements.enclosure import eligible, measure, resolve_problem
 

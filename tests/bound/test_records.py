@@ -10,9 +10,9 @@ from places import CERTIFICATES, EXAMPLES
 
 from benchmarks.trials import random_problems, record, stiff
 from manufactured.problems import ramp
+from study.cli.export import march, plain
 from study.fem.naming import family_named
 from study.present.pages import put
-from study.run.tasks import march, plain
 
 sys.path.append(str(EXAMPLES / "bounds"))
 import certify_codes

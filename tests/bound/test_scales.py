@@ -13,7 +13,7 @@ from manufactured.factor import x1, x2
 from study.bound.bounded import BoundedSolution, bounded_solution, check_bound
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
-from study.cli.refusals import REFUSALS
+from study.cli.common import REFUSALS
 from study.fem.error_norm import ErrorNorm, NormError
 from study.fem.mesh import OneDiagonal
 from study.fem.space import Space

@@ -12,8 +12,8 @@ from commands import study
 from tables import texts
 
 from study.cli import check
+from study.cli.check import draw_jobs, expected_seconds, planned_jobs, verify
 from study.ledger.datafiles import DataError, nested_keys, planned_keys, write_csv
-from study.run.check import draw_jobs, expected_seconds, planned_jobs, verify
 from study.run.judgement import verdicts
 from study.run.provenance import compare_sums
 

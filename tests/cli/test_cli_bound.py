@@ -9,7 +9,7 @@ import pytest
 import scipy.sparse as sps
 from commands import study
 
-from study.cli.refusals import exit_code_and_message
+from study.cli.common import exit_code_and_message
 from study.fem.naming import resolve_data
 from study.ledger.files import UsageError, write_text
 from study.solve.factorisation import Cholesky

@@ -18,14 +18,14 @@ from tables import everything, texts
 
 from study.bound import bounded
 from study.cli import run
-from study.cli.main import CLOSED, INTERRUPTED, main
+from study.cli.export import TaskStore
+from study.cli.main import BROKEN_PIPE, INTERRUPTED, main
 from study.cli.options import RESUMED, STARTS_AGAIN, parser
 from study.ledger.files import StoreError, UsageError, write_text
 from study.run.executor import Processes
 from study.run.plan import Plan
 from study.run.provenance import commit, provenance, read_provenance
 from study.run.store import Store
-from study.run.tasks import TaskStore
 
 COARSE = "--steps 2 --refine 0 --shorter 1"
 COMMANDS = ["run --case full-contact --levels 2 4 8", "check", "tables", "figures", "report"]
@@ -203,7 +203,7 @@ def test_a_reader_who_has_seen_enough_ends_the_command_without_a_word():
     with subprocess.Popen(CASES, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as command:
         command.stdout.close()
         assert command.stderr.read() == ""
-    assert command.returncode == CLOSED
+    assert command.returncode == BROKEN_PIPE
 
 
 CASES = [sys.executable, "-m", "study", "cases"]

@@ -6,8 +6,8 @@ from functools import cache
 import contact_judge as judge
 import numpy as np
 
+from study.cli.export import frozen, march, plain
 from study.fem.naming import family_named, resolve
-from study.run.tasks import frozen, march, plain
 from study.statements.shared.tasks import Task
 
 

@@ -23,9 +23,9 @@ from judged_codes import exported, judged, read, task
 from places import CODES, RESULTS
 from schemas import schema
 
+from study.cli.export import frozen, march, with_foundation, write_task
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
-from study.run.tasks import frozen, march, with_foundation, write_task
 
 KEY = ["code", "variant", "case", "family"]
 

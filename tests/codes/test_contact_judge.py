@@ -17,9 +17,9 @@ from judged_codes import answers, exported, judged, read, task
 from places import CODES
 from tables import everything
 
+from study.cli.export import frozen, with_foundation, write_task
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
-from study.run.tasks import frozen, with_foundation, write_task
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import Experiment
 from study.statements.shared.tasks import FROZEN_TIMES

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check
+from study.ledger.check import MIN_LEVELS, Check
 from study.ledger.verdict import (
     FAILS,
     HOLDS,
@@ -52,7 +52,7 @@ ORDERS = {
 
 @pytest.mark.parametrize("value", ORDERS.values(), ids=list(ORDERS))
 def test_orders_are_those_of_powers_and_need_three_levels_and_positive_errors(value):
-    order = check(value, ABOUT_1, ENOUGH)
+    order = check(value, ABOUT_1, MIN_LEVELS)
     found = judged(order, levels(FIRST))
     assert (found.verdict, found.observed) == (HOLDS, pytest.approx(1))
     assert judged(order, levels(FIRST**2)).verdict == FAILS
@@ -70,9 +70,9 @@ def test_orders_are_those_of_powers_and_need_three_levels_and_positive_errors(va
 
 def test_if_only_the_finest_level_decides_others_outside_the_window_leave_it_undecided():
     by_level, errors = ORDERS["level by level"], levels([2 / 8, 1 / 16, 1 / 32, 1 / 64])
-    found = judged(check(by_level, ABOUT_1, ENOUGH, finest=True), errors)
+    found = judged(check(by_level, ABOUT_1, MIN_LEVELS, finest=True), errors)
     assert (found.observed, found.low, found.high, found.verdict) == (1, 1, pytest.approx(2), UNDECIDED)
-    assert judged(check(by_level, ABOUT_1, ENOUGH), errors).verdict == FAILS
+    assert judged(check(by_level, ABOUT_1, MIN_LEVELS), errors).verdict == FAILS
 
 
 @pytest.mark.parametrize("correction", [-0.5, 0.5, 2.0])
@@ -80,9 +80,9 @@ def test_the_extrapolated_order_is_free_of_corrections_of_first_order(correction
     """log e = log h + c h: consecutive orders differ from 1 by c h times a constant, which extrapolation removes."""
     errors = levels(FIRST * np.exp(correction * FIRST))
     for name, verdict in (("extrapolated", HOLDS), ("level by level", FAILS)):
-        assert judged(check(ORDERS[name], around(1, 1e-9), ENOUGH), errors).verdict == verdict
+        assert judged(check(ORDERS[name], around(1, 1e-9), MIN_LEVELS), errors).verdict == verdict
     limit_above_zero = levels(FIRST + 0.01)
-    assert judged(check(ORDERS["extrapolated"], ABOUT_1, ENOUGH), limit_above_zero).verdict == FAILS
+    assert judged(check(ORDERS["extrapolated"], ABOUT_1, MIN_LEVELS), limit_above_zero).verdict == FAILS
 
 
 @pytest.mark.parametrize(

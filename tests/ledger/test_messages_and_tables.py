@@ -107,7 +107,7 @@ def test_a_table_is_read_with_the_units_and_the_empty_cells_of_its_columns(row, 
     columns = schema.columns(
         "series | count | s\nlevel | count | n\nh | 1 | s\norder | 1 | o | if unknown\nword | text | w"
     )
-    monkeypatch.setitem(schema.TABLES, "a.csv", schema.Table(("series", "level"), columns))
+    monkeypatch.setitem(schema.SCHEMA, "a.csv", schema.Table(("series", "level"), columns))
     path = tmp_path / "a.csv"
     path.write_text(f"series,level,h,order,word\n1,4,0.25,1,a\n{row}\n", encoding="utf-8")
     if said:

@@ -20,9 +20,8 @@ from places import DATA, RESULTS, ROOT
 from study.ledger.datafiles import DataError
 from study.ledger.verdict import CheckKind, window_share, worst_value
 from study.present.article import BEYOND, article, group_of, window_ends
-from study.present.notation import prose
 from study.present.pages import expected_texts
-from study.present.templates import EVIDENCE_TITLES, FullRun, context, evidence, percent, power, render
+from study.present.templates import EVIDENCE_TITLES, FullRun, context, evidence, percent, power, prose, render
 
 PAPER = ROOT / "paper"
 SOURCES = sorted(PAPER.glob("*.tex"))

@@ -13,17 +13,13 @@ from tables import texts
 from study.ledger.datafiles import DataError, read_claims, read_rates, read_uncompressed
 from study.ledger.files import write_packed, write_text
 from study.present.article import write_tables
-from study.present.drawing import draw_figures
+from study.present.drawing import draw_one
 from study.present.figures import drawings, overview
-from study.present.notation import encode
 from study.present.outcome import ledger_text, observed_text, orders_text, rates_text
 from study.present.picture import read_pictures
+from study.present.templates import encode
 
 NAMES = ("bounds", "equivalence", "ledger", "rates", "stresses")
-
-
-def draw_some(directory):
-    return draw_figures(directory, drawings(directory)[::8])
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +43,8 @@ def files(directory):
 
 def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over(data):
     write_tables(data)
-    draw_some(data)
+    for drawing in drawings(data)[::8]:
+        draw_one(data / "figures", drawing)
     assert files(data / "tables") == [f"{name}.{form}" for name in NAMES for form in ("csv", "md", "tex")]
     known = [drawing.name for drawing in drawings(data)]
     of_corner = {name for name in known if name.endswith(CORNER)}

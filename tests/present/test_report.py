@@ -17,10 +17,10 @@ from places import DATA, ROOT
 from study.ledger.datafiles import DataError
 from study.ledger.files import write_packed
 from study.ledger.pictures import Packed
-from study.present.notation import typeset
 from study.present.picture import Picture, picture_path, read_record
 from study.present.report import PAGE_TEXTS, all_rows, draw_case, write_report
 from study.present.tables import bounds, columns_of, equivalence, rates, stresses
+from study.present.templates import typeset
 from study.run.plan import full
 from study.run.provenance import read_provenance, sources
 from study.statements.pictures import Pictures

@@ -12,11 +12,11 @@ from PIL import Image
 
 from manufactured.colours import VERMILLION
 from manufactured.tensors import full, mandel
-from study.cli.show import SHOWN_EVERY, affordable_family, mesh_series, solve_showcase
+from study.cli import problem
+from study.cli.present import SHOWN_EVERY, affordable_family, mesh_series, solve_showcase
 from study.fem.mesh import FAMILIES
 from study.fem.naming import resolve
 from study.ledger.pictures import UNITS
-from study.present import problem
 from study.present.picture import Picture
 from study.present.show import NO_FFMPEG, draw_show, mesh_of, write_mp4
 from study.solve.motion import Motion, von_mises
@@ -40,7 +40,7 @@ def shown(tmp_path_factory):
     directory, case, notified = tmp_path_factory.mktemp("shows"), resolve(CASE), []
     (directory / "animation.mp4").touch()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("study.cli.show.SHOWN_STEPS", 8)
+        patch.setattr("study.cli.present.SHOWN_STEPS", 8)
         patch.setattr("study.present.show.find_ffmpeg", lambda: None)
         record, series = solve_showcase(case, affordable_family(case, 6), 6, lambda: notified.append("frame"))
         files = draw_show(record, series, directory, lambda: notified.append("image"))
@@ -145,7 +145,7 @@ wrong = replace(case, solution=solution)
     ids=["no ffmpeg", "no solution", "not a directory"],
 )
 def test_what_cannot_be_shown_is_refused(arguments, complaint, tmp_path, monkeypatch, out, told):
-    monkeypatch.setattr("study.cli.show.find_ffmpeg", lambda: None)
+    monkeypatch.setattr("study.cli.present.find_ffmpeg", lambda: None)
     file = tmp_path / "wrong.py"
     file.write_text(WITH_A_GAP_OF_THE_WRONG_SIGN)
     assert complaint.format(file=file) in told(f"show --out {out} {arguments.format(file=file)}")

@@ -13,7 +13,7 @@ from places import DATA, RESULTS
 
 from study.fem.naming import resolve
 from study.ledger.datafiles import read_claims
-from study.ledger.schema import COUNT, TABLES, TEXT
+from study.ledger.schema import COUNT, SCHEMA, TEXT
 from study.ledger.verdict import HOLDS, REPORTED, ROW_KEY, UNCLAIMED
 from study.run.judgement import judge
 from study.run.plan import full
@@ -169,7 +169,7 @@ def test_contact_forces_measured_again_agree_with_the_committed_ones():
 
 def test_every_column_of_the_committed_tables_has_a_unit_and_a_meaning():
     for path in DATA.glob("*.csv"):
-        described = TABLES[path.name].columns
+        described = SCHEMA[path.name].columns
         assert set(pd.read_csv(path, nrows=0)) <= {*described}
         assert all(column.unit in (TEXT, COUNT, "1") and column.meaning for column in described.values())
 

@@ -17,7 +17,7 @@ from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, name_of, resolve
 from study.fem.space import Space
-from study.ledger.check import ENOUGH, Check, Groups, by_case, by_family, consequence
+from study.ledger.check import MIN_LEVELS, Check, Groups, by_case, by_family, consequence
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.quantities import fitted
 from study.ledger.verdict import Verdict
@@ -202,14 +202,14 @@ class Statement:
 def check_of_order(
     key: str, quantity: str, column: str, window: Window, last: int = 0, power: int = 0, if_missed: str = ""
 ) -> Check:
-    """Return the check of the order of a column that ``quantities.fitted`` computes; it needs ``ENOUGH`` levels.
+    """Return the check of the order of a column that ``quantities.fitted`` computes; it needs ``MIN_LEVELS`` levels.
 
     Args:
         key, quantity, window, if_missed: as described in ``Check``.
         column, last, power: as described in ``quantities.of_errors`` and ``quantities.fitted``.
     """
     order = fitted(column, last, power)
-    return consequence(key, quantity, order, window, levels=ENOUGH, if_missed=if_missed)
+    return consequence(key, quantity, order, window, levels=MIN_LEVELS, if_missed=if_missed)
 
 
 SEED = 2002
