@@ -31,7 +31,7 @@ from sympy import Expr, Rational, pi, sin, sqrt
 
 from manufactured.body import Body, Kind, polygon
 from manufactured.case import Case
-from manufactured.cases.laws import not_proportional
+from manufactured.cases.shared import not_proportional
 from manufactured.contact import ContactFace
 from manufactured.contact.contact_face import Lifting
 from manufactured.exact import ExactSolution

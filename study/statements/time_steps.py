@@ -15,7 +15,7 @@ import pandas as pd
 import scipy.sparse as sps
 from scipy.interpolate import make_interp_spline
 
-from manufactured.no_potential import NAME
+from manufactured.catalogue import NO_POTENTIAL
 from manufactured.tensors import Array
 from study.fem.space import Space
 from study.ledger.check import ENOUGH, ROUNDING, Check, accuracy, consequence, identity
@@ -320,8 +320,8 @@ class NoPotential(ListedNumbers):
             positive_at_most(0.1, "so the reference solution hardly changes the error"),
         ),
     )
-    quick = grid((NAME,), ("one-diagonal",), (6, 8, 12))
-    full = grid((NAME,), ("one-diagonal", "unstructured"), (6, 12, 24))
+    quick = grid((NO_POTENTIAL,), ("one-diagonal",), (6, 8, 12))
+    full = grid((NO_POTENTIAL,), ("one-diagonal", "unstructured"), (6, 12, 24))
 
     def measure(self, setting: Setting) -> Numbers:
         setup = Experiment.at(setting, MIDPOINT, REFERENCE_STEPS)

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from manufactured import KelvinVoigt, Linear, named, t, unit_square, x2
-from manufactured.cases.laws import not_proportional
+from manufactured.cases.shared import not_proportional
 from manufactured.catalogue import NAMES
 from manufactured.data import Data
 from study.bound import terms

@@ -24,7 +24,7 @@ from manufactured import (
     x1,
     x2,
 )
-from manufactured.cases.laws import not_proportional
+from manufactured.cases.shared import not_proportional
 from manufactured.catalogue import NAMES
 from manufactured.data import Data, LoadError
 from manufactured.file_names import file_name_fault
