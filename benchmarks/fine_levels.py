@@ -29,7 +29,7 @@ import pandas as pd
 
 from manufactured.catalogue import NATURAL_MOTION
 from manufactured.modes import at_each
-from manufactured.multiscale.roller import START
+from manufactured.multiscale import START
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import load_from_forces
 from study.fem.naming import resolve

@@ -21,10 +21,10 @@ from manufactured.law import (
     Linear,
     NonSymmetric,
     Yield,
+    face_moduli,
     isotropic,
     isotropic_matrix,
 )
-from manufactured.law.linear_operator import face_moduli
 from manufactured.profile import Profile, cutoff
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t

@@ -31,7 +31,7 @@ import sympy as sp
 from sympy.core.relational import Relational
 
 from manufactured.body import Part
-from manufactured.data.compiled_formulas import PIECES
+from manufactured.data import PIECEWISE
 from manufactured.factor import x1, x2
 from manufactured.symbols import Index, indices, pos, t
 from manufactured.tensors import Array
@@ -183,7 +183,7 @@ KNOWN: dict[type, Callable[[Intervals, int], Intervals]] = {
     sp.sin: lambda u, j: _of_cosine(u, j, 3),
 }
 """For each function of one variable, how to compute the range of its Taylor coefficient of a given order."""
-BY_OTHERS: dict[type, Callable[..., sp.Expr]] = PIECES | {
+BY_OTHERS: dict[type, Callable[..., sp.Expr]] = PIECEWISE | {
     sp.sinh: lambda x: (sp.exp(x) - sp.exp(-x)) / 2,
     sp.cosh: lambda x: (sp.exp(x) + sp.exp(-x)) / 2,
     sp.tanh: lambda x: 1 - 2 / (sp.exp(2 * x) + 1),

@@ -30,10 +30,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 import sympy as sp
 
-from manufactured.body import Kind
-from manufactured.body.part import ROUNDING
-from manufactured.data import Data, Expressions
-from manufactured.data.compiled_formulas import gradient
+from manufactured.body import CORNER_ROUNDING, Kind
+from manufactured.data import Data, Expressions, gradient
 from manufactured.factor import UNIFORM, x1, x2
 from manufactured.law import Linear
 from manufactured.symbols import t
@@ -255,7 +253,7 @@ class Sampling:
             cuts = low + np.linspace(0, 1, EDGE_PARTS + 1)[:, None] * (high - low)
             formulas = along_side(part, loads.get(self.data.body.parts.index(part), ()), ACROSS)
             # Rounding moves samples off the side. Conditions that change across the side are undecided on it.
-            width = np.full(cuts[1:].size, ROUNDING * abs(self.data.body.vertices).max())
+            width = np.full(cuts[1:].size, CORNER_ROUNDING * abs(self.data.body.vertices).max())
             found.append((edges, {ARC: (cuts[:-1].ravel(), cuts[1:].ravel()), ACROSS: (-width, width)}, formulas))
         return found
 

@@ -49,7 +49,7 @@ SINGLE_MODULES = ("study/statements/*.py",)
 EXCLUDED_MODULES = (
     "manufactured/catalogue.py",
     "manufactured/colours.py",
-    "manufactured/body/html.py",
+    "manufactured/html.py",
     *sorted({f"manufactured/cases/{module}.py" for module in MODULES.values()}),
 )
 """Modules that list the cases, name colours, draw pictures in notebooks, or make cases.

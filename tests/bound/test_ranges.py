@@ -13,8 +13,7 @@ from sympy import Float, Integer, Rational, exp, log, sin, sqrt, tanh
 
 from manufactured import pos, t, unit_square
 from manufactured.compiled import function
-from manufactured.data import Data, LoadError
-from manufactured.data.compiled_formulas import PIECES, compiled, gradient, own_formula
+from manufactured.data import PIECEWISE, Data, LoadError, compiled, gradient, own_formula
 from manufactured.factor import x1, x2
 from manufactured.symbols import FormulaError
 from study.bound.ranges import KNOWN, Boxes, RangeError, _truncated, coefficients, require_known
@@ -35,7 +34,7 @@ SERVED = {
     "Heaviside": lambda x: sp.Heaviside(x - HALF),
     "Piecewise": lambda x: sp.Piecewise((x, (x < HALF) & (x2 > t)), (x**2, (x > 1) | ~(x2 < HALF)), (2, True)),
 }
-assert {function.__name__ for function in PIECES} <= set(SERVED)
+assert {function.__name__ for function in PIECEWISE} <= set(SERVED)
 OTHERS = {
     "besselj": lambda x: sp.besselj(0, x),
     "Subs": lambda x: sp.Subs(sp.Symbol("k") + x, sp.Symbol("k"), x2),

@@ -45,9 +45,8 @@ from manufactured.cases.materials import anisotropic_law
 from manufactured.cases.rough import MOVING_FRONT, natural_motion
 from manufactured.cases.shared import not_proportional
 from manufactured.catalogue import NAMES, catalogue
-from manufactured.contact.contact_face import VARIABLES
-from manufactured.face_strain import Coupled
-from manufactured.face_strain.strain_on_face import relaxation_rate
+from manufactured.contact import VARIABLES
+from manufactured.face_strain import Coupled, relaxation_rate
 from manufactured.factor import layers
 from manufactured.multiscale import StripFace, multiscale, rollers
 from manufactured.self_proof import examine

@@ -196,7 +196,7 @@ COMPUTE = (
     *("study/fem/space.py", "study/solve/steps.py", "manufactured/case.py", "study/statements/prop_5_4.py"),
     *("manufactured/cases/shared.py", "study/statements/shared/norms.py"),
     "study/ledger/text.py",
-    "manufactured/face_strain/contact_times.py",
+    "manufactured/face_strain.py",
 )
 """Modules on which the order of convergence for the case *full-contact* depends."""
 REST = (

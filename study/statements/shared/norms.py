@@ -14,8 +14,7 @@ from skfem import Basis, Mesh
 from skfem.models.poisson import mass as scalar_mass
 
 from manufactured.body import Part
-from manufactured.exact import ExactSolution
-from manufactured.exact.solution import FaceFields
+from manufactured.exact import ExactSolution, FaceFields
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array, Points, Tensors, Vectors, size
 from study.fem.error_norm import DEGREE, FACET_POINTS, rules, shared_lines

@@ -1,38 +1,137 @@
-"""The contact data on one part of the contact boundary, and the displacement that is made from them (lifting)."""
+"""Exact solutions with contact: the displacement in the body is made from gap, pressure and slip on a contact face.
+
+This construction is called lifting. Near a flat part of the contact boundary Γ3 let s be coordinates along the face, y
+the distance from it into the body, and n = −ν. Given are an initial gap g(s) ≥ 0, the remaining gap
+w(s, t) = g − u_ν ≥ 0, a pressure p(s, t) = −σ_ν ≥ 0 with w p = 0, and a slip z(s, t) = u_τ, which is 0 by default.
+Let q = ε_nn and r = 2ε_sn be the strain on the face that p and z produce (``manufactured.face_strain``). The
+displacement is
+
+    u_s = z φ(y/ℓ) − y ∇_s (w − g) φ(y/ℓ) + y r φ(y/ℓ),     u_n = (w − g + y q) φ(y/ℓ),
+
+with a depth ℓ and a polynomial φ on [0, 1] that satisfies φ(0) = 1, φ'(0) = 0 and φ(1) = 0; φ = 0 beyond 1. Other
+functions of y with the same values and slopes at y = 0 may be used (``manufactured.profile``).
+
+On the face y = 0, u_n = w − g, u_s = z, ε_ss = sym ∇_s z, ε_nn = q, and 2ε_sn = −∇_s (w − g) + r + ∇_s (w − g) = r.
+By the choice of (q, r), σ_τ = 0 and σ_ν = −p. So the contact conditions hold exactly, for every contact zone. The
+displacement vanishes for y ≥ ℓ, so (2.3) holds if Γ1 has at least this distance from the face.
+
+Without slip, u also solves the problem of a perfectly rough foundation, to which the body is glued where it touches. So
+only a case that slips while it is in contact shows whether a method has friction.
+
+In the paper g = 0, and the contact conditions are (2.5). For g ≠ 0, which the paper does not treat, they are u_ν ≤ g,
+σ_ν ≤ 0, σ_ν (u_ν − g) = 0 and σ_τ = 0.
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 import sympy as sp
 
 from manufactured.arguments import Size, checked
 from manufactured.body import Part
-from manufactured.contact.lifting_terms import COMBINATIONS, StrainTerm, first_indices, plus, strain_terms
-from manufactured.face_strain import Components, Coupled, FaceStrain, Memory, relaxation_rate
-from manufactured.face_strain.strain_on_face import StrainAtPoints
-from manufactured.jet import Jet
-from manufactured.law import KelvinVoigt, LawError, Linear, NonSymmetric
-from manufactured.law.linear_operator import face_moduli
+from manufactured.compiled import Jet
+from manufactured.face_strain import Components, Coupled, FaceStrain, Memory, StrainAtPoints, relaxation_rate
+from manufactured.law import KelvinVoigt, LawError, Linear, NonSymmetric, face_moduli
 from manufactured.modes import Modes
 from manufactured.profile import ZERO, Profile, cutoff
 from manufactured.symbols import FormulaError, Index, Values, refuse_kinks, s, s1, s2, t
 from manufactured.tensors import Array, Points, Tensors, Vectors, mapped, pairs, rotation
 
+# The strain of the displacement of a contact face, as a sum of terms.
+#
+# Each term is a derivative of w, q, r or z along the face times a function of the depth y. If there is an initial gap
+# g, w − g replaces w.
+
+COMBINATIONS: dict[str, tuple[tuple[str, int], ...]] = {
+    **{name: ((name, 0),) for name in "abcdef"},
+    **{f"{name}'": ((name, 1),) for name in "bcdf"},
+    "a'+b": (("a", 1), ("b", 0)),
+    "e'+d": (("e", 1), ("d", 0)),
+}
+"""For each function of y that occurs in strains: its profile functions and the orders of their derivatives."""
+
+
+class StrainTerm(NamedTuple):
+    """One term of a component of the strain in the axes of a contact face.
+
+    The term is the product of a factor, a derivative along the face of the gap w, the normal strain q, the shear
+    strain r or the slip z, and a function of y.
+
+    Attributes:
+        row: the row of the Mandel vector in the axes (s, n).
+        factor: the factor, which contains √2 or √½ for off-diagonal components.
+        source: the number of the function that is differentiated: 0 for w, 1 for q, and from 2 on the components of
+            the tangential fields r and z.
+        along: the multi-index of the derivative along the face.
+        profile: the name of the function of y in ``COMBINATIONS``.
+    """
+
+    row: int
+    factor: float
+    source: int
+    along: tuple[int, ...]
+    profile: str
+
+
+@lru_cache
+def strain_terms(n: int, deep: bool, tangential: tuple[str, ...]) -> tuple[StrainTerm, ...]:
+    """Return all terms of the strain of a contact face.
+
+    Args:
+        n: the number of coordinates along the face.
+        deep: whether the profile has a function e, so that the strain contains second derivatives of q.
+        tangential: the profile functions of the tangential fields that are not zero: "c" for r, "f" for z. Each field
+            has n components.
+    """
+    zero, first = first_indices(n)
+    fields = [(2 + n * number, profile) for number, profile in enumerate(tangential)]
+    found = []
+    for row, (i, j) in enumerate(pairs(n + 1)):
+        if i == j == n:
+            found += [StrainTerm(row, 1.0, 0, zero, "b'"), StrainTerm(row, 1.0, 1, zero, "d'")]
+        elif j == n:
+            half = math.sqrt(0.5)
+            found += [StrainTerm(row, half, 0, first[i], "a'+b"), StrainTerm(row, half, 1, first[i], "e'+d")]
+            found += [StrainTerm(row, half, start + i, zero, f"{profile}'") for start, profile in fields]
+        else:
+            factor = 1.0 if i == j else math.sqrt(2.0)
+            found += [StrainTerm(row, factor, 0, plus(first[i], first[j]), "a")]
+            found += [StrainTerm(row, factor, 1, plus(first[i], first[j]), "e")] * deep
+            for start, profile in fields:
+                found += [StrainTerm(row, factor / 2, start + k, first[m], profile) for k, m in ((i, j), (j, i))]
+    return tuple(found)
+
+
+def plus(*indices: tuple[int, ...]) -> tuple[int, ...]:
+    """Return the sum of multi-indices."""
+    return tuple(map(sum, zip(*indices, strict=True)))
+
+
+def first_indices(variables: int) -> tuple[tuple[int, ...], list[tuple[int, ...]]]:
+    """Return the multi-index of a function itself, (0, …), and the multi-indices of its first derivatives."""
+    unit = np.eye(variables, dtype=int)
+    return (0,) * variables, [tuple(int(i) for i in row) for row in unit]
+
+
+# The contact data on one part of the contact boundary, and the displacement that is made from them (lifting).
+
 VARIABLES = {2: (s,), 3: (s1, s2)}
 """The symbols of the coordinates along a contact face, by the dimension of the body."""
 
 
-PLAIN = cutoff()
+DEFAULT_PROFILE = cutoff()
 """The default profile: the displacement is continued by the polynomial ``HERMITE`` down to the depth 1."""
 ZERO_GAP = sp.Integer(0)
-SIGNS, ROUNDED = {1: 1001, 2: 101}, 1e-12
+SIGNS, GAP_ROUNDING = {1: 1001, 2: 101}, 1e-12
 """The test that an initial gap is nowhere negative.
 
-``SIGNS`` is the number of points along each axis of the face, in 2D and in 3D; ``ROUNDED`` is the permitted relative
-round-off.
+``SIGNS`` is the number of points along each axis of the face, in 2D and in 3D; ``GAP_ROUNDING`` is the permitted
+relative round-off.
 """
 PLACES, DIVISIONS, PARTS = 1000, 11, 16
 """Numbers for the search of contact fronts, where the level function ψ changes its sign along a face.
@@ -70,7 +169,7 @@ class ContactFace:
     gap: sp.Expr
     strain: FaceStrain
     level: sp.Expr
-    profile: Profile = PLAIN
+    profile: Profile = DEFAULT_PROFILE
     rough: tuple[float, ...] = ()
     initial_gap: sp.Expr = ZERO_GAP
     slip: tuple[sp.Expr, ...] = ()
@@ -93,7 +192,7 @@ class ContactFace:
         pressure: sp.Expr,
         level: sp.Expr,
         initial: sp.Expr | None = None,
-        profile: Profile = PLAIN,
+        profile: Profile = DEFAULT_PROFILE,
         rough: tuple[float, ...] = (),
         initial_gap: sp.Expr = ZERO_GAP,
         slip: tuple[sp.Expr, ...] = (),
@@ -234,7 +333,7 @@ class ContactFace:
         grid = np.array([axis.ravel() for axis in np.meshgrid(*axes)])
         places = grid[:, self.part.covers(grid, 0.0)]
         values = np.broadcast_to(self.initial_gap_jet(places, 0.0)[(0,) * len(places)], places.shape[1:])
-        if not (worst := values.min(initial=0.0)) >= -ROUNDED * abs(values).max(initial=0.0):
+        if not (worst := values.min(initial=0.0)) >= -GAP_ROUNDING * abs(values).max(initial=0.0):
             where = ", ".join(f"{coordinate:.4g}" for coordinate in places[:, np.argmin(values)])
             raise FormulaError(
                 f"the initial gap {self.initial_gap} is {worst:.4g} at s = {where}, where the undeformed body would "
@@ -435,3 +534,50 @@ def distinct(places: Array) -> tuple[Array, Array | None]:
         return places, None
     where = np.searchsorted(distinct, keys).reshape(places.shape[1:])
     return np.array([distinct.real, distinct.imag])[: len(places)], where
+
+
+# Contact faces in 2D on which all contact data are formulas, also the pressure.
+
+
+@dataclass(frozen=True, eq=False)
+class StatedFace:
+    """The contact data of a part of the contact boundary in 2D. Derived classes add the displacement.
+
+    Attributes:
+        part: the part Γ3,i.
+        gap: the formula of the gap w(s, t).
+        pressure: the formula of the contact pressure p(s, t). It must be the pressure that the law gives; the
+            self-proof checks this.
+        level: the formula of ψ(s, t); the contact zone is {ψ ≥ 0}.
+
+    Raises:
+        FormulaError: a kink of a formula is not written with ``pos``.
+    """
+
+    part: Part
+    gap: sp.Expr
+    pressure: sp.Expr
+    level: sp.Expr
+
+    initial_gap = sp.Integer(0)
+    variables = (s,)
+
+    def __post_init__(self) -> None:
+        refuse_kinks(*(value for value in vars(self).values() if isinstance(value, sp.Expr)))
+
+    @cached_property
+    def gap_jet(self) -> Jet:
+        return Jet(self.gap)
+
+    @cached_property
+    def pressure_jet(self) -> Jet:
+        return Jet(self.pressure)
+
+    @cached_property
+    def level_jet(self) -> Jet:
+        return Jet(self.level)
+
+    @property
+    def exponents_in(self) -> sp.Expr:
+        """The contact pressure, from whose truncated powers the exponents of the strain at fronts are read off."""
+        return self.pressure

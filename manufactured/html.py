@@ -3,38 +3,39 @@
 from collections.abc import Iterable, Sequence
 from html import escape
 
-import numpy as np
-
-from manufactured.body.part import Kind, Part
 from manufactured.colours import BLUE, DARK, GREEN, GREY, VERMILLION
+from manufactured.tensors import Array
 
 WIDTH = 240
 """Width of the picture of a body in pixels."""
 LEGEND = {
-    Kind.CLAMPED: (DARK, "Γ1, clamped"),
-    Kind.LOADED: (BLUE, "Γ2, loaded"),
-    Kind.CONTACT: (VERMILLION, "Γ3, contact"),
-    Kind.ROLLER: (GREEN, "roller"),
-    Kind.INTERFACE: (GREY, "interface"),
+    "Γ1": (DARK, "Γ1, clamped"),
+    "Γ2": (BLUE, "Γ2, loaded"),
+    "Γ3": (VERMILLION, "Γ3, contact"),
+    "roller": (GREEN, "roller"),
+    "interface": (GREY, "interface"),
 }
-"""Colours and names of boundary parts.
+"""Values of ``manufactured.body.Kind`` ↦ colours and names of boundary parts.
 
 Dark grey, blue and vermillion are distinguishable for people with colour blindness.
 """
 
 
-def picture(parts: Sequence[Part]) -> str:
-    """Return a picture of the parts of a 2D body as SVG, or for a 3D body the number of parts of each kind."""
-    kinds = [part.kind for part in parts]
+def picture(kinds: Sequence[str], corners: Array) -> str:
+    """Return a picture of the parts of a 2D body as SVG, or for a 3D body the number of parts of each kind.
+
+    Args:
+        kinds: the kinds of the parts, as values of ``manufactured.body.Kind``.
+        corners: the corners of the parts of a 2D body, (n, 2, 2); for a 3D body an array without entries.
+    """
     legend = {kind: words for kind, words in LEGEND.items() if kind in kinds}
-    if parts[0].dim == 3:
+    if not corners.size:
         return "; ".join(f"{name}: {kinds.count(kind)} flat parts" for kind, (_, name) in legend.items())
-    points = np.array([[part.start, part.end] for part in parts])
-    low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
     scale = WIDTH / max(high - low)
     width, height = (high - low) * scale
     lines = []
-    for kind, ((x, y), (u, v)) in zip(kinds, (points - low) * scale, strict=True):
+    for kind, ((x, y), (u, v)) in zip(kinds, (corners - low) * scale, strict=True):
         lines.append(
             f'<line x1="{x:.1f}" y1="{height - y:.1f}" x2="{u:.1f}" y2="{height - v:.1f}" '
             f'stroke="{LEGEND[kind][0]}" stroke-width="4" stroke-linecap="round"/>'

@@ -1,22 +1,160 @@
-"""The data of a problem, made from an exact solution or from formulas."""
+"""The data of Problem 2.1: body, law, forces f_0 and f_2, and initial displacement u_0, without a solution.
+
+A computation that uses only ``Data`` works for problems with unknown solutions. ``Data.of`` makes the data of an
+exact solution, ``Data.formulas`` makes data from formulas of x1, x2 and t.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar
+from functools import reduce
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import sympy as sp
+from sympy.core.relational import Relational
 
 from manufactured.arguments import checked
 from manufactured.body import Body, Kind, Part
-from manufactured.data.compiled_formulas import Expressions, compiled, gradient, own_formula
+from manufactured.compiled import function
 from manufactured.exact import ExactSolution, ForceModes
-from manufactured.factor import COORDINATES
+from manufactured.factor import COORDINATES, x1, x2, x3
 from manufactured.law import KelvinVoigt, Linear
-from manufactured.symbols import FormulaError, Symbols, t
+from manufactured.symbols import FormulaError, Symbols, extreme_numbers, t
 from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, mandel
+
+# Turns formulas of x1, x2, x3 and t into functions of points and time.
+
+
+@dataclass(frozen=True)
+@checked(FormulaError)
+class Expressions:
+    """Formulas of the body force f_0, the tractions f_2 and the initial displacement u_0 in x1, x2 (x3) and t.
+
+    Two instances are equal if their formulas are equal.
+
+    Attributes:
+        force: the components of f_0.
+        loads: pairs of the number of a part in ``body.parts`` and the components of f_2 on it, sorted by number. On
+            other parts there is no load.
+        start: the components of u_0.
+    """
+
+    force: tuple[sp.Expr, ...]
+    loads: tuple[tuple[int, tuple[sp.Expr, ...]], ...]
+    start: tuple[sp.Expr, ...]
+
+
+SYMBOLS_BY_NAME = {str(symbol): symbol for symbol in (x1, x2, x3, t)}
+"""The symbols that formulas may contain, by their names."""
+
+
+def compiled(
+    formulas: Sequence[sp.Expr | float], count: int, name: str, symbols: tuple[sp.Symbol, ...]
+) -> Callable[..., Vectors]:
+    """Return a function that evaluates formulas at points, (d, ...) → (count, ...), and at a time if t is among the
+    symbols.
+
+    Args:
+        formulas: the formulas.
+        count: the number of formulas that is expected.
+        name: the name of the quantity, for messages.
+        symbols: the symbols that the formulas may contain, in the order of the arguments.
+
+    Raises:
+        FormulaError: there are other symbols, a wrong number of formulas, numbers that double precision cannot
+            represent, or functions that NumPy does not have.
+    """
+    expressions = [own_formula(formula) for formula in formulas]
+    if len(expressions) != count:
+        raise FormulaError(f"{name} has {len(expressions)} components, expected {count}")
+    strange = sorted({str(a) for e in expressions for a in e.free_symbols - {*symbols}})
+    if strange:
+        raise FormulaError(f"{name} has the symbols {', '.join(strange)}; use {', '.join(map(str, symbols))}")
+    for expression in expressions:
+        _require_numbers(expression, name)
+    call = _function(symbols, expressions, name)
+
+    # NumPy can evaluate a Piecewise only if all of its conditions have the same shape, so all arguments get one shape.
+    spread = any(expression.has(sp.Piecewise) for expression in expressions)
+
+    def values(x: Points, *time: float) -> Vectors:
+        times = [np.full(x.shape[1:], each) for each in time] if spread else time
+        return np.array([np.broadcast_to(value, x.shape[1:]) for value in call(*x, *times)])
+
+    return values
+
+
+PIECEWISE: dict[type, Callable[..., sp.Expr]] = {
+    sp.Max: lambda *args: reduce(lambda a, b: sp.Piecewise((a, a > b), (b, True)), args),
+    sp.Min: lambda *args: reduce(lambda a, b: sp.Piecewise((a, a < b), (b, True)), args),
+    sp.Abs: lambda x: sp.Piecewise((x, x > 0), (-x, True)),
+    sp.sign: lambda x: sp.Piecewise((1, x > 0), (-1, x < 0), (0, True)),
+    sp.Heaviside: lambda x, at_0: sp.Piecewise((1, x > 0), (0, x < 0), (at_0, True)),
+}
+"""Functions of SymPy with kinks or jumps, written as Piecewise functions."""
+
+
+def own_formula(formula: sp.Expr | float) -> sp.Expr:
+    """Return a formula of the user with the symbols of this package.
+
+    SymPy distinguishes symbols of the same name by their assumptions, so x1, x2, x3 and t of the user are replaced. A
+    condition a < b becomes a − b < 0. Numbers that cancel are then removed by SymPy, and not by rounding.
+    """
+    expression = sp.sympify(formula)
+    expression = expression.subs(
+        {a: SYMBOLS_BY_NAME[a.name] for a in expression.free_symbols if a.name in SYMBOLS_BY_NAME}
+    )
+    logical = sp.Xor, sp.ITE, sp.Implies, sp.Equivalent
+    expression = expression.replace(
+        lambda part: isinstance(part, logical), lambda part: sp.to_nnf(part, simplify=False)
+    )
+    return expression.replace(
+        lambda part: isinstance(part, Relational) and isinstance(part.lhs, sp.Expr),
+        lambda part: part.func(part.lhs - part.rhs, 0),
+    )
+
+
+def gradient(formulas: Sequence[sp.Expr], symbols: Sequence[sp.Symbol]) -> list[sp.Expr]:
+    """Return the derivatives of continuous formulas with respect to all symbols; the symbols change fastest.
+
+    Kinks are first written as Piecewise functions, because SymPy's derivative of a Max with three arguments that are
+    equal on a set is wrong there.
+    """
+    pieces = [formula.replace(lambda part: type(part) in PIECEWISE, _as_pieces) for formula in formulas]
+    return [sp.diff(formula, symbol) for formula in pieces for symbol in symbols]
+
+
+def _as_pieces(part: sp.Expr) -> sp.Expr:
+    return PIECEWISE[type(part)](*part.args)
+
+
+def _require_numbers(expression: sp.Expr, name: str) -> None:
+    """Raise FormulaError if a formula contains NaN, infinity or a number that double precision cannot represent."""
+    if expression.has(sp.nan, sp.zoo, sp.oo) or extreme_numbers(expression):
+        raise FormulaError(
+            f"{name} is {sp.N(expression, 3)} in SymPy, and has no value in double precision somewhere; write it as a "
+            "Piecewise, and use units in which its numbers have moderate size"
+        )
+
+
+def _function(symbols: tuple[sp.Symbol, ...], expressions: Sequence[sp.Expr], name: str) -> Callable[..., Any]:
+    """Return a NumPy function that evaluates formulas; raise FormulaError if NumPy does not have their functions."""
+    try:
+        call = function(symbols, expressions)
+        with np.errstate(all="ignore"):
+            call(*np.zeros((len(symbols), 2)))  # functions of ``math`` accept one point
+    except (NameError, AttributeError, NotImplementedError, TypeError, ValueError) as error:
+        formula = ", ".join(map(str, expressions))
+        raise FormulaError(
+            f"{name} = {formula} cannot be evaluated: {error}; write it with functions that NumPy has, and steps with "
+            "Heaviside or pos(x, 0)"
+        ) from error
+    return call
+
+
+# The data of a problem, made from an exact solution or from formulas.
 
 ForceInTime = Callable[[float], Vectors]
 Formulas = Annotated[
@@ -180,7 +318,7 @@ class Data:
                 in K, or a factor of the law is outside its stated bounds.
         """
         rng = np.random.default_rng(0)
-        inside = self.body.sample(rng, POINTS)
+        inside = self.body.sample(rng, RANDOM_POINTS)
         with np.errstate(all="ignore"):  # values that are not finite are refused
             _check_factors(self.law, inside)
             _check_forces(self, inside, rng)
@@ -204,18 +342,18 @@ def _surface_load(body: Body, f2: Mapping[int, Formulas], symbols: Symbols) -> C
     return surface_load
 
 
-POINTS, TIMES = 64, 5
+RANDOM_POINTS, RANDOM_TIMES = 64, 5
 """Numbers of random points in the body and on each part, and of times, at which the data are checked."""
-ROUNDING = 1e-12
+START_ROUNDING = 1e-12
 """Relative size up to which u_0 on Γ1, and penetration of u_0 on Γ3, count as round-off."""
-LARGEST = 1e100
+LARGEST_DATUM = 1e100
 """Largest permitted value of f_0, f_2, u_0 and ε(u_0): their squares must not overflow."""
 
 
 def _check_factors(law: KelvinVoigt, x: Points) -> None:
     for name, tensor in (("A", law.A), ("G", law.G)):
         values, factor = tensor.factor(x), tensor.factor
-        if values.min() < factor.low * (1 - ROUNDING) or values.max() > factor.high * (1 + ROUNDING):
+        if values.min() < factor.low * (1 - START_ROUNDING) or values.max() > factor.high * (1 + START_ROUNDING):
             raise LoadError(
                 f"the factor of {name} takes values from {values.min():.4g} to {values.max():.4g}, outside its stated "
                 f"bounds {factor.low:g} and {factor.high:g}; correct the bounds, from which constants are computed"
@@ -224,11 +362,11 @@ def _check_factors(law: KelvinVoigt, x: Points) -> None:
 
 def _check_forces(data: Data, inside: Points, rng: np.random.Generator) -> None:
     body = data.body
-    for time in np.linspace(0.0, body.T, TIMES if data.in_time else 1):
+    for time in np.linspace(0.0, body.T, RANDOM_TIMES if data.in_time else 1):
         when = f" at t = {time:.4g}" if data.in_time else ""
         _finite("f_0", data.body_force(inside)(time), inside, body.dim, when)
         for part in body.of(Kind.LOADED):
-            x = part.sample(rng, POINTS)
+            x = part.sample(rng, RANDOM_POINTS)
             _finite("f_2", data.surface_load(part, x)(time), x, body.dim, when)
 
 
@@ -237,13 +375,13 @@ def _check_start(data: Data, inside: Points, rng: np.random.Generator) -> None:
     _finite("ε(u_0)", data.initial(inside), inside, dim * (dim + 1) // 2, "")
     size = max(abs(_finite("u_0", data.start(inside), inside, dim, "")).max(), np.finfo(float).tiny)
     for part in data.body.parts:
-        x = part.sample(rng, POINTS)
+        x = part.sample(rng, RANDOM_POINTS)
         u = _finite("u_0", data.start(x), x, dim, "")
         held = abs(u if part.kind is Kind.CLAMPED else part.normal @ u).max()
-        if part.kind in (Kind.CLAMPED, Kind.ROLLER) and held > ROUNDING * size:
+        if part.kind in (Kind.CLAMPED, Kind.ROLLER) and held > START_ROUNDING * size:
             raise LoadError(f"u_0 is {held:.3g} on a {part.kind.name} part, where it has to be 0; change u_0")
         beyond = part.normal @ u - _initial_gap(data, part, x)
-        if part.kind is Kind.CONTACT and beyond.max() > ROUNDING * size:
+        if part.kind is Kind.CONTACT and beyond.max() > START_ROUNDING * size:
             raise LoadError(f"u_0ν is {beyond.max():.3g} > 0 on a CONTACT part, where it may not penetrate; change u_0")
 
 
@@ -258,7 +396,7 @@ def _initial_gap(data: Data, part: Part, x: Points) -> Array | float:
 
 
 def _finite(name: str, values: Vectors, x: Points, components: int, when: str) -> Vectors:
-    """Return values of data, or raise LoadError if they have a wrong shape, are not finite or exceed ``LARGEST``."""
+    """Return values of data, or raise LoadError: wrong shape, not finite, or larger than ``LARGEST_DATUM``."""
     if np.shape(values) != (components, *x.shape[1:]):
         raise LoadError(
             f"{name} has the shape {np.shape(values)} at points {x.shape}{when}, expected {(components, *x.shape[1:])}"
@@ -269,9 +407,9 @@ def _finite(name: str, values: Vectors, x: Points, components: int, when: str) -
             f"{name} is not finite at x = {np.round(x[:, wrong][:, 0], 4).tolist()}{when}, so no stress can "
             "balance it; give loads in L²"
         )
-    if values.size and abs(values).max() > LARGEST:
+    if values.size and abs(values).max() > LARGEST_DATUM:
         raise LoadError(
             f"{name} reaches {abs(values).max():.3g}{when}, and squares of such numbers overflow: use units in which "
-            f"the data stay below {LARGEST:g}"
+            f"the data stay below {LARGEST_DATUM:g}"
         )
     return values

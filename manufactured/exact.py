@@ -1,32 +1,284 @@
-"""The class of exact solutions, and their fields at fixed points."""
+"""Exact solutions {u, σ} of Problem 2.1, and the data f_0, f_2 and u_0 that belong to them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from operator import methodcaller
+from typing import Protocol
 
 import numpy as np
+import sympy as sp
 from numpy.typing import ArrayLike
 
 from manufactured.arguments import checked
 from manufactured.body import Body, BodyError, Kind, Part
-from manufactured.body.html import table
-from manufactured.contact import ContactFace
-from manufactured.exact.domain import (
-    Contribution,
-    ContributionAtPoints,
-    Face,
-    coordinates,
-    require_inside,
-    require_times,
-)
-from manufactured.exact.forces import ForceModes, force_modes
-from manufactured.jet import Jet
-from manufactured.law import KelvinVoigt, PointLaw
-from manufactured.modes import Modes
-from manufactured.symbols import Values
-from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, basis, traction
+from manufactured.compiled import Jet
+from manufactured.contact import COMBINATIONS, ContactFace, Lifting, first_indices, plus
+from manufactured.html import table
+from manufactured.law import AtPoints, KelvinVoigt, LawError, PointLaw, Scaled
+from manufactured.modes import Modes, at_each, pointwise
+from manufactured.symbols import Index, Values
+from manufactured.tensors import Array, Hyperplane, Points, Tensors, Time, Vectors, basis, rotation, traction
+
+# Checks that points lie in the body and times in [0, T].
+#
+# This is necessary because the formulas of exact solutions can also be evaluated elsewhere, where they are no solution.
+#
+# The interfaces ``Contribution`` and others describe the displacement fields whose sum is an exact solution.
+
+
+class ContributionAtPoints(Protocol):
+    """The interface of a displacement field at fixed points, as a function of time.
+
+    The methods return the displacement, its strain, or the gradient of the strain at a time; if ``rate`` is true, they
+    return time derivatives. For n times, (n,), the results have n as an additional last axis. ``modes`` returns the
+    strain at all times, as a sum of products.
+    """
+
+    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors: ...
+    def strain(self, time: Array | complex, rate: bool = False) -> Tensors: ...
+    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array: ...
+    def modes(self) -> Modes: ...
+
+
+class Contribution(Protocol):
+    """The interface of a displacement field on the body; ``at`` returns the field at fixed points, (d, ...)."""
+
+    def at(self, x: Points) -> ContributionAtPoints: ...
+
+
+class Face(Contribution, Protocol):
+    """The interface of contact faces: displacement fields with contact on one part of Γ3, such as ``ContactFace``.
+
+    Attributes:
+        part: the part of Γ3.
+        variables: the symbols of the coordinates s along the part.
+        gap, initial_gap: the formulas of the gap w(s, t) and of the initial gap g(s), which is 0 in the paper.
+        level: the formula of the level function ψ(s, t); the contact zone is {ψ ≥ 0}.
+        gap_jet, level_jet: evaluate w and ψ with their derivatives.
+        pressure_jet: evaluates the prescribed pressure with its derivatives; None if the pressure follows from the law.
+        exponents_in: the formula from whose truncated powers the exponents of the strain at contact fronts are read
+            off, for example the formula of the pressure.
+        rough: the coordinates s at which the strain is singular or has a kink at all times.
+    """
+
+    @property
+    def part(self) -> Part: ...
+    @property
+    def gap(self) -> sp.Expr: ...
+    @property
+    def initial_gap(self) -> sp.Expr: ...
+    @property
+    def level(self) -> sp.Expr: ...
+    @property
+    def rough(self) -> tuple[float, ...]: ...
+    @property
+    def variables(self) -> tuple[sp.Symbol, ...]: ...
+    @property
+    def gap_jet(self) -> Jet: ...
+    @property
+    def level_jet(self) -> Jet: ...
+    @property
+    def pressure_jet(self) -> Jet | None: ...
+    @property
+    def exponents_in(self) -> sp.Expr: ...
+
+
+DOMAIN_ROUNDING = 1e-9
+"""Distance that counts as round-off: of a point from the body, relative to its extent, and of a time from [0, T]."""
+
+
+def coordinates(values: ArrayLike, count: int, what: str) -> Array:
+    """Return the coordinates of points as an array whose first axis has the length ``count``.
+
+    Raises:
+        ValueError: the array has another shape.
+    """
+    wanted = f"{what} need the shape ({count}, n), one row for each coordinate"
+    try:
+        found = np.asarray(values)
+    except ValueError as error:
+        raise ValueError(f"{wanted}; got rows of different lengths") from error
+    if found.dtype.kind not in "iufc":
+        raise ValueError(f"{wanted}, of numbers; got entries of the type {found.dtype}")
+    if found.ndim >= 2 and len(found) == count:
+        return found
+    if found.shape == (count,):
+        hint = f"; write one point as [{', '.join(f'[{value:g}]' for value in np.real(found))}]"
+    elif found.ndim == 2 and found.shape[1] == count:
+        hint = "; transpose it"
+    else:
+        hint = ""
+    raise ValueError(f"{wanted}; got the shape {found.shape}{hint}")
+
+
+def require_inside(body: Body, x: Points) -> None:
+    """Raise ValueError if a point of x, (d, ...), lies outside the body by more than round-off."""
+    points = np.real(x).reshape(body.dim, -1)
+    reach = DOMAIN_ROUNDING * body.extent
+    # Comparisons with NaN are false, so the condition is written such that NaN coordinates are refused.
+    with np.errstate(invalid="ignore"):
+        within = [part.normal @ points <= part.normal @ part.start + reach for part in body.parts]
+        left = points[:, ~np.all(within, axis=0)]
+        left = left[:, ~body.contains(left)]
+        left = left[:, ~np.any([part.contains(left, reach) for part in body.parts], axis=0)]
+    if left.size:
+        low, high = body.vertices.min(axis=1), body.vertices.max(axis=1)
+        box = " × ".join(f"[{a:g}, {b:g}]" for a, b in zip(low, high, strict=True))
+        raise ValueError(
+            f"the point ({', '.join(f'{value:g}' for value in left[:, 0])}) lies outside the body, where there is no "
+            f"exact solution ({left.shape[1]} of {points.shape[1]} points); the body lies in {box}, and "
+            "body.contains(x) says which points it has"
+        )
+
+
+def require_times(T: float, time: Array | complex) -> None:
+    """Raise ValueError if a time lies outside [0, T] by more than round-off."""
+    times = np.asarray(time).real.reshape(-1)
+    # Comparisons with NaN are false, so the condition is written such that NaN is refused.
+    outside = ~(abs(times - T / 2) <= (0.5 + DOMAIN_ROUNDING) * T)
+    if outside.any():
+        first = times[outside][0]
+        raise ValueError(f"the time {first:g} lies outside [0, {T:g}], where there is no exact solution; T is body.T")
+
+
+# The body force f_0 of a linear law as a sum of fixed fields times functions of time and of the face coordinate s.
+#
+# For a linear operator C, −Div(α C ε(u)) is linear in u. The displacement of a contact face is linear in the
+# derivatives of w, q, r and z (gap, normal and shear strain, slip) along the face. So f_0 is a sum over these
+# derivatives, each multiplied by a field that does not depend on time. Other displacement fields are evaluated point by
+# point.
+
+
+@dataclass(frozen=True, eq=False)
+class ForceModes:
+    """The body force f_0 = −Div(A ε(u̇)) − Div(G ε(u)) as sums of products, one sum for each displacement field of u.
+
+    Attributes:
+        viscous: −Div(A ε(u)); its time derivative is the viscous part of f_0.
+        elastic: −Div(G ε(u)), the elastic part of f_0.
+    """
+
+    viscous: list[Modes]
+    elastic: list[Modes]
+
+
+Trace = tuple[int, Index]
+"""A derivative along the face of the gap, the strain or the slip.
+
+It is a pair of the number of the function (``StrainTerm.source``) and the multi-index of the derivative.
+"""
+
+
+def force_modes(of: AtPoints, part: ContributionAtPoints, count: int) -> Modes:
+    """Return the force −Div(α C ε) of a displacement field at ``count`` points, as a sum of products.
+
+    In the result, ``Modes.tensors`` are the K constant vectors of the products, (K, d).
+
+    Raises:
+        LawError: the operator is not linear.
+    """
+    if not isinstance(of, Scaled):
+        raise LawError("f_0 is a sum of products for linear A and G only; take body_force")
+    return _of_lifting(of, part) if isinstance(part, Lifting) else _of_points(of, part, count)
+
+
+def _of_points(of: Scaled, part: ContributionAtPoints, count: int) -> Modes:
+    """Return the force of any displacement field, with one time-dependent value for each point and component."""
+    dim = 2 if len(of.matrix) == 3 else 3
+
+    def force(time: Time, rate: bool) -> Array:
+        def one(moment: complex) -> Array:
+            slope = of.gradient(lambda: part.strain(moment, rate), part.strain_gradient(moment, rate))
+            return -np.einsum("Iij,Ij...->i...", basis(dim), slope)
+
+        return at_each(time, one)
+
+    return pointwise(force, dim, count)
+
+
+@dataclass
+class _Fields:
+    """Collects the force fields −Div(α C ε), (d, n), that belong to single derivatives of w, q, r and z along the face.
+
+    The field of a derivative (``Trace``) is the force if this derivative is 1 and all others are 0.
+    """
+
+    of: Scaled
+    reach: Array
+    found: dict[Trace, Array] = field(default_factory=dict)
+
+    def add(self, trace: Trace, vector: Array, values: Array) -> None:
+        """Add the vector field −v(x) f(x) to the field of a derivative of w, q, r or z.
+
+        Args:
+            trace: the derivative.
+            vector: v, (d,) or (d, n).
+            values: the scalar f at the points, (n,).
+        """
+        product = -(vector if vector.ndim == 2 else vector[:, None]) * values
+        self.found[trace] = self.found.get(trace, 0.0) + product
+
+    @property
+    def factor(self) -> Array | float:
+        """The material factor α at the points within the depth of the displacement, (n,)."""
+        return self.of.factor if isinstance(self.of.factor, float) else self.of.factor[self.reach]
+
+    @property
+    def slopes(self) -> Array | None:
+        """The derivatives ∂_j α of the material factor at the points within the depth of the displacement, (d, n)."""
+        return None if self.of.slopes is None else self.of.slopes[:, self.reach]
+
+
+def _of_lifting(of: Scaled, lifting: Lifting) -> Modes:
+    """Return the force of a contact face as a sum of products.
+
+    There is one product for each derivative of w, q and r, and each component of its field that is not zero.
+    """
+    fields = _fields_of(of, lifting)
+    dim = len(lifting.frame)
+    chosen = [(trace, i) for trace, values in fields.items() for i in range(dim) if values[i].any()]
+    # The function below uses local variables. A reference to the lifting would keep the arrays of all points in memory.
+    on_face = lifting.on_face
+    count = lifting.s[0].size
+    order = 2 + lifting.deep
+
+    def amplitudes(time: Array | float, rate: bool) -> Array:
+        w, strain = on_face(time, rate, order)
+        found = np.array([(w, *strain)[source][along] for (source, along), _ in chosen])
+        return found.reshape(len(chosen), count, *np.shape(time))
+
+    return Modes(
+        tensors=np.eye(dim)[[i for _, i in chosen]],
+        points=np.flatnonzero(lifting.reach),
+        shapes=np.array([fields[trace][i] for trace, i in chosen]),
+        places=np.arange(lifting.y.size) if lifting.where is None else lifting.where.ravel(),
+        count=count,
+        amplitudes=amplitudes,
+    )
+
+
+def _fields_of(of: Scaled, lifting: Lifting) -> dict[Trace, Array]:
+    """Return the force fields of all derivatives of w, q, r and z, at the points that the displacement reaches."""
+    profile, frame, y = lifting.face.profile, lifting.frame, lifting.y.ravel()
+    axes, (_, first) = rotation(frame), first_indices(len(lifting.s))
+    fields = _Fields(of, lifting.reach)
+    for term in lifting.terms:
+        stress = np.einsum("Iij,I->ij", basis(len(frame)), of.matrix @ axes[:, term.row])
+        value, slope = (
+            term.factor * sum(getattr(profile, f)(y, k + into) for f, k in COMBINATIONS[term.profile])
+            for into in range(2)
+        )
+        for unit, direction in zip(first, frame.T, strict=False):
+            fields.add((term.source, plus(term.along, unit)), stress @ direction, fields.factor * value)
+        fields.add((term.source, term.along), stress @ frame[:, -1], fields.factor * slope)
+        if fields.slopes is not None:
+            fields.add((term.source, term.along), stress @ fields.slopes, value)
+    return fields.found
+
+
+# The class of exact solutions, and their fields at fixed points.
 
 
 @dataclass(frozen=True, eq=False)
