@@ -10,8 +10,8 @@ import numpy as np
 import sympy as sp
 
 from manufactured.arguments import checked
-from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution, Face
+from manufactured.contact import ContactFace, Face
+from manufactured.exact import ExactSolution
 from manufactured.face_formula import FaceFormula, read_off
 from manufactured.face_strain import Memory, Prescribed
 from manufactured.html import table

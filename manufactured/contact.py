@@ -27,7 +27,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import sympy as sp
@@ -124,6 +124,68 @@ VARIABLES = {2: (s,), 3: (s1, s2)}
 """The symbols of the coordinates along a contact face, by the dimension of the body."""
 
 
+class ContributionAtPoints(Protocol):
+    """The interface of a displacement field at fixed points, as a function of time.
+
+    The methods return the displacement, its strain, or the gradient of the strain at a time; if ``rate`` is true, they
+    return time derivatives. For n times, (n,), the results have n as an additional last axis. ``modes`` returns the
+    strain at all times, as a sum of products.
+    """
+
+    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors: ...
+    def strain(self, time: Array | complex, rate: bool = False) -> Tensors: ...
+    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array: ...
+    def modes(self) -> Modes: ...
+
+
+class Contribution(Protocol):
+    """The interface of a displacement field on the body; ``at`` returns the field at fixed points, (d, ...)."""
+
+    def at(self, x: Points) -> ContributionAtPoints: ...
+
+
+class Face:
+    """A displacement field with contact on one part of Γ3. Derived classes add the displacement.
+
+    Attributes:
+        part: the part of Γ3.
+        gap, initial_gap: the formulas of the gap w(s, t) and of the initial gap g(s), which is 0 in the paper.
+        level: the formula of the level function ψ(s, t); the contact zone is {ψ ≥ 0}.
+        rough: the coordinates s at which the strain is singular or has a kink at all times.
+        exponents_in: the formula from whose truncated powers the exponents of the strain at contact fronts are read
+            off, for example the formula of the pressure.
+    """
+
+    part: Part
+    gap: sp.Expr
+    level: sp.Expr
+    initial_gap: sp.Expr
+    rough: tuple[float, ...]
+    exponents_in: sp.Expr
+
+    @property
+    def variables(self) -> tuple[sp.Symbol, ...]:
+        """The symbols of the coordinates along the face."""
+        return VARIABLES[len(self.part.frame)]
+
+    @cached_property
+    def gap_jet(self) -> Jet:
+        return Jet(self.gap, self.variables)
+
+    @cached_property
+    def level_jet(self) -> Jet:
+        return Jet(self.level, self.variables)
+
+    @cached_property
+    def pressure_jet(self) -> Jet | None:
+        """The prescribed pressure p as a formula with its derivatives; None if p follows from a prescribed strain."""
+        raise NotImplementedError
+
+    def at(self, x: Points) -> ContributionAtPoints:
+        """Return the displacement field at fixed points of the body, (d, ...), as a function of time."""
+        raise NotImplementedError
+
+
 DEFAULT_PROFILE = cutoff()
 """The default profile: the displacement is continued by the polynomial ``HERMITE`` down to the depth 1."""
 ZERO_GAP = sp.Integer(0)
@@ -143,7 +205,7 @@ parts, and then the part with the change again, ``DIVISIONS`` times, down to 1e-
 
 @dataclass(frozen=True, eq=False)
 @checked(FormulaError)
-class ContactFace:
+class ContactFace(Face):
     """The contact data on one part of the contact boundary, from which the displacement in the body is made.
 
     Attributes:
@@ -254,15 +316,6 @@ class ContactFace:
             part, gap, Coupled.of(pressure, tuple(stress), viscous, elastic, scale, T, initial, variables), *rest
         )
 
-    @property
-    def variables(self) -> tuple[sp.Symbol, ...]:
-        """The symbols of the coordinates along the face."""
-        return VARIABLES[len(self.part.frame)]
-
-    @cached_property
-    def gap_jet(self) -> Jet:
-        return Jet(self.gap, self.variables)
-
     @cached_property
     def initial_gap_jet(self) -> Jet:
         return Jet(self.initial_gap, self.variables)
@@ -281,10 +334,6 @@ class ContactFace:
     def tangential(self) -> tuple[str, ...]:
         """The profile functions of the tangential fields on the face that are not zero: "c" for r, "f" for z."""
         return ("c",) * isinstance(self.strain, Coupled) + ("f",) * bool(self.slip)
-
-    @cached_property
-    def level_jet(self) -> Jet:
-        return Jet(self.level, self.variables)
 
     @cached_property
     def pressure_jet(self) -> Jet | None:
@@ -540,7 +589,7 @@ def distinct(places: Array) -> tuple[Array, Array | None]:
 
 
 @dataclass(frozen=True, eq=False)
-class StatedFace:
+class StatedFace(Face):
     """The contact data of a part of the contact boundary in 2D. Derived classes add the displacement.
 
     Attributes:
@@ -559,23 +608,14 @@ class StatedFace:
     pressure: sp.Expr
     level: sp.Expr
 
-    initial_gap = sp.Integer(0)
-    variables = (s,)
+    initial_gap = ZERO_GAP
 
     def __post_init__(self) -> None:
         refuse_kinks(*(value for value in vars(self).values() if isinstance(value, sp.Expr)))
 
     @cached_property
-    def gap_jet(self) -> Jet:
-        return Jet(self.gap)
-
-    @cached_property
     def pressure_jet(self) -> Jet:
         return Jet(self.pressure)
-
-    @cached_property
-    def level_jet(self) -> Jet:
-        return Jet(self.level)
 
     @property
     def exponents_in(self) -> sp.Expr:

@@ -146,6 +146,27 @@ class MatrixOperator:
             raise LawError("a heterogeneous tensor needs points: use at(x) or scaled(factors)")
         return mapped(self.matrix, strain)
 
+    @cached_property
+    def reference(self) -> Array:
+        """The constant symmetric matrix that a solver uses instead of G: the symmetric part (C + Cᵀ)/2, (D, D)."""
+        return (self.matrix + self.matrix.T) / 2
+
+    @cached_property
+    def eigenvalues(self) -> Array:
+        """The eigenvalues of the symmetric part of C, increasing, (D,)."""
+        return np.linalg.eigvalsh(self.reference)
+
+    @property
+    def monotonicity(self) -> float:
+        """The monotonicity constant m: the smallest eigenvalue of α C on the body; it is negative if G softens."""
+        least = float(self.eigenvalues[0])
+        return least * (self.factor.low if least > 0 else self.factor.high)
+
+    @property
+    def lipschitz(self) -> float:
+        """The Lipschitz constant of a symmetric C: the largest absolute eigenvalue of α C on the body."""
+        return self.factor.high * float(abs(self.eigenvalues).max())
+
     def at(self, x: Points) -> AtPoints:
         if self.factor is UNIFORM:
             return Scaled(self.matrix)
@@ -185,28 +206,10 @@ class Linear(MatrixOperator):
         if not np.allclose(self.matrix, self.matrix.T, rtol=1e-12, atol=0):
             raise LawError("the tensor is not symmetric, but (3.1) needs Aσ·τ = σ·Aτ; take (C + Cᵀ)/2")
 
-    @cached_property
-    def eigenvalues(self) -> Array:
-        """The eigenvalues of C, increasing, (D,)."""
-        return np.linalg.eigvalsh(self.matrix)
-
     @property
     def ellipticity(self) -> float:
         """The ellipticity constant: the smallest eigenvalue of α C on the body (m_A for a viscosity)."""
-        return self.factor.low * float(self.eigenvalues[0])
-
-    @property
-    def lipschitz(self) -> float:
-        """The Lipschitz constant: the largest eigenvalue of α C on the body (L_G for an elasticity)."""
-        return self.factor.high * float(self.eigenvalues[-1])
-
-    @property
-    def monotonicity(self) -> float:
-        return self.ellipticity
-
-    @property
-    def reference(self) -> Array:
-        return self.matrix
+        return self.monotonicity
 
     def normal_modulus(self, normal: Array) -> float:
         """Return the normal modulus C_nnnn = (n⊗n)·C(n⊗n) of the constant tensor for a unit vector n."""
@@ -248,17 +251,6 @@ class Indefinite(Linear):
 
     def __post_init__(self) -> None:
         self._require_symmetric()
-
-    @property
-    def ellipticity(self) -> float:
-        """The monotonicity constant m: the smallest eigenvalue of α C on the body; it is negative if G softens."""
-        least = float(self.eigenvalues[0])
-        return least * (self.factor.low if least > 0 else self.factor.high)
-
-    @property
-    def lipschitz(self) -> float:
-        """The Lipschitz constant L_G: the largest absolute eigenvalue of α C on the body."""
-        return self.factor.high * float(abs(self.eigenvalues).max())
 
 
 @dataclass(frozen=True, eq=False)
@@ -330,16 +322,6 @@ class NonSymmetric(MatrixOperator):
     def lipschitz(self) -> float:
         """The Lipschitz constant L_G: the largest singular value of C."""
         return float(np.linalg.norm(self.matrix, 2))
-
-    @cached_property
-    def monotonicity(self) -> float:
-        """The monotonicity constant m: the smallest eigenvalue of the symmetric part of C."""
-        return float(np.linalg.eigvalsh(self.reference)[0])
-
-    @cached_property
-    def reference(self) -> Array:
-        """The constant symmetric matrix that a solver uses instead of G: the symmetric part (C + Cᵀ)/2, (D, D)."""
-        return (self.matrix + self.matrix.T) / 2
 
 
 # Nonlinear elasticity operators: (3.3) and its sum with a linear operator and a stress at rest.

@@ -51,7 +51,7 @@ Sides = Mapping[sp.Symbol, Pair]
 """Boxes around cells or around parts of edges: for each coordinate, the lower and upper ends, (boxes,) each."""
 GRADED = "cells at the lines and points where the data are rough have graded rules, which are not exact"
 GUARANTEED, ESTIMATED = "guaranteed", "estimated"
-PARABOLA, CUBIC = 2.2513, 4.0559
+PARABOLA_FACTOR, CUBIC_FACTOR = 2.2513, 4.0559
 """The factors 1 + Λ of the error of interpolation in time at 0, k/2, k (parabola) and at 0, k/4, k/2, k (cubic)."""
 
 
@@ -107,7 +107,7 @@ def in_time(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Ar
     These are the bounds p_T and q_T in the docstring of the module. The arguments are those of ``in_space``.
     """
     bounds = _by_order(sides, (t,), formulas, a, b)
-    both = [PARABOLA * bounds[:, :ORDER].min(axis=1), CUBIC * bounds.min(axis=1)]
+    both = [PARABOLA_FACTOR * bounds[:, :ORDER].min(axis=1), CUBIC_FACTOR * bounds.min(axis=1)]
     return np.asarray(np.hypot.reduce(both, axis=1))
 
 
