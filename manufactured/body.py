@@ -185,6 +185,17 @@ class Part:
         s, y = self.coordinates(x)
         return (abs(y) <= tolerance) & self.covers(s, tolerance)
 
+    def grid(self, shares: Array) -> Array:
+        """Return the points of a grid that lie on the part, in local coordinates, (d−1, n).
+
+        Args:
+            shares: the positions of the grid lines along each axis, from 0 to 1 over the extent of the part.
+        """
+        low, high = self.outline.min(axis=1), self.outline.max(axis=1)
+        axes = low[:, None] + np.multiply.outer(high - low, shares)
+        points = np.array([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")])
+        return points[:, self.covers(points, 0.0)]
+
     def prescribed(self, x: Points) -> Points:
         """Return the prescribed displacement at points of the segment, (d, n) → (d, n)."""
         if self.displacement is None:

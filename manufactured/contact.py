@@ -25,6 +25,7 @@ In the paper g = 0, and the contact conditions are (2.5). For g ≠ 0, which the
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple, Protocol
@@ -173,6 +174,10 @@ class Face:
         return Jet(self.gap, self.variables)
 
     @cached_property
+    def initial_gap_jet(self) -> Jet:
+        return Jet(self.initial_gap, self.variables)
+
+    @cached_property
     def level_jet(self) -> Jet:
         return Jet(self.level, self.variables)
 
@@ -317,10 +322,6 @@ class ContactFace(Face):
         )
 
     @cached_property
-    def initial_gap_jet(self) -> Jet:
-        return Jet(self.initial_gap, self.variables)
-
-    @cached_property
     def jets(self) -> tuple[Jet, ...]:
         """The displacement of the face, u_n = −u_ν = w − g and then the slip, as formulas with their derivatives."""
         return tuple(Jet(u, self.variables) for u in (self.gap - self.initial_gap, *self.slip))
@@ -377,10 +378,7 @@ class ContactFace(Face):
                 f"the initial gap {self.initial_gap} depends on t, but it is the distance of the undeformed body from "
                 "a foundation that rests: give a formula of the coordinates along the face alone"
             )
-        lowest, highest = self.part.outline.min(axis=1), self.part.outline.max(axis=1)
-        axes = [np.linspace(low, high, SIGNS[len(lowest)]) for low, high in zip(lowest, highest, strict=True)]
-        grid = np.array([axis.ravel() for axis in np.meshgrid(*axes)])
-        places = grid[:, self.part.covers(grid, 0.0)]
+        places = self.part.grid(np.linspace(0, 1, SIGNS[self.part.dim - 1]))
         values = np.broadcast_to(self.initial_gap_jet(places, 0.0)[(0,) * len(places)], places.shape[1:])
         if not (worst := values.min(initial=0.0)) >= -GAP_ROUNDING * abs(values).max(initial=0.0):
             where = ", ".join(f"{coordinate:.4g}" for coordinate in places[:, np.argmin(values)])
@@ -392,6 +390,13 @@ class ContactFace(Face):
     def at(self, x: Points) -> Lifting:
         """Return the displacement field at fixed points of the body, (d, ...), as a function of time."""
         return Lifting(self, x)
+
+
+Trace = tuple[int, Index]
+"""A derivative along the face of the gap, the strain or the slip.
+
+It is a pair of the number of the function (``StrainTerm.source``) and the multi-index of the derivative.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -502,25 +507,31 @@ class Lifting:
 
     def modes(self) -> Modes:
         """Return the strain ε(u) as a sum of products: a function of the point times a function of (s, t)."""
+        axes = np.eye(len(pairs(len(self.frame)))) if self.rotation is None else self.rotation
+        tensors = np.array([axes[:, term.row] for term in self.terms])
+        shapes = np.array([term.factor * self._profile(term.profile, 0).ravel() for term in self.terms])
+        return self.products(tensors, shapes, [(term.source, term.along) for term in self.terms], 1 + self.deep)
+
+    def products(self, tensors: Array, shapes: Array, traces: Sequence[Trace], order: int) -> Modes:
+        """Return a sum of products whose functions of time are derivatives of w, q, r and z along the face.
+
+        Args:
+            tensors: the K constant tensors, (K, D).
+            shapes: the K functions of the point, at the points within the depth of the profile, (K, n).
+            traces: the K derivatives.
+            order: the highest order of the derivatives of q, r and z.
+        """
         # The function below uses local variables. A reference to ``self`` would keep the arrays of all points in
         # memory.
-        on_face, order, count = self.on_face, 1 + self.deep, self.s[0].size
-        terms = self.terms
-        axes = np.eye(len(pairs(len(self.frame)))) if self.rotation is None else self.rotation
+        on_face, count = self.on_face, self.s[0].size
 
         def amplitudes(time: Array | float, rate: bool) -> Array:
             w, strain = on_face(time, rate, order)
-            found = np.array([(w, *strain)[term.source][term.along] for term in terms])
-            return found.reshape(len(terms), count, *np.shape(time))
+            found = np.array([(w, *strain)[source][along] for source, along in traces])
+            return found.reshape(len(traces), count, *np.shape(time))
 
-        return Modes(
-            tensors=np.array([axes[:, term.row] for term in terms]),
-            points=np.flatnonzero(self.reach),
-            shapes=np.array([term.factor * self._profile(term.profile, 0).ravel() for term in terms]),
-            places=np.arange(self.y.size) if self.where is None else self.where.ravel(),
-            count=count,
-            amplitudes=amplitudes,
-        )
+        places = np.arange(self.y.size) if self.where is None else self.where.ravel()
+        return Modes(tensors, np.flatnonzero(self.reach), shapes, places, count, amplitudes)
 
     @property
     def deep(self) -> bool:

@@ -19,13 +19,14 @@ from manufactured.contact import (
     ContributionAtPoints,
     Face,
     Lifting,
+    Trace,
     first_indices,
     plus,
 )
 from manufactured.html import table
 from manufactured.law import AtPoints, KelvinVoigt, LawError, PointLaw, Scaled
 from manufactured.modes import Modes, at_each, pointwise
-from manufactured.symbols import Index, Values
+from manufactured.symbols import Values
 from manufactured.tensors import Array, Hyperplane, Points, Tensors, Time, Vectors, basis, rotation, traction
 
 # Checks that points lie in the body and times in [0, T].
@@ -112,13 +113,6 @@ class ForceModes:
     elastic: list[Modes]
 
 
-Trace = tuple[int, Index]
-"""A derivative along the face of the gap, the strain or the slip.
-
-It is a pair of the number of the function (``StrainTerm.source``) and the multi-index of the derivative.
-"""
-
-
 def force_modes(of: AtPoints, part: ContributionAtPoints, count: int) -> Modes:
     """Return the force −Div(α C ε) of a displacement field at ``count`` points, as a sum of products.
 
@@ -187,24 +181,9 @@ def _of_lifting(of: Scaled, lifting: Lifting) -> Modes:
     fields = _fields_of(of, lifting)
     dim = len(lifting.frame)
     chosen = [(trace, i) for trace, values in fields.items() for i in range(dim) if values[i].any()]
-    # The function below uses local variables. A reference to the lifting would keep the arrays of all points in memory.
-    on_face = lifting.on_face
-    count = lifting.s[0].size
-    order = 2 + lifting.deep
-
-    def amplitudes(time: Array | float, rate: bool) -> Array:
-        w, strain = on_face(time, rate, order)
-        found = np.array([(w, *strain)[source][along] for (source, along), _ in chosen])
-        return found.reshape(len(chosen), count, *np.shape(time))
-
-    return Modes(
-        tensors=np.eye(dim)[[i for _, i in chosen]],
-        points=np.flatnonzero(lifting.reach),
-        shapes=np.array([fields[trace][i] for trace, i in chosen]),
-        places=np.arange(lifting.y.size) if lifting.where is None else lifting.where.ravel(),
-        count=count,
-        amplitudes=amplitudes,
-    )
+    directions = np.eye(dim)[[i for _, i in chosen]]
+    shapes = np.array([fields[trace][i] for trace, i in chosen])
+    return lifting.products(directions, shapes, [trace for trace, _ in chosen], 2 + lifting.deep)
 
 
 def _fields_of(of: Scaled, lifting: Lifting) -> dict[Trace, Array]:
@@ -488,7 +467,7 @@ class FaceFields:
 
     def initial_gap(self) -> Array:
         """Return the initial gap g, the distance of the undeformed body from the foundation, (...)."""
-        return self._value(Jet(self.face.initial_gap, self.face.variables), 0.0)
+        return self._value(self.face.initial_gap_jet, 0.0)
 
     def level(self, time: Array | float) -> Array:
         """Return the level function ψ, (...); the contact zone is {ψ ≥ 0}."""

@@ -605,9 +605,9 @@ class Memory:
     q is the solution of a q̇ + g q = −(p + l), exact up to rounding; l is the normal stress that a slip of the face
     causes, 0 without slip. p + l must be a sum of terms θ(s, t)·∏ pos(ψ_i(s, t), m_i), where moving ψ_i are contact
     fronts. θ and the moving ψ_i must be smooth in t, and the m_i of moving ψ_i must be integers ≥ 2. At each s, the
-    roots of the ψ_i divide [0, T] into intervals of contact (``fronts``), on which (p + l)/a is a smooth function
+    roots of the ψ_i divide [0, T] into intervals of contact (``front``), on which (p + l)/a is a smooth function
     P(s, ·). The integral of e^{−λ(t−r)} P is known in closed form if P is a polynomial of t; otherwise Gauss's rule is
-    used (``integrals``). Since p vanishes where a moving contact begins and ends, ∂_s^i q is the same expression with
+    used (``integral``). Since p vanishes where a moving contact begins and ends, ∂_s^i q is the same expression with
     ∂_s^i P.
 
     Attributes:

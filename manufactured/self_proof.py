@@ -251,13 +251,15 @@ def equilibrium(solution: ExactSolution, x: Points, instants: Array) -> Finding:
 # Checks of the boundary conditions (2.3), (2.4) and (2.5) of the contact problem at random points.
 
 
-def clamped_and_loaded(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
-    """Check the boundary conditions u = 0 on Γ1 and σν = f_2 on Γ2.
+def on_boundary(solution: ExactSolution, rng: np.random.Generator, inside: Points, instants: Array) -> list[Finding]:
+    """Check the boundary conditions at random points of each part and at the times ``instants``.
 
-    This is checked at ``count`` random points of each part and at the times ``instants``.
+    They are u = 0 on Γ1, σν = f_2 on Γ2, and the stated contact data u_ν = g − w, σ_ν = −p, σ_τ = 0 on Γ3. Defects are
+    relative to the sizes of u and σ at the points ``inside`` of the body. As many points of each part are taken.
     """
-    inside = solution.at(solution.body.sample(rng, count))
-    scale_u = norms(at_times(inside.displacement, instants, count))
+    fields, count = solution.at(inside), inside.shape[1]
+    scale_u = norms(at_times(fields.displacement, instants, count))
+    scale_stress = norms(at_times(fields.stress, instants, count))
     findings = []
     for part in solution.body.of(Kind.CLAMPED):
         x = part.sample(rng, count)
@@ -267,27 +269,7 @@ def clamped_and_loaded(solution: ExactSolution, rng: np.random.Generator, count:
         x = part.sample(rng, count)
         load = at_times(partial(solution.at(x).surface_load, part), instants, count)
         expected = at_times(partial(_traction_by_step, solution, part, x), instants, count)
-        scale = norms(at_times(inside.stress, instants, count))
-        findings.append(worst("(2.4) σν = f_2 on Γ2", x, instants, norms(load - expected), scale))
-    return findings
-
-
-def _traction_by_step(solution: ExactSolution, part: Part, x: Points, times: Array) -> Array:
-    """Return the traction Aε(u̇)ν + Gε(u)ν, with strains from derivatives by the complex step, (d, points, times)."""
-    shifted = shifted_fields(solution, x)
-    rate, strain = (mandel(gradient(shifted, of, times)) for of in (Fields.velocity, Fields.displacement))
-    return traction(solution.law.at(x[..., None]).stress(rate, strain), part.normal)
-
-
-def contact(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
-    """Check that displacement and stress have the stated contact data on Γ3: u_ν = g − w, σ_ν = −p, σ_τ = 0.
-
-    This is checked at ``count`` random points of each part and at the times ``instants``.
-    """
-    inside = solution.at(solution.body.sample(rng, count))
-    scale_u = norms(at_times(inside.displacement, instants, count))
-    scale_stress = norms(at_times(inside.stress, instants, count))
-    findings = []
+        findings.append(worst("(2.4) σν = f_2 on Γ2", x, instants, norms(load - expected), scale_stress))
     for i, face in enumerate(solution.faces, start=1):
         x, normal = face.part.sample(rng, count), face.part.normal
         on_face, fields = solution.on(face, face.part.coordinates(x)[0]), solution.at(x)
@@ -303,6 +285,13 @@ def contact(solution: ExactSolution, rng: np.random.Generator, count: int, insta
         ]
         findings += [worst(f"(2.5) {c} on Γ3,{i}", x, instants, d, scale) for c, d, scale in checks]
     return findings
+
+
+def _traction_by_step(solution: ExactSolution, part: Part, x: Points, times: Array) -> Array:
+    """Return the traction Aε(u̇)ν + Gε(u)ν, with strains from derivatives by the complex step, (d, points, times)."""
+    shifted = shifted_fields(solution, x)
+    rate, strain = (mandel(gradient(shifted, of, times)) for of in (Fields.velocity, Fields.displacement))
+    return traction(solution.law.at(x[..., None]).stress(rate, strain), part.normal)
 
 
 # Checks of the contact data on grids of the contact faces and of [0, T]: signs, contact zone and continuity.
@@ -356,12 +345,9 @@ def signs(solution: ExactSolution) -> list[Finding]:
 
 def _grid(part: Part) -> Array:
     """Return grid points inside a face, (d−1, N): n = FACE_POINTS points on a segment, at most n^{3/2} on a polygon."""
-    # The ends of the face are left out, because a formula may be singular there.
-    low, high = part.outline.min(axis=1), part.outline.max(axis=1)
     count = round(FACE_POINTS ** (1 if part.dim == 2 else 0.75))
-    axes = [a + (b - a) * (np.arange(count) + 0.5) / count for a, b in zip(low, high, strict=True)]
-    points = np.array([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")])
-    return points[:, part.covers(points, 0.0)]
+    # The ends of the face are left out, because a formula may be singular there.
+    return part.grid((np.arange(count) + 0.5) / count)
 
 
 def continuity(solution: ExactSolution, rng: np.random.Generator) -> list[Finding]:
@@ -473,8 +459,7 @@ def examine(solution: ExactSolution, seed: Natural = 0, points: Count = 40, time
         *kinematics(solution, inside, instants),
         history(solution, inside),
         equilibrium(solution, inside, instants),
-        *clamped_and_loaded(solution, rng, points, instants),
-        *contact(solution, rng, points, instants),
+        *on_boundary(solution, rng, inside, instants),
         *signs(solution),
         *continuity(solution, rng),
         *traction_at_jumps(solution, rng, points, instants),
