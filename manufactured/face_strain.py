@@ -34,7 +34,6 @@ from typing import Protocol
 
 import numpy as np
 import sympy as sp
-from scipy.optimize.elementwise import find_root
 
 from manufactured.arguments import Size, checked
 from manufactured.compiled import Jet, coefficients_in_t, function
@@ -320,6 +319,8 @@ SEARCH_INTERVALS, SURE = (257, 600), 1e-6
 difference of the two results for the total time of contact, relative to T. Where ψ only touches zero, rounding changes
 this time by 1e-8.
 """
+BISECTIONS = 64
+"""Number of bisections, after which an interval is as short as rounding permits."""
 POINTS_AT_ONCE = 1024
 """Number of points of a face that are treated together."""
 
@@ -328,7 +329,7 @@ POINTS_AT_ONCE = 1024
 class SmoothFront:
     """A contact front for which ψ is any smooth function of time.
 
-    Between two turning points of ψ, at which ∂_t ψ changes its sign, ψ has at most one root.
+    Between two turning points of ψ, at which ∂_t ψ changes its sign, ψ has at most one root. It is found by bisection.
 
     Attributes:
         formula: the formula of ψ, for messages.
@@ -371,7 +372,7 @@ class SmoothFront:
         return np.sum((end - begin) * self.beyond(points, within(begin, end)), axis=0)
 
     def beyond(self, points: Array, time: Array) -> Array:
-        return _at_times(self.level, time, *points) > 0
+        return _positive(self.level, points, time)
 
     def _changes(self, of: Function, points: Array, times: Array, T: float) -> Array:
         """Return the times at which a function changes its sign between given times.
@@ -382,11 +383,16 @@ class SmoothFront:
             times: the times between which a change of sign is searched, (n, N).
             T: the final time, which stands for missing times in the result.
         """
-        signs = _at_times(of, times, *points) > 0
+        signs = _positive(of, points, times)
         interval, point = np.nonzero(signs[1:] != signs[:-1])
-        ends = times[interval, point], times[interval + 1, point]
+        low, high, at = times[interval, point], times[interval + 1, point], points[:, point]
+        before = signs[interval, point]
+        for _ in range(BISECTIONS):
+            middle = (low + high) / 2
+            same = _positive(of, at, middle) == before
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
         found = np.full((len(times) - 1, points.shape[1]), T)
-        found[interval, point] = find_root(partial(_at_times, of), ends, args=tuple(points[:, point])).x
+        found[interval, point] = high
         most = np.bincount(point).max(initial=0)
         return np.sort(found, axis=0)[:most]
 
@@ -396,9 +402,8 @@ def _grid(points: Array, T: float, count: int) -> Array:
     return np.repeat(np.linspace(0.0, T, count + 1)[:, None], points.shape[1], axis=1)
 
 
-def _at_times(of: Function, time: Array, *points: Array) -> Array:
-    """Return the values of a function of s and t at N points, given by their coordinates, and times (..., N)."""
-    return np.broadcast_to(of(*points, time)[0], time.shape)
+def _positive(of: Function, points: Array, time: Array) -> Array:
+    return np.broadcast_to(of(*points, time)[0], time.shape) > 0
 
 
 def real_roots(coefficients: Array, T: float) -> Array:
@@ -417,14 +422,37 @@ def real_roots(coefficients: Array, T: float) -> Array:
     signs = np.polyval(coefficients, begin) > 0
     interval, point = np.nonzero((np.polyval(coefficients, end) > 0) != signs)
     roots = np.full((len(coefficients) - 1, coefficients.shape[1]), T)
-    ends = begin[interval, point], end[interval, point]
-    roots[interval, point] = find_root(_value, ends, args=tuple(coefficients[:, point])).x
+    roots[interval, point] = _bracketed(
+        coefficients[:, point], begin[interval, point], end[interval, point], signs[interval, point]
+    )
     return roots
 
 
-def _value(time: Array, *coefficients: Array) -> Array:
-    """Return the values of polynomials with given coefficients, highest power first, at one time for each."""
-    return np.polyval(coefficients, time)
+def _bracketed(coefficients: Array, low: Array, high: Array, before: Array) -> Array:
+    """Return the root of each of n polynomials in an interval on which it is monotone, (n,).
+
+    Newton's method is used, and bisection where Newton's method leaves the interval, until no root changes.
+
+    Args:
+        coefficients: the coefficients, highest power first, (degree+1, n).
+        low, high: the ends of the intervals, (n,) each; they are overwritten.
+        before: whether the polynomial is positive at ``low``, (n,).
+    """
+    slopes = _derivative(coefficients)
+    roots, moving, still = (low + high) / 2, np.arange(low.size), 4 * np.spacing(high)
+    for _ in range(BISECTIONS):
+        root = roots[moving]
+        value, slope = np.polyval(coefficients[:, moving], root), np.polyval(slopes[:, moving], root)
+        same = (value > 0) == before[moving]
+        low[moving[same]], high[moving[~same]] = root[same], root[~same]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            following = root - value / slope
+        inside = (following >= low[moving]) & (following <= high[moving])
+        roots[moving] = np.where(inside, following, (low[moving] + high[moving]) / 2)
+        moving = moving[abs(roots[moving] - root) > still[moving]]
+        if not moving.size:
+            break
+    return roots
 
 
 def _derivative(coefficients: Array) -> Array:

@@ -140,7 +140,7 @@ Formulas: [`{function_of(case.name)}`](../manufactured/cases/{MODULES[case.name]
 
 def write_gallery(app: Sphinx) -> None:
     every = {case.name: case for case in catalogue()}
-    cases = [every[name] for name in (*INSTRUCTIVE, *(name for name in every if name not in INSTRUCTIVE))]
+    cases = [every[name] for name in dict.fromkeys([*INSTRUCTIVE, *every])]
     cards, entries = [], []
     for case in cases:
         data = picture_path(ROOT / "results", case.name)

@@ -321,7 +321,7 @@ def test_theorems_raise_the_proved_order_only_of_a_rough_trace_and_of_a_junction
     orders = {case.name: (proved_order(case), case.regularity.proved_order) for case in catalogue()}
     raised = {name: order for name, (order, source) in orders.items() if order > source}
     assert raised == pytest.approx({"rough-trace": 1, "junction": 0.5})
-    assert proved_order(natural_motion()) == pytest.approx(0.6)
+    assert proved_order(CASE) == pytest.approx(0.6)
     assert all(proved_order(case) <= case.order for case in catalogue())
 
 

@@ -71,6 +71,13 @@ def module(monkeypatch, name):
     return found
 
 
+def added(path, module):
+    """What a recipe adds to a module, by name."""
+    found = {}
+    exec(RECIPES[path], vars(module), found)
+    return found
+
+
 # Workflows.
 
 
@@ -109,10 +116,9 @@ def test_the_example_prints_its_table_which_holds_and_a_table_that_loses_its_ord
 
 @pytest.mark.slow
 def test_the_case_of_the_recipe_is_new_proves_itself_and_has_the_order_that_its_docstring_predicts():
-    added = {}
-    exec(RECIPES["manufactured/cases/plane.py"], vars(plane), added)
-    case = added["breathing_patch"]()
-    assert missing_parts(getdoc(added["breathing_patch"]), case) == []
+    (recipe,) = added("manufactured/cases/plane.py", plane).values()
+    case = recipe()
+    assert missing_parts(getdoc(recipe), case) == []
     prove(case.solution, case.name)
     assert case.regularity.satisfies_5_36
     assert case.name not in NAMES
@@ -135,9 +141,7 @@ def test_the_statement_of_the_recipe_holds_and_its_own_test_breaks_it(monkeypatc
 
 
 def test_the_fault_of_the_recipe_changes_what_is_solved():
-    added = {}
-    exec(RECIPES["study/controls/faults.py"], vars(faults), added)
-    (fault,) = (value for value in added.values() if isinstance(value, faults.Fault))
+    *_, fault = added("study/controls/faults.py", faults).values()
     assert fault.name not in {known.name for known in faults.FAULTS}
     right = Experiment.at(Setting("advance-recede", "one-diagonal", 4), MIDPOINT, 4)
     assert distance_of_solutions(right, fault.change(right, fault.sizes[0])) > 1e-6

@@ -8,11 +8,9 @@ from functools import cache
 import numpy as np
 import pytest
 from commands import study
-from sympy import Rational
 
-from manufactured import catalogue, named, t, unit_square
+from manufactured import catalogue, named, unit_square
 from manufactured.cases import plane
-from manufactured.cases.rough import natural_motion
 from manufactured.catalogue import MODULES, NAMES
 from manufactured.data import Data
 from study.fem.mesh import FAMILIES, MeshError, OneDiagonal
@@ -246,30 +244,18 @@ def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_n
         before = after
 
 
-def test_a_change_of_a_case_changes_the_keys_of_its_measurements_and_of_no_other_case(monkeypatch):
-    def keys_of(*names):
-        keys._value_of_case.cache_clear()
-        return [fingerprint(FirstOrder(), replace(SETTING, case=name)) for name in names]
-
-    names = ("advance-recede", "natural-motion", "full-contact")
-    before = keys_of(*names)
-    changed = {
-        "advance-recede": replace(named("advance-recede"), solution=named("rotated").solution),
-        "natural-motion": natural_motion(Rational(1, 4) + t / 5),
-    }
-    monkeypatch.setattr(keys, "resolve", lambda name: changed.get(name) or resolve(name))
-    after = keys_of(*names)
-    assert [old == new for old, new in zip(before, after, strict=True)] == [False, False, True]
-    monkeypatch.undo()
-    assert keys_of(*names) == before
-
-
-def test_measurements_that_differ_in_one_respect_or_in_the_libraries_have_different_keys(monkeypatch):
+def test_measurements_that_differ_in_one_respect_in_the_value_of_the_case_or_in_the_libraries_have_different_keys(
+    monkeypatch,
+):
     changes = {"case": "no-contact", "family": "one-diagonal", "level": 5, "scheme": "bdf2", "steps": 9}
     settings = [SETTING, *(replace(SETTING, **{name: value}) for name, value in changes.items())]
+    settings.append(replace(SETTING, case="natural-motion"))
     found = [fingerprint(FirstOrder(), setting) for setting in settings]
     found.append(fingerprint(SameMesh(), Setting("full-contact", "shaken", 4)))
     assert fingerprint(FirstOrder(), SETTING) == found[0]
+    monkeypatch.setattr(keys, "_value_of_case", keys._value_of_case.__wrapped__)
+    monkeypatch.setattr(keys, "resolve", lambda name: replace(resolve(name), pace=3.0))
+    found += [fingerprint(FirstOrder(), setting) for setting in (SETTING, settings[-1])]
     monkeypatch.setattr(keys, "versions", lambda: {"numpy": "another"})
     found.append(fingerprint(FirstOrder(), SETTING))
     assert len(set(found)) == len(found)
