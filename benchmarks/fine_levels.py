@@ -27,9 +27,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from manufactured.catalogue import NATURAL_MOTION
 from manufactured.modes import at_each
-from manufactured.multiscale.roller import START
-from manufactured.natural_motion import NAME
+from manufactured.multiscale import START
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import load_from_forces
 from study.fem.naming import resolve
@@ -75,8 +75,8 @@ def rollers(n: int) -> dict[str, float]:
 
 def natural_front(n: int) -> dict[str, float]:
     """Return the largest nodal errors of P_hu near the front and farther away at level n, one diagonal."""
-    solution = resolve(NAME).solution
-    space = space_of(Setting(NAME, "one-diagonal", n))
+    solution = resolve(NATURAL_MOTION).solution
+    space = space_of(Setting(NATURAL_MOTION, "one-diagonal", n))
     v_norm, (face,), (_, vertices) = ErrorNorm(solution, space), solution.faces, space.contact[0]
     front = face.field.place_at
     condensed = Signorini(form(space, solution.law.A), space.N)
@@ -108,8 +108,8 @@ def natural_front(n: int) -> dict[str, float]:
 
 def front_error(n: int) -> dict[str, float]:
     """Return the error of u^h for the advancing front at level n, one diagonal; the time step is h/4."""
-    solution = resolve(NAME).solution
-    space = space_of(Setting(NAME, "one-diagonal", n))
+    solution = resolve(NATURAL_MOTION).solution
+    space = space_of(Setting(NATURAL_MOTION, "one-diagonal", n))
     v_norm = ErrorNorm(solution, space)
     steps = round(4 * n * solution.body.T)
     problem = SemiDiscrete.of(

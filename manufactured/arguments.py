@@ -16,7 +16,7 @@ from typing import Annotated, Any, Protocol, TypeVar, Union, get_args, get_origi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-T = TypeVar("T")
+Decorated = TypeVar("Decorated")
 
 Extended = Annotated[float, "may be infinite"]
 """The type of a real number that may be infinite."""
@@ -46,7 +46,7 @@ class _MismatchError(Exception):
     """Raised if a value has another type; the arguments are its place, the value and the annotation."""
 
 
-def checked(error: type[Exception]) -> Callable[[T], T]:
+def checked(error: type[Exception]) -> Callable[[Decorated], Decorated]:
     """Return a decorator for functions and dataclasses, by which arguments get the types of their annotations.
 
     An argument that cannot be converted raises ``error``, and so does a number that is not finite.

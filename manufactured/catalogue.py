@@ -11,47 +11,50 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from manufactured.case import Case
 
-NAMES = (
-    "full-contact",
-    "no-contact",
-    "advance-recede",
-    "travelling-patch",
-    "merging-patches",
-    "lift-and-land",
-    "load-w11",
-    "yield-and-release",
-    "yield-on-a-part",
-    "anisotropic",
-    "heterogeneous",
-    "layered",
-    "rotated",
-    "corner",
-    "contact-at-clamp",
-    "hexagon",
-    "cube-disc",
-    "cube-two-faces",
-    "natural-front",
-    "rough-trace",
-    "moving-rough",
-    "layered-unmet",
-    "rough-1.75",
-    "re-entrant",
-    "junction",
-    "softening",
-    "double-well",
-    "closing-gap",
-    "parabolic-gap",
-    "cube-bowl",
-)
-"""The names of all cases.
+MODULES = {
+    "full-contact": "plane",
+    "no-contact": "plane",
+    "advance-recede": "plane",
+    "travelling-patch": "plane",
+    "merging-patches": "plane",
+    "lift-and-land": "plane",
+    "load-w11": "plane",
+    "yield-and-release": "materials",
+    "yield-on-a-part": "materials",
+    "anisotropic": "materials",
+    "heterogeneous": "materials",
+    "layered": "materials",
+    "rotated": "plane",
+    "corner": "plane",
+    "contact-at-clamp": "plane",
+    "hexagon": "plane",
+    "cube-disc": "solid",
+    "cube-two-faces": "solid",
+    "natural-front": "rough",
+    "rough-trace": "rough",
+    "moving-rough": "rough",
+    "layered-unmet": "rough",
+    "rough-1.75": "rough",
+    "re-entrant": "rough",
+    "junction": "rough",
+    "softening": "materials",
+    "double-well": "materials",
+    "closing-gap": "gaps",
+    "parabolic-gap": "gaps",
+    "cube-bowl": "gaps",
+}
+"""Each case ↦ the module of ``manufactured.cases`` with the function that makes it.
 
 First come cases that satisfy the assumptions of Proposition 5.4, starting with simple contact zones; then cases that
-are not smooth enough for it; then laws that soften; last initial gaps, which the paper does not treat. The case NAME is
-made by the function ``case`` of ``manufactured/cases/NAME.py``, with ``_`` for ``-`` and ``.``.
+are not smooth enough for it; then laws that soften; last initial gaps, which the paper does not treat.
 """
 
-OTHER_NAMES = ("trains", "breathing-trains", "natural-motion", "no-potential")
-"""The names of further cases, which only single statements use. They are made elsewhere in this package."""
+NAMES = tuple(MODULES)
+"""The names of all cases."""
+
+NATURAL_MOTION, NO_POTENTIAL = "natural-motion", "no-potential"
+OTHER_NAMES = ("trains", "breathing-trains", NATURAL_MOTION, NO_POTENTIAL)
+"""The names of further cases, which only single statements use. Functions of other names make them."""
 
 SUCCESSORS = {
     "fixed-front-on-vertex": "full-contact",
@@ -65,7 +68,7 @@ SUCCESSORS = {
 
 
 def catalogue() -> tuple[Case, ...]:
-    """Return all cases of the catalogue, in the order of the tuple ``NAMES``."""
+    """Return all cases of the catalogue, in the order of ``MODULES``."""
     return tuple(named(name) for name in NAMES)
 
 
@@ -94,9 +97,9 @@ def advice(name: object) -> str:
 
 @cache
 def _made(name: str) -> Case:
-    return import_module(module_of(name)).case()
+    return getattr(import_module(f"manufactured.cases.{MODULES[name]}"), function_of(name))()
 
 
-def module_of(name: str) -> str:
-    """Return the name of the module that makes the case with a name."""
-    return f"manufactured.cases.{re.sub('[-.]', '_', name)}"
+def function_of(name: str) -> str:
+    """Return the name of the function that makes the case with a name."""
+    return re.sub("[-.]", "_", name)

@@ -1,4 +1,4 @@
-"""The colours of all pictures. Results do not depend on this module, see ``LISTS`` in ``study.run.fingerprint``."""
+"""The colours of all pictures. No result depends on them: see ``EXCLUDED_MODULES`` in ``study.run.fingerprint``."""
 
 # Colours of Okabe and Ito, Color Universal Design (2008); their yellow is too light for lines.
 BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"

@@ -19,9 +19,9 @@ SMOOTH = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.atan, sp.asinh, 
 """Functions that are smooth wherever their argument is smooth."""
 FACE = frozenset({s, s1, s2})
 """The symbols of the coordinates along contact faces."""
-TINY = 1e-9
+ZERO_UP_TO = 1e-9
 """Relative tolerance: a value counts as zero if it is smaller than this fraction of the largest value on the face."""
-POINTS, ZOOMS = 33, 8
+GRID_POINTS, ZOOMS = 33, 8
 """The search for the extremum of a formula on a face: points of a grid along every axis, and number of grids.
 
 Each grid covers the neighbourhood of the best point of the grid before it.
@@ -60,7 +60,7 @@ class FaceFormula:
         def resolved(power: pos) -> sp.Expr:
             x, a = power.args
             low, high = self.range(x)
-            tiny = TINY * max(abs(low), abs(high))
+            tiny = ZERO_UP_TO * max(abs(low), abs(high))
             if high <= tiny:
                 return sp.Integer(0)
             return x**a if low > tiny or (low >= -tiny and is_natural(a)) else power
@@ -85,7 +85,7 @@ class FaceFormula:
             if base is None:
                 continue
             low, high = self.range(base)
-            if not TINY * high < low < math.inf:
+            if not ZERO_UP_TO * high < low < math.inf:
                 raise RoughError(
                     f"{part} in {self.formula} is not known to be smooth on the whole face during "
                     f"[{self.begin:g}, {self.end:g}]; write a rough power x^a as pos(x, a) and state its exponent in "
@@ -124,7 +124,7 @@ class FaceFormula:
         start, stop = np.array([*outline.min(1), self.begin]), np.array([*outline.max(1), self.end])
         low, high, least = start, stop, math.inf
         for _ in range(ZOOMS):
-            axes = np.linspace(low, high, POINTS).T
+            axes = np.linspace(low, high, GRID_POINTS).T
             grid = np.array(np.meshgrid(*axes, indexing="ij")).reshape(len(axes), -1)
             with np.errstate(all="ignore"):
                 found = sign * np.broadcast_to(values(*grid)[0], grid.shape[1:])
@@ -132,7 +132,7 @@ class FaceFormula:
             found = np.where(self.part.covers(grid[:-1], 1e-12 * self.part.measure), found, math.inf)
             best = int(found.argmin())
             least = min(least, float(found[best]))
-            cell = (high - low) / (POINTS - 1)
+            cell = (high - low) / (GRID_POINTS - 1)
             low, high = np.maximum(start, grid[:, best] - cell), np.minimum(stop, grid[:, best] + cell)
         return least
 

@@ -18,8 +18,7 @@ from sympy import Expr, Rational, sqrt
 
 from manufactured.arguments import checked
 from manufactured.body import Kind, polygon
-from manufactured.cases.laws import not_proportional
-from manufactured.cases.shared import l_shape
+from manufactured.cases.shared import l_shape, not_proportional
 from manufactured.data import Data, LoadError
 from manufactured.factor import x1
 from manufactured.symbols import pos, t

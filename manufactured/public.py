@@ -29,8 +29,7 @@ from manufactured.law import (
 )
 from manufactured.profile import HERMITE, PARABOLA, QUARTIC, Profile, cutoff, layered, slab
 from manufactured.regularity import Regularity
-from manufactured.self_proof import SelfProofError, examine, prove
-from manufactured.self_proof.complex_step import gradient, shifted_fields
+from manufactured.self_proof import SelfProofError, examine, gradient, prove, shifted_fields
 from manufactured.singular import Monomial, SingularFace, SingularField, TravellingField, kolosov
 from manufactured.static import Static, plane_strain, plane_stress, static
 from manufactured.symbols import FormulaError, pos, s, s1, s2, t

@@ -31,9 +31,9 @@ from manufactured.arguments import Extended, checked
 
 NATURAL_FRONT = (
     "A pressure that ends like a square root, as Hertz's does (m = 1/2, gap with α = 3/2), comes from a singular "
-    "field, not from a lifting of gap and pressure: take the case natural-front of the catalogue, or build a case as "
-    "manufactured/cases/natural_front.py does, with a SingularFace, a SingularField from kolosov(κ, 1j, -0.5j, 1.5) "
-    "and the label Regularity(on_contact=1.5)"
+    "field, not from a lifting of gap and pressure: take the case natural-front of the catalogue, or build a case like "
+    "natural_front in manufactured/cases/rough.py, with a SingularFace, a SingularField from kolosov(κ, 1j, -0.5j, "
+    "1.5) and the label Regularity(on_contact=1.5)"
 )
 
 

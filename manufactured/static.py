@@ -7,11 +7,8 @@ from itertools import combinations
 import sympy as sp
 
 from manufactured.arguments import checked
-from manufactured.body import Body, Kind
-from manufactured.body.part import ROUNDING
-from manufactured.data import Data
-from manufactured.data.compiled_formulas import compiled, own_formula
-from manufactured.data.problem_data import Displacements, Formulas, Tractions
+from manufactured.body import CORNER_ROUNDING, Body, Kind
+from manufactured.data import Data, Displacements, Formulas, Tractions, compiled, own_formula
 from manufactured.factor import COORDINATES, x1, x2
 from manufactured.law import Elasticity, Indefinite, KelvinVoigt, LawError, Linear, isotropic
 from manufactured.symbols import FormulaError
@@ -99,7 +96,7 @@ def _moved(body: Body, u: Mapping[int, Formulas]) -> Body:
 
 def _check_corner(body: Body, corner: Points) -> None:
     """Refuse displacements that differ at a common corner of two parts, or that press a contact side there."""
-    reach = ROUNDING * body.extent
+    reach = CORNER_ROUNDING * body.extent
     supports = [part for part in body.parts if part.kind is not Kind.LOADED]
     size = max(abs(part.prescribed(part.corners)).max() for part in supports)
     here = [part for part in supports if part.contains(corner, reach).all()]
@@ -110,7 +107,7 @@ def _check_corner(body: Body, corner: Points) -> None:
         for side in (part, other):
             if side.kind is not Kind.CLAMPED:
                 jump = (side.normal @ jump) * side.normal
-        if abs(jump).max() > ROUNDING * size:
+        if abs(jump).max() > CORNER_ROUNDING * size:
             raise FormulaError(
                 f"the displacements prescribed on two sides differ by {abs(jump).max():.3g} at their common corner "
                 f"{corner[:, 0].tolist()}: let them agree there; a CONTACT side counts as 0 along its normal"

@@ -1,7 +1,7 @@
 """The symbols of formulas on a contact face, the truncated power ``pos``, and the multi-indices of derivatives.
 
 Gap and pressure are SymPy formulas of ``s``, the coordinate along a contact face (``s1`` and ``s2`` in 3D), and the
-time ``t``. ``compiled`` makes NumPy functions of them and of their derivatives, and ``jet`` evaluates these functions.
+time ``t``. ``compiled`` makes NumPy functions of them and of their derivatives.
 """
 
 from collections.abc import Callable

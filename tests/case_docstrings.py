@@ -1,4 +1,4 @@
-"""Checks the docstring of the module of a case: formulas first, then the predicted order with its reason."""
+"""Checks the docstring of a case: formulas first, then the predicted order with its reason."""
 
 import re
 from fractions import Fraction

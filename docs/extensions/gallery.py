@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from sphinx.application import Sphinx
 
 from manufactured.case import Case
-from manufactured.catalogue import catalogue
+from manufactured.catalogue import MODULES, catalogue, function_of
 from study.ledger.datafiles import read_csv
 from study.present.body import BodyScale, draw_deformed_mesh
 from study.present.drawing import in_style
@@ -123,8 +123,7 @@ def card(case: Case, thumbnail: str) -> str:
 
 
 def entry(case: Case, film: str) -> str:
-    """Returns the entry of a case: film, summary, orders, and a link to the file with its formulas."""
-    module = re.sub(r"\W", "_", case.name)
+    """Returns the entry of a case: film, summary, orders, and a link to the function with its formulas."""
     return f"""### {case.name}
 
 ```{{image}} /generated/films/{film}
@@ -135,13 +134,13 @@ def entry(case: Case, film: str) -> str:
 
 {sentence(case)}. Law: {case.solution.law.name}.
 Predicted order {case.order:.3g}: {typeset(case.reason)}. Observed: {orders(case)}.
-[Formulas](../manufactured/cases/{module}.py)
+Formulas: [`{function_of(case.name)}`](../manufactured/cases/{MODULES[case.name]}.py)
 """
 
 
 def write_gallery(app: Sphinx) -> None:
     every = {case.name: case for case in catalogue()}
-    cases = [every[name] for name in (*INSTRUCTIVE, *(name for name in every if name not in INSTRUCTIVE))]
+    cases = [every[name] for name in dict.fromkeys([*INSTRUCTIVE, *every])]
     cards, entries = [], []
     for case in cases:
         data = picture_path(ROOT / "results", case.name)

@@ -1,41 +1,72 @@
-"""Bodies, solutions and strains that several cases share.
+"""Laws, bodies and contact faces that several cases share.
 
-**Contact faces under a linear law** (``with_faces``, ``with_one_face``), which most cases have.
-
-**An advancing contact front**, which the cases ``anisotropic``, ``heterogeneous`` and ``layered`` share.
-
-The gap w, the slip z and the contact zone {ψ ≥ 0} with the front c are
-
-    w = 8 (1/5 + t) (x − c)_+^4,   z = t(1 + t) sin(2x + 1),   ψ = c − x,   c(t) = 1/4 + t/2
-
-on the bottom of the unit square. Each case prescribes another contact pressure.
-
-**The law (3.3)**, for a face that is loaded until t_1 and then released. For the normal strain −Q with Q ≥ 0, the law
-gives the pressure p = a Q̇ + b (Q − ρ)_+. Here ρ is the value of Q at which the strain reaches the boundary of K.
-Q changes from Q_0(s) at t = 0 to Q_1(s) at t = t_1. With τ = t/t_1 its formula is
-
-    Q = Q_0 + (Q_1 − Q_0) h(τ) + t_1 D k(τ),   h = τ²(3 − 2τ),   k = τ²(τ − 1),   D = −(b/a)(Q_1 − ρ)   for t ≤ t_1,
-    Q = ρ + (Q_1 − ρ) e^{−b(t − t_1)/a}                                                                 for t ≥ t_1,
-
-Then Q, Q̇ and p are continuous, p(t_1) = 0, and after t_1, where p = 0, Q relaxes towards ρ.
+In descriptions of laws, a = A_nnnn and g = G_nnnn are the moduli of viscosity and elasticity for the normal strain on a
+contact face.
 """
 
 from typing import Any
 
-from sympy import Expr, Rational, exp, sin
+import numpy as np
+from sympy import Expr, sin
 
-from manufactured.body import Body, Kind, Part, polygon
+from manufactured.body import Body, Kind, polygon
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
-from manufactured.face_strain import Prescribed
-from manufactured.law import KelvinVoigt, Yield
-from manufactured.profile import Profile
-from manufactured.symbols import pos, s, t
+from manufactured.factor import UNIFORM, Factor, layers
+from manufactured.law import KelvinVoigt, Linear, isotropic
+from manufactured.symbols import s, t
 
 SLIP: Expr = t * (1 + t) * sin(2 * s + 1)
 """A slip z(s, t) that other cases use with a factor."""
-FRONT: Expr = Rational(1, 4) + t / 2
-"""The position c(t) of the contact front."""
+
+
+def proportional(ratio: float = 1.0) -> KelvinVoigt:
+    """Return an isotropic law whose elasticity is proportional to its viscosity.
+
+    A τ = 2τ + (tr τ)/2 I and G = ``ratio`` · A.
+
+    Args:
+        ratio: the ratio G/A.
+    """
+    name = "linear, A = G" if ratio == 1 else f"linear, G = {ratio:g} A"
+    return KelvinVoigt(isotropic(1, 0.5), isotropic(ratio, ratio / 2), name)
+
+
+def not_proportional(dim: int = 2, viscous: Factor = UNIFORM, elastic: Factor = UNIFORM) -> KelvinVoigt:
+    """Return an isotropic law whose viscosity and elasticity are not proportional.
+
+    A τ = α (2τ + (tr τ)/2 I) and G τ = γ (4τ + 3 (tr τ) I); for α = γ = 1 the normal moduli are a = 5/2 and g = 7. A
+    and G differ in size and in the ratio of shear to compression. A program that confuses A and G therefore gives wrong
+    results for this law.
+
+    Args:
+        dim: 2 or 3.
+        viscous, elastic: α and γ, scalar functions of the point.
+    """
+    name = "linear, A and G not proportional"
+    return KelvinVoigt(
+        isotropic(1, 0.5, dim, viscous),
+        isotropic(2, 3, dim, elastic),
+        name if viscous is UNIFORM and elastic is UNIFORM else f"{name}, heterogeneous",
+    )
+
+
+def two_layers(interface: float, ratio: float) -> KelvinVoigt:
+    """Return the law of a body of two layers: ``not_proportional()`` times ``ratio`` where x_2 > ``interface``."""
+    factor = layers((0.0, 1.0), interface, ratio)
+    return not_proportional(2, factor, factor)
+
+
+def without_contraction(dim: int = 2) -> KelvinVoigt:
+    """Return a law that does not couple normal strains in different directions; A and G are orthotropic along the axes.
+
+    The displacement of one contact face then does not change the pressure on a face at right angles, so two faces under
+    pressure may meet at a corner.
+    """
+    shear = dim * (dim - 1) // 2
+    A = np.diag([2.0, 3.0, 2.5][:dim] + [1.5, 2.0, 1.8][:shear])
+    G = np.diag([5.0, 4.0, 6.0][:dim] + [3.0, 2.5, 4.0][:shear])
+    return KelvinVoigt(Linear(A), Linear(G), "linear, orthotropic without contraction")
 
 
 def with_faces(body: Body, law: KelvinVoigt, *faces: dict[str, Any]) -> ExactSolution:
@@ -63,45 +94,3 @@ def l_shape(refine: tuple[tuple[float, float], ...]) -> Body:
     """
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     return polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], kinds, refine=refine)
-
-
-def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Expr) -> ExactSolution:
-    """Return the exact solution with the advancing front of this module, for a given material law and pressure.
-
-    Args:
-        body: the unit square.
-        law: the material law.
-        profile: the functions that continue the displacement into the body.
-        pressure: the formula of the contact pressure p(s, t), which must be 0 beyond the front.
-    """
-    gap = 8 * (Rational(1, 5) + t) * pos(s - FRONT, 4)
-    return with_one_face(body, law, gap=gap, pressure=pressure, level=FRONT - s, profile=profile, slip=(SLIP,))
-
-
-RELEASE = Rational(3, 5)
-"""The time t_1 at which the face is released."""
-
-
-def edge(law: KelvinVoigt, part: Part) -> float:
-    """Return the value ρ of Q at which the strain −Q n⊗n reaches the boundary of K, on a face with the normal n."""
-    assert isinstance(law.G, Yield)
-    return law.G.normal_response(part.normal)[1]
-
-
-def pressed_and_released(law: KelvinVoigt, part: Part, start: Expr, rise: Expr) -> Prescribed:
-    """Return the prescribed normal strain −Q on a face that is loaded and then released at the time t_1.
-
-    Args:
-        law: the law (3.3).
-        part: the face.
-        start, rise: the formulas of Q_0 and of Q_1 − Q_0.
-    """
-    assert isinstance(law.G, Yield)
-    response, rho = law.G.normal_response(part.normal)
-    tau = t / RELEASE
-    h, k = tau**2 * (3 - 2 * tau), tau**2 * (tau - 1)
-    decay = response / law.A.normal_modulus(part.normal)
-    excess = start + rise - rho
-    loading = start + rise * h - RELEASE * decay * excess * k
-    relaxing = rho + excess * exp(-decay * (t - RELEASE))
-    return Prescribed(((float(RELEASE), -loading), (1.0, -relaxing)))

@@ -22,9 +22,8 @@ from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import Enclosure, enclose, known_error, relative
+from study.bound.enclosing import Enclosure, compute_static, enclose, enclose_static, known_error, relative
 from study.bound.problem import BoundError
-from study.bound.static import compute_static, enclose_static
 from study.bound.terms import Shares
 from study.bound.trajectory import Computed, SmoothedInTime, compute
 from study.fem.mesh import boundary_parts
@@ -33,7 +32,7 @@ from study.solve.evolution import Scheme
 
 PART = 0.5
 """The cells to refine contribute together this fraction of the part of the error bound that is due to cells."""
-IN_TIME = 0.25
+SHARE_IN_TIME = 0.25
 """Time steps are halved if they contribute more than this fraction of the error bound.
 
 If the cells contribute less than this fraction, the mesh is not refined.
@@ -127,8 +126,8 @@ def next_stage(stage: Stage, cells: Array, in_time: float) -> Stage:
         in_time: the contribution of the time steps to the error bound.
     """
     part = in_time / (float(cells.sum()) + in_time)
-    steps = stage.steps * (2 if part > IN_TIME else 1)
-    if part > 1 - IN_TIME:
+    steps = stage.steps * (2 if part > SHARE_IN_TIME else 1)
+    if part > 1 - SHARE_IN_TIME:
         return Stage(stage.mesh, steps)
     return Stage(stage.mesh.refined(marked(cells, PART)), steps)
 

@@ -15,18 +15,25 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
-from study.bound.continuity import require_continuous_start
 from study.bound.discretisation import Discretisation, refuse_unserved
-from study.bound.enclosing import Enclosure, enclose, known_error, order_interval, relative
+from study.bound.enclosing import (
+    Enclosure,
+    compute_static,
+    enclose,
+    enclose_static,
+    known_error,
+    order_interval,
+    relative,
+)
 from study.bound.problem import BoundError, require_ordered
-from study.bound.static import compute_static, enclose_static
+from study.bound.ranges import require_continuous_start
 from study.bound.trajectory import Computed, Refined, SmoothedInTime, compute
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.ledger.files import write_text, write_whole
 from study.solve.evolution import Scheme
 from study.solve.steps import rate_steps, require_steps
 
-DIGITS = 9
+WRITTEN_DECIMALS = 9
 """Number of decimals in the files that the command writes."""
 INSIDE = 1e-12
 """Penetration of the foundation up to this fraction of the largest displacement counts as round-off."""
@@ -202,9 +209,9 @@ def series(level: int, found: BoundedSolution) -> pd.DataFrame:
     frame["percent_low"], frame["percent_high"] = 100 * low, 100 * high
     # Rounding outward, because the printed interval must contain the computed one.
     below, above = ["lower", "percent_low"], ["upper", "bound", "plain", "percent_high"]
-    frame[below] = np.floor(frame[below] * 10**DIGITS) / 10**DIGITS
-    frame[above] = np.ceil(frame[above] * 10**DIGITS) / 10**DIGITS
-    return frame.round({name: DIGITS for name in ("time", "error", "distance")})
+    frame[below] = np.floor(frame[below] * 10**WRITTEN_DECIMALS) / 10**WRITTEN_DECIMALS
+    frame[above] = np.ceil(frame[above] * 10**WRITTEN_DECIMALS) / 10**WRITTEN_DECIMALS
+    return frame.round({name: WRITTEN_DECIMALS for name in ("time", "error", "distance")})
 
 
 def record(level: int, found: BoundedSolution) -> dict[str, Any]:

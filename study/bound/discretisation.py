@@ -32,9 +32,9 @@ LEAST_TIMES, CACHED_NUMBERS = 40, 1 << 23
 At least ``LEAST_TIMES`` times are cached, and more as long as all arrays together have at most ``CACHED_NUMBERS``
 numbers.
 """
-DEGREE = 3
+STRESS_DEGREE = 3
 """Polynomial degree of the stresses. The projected force P f_0 then has degree 2, so it can be any rigid motion."""
-GRAM = interval_mass(2, DEGREE)
+GRAM = interval_mass(2, STRESS_DEGREE)
 """Integrals ∫_0^1 B_i B_j of the Bernstein polynomials of degree 2 (displacements) and 3 (stresses), (3, 4)."""
 ON_VERTEX = 1e-9
 """Relative distance up to which a vertex counts as lying on a line of discontinuity of the material."""
@@ -77,7 +77,7 @@ class Discretisation:
     @cached_property
     def stresses(self) -> StressSpace:
         """The composite stresses of degree 3 on the mesh."""
-        return StressSpace(self.mesh, self.data.body, DEGREE)
+        return StressSpace(self.mesh, self.data.body, STRESS_DEGREE)
 
     @cached_property
     def inverse_viscosity(self) -> Array:
@@ -209,7 +209,7 @@ class Discretisation:
         The B_i are the n Bernstein polynomials of degree 3: (..., dofs) → (..., edges of Γ3, n).
         """
         found: Array = (self._normal_moments @ v.reshape(-1, v.shape[-1]).T).T
-        return found.reshape(*v.shape[:-1], -1, DEGREE + 1)
+        return found.reshape(*v.shape[:-1], -1, STRESS_DEGREE + 1)
 
     @cached_property
     def _normal_moments(self) -> sps.csr_array:

@@ -17,7 +17,7 @@ ARRAYS = ("points", "triangles", "times", "u")
 """Names of the arrays in an .npz file with a displacement."""
 OURS = {"p": "points", "t": "triangles"}
 """Other names of these arrays, in files that ``study bound`` writes. There the arrays are stored transposed."""
-DISPLACEMENT = ("u", "displacement", "displacements", "u_h", "uh", "disp")
+DISPLACEMENT_NAMES = ("u", "displacement", "displacements", "u_h", "uh", "disp")
 """Names, in lower case, by which the displacement is recognised among the fields of a mesh file."""
 CELLS = {"triangle": (3,), "triangle6": (6,), "VTK_LAGRANGE_TRIANGLE": (3, 6)}
 """Types of cells that are read, and how many points they may have.
@@ -32,7 +32,7 @@ COUNTS = re.compile(rb"""NumberOf(?:Points|Cells)\s*=\s*["'](\d{1,20})["']""")
 """The numbers of points and cells that a .vtu file states."""
 XDMF = (".xdmf", ".xmf")
 """Endings of files that name HDF5 files with their data."""
-PACKING, UNSUSPICIOUS = 100, 2**26
+UNPACKING_FACTOR, UNSUSPICIOUS = 100, 2**26
 """A file may unpack to so many times its size. Files that unpack to at most 64 MiB may have any ratio.
 
 The coordinates and displacements of a mesh compress by a factor of 20 at most.
@@ -58,8 +58,8 @@ def read(path: Path | str, name: str | None = None, step: int | None = None) -> 
     Args:
         path: an .npz file with ``points``, ``triangles``, ``times`` and ``u``, or as ``study bound`` writes it; a .pvd
             file; an .xdmf file with a time series; or for a static problem a file with one mesh, such as .vtu.
-        name: the name of the displacement field in a mesh file. By default this is a name in ``DISPLACEMENT``, or the
-            only field of vectors in the file.
+        name: the name of the displacement field in a mesh file. By default this is a name in ``DISPLACEMENT_NAMES``, or
+            the only field of vectors in the file.
         step: the number of the load step that is read, counted from 0, or from −1 backwards. By default all are read.
 
     Raises:
@@ -126,9 +126,9 @@ def _refuse_packed(path: Path) -> None:
 def _refuse_larger(path: Path, whole: int) -> None:
     """Raise BoundError if the content of a file, in bytes, is so large that the file was made to fill the memory."""
     size = path.stat().st_size
-    if whole > max(UNSUSPICIOUS, PACKING * size):
+    if whole > max(UNSUSPICIOUS, UNPACKING_FACTOR * size):
         raise BoundError(
-            f"{path} has {size} bytes and unpacks to {whole} bytes, more than {PACKING} times as many, as no "
+            f"{path} has {size} bytes and unpacks to {whole} bytes, more than {UNPACKING_FACTOR} times as many, as no "
             "displacement does: if it is one, write it without compression"
         )
 
@@ -258,7 +258,7 @@ def _triangles(path: Path, mesh: Any) -> Array:
 def _displacement_name(path: Path, mesh: Any, name: str | None) -> str:
     """Return the name of the displacement field, which must have vectors with 2 or 3 components at the points."""
     vectors = [key for key, data in mesh.point_data.items() if np.ndim(data) == 2 and data.shape[1] in (2, 3)]
-    chosen = [key for key in vectors if key == name or (name is None and key.lower() in DISPLACEMENT)]
+    chosen = [key for key in vectors if key == name or (name is None and key.lower() in DISPLACEMENT_NAMES)]
     if len(chosen) != 1 and name is None and len(vectors) == 1:
         chosen = vectors
     if len(chosen) == 1:

@@ -37,23 +37,23 @@ from study.solve.steps import require_steps
 
 LEAST_STEPS = 16
 """The number of time steps of ũ is chosen as if u_h had at least this many time steps."""
-SAME_SIZE = 0.01
+SAME_LENGTH = 0.01
 """Two lengths count as equal if their relative difference is below this number, when bodies and meshes are compared."""
 SINGLE = 1e-6
 """Relative accuracy of the numbers in files, which may be in single precision."""
-CLAMPED = 1e-9
+CLAMPED_UP_TO = 1e-9
 """A displacement on the clamped boundary counts as 0 up to this fraction of the largest displacement."""
-ROUNDING = 1e-12
+UNMOVED_UP_TO = 1e-12
 """A vertex counts as unmoved up to this distance, relative to the size of the mesh."""
-SCALED, IN_TIME, ALIKE, NEAR = 0.03, 0.1, 0.7, 0.02
+SCALED, SCALED_IN_TIME, ALIKE, NEAR = 0.03, 0.1, 0.7, 0.02
 """A displacement counts as a multiple of the solution if its factor differs from 1 by more than ``SCALED``, in time by
-more than ``IN_TIME``, because long time steps and penalties change the factor by some per cent; and if the relative
-distance that remains after division by this factor is below ``ALIKE``. A usual mistake explains the factor
-if the factors that it can have differ from it by less than ``NEAR``, relatively, or by less than the square of this
+more than ``SCALED_IN_TIME``, because long time steps and penalties change the factor by some per cent; and if the
+relative distance that remains after division by this factor is below ``ALIKE``. A usual mistake explains the factor if
+the factors that it can have differ from it by less than ``NEAR``, relatively, or by less than the square of this
 distance."""
 AS_PRESCRIBED = 1e-15
 """A prescribed displacement counts as exact up to this fraction of the largest displacement."""
-ROUNDED = 1e-9
+UNCHANGED_UP_TO = 1e-9
 """A change of u_h by at most this fraction of its norm is rounding, and is not reported."""
 LOW_END = 0.1
 """The lower end of an interval counts as small up to this fraction of the upper end."""
@@ -109,7 +109,7 @@ def bounded_displacement(
     low, high = found.error
     ends = max(0.0, low - computed.offset), high + computed.offset
     remarks = [*suspicion(found, data), *computed.remarks, *found.remarks]
-    if computed.offset > ROUNDED * high:
+    if computed.offset > UNCHANGED_UP_TO * high:
         remarks.append(f"the error of the displacement in the file lies in {interval(*ends, 4)}")
     if low <= LOW_END * high and computed.degree == 2:
         more = refined.refinements + 1
@@ -123,7 +123,7 @@ def suspicion(found: BoundedSolution, data: Data) -> list[str]:
     The sentence asks for the mistake that usually gives this factor.
     """
     factor, rest = found.enclosure.factor
-    is_scaled = abs(factor - 1) > (SCALED if isinstance(data, Static) else IN_TIME)
+    is_scaled = abs(factor - 1) > (SCALED if isinstance(data, Static) else SCALED_IN_TIME)
     # If displacements are prescribed, the factor of a Galerkin solution is not 1, and wrong values are refused.
     if data.body.is_moved or not is_scaled or rest >= ALIKE:
         return []
@@ -206,7 +206,7 @@ def given(
     points, triangles, u, remarks = _joined(points, triangles, u)
     mesh, nodes, degree = _mesh(data.body, points, triangles)
     moved = float(np.linalg.norm(mesh.p - points[nodes[: mesh.p.shape[1]]].T, axis=0).max())
-    if moved > ROUNDING * float(np.ptp(points, axis=0).max()):
+    if moved > UNMOVED_UP_TO * float(np.ptp(points, axis=0).max()):
         remarks.append(
             f"vertices near the boundary were moved onto it, by at most {moved:.2g}; u_h is meant on that mesh"
         )
@@ -336,12 +336,12 @@ def _check_box(vertices: Array, body: Body) -> None:
     """
     (low, high), (start, end) = ((p.min(axis=0), p.max(axis=0)) for p in (vertices, body.vertices.T))
     size, wanted = high - low, end - start
-    if (np.maximum(abs(low - start), abs(high - end)) <= SAME_SIZE * wanted.max()).all():
+    if (np.maximum(abs(low - start), abs(high - end)) <= SAME_LENGTH * wanted.max()).all():
         return
     ratios = size / wanted
-    if np.ptp(ratios) > SAME_SIZE * ratios.max() or not ratios.all():
+    if np.ptp(ratios) > SAME_LENGTH * ratios.max() or not ratios.all():
         remedy = "It is the mesh of another body"
-    elif abs(ratios - 1).max() <= SAME_SIZE:
+    elif abs(ratios - 1).max() <= SAME_LENGTH:
         remedy = f"The mesh is shifted by {place(low - start)}: give both in the same coordinates"
     else:
         factor, than = (ratios.mean(), "larger") if ratios.mean() > 1 else (1 / ratios.mean(), "smaller")
@@ -444,7 +444,7 @@ def _penetration(found: Computed, moving: bool) -> list[str]:
         normal[:, on] = np.maximum(normal[:, on], values[:, on] @ part.normal)
     time, node = np.unravel_index(normal.argmax(), normal.shape)
     depth = normal[time, node]
-    if depth <= CLAMPED * abs(found.nodes).max():
+    if depth <= CLAMPED_UP_TO * abs(found.nodes).max():
         return []
     share, when = _percent(depth / abs(found.nodes).max()), f"t = {found.times[time]:.4g}, " if moving else ""
     return [
@@ -475,7 +475,7 @@ def _clamped(data: Data, found: Computed, nearest: bool) -> Computed:
     beyond = found.nodes[:, fixed] - prescribed
     largest = float(abs(beyond).max(initial=0.0))
     # Prescribed values may have rounding errors, and a common motion of all points would hide errors of the strain.
-    if largest <= (AS_PRESCRIBED if body.is_moved else CLAMPED) * size:
+    if largest <= (AS_PRESCRIBED if body.is_moved else CLAMPED_UP_TO) * size:
         return found
     values = found.nodes.copy()
     values[:, fixed] = prescribed
@@ -498,7 +498,7 @@ def _clamped(data: Data, found: Computed, nearest: bool) -> Computed:
             f"the values at the nodes of such sides are replaced, which changes u_h by {share}"
         )
     changed = f"u_h is changed by up to {largest:.3g} on {where}, to the prescribed values, and in ‖·‖_V by {share}"
-    remarks = (*found.remarks, changed) if offset > ROUNDED * whole else found.remarks
+    remarks = (*found.remarks, changed) if offset > UNCHANGED_UP_TO * whole else found.remarks
     return replace(found, nodes=values, remarks=remarks, offset=offset)
 
 

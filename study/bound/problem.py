@@ -17,8 +17,8 @@ Neither a Korn inequality nor a constant from the literature is used. The eigenv
 **Units.** A bound is computed from square roots of sums of squares, and squares overflow above 1e154 and underflow
 below 1e-162. If squares of data underflowed, a bound of 0 would be stated for an error that is not 0. If they
 overflowed, infinity or NaN would be compared with numbers. So the material, the body and the final time must have sizes
-between ``LEAST`` and ``MOST``. Then squares of data and of residuals are normal numbers whenever the bound is at least
-``SMALLEST``.
+between ``LEAST_DATUM`` and ``MOST_DATUM``. Then squares of data and of residuals are normal numbers whenever the bound
+is at least ``SMALLEST_BOUND``.
 """
 
 import math
@@ -40,15 +40,15 @@ from study.stresses.loads import Loads
 from study.stresses.oscillation import cell_constants, loaded_sides
 from study.stresses.stress_space import StressSpace, thirds
 
-LEAST, MOST = 1e-25, 1e25
-SMALLEST, LARGEST = 1e-50, 1e100
+LEAST_DATUM, MOST_DATUM = 1e-25, 1e25
+SMALLEST_BOUND, LARGEST_BOUND = 1e-50, 1e100
 """The error bound, if it is not 0, and all quantities whose squares are summed must lie between these numbers."""
-COARSE_LEVELS = (2, 3, 4, 6, 8)
+LEVELS_OF_CONSTANTS = (2, 3, 4, 6, 8)
 """Levels of the coarse mesh on which C_Ω and C_Γ are computed; the first at which the mesh fits the body is taken.
 
 On finer meshes the constants change by a few per cent only.
 """
-DEGREE = 2
+DEGREE_OF_CONSTANTS = 2
 """Polynomial degree of the stresses that balance linear loads when C_Ω and C_Γ are computed."""
 
 
@@ -81,7 +81,7 @@ class Moduli:
         """Return the weights of the squared residual in every direction, time/(1 + 2 time g_i), (directions,).
 
         In a direction in which G is stiff the weight is small, because the elasticity compensates a part of the
-        residual. The weights come from ``study.bound.growth``: to first order, a time step increases y² by 2 ∫ (c + ¼
+        residual. The weights come from ``study.bound.terms``: to first order, a time step increases y² by 2 ∫ (c + ¼
         Σ_i |ρ|²_i/(g_i + β)) with β ~ 1/(2T).
 
         Args:
@@ -148,7 +148,7 @@ def load_constants(body: Body, A: Linear) -> LoadConstants:
     # A basis of the forces that are linear on every cell, given by their values at the vertices of the thirds of cells.
     hats = np.moveaxis(thirds(np.eye(3)), 2, 1)
     force = np.einsum("kc,itv,de->kidctve", np.eye(space.cells), hats, components).reshape(-1, space.cells, 3, 3, 2)
-    surface = np.zeros((len(force), len(space.lengths), DEGREE + 1, 2))
+    surface = np.zeros((len(force), len(space.lengths), DEGREE_OF_CONSTANTS + 1, 2))
     mass = np.kron(np.kron(np.diag(space.volumes), (np.ones((3, 3)) + np.eye(3)) / 12), components)
     volume = _largest_ratio(equilibrium, Loads(force, surface), mass)
     volume += cell_constants(space.map, compliance, 1).max() ** 2
@@ -158,7 +158,7 @@ def load_constants(body: Body, A: Linear) -> LoadConstants:
     # A basis of the tractions that are linear on every loaded edge: 1 at one end and 0 at the other, in each direction.
     edges, ends = np.concatenate([mine for _, mine in space.on(Kind.LOADED)]), np.array([[1, 0.5, 0], [0, 0.5, 1]])
     surface = np.einsum("ke,in,df->kidenf", np.eye(len(space.lengths))[edges], ends, components)
-    surface = surface.reshape(-1, len(space.lengths), DEGREE + 1, 2)
+    surface = surface.reshape(-1, len(space.lengths), DEGREE_OF_CONSTANTS + 1, 2)
     mass = np.kron(np.kron(np.diag(space.lengths[edges]), (np.ones((2, 2)) + np.eye(2)) / 6), components)
     loads = Loads(np.zeros((len(surface), space.cells, 3, 3, 2)), surface)
     on_edges = _largest_ratio(equilibrium, loads, mass) + np.concatenate(sides).max() ** 2
@@ -168,12 +168,12 @@ def load_constants(body: Body, A: Linear) -> LoadConstants:
 def _coarse_stresses(body: Body) -> StressSpace:
     """Return stresses on the coarsest mesh that fits the body; next to holes the coarsest ones may not."""
     family = next(family for family in FAMILIES if family.serves(body))
-    for level in COARSE_LEVELS:
+    for level in LEVELS_OF_CONSTANTS:
         with suppress(MeshError):
-            return StressSpace(family(body, level), body, DEGREE)
+            return StressSpace(family(body, level), body, DEGREE_OF_CONSTANTS)
     raise BoundError(
-        f"no mesh of level {COARSE_LEVELS[-1]} or coarser fits the body, so the work of loads cannot be bounded: leave "
-        "out small holes, or give loads that are polynomials of degree 3"
+        f"no mesh of level {LEVELS_OF_CONSTANTS[-1]} or coarser fits the body, so the work of loads cannot be bounded: "
+        "leave out small holes, or give loads that are polynomials of degree 3"
     )
 
 
@@ -207,10 +207,10 @@ def require_units(data: Data) -> None:
         sizes["the largest entry of G"] = [abs(law.G.matrix).max()]
     for name, values in sizes.items():
         for value in values:
-            if not LEAST <= value <= MOST:
+            if not LEAST_DATUM <= value <= MOST_DATUM:
                 raise BoundError(
                     f"{name} is {value:.3g}; squares of such numbers overflow or vanish in double precision: state the "
-                    f"problem in units in which it lies between {LEAST:g} and {MOST:g}"
+                    f"problem in units in which it lies between {LEAST_DATUM:g} and {MOST_DATUM:g}"
                 )
 
 
@@ -225,11 +225,11 @@ def require_finite(quantities: Mapping[str, Array | float]) -> None:
     """
     for name, values in quantities.items():
         # Every comparison with NaN is false, so the condition is written such that NaN is refused as well.
-        if not (np.abs(values) <= LARGEST).all():
+        if not (np.abs(values) <= LARGEST_BOUND).all():
             raise BoundError(
-                f"{name} is not a finite number below {LARGEST:g}, so nothing can be bounded: large data overflow, and "
-                "data that are unbounded near some point have no finite range; state the problem in units in which the "
-                "data have moderate size, or give bounded data"
+                f"{name} is not a finite number below {LARGEST_BOUND:g}, so nothing can be bounded: large data "
+                "overflow, and data that are unbounded near some point have no finite range; state the problem in "
+                "units in which the data have moderate size, or give bounded data"
             )
 
 
@@ -258,8 +258,8 @@ def require_visible(highest: float, nonzero: bool) -> None:
             f"the bound is {highest}: squares of displacements or data overflow in double precision; check them, and "
             "state the problem in units in which they have moderate size"
         )
-    if nonzero and not highest >= SMALLEST:
+    if nonzero and not highest >= SMALLEST_BOUND:
         raise BoundError(
-            f"the data are not zero, and the bound is {highest:.3g}, below {SMALLEST:g}: squares of numbers this small "
-            "vanish in double precision; state the problem in units in which the data have moderate size"
+            f"the data are not zero, and the bound is {highest:.3g}, below {SMALLEST_BOUND:g}: squares of numbers this "
+            "small vanish in double precision; state the problem in units in which the data have moderate size"
         )

@@ -17,6 +17,16 @@ A Piecewise function has on each box the union of the ranges of those branches t
 holds on a whole box, nowhere on it, or is undecided; the box belongs to its ends, so a range contains the values at
 points where conditions change. If more than one branch may be reached, derivatives have the range (−∞, ∞), because the
 function may jump. Max, Min and Abs are treated in the same way, but have a range of first derivatives.
+
+Refusal of initial displacements u_0 that do not lie in K: they jump, are not 0 on Γ1 or penetrate the foundation.
+
+Boxes that cover the body are halved again and again. A box is dropped if u_0 is known to be Lipschitz continuous on it,
+also with kinks. In all other boxes the range of u_0 tends to a point if u_0 is continuous. If u_0 jumps, the range
+remains as large as the jump, however narrow the band between two jumps is. In the same way, intervals that cover a side
+of the body are halved, to find where u_0 violates a boundary condition.
+
+The range is computed by interval arithmetic if u_0 is given by formulas whose ranges are known. Otherwise it is the
+range of samples, which may miss narrow bands.
 """
 
 from __future__ import annotations
@@ -25,16 +35,20 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, reduce
+from itertools import product
 
 import numpy as np
 import sympy as sp
 from sympy.core.relational import Relational
 
-from manufactured.body import Part
-from manufactured.data.compiled_formulas import PIECES
+from manufactured.body import Body, Kind, Part
+from manufactured.data import PIECEWISE, Data, Expressions, LoadError
+from manufactured.exact import ExactSolution
 from manufactured.factor import x1, x2
-from manufactured.symbols import Index, indices, pos, t
-from manufactured.tensors import Array
+from manufactured.symbols import LARGEST, SMALLEST, Index, indices, pos, t
+from manufactured.tensors import Array, Points
+from study.bound.problem import place
+from study.fem.mesh import distance
 
 Pair = tuple[Array, Array]
 """Intervals, one for each box, given by their lower and their upper ends, (boxes,) each."""
@@ -44,7 +58,6 @@ REALS = np.array([[-np.inf], [np.inf]])
 """The interval (−∞, ∞), (2, 1)."""
 Flags = np.ndarray[tuple[int], np.dtype[np.bool_]]
 """A statement about each box, (boxes,)."""
-TINY, LARGEST = np.finfo(float).tiny, np.finfo(float).max
 
 
 ARC, ACROSS = sp.symbols("arc across", real=True)
@@ -92,7 +105,7 @@ def times(a: Intervals, b: Intervals) -> Intervals:
     zero = (low == 0) & (high == 0)
     if zero.any():
         zero &= a.any(axis=0) & b.any(axis=0)
-        low, high = np.where(zero, -TINY, low), np.where(zero, TINY, high)
+        low, high = np.where(zero, -SMALLEST, low), np.where(zero, SMALLEST, high)
     return enclosed(low, high)
 
 
@@ -122,7 +135,7 @@ def _power(u: Intervals, q: float) -> Intervals:
         """
         ends = _monotone(u, lambda x: x**q)
         zero = u.any(axis=0) & ~ends.any(axis=0)
-        return np.where(zero, [-TINY * (u[0] < 0), np.full_like(u[1], TINY)], ends)
+        return np.where(zero, [-SMALLEST * (u[0] < 0), np.full_like(u[1], SMALLEST)], ends)
 
     with np.errstate(all="ignore"):
         if q == 0:
@@ -150,7 +163,7 @@ def _truncated(u: Intervals, q: float) -> Intervals:
 
 def _of_exp(u: Intervals, j: int) -> Intervals:
     ends = _monotone(u, np.exp)
-    ends[1] = np.maximum(ends[1], TINY)
+    ends[1] = np.maximum(ends[1], SMALLEST)
     return _scaled(1 / math.factorial(j), ends)
 
 
@@ -176,14 +189,14 @@ def _of_cosine(u: Intervals, j: int, turns: int = 0) -> Intervals:
     return _scaled(1 / math.factorial(j), ends)
 
 
-KNOWN: dict[type, Callable[[Intervals, int], Intervals]] = {
+RANGE_OF_FUNCTION: dict[type, Callable[[Intervals, int], Intervals]] = {
     sp.exp: _of_exp,
     sp.log: _of_log,
     sp.cos: _of_cosine,
     sp.sin: lambda u, j: _of_cosine(u, j, 3),
 }
 """For each function of one variable, how to compute the range of its Taylor coefficient of a given order."""
-BY_OTHERS: dict[type, Callable[..., sp.Expr]] = PIECES | {
+BY_OTHERS: dict[type, Callable[..., sp.Expr]] = PIECEWISE | {
     sp.sinh: lambda x: (sp.exp(x) - sp.exp(-x)) / 2,
     sp.cosh: lambda x: (sp.exp(x) + sp.exp(-x)) / 2,
     sp.tanh: lambda x: 1 - 2 / (sp.exp(2 * x) + 1),
@@ -215,10 +228,10 @@ def coefficients(formula: sp.Expr, u: Intervals, order: int) -> list[Intervals]:
     Raises:
         RangeError: the function is not known, or the exponent of a truncated power is not a number.
     """
-    if type(formula) in KNOWN:
-        return [KNOWN[type(formula)](u, j) for j in range(order + 1)]
+    if type(formula) in RANGE_OF_FUNCTION:
+        return [RANGE_OF_FUNCTION[type(formula)](u, j) for j in range(order + 1)]
     if not formula.is_Pow and not isinstance(formula, pos):
-        names = ", ".join(sorted(kind.__name__ for kind in (*KNOWN, *BY_OTHERS, sp.Piecewise, pos)))
+        names = ", ".join(sorted(kind.__name__ for kind in (*RANGE_OF_FUNCTION, *BY_OTHERS, sp.Piecewise, pos)))
         raise RangeError(f"{formula} has no known range of its derivatives; known are powers and {names}")
     if not formula.args[1].is_number:
         raise RangeError(f"{formula} has an exponent that is no number; give it a number")
@@ -461,3 +474,135 @@ class Boxes:
             with np.errstate(over="ignore"):
                 ends[:, k[first]] = enclosed(*np.add.reduceat(products, first, axis=1))
         return Series(ends).rounded(_is_power_of_two(a.values) | _is_power_of_two(b.values))
+
+
+ALL_HALVINGS = 44
+"""Number of halvings in each direction. The last boxes are a few units in the last place of double precision wide."""
+FIRST_HALVINGS = 5
+"""Number of halvings in each direction before any box is dropped."""
+MOST_BOXES = 2000
+"""If there are more boxes than this number, only the half with the largest range is kept of each box."""
+INSIDE_MARGIN = 1e-9
+"""A point is inside the body if its distance to the boundary is larger than this number times the size of the body."""
+LEAST_JUMP = 1e-6
+"""A function jumps if its range in the last boxes exceeds this fraction of its size. There the root of the distance to
+a line, which is not in V, has the range 2.4e-7."""
+
+Spread = Callable[[Array], Array]
+"""Function from boxes, given by their lower and then their upper corners, (2, d, n), to the width of the range of u_0
+on each box; it is 0 on boxes on which u_0 is Lipschitz continuous. On sides of the body it is the violation of a
+boundary condition."""
+
+
+def require_continuous_start(data: Data) -> None:
+    """Refuse an initial displacement that jumps, is unbounded, or violates a boundary condition.
+
+    Exact solutions are not checked, because their proofs include their initial displacement.
+
+    Raises:
+        LoadError: the message names the place and the size of the jump.
+    """
+    if isinstance(data.formulas_of, ExactSolution):
+        return
+    body, formulas = data.body, data.formulas_of.start if isinstance(data.formulas_of, Expressions) else ()
+    try:
+        for formula in formulas:
+            require_known(formula)
+    except RangeError:
+        formulas = ()
+    spread = _spread_of_formulas(formulas) if formulas else _spread_of_samples(data)
+    around = np.array([body.vertices.min(axis=1), body.vertices.max(axis=1)])[..., None]
+    margin = INSIDE_MARGIN * body.extent
+
+    def inside(boxes: Array) -> Array:
+        return np.where(_meets(body, boxes, margin), spread(boxes), 0.0)
+
+    with np.errstate(all="ignore"):
+        tolerance = LEAST_JUMP * abs(data.start(body.sample(np.random.default_rng(0), MOST_BOXES))).max(initial=0.0)
+        _require_small(*_largest(around, inside), tolerance, "jumps by about")
+        for part in (*body.of(Kind.CLAMPED), *body.of(Kind.CONTACT)) if any(formulas) else ():
+            size, at = _violation(part, np.array(formulas))
+            _require_small(size, part.point(at), tolerance, f"violates the condition of a {part.kind.name} part by")
+
+
+def _violation(part: Part, start: Array) -> tuple[float, Points]:
+    """Return how far u_0 is from 0 on a clamped side, or above 0 in normal direction on a contact side, and where."""
+    formulas = along_side(part, [*start, *-start] if part.kind is Kind.CLAMPED else [part.normal @ start])
+
+    def largest(boxes: Array) -> Array:
+        expand = Boxes({ARC: boxes[:, 0]}, (), 0)
+        return np.max([expand(formula).values[1] for formula in formulas], axis=0)
+
+    return _largest(np.array([[[0.0]], [[part.measure]]]), largest)
+
+
+def _require_small(size: float, at: Points, tolerance: float, what: str) -> None:
+    if size > tolerance:
+        raise LoadError(
+            f"u_0 {what} {size:.3g} at x = {place(at)}: give a continuous u_0 that is 0 on CLAMPED parts and does not "
+            "penetrate the foundation; kinks such as Max(x1 - 1/2, 0) are permitted"
+        )
+
+
+def _largest(boxes: Array, spread: Spread) -> tuple[float, Points]:
+    """Halve boxes with a positive spread again and again; return the largest spread at last, and its place."""
+    dim = boxes.shape[1]
+    for number in range(ALL_HALVINGS * dim):
+        boxes = _halves(boxes, number % dim)
+        if number < FIRST_HALVINGS * dim:
+            continue
+        widths = spread(boxes)
+        kept = widths > 0
+        if not kept.any():
+            return 0.0, boxes[0, :, 0]
+        if kept.sum() > MOST_BOXES:
+            halves = widths.reshape(-1, 2)
+            kept &= (halves.argmax(axis=1)[:, None] == (0, 1)).ravel()
+        boxes, widths = boxes[..., kept], widths[kept]
+    worst = widths.argmax()
+    return float(widths[worst]), boxes[..., worst].mean(axis=0)
+
+
+def _halves(boxes: Array, axis: int) -> Array:
+    """Return both halves of boxes that are cut in one direction, one after the other, (2, d, n) → (2, d, 2n)."""
+    middle = boxes[:, axis].mean(axis=0)
+    boxes = np.repeat(boxes, 2, axis=2)
+    boxes[1, axis, ::2] = boxes[0, axis, 1::2] = middle
+    return boxes
+
+
+def _places(boxes: Array) -> Points:
+    """Return the corners and the middle of boxes, (2, d, n) → (d, 2^d + 1, n)."""
+    low, high = boxes
+    shares = np.array([*product((0.0, 1.0), repeat=len(low)), [0.5] * len(low)]).T
+    return low[:, None] + shares[..., None] * (high - low)[:, None]
+
+
+def _meets(body: Body, boxes: Array, margin: float) -> Array:
+    """Return whether boxes may meet the body, (n,); a box as small as the margin has to lie farther inside."""
+    middle, radii = boxes.mean(axis=0), np.linalg.norm(boxes[1] - boxes[0], axis=0) / 2
+    to_sides = np.min([distance(middle, part.corners) for part in body.parts], axis=0)
+    return np.where(to_sides > np.maximum(radii, margin), body.contains(middle), radii > margin)
+
+
+def _spread_of_formulas(formulas: Sequence[sp.Expr]) -> Spread:
+    def spread(boxes: Array) -> Array:
+        expand, widths = Boxes({x1: boxes[:, 0], x2: boxes[:, 1]}, (x1, x2), 1), []
+        for series in map(expand, formulas):
+            is_lipschitz = np.isfinite(series.largest).all(axis=0)
+            widths.append(np.where(is_lipschitz, 0.0, np.ptp(series.values, axis=0)))
+        return np.max(widths, axis=0)
+
+    return spread
+
+
+def _spread_of_samples(data: Data) -> Spread:
+    def spread(boxes: Array) -> Array:
+        places = _places(boxes)
+        inside = data.body.contains(places)
+        values = np.full(places.shape, np.nan)
+        values[:, inside] = data.start(places[:, inside])
+        lowest, highest = np.fmin.reduce(values, axis=1), np.fmax.reduce(values, axis=1)
+        return np.nan_to_num(highest - lowest).max(axis=0)
+
+    return spread

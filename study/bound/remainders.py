@@ -30,10 +30,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 import sympy as sp
 
-from manufactured.body import Kind
-from manufactured.body.part import ROUNDING
-from manufactured.data import Data, Expressions
-from manufactured.data.compiled_formulas import gradient
+from manufactured.body import CORNER_ROUNDING, Kind
+from manufactured.data import Data, Expressions, gradient
 from manufactured.factor import UNIFORM, x1, x2
 from manufactured.law import Linear
 from manufactured.symbols import t
@@ -53,7 +51,7 @@ Sides = Mapping[sp.Symbol, Pair]
 """Boxes around cells or around parts of edges: for each coordinate, the lower and upper ends, (boxes,) each."""
 GRADED = "cells at the lines and points where the data are rough have graded rules, which are not exact"
 GUARANTEED, ESTIMATED = "guaranteed", "estimated"
-PARABOLA, CUBIC = 2.2513, 4.0559
+PARABOLA_FACTOR, CUBIC_FACTOR = 2.2513, 4.0559
 """The factors 1 + Λ of the error of interpolation in time at 0, k/2, k (parabola) and at 0, k/4, k/2, k (cubic)."""
 
 
@@ -109,7 +107,7 @@ def in_time(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Ar
     These are the bounds p_T and q_T in the docstring of the module. The arguments are those of ``in_space``.
     """
     bounds = _by_order(sides, (t,), formulas, a, b)
-    both = [PARABOLA * bounds[:, :ORDER].min(axis=1), CUBIC * bounds.min(axis=1)]
+    both = [PARABOLA_FACTOR * bounds[:, :ORDER].min(axis=1), CUBIC_FACTOR * bounds.min(axis=1)]
     return np.asarray(np.hypot.reduce(both, axis=1))
 
 
@@ -255,7 +253,7 @@ class Sampling:
             cuts = low + np.linspace(0, 1, EDGE_PARTS + 1)[:, None] * (high - low)
             formulas = along_side(part, loads.get(self.data.body.parts.index(part), ()), ACROSS)
             # Rounding moves samples off the side. Conditions that change across the side are undecided on it.
-            width = np.full(cuts[1:].size, ROUNDING * abs(self.data.body.vertices).max())
+            width = np.full(cuts[1:].size, CORNER_ROUNDING * abs(self.data.body.vertices).max())
             found.append((edges, {ARC: (cuts[:-1].ravel(), cuts[1:].ravel()), ACROSS: (-width, width)}, formulas))
         return found
 

@@ -3,13 +3,15 @@
 The list is read from the docstrings of the cases, because making all solutions takes seconds; ``--json`` makes them.
 """
 
+import ast
 import re
 from argparse import Namespace
+from functools import cache
 from importlib.resources import files
 from json import dumps
 from textwrap import fill
 
-from manufactured.catalogue import NAMES, OTHER_NAMES, catalogue, module_of
+from manufactured.catalogue import MODULES, NAMES, OTHER_NAMES, catalogue, function_of
 from study.cli.options import OK
 
 LINE_WIDTH = 100
@@ -35,7 +37,14 @@ def do_cases(options: Namespace) -> int:
 
 def summary_and_order(name: str) -> tuple[str, str]:
     """Return the first sentence and the predicted order in the docstring of a case, without making the case."""
-    file = files("manufactured.cases") / f"{module_of(name).rpartition('.')[2]}.py"
-    _, text, *_ = file.read_text(encoding="utf-8").split('"""')
+    text = docstrings(MODULES[name])[function_of(name)]
     order = re.search(r"^Predicted order (\d+(?:[./]\d+)?)", text, re.MULTILINE)
     return text.partition("\n\n")[0].replace("\n", " ").replace("``", ""), order[1] if order else "unknown"
+
+
+@cache
+def docstrings(module: str) -> dict[str, str]:
+    """Return the docstrings of the functions in a module of cases, without importing it."""
+    tree = ast.parse((files("manufactured.cases") / f"{module}.py").read_text(encoding="utf-8"))
+    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+    return {node.name: ast.get_docstring(node) or "" for node in functions}

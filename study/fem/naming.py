@@ -12,13 +12,12 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from manufactured.case import Case, proved_order
+from manufactured.case import Case, file_name_fault, proved_order
+from manufactured.cases.materials import no_potential
+from manufactured.cases.rough import natural_motion
 from manufactured.catalogue import NAMES, OTHER_NAMES, SUCCESSORS, advice, named
 from manufactured.data import Data
-from manufactured.file_names import file_name_fault
 from manufactured.multiscale import COARSEST_ROLLER, ROLLERS, multiscale, rollers
-from manufactured.natural_motion import natural_motion
-from manufactured.no_potential import no_potential
 from manufactured.problems import OpenProblem, problems
 from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
 from study.ledger.files import Json, UsageError

@@ -1,14 +1,14 @@
 """Cache keys of results: hashes of the code that computes, of library versions, of the problem and of its mesh.
 
 The code of a measurement consists of the modules in ``COMPUTING``, without docstrings and comments, but of the
-statements and of the cases only its own and those that are imported. If this code changes, the measurement is made
-again. If only docstrings, comments, other statements or other cases change, the stored result is used. The processor is
-not part of the key, although last digits may differ between processors.
+statements only its own and those that are imported, and no modules of cases. If this code or the value of the case
+changes, the measurement is made again. If only docstrings, comments, other statements or other cases change, the stored
+result is used. The processor is not part of the key, although last digits may differ between processors.
 
-A problem is known by its value: numbers, texts, arrays, formulas, and dataclasses of this project. Functions and
-classes of a user have no value, because what they compute may depend on anything, such as other files. A result that
-depends on them is stored with a key that no later command knows. Loads and stresses at some points are a part of the
-value, because the file of a user may replace functions of this program or of a library.
+A case or problem is known by its value: numbers, texts, arrays, formulas, and dataclasses of this project. Functions
+and classes of a user have no value, because what they compute may depend on anything, such as other files. A result
+that depends on them is stored with a key that no later command knows. Loads and stresses at some points are a part of
+the value, because the file of a user may replace functions of this program or of a library.
 """
 
 import ast
@@ -29,7 +29,7 @@ from sympy import Basic, preorder_traversal, srepr
 
 from manufactured.body import Kind
 from manufactured.case import Case
-from manufactured.catalogue import NAMES, module_of
+from manufactured.catalogue import MODULES, NAMES, OTHER_NAMES
 from manufactured.data import Data
 from study.fem.naming import is_own, resolve
 from study.statements.shared.base import Setting, Statement
@@ -45,14 +45,18 @@ COMPUTING = (
 """The modules on which results depend. The last two round the numbers of pictures and of measurements."""
 ALL_CODE = ("manufactured/**/*.py", "study/**/*.py")
 """All modules of the two packages: of the continuous problem, and of the study."""
-SINGLE_MODULES = ("manufactured/cases/*.py", "study/statements/*.py")
-"""The modules of single cases and statements. A result depends only on its own case, its own statement and imports."""
-LISTING_MODULES = (
+SINGLE_MODULES = ("study/statements/*.py",)
+"""The modules of single statements. A result depends only on its own statement and imports."""
+EXCLUDED_MODULES = (
     "manufactured/catalogue.py",
     "manufactured/colours.py",
-    "manufactured/body/html.py",
+    "manufactured/html.py",
+    *sorted({f"manufactured/cases/{module}.py" for module in MODULES.values()}),
 )
-"""Modules that list the cases, name colours or draw pictures in notebooks. No result depends on them."""
+"""Modules that list the cases, name colours, draw pictures in notebooks, or make cases.
+
+No result depends on them, except through the value of its case.
+"""
 HASHED_TYPES = (bool, int, float, complex, str, type(None), tuple, list, np.ndarray)
 """Types outside this project that are hashed by value, besides numbers of NumPy and formulas of SymPy."""
 PROJECT = ("manufactured", "study")
@@ -68,10 +72,10 @@ def fingerprint(statement: Statement, setting: Setting) -> str:
         statement: the statement that is measured.
         setting: the case, mesh family, level and other parameters of the measurement.
     """
-    own = (type(statement).__module__, *([module_of(setting.case)] if setting.case in NAMES else []))
     mesh = by_value(replace(setting, case=""))
-    values = [statement.label, type(statement).__name__, problem(setting.case), mesh, statement.steps(setting)]
-    return _hash(values, measuring_code(own))
+    case = _value_of_case(setting.case) if setting.case in (*NAMES, *OTHER_NAMES) else problem(setting.case)
+    values = [statement.label, type(statement).__name__, case, mesh, statement.steps(setting)]
+    return _hash(values, measuring_code(type(statement).__module__))
 
 
 def of_problem(data: Data, case: Case | None, setting: Iterable[object]) -> str:
@@ -120,6 +124,12 @@ def problem(reference: str) -> str:
 
 
 @cache
+def _value_of_case(name: str) -> str:
+    """Return a hash of the name and the value of a case of this project, for cache keys."""
+    return _digest([name, by_value(resolve(name))])
+
+
+@cache
 def code_hash(patterns: tuple[str, ...] = COMPUTING) -> str:
     """Return a hash of modules of the project, without docstrings and comments.
 
@@ -130,13 +140,13 @@ def code_hash(patterns: tuple[str, ...] = COMPUTING) -> str:
 
 
 @cache
-def measuring_code(own: tuple[str, ...]) -> str:
+def measuring_code(statement: str) -> str:
     """Return a hash of the code on which a measurement depends, without docstrings and comments.
 
     Parameters:
-        own: the names of the modules of its statement and of its case.
+        statement: the name of the module of its statement.
     """
-    return _hash_of(_with_imports(_common(), {file for name in own for file in _files(name)}))
+    return _hash_of(_with_imports(_common(), set(_files(statement))))
 
 
 @cache
@@ -147,7 +157,7 @@ def _common() -> frozenset[str]:
 
 def _with_imports(modules: frozenset[str], new: Set[str]) -> frozenset[str]:
     """Return modules with new modules and everything that these import, if results depend on it."""
-    computing = _modules(COMPUTING) - _modules(LISTING_MODULES)
+    computing = _modules(COMPUTING) - _modules(EXCLUDED_MODULES)
     while new := (new & computing) - modules:
         modules |= new
         new = {file for module in new for file in _parsed(module)[1]}

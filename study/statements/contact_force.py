@@ -51,7 +51,8 @@ import numpy as np
 import scipy.sparse as sps
 import sympy as sp
 
-from manufactured.exact import ExactSolution, Face
+from manufactured.contact import Face
+from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
 from study.fem.naming import is_own
 from study.fem.space import Space

@@ -12,7 +12,8 @@ import numpy as np
 
 from manufactured.body import Body, Kind, Part
 from manufactured.case import Case
-from manufactured.exact import ExactSolution, Face
+from manufactured.contact import Face
+from manufactured.exact import ExactSolution
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array, Points, Tensors, dyad
 from study.fem.error_norm import FACET_POINTS, ErrorNorm

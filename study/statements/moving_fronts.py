@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 
 from manufactured.body import Kind
+from manufactured.catalogue import NATURAL_MOTION
 from manufactured.exact import ExactSolution
 from manufactured.modes import at_each
-from manufactured.natural_motion import NAME
 from manufactured.singular import SingularFace, TravellingField
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel
 from study.fem.error_norm import ErrorNorm
@@ -129,9 +129,9 @@ class HalfDerivative(ListedNumbers):
 
         Σ_n ‖δ_n − δ_{n−1}‖² ≤ ‖δ_0‖² + 2 max_n ‖δ_n‖ (Var f + κ Σ_n k ‖δ_n‖).
 
-    **Nodal errors.** The solution u is an advancing natural front (``manufactured.natural_motion``). Its part near the
-    front is u_s = ζ u with the cut-off ζ = (1 − r²/R²)_+^4, R = 1/5. The lemma says, with L = |log h|, for all vertices
-    a of Γ3
+    **Nodal errors.** The solution u is an advancing natural front (``manufactured.cases.rough.natural_motion``). Its
+    part near the front is u_s = ζ u with the cut-off ζ = (1 − r²/R²)_+^4, R = 1/5. The lemma says, with L = |log h|,
+    for all vertices a of Γ3
 
         |(P_hu_s − Π^hu_s)_ν(a)| ≤ C h² L (h + |a − x(t)|)^{−1/2}.
 
@@ -190,10 +190,10 @@ class NodalErrors(ListedNumbers):
     outside_catalogue = True
     effort = 4
     # Random meshes stand only on a level above the quick study, so that repetitions with other seeds leave them out.
-    quick = grid((NAME,), ("one-diagonal",), (16,))
+    quick = grid((NATURAL_MOTION,), ("one-diagonal",), (16,))
     full = (
-        *grid((NAME,), ("one-diagonal", "criss-cross", "alternating", "unstructured"), (16, 32, 64)),
-        *grid((NAME,), SEEDS, (32,)),
+        *grid((NATURAL_MOTION,), ("one-diagonal", "criss-cross", "alternating", "unstructured"), (16, 32, 64)),
+        *grid((NATURAL_MOTION,), SEEDS, (32,)),
     )
 
     def measure(self, setting: Setting) -> Numbers:
@@ -304,8 +304,8 @@ class AdvancingFront(ListedNumbers):
     proved (paper/fronts.tex, proposition on moving fronts): no front has both a gap ~ r^{3/2} and a pressure in
     H^{1/2}.
 
-    The measured solution, ``manufactured.natural_motion``, is an advancing front in closed form; its forces f_0 and f_2
-    satisfy (3.4). **Predicted** are three orders:
+    The measured solution, ``manufactured.cases.rough.natural_motion``, is an advancing front in closed form; its forces
+    f_0 and f_2 satisfy (3.4). **Predicted** are three orders:
 
     * ‖u − u^h‖ ~ h, because u(t) ∈ H^{5/2−ε}. Theorem 4.1 and Proposition 5.3 apply. Proposition 5.4 does not apply;
       its proof gives the order 1/2. After this prediction two theorems were proved. They hold for polygons with the
@@ -385,8 +385,8 @@ class AdvancingFront(ListedNumbers):
         ),
     )
     # No shaken meshes, because observed orders depend on the random size of the cells that the singular front passes.
-    quick = grid((NAME,), ("unstructured",), (8, 16, 32))
-    full = grid((NAME,), ("one-diagonal", "unstructured"), (8, 16, 32, 64))
+    quick = grid((NATURAL_MOTION,), ("unstructured",), (8, 16, 32))
+    full = grid((NATURAL_MOTION,), ("one-diagonal", "unstructured"), (8, 16, 32, 64))
 
     def cost(self, setting: Setting) -> float:
         """Return the expected run time in µs.

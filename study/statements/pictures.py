@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from manufactured.body import Body
-from manufactured.exact import ExactSolution, Face
+from manufactured.contact import Face
+from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
 from study.fem.mesh import MeshFamily, OneDiagonal, Skin, Unstructured, facet_measures
 from study.fem.naming import family_named, resolve

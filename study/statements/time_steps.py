@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 import scipy.sparse as sps
 
-from manufactured.no_potential import NAME
+from manufactured.catalogue import NO_POTENTIAL
 from manufactured.tensors import Array
 from study.fem.space import Space
 from study.ledger.check import MIN_LEVELS, ROUNDING_ROOM, Check, accuracy, consequence, identity
@@ -318,8 +318,8 @@ class NoPotential(ListedNumbers):
             positive_at_most(0.1, "so the reference solution hardly changes the error"),
         ),
     )
-    quick = grid((NAME,), ("one-diagonal",), (6, 8, 12))
-    full = grid((NAME,), ("one-diagonal", "unstructured"), (6, 12, 24))
+    quick = grid((NO_POTENTIAL,), ("one-diagonal",), (6, 8, 12))
+    full = grid((NO_POTENTIAL,), ("one-diagonal", "unstructured"), (6, 12, 24))
 
     def measure(self, setting: Setting) -> Numbers:
         setup = Experiment.at(setting, MIDPOINT, REFERENCE_STEPS)

@@ -27,13 +27,11 @@ from scipy.spatial import cKDTree
 from skfem import Mesh
 
 from manufactured.body import Kind
+from manufactured.compiled import Jet
 from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
-from manufactured.exact.solution import FaceFields
-from manufactured.jet import Jet
+from manufactured.exact import ExactSolution, FaceFields
 from manufactured.modes import at_each
-from manufactured.multiscale import ROLLERS, FadingFace
-from manufactured.multiscale.roller import START
+from manufactured.multiscale import ROLLERS, START, FadingFace
 from manufactured.tensors import Array, Points
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.mesh import Shaken, with_midpoints
@@ -840,7 +838,7 @@ class Rollers(ListedNumbers):
     sharp.
 
     A *roller* is an exact solution in which a contact patch of width ℓ moves along Γ3
-    (``manufactured.multiscale.roller``). On every mesh ℓ = 2h, so the patch is two cells wide, however fine the mesh
+    (``manufactured.multiscale``). On every mesh ℓ = 2h, so the patch is two cells wide, however fine the mesh
     is.
 
     Proposition 5.4 assumes u̇(t) ∈ H². A theorem of this study (proof in paper/velocity.tex) proves the order s/2 for u

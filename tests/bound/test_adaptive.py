@@ -19,9 +19,8 @@ from manufactured.factor import x1, x2
 from study.bound import adaptive
 from study.bound.adaptive import Stage, adapted, marked, next_stage
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import enclose
+from study.bound.enclosing import compute_static, enclose, enclose_static
 from study.bound.remainders import GUARANTEED
-from study.bound.static import compute_static, enclose_static
 from study.bound.terms import Majorant, part_that_changes
 from study.bound.trajectory import Refined, SmoothedInTime, compute
 from study.cli.bound import contact_edges

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from manufactured import KelvinVoigt, Linear, named, t, unit_square, x2
-from manufactured.cases.laws import not_proportional
+from manufactured.cases.shared import not_proportional
 from manufactured.catalogue import NAMES
 from manufactured.data import Data
 from study.bound import terms
@@ -246,8 +246,8 @@ def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_
 def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by_one(monkeypatch):
     case, found = named("yield-and-release"), []
     for most in (1, 4):
-        monkeypatch.setattr(terms, "LEAST", 1)
-        monkeypatch.setattr(terms, "MOST", most)
+        monkeypatch.setattr(terms, "LEAST_INTERVALS", 1)
+        monkeypatch.setattr(terms, "MOST_INTERVALS", most)
         discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 2))
         found.append(enclose(discretisation, compute(discretisation, MIDPOINT, 5), SmoothedInTime()))
     one_by_one, together = found

@@ -27,10 +27,10 @@ from manufactured import (
 )
 from study.bound.bounded import contact_sentences
 from study.bound.discretisation import Discretisation
+from study.bound.enclosing import StaticDiscretisation, compute_static
 from study.bound.fields import _together, read
 from study.bound.given import SINGLE, _check_cells, _on_boundary, bound_displacement, given
 from study.bound.problem import BoundError
-from study.bound.static import StaticDiscretisation, compute_static
 from study.bound.trajectory import compute, on_refinement
 from study.fem.mesh import MeshError, Shaken, Unstructured
 from study.fem.space import Space, form

@@ -13,16 +13,15 @@ from sympy import Float, Integer, Rational, exp, log, sin, sqrt, tanh
 
 from manufactured import pos, t, unit_square
 from manufactured.compiled import function
-from manufactured.data import Data, LoadError
-from manufactured.data.compiled_formulas import PIECES, compiled, gradient, own_formula
+from manufactured.data import PIECEWISE, Data, LoadError, compiled, gradient, own_formula
 from manufactured.factor import x1, x2
 from manufactured.symbols import FormulaError
-from study.bound.ranges import KNOWN, Boxes, RangeError, _truncated, coefficients, require_known
-from study.bound.remainders import CUBIC, PARABOLA, in_space, in_time
+from study.bound.ranges import RANGE_OF_FUNCTION, Boxes, RangeError, _truncated, coefficients, require_known
+from study.bound.remainders import CUBIC_FACTOR, PARABOLA_FACTOR, in_space, in_time
 
 HALF = Rational(1, 2)
 SERVED = {
-    **{function.__name__: function for function in (*KNOWN, sp.sinh, sp.cosh, sp.tan, sp.cot)},
+    **{function.__name__: function for function in (*RANGE_OF_FUNCTION, sp.sinh, sp.cosh, sp.tan, sp.cot)},
     "sqrt": lambda x: sp.sqrt(1 + x**2),
     "inverse": lambda x: 1 / (2 + x**2),
     "power": lambda x: (1 + x**2) ** (1 + x2),
@@ -35,7 +34,7 @@ SERVED = {
     "Heaviside": lambda x: sp.Heaviside(x - HALF),
     "Piecewise": lambda x: sp.Piecewise((x, (x < HALF) & (x2 > t)), (x**2, (x > 1) | ~(x2 < HALF)), (2, True)),
 }
-assert {function.__name__ for function in PIECES} <= set(SERVED)
+assert {function.__name__ for function in PIECEWISE} <= set(SERVED)
 OTHERS = {
     "besselj": lambda x: sp.besselj(0, x),
     "Subs": lambda x: sp.Subs(sp.Symbol("k") + x, sp.Symbol("k"), x2),
@@ -99,7 +98,7 @@ def evaluated(name):
     return function((x1, x2, t), [own_formula(SERVED[name](x1))])
 
 
-@pytest.mark.parametrize("known", KNOWN, ids=lambda known: known.__name__)
+@pytest.mark.parametrize("known", RANGE_OF_FUNCTION, ids=lambda known: known.__name__)
 def test_ranges_of_taylor_coefficients_are_those_that_sampling_finds(known):
     """Neither too small nor too large: scaled by 0.9, or with the smaller end for the larger, they would differ."""
     x = sp.Symbol("x", real=True)
@@ -312,7 +311,9 @@ def test_the_remainder_of_a_vector_is_the_euclidean_norm_of_the_remainders_of_it
     np.testing.assert_allclose(double, 5 * np.array(single))
 
 
-@pytest.mark.parametrize(("factor", "nodes"), [(PARABOLA, (0, 0.5, 1)), (CUBIC, (0, 0.25, 0.5, 1))], ids=str)
+@pytest.mark.parametrize(
+    ("factor", "nodes"), [(PARABOLA_FACTOR, (0, 0.5, 1)), (CUBIC_FACTOR, (0, 0.25, 0.5, 1))], ids=str
+)
 def test_factors_of_interpolation_are_one_plus_lebesgue_constants(factor, nodes):
     x = np.linspace(0, 1, 10007)
     constant = sum(abs(BarycentricInterpolator(nodes, unit)(x)) for unit in np.eye(len(nodes))).max()

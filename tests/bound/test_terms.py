@@ -33,10 +33,9 @@ from manufactured import (
 from manufactured.factor import Factor, x1, x2
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose
-from study.bound.growth import Sizes, Step, grow, kernel, largest_square, mean_square
 from study.bound.problem import load_constants, moduli
-from study.bound.remainders import CUBIC, PARABOLA
-from study.bound.terms import QUADRATIC, Majorant
+from study.bound.remainders import CUBIC_FACTOR, PARABOLA_FACTOR
+from study.bound.terms import QUADRATIC, Majorant, Sizes, Step, grow, kernel, largest_square, mean_square
 from study.bound.trajectory import Parabola, SmoothedInTime, compute
 from study.fem.mesh import OneDiagonal
 from study.solve.tableau import MIDPOINT
@@ -102,13 +101,13 @@ MISSED = {
     "f_2 on one part of an edge": lambda: missed(
         2 * 0.5 * math.sqrt(EDGE / 4), f2={1: (pos(x2 - Rational(1, 16), 0), 0)}, a=0.0
     ),
-    # t⁴ less a cubic through four times is at most CUBIC (k/2)⁴.
-    "f_0 in time": lambda: missed(CUBIC * 0.125**4, (0, t**4)),
-    "f_2 in time": lambda: missed(CUBIC * 0.125**4, f2={1: (t**4, 0)}),
+    # t⁴ less a cubic through four times is at most CUBIC_FACTOR (k/2)⁴.
+    "f_0 in time": lambda: missed(CUBIC_FACTOR * 0.125**4, (0, t**4)),
+    "f_2 in time": lambda: missed(CUBIC_FACTOR * 0.125**4, f2={1: (t**4, 0)}),
     "f_0 in space, in cells": lambda: missed_in_cells((0, x1**4), inside=(EDGE / 2) ** 4),
-    "f_0 in time, in cells": lambda: missed_in_cells((0, t**3), inside=PARABOLA * 0.125**3),
+    "f_0 in time, in cells": lambda: missed_in_cells((0, t**3), inside=PARABOLA_FACTOR * 0.125**3),
     "f_2 in space, in cells": lambda: missed_in_cells(f2={1: (x2**4, 0)}, on_edges=(EDGE / 8) ** 4),
-    "f_2 in time, in cells": lambda: missed_in_cells(f2={1: (t**3, 0)}, on_edges=PARABOLA * 0.125**3),
+    "f_2 in time, in cells": lambda: missed_in_cells(f2={1: (t**3, 0)}, on_edges=PARABOLA_FACTOR * 0.125**3),
     "u_0": lambda: missed_at_start((x1**5 / 5, 0), START),
     "shear of u_0": lambda: missed_at_start((0, x1**5 / 5), START / math.sqrt(2)),
 }

@@ -17,7 +17,7 @@ from study.statements.shared import estimates
 
 USER = """
 from manufactured import *
-from manufactured.cases.laws import not_proportional
+from manufactured.cases.shared import not_proportional
 
 infinite = Data.formulas(unit_square(), not_proportional(), f0=(0, 1 / t))
 number = 3

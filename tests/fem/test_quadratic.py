@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from manufactured import named, polygon, unit_square
-from manufactured.cases.laws import anisotropic, not_proportional
+from manufactured.cases.materials import anisotropic_law
+from manufactured.cases.shared import not_proportional
 from manufactured.data import Data
 from manufactured.problems import problems
 from manufactured.tensors import mandel
@@ -41,7 +42,7 @@ def quadratic(body):
 @lru_cache
 def discretisation(body, refinements=0):
     found, family = BODIES[body]
-    data = Data.formulas(found, anisotropic() if body == "square" else not_proportional(), f0=(0, 0))
+    data = Data.formulas(found, anisotropic_law() if body == "square" else not_proportional(), f0=(0, 0))
     return Discretisation(data, family(found, LEVEL).refined(refinements))
 
 
@@ -118,7 +119,7 @@ def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body
     # The form is the integral of the products of strains.
     rule, weights = simplex_rule(2, 2)
     e = mandel(gradient(c, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], rule)))
-    A = anisotropic().A.matrix
+    A = anisotropic_law().A.matrix
     energy = np.einsum("IJ,Jcq,Icq,q,c->", A, e, e, weights, space.volumes)
     assert v @ space.form(A) @ v == pytest.approx(energy, rel=1e-10)
     assert v @ space.functional(np.einsum("IJ,Jcq->Icq", A, space.strain(v))) == pytest.approx(energy, rel=1e-10)

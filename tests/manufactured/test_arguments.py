@@ -56,8 +56,8 @@ from manufactured import (
     x1,
     x2,
 )
+from manufactured.cases.rough import natural_motion
 from manufactured.multiscale import FadingFace, rollers
-from manufactured.natural_motion import natural_motion
 from manufactured.profile import Piecewise
 
 CASE = named("full-contact")

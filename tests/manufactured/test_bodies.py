@@ -24,7 +24,7 @@ from manufactured import (
     unit_square,
 )
 from manufactured.body import Part
-from manufactured.face_strain.fronts import front
+from manufactured.face_strain import front
 from study.fem.mesh import OneDiagonal
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import measure

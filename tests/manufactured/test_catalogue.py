@@ -1,24 +1,27 @@
-"""Every exact solution has a file with its formulas and the order that they predict, and is shown in notebooks."""
-
-from importlib import import_module
-from pkgutil import iter_modules
+"""Every exact solution has a function with its formulas and the order that they predict, and is shown in notebooks."""
 
 from case_docstrings import missing_parts
+from places import ROOT
 
-from manufactured import cases, catalogue, named
-from manufactured.catalogue import NAMES, module_of
+from manufactured import catalogue, named
+from manufactured.catalogue import MODULES, NAMES, NATURAL_MOTION, NO_POTENTIAL, function_of
+from study.cli.cases import docstrings
+
+DOCSTRINGS = {name: text for module in MODULES.values() for name, text in docstrings(module).items()}
+"""The docstrings of all functions in the modules of cases."""
 
 
-def documentation(name):
-    return str(import_module(module_of(name)).__doc__)
-
-
-def test_every_module_that_makes_a_case_is_in_the_catalogue_under_the_name_of_the_case():
-    modules = [import_module(f"{cases.__name__}.{info.name}") for info in iter_modules(cases.__path__)]
-    assert {module.__name__ for module in modules if hasattr(module, "case")} == set(map(module_of, NAMES))
+def test_every_function_that_predicts_an_order_is_in_the_catalogue_under_the_name_of_the_case():
+    predicting = {name for name, text in DOCSTRINGS.items() if "\nPredicted order" in text}
+    assert predicting == {*map(function_of, (*NAMES, NATURAL_MOTION, NO_POTENTIAL))}
     assert [named(name).name for name in NAMES] == [*NAMES]
 
 
-def test_the_module_of_a_case_states_its_formulas_and_then_the_order_that_they_predict():
-    found = {case.name: missing_parts(documentation(case.name), case) for case in catalogue()}
+def test_modules_of_cases_define_no_class_because_results_depend_on_the_values_of_cases_only():
+    for module in MODULES.values():
+        assert "\nclass " not in (ROOT / "manufactured" / "cases" / f"{module}.py").read_text()
+
+
+def test_the_docstring_of_a_case_states_its_formulas_and_then_the_order_that_they_predict():
+    found = {case.name: missing_parts(DOCSTRINGS[function_of(case.name)], case) for case in catalogue()}
     assert {name: missing for name, missing in found.items() if missing} == {}

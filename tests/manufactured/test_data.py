@@ -24,10 +24,10 @@ from manufactured import (
     x1,
     x2,
 )
-from manufactured.cases.laws import not_proportional
+from manufactured.case import file_name_fault
+from manufactured.cases.shared import not_proportional
 from manufactured.catalogue import NAMES
 from manufactured.data import Data, LoadError
-from manufactured.file_names import file_name_fault
 from manufactured.problems import problems
 from study.bound.bounded import check_bound
 from study.bound.discretisation import Discretisation

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from on_floor import on_floor
 
 from manufactured import named, prove
+from manufactured.cases.materials import law_without_potential
 from manufactured.factor import Factor, x1
 from manufactured.law import (
     Combined,
@@ -24,7 +25,6 @@ from manufactured.law import (
     isotropic,
     isotropic_matrix,
 )
-from manufactured.no_potential import NAME, law_without_potential, no_potential
 from manufactured.static import plane_strain, plane_stress
 from manufactured.symbols import pos, s, t
 from manufactured.tensors import dyad, full, identity, mandel, rotation
@@ -171,5 +171,6 @@ def test_a_moving_case_satisfies_3_4_literally_if_its_exponents_say_so(name, lit
 
 
 def test_the_case_without_a_potential_proves_itself_is_found_by_its_name():
-    prove(no_potential().solution, NAME)
-    assert resolve(NAME).order == 1
+    case = resolve("no-potential")
+    prove(case.solution, case.name)
+    assert case.order == 1

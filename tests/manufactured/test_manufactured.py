@@ -35,9 +35,8 @@ from manufactured import (
     t,
 )
 from manufactured.catalogue import NAMES
-from manufactured.exact import Fields
-from manufactured.exact.solution import FaceFields
-from manufactured.self_proof.finding import ROUND_OFF, Finding, worst
+from manufactured.exact import FaceFields, Fields
+from manufactured.self_proof import DEFECT_ROUND_OFF, Finding, worst
 
 
 @pytest.mark.parametrize("name", by_cost(NAMES))
@@ -45,7 +44,7 @@ from manufactured.self_proof.finding import ROUND_OFF, Finding, worst
 def test_every_case_satisfies_the_problem_to_round_off(name, seed):
     findings = examine(named(name).solution, seed)
     assert all(finding.passes for finding in findings), "\n".join(map(str, findings))
-    assert max(finding.defect for finding in findings if finding.tolerance == ROUND_OFF) < 1e-10
+    assert max(finding.defect for finding in findings if finding.tolerance == DEFECT_ROUND_OFF) < 1e-10
 
 
 def with_face(name="advance-recede", **changes):

@@ -15,7 +15,7 @@ from manufactured import (
     s,
     t,
 )
-from manufactured.jet import Jet
+from manufactured.compiled import Jet
 
 PLACES = np.linspace(0.01, 0.99, 41)[None]
 QUARTER = Rational(1, 4)

@@ -41,14 +41,14 @@ from manufactured import (
     x2,
 )
 from manufactured.case import proved_order
-from manufactured.cases.laws import anisotropic, not_proportional
+from manufactured.cases.materials import anisotropic_law
+from manufactured.cases.rough import MOVING_FRONT, natural_motion
+from manufactured.cases.shared import not_proportional
 from manufactured.catalogue import NAMES, catalogue
-from manufactured.contact.contact_face import VARIABLES
-from manufactured.face_strain import Coupled
-from manufactured.face_strain.strain_on_face import relaxation_rate
+from manufactured.contact import VARIABLES
+from manufactured.face_strain import Coupled, relaxation_rate
 from manufactured.factor import layers
 from manufactured.multiscale import StripFace, multiscale, rollers
-from manufactured.natural_motion import PLACE, natural_motion
 from manufactured.self_proof import examine
 from manufactured.singular import TravellingField
 from manufactured.tensors import mandel, traction
@@ -98,7 +98,7 @@ def test_a_law_that_couples_nn_with_sn_needs_a_shear_on_the_face():
     assert abs(r[0,]).max() > 0.05 * abs(q[0,]).max()
     plain = on_floor(not_proportional(), face.gap, face.strain.pressure, face.level)
     with pytest.raises(SelfProofError, match="σ_τ = 0"):
-        prove(replace(plain, law=anisotropic()), "without the shear")
+        prove(replace(plain, law=anisotropic_law()), "without the shear")
 
 
 SLIP = {2: (t * (1 + t) * sin(2 * s + 1),), 3: (t * sin(s1 + 2 * s2), (1 + t**2) * cos(2 * s1 - s2))}
@@ -235,7 +235,7 @@ def test_a_field_with_a_cut_off_of_the_distance_does_not_travel():
     field = FACE.field
     assert isinstance(field, TravellingField)
     with pytest.raises(ValueError, match="give `depth`, not `radial`"):
-        TravellingField(replace(field.steady, depth=None, radial=cutoff().b), PLACE)
+        TravellingField(replace(field.steady, depth=None, radial=cutoff().b), MOVING_FRONT)
 
 
 # One call gives all fields of a case; points, times and shapes beyond the body and [0, T] are refused.
@@ -321,7 +321,7 @@ def test_theorems_raise_the_proved_order_only_of_a_rough_trace_and_of_a_junction
     orders = {case.name: (proved_order(case), case.regularity.proved_order) for case in catalogue()}
     raised = {name: order for name, (order, source) in orders.items() if order > source}
     assert raised == pytest.approx({"rough-trace": 1, "junction": 0.5})
-    assert proved_order(natural_motion()) == pytest.approx(0.6)
+    assert proved_order(CASE) == pytest.approx(0.6)
     assert all(proved_order(case) <= case.order for case in catalogue())
 
 

@@ -6,6 +6,7 @@ import runpy
 import shlex
 import sys
 import tomllib
+from inspect import getdoc
 from pathlib import Path
 from types import ModuleType
 
@@ -19,6 +20,7 @@ from places import EXAMPLES, ROOT
 
 import manufactured
 from manufactured import prove
+from manufactured.cases import plane
 from manufactured.catalogue import NAMES
 from study.cli.main import parser
 from study.controls import faults
@@ -69,6 +71,13 @@ def module(monkeypatch, name):
     return found
 
 
+def added(path, module):
+    """What a recipe adds to a module, by name."""
+    found = {}
+    exec(RECIPES[path], vars(module), found)
+    return found
+
+
 # Workflows.
 
 
@@ -106,10 +115,10 @@ def test_the_example_prints_its_table_which_holds_and_a_table_that_loses_its_ord
 
 
 @pytest.mark.slow
-def test_the_case_of_the_recipe_is_new_proves_itself_and_has_the_order_that_its_docstring_predicts(monkeypatch):
-    recipe = module(monkeypatch, "manufactured.cases.breathing_patch")
-    case = recipe.case()
-    assert missing_parts(recipe.__doc__, case) == []
+def test_the_case_of_the_recipe_is_new_proves_itself_and_has_the_order_that_its_docstring_predicts():
+    (recipe,) = added("manufactured/cases/plane.py", plane).values()
+    case = recipe()
+    assert missing_parts(getdoc(recipe), case) == []
     prove(case.solution, case.name)
     assert case.regularity.satisfies_5_36
     assert case.name not in NAMES
@@ -132,9 +141,7 @@ def test_the_statement_of_the_recipe_holds_and_its_own_test_breaks_it(monkeypatc
 
 
 def test_the_fault_of_the_recipe_changes_what_is_solved():
-    added = {}
-    exec(RECIPES["study/controls/faults.py"], vars(faults), added)
-    (fault,) = (value for value in added.values() if isinstance(value, faults.Fault))
+    *_, fault = added("study/controls/faults.py", faults).values()
     assert fault.name not in {known.name for known in faults.FAULTS}
     right = Experiment.at(Setting("advance-recede", "one-diagonal", 4), MIDPOINT, 4)
     assert distance_of_solutions(right, fault.change(right, fault.sizes[0])) > 1e-6

@@ -27,8 +27,7 @@ from costly_cases import slow
 from distributed import LocalCluster
 from tables import everything
 
-from manufactured.self_proof import SelfProofError
-from manufactured.self_proof.finding import Finding
+from manufactured.self_proof import Finding, SelfProofError
 from study.bound.trajectory import Refined
 from study.cli import run as run_command
 from study.ledger.files import StoreError, UsageError

@@ -4,14 +4,14 @@ import shutil
 import sys
 from dataclasses import replace
 from functools import cache
-from types import ModuleType
 
 import numpy as np
 import pytest
 from commands import study
 
 from manufactured import catalogue, named, unit_square
-from manufactured.catalogue import NAMES
+from manufactured.cases import plane
+from manufactured.catalogue import MODULES, NAMES
 from manufactured.data import Data
 from study.fem.mesh import FAMILIES, MeshError, OneDiagonal
 from study.fem.naming import resolve, resolve_data
@@ -71,11 +71,10 @@ def test_the_full_study_uses_named_and_regular_families_for_some_cases_all_and_t
 @in_both_studies
 def test_another_case_or_mesh_family_adds_measurements_and_changes_none(name, monkeypatch):
     before = {job.identity for job in plan(name).jobs}
-    inserted = ModuleType("inserted")
-    inserted.case = lambda: replace(named("advance-recede"), name="inserted")  # type: ignore[attr-defined]
     more = (*NAMES, "inserted")
     with monkeypatch.context() as patch:
-        patch.setitem(sys.modules, "manufactured.cases.inserted", inserted)
+        patch.setitem(MODULES, "inserted", "plane")
+        patch.setattr(plane, "inserted", lambda: replace(named("advance-recede"), name="inserted"), raising=False)
         for module in ("manufactured.catalogue", "study.fem.naming"):
             patch.setattr(sys.modules[module], "NAMES", more)
         studied = tuple(case for case in more if case in (*scope(name).cases, "inserted"))
@@ -193,21 +192,21 @@ SETTING = RateSetting("full-contact", "shaken", 4, "midpoint", 8)
 
 COMPUTE = (
     *("study/fem/space.py", "study/solve/steps.py", "manufactured/case.py", "study/statements/prop_5_4.py"),
-    *("manufactured/cases/full_contact.py", "manufactured/cases/laws.py", "study/statements/shared/norms.py"),
+    *("manufactured/cases/shared.py", "study/statements/shared/norms.py"),
     "study/ledger/text.py",
-    "manufactured/face_strain/contact_times.py",
+    "manufactured/face_strain.py",
 )
 """Modules on which the order of convergence for the case *full-contact* depends."""
 REST = (
     *("study/run/executor.py", "study/cli/run.py", "manufactured/catalogue.py"),
-    *("manufactured/cases/corner.py", "study/statements/wellposed.py", "study/statements/__init__.py"),
+    *("manufactured/cases/plane.py", "study/statements/wellposed.py", "study/statements/__init__.py"),
 )
-"""Other modules, among them another case, another statement and the lists of cases and statements."""
+"""Other modules, among them another statement, the lists of cases and statements, and the functions that make cases."""
 CACHED = ("code_hash", "measuring_code", "_common", "_modules", "_parsed")
 EDITS = {
     "a window of the statement": ("positive_at_most(0.02", "positive_at_most(0.03", "study/statements/prop_5_4.py"),
     "an argument of a function with the name of a window": ("= between(", "= between(0.5 * ", COMPUTE[-1]),
-    "a relative import": ("from manufactured.cases.laws", "from .laws", "manufactured/cases/full_contact.py"),
+    "a relative import": ("from manufactured.law", "from ..law", "manufactured/cases/shared.py"),
 }
 
 
@@ -245,12 +244,17 @@ def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_n
         before = after
 
 
-def test_measurements_that_differ_in_one_respect_or_in_the_libraries_have_different_keys(monkeypatch):
-    changes = {"case": "no-contact", "family": "one-diagonal", "level": 5, "scheme": "bdf2", "steps": 9}
+def test_measurements_that_differ_in_one_respect_in_the_value_of_the_case_or_in_the_libraries_have_different_keys(
+    monkeypatch,
+):
+    changes = {"case": "natural-motion", "family": "one-diagonal", "level": 5, "scheme": "bdf2", "steps": 9}
     settings = [SETTING, *(replace(SETTING, **{name: value}) for name, value in changes.items())]
     found = [fingerprint(FirstOrder(), setting) for setting in settings]
     found.append(fingerprint(SameMesh(), Setting("full-contact", "shaken", 4)))
     assert fingerprint(FirstOrder(), SETTING) == found[0]
+    monkeypatch.setattr(keys, "_value_of_case", keys._value_of_case.__wrapped__)
+    monkeypatch.setattr(keys, "resolve", lambda name: replace(resolve(name), pace=3.0))
+    found += [fingerprint(FirstOrder(), setting) for setting in settings[:2]]
     monkeypatch.setattr(keys, "versions", lambda: {"numpy": "another"})
     found.append(fingerprint(FirstOrder(), SETTING))
     assert len(set(found)) == len(found)
@@ -269,7 +273,6 @@ from functools import wraps
 from sympy.utilities.lambdify import implemented_function
 from helper import LOAD, moved
 from manufactured import *
-from manufactured.cases import yield_on_a_part
 
 corners, kinds = [(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 law = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from measured_rows import invented, measured
 
-from manufactured.exact.solution import FaceFields
+from manufactured.exact import FaceFields
 from study.fem.naming import resolve
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.statements.shared.base import Setting, grid

@@ -8,7 +8,7 @@ import pytest
 import scipy.sparse as sps
 from measured_rows import measured, verdicts
 
-from manufactured.natural_motion import NAME
+from manufactured.catalogue import NATURAL_MOTION
 from study.fem.space import form
 from study.ledger.verdict import FAILS, HOLDS
 from study.solve.evolution import SemiDiscrete
@@ -18,7 +18,7 @@ from study.statements.moving_fronts import AdvancingFront, HalfDerivative, Nodal
 from study.statements.shared.base import Setting, grid
 
 
-def found(statement, *levels, case=NAME, families=("one-diagonal",)):
+def found(statement, *levels, case=NATURAL_MOTION, families=("one-diagonal",)):
     """Key ↦ verdict on what a statement measures."""
     return verdicts(statement, measured(statement, grid((case,), families, levels)))
 
@@ -68,7 +68,7 @@ def test_nodal_errors_of_a_projection_in_another_norm_are_noticed(monkeypatch):
 def test_with_one_diagonal_the_nodal_errors_have_one_sign_and_shaken_meshes_are_needed_for_both():
     """The fault is a family of shaken meshes whose vertices do not move."""
     assert found(NodalErrors(), 32, families=("shaken", "shaken-1"))["sign"] == HOLDS
-    plain = measured(NodalErrors(), [Setting(NAME, "one-diagonal", 32)]).assign(family="shaken")
+    plain = measured(NodalErrors(), [Setting(NATURAL_MOTION, "one-diagonal", 32)]).assign(family="shaken")
     assert verdicts(NodalErrors(), plain)["sign"] == FAILS
 
 

@@ -15,7 +15,8 @@ from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshTri
 from skfem.helpers import dot
 
-from manufactured.cases.laws import anisotropic, not_proportional
+from manufactured.cases.materials import anisotropic_law
+from manufactured.cases.shared import not_proportional
 from manufactured.tensors import mandel
 from study.fem.mesh import on_segment
 from study.solve.multigrid import rigid_motions
@@ -28,7 +29,7 @@ TRIANGLES = {
     "obtuse": np.array([[1.0, -0.6], [0.0, 0.7]]),
     "flat": np.array([[1.0, 0.3], [0.0, 0.3]]),
 }
-TENSORS = {"identity": np.eye(3), "isotropic": not_proportional().A.matrix, "anisotropic": anisotropic().A.matrix}
+TENSORS = {"identity": np.eye(3), "isotropic": not_proportional().A.matrix, "anisotropic": anisotropic_law().A.matrix}
 CELLS, SIDES_TOO = 1.3, 1.6
 """How many times too large the constants may be at most; halving a side costs √2 where halving a cell costs √(4/3)."""
 

@@ -14,8 +14,8 @@ from skfem import Basis, Mesh
 from skfem.models.poisson import mass as scalar_mass
 
 from manufactured.body import Part
-from manufactured.exact import ExactSolution, Face
-from manufactured.exact.solution import FaceFields
+from manufactured.contact import Face
+from manufactured.exact import ExactSolution, FaceFields
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array, Points, Tensors, Vectors, size
 from study.fem.error_norm import CELL_DEGREE, FACET_POINTS, rules

@@ -1,0 +1,474 @@
+"""Exact solutions {u, σ} of Problem 2.1, and the data f_0, f_2 and u_0 that belong to them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property, reduce
+from operator import methodcaller
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from manufactured.arguments import checked
+from manufactured.body import Body, BodyError, Kind, Part
+from manufactured.compiled import Jet
+from manufactured.contact import (
+    COMBINATIONS,
+    ContactFace,
+    Contribution,
+    ContributionAtPoints,
+    Face,
+    Lifting,
+    Trace,
+    first_indices,
+    plus,
+)
+from manufactured.html import table
+from manufactured.law import AtPoints, KelvinVoigt, LawError, PointLaw, Scaled
+from manufactured.modes import Modes, at_each, pointwise
+from manufactured.symbols import Values
+from manufactured.tensors import Array, Hyperplane, Points, Tensors, Time, Vectors, basis, rotation, traction
+
+# Checks that points lie in the body and times in [0, T].
+#
+# This is necessary because the formulas of exact solutions can also be evaluated elsewhere, where they are no solution.
+
+
+DOMAIN_ROUNDING = 1e-9
+"""Distance that counts as round-off: of a point from the body, relative to its extent, and of a time from [0, T]."""
+
+
+def coordinates(values: ArrayLike, count: int, what: str) -> Array:
+    """Return the coordinates of points as an array whose first axis has the length ``count``.
+
+    Raises:
+        ValueError: the array has another shape.
+    """
+    wanted = f"{what} need the shape ({count}, n), one row for each coordinate"
+    try:
+        found = np.asarray(values)
+    except ValueError as error:
+        raise ValueError(f"{wanted}; got rows of different lengths") from error
+    if found.dtype.kind not in "iufc":
+        raise ValueError(f"{wanted}, of numbers; got entries of the type {found.dtype}")
+    if found.ndim >= 2 and len(found) == count:
+        return found
+    if found.shape == (count,):
+        hint = f"; write one point as [{', '.join(f'[{value:g}]' for value in np.real(found))}]"
+    elif found.ndim == 2 and found.shape[1] == count:
+        hint = "; transpose it"
+    else:
+        hint = ""
+    raise ValueError(f"{wanted}; got the shape {found.shape}{hint}")
+
+
+def require_inside(body: Body, x: Points) -> None:
+    """Raise ValueError if a point of x, (d, ...), lies outside the body by more than round-off."""
+    points = np.real(x).reshape(body.dim, -1)
+    reach = DOMAIN_ROUNDING * body.extent
+    # Comparisons with NaN are false, so the condition is written such that NaN coordinates are refused.
+    with np.errstate(invalid="ignore"):
+        within = [part.normal @ points <= part.normal @ part.start + reach for part in body.parts]
+        left = points[:, ~np.all(within, axis=0)]
+        left = left[:, ~body.contains(left)]
+        left = left[:, ~np.any([part.contains(left, reach) for part in body.parts], axis=0)]
+    if left.size:
+        low, high = body.vertices.min(axis=1), body.vertices.max(axis=1)
+        box = " × ".join(f"[{a:g}, {b:g}]" for a, b in zip(low, high, strict=True))
+        raise ValueError(
+            f"the point ({', '.join(f'{value:g}' for value in left[:, 0])}) lies outside the body, where there is no "
+            f"exact solution ({left.shape[1]} of {points.shape[1]} points); the body lies in {box}, and "
+            "body.contains(x) says which points it has"
+        )
+
+
+def require_times(T: float, time: Array | complex) -> None:
+    """Raise ValueError if a time lies outside [0, T] by more than round-off."""
+    times = np.asarray(time).real.reshape(-1)
+    # Comparisons with NaN are false, so the condition is written such that NaN is refused.
+    outside = ~(abs(times - T / 2) <= (0.5 + DOMAIN_ROUNDING) * T)
+    if outside.any():
+        first = times[outside][0]
+        raise ValueError(f"the time {first:g} lies outside [0, {T:g}], where there is no exact solution; T is body.T")
+
+
+# The body force f_0 of a linear law as a sum of fixed fields times functions of time and of the face coordinate s.
+#
+# For a linear operator C, −Div(α C ε(u)) is linear in u. The displacement of a contact face is linear in the
+# derivatives of w, q, r and z (gap, normal and shear strain, slip) along the face. So f_0 is a sum over these
+# derivatives, each multiplied by a field that does not depend on time. Other displacement fields are evaluated point by
+# point.
+
+
+@dataclass(frozen=True, eq=False)
+class ForceModes:
+    """The body force f_0 = −Div(A ε(u̇)) − Div(G ε(u)) as sums of products, one sum for each displacement field of u.
+
+    Attributes:
+        viscous: −Div(A ε(u)); its time derivative is the viscous part of f_0.
+        elastic: −Div(G ε(u)), the elastic part of f_0.
+    """
+
+    viscous: list[Modes]
+    elastic: list[Modes]
+
+
+def force_modes(of: AtPoints, part: ContributionAtPoints, count: int) -> Modes:
+    """Return the force −Div(α C ε) of a displacement field at ``count`` points, as a sum of products.
+
+    In the result, ``Modes.tensors`` are the K constant vectors of the products, (K, d).
+
+    Raises:
+        LawError: the operator is not linear.
+    """
+    if not isinstance(of, Scaled):
+        raise LawError("f_0 is a sum of products for linear A and G only; take body_force")
+    return _of_lifting(of, part) if isinstance(part, Lifting) else _of_points(of, part, count)
+
+
+def _of_points(of: Scaled, part: ContributionAtPoints, count: int) -> Modes:
+    """Return the force of any displacement field, with one time-dependent value for each point and component."""
+    dim = 2 if len(of.matrix) == 3 else 3
+
+    def force(time: Time, rate: bool) -> Array:
+        def one(moment: complex) -> Array:
+            slope = of.gradient(lambda: part.strain(moment, rate), part.strain_gradient(moment, rate))
+            return -np.einsum("Iij,Ij...->i...", basis(dim), slope)
+
+        return at_each(time, one)
+
+    return pointwise(force, dim, count)
+
+
+@dataclass
+class _Fields:
+    """Collects the force fields −Div(α C ε), (d, n), that belong to single derivatives of w, q, r and z along the face.
+
+    The field of a derivative (``Trace``) is the force if this derivative is 1 and all others are 0.
+    """
+
+    of: Scaled
+    reach: Array
+    found: dict[Trace, Array] = field(default_factory=dict)
+
+    def add(self, trace: Trace, vector: Array, values: Array) -> None:
+        """Add the vector field −v(x) f(x) to the field of a derivative of w, q, r or z.
+
+        Args:
+            trace: the derivative.
+            vector: v, (d,) or (d, n).
+            values: the scalar f at the points, (n,).
+        """
+        product = -(vector if vector.ndim == 2 else vector[:, None]) * values
+        self.found[trace] = self.found.get(trace, 0.0) + product
+
+    @property
+    def factor(self) -> Array | float:
+        """The material factor α at the points within the depth of the displacement, (n,)."""
+        return self.of.factor if isinstance(self.of.factor, float) else self.of.factor[self.reach]
+
+    @property
+    def slopes(self) -> Array | None:
+        """The derivatives ∂_j α of the material factor at the points within the depth of the displacement, (d, n)."""
+        return None if self.of.slopes is None else self.of.slopes[:, self.reach]
+
+
+def _of_lifting(of: Scaled, lifting: Lifting) -> Modes:
+    """Return the force of a contact face as a sum of products.
+
+    There is one product for each derivative of w, q and r, and each component of its field that is not zero.
+    """
+    fields = _fields_of(of, lifting)
+    dim = len(lifting.frame)
+    chosen = [(trace, i) for trace, values in fields.items() for i in range(dim) if values[i].any()]
+    directions = np.eye(dim)[[i for _, i in chosen]]
+    shapes = np.array([fields[trace][i] for trace, i in chosen])
+    return lifting.products(directions, shapes, [trace for trace, _ in chosen], 2 + lifting.deep)
+
+
+def _fields_of(of: Scaled, lifting: Lifting) -> dict[Trace, Array]:
+    """Return the force fields of all derivatives of w, q, r and z, at the points that the displacement reaches."""
+    profile, frame, y = lifting.face.profile, lifting.frame, lifting.y.ravel()
+    axes, (_, first) = rotation(frame), first_indices(len(lifting.s))
+    fields = _Fields(of, lifting.reach)
+    for term in lifting.terms:
+        stress = np.einsum("Iij,I->ij", basis(len(frame)), of.matrix @ axes[:, term.row])
+        value, slope = (
+            term.factor * sum(getattr(profile, f)(y, k + into) for f, k in COMBINATIONS[term.profile])
+            for into in range(2)
+        )
+        for unit, direction in zip(first, frame.T, strict=False):
+            fields.add((term.source, plus(term.along, unit)), stress @ direction, fields.factor * value)
+        fields.add((term.source, term.along), stress @ frame[:, -1], fields.factor * slope)
+        if fields.slopes is not None:
+            fields.add((term.source, term.along), stress @ fields.slopes, value)
+    return fields.found
+
+
+# The class of exact solutions, and their fields at fixed points.
+
+
+@dataclass(frozen=True, eq=False)
+@checked(ValueError)
+class ExactSolution:
+    """An exact solution of Problem 2.1, and the loads that belong to it.
+
+    The displacement u is the sum of displacement fields. The stress is σ = A ε(u̇) + G ε(u), and the loads are
+    f_0 = −Div σ and f_2 = σν.
+
+    Attributes:
+        body: the body with its boundary parts and the final time T.
+        law: the material law, with viscosity A and elasticity G.
+        faces: one displacement field for each part of Γ3, in the order of ``body.of(Kind.CONTACT)``. The field of one
+            face must vanish on Γ1 and must not change the contact data of other faces.
+        others: displacement fields without contact, such as the singularity of a corner.
+        singular: vertices of the body at which the strain is singular.
+
+    Raises:
+        LawError: law and body have different dimensions.
+        BodyError: the body has no Γ3.
+        ValueError: the faces do not belong to the parts of Γ3, or a displacement field ends with a kink inside the
+            body.
+    """
+
+    body: Body
+    law: KelvinVoigt
+    faces: tuple[Face, ...]
+    others: tuple[Contribution, ...] = ()
+    singular: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        self.law.require_dimension(self.body.dim)
+        pieces = self.body.of(Kind.CONTACT)
+        if not pieces:
+            raise BodyError("the body has no part Γ3, which the Signorini condition (2.5) needs: give a side this kind")
+        if self.body.of(Kind.ROLLER):
+            raise BodyError("the body has a ROLLER side, which exact solutions do not serve: give it another kind")
+        if [face.part for face in self.faces] != list(pieces):
+            got = f"{len(self.faces)} contact faces"
+            strange = [str(k) for k, face in enumerate(self.faces, start=1) if face.part not in pieces]
+            if strange:
+                got += f", of which face {', '.join(strange)} is on no part Γ3 of this body"
+            raise ValueError(
+                f"expected {len(pieces)} contact faces, one for each part Γ3 of the body in the order of "
+                f"body.of(Kind.CONTACT), got {got}"
+            )
+        for face in self.faces:
+            if not isinstance(face, ContactFace):
+                continue
+            deepest = float(face.part.coordinates(self.body.vertices)[1].max())
+            if deepest > face.profile.depth * (1 + 1e-12) and face.profile.ends_with_kink:
+                raise ValueError(
+                    f"the body is {deepest:g} deep, but the lifting ends with a kink at the depth "
+                    f"{face.profile.depth:g}: let it end at Γ1, or take a cut-off with φ(1) = φ'(1) = 0 such as HERMITE"
+                )
+
+    @property
+    def rough(self) -> tuple[Hyperplane, ...]:
+        """The lines or planes at which strains are not smooth at any time.
+
+        They go through the points ``rough`` of the faces, or A or G jumps across them.
+        """
+        fronts = (face.part.line(c) for face in self.faces if isinstance(face, ContactFace) for c in face.rough)
+        return (*fronts, *self.law.steps)
+
+    @property
+    def has_initial_gap(self) -> bool:
+        """Whether a contact face has an initial gap, which the paper does not treat."""
+        return any(face.initial_gap != 0 for face in self.faces)
+
+    def fronts(self, time: float) -> tuple[Hyperplane, ...]:
+        """Return the lines {s = c} through the fronts c of one time, at which f_0 jumps or has kinks; none in 3D."""
+        faces = [face for face in self.faces if isinstance(face, ContactFace)] if self.body.dim == 2 else []
+        return tuple(face.part.line(c) for face in faces for c in face.fronts(time))
+
+    def at(self, x: ArrayLike) -> Fields:
+        """Return the fields of the solution at fixed points of the body, (d, ...), as functions of t ∈ [0, T].
+
+        Points may lie outside the body by round-off.
+
+        >>> from manufactured import named
+        >>> solution = named("full-contact").solution
+        >>> solution.at([[0.5], [1.0]]).displacement(1.0).ravel().tolist()  # clamped on top
+        [0.0, 0.0]
+        >>> solution.at([[5], [5]])  # doctest: +ELLIPSIS
+        Traceback (most recent call last):
+        ValueError: the point (5, 5) lies outside the body, where there is no exact solution (1 of 1 points); ...
+
+        Raises:
+            ValueError: x has another shape, or a point lies outside the body; the methods of the result raise it for
+                times outside [0, T].
+        """
+        points = coordinates(x, self.body.dim, "points of the body")
+        require_inside(self.body, points)
+        return Fields(self, points)
+
+    def on(self, face: Face, s: ArrayLike) -> FaceFields:
+        """Return the contact data at fixed points s of a contact face, (d − 1, ...), as functions of t ∈ [0, T].
+
+        These data are the gap, the contact pressure and the level function of the contact zone.
+
+        Raises:
+            ValueError: s has another shape, or a point lies outside the body. The methods of the result raise it for
+                times outside [0, T].
+        """
+        return FaceFields(self, face, coordinates(s, self.body.dim - 1, "points of a face"))
+
+    def _repr_html_(self) -> str:
+        """Return HTML for notebooks, with the body, the law and the contact data of every piece of Γ3."""
+        rows: list[tuple[str, object]] = [("law", self.law.name)]
+        for number, face in enumerate(self.faces, start=1):
+            pressure = getattr(getattr(face, "strain", face), "pressure", None)
+            formulas = {"gap w": face.gap, "pressure p": pressure, "level ψ, contact where ψ ≥ 0": face.level}
+            formulas |= {"slip z": getattr(face, "slip", ()) or None}
+            rows += [(f"piece {number}: {name}", value) for name, value in formulas.items() if value is not None]
+        return self.body._repr_html_() + table(rows)
+
+
+class Fields:
+    """The fields of an exact solution at fixed points, (d, ...), as functions of time.
+
+    For n times, (n,), the results have n as an additional last axis.
+    """
+
+    def __init__(self, solution: ExactSolution, x: Points) -> None:
+        self.solution, self.x = solution, x
+        self._parts: list[ContributionAtPoints] = [*map(methodcaller("at", x), (*solution.faces, *solution.others))]
+
+    @cached_property
+    def law(self) -> PointLaw:
+        """The material law at the points."""
+        return self.solution.law.at(self.x)
+
+    @cached_property
+    def _law_at_times(self) -> PointLaw:
+        return self.solution.law.at(self.x[..., None])
+
+    def _law(self, time: Array | complex) -> PointLaw:
+        return self._law_at_times if np.ndim(time) else self.law
+
+    def _total(self, quantity: str, time: Array | complex, rate: bool = False) -> Array:
+        """Return the sum of a quantity, such as "strain", or of its rate, over all displacement fields."""
+        require_times(self.solution.body.T, time)
+        return reduce(np.add, map(methodcaller(quantity, time, rate=rate), self._parts))
+
+    def displacement(self, time: Array | complex) -> Vectors:
+        """Return the displacement u, (d, ...)."""
+        return self._total("displacement", time)
+
+    def velocity(self, time: Array | complex) -> Vectors:
+        """Return the velocity u̇, (d, ...)."""
+        return self._total("displacement", time, rate=True)
+
+    def strain(self, time: Array | complex) -> Tensors:
+        """Return the strain ε(u), (D, ...)."""
+        return self._total("strain", time)
+
+    def strain_rate(self, time: Array | complex) -> Tensors:
+        """Return the strain rate ε(u̇), (D, ...)."""
+        return self._total("strain", time, rate=True)
+
+    def modes(self) -> list[Modes]:
+        """Return the strain of each displacement field as a sum of products of functions of the point and of time.
+
+        Points are in the order of ``x``.
+        """
+        return [part.modes() for part in self._parts]
+
+    def strain_gradient(self, time: Array | complex) -> Array:
+        """Return the derivatives ∂_j of the strain ε(u), (D, d, ...)."""
+        return self._total("strain_gradient", time)
+
+    def stress(self, time: Array | complex) -> Tensors:
+        """Return the stress σ = A ε(u̇) + G ε(u) of (2.1), (D, ...)."""
+        return self._law(time).stress(self.strain_rate(time), self.strain(time))
+
+    def body_force(self, time: Array | complex) -> Vectors:
+        """Return the body force f_0 = −Div σ of (2.2), with ∂_j σ = A ∂_j ε̇ + G'(ε)[∂_j ε], (d, ...)."""
+        rate_gradient = self._total("strain_gradient", time, rate=True)
+        law = self._law(time)
+        slope = law.A.gradient(lambda: self.strain_rate(time), rate_gradient)
+        slope = slope + law.G.gradient(lambda: self.strain(time), self.strain_gradient(time))
+        return -np.einsum("Iij,Ij...->i...", basis(slope.shape[1]), slope)
+
+    def force_modes(self) -> ForceModes:
+        """Return the body force f_0 as sums of products; G must be linear. Points are in the order of ``x``."""
+        viscous, elastic = (
+            [force_modes(tensor, part, self.x[0].size) for part in self._parts] for tensor in (self.law.A, self.law.G)
+        )
+        return ForceModes(viscous, elastic)
+
+    def surface_load(self, part: Part, time: Array | complex) -> Vectors:
+        """Return the traction f_2 = σν of (2.4) at the points, which must lie on ``part``, (d, ...)."""
+        return traction(self.stress(time), part.normal)
+
+
+class FaceFields:
+    """Gap, pressure and contact zone at fixed points of one contact face, (d − 1, ...), as functions of time.
+
+    For n times, (n,), the results have n as an additional last axis.
+    """
+
+    def __init__(self, solution: ExactSolution, face: Face, s: Array) -> None:
+        self.solution, self.face, self.s = solution, face, s
+        self._fields = solution.at(face.part.point(s))
+
+    def _value(self, jet: Jet, time: Array | float) -> Array:
+        """Return the value of a formula at the points and a time."""
+        require_times(self.solution.body.T, time)
+        return jet(self.s.reshape(*self.s.shape, *(1,) * np.ndim(time)), time)[(0,) * len(self.s)]
+
+    def pressure(self, time: Array | float) -> Array:
+        """Return the pressure p = −σ_ν, computed from the stress of the whole solution, (...)."""
+        normal = self.face.part.normal
+        return -np.tensordot(normal, traction(self._fields.stress(time), normal), axes=1)
+
+    def stated_pressure(self, time: Array | float) -> Array:
+        """Return the prescribed contact pressure; if none was prescribed, the pressure from the stress, (...)."""
+        jet = self.face.pressure_jet
+        return self.pressure(time) if jet is None else self._value(jet, time)
+
+    def stress_scale(self) -> float:
+        """Return a typical size of stresses on the face, from the largest strain and gap, for tolerances."""
+        instants = np.linspace(0, self.solution.body.T, 9)
+        sizes = [abs(part).max() for t in instants for part in (self._fields.strain(t), self.gap(t))]
+        return (self.solution.law.A.lipschitz + self.solution.law.G.lipschitz) * float(max(sizes))
+
+    def traces(self, time: float, axis: int = 0) -> dict[str, tuple[Array, Array]]:
+        """Return the functions that must be continuous along the face, each with its derivative along an axis.
+
+        They are the gap w, and for a ``ContactFace`` also ∇_s w, the strains q and r, the slip z, and the initial gap
+        g with ∇_s g.
+
+        Returns:
+            A dict from the name of a function to its values and the values of its derivative, (...) each.
+        """
+        unit = np.eye(len(self.s), dtype=int)
+
+        def pair(values: Values, *index: int) -> tuple[Array, Array]:
+            base = unit[list(index)].sum(axis=0)
+            return values[tuple(map(int, base))], values[tuple(map(int, base + unit[axis]))]
+
+        w = self.face.gap_jet(self.s, time, 2)
+        found = {"w": pair(w)}
+        if isinstance(self.face, ContactFace):
+            strain = self.face.strain.at(self.s)(time, False, 1)
+            found |= {f"∂_{i + 1} w": pair(w, i) for i in range(len(self.s))}
+            if self.face.initial_gap:
+                g = self.face.initial_gap_jet(self.s, time, 2)
+                found |= {"g": pair(g)} | {f"∂_{i + 1} g": pair(g, i) for i in range(len(self.s))}
+            found |= {f"(q, r)_{i}": pair(values) for i, values in enumerate(strain)}
+            found |= {f"z_{i + 1}": pair(jet(self.s, time, 1)) for i, jet in enumerate(self.face.jets[1:])}
+        return found
+
+    def gap(self, time: Array | float) -> Array:
+        """Return the gap w = g − u_ν, the distance from the foundation, (...)."""
+        return self._value(self.face.gap_jet, time)
+
+    def initial_gap(self) -> Array:
+        """Return the initial gap g, the distance of the undeformed body from the foundation, (...)."""
+        return self._value(self.face.initial_gap_jet, 0.0)
+
+    def level(self, time: Array | float) -> Array:
+        """Return the level function ψ, (...); the contact zone is {ψ ≥ 0}."""
+        return self._value(self.face.level_jet, time)

@@ -1,0 +1,870 @@
+"""The normal strain q = ε_nn and the shear strain r = 2ε_sn on a contact face, for a given pressure p(s, t) = −σ_ν.
+
+**Linear law** (``Memory``). If A and G do not couple the components nn and sn, only ε_nn is not zero on the face. Then
+σ_ν = a q̇ + g q with a = A_nnnn, g = G_nnnn, and
+
+    a q̇ + g q = −p,   q(s, 0) = q_0(s)
+    q(s, t) = e^{−λt} q_0(s) − ∫_0^t e^{−λ(t−r)} p(s, r)/a dr,   λ = g/a.
+
+In a heterogeneous body a and g are formulas of s with a constant ratio λ. After contact p = 0, and q decays like
+e^{−λt}. The pressure is prescribed, not the strain, because a prescribed strain would give a tension, σ_ν > 0, where a
+front recedes.
+
+**Slip.** If the face also slips along itself by z(s, t), then ε_ss = ∂_s z, and the law needs the additional stress l =
+A_nnss ∂_s ż + G_nnss ∂_s z: q is the solution of a q̇ + g q = −p − l. In 3D, ε_ss is the symmetric part of the 2 × 2
+matrix ∇_s z, and A_nnss and G_nnss act on it.
+
+**Coupled linear law** (``Coupled``). If A or G couples nn with sn, a shear r is needed for σ_τ = 0. With y = (q, r) and
+the matrices 𝒜 and 𝒢 of moduli, 𝒜 ẏ + 𝒢 y = −(p, 0) − l, where l has one component of slip
+stress for each of them. In the basis of eigenvectors these are d scalar equations.
+
+**Law (3.3)** (``Prescribed``). The strain is prescribed for one interval of time after another, and the pressure
+follows from the law. With slip, the law is evaluated at the full strain q n⊗n + ε_ss. Since ε_sn = 0, and since A is
+isotropic and (3.3) with K = {|Pτ| ≤ r} gives a multiple of Pε, σ_τ = 0 for every slip. p ≥ 0 and p = 0 off the contact
+zone are conditions on q and z: (3.3) has no effect while |Pε| ≤ r, and there a q̇ + A_nnss ∂_s ż = −p as for a linear
+law. Slips with ∂_s z = 0, which move the face as a whole, change neither ε nor p.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache, partial
+from typing import Protocol
+
+import numpy as np
+import sympy as sp
+
+from manufactured.arguments import Size, checked
+from manufactured.compiled import Jet, coefficients_in_t, function
+from manufactured.face_formula import SMOOTH
+from manufactured.symbols import SMALLEST, FormulaError, Function, Index, Symbols, Values, pos, s, t
+from manufactured.tensors import Array, Time
+
+# Integrals over time of smooth functions times e^{−λ(t−r)}.
+#
+# For polynomials there is a closed form with the φ-functions of exponential integrators. Other functions are integrated
+# by Gauss's rule.
+
+
+class Started(Protocol):
+    """The interface of integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points, as functions of b for a fixed a."""
+
+    def upto(self, upper: Array, chosen: Array) -> Values:
+        """Return the integrals up to given times, at some of the points.
+
+        Args:
+            upper: the times b, (n,).
+            chosen: the indices of the points, (n,).
+
+        Returns:
+            A dict from the multi-index i of the derivative to the values, (n,).
+        """
+        ...
+
+
+class Convolution:
+    """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a polynomial P of the time r, of degree m.
+
+    With τ = b − a, Taylor's formula at a gives
+
+        ∫_a^b e^{−λ(b−r)} P(r) dr = Σ_{j≤m} ∂_r^j P(a) τ^{j+1} φ_{j+1}(−λτ),    φ_k(z) = Σ_n z^n/(n + k)!.
+
+    Only τ depends on b, so the coefficients of a point are computed once.
+
+    Source of the functions φ_k: M. Hochbruck, A. Ostermann, Exponential integrators, Acta Numer. 19 (2010) 209–286.
+    """
+
+    def __init__(self, smooth: sp.Expr, variables: Symbols, decay: float) -> None:
+        self.decay = decay
+        self.powers = [Jet(coefficient, variables) for coefficient in reversed(coefficients_in_t(smooth))]
+
+    def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
+        """Prepare the integrals for given points and starting times.
+
+        The derivatives ∂_s^i ∂_r^j P(s, a) are computed for every |i| ≤ order and every j.
+
+        Args:
+            points: the coordinates s of the points, (d − 1, N).
+            lower: the starting times a, (N,).
+            upper: the latest times b for which integrals will be needed, (N,).
+            order: the highest order |i| of derivatives along the face.
+        """
+        values = [jet(points, lower, order) for jet in self.powers]
+        factorials = np.array([[math.factorial(j)] for j in range(len(values))], dtype=float)
+        coefficients = {}
+        for index in values[0]:
+            taylor = 1.0 * np.array([value[index] for value in values])  # values of integers have an integer type
+            # Repeated synthetic division by r − a turns coefficients of powers of r into those of powers of r − a.
+            for first in range(len(taylor)):
+                for j in reversed(range(first, len(taylor) - 1)):
+                    taylor[j] += lower * taylor[j + 1]
+            coefficients[index] = factorials * taylor
+        return _Taylor(self.decay, len(values) - 1, lower, coefficients)
+
+
+@dataclass(frozen=True, eq=False)
+class _Taylor:
+    """The integrals from starting times a, (N,), with the Taylor coefficients at a, (m + 1, N) for each multi-index."""
+
+    decay: float
+    degree: int
+    lower: Array
+    coefficients: dict[Index, Array]
+
+    def upto(self, upper: Array, chosen: Array) -> Values:
+        """Return the integrals up to the times ``upper``; see ``Started.upto``."""
+        found = {i: np.empty(upper.shape, np.result_type(upper, value)) for i, value in self.coefficients.items()}
+        for first in range(0, len(upper), INTEGRALS_AT_ONCE):
+            here = slice(first, first + INTEGRALS_AT_ONCE)
+            duration = upper[here] - self.lower[chosen[here]]
+            weights = phi(-self.decay * duration, self.degree + 1)
+            weights *= duration ** np.arange(1, self.degree + 2)[:, None]
+            for index, value in self.coefficients.items():
+                found[index][here] = np.einsum("jn,jn->n", np.take(value, chosen[here], axis=1), weights)
+        return found
+
+
+INTEGRALS_AT_ONCE = 1 << 12
+"""Number of integrals that are evaluated together, so that the values of all φ_k stay in the processor's cache."""
+SMALL_ARGUMENT = 12.0
+"""Up to this |z|, φ_k is computed from φ_K by downward recurrence, which amplifies rounding by |z|^K/K!."""
+SERIES_TERMS = 48
+"""Number of terms of the power series of φ_K. The next term |z|^n/(n + K)! is below the rounding of the sum."""
+
+
+def phi(z: Array, count: int) -> Array:
+    """Return the functions φ_1, …, φ_count of exponential integrators at points z, (N,) with Re z ≤ 0, as (count, N).
+
+    The recurrence φ_k = z φ_{k+1} + 1/k! is used. Where |z| is small it runs downwards from the power series of
+    φ_count, elsewhere upwards from φ_1 = (e^z − 1)/z.
+    """
+    found = np.empty((count, *z.shape), dtype=np.result_type(z, float))
+    large = abs(z) > SMALL_ARGUMENT
+    near = np.where(large, 0.0, z)
+    size, terms, first = float(abs(near).max(initial=0.0)), 1, 1e18 * math.factorial(count)
+    while terms < SERIES_TERMS and size**terms * first >= math.factorial(terms + count):
+        terms += 1
+    # Horner's rule overwrites one array, because most of the time for a strain with memory is spent here.
+    series = found[-1]
+    series[:] = 0.0
+    for n in reversed(range(terms)):
+        series *= near
+        series += 1 / math.factorial(n + count)
+    for k in range(count - 1, 0, -1):
+        found[k - 1] = near * found[k] + 1 / math.factorial(k)
+    if large.any():
+        far = np.where(large, z, -1.0)
+        value = np.expm1(far) / far
+        for k in range(1, count + 1):
+            found[k - 1] = np.where(large, value, found[k - 1])
+            value = (value - 1 / math.factorial(k)) / far
+    return found
+
+
+POINTS_OF_RULE = 40
+"""Number of Gauss points on an interval of contact, or on each of its equal pieces."""
+GAUSS_PIECES = (1, 4)
+"""Numbers of equal pieces of an interval of contact that are tried in turn. A long contact may contain many periods."""
+ACCURACY = 1e-13
+"""Largest accepted difference between the rule on an interval and on its halves, relative to the largest integral."""
+
+
+class Quadrature:
+    """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time by Gauss's rule, for a smooth part P of p/a."""
+
+    def __init__(self, branch: sp.Expr, variables: Symbols, decay: float) -> None:
+        self.branch, self.decay, self.jet = branch, decay, Jet(branch, variables)
+
+    def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
+        """Prepare the integrals for given points and starting times; see ``Convolution.started``.
+
+        Raises:
+            FormulaError: P changes too fast in time for the rule.
+        """
+        x, w = np.polynomial.legendre.leggauss(POINTS_OF_RULE)
+        for pieces in GAUSS_PIECES:
+            starts = np.arange(pieces)[:, None]
+            nodes, weights = ((starts + (1 + x) / 2) / pieces).ravel(), np.tile(w / (2 * pieces), pieces)
+            found = _Gauss(self.jet, self.decay, nodes, weights, points, lower, order)
+            off, size = found.defect(upper)
+            # SMALLEST prevents a division by zero if all integrals are zero.
+            if off <= ACCURACY * max(size, SMALLEST):
+                return found
+        raise FormulaError(
+            f"{self.branch}: this part of p/a changes so fast in t that the strain it causes has an error of "
+            f"{off:.1g} for a size of {size:.3g}; take a slower motion or a shorter time"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Gauss:
+    """The integrals from starting times a, (N,), by a rule with nodes and weights on (0, 1)."""
+
+    jet: Jet
+    decay: float
+    nodes: Array
+    weights: Array
+    points: Array
+    lower: Array
+    order: int
+
+    def defect(self, upper: Array) -> tuple[float, float]:
+        """Return the error of Gauss's rule, estimated from the rule on both halves, and the size of the integral.
+
+        Both numbers belong to the derivative with the largest relative error.
+        """
+        every = np.arange(self.lower.size)
+        middle = (self.lower + upper) / 2
+        fading = np.exp(-self.decay * (upper - middle))
+        first, second = self.upto(middle, every), replace(self, lower=middle).upto(upper, every)
+        found = []
+        for index, value in self.upto(upper, every).items():
+            off = abs(value - fading * first[index] - second[index]).max(initial=0.0)
+            found.append((float(off), float(abs(value).max(initial=0.0))))
+        return max(found, key=lambda pair: math.inf if math.isnan(pair[0]) else pair[0] / max(pair[1], SMALLEST))
+
+    def upto(self, upper: Array, chosen: Array) -> Values:
+        """Return the integrals up to the times ``upper``; see ``Started.upto``."""
+        lower = self.lower[chosen][:, None]
+        length = upper[:, None] - lower
+        left = length * (1 - self.nodes)
+        weights = length * self.weights * np.exp(-self.decay * left)
+        points = np.repeat(self.points[:, chosen, None], len(self.nodes), axis=2)
+        values = self.jet(points, lower + length * self.nodes, self.order)
+        return {index: np.einsum("nq,nq->n", value, weights) for index, value in values.items()}
+
+
+def integral(branch: sp.Expr, variables: Symbols, decay: float) -> Convolution | Quadrature:
+    """Return the object that computes the integrals for a smooth part P of p/a, pressure over viscosity.
+
+    Args:
+        branch: the formula of P.
+        variables: the coordinates s along the face.
+        decay: λ.
+    """
+    return (Convolution if branch.is_polynomial(t) else Quadrature)(branch, variables, decay)
+
+
+# The times at which contact fronts pass given points of a face, so that contact begins or ends there.
+
+
+class Front(Protocol):
+    """The interface of contact fronts, each given by a function ψ(s, t) that is positive where there is contact."""
+
+    def passes(self, points: Array, T: float) -> Array:
+        """Return the times in (0, T) at which the front passes N points, that is, ψ changes its sign there.
+
+        The points have the shape (d − 1, N), the result (most times at a point, N). Missing times are T.
+        """
+        ...
+
+    def beyond(self, points: Array, time: Array) -> Array:
+        """Return whether there is contact, ψ > 0, at N points, (d − 1, N), and times (…, N); the result is (…, N)."""
+        ...
+
+
+def between(passes: Array, T: float) -> tuple[Array, Array]:
+    """Return the starts and ends of the intervals into which given times divide [0, T], (n, N) → (n + 1, N) each."""
+    ends = np.zeros((1, passes.shape[1]))
+    nodes = np.sort(np.vstack([ends, passes, ends + T]), axis=0)
+    return nodes[:-1], nodes[1:]
+
+
+WITHIN = 0.38
+"""Whether there is contact in a time interval is tested at this relative position in the interval."""
+
+
+def within(begin: Array, end: Array) -> Array:
+    """Return a time inside each interval.
+
+    The midpoint is not used, because ψ of a symmetric motion may be zero there.
+    """
+    return begin + WITHIN * (end - begin)
+
+
+def front(formula: sp.Expr, variables: Symbols) -> Front:
+    """Return the contact front for a formula ψ, a ``PolynomialFront`` if ψ is a polynomial of t."""
+    if formula.is_polynomial(t):
+        return PolynomialFront(function(variables, coefficients_in_t(formula)))
+    symbols = (*variables, t)
+    return SmoothFront(formula, function(symbols, [formula]), function(symbols, [sp.diff(formula, t)]))
+
+
+@dataclass(frozen=True)
+class PolynomialFront:
+    """A contact front for which ψ is a polynomial of time.
+
+    Attributes:
+        coefficients: the function from s to the coefficients of the polynomial, highest power first.
+    """
+
+    coefficients: Function
+
+    def passes(self, points: Array, T: float) -> Array:
+        return real_roots(self._at(points), T)
+
+    def beyond(self, points: Array, time: Array) -> Array:
+        return np.polyval(self._at(points), time) > 0
+
+    def _at(self, points: Array) -> Array:
+        _, *found = np.broadcast_arrays(points[0], *self.coefficients(*points))
+        return np.array(found, dtype=float)
+
+
+SEARCH_INTERVALS, SURE = (257, 600), 1e-6
+"""The search for the turning points of ψ in time, which is made twice as a check.
+
+``SEARCH_INTERVALS`` are the numbers of intervals of [0, T] in both searches. ``SURE`` is the largest accepted
+difference of the two results for the total time of contact, relative to T. Where ψ only touches zero, rounding changes
+this time by 1e-8.
+"""
+BISECTIONS = 64
+"""Number of bisections, after which an interval is as short as rounding permits."""
+POINTS_AT_ONCE = 1024
+"""Number of points of a face that are treated together."""
+
+
+@dataclass(frozen=True)
+class SmoothFront:
+    """A contact front for which ψ is any smooth function of time.
+
+    Between two turning points of ψ, at which ∂_t ψ changes its sign, ψ has at most one root. It is found by bisection.
+
+    Attributes:
+        formula: the formula of ψ, for messages.
+        level: the function from s and t to a list with the value of ψ.
+        slope: the function from s and t to a list with the value of ∂_t ψ.
+    """
+
+    formula: sp.Expr
+    level: Function
+    slope: Function
+
+    def passes(self, points: Array, T: float) -> Array:
+        """Return the times at which the front passes given points; see ``Front.passes``.
+
+        Raises:
+            FormulaError: ψ turns so often that turning points may be missed.
+        """
+        found = [self._passes(points[:, i : i + POINTS_AT_ONCE], T) for i in range(0, points.shape[1], POINTS_AT_ONCE)]
+        rows = max((len(times) for times in found), default=0)
+        filled = [np.pad(times, ((0, rows - len(times)), (0, 0)), constant_values=T) for times in found]
+        return np.concatenate([*filled, np.empty((rows, 0))], axis=1)
+
+    def _passes(self, points: Array, T: float) -> Array:
+        coarse, fine = (self._between(_grid(points, T, count), points, T) for count in SEARCH_INTERVALS)
+        if (abs(self._beyond_for(coarse, points, T) - self._beyond_for(fine, points, T)) > SURE * T).any():
+            raise FormulaError(
+                f"{self.formula}: the front turns so often that {SEARCH_INTERVALS[1]} times in [0, {T:g}] do not show "
+                "when it passes a point; take a slower motion or a shorter time"
+            )
+        return fine
+
+    def _between(self, grid: Array, points: Array, T: float) -> Array:
+        """Return the times at which ψ changes its sign, searched between grid times and turning points of ψ."""
+        turns = self._changes(self.slope, points, grid, T)
+        return self._changes(self.level, points, np.sort(np.concatenate([grid, turns]), axis=0), T)
+
+    def _beyond_for(self, passes: Array, points: Array, T: float) -> Array:
+        """Return the total time of contact, ψ > 0, at each point, (N,)."""
+        begin, end = between(passes, T)
+        return np.sum((end - begin) * self.beyond(points, within(begin, end)), axis=0)
+
+    def beyond(self, points: Array, time: Array) -> Array:
+        return _positive(self.level, points, time)
+
+    def _changes(self, of: Function, points: Array, times: Array, T: float) -> Array:
+        """Return the times at which a function changes its sign between given times.
+
+        Args:
+            of: the function.
+            points: the N points, (d − 1, N).
+            times: the times between which a change of sign is searched, (n, N).
+            T: the final time, which stands for missing times in the result.
+        """
+        signs = _positive(of, points, times)
+        interval, point = np.nonzero(signs[1:] != signs[:-1])
+        low, high, at = times[interval, point], times[interval + 1, point], points[:, point]
+        before = signs[interval, point]
+        for _ in range(BISECTIONS):
+            middle = (low + high) / 2
+            same = _positive(of, at, middle) == before
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        found = np.full((len(times) - 1, points.shape[1]), T)
+        found[interval, point] = high
+        most = np.bincount(point).max(initial=0)
+        return np.sort(found, axis=0)[:most]
+
+
+def _grid(points: Array, T: float, count: int) -> Array:
+    """Return the ends of ``count`` equal intervals of [0, T], repeated for all points, (count + 1, N)."""
+    return np.repeat(np.linspace(0.0, T, count + 1)[:, None], points.shape[1], axis=1)
+
+
+def _positive(of: Function, points: Array, time: Array) -> Array:
+    return np.broadcast_to(of(*points, time)[0], time.shape) > 0
+
+
+def real_roots(coefficients: Array, T: float) -> Array:
+    """Return the roots in (0, T) of N polynomials, (degree, N); missing roots are T.
+
+    A polynomial is monotone between the roots of its derivative, and has a root between two of them if its sign
+    changes.
+
+    Args:
+        coefficients: the coefficients, highest power first, (degree+1, N).
+        T: the end of the interval.
+    """
+    if len(coefficients) == 1:
+        return np.empty((0, coefficients.shape[1]))
+    begin, end = between(real_roots(_derivative(coefficients), T), T)
+    signs = np.polyval(coefficients, begin) > 0
+    interval, point = np.nonzero((np.polyval(coefficients, end) > 0) != signs)
+    roots = np.full((len(coefficients) - 1, coefficients.shape[1]), T)
+    roots[interval, point] = _bracketed(
+        coefficients[:, point], begin[interval, point], end[interval, point], signs[interval, point]
+    )
+    return roots
+
+
+def _bracketed(coefficients: Array, low: Array, high: Array, before: Array) -> Array:
+    """Return the root of each of n polynomials in an interval on which it is monotone, (n,).
+
+    Newton's method is used, and bisection where Newton's method leaves the interval, until no root changes.
+
+    Args:
+        coefficients: the coefficients, highest power first, (degree+1, n).
+        low, high: the ends of the intervals, (n,) each; they are overwritten.
+        before: whether the polynomial is positive at ``low``, (n,).
+    """
+    slopes = _derivative(coefficients)
+    roots, moving, still = (low + high) / 2, np.arange(low.size), 4 * np.spacing(high)
+    for _ in range(BISECTIONS):
+        root = roots[moving]
+        value, slope = np.polyval(coefficients[:, moving], root), np.polyval(slopes[:, moving], root)
+        same = (value > 0) == before[moving]
+        low[moving[same]], high[moving[~same]] = root[same], root[~same]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            following = root - value / slope
+        inside = (following >= low[moving]) & (following <= high[moving])
+        roots[moving] = np.where(inside, following, (low[moving] + high[moving]) / 2)
+        moving = moving[abs(roots[moving] - root) > still[moving]]
+        if not moving.size:
+            break
+    return roots
+
+
+def _derivative(coefficients: Array) -> Array:
+    """Return the coefficients of the derivatives of polynomials: (degree+1, N) → (degree, N)."""
+    return coefficients[:-1] * np.arange(len(coefficients) - 1, 0, -1)[:, None]
+
+
+# Divides the pressure at a point of a face into intervals of contact, in each of which it is smooth in time.
+
+
+def smooth_branch(term: sp.Expr, variables: Symbols) -> tuple[tuple[sp.Expr, ...], sp.Expr]:
+    """Return the moving fronts of a term of the pressure, and the formula of the term where there is contact.
+
+    A moving front is given by a formula ψ that is positive where there is contact.
+
+    Raises:
+        FormulaError: the exponent of a moving front is not an integer ≥ 2, or the formula between the fronts contains
+            functions of t that are not known to be smooth.
+    """
+    fronts = [p for p in term.atoms(pos) if p.args[0].has(t)]
+    for power in fronts:
+        # With the exponent 1, the second derivative of the strain along the face would contain a Dirac measure at the
+        # front. If ψ depends on time only, there is no such measure.
+        lowest = 2 if power.args[0].free_symbols & set(variables) else 0
+        if not (power.args[1].is_integer and power.args[1] >= lowest):
+            raise FormulaError(
+                f"{power}: a moving front of the pressure needs pos(ψ, m) with an integer m ≥ 2; with a smaller m the "
+                "strain that the pressure causes has no second derivative along the face"
+            )
+    smooth = term.subs({p: p.args[0] ** p.args[1] for p in fronts})
+    strange = {str(type(f).__name__) for f in smooth.atoms(sp.Function) if f.has(t) and not isinstance(f, SMOOTH)}
+    if strange:
+        raise FormulaError(
+            f"the pressure term {term} has {', '.join(sorted(strange))} of t, so that it is not known to be smooth "
+            f"between its fronts; of functions use {', '.join(f.__name__ for f in SMOOTH)}"
+        )
+    return tuple(sorted({power.args[0] for power in fronts}, key=sp.default_sort_key)), smooth
+
+
+@dataclass(frozen=True, eq=False)
+class PressureTerm:
+    """Terms of p/a (pressure divided by viscosity) that have the same moving fronts.
+
+    Attributes:
+        moving: the moving fronts.
+        integral: computes integrals over time of the formula that holds where there is contact.
+    """
+
+    moving: tuple[Front, ...]
+    integral: Convolution | Quadrature
+
+    def intervals(self, points: Array, T: float) -> tuple[Array, Array]:
+        """Return the times at which contact begins and ends at N points, (J, N) each.
+
+        If both times of an interval are equal, there is no contact in this interval.
+        """
+        passes = [np.empty((0, points.shape[1]))]
+        for moving in self.moving:
+            passes.append(moving.passes(points, T))
+        begin, end = between(np.vstack(passes), T)
+        times = within(begin, end)
+        inside = np.ones(times.shape, dtype=bool)
+        for moving in self.moving:
+            inside &= moving.beyond(points, times)
+        return np.where(inside, begin, T), np.where(inside, end, T)
+
+
+# The interface of the strain on a contact face, and prescribed strains, from which the law gives the pressure.
+
+Components = tuple[Values, ...]
+"""The strain on a contact face with its derivatives along the face.
+
+It is (q,) with the normal strain q, or (q, r_1, …, r_{d−1}) if there is also shear.
+"""
+
+
+class StrainAtPoints(Protocol):
+    """The interface of the strain at fixed points of a contact face, as a function of time.
+
+    The arguments of a call are the time, a flag for time derivatives, and the highest order of derivatives along the
+    face. For n times, (n,), the values have n as an additional last axis.
+    """
+
+    def __call__(self, time: Time, rate: bool, order: int) -> Components: ...
+
+
+class FaceStrain(Protocol):
+    """The interface of the strain (q, r) on a contact face as a function of s and t.
+
+    ``at`` prepares the evaluation at fixed points s, (d−1, ...). ``formula`` is a formula that contains the truncated
+    powers of q, or of the pressure that determines q.
+    """
+
+    @property
+    def formula(self) -> sp.Expr: ...
+
+    def at(self, points: Array) -> StrainAtPoints: ...
+
+
+def relaxation_rate(elasticity: sp.Expr, viscosity: sp.Expr) -> float:
+    """Return the relaxation rate g/a, elasticity over viscosity, which must be constant along the face.
+
+    Raises:
+        FormulaError: g/a varies along the face.
+    """
+    ratio: sp.Expr = elasticity / viscosity
+    # ``cancel`` is tried first: it is enough for most factors, and ``simplify`` takes longer because SymPy loads its
+    # physical units.
+    for shortened in (sp.cancel, sp.simplify):
+        ratio = shortened(ratio) if ratio.free_symbols else ratio
+    if ratio.free_symbols:
+        raise FormulaError(
+            f"the relaxation rate g/a = {ratio} varies along the face; let the factors of A and G agree on the "
+            "contact face up to a constant, and differ inside"
+        )
+    return float(ratio)
+
+
+@dataclass(frozen=True, eq=False)
+@checked(FormulaError)
+class Prescribed:
+    """A prescribed normal strain q on a contact face; the pressure follows from q and q̇ by the law.
+
+    Attributes:
+        phases: pairs of the end of a time interval and the formula of q(s, t) in it, in the order of time. The last
+            interval ends at T. Formulas of neighbouring intervals must agree where they meet; the self-proof checks
+            this.
+        variables: the coordinates along the face.
+    """
+
+    phases: tuple[tuple[Size, sp.Expr], ...]
+    variables: Symbols = (s,)
+
+    def __post_init__(self) -> None:
+        ends = [end for end, _ in self.phases]
+        if not ends or (np.diff(ends) <= 0).any():
+            raise FormulaError(f"phases need one interval or more, and ends that increase, got the ends {ends}")
+
+    @property
+    def formula(self) -> sp.Expr:
+        """The formula from which the smoothness of the strain is read off: the sum over all time intervals."""
+        return sum((formula for _, formula in self.phases), sp.Integer(0))
+
+    @cached_property
+    def _jets(self) -> list[tuple[Jet, Jet]]:
+        jets = [Jet(formula, self.variables) for _, formula in self.phases]
+        return [(jet, jet.rate()) for jet in jets]
+
+    def at(self, points: Array) -> StrainAtPoints:
+        ends = [end for end, _ in self.phases]
+
+        def strain(time: Time, rate: bool, order: int) -> Components:
+            times, places = np.asarray(time), points.reshape(*points.shape, *(1,) * np.ndim(time))
+            phase = np.minimum(np.searchsorted(ends, times.real), len(ends) - 1)
+            found: Values = {}
+            for number in np.unique(phase):
+                # Every formula is evaluated only at times of its own interval, because it may have no value elsewhere.
+                here = phase == number
+                values = self._jets[number][rate](places, np.where(here, times, times[here][0]), order)
+                found = {index: np.where(here, value, found.get(index, value)) for index, value in values.items()}
+            return (found,)
+
+        return strain
+
+
+# The strain on a contact face for a linear law, which depends on the history of the pressure.
+
+NO_STRESS = sp.Integer(0)
+RECENT = 3
+"""Number of times for which computed values of the strain are cached."""
+
+
+@dataclass(frozen=True, eq=False)
+@checked(FormulaError)
+class Memory:
+    """The normal strain q on a contact face for a linear law, computed from the history of the contact pressure p.
+
+    q is the solution of a q̇ + g q = −(p + l), exact up to rounding; l is the normal stress that a slip of the face
+    causes, 0 without slip. p + l must be a sum of terms θ(s, t)·∏ pos(ψ_i(s, t), m_i), where moving ψ_i are contact
+    fronts. θ and the moving ψ_i must be smooth in t, and the m_i of moving ψ_i must be integers ≥ 2. At each s, the
+    roots of the ψ_i divide [0, T] into intervals of contact (``front``), on which (p + l)/a is a smooth function
+    P(s, ·). The integral of e^{−λ(t−r)} P is known in closed form if P is a polynomial of t; otherwise Gauss's rule is
+    used (``integral``). Since p vanishes where a moving contact begins and ends, ∂_s^i q is the same expression with
+    ∂_s^i P.
+
+    Attributes:
+        pressure: the formula of p(s, t).
+        viscosity, elasticity: the normal moduli a and g, positive numbers, or formulas of s with a constant ratio.
+        T: the final time.
+        initial: the formula of q(s, 0). By default q starts at rest, q = −(p + l)/g: without slip, the body starts in
+            elastic equilibrium.
+        variables: the coordinates along the face.
+        slip_stress: the formula of l(s, t).
+
+    Raises:
+        FormulaError: the pressure is not of this form.
+    """
+
+    pressure: sp.Expr
+    viscosity: sp.Expr
+    elasticity: sp.Expr
+    T: Size
+    initial: sp.Expr | None = None
+    variables: Symbols = (s,)
+    slip_stress: sp.Expr = NO_STRESS
+
+    def __post_init__(self) -> None:
+        self.decay  # refuse a wrong ratio when the face is made, not when it is used  # noqa: B018
+
+    @property
+    def formula(self) -> sp.Expr:
+        """The formula from which the smoothness of the strain is read off: p + l plus the initial strain."""
+        return self.load + (0 if self.initial is None else self.initial)
+
+    @property
+    def load(self) -> sp.Expr:
+        """The formula of p + l, which drives the strain."""
+        return self.pressure + self.slip_stress
+
+    @cached_property
+    def decay(self) -> float:
+        """The relaxation rate λ = g/a, elasticity over viscosity."""
+        return relaxation_rate(self.elasticity, self.viscosity)
+
+    @cached_property
+    def start(self) -> Jet:
+        """The initial strain q(s, 0) as a formula with its derivatives."""
+        elastic = -self.load.subs(t, 0) / self.elasticity
+        return Jet(elastic if self.initial is None else self.initial, self.variables)
+
+    @cached_property
+    def source_jet(self) -> Jet:
+        """(p + l)/a, load over viscosity, as a formula with its derivatives."""
+        return Jet(self.load / self.viscosity, self.variables)
+
+    @cached_property
+    def terms(self) -> tuple[PressureTerm, ...]:
+        """The terms of (p + l)/a, load over viscosity; terms with the same moving fronts are added up."""
+        branches: dict[tuple[sp.Expr, ...], sp.Expr] = {}
+        for term in sp.Add.make_args(sp.expand(self.load)):
+            fronts, branch = smooth_branch(term, self.variables)
+            branches[fronts] = branches.get(fronts, sp.Integer(0)) + branch / self.viscosity
+        return tuple(
+            PressureTerm(
+                tuple(front(formula, self.variables) for formula in fronts),
+                integral(branch, self.variables, self.decay),
+            )
+            for fronts, branch in branches.items()
+            if branch != 0
+        )
+
+    def at(self, points: Array) -> StrainAtPoints:
+        return MemoryAtPoints(self, points)
+
+
+class MemoryAtPoints:
+    """Evaluates the normal strain q and its rate q̇ at fixed points of a face.
+
+    The intervals of contact, and integrals over past intervals, are computed once.
+    """
+
+    def __init__(self, memory: Memory, points: Array) -> None:
+        self.memory = memory
+        self.points = points
+        self.flat = points.reshape(points.shape[0], -1)
+        self.contacts = [_ContactIntervals(term, self.flat, memory) for term in memory.terms]
+        self._start = lru_cache(partial(memory.start, self.flat, 0.0))
+        # Strains are cached, because a stress needs strain and strain rate at one time, and several computations need
+        # the same times.
+        self._found = lru_cache(RECENT)(self._strain)
+
+    def __call__(self, time: Time, rate: bool, order: int) -> Components:
+        strain = self._found(tuple(time) if isinstance(time, np.ndarray) else time, order)
+        if not rate:
+            return (strain,)
+        places = self.points.reshape(*self.points.shape, *(1,) * np.ndim(time))
+        source = self.memory.source_jet(places, time, order)
+        return ({index: -source[index] - self.memory.decay * value for index, value in strain.items()},)
+
+    def _strain(self, when: tuple[float, ...] | complex, order: int) -> Values:
+        """Return the strain q at one or several times, with its derivatives along the face up to an order."""
+        time = np.array(when) if isinstance(when, tuple) else when
+        memory, shape = self.memory, (*self.points.shape[1:], *np.shape(time))
+        fading = np.exp(-memory.decay * time)
+        kind = np.result_type(self.flat, time)
+        totals = {
+            index: np.multiply.outer(start, fading).astype(kind, copy=False)
+            for index, start in self._start(order).items()
+        }
+        for contact in self.contacts:
+            contact.subtract(totals, time, order)
+        return {index: total.reshape(shape) for index, total in totals.items()}
+
+
+class _ContactIntervals:
+    """Computes the integrals ∫ e^{−λ(t−r)} ∂_s^i P dr of a term of the pressure over all intervals of contact before
+    t.
+
+    Attributes:
+        touched: for each of the M intervals, the number of its point, (M,). A point may have several intervals.
+        entry, exit: the times at which contact begins and ends, (M,) each.
+    """
+
+    def __init__(self, term: PressureTerm, points: Array, memory: Memory) -> None:
+        self.integral, self.decay = term.integral, memory.decay
+        entry, exit_ = term.intervals(points.real, memory.T)
+        used = entry < exit_
+        self.touched = np.nonzero(used)[1]
+        self.points = points[:, self.touched]
+        self.entry, self.exit = entry[used], exit_[used]
+        self._integrals = lru_cache(self._start)
+
+    def _start(self, order: int) -> tuple[Started, Values]:
+        """Return the integrals from the entry into contact as functions of time, and their values at the exit."""
+        started = self.integral.started(self.points, self.entry, self.exit, order)
+        return started, started.upto(self.exit, np.arange(self.exit.size))
+
+    def subtract(self, totals: Values, time: Time, order: int) -> None:
+        """Subtract the integrals up to one or several times from the strains ``totals``, for every derivative."""
+        started, whole = self._integrals(order)
+        times, entry, exit_ = np.atleast_1d(time), self.entry[:, None], self.exit[:, None]
+        now = times.real
+        over, when = np.nonzero(exit_ <= now)
+        if over.size:
+            since = np.exp(-self.decay * (times[when] - self.exit[over]))
+            places = self.touched[over] * len(times) + when
+            for index, total in totals.items():
+                np.subtract.at(total.reshape(-1), places, since * whole[index][over])
+        touching, when = np.nonzero((entry < now) & (exit_ > now))
+        if touching.size:
+            found = started.upto(times[when], touching)
+            # No index occurs twice, because at any time a point belongs to at most one interval of contact. So ``-=``
+            # is safe.
+            places = self.touched[touching] * len(times) + when
+            for index, total in totals.items():
+                total.reshape(-1)[places] -= found[index]
+
+
+@dataclass(frozen=True, eq=False)
+@checked(FormulaError)
+class Coupled:
+    """The strain on a contact face for a linear law that couples the normal strain q with the shear strain r.
+
+    y = (q, r) satisfies 𝒜 ẏ + 𝒢 y = −(p, 0) − l with the contact pressure p, the stress l that a slip of the face
+    causes, and matrices 𝒜, 𝒢 of moduli. The solution is y = Σ_i x_i η_i with the eigenvectors x_i, for which
+    𝒢 x_i = λ_i 𝒜 x_i and Xᵀ𝒜X = I. Each η_i is the solution of η̇_i + λ_i η_i = −x_i·((p, 0) + l), a scalar equation
+    that ``Memory`` solves.
+
+    Attributes:
+        pressure: the formula of p(s, t).
+        modes: the solutions η_i.
+        vectors: the eigenvectors x_i as columns, (d, d).
+    """
+
+    pressure: sp.Expr
+    modes: tuple[Memory, ...]
+    vectors: Array
+
+    @classmethod
+    @checked(FormulaError)
+    def of(
+        cls,
+        pressure: sp.Expr,
+        slip_stress: tuple[sp.Expr, ...],
+        viscous: Array,
+        elastic: Array,
+        scale: sp.Expr,
+        T: float,
+        initial: sp.Expr | None,
+        variables: Symbols,
+    ) -> Coupled:
+        """Return the strain on a face.
+
+        Args:
+            pressure: the formula of the contact pressure p(s, t).
+            slip_stress: the formulas of the d components of l(s, t).
+            viscous, elastic: the matrices 𝒜 and 𝒢 of moduli without a common factor, (d, d) each.
+            scale: the formula of the common factor.
+            T: the final time.
+            initial: the formula of q(s, 0), with r(s, 0) = 0; None for a start at rest, q̇ = ṙ = 0.
+            variables: the coordinates along the face.
+        """
+        inverse = np.linalg.inv(np.linalg.cholesky(viscous))
+        rates, basis = np.linalg.eigh(inverse @ elastic @ inverse.T)
+        vectors = inverse.T @ basis
+        modes = tuple(
+            Memory(
+                sp.Float(x[0]) * pressure,
+                scale,
+                float(rate) * scale,
+                T,
+                None if initial is None else float(viscous[0] @ x) * initial,
+                variables,
+                x @ np.array(slip_stress, dtype=object),
+            )
+            for rate, x in zip(rates, vectors.T, strict=True)
+        )
+        return cls(pressure, modes, vectors)
+
+    @property
+    def formula(self) -> sp.Expr:
+        """The formula from whose truncated powers the smoothness of the strain is read off."""
+        return self.pressure + sum(mode.formula for mode in self.modes)
+
+    def at(self, points: Array) -> StrainAtPoints:
+        modes = [mode.at(points) for mode in self.modes]
+
+        def strain(time: Time, rate: bool, order: int) -> Components:
+            found = [mode(time, rate, order) for mode in modes]
+            return tuple(
+                {index: sum(x * v[index] for x, (v,) in zip(row, found, strict=True)) for index in found[0][0]}
+                for row in self.vectors
+            )
+
+        return strain
