@@ -18,7 +18,7 @@ from .tables import MAX_BYTES
 
 USAGE, CLOSED = 2, 141
 """Exit codes if the table or an option is not understood, and if nobody reads the output."""
-_NUMBER = r"[ ]*[-+]?[\d.]+(?:[eE][-+]?\d+)?[ ]*"
+_REAL = r"[ ]*[-+]?[\d.]+(?:[eE][-+]?\d+)?[ ]*"
 
 
 def main(arguments: Sequence[str] | None = None, name: str = "convergence-orders") -> int:
@@ -83,9 +83,9 @@ def _orders(text: str) -> float | dict[str, float]:
 
     Names of columns may contain commas and the sign =. A comma separates two entries only after a number.
     """
-    if re.fullmatch(_NUMBER, text):
+    if re.fullmatch(_REAL, text):
         return float(text)
-    pairs = re.findall(f"(.+?)=({_NUMBER})(?:,|$)", text)
+    pairs = re.findall(f"(.+?)=({_REAL})(?:,|$)", text)
     if not pairs or ",".join(map("=".join, pairs)) != text:
         raise argparse.ArgumentTypeError(f"got '{text}', expected a number such as 2, or names such as L2=2,H1=1")
     return {name.strip(): float(number) for name, number in pairs}
