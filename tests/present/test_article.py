@@ -164,24 +164,12 @@ def test_extremes_are_rounded_outwards_and_zero_is_zero(full, claims):
     assert (percent(0.01201), power(2.01e-7)) == (r"1.3\,\%", r"\(2.1\cdot 10^{-7}\)")
 
 
-def test_enclosures_in_the_table_enclose_those_of_the_data(full):
-    rows = full.bounds.query("trajectory == 'enclosure'").set_index(["case", "level"])
-    cells = cells_of("enclosures")
-    assert len(cells) > 3
-    for case, _, level, _, low, _, high, _, _ in cells[1:]:
-        row = rows.loc[(case, int(level))]
-        assert float(low) <= row["lowest"] <= row["highest"] <= float(high), (case, level)
-        assert float(high) - float(low) <= 1.02 * (row["highest"] - row["lowest"]) + 0.01 * row["highest"]
-
-
 def test_every_row_is_counted_once_in_the_table_and_is_evidence_of_one_kind(claims):
     """Rows that hold are evidence of the first four kinds, all others are reported or missed predictions."""
-    *groups, total = np.array([cells[1:] for cells in cells_of("verdicts")[1:]], dtype=int)
-    assert (np.sum(groups, axis=0) == total).all()
-    assert total.sum() == len(claims)
+    *_, total = cells_of("verdicts")
+    assert sum(map(int, total[1:])) == len(claims)
     kinds = claims.apply(evidence, axis=1)
     assert [int(cells[1]) for cells in cells_of("accounts")[1:-1]] == [sum(kinds == name) for name in EVIDENCE_TITLES]
-    assert NUMBERS["accountClaim"] == cells_of("accounts")[1][1]
     assert set(kinds) <= set(EVIDENCE_TITLES)
     assert (kinds.isin([*CheckKind]) == ~claims["verdict"].isin(["missed", "reported"])).all()
     stated = claims["expected"].str.extract(r"\((met|undecided|wrong)\)")[0].dropna()

@@ -58,11 +58,9 @@ def test_everything_written_is_reported_and_what_is_left_out_has_its_reason(show
 
 def test_the_collection_lists_every_file_with_its_time(shown):
     folder = shown[0] / "vtk"
-    root = ElementTree.parse(folder / f"{CASE}.pvd").getroot()
-    assert (root.tag, root.get("type")) == ("VTKFile", "Collection")
-    sets = [entry.attrib for entry in root.findall("./Collection/DataSet")]
-    assert [float(entry["timestep"]) for entry in sets] == [0, 0.25, 0.5, 0.75, 1]
-    assert sorted(entry["file"] for entry in sets) == sorted(path.name for path in folder.glob("*.vtu"))
+    sets = ElementTree.parse(folder / f"{CASE}.pvd").findall("./Collection/DataSet")
+    listed = {entry.get("file"): float(entry.get("timestep")) for entry in sets}
+    assert listed == {path.name: n / 4 for n, path in enumerate(sorted(folder.glob("*.vtu")))}
 
 
 def test_a_vtu_file_reads_back_as_the_mesh_and_the_fields_of_its_frame(shown, motion):
@@ -170,15 +168,13 @@ def test_a_problem_is_drawn_as_it_is_stated(tmp_path, monkeypatch):
     assert study(f"show {tmp_path}/clip.py:clip --out {tmp_path}") == 0
     assert {"problem.png", "problem.svg", "problem.txt"} <= {path.name for path in (tmp_path / "clip").iterdir()}
     (axes,) = figures[0].axes
-    texts = [text.get_text() for text in axes.texts]
-    assert {"0", "1", "2", "3", "$f_0$: 7", "5"} <= {*texts}
+    assert {"0", "1", "2", "3", "$f_0$: 7", "5"} <= {text.get_text() for text in axes.texts}
     arrows = [text for text in axes.texts if isinstance(text, Annotation)]
     ends = np.array([(arrow.xyann, arrow.xy) for arrow in arrows])
     pulling, pushing = ends[ends[:, 0, 0] == 2], ends[np.isclose(ends[:, 1, 1], 1)]
     assert len(pulling) == len(pushing) == 7
-    assert (pulling[:, 1, 0] > 2).all()
-    assert (pushing[:, 0, 1] > 1).all()
-    lengths = [np.linalg.norm(np.diff(some, axis=1), axis=2).max() for some in (pulling, pushing)]
-    assert lengths[0] / lengths[1] == pytest.approx(3 / 5)
+    pulled, pushed = pulling[:, 1, 0] - 2, pushing[:, 0, 1] - 1
+    assert min(*pulled, *pushed) > 0
+    assert max(pulled) / max(pushed) == pytest.approx(3 / 5)
     labels = [text.get_text() for text in figures[0].legends[0].get_texts()]
     assert labels == ["CLAMPED", "CONTACT", "load"]
