@@ -81,11 +81,8 @@ def test_what_cannot_be_written_is_refused_and_left_alone(tmp_path, monkeypatch)
     assert len([*tmp_path.iterdir()]) == 3
 
 
-@pytest.mark.parametrize(
-    ("value", "text"), [(np.nan, ""), (None, ""), (3, "3"), ("-3", "-3"), (0.05, "0.05000"), ("case", "case")]
-)
-def test_cells_of_tables_are_words_whole_numbers_or_four_digits(value, text):
-    assert cell(value) == text
+def test_cells_of_tables_are_words_whole_numbers_or_four_digits():
+    assert [cell(value) for value in ("ũ", "-12345", 2.0, None)] == ["ũ", "-12345", "2.000", ""]
 
 
 def test_the_words_na_and_none_are_text_and_not_empty_cells(tmp_path):
@@ -171,20 +168,6 @@ def test_a_power_of_ten_is_the_least_that_is_not_smaller(value):
     assert found == float(f"1e{round(math.log10(found))}")
     assert value <= found
     assert float(f"1e{round(math.log10(found)) - 1}") < value
-
-
-@pytest.mark.parametrize(
-    ("text", "numbers"),
-    [
-        ("(3.9)–(3.11), (4.14), (4.15)", ["(3.10)", "(3.11)", "(3.9)", "(4.14)", "(4.15)"]),
-        ("Thm 4.1, 5.2", ["Thm 4.1", "Thm 5.2"]),
-        ("Thm 4.2, own space", ["Thm 4.2"]),
-        ("Problem 5.1, (5.2), (5.3)", ["(5.2)", "(5.3)", "Problem 5.1"]),
-        *(("beyond: O(h + k)", []), ("Π^h", [])),
-    ],
-)
-def test_ranges_and_lists_of_numbers_are_understood(text, numbers):
-    assert sorted(named(text)) == numbers
 
 
 def test_a_range_ends_in_its_section():

@@ -296,12 +296,9 @@ def test_a_column_h_that_may_have_numbers_of_cells_asks_what_it_has(options, cod
     assert said in rates("h,e\n4,1\n8,.25\n16,.0625\n32,.015625\n", options, code)
 
 
-RATIOS = [pytest.param(h, id=f"h {h}") for h in itertools.combinations([0.4, 0.3, 0.2, 0.15, 0.1, 0.08, 0.05, 0.01], 3)]
-
-
-@pytest.mark.parametrize("h", RATIOS)
-def test_the_order_of_values_is_found_for_every_ratio_of_meshes(h):
-    for p in (0.25, 0.5, 1, 1.5, 2, 3, 4, 6):
+@pytest.mark.parametrize("p", [0.25, 0.5, 1, 1.5, 2, 3, 4, 6])
+def test_the_order_of_values_is_found_for_every_ratio_of_meshes(p):
+    for h in itertools.combinations([0.4, 0.3, 0.2, 0.15, 0.1, 0.08, 0.05, 0.01], 3):
         for limit, factor in ((1.0, 1.0), (3.0, -1.0)):
             found = grid_convergence(h, limit + factor * np.array(h) ** p)
             assert (found.kind, found.order) == ("monotone", pytest.approx(p, rel=1e-4))

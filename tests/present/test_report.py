@@ -178,7 +178,7 @@ def test_a_second_run_gives_the_same_page_and_says_how_to_measure_missing_faults
     assert again.partition('id="defects"')[:2] == page.content.partition('id="defects"')[:2]
 
 
-@pytest.mark.parametrize("name", [*(f"{name}.csv" for name in TABLES), "pictures/corner.json.gz"])
+@pytest.mark.parametrize("name", [*(f"{name}.csv" for name in TABLES), "pictures/advance-recede.json.gz"])
 def test_missing_data_are_named_with_the_command_that_makes_them(data, name):
     (data / "data" / name).unlink()
     with pytest.raises(DataError, match=rf"{re.escape(name)} is missing: make it with `study run --full --out"):

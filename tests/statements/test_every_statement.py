@@ -36,7 +36,6 @@ def test_two_cases_of_the_quick_settings_hold_and_each_case_is_judged_by_its_own
     found = statement.judge(rows)
     assert {verdict.case for verdict in found} == set(rows["case"])
     assert HOLDS in {verdict.verdict for verdict in found} <= {HOLDS, *UNCLAIMED}
-    assert {(verdict.label, verdict.statement) for verdict in found} == {(statement.label, statement.claim)}
     case = rows["case"].iloc[0]
     assert statement.judge(rows[rows["case"] == case]) == [verdict for verdict in found if verdict.case == case]
     assert statement.judge(rows.iloc[:0]) == []

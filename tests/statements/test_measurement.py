@@ -39,13 +39,6 @@ def test_the_parallelogram_law_fails_if_u_minus_its_interpolant_is_recorded_as_t
     assert replace(found, history=np.array([time, interpolation, interpolation, *others])).parallelogram() >= 0.5
 
 
-@pytest.mark.parametrize("name", ["travelling-patch", "advance-recede"])
-def test_the_quadrature_is_refined_for_the_state_with_the_largest_error(name):
-    found = measured(name)
-    times, errors, *_ = found.history
-    assert found.worst.time == times[errors.argmax()]
-
-
 # Numbers that are computed again by the second solver.
 
 

@@ -9,17 +9,14 @@ from places import RESULTS
 
 from manufactured.case import INITIAL_GAP
 from study.ledger import quantities
-from study.ledger.check import Check
 from study.ledger.datafiles import read_rates
-from study.ledger.quantities import fit
-from study.ledger.verdict import BECAUSE, FAILS, HOLDS, MISSED, REPORTED, UNDECIDED, CheckKind
-from study.ledger.window import STEEPER, Window
+from study.ledger.verdict import BECAUSE, FAILS, HOLDS, MISSED, REPORTED, UNDECIDED
 from study.run.judgement import with_reasons
 from study.run.provenance import Complete
 from study.statements.own_cases import enough, finer, judge_own, why_missed
 from study.statements.prop_5_4 import Convergence, FirstOrder, InitialGap, RegularityNeeded, SizeOfInterpolation
-from study.statements.shared.meshes import CELL_POWER, LEADING, in_leading_term, is_random
-from study.statements.thm_4_2 import SameMesh, growth
+from study.statements.shared.meshes import LEADING
+from study.statements.thm_4_2 import SameMesh
 
 
 def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="criss-cross", **changes):
@@ -126,8 +123,6 @@ def test_two_levels_leave_the_order_undecided_and_one_bad_family_is_enough_to_fa
 def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit_and_no_rising_error():
     rows = rough()
     assert claimed(prop_5_3(rows)) == {HOLDS}
-    (steeper,) = [verdict for verdict in prop_5_3(rows) if verdict.key == "limit-steeper"]
-    assert steeper.observed == pytest.approx((1 - 4**-STEEPER) / (1 - 4 ** -(0.5 + STEEPER)))
     assert verdicts(prop_5_3(rows.assign(error=rows["error"] + 0.5)))["limit"] == FAILS
     assert verdicts(prop_5_3(rows.assign(error=rows["error"].to_numpy()[::-1])))["falling"] == FAILS
 
@@ -152,10 +147,7 @@ def test_graded_meshes_must_regain_the_order_that_uniform_ones_lose():
 )
 def test_the_order_without_5_36_is_reported_and_fails_far_below_the_proved_order(order, proved, expected):
     """A mesh that is too coarse may cost 0.1."""
-    row, judged = RegularityNeeded().judge(rough(order, proved_order=proved))
-    assert [row.verdict, judged.verdict] == expected
-    assert (row.window_low, judged.window_low) == (proved, pytest.approx(proved - 0.1))
-    assert row.observed == judged.observed == pytest.approx(order)
+    assert [row.verdict for row in RegularityNeeded().judge(rough(order, proved_order=proved))] == expected
 
 
 def test_theorem_4_2_fails_above_the_bound_by_the_duality_gap_and_where_the_bound_is_vacuous():
@@ -219,9 +211,7 @@ def reason(verdict):
     return verdict.expected.partition(BECAUSE)[2]
 
 
-@pytest.mark.parametrize(
-    "orders", [[0.5, 0.5], [0.5, 0.55], [0.8, 0.7], [1.5, 1.5], [0.4, 0.6, 0.62], [0.99, 0.7, 0.6]]
-)
+@pytest.mark.parametrize("orders", [[0.5, 0.55], [1.5, 1.5], [0.99, 0.7, 0.6]])
 def test_orders_that_stay_away_contradict_the_statement_also_on_one_family_alone(orders):
     rows = following(orders)
     assert own(rows)["order"].verdict == FAILS
@@ -348,35 +338,11 @@ def test_a_time_share_of_the_contact_force_says_nothing_about_the_errors():
 # Verdicts on random meshes depend little on chance, and still notice defects.
 
 
-H = 1 / np.array([8.0, 16.0, 32.0])
-
-
-def test_a_weighted_order_is_exact_for_powers_and_sees_what_is_wrong_on_the_finest_level():
-    assert fit(H, 3 * H**1.5, CELL_POWER) == pytest.approx(1.5)
-    stagnating = np.array([1.0, 0.5, 0.4])
-    assert fit(H, stagnating, CELL_POWER) < fit(H, stagnating, 0)
-
-
-def test_growth_is_that_of_a_power_over_all_levels_and_errors_without_an_order_fail():
-    assert growth(H, 1.7 * H**-0.25) == pytest.approx(4**0.25)
-    levels = pd.DataFrame({"h": H, "e": [1.0, 0.0, 0.5]})
-    check = Check("key", "quantity", quantities.fitted("e", power=CELL_POWER), Window(0, 2), CheckKind.CLAIM)
-    assert check.verdict(FirstOrder(), "a", {"shaken": levels}).verdict == FAILS
-
-
 @pytest.fixture
 def rates():
     """Committed rows of a case on shaken meshes."""
     found = read_rates(RESULTS).assign(expected_order=1.0)
     return found[(found["case"] == "advance-recede") & (found["family"] == "shaken")].copy()
-
-
-def test_orders_are_taken_in_the_leading_term_on_random_meshes_alone(rates):
-    names = "shaken", "shaken-7", "unstructured", "one-diagonal"
-    assert [is_random(name) for name in names] == [True, True, False, False]
-    found = in_leading_term({"shaken-3": rates, "one-diagonal": rates})
-    assert (found["shaken-3"]["h"] == rates[LEADING]).all()
-    assert (found["one-diagonal"]["h"] == rates["h"]).all()
 
 
 def test_a_mesh_that_happens_to_be_bad_is_no_alarm(rates):
