@@ -58,7 +58,9 @@ def test_the_catalogue_is_listed_as_text_without_making_a_case_and_as_json(capsy
         assert study("cases") == 0
     text = capsys.readouterr().out
     assert study("cases --json") == 0
-    listed = {entry["case"]: entry["expected_order"] for entry in json.loads(capsys.readouterr().out)}
+    entries = json.loads(capsys.readouterr().out)
+    assert {"dimension", "law", "zone", "regularity", "statements"} <= set(entries[0])
+    listed = {entry["case"]: entry["expected_order"] for entry in entries}
     printed = {name: float(Fraction(order)) for name, order in re.findall(r"^(\S+) +order (\S+)$", text, re.MULTILINE)}
     assert printed == pytest.approx(listed, abs=1e-3)
     assert [case.name for case in outside_the_catalogue()] == [*OTHER_NAMES]

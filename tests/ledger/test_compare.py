@@ -4,7 +4,6 @@ import gzip
 import json
 import shutil
 import time
-from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -172,10 +171,9 @@ def test_rows_columns_and_files_in_one_directory_only_are_differences_on_whichev
             ("label", "case", "family", "level", "h", "value"), 1
         )
         assert {*told(comparison, "bounds.csv")} == {"upper"}
-        assert comparison.states["enclosures.csv"] == "differs"
-        assert [comparison.states[name] for name in ("stresses.csv", SPACE)] == ["differs"] * 2
+        same = [name for name, state in comparison.states.items() if state == "differs"]
+        assert sorted(same) == ["bounds.csv", "enclosures.csv", SPACE, "statements.csv", "stresses.csv"]
         assert comparison.states["unknown.csv"] == "within"
-        assert comparison.counts["differs"] == 5
     assert "row, no. 2: 1.5 → 1.6" in as_text(compared(old, new))
 
 
@@ -210,8 +208,6 @@ def test_a_damaged_file_is_refused_by_name_with_how_to_mend_it(old, new, name, c
     for first, second in ((old, new), (new, old)):
         with pytest.raises(DataError, match=f"{message}.*`study run --out {new}`"):
             compare(first, second, Tolerance())
-    with pytest.raises(DataError) if not content.endswith(b"\n") else nullcontext():
-        compare(new, new, Tolerance())
 
 
 def test_exit_codes_tell_equal_from_different_and_nothing_is_written(old, new):

@@ -203,8 +203,8 @@ def test_a_full_disk_behind_the_output_is_said_in_words(options):
     command = [sys.executable, "-m", "convergence_orders", str(EXAMPLES / "errors.csv")]
     with open("/dev/full", "w") as full:
         done = subprocess.run([*command, *options], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
-    assert done.stderr.startswith(("convergence-orders: cannot write the output: ", "convergence-orders: /dev/full: N"))
+    assert done.returncode == 2
+    assert re.fullmatch("convergence-orders: (cannot write the output|/dev/full): .*\n", done.stderr)
 
 
 def test_a_broken_solver_fails_the_assertion():

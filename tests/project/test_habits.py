@@ -155,11 +155,9 @@ def test_a_tree_that_is_heavier_than_recorded_fails_and_limits_only_go_down(tmp_
         **{"product": 6, "tests": 1, "rest": 3, "files": 2, "web_lines": 2, "repeated_constants": 1},
         **{"study/fem per line": 3, "tests per line": 1},
     }
-    limits = tmp_path / "limits.toml"
+    limits, compare = tmp_path / "limits.toml", module["compare"]
     limits.write_text("".join(f'"{name}" = {weight + 1:g}  # a goal\n' for name, weight in weights.items()))
-    assert module["compare"](weights, limits, record=True) == 0
-    recorded = tomllib.loads(limits.read_text())
-    assert recorded == weights
-    assert module["compare"](weights | {"tests": 1.1}, limits, record=True) == 1
-    assert tomllib.loads(limits.read_text()) == recorded
-    assert module["compare"]({"study/new per line": 5.6}, limits, record=False) == 1
+    for heavier, code in ((weights, 0), (weights | {"tests": 1.1}, 1)):
+        assert compare(heavier, limits, record=True) == code
+        assert tomllib.loads(limits.read_text()) == weights
+    assert compare({"study/new per line": 5.6}, limits, record=False) == 1

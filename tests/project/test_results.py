@@ -4,7 +4,6 @@ They were measured by an older commit: cases, statements and columns that came l
 """
 
 import shutil
-from dataclasses import replace
 
 import pandas as pd
 import pytest
@@ -46,6 +45,11 @@ def assert_agree(again, row, columns, rel=1e-5, **options):
     assert found == pytest.approx(committed, rel=rel, **options), row
 
 
+def measured_again(statement, row):
+    """The measurement that gave a committed row."""
+    return statement.run(Setting(row["case"], row["family"], int(row["level"])))
+
+
 def slow_except(quick, names, *more):
     """Parameters of a test, of which only a few are quick; the nightly job tests all."""
     return [slow_unless(name in quick, name, *more) for name in names]
@@ -85,8 +89,9 @@ def test_stresses_measured_again_agree_with_the_committed_ones():
     """Level 8, on some of the cases."""
     committed = pd.read_csv(DATA / "stresses.csv").query("level == 8")
     for row in committed.iloc[::16].to_dict("records"):
-        again = OwnSpace().run(Setting(row["case"], row["family"], row["level"]))
-        assert_agree(again, row, ("unknowns", "h", "steps", *RELATIVE_TO, "stress_sup", "time_share"))
+        assert_agree(
+            measured_again(OwnSpace(), row), row, ("unknowns", "h", "steps", *RELATIVE_TO, "stress_sup", "time_share")
+        )
 
 
 @pytest.mark.parametrize("statement", BOUNDS, ids=lambda statement: statement.label)
@@ -148,12 +153,10 @@ def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(stat
 @pytest.mark.parametrize("case", ["advance-recede", slow("corner")])
 def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_ones(case):
     """Differences of both solvers are quadrature errors of the load, and belong to the rules of both."""
-    committed = pd.read_csv(DATA / "recomputed.csv").query("case == @case")
-    statement = Recomputed()
-    settings = (s for s in statement.settings(replace(full(), cases=(case,))) if s.family == "one-diagonal")
-    setting = min(settings, key=lambda s: s.level)
-    (row,) = committed[committed["family"] == setting.family].to_dict("records")
-    again = statement.run(setting)
+    steps = RATES[["case", "family", "level", "steps"]]
+    committed = pd.read_csv(DATA / "recomputed.csv").merge(steps).query("case == @case and family == 'one-diagonal'")
+    row = committed.sort_values("level").iloc[0]
+    again = Recomputed().run(RateSetting(case, row["family"], int(row["level"]), MIDPOINT.name, int(row["steps"])))
     assert_agree(again, row, OF_SECOND, rel=1e-6)
     assert_agree(again, row, ("displacement", "multipliers"), rel=1e-2)
 
@@ -163,7 +166,7 @@ def test_contact_forces_measured_again_agree_with_the_committed_ones():
     committed = pd.read_csv(DATA / "contact.csv").query("case == 'corner'")
     row = committed.sort_values("level").iloc[0]
     assert len(resolve(row["case"]).solution.faces) == 2
-    again = ContactForce().run(Setting(row["case"], row["family"], int(row["level"])))
+    again = measured_again(ContactForce(), row)
     assert_agree(again, row, again, abs=1e-9)
 
 
