@@ -89,7 +89,6 @@ def cell(name, column, change, said, where="index >= 0", rows=10**6):
 
 EDITS = {
     "an order that nobody predicted": cell(CASES, "expected_order", to("0.9"), "found '0.9', expected '1'.*run"),
-    "a level that is a word": cell(RATES, "level", to("x"), "found 'x'", rows=1),
     "a row twice": (twice(RATES), r"rates.csv, line \d+: the row case pocket, .* is also in line 3"),
     "a row that no plan asked for": (edit(RATES, "level", to("9"), rows=1), r"rates.csv, line 2: .* 9 is not among"),
     "tables and plan emptied": (emptied, r"provenance.json has an empty plan"),

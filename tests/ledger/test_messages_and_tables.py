@@ -139,13 +139,10 @@ def test_the_limit_of_a_sequence_is_found_relative_to_its_finest_errors(p, rest)
     assert limit(H, rest + 3 * H**p, p) >= rest / finest - 1e-9
 
 
-def test_orders_need_decreasing_sizes_and_positive_errors():
+def test_orders_need_decreasing_sizes():
     for h in (H[::-1], np.minimum(H, H[1])):
         with pytest.raises(RatesError, match="must decrease"):
             orders(h, H)
-    for bad in (0.0, -1.0, np.nan):
-        with pytest.raises(RatesError, match="positive and finite"):
-            orders(H, np.where(np.arange(5) == 2, bad, H))
 
 
 @given(value=st.floats(-1e9, 1e9), digits=st.integers(1, 8))

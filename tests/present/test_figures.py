@@ -231,22 +231,12 @@ def test_displacements_are_magnified_to_the_stated_share_of_the_body(pictures):
     assert magnification(shown.vertices, np.zeros_like(shown.displacement)) == 1
 
 
-def test_an_exact_zone_is_off_by_half_a_cell_and_fronts_three_cells_too_far_by_three(face):
-    exact = misplaced_length(replace(face, pressure=face.pressure_exact))
-    assert exact.max() <= 0.5 + 0.01
-    wide = replace(face, pressure=np.maximum(face.pressure_exact, np.roll(face.pressure_exact, 3, axis=1)))
-    off = misplaced_length(wide) - exact
-    assert off[:-1].max() <= 3 + 0.01
-    assert np.median(off) > 1.9
-
-
 def test_a_zone_that_should_not_be_there_counts_with_its_length(face):
     pressure = np.zeros_like(face.pressure)
     empty = replace(face, zone=[[] for _ in face.zone_times], pressure=pressure)
-    assert not misplaced_length(empty).any()
     assert not empty.outside.any()
     pressure[:, 2:5] = 1.0
-    np.testing.assert_allclose(misplaced_length(empty), 3.0, atol=0.01)
+    assert misplaced_length(empty) == pytest.approx(3.0, abs=0.01)
     # At the first time nothing has been solved.
     np.testing.assert_array_equal(empty.outside.sum(axis=1), [0, *[3] * (len(face.times) - 1)])
 

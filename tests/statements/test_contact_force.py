@@ -67,11 +67,6 @@ def test_no_order_of_the_resultant_is_claimed_if_a_face_meets_the_clamped_side()
         assert verdict in [found.get("order-dual-superclose"), found.get("order-dual-other")]
 
 
-@pytest.mark.parametrize(("name", "pieces"), [("hexagon", 2), ("contact-at-clamp", 1), ("layered", 0), ("corner", 0)])
-def test_the_pieces_of_the_contact_side_that_meet_the_clamped_side_are_counted(name, pieces):
-    assert Forces(Experiment.at(Setting(name, "unstructured", 4), MIDPOINT, 2)).clamped == pieces
-
-
 @pytest.fixture(scope="module")
 def setup():
     return Experiment.at(Setting("full-contact", "one-diagonal", 4), MIDPOINT, 4)

@@ -80,12 +80,10 @@ def test_steps_up_to_the_final_time_and_short_enough_for_a_softening_law_are_acc
         ({"k": 1.0}, r"^softening: .*backward-euler"),  # The problem of a step may have several solutions.
         *(
             ({kind: Levels(levels)}, message)
-            for kind in ("plane", "rough", "solid")
-            for levels, message in (
-                ((), "got none"),
-                ((1, 2), "got 1 2"),
-                ((4, 4), "must increase"),
-                ((8, 4), "increase"),
+            for kind, levels, message in (
+                ("plane", (), "got none"),
+                ("rough", (1, 2), "got 1 2"),
+                ("solid", (4, 4), "must increase"),
             )
         ),
     ],

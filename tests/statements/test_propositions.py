@@ -114,10 +114,9 @@ def test_missing_rows_leave_the_data_undecided():
     assert [Complete().judge(planned, found).verdict for found in (planned, set())] == [HOLDS, UNDECIDED]
 
 
-def test_two_levels_leave_the_order_undecided_and_one_bad_family_is_enough_to_fail():
+def test_two_levels_leave_the_order_undecided():
     found = verdicts(prop_5_4(table(levels=(8, 16))))
     assert found["order"] == found["order-extrapolated"] == UNDECIDED
-    assert verdicts(prop_5_4(pd.concat([table(), table(0.7, family="one-diagonal")])))["order-extrapolated"] == FAILS
 
 
 def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit_and_no_rising_error():
@@ -125,14 +124,6 @@ def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit_and_no_risi
     assert claimed(prop_5_3(rows)) == {HOLDS}
     assert verdicts(prop_5_3(rows.assign(error=rows["error"] + 0.5)))["limit"] == FAILS
     assert verdicts(prop_5_3(rows.assign(error=rows["error"].to_numpy()[::-1])))["falling"] == FAILS
-
-
-def test_on_random_meshes_a_limit_is_reported_only_and_other_meshes_still_decide():
-    random, plain = rough(family="shaken-7"), rough()
-    alone = verdicts(prop_5_3(random))
-    assert "limit" not in alone
-    assert (alone["limit-random"], alone["falling"], alone["order"]) == (REPORTED, HOLDS, HOLDS)
-    assert verdicts(prop_5_3(pd.concat([random, plain.assign(error=plain["error"] + 0.5)])))["limit"] == FAILS
 
 
 def test_graded_meshes_must_regain_the_order_that_uniform_ones_lose():
@@ -223,10 +214,7 @@ def test_orders_that_stay_away_contradict_the_statement_also_on_one_family_alone
     [
         ([0.6, 0.8], {}, "order", "not asymptotic yet: try --levels 16 32 64"),
         ([0.3, 0.6, 0.79], {}, "order", "not asymptotic yet: try --levels 16 32 64 128"),
-        ([1.5, 1.3], {}, "order", "not asymptotic yet: try --levels 16 32 64"),
-        ([0.7, 0.99], {}, "order", "not asymptotic yet: try --levels 16 32 64"),
         ([1.02, 0.82], {}, "order", "values scatter: try --levels 16 32 64"),
-        ([0.7, 1.3], {}, "order", "values scatter: try --levels 16 32 64"),
         ([], {"predicted_interpolation": 0.2}, "leading-term", "not asymptotic yet: try --levels 8 16 32"),
         ([0.6, 0.8], {"dim": 3}, "order", "try --levels 16 32 48"),
         ([1, 1], {"time_share": 0.03}, "time-share", "raise `pace`"),
@@ -235,7 +223,6 @@ def test_orders_that_stay_away_contradict_the_statement_also_on_one_family_alone
         ([1, 1], {"discrete_error": 1.0}, "discrete-share", "more than a good test allows"),
         ([1, 1], {"discrete_error": 0.03}, "discrete-order-others", "not asymptotic"),
         ([1, 1], {"discrete_error": 0.03, "family": "one-diagonal"}, "discrete-order-superclose", "wrong by a little"),
-        ([0.5, 0.5], {"time_share": 0.1}, "order", "time steps disturb"),
         ([0.5, 0.5], {"quadrature_change": 0.1}, "order", "quadrature disturbs the errors: mend that first"),
         ([0.5, 0.5], {"quadrature_change": 0.1, "time_share": 0.1}, "order", "time steps and quadrature disturb"),
     ],
