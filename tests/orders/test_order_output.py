@@ -234,7 +234,7 @@ def test_columns_of_pandas_or_of_a_dictionary_are_judged_or_refused_by_name():
     assert check_orders("h", frame, 2)["L2"].verdict == check_orders(H, frame["L2"], {"L2": 2})["L2"].verdict == "holds"
     numbered = {1: H, 2: SQUARES}
     for errors in (numbered, pd.DataFrame(numbered)):
-        assert [found.verdict for found in check_orders(H, errors, {1: 1, 2: 2}).values()] == ["holds", "holds"]
+        assert {found.verdict for found in check_orders(H, errors, {1: 1, 2: 2}).values()} == {"holds"}
         assert check_orders(H, errors, at_least={2: 1.9})["1"].verdict is None
     for arguments, said in (
         (("hh", frame, 2), "hh: there is no such column; there are h, L2, note"),

@@ -64,12 +64,6 @@ NUMBERS = macros((RESULTS / "article" / "numbers.tex").read_text(encoding="utf-8
 """The macros in the committed file: name ↦ number."""
 
 
-def cells_of(name):
-    """The rows of a committed LaTeX table as cells, headings included."""
-    lines = (RESULTS / "article" / f"{name}.tex").read_text(encoding="utf-8").splitlines()
-    return [[cell.strip(" \\") for cell in line.split("&")] for line in lines if "&" in line]
-
-
 @pytest.fixture(scope="module")
 def full():
     found = FullRun.read(RESULTS)

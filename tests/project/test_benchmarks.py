@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks import growth, report
+from benchmarks import fine_levels, growth, report
 
 
 def test_tables_name_the_machine_but_no_host_and_no_path(tmp_path):
@@ -28,3 +28,10 @@ def test_a_level_of_the_growth_table_is_measured(solver):
     assert all(value > 0 for name, value in row.items() if name != "solver")
     dofs = np.array([1e3, 4e3, 16e3])
     assert growth.exponent(dofs, 3e-5 * dofs**1.17) == pytest.approx(1.17)
+
+
+def test_nodal_errors_near_the_front_do_not_depend_on_the_quadrature(monkeypatch):
+    measured = fine_levels.natural_front(16)
+    monkeypatch.setattr(fine_levels, "EDGE_POINTS", 400)
+    monkeypatch.setattr(fine_levels, "NEAR", 8.0)
+    assert fine_levels.natural_front(16) == pytest.approx(measured, rel=1e-4)
