@@ -3,7 +3,6 @@
 import math
 import os
 import shutil
-import stat
 from fractions import Fraction
 from pathlib import Path
 from types import SimpleNamespace
@@ -170,29 +169,3 @@ def test_a_power_of_ten_is_the_least_that_is_not_smaller(value):
 def test_a_range_ends_in_its_section():
     with pytest.raises(ValueError, match="write a range for each"):
         named("(4.28)–(5.3)")
-
-
-DEVICES = {"null": 3, "full": 7}
-
-
-def device(place, name):
-    """Make a device in a directory, or skip the test."""
-    path = place / name
-    try:
-        os.mknod(path, stat.S_IFCHR | 0o600, os.makedev(1, DEVICES[name]))
-        path.read_bytes() if name == "null" else path.open("rb").close()
-    except (OSError, AttributeError):
-        pytest.skip("only root of Linux can make devices")
-    return path
-
-
-@pytest.mark.parametrize("name", DEVICES)
-def test_a_device_is_written_and_remains(name, tmp_path):
-    path = device(tmp_path, name)
-    if name == "null":
-        write_text(path, "text")
-    else:
-        with pytest.raises(StoreError, match="the disk is full"):
-            write_text(path, "text")
-    assert path.is_char_device()
-    assert [*tmp_path.iterdir()] == [path]
