@@ -7,14 +7,13 @@ import pandas as pd
 import pytest
 from places import RESULTS
 
-from manufactured.case import INITIAL_GAP
 from study.ledger import quantities
 from study.ledger.datafiles import read_rates
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, MISSED, REPORTED, UNDECIDED
 from study.run.judgement import with_reasons
 from study.run.provenance import Complete
 from study.statements.own_cases import enough, finer, judge_own, why_missed
-from study.statements.prop_5_4 import Convergence, FirstOrder, InitialGap, RegularityNeeded, SizeOfInterpolation
+from study.statements.prop_5_4 import Convergence, FirstOrder, RegularityNeeded, SizeOfInterpolation
 from study.statements.shared.meshes import LEADING
 from study.statements.thm_4_2 import SameMesh
 
@@ -29,7 +28,7 @@ def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="cr
 
 
 def rough(order=0.5, **changes):
-    return table(order, FOUR, "Prop. 5.3", **changes)
+    return table(order, (8, 16, 32, 64), "Prop. 5.3", **changes)
 
 
 def prop_5_4(rows, order=1.0):
@@ -151,32 +150,6 @@ def test_theorem_4_2_fails_above_the_bound_by_the_duality_gap_and_where_the_boun
         for value in (1e-4 if bound else 1e-6, np.nan):
             fails = [verdict.verdict for verdict in SameMesh().judge(good.assign(**{column: value}))].count(FAILS)
             assert fails >= 1 if bound else fails == 1
-
-
-# Cases with an initial gap have the rows of Propositions 5.3 and 5.4, and fail as these do.
-
-
-FOUR = (8, 16, 32, 64)
-
-
-def solids(order, **changes):
-    """Rows on several families, whose errors have an order and are predicted to have the order 1."""
-    families = ("one-diagonal", "criss-cross", "shaken")
-    each = [table(order, FOUR, INITIAL_GAP, family=family, **changes) for family in families]
-    return pd.concat(each).assign(dim=3, expected_order=1.0)
-
-
-@pytest.mark.parametrize(
-    ("order", "claim", "judge"),
-    [(1.0, "Prop. 5.4", prop_5_4), (0.5, "Prop. 5.3", prop_5_3)],
-    ids=["smooth", "rough"],
-)
-def test_a_case_has_the_verdicts_of_the_proposition_about_its_regularity(order, claim, judge):
-    rows = solids(order).assign(expected_order=order)
-    found = InitialGap().judge(rows)
-    assert pairs(found) == pairs(judge(rows.assign(claim=claim), order))
-    assert {row.label for row in found} == {INITIAL_GAP}
-    assert InitialGap().judge(rows.assign(claim=claim)) == []
 
 
 # A user's own case that is a poor test is undecided, with what to do; it fails where the data contradict.

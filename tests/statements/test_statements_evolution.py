@@ -7,7 +7,7 @@ import pytest
 from measured_rows import invented, verdicts
 
 from manufactured import named
-from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED
+from study.ledger.verdict import FAILS, HOLDS, MISSED
 from study.solve.tableau import SCHEMES
 from study.statements.error_estimate import BOTH_BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted
 from study.statements.time_steps import FEW_STEPS, FullyDiscrete
@@ -28,11 +28,6 @@ def test_a_bound_of_lower_order_must_be_lower_by_what_is_predicted(case, term, g
     found = verdicts(ErrorBounds(), bounds_of(case, **{term: np.array([8, 16, 32]) ** (over_gamma * gamma)}))
     assert found["growth-5.42"] == verdict
     assert "steady-5.42" not in found
-
-
-def test_no_bound_is_claimed_where_the_ratio_carries_a_logarithm():
-    found = ErrorBounds().judge(bounds_of("natural-front"))
-    assert [(v.key, v.verdict) for v in found if "log h" in v.quantity] == [("steady-5.42", REPORTED)]
 
 
 def test_the_constant_of_the_proof():
