@@ -125,6 +125,14 @@ def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit_and_no_risi
     assert verdicts(prop_5_3(rows.assign(error=rows["error"].to_numpy()[::-1])))["falling"] == FAILS
 
 
+def test_on_random_meshes_a_limit_is_reported_only_and_other_meshes_still_decide():
+    random, plain = rough(family="shaken-7"), rough()
+    alone = verdicts(prop_5_3(random))
+    assert "limit" not in alone
+    assert (alone["limit-random"], alone["falling"], alone["order"]) == (REPORTED, HOLDS, HOLDS)
+    assert verdicts(prop_5_3(pd.concat([random, plain.assign(error=plain["error"] + 0.5)])))["limit"] == FAILS
+
+
 def test_graded_meshes_must_regain_the_order_that_uniform_ones_lose():
     regained, lost = (prop_5_3(pd.concat([rough(), rough(order, family="graded")])) for order in (1.0, 0.5))
     assert claimed(regained) == {HOLDS}
