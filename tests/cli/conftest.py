@@ -1,6 +1,5 @@
 """A small finished run, which most commands start from."""
 
-import fcntl
 import os
 import re
 import shutil
@@ -10,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from commands import study
+from filelock import FileLock
 from places import ROOT
 
 from study.cli import check, present, run
@@ -74,8 +74,7 @@ def made(tmp_path_factory):
         run_tutorial(directory)
         return directory
     shared = directory.parents[1] / "tutorial"
-    with shared.with_suffix(".lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with FileLock(shared.with_suffix(".lock")):
         if not shared.exists():
             run_tutorial(directory)
             shutil.copytree(directory, shared)

@@ -77,7 +77,6 @@ RIGHT = OWN.format(face=LINEAR.format("pos(-z, 4)", "pos(z, 3)", "z"), of="")
     [
         (LINEAR.format("pos(-z, 4)", "40*Max(z, 0)**2", "z"), "Max(0, -s + t/2)**2", "pos(-s + t/2, 2)"),
         (LINEAR.format("Max(-z, 0)**3", "pos(z, 2)", "z"), "Max(0, s - t/2)**3", "pos(s - t/2, 3)"),
-        (LINEAR.format("pos(-z, 4)", "pos(z, 2)", "Max(z, 0)"), "Max(0, -s + t/2)", "pos(-s + t/2, 1)"),
         (LINEAR.format("pos(-z, 4)", "pos(z, 2)", "abs(z)"), "Abs(s - t/2)", "pos(s - t/2, 1) + pos(-s + t/2, 1)"),
         (PRESCRIBED.format("pos(-z, 4)", "-Max(z, 0)**2"), "Max(0, -s + t/2)**2", "pos(-s + t/2, 2)"),
     ],

@@ -63,7 +63,7 @@ def test_a_fault_changes_what_is_solved_in_some_case_and_leaves_the_norm_alone(f
     pytest.fail(f"{fault.name} changes nothing in {', '.join(SEVERAL_KINDS)}")
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.2, np.inf])
+@pytest.mark.parametrize("mu", [0.2, np.inf])
 def test_friction_obeys_coulombs_law_at_every_vertex(mu):
     """|λ_τ| ≤ μ λ_ν; where it is less, nothing slides; and λ_τ opposes the sliding."""
     setup = experiment("corner", 8)

@@ -38,12 +38,10 @@ def after(alarms, rules=RULES, record=None):
     return record
 
 
-@pytest.mark.parametrize(("alarms", "judged"), [(0, 0), (0, 100), (1, 100), (20, 20)])
-def test_the_interval_has_the_tails_that_clopper_and_pearson_ask_for(alarms, judged):
-    low, high = interval(alarms, judged)
-    assert low == 0 if alarms == 0 else stats.binom.sf(alarms - 1, judged, low) == pytest.approx(0.025)
-    assert high == 1 if alarms == judged else stats.binom.cdf(alarms, judged, high) == pytest.approx(0.025)
-    assert low * judged <= alarms <= high * judged
+def test_the_interval_has_the_tails_that_clopper_and_pearson_ask_for():
+    assert interval(0, 0) == (0, 1)
+    low, high = interval(1, 100)
+    assert [stats.binom.sf(0, 100, low), stats.binom.cdf(1, 100, high)] == pytest.approx([0.025, 0.025])
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ import gzip
 import json
 import shutil
 import time
-from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -115,7 +114,7 @@ def test_a_number_beyond_the_tolerance_is_told_with_its_row_and_both_values(old,
     text = " ".join(as_text(comparison).split())
     assert f"full-contact, one-diagonal, midpoint, 16: {error:.12g} → {error * (1 + 1e-8):.12g}" in text
     assert "bound, full-contact, one-diagonal, backward-euler, 8, no. 2: 0.09375 → 0.0937500009375" in text
-    assert text.endswith("14 files: 12 identical, 0 within 1e-09 relative + 0, 2 differ, 0 left out")
+    assert text.endswith("2 differ, 0 left out")
 
 
 def test_small_numbers_have_an_absolute_tolerance_and_whole_numbers_none(old, new):
@@ -143,7 +142,7 @@ def test_changed_verdicts_come_first_in_words_and_in_json(old, new, capsys):
     assert study(f"compare {old} {new} --json") == 1
     said = json.loads(capsys.readouterr().out)
     assert said["counts"] == {"identical": 12, "within": 0, "differs": 2, "left out": 0}
-    assert (said["differs"], said["tolerance"]) == (True, {"relative": 1e-12, "absolute": 0.0})
+    assert said["tolerance"] == {"relative": 1e-12, "absolute": 0.0}
     assert [(cell["old"], cell["new"]) for cell in said["verdicts"]] == [("holds", "fails")]
     assert [cell["relative"] for cell in said["differences"] if cell["file"] == "rates.csv"] == [None]
 
@@ -172,10 +171,9 @@ def test_rows_columns_and_files_in_one_directory_only_are_differences_on_whichev
             ("label", "case", "family", "level", "h", "value"), 1
         )
         assert {*told(comparison, "bounds.csv")} == {"upper"}
-        assert comparison.states["enclosures.csv"] == "differs"
-        assert [comparison.states[name] for name in ("stresses.csv", SPACE)] == ["differs"] * 2
+        same = [name for name, state in comparison.states.items() if state == "differs"]
+        assert sorted(same) == ["bounds.csv", "enclosures.csv", SPACE, "statements.csv", "stresses.csv"]
         assert comparison.states["unknown.csv"] == "within"
-        assert comparison.counts["differs"] == 5
     assert "row, no. 2: 1.5 → 1.6" in as_text(compared(old, new))
 
 
@@ -207,11 +205,10 @@ PACKED = b'{"a": {"unit": 1, "shape": [2], "changes": "x"}}'
 )
 def test_a_damaged_file_is_refused_by_name_with_how_to_mend_it(old, new, name, content, message):
     (new / "data" / name).write_bytes(content)
-    for first, second in ((old, new), (new, old)):
+    truncated = not content.endswith(b"\n")
+    for first, second in ((old, new), (new, old), *[(new, new)] * truncated):
         with pytest.raises(DataError, match=f"{message}.*`study run --out {new}`"):
             compare(first, second, Tolerance())
-    with pytest.raises(DataError) if not content.endswith(b"\n") else nullcontext():
-        compare(new, new, Tolerance())
 
 
 def test_exit_codes_tell_equal_from_different_and_nothing_is_written(old, new):

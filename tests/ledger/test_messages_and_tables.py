@@ -3,7 +3,6 @@
 import math
 import os
 import shutil
-import stat
 from fractions import Fraction
 from pathlib import Path
 from types import SimpleNamespace
@@ -81,11 +80,8 @@ def test_what_cannot_be_written_is_refused_and_left_alone(tmp_path, monkeypatch)
     assert len([*tmp_path.iterdir()]) == 3
 
 
-@pytest.mark.parametrize(
-    ("value", "text"), [(np.nan, ""), (None, ""), (3, "3"), ("-3", "-3"), (0.05, "0.05000"), ("case", "case")]
-)
-def test_cells_of_tables_are_words_whole_numbers_or_four_digits(value, text):
-    assert cell(value) == text
+def test_cells_of_tables_are_words_whole_numbers_or_four_digits():
+    assert [cell(value) for value in ("ũ", "-12345", 2.0, None)] == ["ũ", "-12345", "2.000", ""]
 
 
 def test_the_words_na_and_none_are_text_and_not_empty_cells(tmp_path):
@@ -142,13 +138,10 @@ def test_the_limit_of_a_sequence_is_found_relative_to_its_finest_errors(p, rest)
     assert limit(H, rest + 3 * H**p, p) >= rest / finest - 1e-9
 
 
-def test_orders_need_decreasing_sizes_and_positive_errors():
+def test_orders_need_decreasing_sizes():
     for h in (H[::-1], np.minimum(H, H[1])):
         with pytest.raises(RatesError, match="must decrease"):
             orders(h, H)
-    for bad in (0.0, -1.0, np.nan):
-        with pytest.raises(RatesError, match="positive and finite"):
-            orders(H, np.where(np.arange(5) == 2, bad, H))
 
 
 @given(value=st.floats(-1e9, 1e9), digits=st.integers(1, 8))
@@ -173,46 +166,6 @@ def test_a_power_of_ten_is_the_least_that_is_not_smaller(value):
     assert float(f"1e{round(math.log10(found)) - 1}") < value
 
 
-@pytest.mark.parametrize(
-    ("text", "numbers"),
-    [
-        ("(3.9)–(3.11), (4.14), (4.15)", ["(3.10)", "(3.11)", "(3.9)", "(4.14)", "(4.15)"]),
-        ("Thm 4.1, 5.2", ["Thm 4.1", "Thm 5.2"]),
-        ("Thm 4.2, own space", ["Thm 4.2"]),
-        ("Problem 5.1, (5.2), (5.3)", ["(5.2)", "(5.3)", "Problem 5.1"]),
-        *(("beyond: O(h + k)", []), ("Π^h", [])),
-    ],
-)
-def test_ranges_and_lists_of_numbers_are_understood(text, numbers):
-    assert sorted(named(text)) == numbers
-
-
 def test_a_range_ends_in_its_section():
     with pytest.raises(ValueError, match="write a range for each"):
         named("(4.28)–(5.3)")
-
-
-DEVICES = {"null": 3, "full": 7}
-
-
-def device(place, name):
-    """Make a device in a directory, or skip the test."""
-    path = place / name
-    try:
-        os.mknod(path, stat.S_IFCHR | 0o600, os.makedev(1, DEVICES[name]))
-        path.read_bytes() if name == "null" else path.open("rb").close()
-    except (OSError, AttributeError):
-        pytest.skip("only root of Linux can make devices")
-    return path
-
-
-@pytest.mark.parametrize("name", DEVICES)
-def test_a_device_is_written_and_remains(name, tmp_path):
-    path = device(tmp_path, name)
-    if name == "null":
-        write_text(path, "text")
-    else:
-        with pytest.raises(StoreError, match="the disk is full"):
-            write_text(path, "text")
-    assert path.is_char_device()
-    assert [*tmp_path.iterdir()] == [path]

@@ -157,7 +157,6 @@ def test_a_table_that_is_written_reads_back_the_same(form, drawn):
     ("cells", "values", "kind", "order", "extrapolated", "index"),
     [
         ((18000, 8000, 4500), (6.063, 5.972, 5.863), "monotone", 1.53, 6.1685, 0.022),
-        ((18000, 4500, 980), (10.7880, 10.7250, 10.6050), "monotone", 0.75, 10.8801, 0.011),
         ((18000, 4500, 980), (6.0042, 5.9624, 6.0909), "oscillating", 1.51, 6.0269, 0.005),
     ],
 )
@@ -203,8 +202,8 @@ def test_a_full_disk_behind_the_output_is_said_in_words(options):
     command = [sys.executable, "-m", "convergence_orders", str(EXAMPLES / "errors.csv")]
     with open("/dev/full", "w") as full:
         done = subprocess.run([*command, *options], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
-    assert done.stderr.startswith(("convergence-orders: cannot write the output: ", "convergence-orders: /dev/full: N"))
+    assert done.returncode == 2
+    assert re.fullmatch("convergence-orders: (cannot write the output|/dev/full): .*\n", done.stderr)
 
 
 def test_a_broken_solver_fails_the_assertion():
@@ -235,7 +234,7 @@ def test_columns_of_pandas_or_of_a_dictionary_are_judged_or_refused_by_name():
     assert check_orders("h", frame, 2)["L2"].verdict == check_orders(H, frame["L2"], {"L2": 2})["L2"].verdict == "holds"
     numbered = {1: H, 2: SQUARES}
     for errors in (numbered, pd.DataFrame(numbered)):
-        assert [found.verdict for found in check_orders(H, errors, {1: 1, 2: 2}).values()] == ["holds", "holds"]
+        assert {found.verdict for found in check_orders(H, errors, {1: 1, 2: 2}).values()} == {"holds"}
         assert check_orders(H, errors, at_least={2: 1.9})["1"].verdict is None
     for arguments, said in (
         (("hh", frame, 2), "hh: there is no such column; there are h, L2, note"),
@@ -296,12 +295,9 @@ def test_a_column_h_that_may_have_numbers_of_cells_asks_what_it_has(options, cod
     assert said in rates("h,e\n4,1\n8,.25\n16,.0625\n32,.015625\n", options, code)
 
 
-RATIOS = [pytest.param(h, id=f"h {h}") for h in itertools.combinations([0.4, 0.3, 0.2, 0.15, 0.1, 0.08, 0.05, 0.01], 3)]
-
-
-@pytest.mark.parametrize("h", RATIOS)
-def test_the_order_of_values_is_found_for_every_ratio_of_meshes(h):
-    for p in (0.25, 0.5, 1, 1.5, 2, 3, 4, 6):
+@pytest.mark.parametrize("p", [0.25, 0.5, 1, 1.5, 2, 3, 4, 6])
+def test_the_order_of_values_is_found_for_every_ratio_of_meshes(p):
+    for h in itertools.combinations([0.4, 0.3, 0.2, 0.15, 0.1, 0.08, 0.05, 0.01], 3):
         for limit, factor in ((1.0, 1.0), (3.0, -1.0)):
             found = grid_convergence(h, limit + factor * np.array(h) ** p)
             assert (found.kind, found.order) == ("monotone", pytest.approx(p, rel=1e-4))

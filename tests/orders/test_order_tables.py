@@ -434,8 +434,7 @@ def test_many_rows_and_many_columns_are_read_within_seconds(rates):
     ("name", "numbers", "code"),
     [
         ("Anzahl Elemente", "32 128 512 2048", 2),
-        ("nombre d'inconnues", "32.0 128.0 512.0 2048.0", 2),
-        ("セル数", "64 16 4 1", 2),
+        ("セル数", "32.0 128.0 512.0 2048.0", 2),
         ("wrong pixels", "64 16 4 1", 2),
         ("N", "32 128 512 2048", None),
         ("error in cells", "64 16 4 1", 0),

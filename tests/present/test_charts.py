@@ -67,13 +67,12 @@ def test_where_the_error_is_unknown_the_distance_to_a_better_displacement_takes_
 @pytest.mark.parametrize("slope", [0.25, 1.0, 2.0])
 def test_the_slope_triangle_has_its_slope_and_keeps_clear_of_the_curves(slope):
     h = 2.0 ** -np.arange(8, 2, -1, dtype=float)
-    axes = Figure().subplots()
-    axes.loglog(h, 3 * h**0.5, h / 1.4, h**1.5, h[::-1], h[::-1] + 0.1)
-    single = Figure().subplots()
+    single, axes = Figure().subplots(2)
     single.loglog(1.0, 1.0)
-    for without, order in ((axes, math.nan), (single, 1.0)):
-        draw_slope(without, order)
-        assert not without.patches
+    axes.loglog(h, 3 * h**0.5, h / 1.4, h**1.5, h[::-1], h[::-1] + 0.1)
+    draw_slope(single, slope)
+    draw_slope(axes, math.nan)
+    assert not (*single.patches, *axes.patches)
     draw_slope(axes, slope)
     start, end, corner, *_ = np.log10(axes.patches[0].get_xy())
     assert (end - start)[1] == pytest.approx(slope * (end - start)[0])
@@ -90,16 +89,13 @@ def test_a_logarithmic_axis_has_enough_labels_and_not_too_many(ends, least):
     axes = Figure().subplots()
     axes.loglog(ends, ends)
     label_ticks([axes], least)
-    low, high = axes.get_xlim()
-    ticks = np.asarray(axes.get_xticks())
-    assert least <= ((low <= ticks) & (ticks <= high)).sum() <= 10
+    bins, _ = np.histogram(axes.get_xticks(), 1, axes.get_xlim())
+    assert least <= bins[0] <= 10
 
 
 def test_orders_are_those_of_a_power_of_h_and_graded_meshes_are_kept_apart():
-    h = 1 / np.array([8.0, 16.0, 32.0, 64.0])
-    # The coarsest level does not count.
-    frame = pd.DataFrame({"family": "shaken", "level": [8, 16, 32, 64], "h": h, "error": 3 * h**0.5 + (h == 0.125)})
-    assert finest_orders(frame, 2) == {"shaken": pytest.approx(0.5)}
+    h = 1 / np.array([16.0, 32.0, 64.0])
+    frame = pd.DataFrame({"family": "shaken", "h": h, "error": 3 * h**0.5})
     assert finest_orders(frame.head(1), 2) == finest_orders(frame.assign(error=0.0), 2) == {}
     graded = frame.assign(family="graded", error=h)
     assert last_orders(pd.concat([frame, graded])) == ([pytest.approx(0.5)], [pytest.approx(1.0)])

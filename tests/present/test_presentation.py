@@ -8,7 +8,6 @@ import pandas as pd
 import pytest
 from committed import CASES, CORNER, ROUGH, SMOOTH, copy_results, write_ledger
 from matplotlib.mathtext import MathTextParser
-from tables import texts
 
 from study.ledger.datafiles import DataError, read_claims, read_rates, read_uncompressed
 from study.ledger.files import write_packed, write_text
@@ -47,34 +46,9 @@ def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over
         draw_one(data / "figures", drawing)
     assert files(data / "tables") == [f"{name}.{form}" for name in NAMES for form in ("csv", "md", "tex")]
     known = [drawing.name for drawing in drawings(data)]
-    of_corner = {name for name in known if name.endswith(CORNER)}
-    assert of_corner == {f"{kind}-{CORNER}" for kind in ("zone", "profiles", "body")}
-    assert {f"convergence-{case}" for case in CASES} | {f"enclosure-{SMOOTH}", "convergence-prop-5-3"} <= {*known}
+    assert {f"zone-{CORNER}", f"convergence-{ROUGH}", f"enclosure-{SMOOTH}", "convergence-prop-5-3"} <= {*known}
     forms = ("csv", "pdf", "png", "txt")
     assert files(data / "figures") == sorted(f"{name}.{form}" for name in known[::8] for form in forms)
-
-
-def test_tables_agree_with_the_data_to_four_digits(tables):
-    table, source = pd.read_csv(tables / "tables" / "rates.csv"), read_rates(tables)
-    names = ["h", "error", "at", "interpolation_error", "discrete_error"]
-    np.testing.assert_allclose(table[names], source[names], rtol=5e-4)
-    np.testing.assert_allclose(table["time_share_percent"], 100 * source["time_share"], rtol=5e-4)
-    np.testing.assert_allclose(table["order"], source["order"], atol=5e-4)
-    assert (table[["case", "family", "level", "dofs"]] == source[["case", "family", "level", "dofs"]]).all(axis=None)
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_markdown_has_each_row_of_the_csv_table_below_the_heading_of_its_group(tables, name):
-    cells = texts(tables / "tables" / f"{name}.csv")
-    shown = (tables / "tables" / f"{name}.md").read_text(encoding="utf-8")
-    shown = re.sub(r"\\(.)", r"\1", shown)
-    grouped = 4 if name == "rates" else 2
-    groups = cells.groupby(list(cells.columns[:grouped]), sort=False)
-    for titles, rows in groups:
-        lines = "".join(f"| {' | '.join(row)} |\n" for row in rows.iloc[:, grouped:].to_numpy())
-        part = shown.partition(f"## {', '.join(filter(None, titles))}\n")[2].partition("\n## ")[0]
-        assert part.split("|\n", 2)[2].strip() == lines.strip()
-    assert shown.count("## ") == len(groups)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -111,12 +85,11 @@ def test_unicode_becomes_mathematics(text, latex):
 def test_the_rate_text_has_one_line_per_case_and_family(tables):
     lines, rates = rates_text(tables).splitlines(), read_rates(tables)
     assert len([line for line in lines if line.startswith(CASES)]) == len(rates.groupby(["case", "family"]))
-    (cells,) = (line.split() for line in lines if line.startswith(SMOOTH) and "shaken" in line)
-    series = rates[(rates["case"] == SMOOTH) & (rates["family"] == "shaken")]
-    finest, orders = series.iloc[-1], [f"{order:.2f}" for order in series["order"].dropna()]
-    assert cells[2:5] == [str(finest["level"]), f"{finest['error']:#.4g}", f"{finest['discrete_order']:.2f}"]
-    # The predicted order, then the last observed orders.
-    assert cells[6:] == ["1", *orders[-len(cells[7:]) :]]
+    (line,) = (line for line in lines if line.startswith(SMOOTH) and "shaken" in line)
+    series = rates.query("case == @SMOOTH and family == 'shaken'")
+    finest, (*_, before, last) = series.iloc[-1], series["order"]
+    assert f"{finest['level']}  {finest['error']:#.4g}  {finest['discrete_order']:.2f}" in re.sub(" +", "  ", line)
+    assert re.search(rf" 1 .*{before:.2f} {last:.2f}$", line), "the predicted order, then observed ones"
 
 
 def test_a_range_with_one_end_is_a_bound():
@@ -144,8 +117,6 @@ def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_ho
     assert "5 checks: 3 hold, 1 fail, 1 undecided, 0 missed (our own prediction was wrong), 0 reported" in text
     assert text.endswith("Conclusion: 1 check contradicted a statement.\n")
     failing = claims["verdict"] == "fails"
-    columns = ["observed", "low", "high"]
-    assert f"{fails}no number" in ledger_text(claims.assign(**claims[columns].mask(failing))).splitlines()
     reported = claims.assign(verdict="reported")
     assert "\nreported: " in ledger_text(reported)
     many = pd.concat([reported.assign(case=f"case {n}") for n in range(5)])
@@ -159,8 +130,8 @@ def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_ho
 @pytest.mark.parametrize(
     ("present", "name"),
     [
-        *((write_tables, f"{name}.csv") for name in ("rates", "claims", "equivalence", "stresses", "bounds")),
-        *((overview, name) for name in ("rates.csv", "cases.csv")),
+        (write_tables, "bounds.csv"),
+        (overview, "cases.csv"),
         (read_pictures, "pictures"),
         (rates_text, "rates.csv"),
         (lambda directory: ledger_text(read_claims(directory)), "claims.csv"),

@@ -1,17 +1,14 @@
 """The page of results shows every row of the data, asks no network for anything, and refuses data it cannot show."""
 
-import base64
 import json
 import re
 import shutil
 from html import unescape
-from io import BytesIO
 
 import numpy as np
 import pandas as pd
 import pytest
 from committed import TABLES, copy_results
-from PIL import Image
 from places import DATA, ROOT
 
 from study.ledger.datafiles import DataError
@@ -103,8 +100,8 @@ def test_every_row_of_the_ledger_is_on_the_page_in_its_order_below_its_statement
 
 def test_the_numbers_of_verdicts_are_those_of_the_ledger(directory, page):
     claims = pd.read_csv(directory / "data" / "claims.csv")
-    for verdict in ("holds", "reported", "missed", "undecided", "fails"):
-        assert f"{(claims['verdict'] == verdict).sum()} {verdict}" in page.text
+    for verdict, count in claims["verdict"].value_counts().items():
+        assert f"{count} {verdict}" in page.text
     totals = claims.groupby(["label", "statement"], sort=False).size().tolist()
     of_statements = [row[2:7] for row in page.rows if len(row) == 8 and row[7].startswith("study/")]
     assert [sum(int(count or 0) for count in counts) for counts in of_statements] == totals
@@ -166,9 +163,6 @@ def test_every_case_is_shown_in_motion(directory, page):
         touching = np.sum([face.touching.sum(axis=1) for face in picture.faces], axis=0)
         assert [float(time) for _, time, _ in frames] == pytest.approx(picture.times[::4], rel=5e-3)
         assert [int(count) for _, _, count in frames] == touching[::4].tolist()
-        first, last = (Image.open(BytesIO(base64.b64decode(frames[at][0]))) for at in (0, -1))
-        assert first.size == last.size
-        assert first.tobytes() != last.tobytes()
 
 
 def test_a_second_run_gives_the_same_page_and_says_how_to_measure_missing_faults(data, page):
@@ -178,7 +172,7 @@ def test_a_second_run_gives_the_same_page_and_says_how_to_measure_missing_faults
     assert again.partition('id="defects"')[:2] == page.content.partition('id="defects"')[:2]
 
 
-@pytest.mark.parametrize("name", [*(f"{name}.csv" for name in TABLES), "pictures/corner.json.gz"])
+@pytest.mark.parametrize("name", [*(f"{name}.csv" for name in TABLES), "pictures/advance-recede.json.gz"])
 def test_missing_data_are_named_with_the_command_that_makes_them(data, name):
     (data / "data" / name).unlink()
     with pytest.raises(DataError, match=rf"{re.escape(name)} is missing: make it with `study run --full --out"):

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from costly_cases import slow_unless
+from scipy.spatial import KDTree
 
 from manufactured.catalogue import NAMES
 from study.fem.mesh import Skin
@@ -46,24 +47,24 @@ def test_the_surface_of_a_solid_is_closed_and_seen_from_outside(case):
 @pytest.mark.parametrize("case", SOLIDS)
 def test_displacement_gap_and_pressure_are_those_of_the_motion_at_the_vertices(case):
     motion, picture = solved(case)
-    space, start = motion.space, 0
+    space, frames, start = motion.space, motion.frames[::2], 0
     weights = pictures.contact_weights(space)
     for face, (part, vertices) in zip(picture.polygons, space.contact, strict=True):
-        rows = slice(start, start + len(vertices))
-        start += len(vertices)
-        by_place = {tuple(np.round(x, 3)): i for i, x in enumerate(space.mesh.p[:, vertices].T)}
-        order = [by_place[tuple(np.round(x, 3))] for x in picture.vertices[:, face.nodes].T]
+        shown = picture.vertices[:, face.nodes]
+        _, order = KDTree(space.mesh.p[:, vertices].T).query(shown.T)
         assert sorted(order) == list(range(len(vertices)))
+        rows = start + order
+        start += len(vertices)
         np.testing.assert_allclose(face.normal, part.normal)
-        np.testing.assert_allclose(part.point(face.s), picture.vertices[:, face.nodes], atol=1e-3)
-        for n, frame in enumerate(motion.frames[::2]):
-            gap, pressure = -frame.normal[rows][order], (frame.multipliers / weights)[rows][order]
-            np.testing.assert_allclose(face.gap[n], gap, atol=0.51 * abs(face.gap).max() / FINE_UNITS)
-            np.testing.assert_allclose(face.pressure[n], pressure, atol=0.51 * abs(face.pressure).max() / FINE_UNITS)
-            np.testing.assert_array_equal(face.touching[n], pressure > 0)
-    largest = max(abs(space.nodal(frame.u)).max() for frame in motion.frames[::2])
-    for instant in picture.shown:
-        (frame,) = (frame for frame in motion.frames if frame.time == picture.times[instant])
-        moved = space.nodal(frame.u)[:, Skin.of(space.mesh).vertices]
-        # Three digits of the largest displacement at any time: a tenth of a pixel.
-        np.testing.assert_allclose(picture.displacement[instant], moved, atol=0.51 * largest / UNITS)
+        np.testing.assert_allclose(part.point(face.s), shown, atol=1e-3)
+        gap = np.array([-frame.normal[rows] for frame in frames])
+        pressure = np.array([(frame.multipliers / weights)[rows] for frame in frames])
+        for found, expected in ((face.gap, gap), (face.pressure, pressure)):
+            np.testing.assert_allclose(found, expected, atol=0.51 * abs(found).max() / FINE_UNITS)
+        np.testing.assert_array_equal(face.touching, pressure > 0)
+    moved = np.array([space.nodal(frame.u) for frame in frames])
+    # Three digits of the largest displacement at any time: a tenth of a pixel.
+    tolerance = 0.51 * abs(moved).max() / UNITS
+    at = np.searchsorted([frame.time for frame in frames], picture.times[picture.shown])
+    expected = moved[at][..., Skin.of(space.mesh).vertices]
+    np.testing.assert_allclose(picture.displacement[picture.shown], expected, atol=tolerance)

@@ -67,19 +67,10 @@ def test_no_order_of_the_resultant_is_claimed_if_a_face_meets_the_clamped_side()
         assert verdict in [found.get("order-dual-superclose"), found.get("order-dual-other")]
 
 
-@pytest.mark.parametrize(("name", "pieces"), [("hexagon", 2), ("contact-at-clamp", 1), ("layered", 0), ("corner", 0)])
-def test_the_pieces_of_the_contact_side_that_meet_the_clamped_side_are_counted(name, pieces):
-    assert Forces(Experiment.at(Setting(name, "unstructured", 4), MIDPOINT, 2)).clamped == pieces
-
-
-@pytest.fixture(scope="module")
-def setup():
-    return Experiment.at(Setting("full-contact", "one-diagonal", 4), MIDPOINT, 4)
-
-
 @pytest.mark.parametrize("factor", [1.0, 1.2])
-def test_forces_too_large_by_a_factor_are_wrong_by_it_in_the_dual_norm_and_the_resultant(setup, factor):
+def test_forces_too_large_by_a_factor_are_wrong_by_it_in_the_dual_norm_and_the_resultant(factor):
     """Right moments of the pressure leave an error in L² alone."""
+    setup = Experiment.at(Setting("full-contact", "one-diagonal", 4), MIDPOINT, 4)
     forces, times = Forces(setup), np.array([0.3, 0.7])
     pressures = [face.weights[:, None] * face.exact.pressure(times).reshape(-1, 2) for face in forces.faces]
     moments = np.concatenate([face.functions.T @ p for face, p in zip(forces.faces, pressures, strict=True)])

@@ -40,13 +40,11 @@ RHO = 0.05, 0.25, 0.5
 def test_a_cell_is_as_deep_as_the_thinnest_contact_data_in_it_and_other_cells_have_none():
     """Of the trains, the j-th lies on the j-th seventh of the bottom, with data up to ℓ/4 = 2^{−(j + 5)} inside."""
     solution = resolve("trains").solution
-    first, second = (float(face.part.start[0] + face.part.measure / 2) for face in solution.faces[:2])
-    ends = first, first, second, (first + second) / 2
-    low = 0.0, 2.0**-5, 2.0**-6 - 1e-9, 0.0
-    corners = np.array([ends, low])[:, None] + np.array([[0, 0.01, 0], [0, 0, 1e-3]])[..., None]
-    depths = least_depth(solution, corners)
-    assert depths[[0, 2]] == pytest.approx([2.0**-5, 2.0**-6])
-    assert depths[1] == np.inf
+    first, second = (face.part.start[0] + face.part.measure / 2 for face in solution.faces[:2])
+    places = (first, 0.0), (first, 2.0**-5), (second, 2.0**-6 - 1e-9)
+    corners = [[[x, x + 0.01, x], [y, y, y + 1e-3]] for x, y in places]
+    depths = least_depth(solution, np.moveaxis(corners, 0, -1))
+    assert depths == pytest.approx([2.0**-5, np.inf, 2.0**-6])
 
 
 @pytest.mark.parametrize("rho", RHO)

@@ -34,7 +34,6 @@ def test_two_cases_of_the_quick_settings_hold_and_each_case_is_judged_by_its_own
     found = statement.judge(rows)
     assert {verdict.case for verdict in found} == set(rows["case"])
     assert HOLDS in {verdict.verdict for verdict in found} <= {HOLDS, *UNCLAIMED}
-    assert {(verdict.label, verdict.statement) for verdict in found} == {(statement.label, statement.claim)}
     case = rows["case"].iloc[0]
     assert statement.judge(rows[rows["case"] == case]) == [verdict for verdict in found if verdict.case == case]
     assert statement.judge(rows.iloc[:0]) == []
@@ -79,12 +78,10 @@ def test_steps_up_to_the_final_time_and_short_enough_for_a_softening_law_are_acc
         ({"k": 1.0}, r"^softening: .*backward-euler"),  # The problem of a step may have several solutions.
         *(
             ({kind: Levels(levels)}, message)
-            for kind in ("plane", "rough", "solid")
-            for levels, message in (
-                ((), "got none"),
-                ((1, 2), "got 1 2"),
-                ((4, 4), "must increase"),
-                ((8, 4), "increase"),
+            for kind, levels, message in (
+                ("plane", (), "got none"),
+                ("rough", (1, 2), "got 1 2"),
+                ("solid", (4, 4), "must increase"),
             )
         ),
     ],

@@ -7,19 +7,15 @@ import pandas as pd
 import pytest
 from places import RESULTS
 
-from manufactured.case import INITIAL_GAP
 from study.ledger import quantities
-from study.ledger.check import Check
 from study.ledger.datafiles import read_rates
-from study.ledger.quantities import fit
-from study.ledger.verdict import BECAUSE, FAILS, HOLDS, MISSED, REPORTED, UNDECIDED, CheckKind
-from study.ledger.window import STEEPER, Window
+from study.ledger.verdict import BECAUSE, FAILS, HOLDS, MISSED, REPORTED, UNDECIDED
 from study.run.judgement import with_reasons
 from study.run.provenance import Complete
-from study.statements.own_cases import enough, finer, judge_own, least_levels, why_missed
-from study.statements.prop_5_4 import Convergence, FirstOrder, InitialGap, RegularityNeeded, SizeOfInterpolation
-from study.statements.shared.meshes import CELL_POWER, LEADING, in_leading_term, is_random
-from study.statements.thm_4_2 import SameMesh, growth
+from study.statements.own_cases import enough, finer, judge_own, why_missed
+from study.statements.prop_5_4 import Convergence, FirstOrder, RegularityNeeded, SizeOfInterpolation
+from study.statements.shared.meshes import LEADING
+from study.statements.thm_4_2 import SameMesh
 
 
 def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="criss-cross", **changes):
@@ -32,7 +28,7 @@ def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="cr
 
 
 def rough(order=0.5, **changes):
-    return table(order, FOUR, "Prop. 5.3", **changes)
+    return table(order, (8, 16, 32, 64), "Prop. 5.3", **changes)
 
 
 def prop_5_4(rows, order=1.0):
@@ -59,8 +55,9 @@ def claimed(found):
 def test_the_predicted_behaviour_holds_in_every_row_and_an_order_too_low_or_too_good_fails():
     assert set(verdicts(prop_5_4(table())).values()) == {HOLDS}
     assert {verdicts(prop_5_4(table(order)))["order"] for order in (0.0, 0.5, 0.8, 1.2, 1.5, 2.0)} == {FAILS}
-    solid = [verdicts(prop_5_4(table(order, dim=3)))["order-finest"] for order in (0.97, 0.88)]
-    assert solid == [HOLDS, FAILS], "in 3D the finest pair must be within a tenth of one"
+    solid = [verdicts(prop_5_4(table(order, dim=3))) for order in (0.97, 0.88)]
+    for key in ("order-finest", "interpolation-order-finest"):
+        assert [found[key] for found in solid] == [HOLDS, FAILS], "in 3D the finest pair must be within a tenth of one"
 
 
 @pytest.mark.parametrize(
@@ -75,6 +72,7 @@ def test_the_predicted_behaviour_holds_in_every_row_and_an_order_too_low_or_too_
         ({"quadrature_change": 0.04}, "quadrature"),
         ({"predicted_interpolation": 1.0}, "leading-term"),
         ({"discrete_error": 1.0}, "discrete-share"),
+        ({"discrete_error": 1.0}, "discrete-order-others"),
         ({"error": 0.8 * table()["error"]}, "size"),
         ({"error": 1.2 * table()["error"]}, "size"),
         ({"family": "one-diagonal"}, "discrete-order-superclose"),
@@ -115,17 +113,14 @@ def test_missing_rows_leave_the_data_undecided():
     assert [Complete().judge(planned, found).verdict for found in (planned, set())] == [HOLDS, UNDECIDED]
 
 
-def test_two_levels_leave_the_order_undecided_and_one_bad_family_is_enough_to_fail():
+def test_two_levels_leave_the_order_undecided():
     found = verdicts(prop_5_4(table(levels=(8, 16))))
     assert found["order"] == found["order-extrapolated"] == UNDECIDED
-    assert verdicts(prop_5_4(pd.concat([table(), table(0.7, family="one-diagonal")])))["order-extrapolated"] == FAILS
 
 
 def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit_and_no_rising_error():
     rows = rough()
     assert claimed(prop_5_3(rows)) == {HOLDS}
-    (steeper,) = [verdict for verdict in prop_5_3(rows) if verdict.key == "limit-steeper"]
-    assert steeper.observed == pytest.approx((1 - 4**-STEEPER) / (1 - 4 ** -(0.5 + STEEPER)))
     assert verdicts(prop_5_3(rows.assign(error=rows["error"] + 0.5)))["limit"] == FAILS
     assert verdicts(prop_5_3(rows.assign(error=rows["error"].to_numpy()[::-1])))["falling"] == FAILS
 
@@ -150,10 +145,7 @@ def test_graded_meshes_must_regain_the_order_that_uniform_ones_lose():
 )
 def test_the_order_without_5_36_is_reported_and_fails_far_below_the_proved_order(order, proved, expected):
     """A mesh that is too coarse may cost 0.1."""
-    row, judged = RegularityNeeded().judge(rough(order, proved_order=proved))
-    assert [row.verdict, judged.verdict] == expected
-    assert (row.window_low, judged.window_low) == (proved, pytest.approx(proved - 0.1))
-    assert row.observed == judged.observed == pytest.approx(order)
+    assert [row.verdict for row in RegularityNeeded().judge(rough(order, proved_order=proved))] == expected
 
 
 def test_theorem_4_2_fails_above_the_bound_by_the_duality_gap_and_where_the_bound_is_vacuous():
@@ -166,41 +158,6 @@ def test_theorem_4_2_fails_above_the_bound_by_the_duality_gap_and_where_the_boun
         for value in (1e-4 if bound else 1e-6, np.nan):
             fails = [verdict.verdict for verdict in SameMesh().judge(good.assign(**{column: value}))].count(FAILS)
             assert fails >= 1 if bound else fails == 1
-
-
-# Cases with an initial gap have the rows of Propositions 5.3 and 5.4, and fail as these do.
-
-
-FOUR = (8, 16, 32, 64)
-WRONG = {"error": 0.1, "discrete_error": 3.0, "time_share": 0.5, "discrete_time_share": 0.9, "residual": 1.0}
-WRONG |= {"clamped": 0.1, "parallelogram": 0.1, "quadrature_change": 0.1, "initial_error": 5.0}
-WRONG |= {"predicted_interpolation": 1.0}
-
-
-def solids(order, **changes):
-    """Rows on several families, whose errors have an order and are predicted to have the order 1."""
-    families = ("one-diagonal", "criss-cross", "shaken")
-    each = [table(order, FOUR, INITIAL_GAP, family=family, **changes) for family in families]
-    return pd.concat(each).assign(dim=3, expected_order=1.0)
-
-
-def test_every_row_about_an_initial_gap_can_fail():
-    keys = {key for key, _ in pairs(InitialGap().judge(solids(1.0)))}
-    wrong = [solids(0.5), *(solids(1.0, **{column: value}) for column, value in WRONG.items())]
-    assert {key for rows in wrong for key, verdict in pairs(InitialGap().judge(rows)) if verdict == FAILS} == keys
-
-
-@pytest.mark.parametrize(
-    ("order", "claim", "judge"),
-    [(1.0, "Prop. 5.4", prop_5_4), (0.5, "Prop. 5.3", prop_5_3)],
-    ids=["smooth", "rough"],
-)
-def test_a_case_has_the_verdicts_of_the_proposition_about_its_regularity(order, claim, judge):
-    rows = solids(order).assign(expected_order=order)
-    found = InitialGap().judge(rows)
-    assert pairs(found) == pairs(judge(rows.assign(claim=claim), order))
-    assert {row.label for row in found} == {INITIAL_GAP}
-    assert InitialGap().judge(rows.assign(claim=claim)) == []
 
 
 # A user's own case that is a poor test is undecided, with what to do; it fails where the data contradict.
@@ -226,9 +183,7 @@ def reason(verdict):
     return verdict.expected.partition(BECAUSE)[2]
 
 
-@pytest.mark.parametrize(
-    "orders", [[0.5, 0.5], [0.5, 0.55], [0.8, 0.7], [1.5, 1.5], [0.4, 0.6, 0.62], [0.99, 0.7, 0.6]]
-)
+@pytest.mark.parametrize("orders", [[0.5, 0.55], [1.5, 1.5], [0.99, 0.7, 0.6]])
 def test_orders_that_stay_away_contradict_the_statement_also_on_one_family_alone(orders):
     rows = following(orders)
     assert own(rows)["order"].verdict == FAILS
@@ -240,10 +195,7 @@ def test_orders_that_stay_away_contradict_the_statement_also_on_one_family_alone
     [
         ([0.6, 0.8], {}, "order", "not asymptotic yet: try --levels 16 32 64"),
         ([0.3, 0.6, 0.79], {}, "order", "not asymptotic yet: try --levels 16 32 64 128"),
-        ([1.5, 1.3], {}, "order", "not asymptotic yet: try --levels 16 32 64"),
-        ([0.7, 0.99], {}, "order", "not asymptotic yet: try --levels 16 32 64"),
         ([1.02, 0.82], {}, "order", "values scatter: try --levels 16 32 64"),
-        ([0.7, 1.3], {}, "order", "values scatter: try --levels 16 32 64"),
         ([], {"predicted_interpolation": 0.2}, "leading-term", "not asymptotic yet: try --levels 8 16 32"),
         ([0.6, 0.8], {"dim": 3}, "order", "try --levels 16 32 48"),
         ([1, 1], {"time_share": 0.03}, "time-share", "raise `pace`"),
@@ -252,7 +204,6 @@ def test_orders_that_stay_away_contradict_the_statement_also_on_one_family_alone
         ([1, 1], {"discrete_error": 1.0}, "discrete-share", "more than a good test allows"),
         ([1, 1], {"discrete_error": 0.03}, "discrete-order-others", "not asymptotic"),
         ([1, 1], {"discrete_error": 0.03, "family": "one-diagonal"}, "discrete-order-superclose", "wrong by a little"),
-        ([0.5, 0.5], {"time_share": 0.1}, "order", "time steps disturb"),
         ([0.5, 0.5], {"quadrature_change": 0.1}, "order", "quadrature disturbs the errors: mend that first"),
         ([0.5, 0.5], {"quadrature_change": 0.1, "time_share": 0.1}, "order", "time steps and quadrature disturb"),
     ],
@@ -317,11 +268,8 @@ def test_a_case_of_the_catalogue_fails_as_before():
 
 
 def test_levels_to_try_are_finer_in_space_not_too_fine_and_as_many_as_an_order_needs():
-    assert [finer(levels, 2) for levels in ([8, 16, 32], [9, 12, 15])] == [[16, 32, 64], [12, 15, 18]]
-    assert [finer(levels, 3) for levels in ([6, 9, 12], [8, 16, 32])] == [[9, 12, 15], [16, 32, 48]]
-    cases = (([8], 3, 2, [8, 16, 32]), ([9, 12], 4, 2, [9, 12, 15, 18]), ([8], 3, 3, [8, 12, 16]))
-    assert all(enough(levels, needed, dim) == expected for levels, needed, dim, expected in cases)
-    assert (least_levels("Prop. 5.3"), least_levels("Prop. 5.4")) == (4, 3)
+    assert [finer([9, 12, 15], dim) for dim in (2, 3)] == [[12, 15, 18]] * 2
+    assert [enough([8], 3, dim) for dim in (2, 3)] == [[8, 16, 32], [8, 12, 16]]
 
 
 def force(key, verdict, observed):
@@ -358,35 +306,11 @@ def test_a_time_share_of_the_contact_force_says_nothing_about_the_errors():
 # Verdicts on random meshes depend little on chance, and still notice defects.
 
 
-H = 1 / np.array([8.0, 16.0, 32.0])
-
-
-def test_a_weighted_order_is_exact_for_powers_and_sees_what_is_wrong_on_the_finest_level():
-    assert fit(H, 3 * H**1.5, CELL_POWER) == pytest.approx(1.5)
-    stagnating = np.array([1.0, 0.5, 0.4])
-    assert fit(H, stagnating, CELL_POWER) < fit(H, stagnating, 0)
-
-
-def test_growth_is_that_of_a_power_over_all_levels_and_errors_without_an_order_fail():
-    assert growth(H, 1.7 * H**-0.25) == pytest.approx(4**0.25)
-    levels = pd.DataFrame({"h": H, "e": [1.0, 0.0, 0.5]})
-    check = Check("key", "quantity", quantities.fitted("e", power=CELL_POWER), Window(0, 2), CheckKind.CLAIM)
-    assert check.verdict(FirstOrder(), "a", {"shaken": levels}).verdict == FAILS
-
-
 @pytest.fixture
 def rates():
     """Committed rows of a case on shaken meshes."""
     found = read_rates(RESULTS).assign(expected_order=1.0)
     return found[(found["case"] == "advance-recede") & (found["family"] == "shaken")].copy()
-
-
-def test_orders_are_taken_in_the_leading_term_on_random_meshes_alone(rates):
-    names = "shaken", "shaken-7", "unstructured", "one-diagonal"
-    assert [is_random(name) for name in names] == [True, True, False, False]
-    found = in_leading_term({"shaken-3": rates, "one-diagonal": rates})
-    assert (found["shaken-3"]["h"] == rates[LEADING]).all()
-    assert (found["one-diagonal"]["h"] == rates["h"]).all()
 
 
 def test_a_mesh_that_happens_to_be_bad_is_no_alarm(rates):

@@ -1,44 +1,16 @@
 """Statements about the evolution: their pieces are right, and each verdict can come out otherwise."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from measured_rows import invented, verdicts
 
 from manufactured import named
-from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED
-from study.solve.tableau import BACKWARD_EULER, SCHEMES
+from study.ledger.verdict import FAILS, HOLDS, MISSED
+from study.solve.tableau import SCHEMES
 from study.statements.error_estimate import BOTH_BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted
-from study.statements.shared.base import Experiment, Setting
 from study.statements.time_steps import FEW_STEPS, FullyDiscrete
-from study.statements.wellposed import fastest, perturbations, quotients
-
-
-def setup(name, n, steps, family="shaken"):
-    return Experiment.at(Setting(name, family, n), BACKWARD_EULER, steps)
-
-
-# Theorem 2.2.
-
-
-def test_a_start_outside_K_has_no_bounded_velocity():
-    problem = setup("full-contact", 6, 1).problem
-    outside = replace(problem, u0=problem.u0 + problem.N.T @ np.full(problem.N.shape[0], 1.0))
-    assert fastest(problem, 96) < 1.2 * fastest(problem, 24)
-    assert fastest(outside, 96) > 3 * fastest(outside, 24)
-
-
-def test_growth_beyond_omega_exceeds_the_bound():
-    found = setup("advance-recede", 4, 12)
-    omega = found.solution.law.kappa
-    problem = replace(found.problem, reference=-4 * omega * found.problem.M)
-    trajectory = list(BACKWARD_EULER.march(problem, 12))
-    damping = np.exp(-omega * np.array([state.time for state in trajectory[1:]]))
-    quotient = [quotients(problem, trajectory, other) * damping for other in perturbations(problem, found.space)]
-    assert np.max(quotient) > 1.1
-
 
 # (5.20)–(5.21), (5.42).
 
@@ -56,11 +28,6 @@ def test_a_bound_of_lower_order_must_be_lower_by_what_is_predicted(case, term, g
     found = verdicts(ErrorBounds(), bounds_of(case, **{term: np.array([8, 16, 32]) ** (over_gamma * gamma)}))
     assert found["growth-5.42"] == verdict
     assert "steady-5.42" not in found
-
-
-def test_no_bound_is_claimed_where_the_ratio_carries_a_logarithm():
-    found = ErrorBounds().judge(bounds_of("natural-front"))
-    assert [(v.key, v.verdict) for v in found if "log h" in v.quantity] == [("steady-5.42", REPORTED)]
 
 
 def test_the_constant_of_the_proof():

@@ -8,6 +8,7 @@ from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED
 from study.statements import error_estimate
 from study.statements.error_estimate import InterpolationInV, InterpolationOnContact
 from study.statements.shared.base import grid
+from study.statements.shared.norms import maximum, minimum
 from study.statements.wellposed import Korn
 
 H = 1 / np.array([8.0, 16.0, 32.0])
@@ -50,6 +51,15 @@ def test_the_order_of_traces_is_two_where_it_is_claimed(tau, order, verdict):
     column = error_estimate.TRACE_ERROR.format(next(iter(error_estimate.FUNCTIONS)), 1)
     rows = invented({error_estimate.REGULARITY: tau, "size of Γ3,1": H, column: H**order})
     assert {*verdicts(InterpolationOnContact(), rows).values()} == {verdict}
+
+
+@pytest.mark.parametrize("place", range(3))
+def test_extremes_of_values_with_nan_are_nan(place):
+    """Python's ``max`` and ``min`` hide NaN unless it comes first; pandas leaves it out."""
+    values = [1.0, 2.0, 3.0]
+    assert (maximum(values), minimum(values)) == (3.0, 1.0)
+    values[place] = np.nan
+    assert np.isnan([maximum(values), minimum(values)]).all()
 
 
 def test_a_trace_that_is_zero_has_no_order_to_be_judged():
