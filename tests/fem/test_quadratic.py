@@ -9,18 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from manufactured import named, polygon, unit_square
-from manufactured.cases.laws import anisotropic, not_proportional
-from manufactured.data import Data
+from manufactured.cases.laws import anisotropic
 from manufactured.problems import problems
 from manufactured.tensors import mandel
-from study.bound.discretisation import Discretisation
-from study.bound.problem import BoundError
-from study.bound.trajectory import prolongation
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured
-from study.fem.mesh import barycentric as barycentric_of
 from study.fem.quadratic import Quadratic
 from study.fem.quadrature import simplex_rule
-from study.fem.space import Space
 from study.stresses.composite import bernstein
 
 BODIES = {
@@ -37,27 +31,6 @@ LEVEL = 4
 def quadratic(body):
     found, family = BODIES[body]
     return Quadratic(family(found, LEVEL), found)
-
-
-@lru_cache
-def discretisation(body, refinements=0):
-    found, family = BODIES[body]
-    data = Data.formulas(found, anisotropic() if body == "square" else not_proportional(), f0=(0, 0))
-    return Discretisation(data, family(found, LEVEL).refined(refinements))
-
-
-def in_cells(space, rng):
-    """Random barycentric coordinates (3, 5), the same in every cell, and their points (2, cells, 5)."""
-    barycentric = rng.dirichlet(np.ones(3), 5).T
-    return barycentric, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], barycentric)
-
-
-def values(space, v, barycentric):
-    return np.einsum("aq,acd->dcq", space.shapes(barycentric), space.coefficients(v)[space.numbers])
-
-
-def strains(space, v, barycentric):
-    return (space.strains(barycentric) @ v).reshape(3, space.cells, -1)
 
 
 def on_contact(space, v, x):
@@ -112,10 +85,12 @@ def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body
     ends = space.mesh.p[:, space.mesh.facets]
     on_edges = 2 * polynomial(c, ends.mean(axis=1)) - polynomial(c, ends).mean(axis=1)
     v = np.hstack([polynomial(c, space.mesh.p), on_edges]).T.ravel()
-    barycentric, x = in_cells(space, rng)
-    assert np.allclose(values(space, v, barycentric), polynomial(c, x), atol=1e-11)
+    barycentric = rng.dirichlet(np.ones(3), 5).T
+    x = np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], barycentric)
+    values = np.einsum("aq,acd->dcq", space.shapes(barycentric), space.coefficients(v)[space.numbers])
+    assert np.allclose(values, polynomial(c, x), atol=1e-11)
     expected = mandel(gradient(c, x))
-    assert np.allclose(strains(space, v, barycentric), expected, atol=1e-10)
+    assert np.allclose((space.strains(barycentric) @ v).reshape(expected.shape), expected, atol=1e-10)
     # The form is the integral of the products of strains.
     rule, weights = simplex_rule(2, 2)
     e = mandel(gradient(c, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], rule)))
@@ -125,30 +100,3 @@ def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body
     assert v @ space.functional(np.einsum("IJ,Jcq->Icq", A, space.strain(v))) == pytest.approx(energy, rel=1e-10)
     some = rng.permutation(space.cells)[:3]
     assert np.allclose(space.strain_at(v, some, x[:, some]), expected[:, some], atol=1e-10)
-
-
-# ---- P1 in degree 2
-
-
-@pytest.mark.parametrize("refinements", [0, 1, 2])
-@pytest.mark.parametrize("body", BODIES)
-def test_linear_functions_keep_their_values_and_strains_on_refined_meshes(body, refinements):
-    """At the vertices of the refined mesh, and as the products of their strains."""
-    coarse, fine = discretisation(body), discretisation(body, refinements)
-    space, V = Space(coarse.mesh, coarse.data.body), fine.displacements
-    v = np.random.default_rng(refinements).normal(size=space.dofs)
-    P = prolongation(space, fine)
-    x = V.mesh.p
-    cells = coarse.mesh.element_finder()(*x)
-    local = barycentric_of(coarse.mesh, cells, x[..., None])[..., 0]
-    expected = np.einsum("dvc,vc->cd", space.nodal(v)[:, coarse.mesh.t[:, cells]], local)
-    assert np.allclose(V.coefficients(P @ v)[: len(expected)], expected, atol=1e-9)
-    A = coarse.data.law.A.matrix
-    assert abs(P.T @ V.form(A) @ P - space.form(A)).max() < 1e-10
-
-
-def test_a_mesh_that_is_no_refinement_is_refused():
-    coarse = discretisation("square")
-    other = Discretisation(coarse.data, OneDiagonal()(coarse.data.body, LEVEL).refined())
-    with pytest.raises(BoundError, match="no refinement"):
-        prolongation(Space(coarse.mesh, coarse.data.body), other)

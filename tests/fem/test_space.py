@@ -102,10 +102,8 @@ def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed(
     [
         (lambda: face(LOADED, O, X, XY + 0.1 * Z, Y), "not flat"),
         (lambda: face(LOADED, O, 2 * X, XY / 2, 2 * Y), "not convex"),
-        (lambda: face(LOADED, O, X), "cannot have corners of the shape"),
         (lambda: face(LOADED, O, X, 2 * X), "area 0"),
         (lambda: face(LOADED, O, O, X), "edge of length 0"),
-        (lambda: face(LOADED, O, X, np.nan * Y), "finite real numbers"),
         (lambda: Body(box().parts[1:]), "do not enclose"),
         (lambda: Body(tuple(Part(p.kind, p.corners[:, ::-1]) for p in box().parts)), "counter-clockwise"),
         (lambda: Body((Part(LOADED, box().parts[0].corners + 0.1), *box().parts[1:])), "do not enclose"),
@@ -219,17 +217,19 @@ def test_a_rule_on_a_simplex_is_exact_to_its_degree(dim, degree):
 
 
 def test_rules_integrate_quartics_over_a_solid_and_sextics_over_its_faces():
+    """∫ x² y² over a box, and ∫ x² y² z² over its faces: |F|³ c²/9 for the area |F| and the distance c from 0."""
     body = box((1.0, 2.0, 3.0))
     mesh = Shaken()(body, 3)
     total = sum(float(np.sum(np.prod(r.points[:2] ** 2, axis=0) * r.weights)) for r in cell_rules(mesh, 4, ()))
     assert total == pytest.approx(8 / 3, rel=1e-12)
-    exact = [0, 8 * 27 / 9, 0, 4 * 27 / 9, 0, 9 * 8 / 9]
-    for part, facets, integral in zip(body.parts, boundary_parts(mesh, body), exact, strict=True):
+    for part, facets in zip(body.parts, boundary_parts(mesh, body), strict=True):
         rule = facet_rule(mesh, facets, part, (), 4)
         x = part.point(rule.s)
         assert np.allclose(np.einsum("dkn,knq->dnq", mesh.p[:, mesh.facets[:, facets]], rule.shapes), x)
         assert rule.weights.sum() == pytest.approx(part.measure)
-        assert np.sum(np.prod(x**2, axis=0) * rule.weights) == pytest.approx(integral, abs=1e-11)
+        integral = np.sum(np.prod(x**2, axis=0) * rule.weights)
+        across = part.normal @ part.corners[:, 0]
+        assert integral == pytest.approx(part.measure**3 / 9 * across**2, abs=1e-11)
 
 
 @pytest.mark.parametrize("direction", [(1.0, 0.0), (0.6, 0.8)])

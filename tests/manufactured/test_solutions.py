@@ -1,7 +1,6 @@
 """What exact solutions are made of: singular fields that rest or travel, layers, coupled strains, regularity."""
 
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
@@ -329,21 +328,8 @@ HISTORY = "(2.6)"
 """Of the self-proof: u = u_0 + ∫ u̇ dt by a rule with 256 steps, too few for what passes a point within a time ℓ."""
 
 
-@pytest.mark.parametrize("level", [16, slow(64)])
+@pytest.mark.parametrize("level", [8, slow(16), slow(64)])
 @pytest.mark.parametrize("kind", [1, *(slow(kind) for kind in (0, 2, 3))])
 def test_every_roller_is_an_exact_solution(kind, level):
     case = rollers(level)[kind]
     assert [finding for finding in violated(case.solution) if not finding.condition.startswith(HISTORY)] == []
-
-
-def test_in_most_cases_the_body_slides_where_it_touches_by_a_fifth_of_its_displacement_on_the_face():
-    def slides(name):
-        solution = named(name).solution
-        for part, time in product(solution.body.of(CONTACT), np.linspace(0, solution.body.T, 5)[1:]):
-            u = solution.at(part.sample(np.random.default_rng(0), 100)).displacement(time)
-            touching = abs(part.normal @ u) < 1e-12
-            if abs(u[:, touching]).max(initial=0) > 0.2 * abs(u).max():
-                return True
-        return False
-
-    assert sum(map(slides, NAMES)) > len(NAMES) / 2
