@@ -31,12 +31,13 @@ from study.bound.discretisation import Discretisation
 from study.bound.fields import _together, read
 from study.bound.given import SINGLE, _check_cells, _on_boundary, bound_displacement, given
 from study.bound.problem import BoundError
-from study.bound.static import StaticDiscretisation, compute_static
+from study.bound.static import compute_static
 from study.bound.trajectory import compute, on_refinement
 from study.fem.mesh import MeshError, OneDiagonal, Shaken, Unstructured
+from study.fem.naming import resolve_data
 from study.fem.quadratic import nodes_of
 from study.fem.space import Space, form
-from study.solve.signorini import Signorini
+from study.ledger.files import write_text
 from study.solve.tableau import MIDPOINT
 
 KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
@@ -183,13 +184,11 @@ def test_what_does_not_fit_is_refused_by_name(name):
 
 
 @pytest.mark.parametrize("aspect", [5e3, 1e5, 1e7])
-@pytest.mark.parametrize("in_time", [True, False])
-def test_triangles_too_thin_for_double_precision_are_refused_with_their_place(aspect, in_time):
-    data = PROBLEM if in_time else static(unit_square(), isotropic(1, 1), (0, -1))
+def test_triangles_too_thin_for_double_precision_are_refused_with_their_place(aspect):
+    data = static(unit_square(), isotropic(1, 1), (0, -1))
     mesh = MeshTri.init_tensor(np.array([0, 0.5, 0.5 + 0.5 / aspect, 1]), np.linspace(0, 1, 3))
-    times = np.linspace(0, 1, 3) if in_time else np.zeros(1)
     with pytest.raises(MeshError, match=r"x = \(0.5, .* times as long as high"):
-        bound_displacement(data, mesh.p.T, mesh.t.T, times, np.zeros((len(times), 12, 2)))
+        bound_displacement(data, mesh.p.T, mesh.t.T, None, 0 * mesh.p.T)
 
 
 @pytest.mark.parametrize("size", [0.01, 1, 100])
@@ -206,9 +205,9 @@ def test_a_small_cell_far_from_another_one_has_an_area():
 
 def test_curved_triangles_and_a_single_time_are_refused():
     arrays = field()
-    points, six = of_degree_2(arrays["points"], arrays["triangles"])
-    points[len(arrays["points"]) :] += 0.01
-    curved = {"points": points, "triangles": six, "u": np.zeros((3, len(points), 2))}
+    points, triangles = of_degree_2(arrays["points"], arrays["triangles"])
+    points[-1] += 0.01
+    curved = {"points": points, "triangles": triangles, "u": np.zeros((3, len(points), 2))}
     for changed, message in ((curved, "curved tri"), ({"times": np.zeros(1), "u": arrays["u"][:1]}, "one time only")):
         with pytest.raises(BoundError, match=message):
             given(PROBLEM, **(arrays | changed))
@@ -222,18 +221,19 @@ def test_a_static_problem_takes_one_time_only():
 
 
 def test_values_on_the_clamped_part_are_replaced_and_the_change_is_added_to_the_error():
-    bent = field() | {"u": field()["u"] + 0.01 * field()["points"][:, :1] * field()["times"][:, None, None]}
+    """The change is 0.01 t x on the top, (x, x) at its nodes, and the largest at t = 1."""
+    bent = field()
+    bent["u"] = bent["u"] + 0.01 * bent["points"][:, :1] * bent["times"][:, None, None]
     bounded = bound_displacement(PROBLEM, **bent, nearest=True, refine=0, shorter=1, steps=2)
-    nodes = bounded.computed.nodes.reshape(bent["u"].shape)
-    assert abs(nodes[:, bent["points"][:, 1] == 1]).max() == 0
-    offset, ends = bounded.computed.offset, re.findall(r"lies in \[(.*), (.*)\]$", bounded.remarks[-1])
+    change = bent["u"][-1] - bounded.computed.nodes[-1].reshape(-1, 2)
+    assert change == pytest.approx(0.01 * bent["points"][:, :1] * (bent["points"][:, 1:] == [1, 1]))
     held_below = Space(bounded.computed.mesh, polygon(CORNERS, [Kind.CLAMPED, *3 * [Kind.LOADED]]))
-    v = (bent["u"] - nodes)[-1].ravel()[held_below.free]
+    v, offset = change.ravel()[held_below.free], bounded.computed.offset
     assert offset == pytest.approx(np.sqrt(v @ form(held_below, LAW.A) @ v), rel=1e-9)
     assert any("u_h is changed by up to 0.01 on side 2 (CLAMPED)" in remark for remark in bounded.remarks)
-    low, high = (float(end) for end in ends[0])
-    assert low == pytest.approx(max(0.0, bounded.enclosure.lowest - offset), rel=1e-3)
-    assert high == pytest.approx(bounded.enclosure.highest + offset, rel=1e-3)
+    ends = re.search(r"lies in \[(.*), (.*)\]$", bounded.remarks[-1]).groups()
+    low, high = bounded.enclosure.lowest - offset, bounded.enclosure.highest + offset
+    assert [float(end) for end in ends] == pytest.approx([max(0.0, low), high], rel=1e-3)
 
 
 PLANE = {"stress": plane_stress(2.0, 0.3), "strain": plane_strain(2.0, 0.3)}
@@ -286,20 +286,27 @@ def test_arguments_that_make_no_sense_are_refused_by_name(wrong):
         bound_displacement(PROBLEM, **field(), **wrong)
 
 
-def test_a_lower_end_of_zero_for_degree_2_says_which_refinement_to_take():
-    mesh, data = Shaken()(unit_square(), 3), static(unit_square(), PLANE["stress"], (0, -1), {1: (1, 0)})
-    fine = StaticDiscretisation(data, mesh)
-    u, _ = Signorini(fine.M, fine.displacements.N, fine.displacements.free_points)(fine.load(0.0))
-    coefficients = np.zeros(2 * fine.displacements.count)
-    coefficients[fine.displacements.free] = u
-    nodal = np.linalg.solve(on_refinement(mesh, 2, mesh).toarray(), coefficients).reshape(-1, 2)
-    triangles = np.vstack([mesh.t, mesh.p.shape[1] + mesh.t2f]).T
-    ends = {}
-    for refine in (0, 2):
-        found = bound_displacement(data, fine.displacements.nodes.T, triangles, None, nodal, refine=refine)
-        ends[refine], advice = found.error[0], [remark for remark in found.remarks if "--refine" in remark]
-        assert bool(advice) == (ends[refine] == 0)
-    assert ends[0] == 0 < ends[2]
+PULLED = """
+from manufactured import Kind, plane_stress, polygon, static
+
+CLAMPED, FREE, ROLLER = Kind.CLAMPED, Kind.LOADED, Kind.ROLLER
+body = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [ROLLER, FREE, FREE, ROLLER])
+plate = static(body, plane_stress(E=2.0, nu=0.25), f2={1: (2, 0)})
+"""
+"""The solution is (x, −y/4), and the energy of its stress σ_11 = 2 is 2."""
+
+
+@pytest.fixture
+def pulled(tmp_path):
+    return write_text(tmp_path / "pulled.py", PULLED)
+
+
+@pytest.mark.parametrize(("factor", "advised"), [(1.0, True), (0.9, False)])
+def test_a_lower_end_of_zero_for_degree_2_says_which_refinement_to_take(factor, advised, pulled):
+    points, triangles = of_degree_2(CORNERS, np.array(HALVES))
+    _, data, _ = resolve_data(f"{pulled}:plate")
+    found = bound_displacement(data, points, triangles, None, factor * points * [1, -1 / 4], refine=0)
+    assert any("try --refine 1" in remark for remark in found.remarks) == advised
 
 
 def test_penetration_is_reported_with_its_place():
@@ -313,25 +320,24 @@ def test_penetration_is_reported_with_its_place():
 # Files.
 
 
-def write(path, arrays, name="displacement", form="XML"):
-    points = np.column_stack([arrays["points"], 0 * arrays["points"][:, 0]])
-    kind = {3: "triangle", 6: "triangle6"}[arrays["triangles"].shape[1]]
-    cells = [(kind, arrays["triangles"]), ("line", arrays["triangles"][:1, :2])]
-    solid = [np.column_stack([u, 0 * u[:, 0]]) for u in arrays["u"]]
+def write(path, points, triangles, times, u, form="XML"):
+    """Write a displacement, with its velocity and lines as other programs add them."""
+    cells = [({3: "triangle", 6: "triangle6"}[triangles.shape[1]], triangles), ("line", triangles[:1, :2])]
+    solid, vectors = (np.insert(array, 2, 0.0, axis=-1) for array in (points, u))
     if path.suffix == ".npz":
-        np.savez(path, **arrays)
+        np.savez(path, points=points, triangles=triangles, times=times, u=u)
     elif path.suffix == ".pvd":
-        lines = []
-        for number, (time, u) in enumerate(zip(arrays["times"], solid, strict=True)):
-            file = path.with_name(f"{path.stem}-{number}.vtu")
-            meshio.Mesh(points, cells, point_data={name: u, "velocity": u}).write(file)
-            lines.append(f'<DataSet timestep="{time}" file="{file.name}"/>')
-        path.write_text(f"<VTKFile type='Collection'><Collection>{''.join(lines)}</Collection></VTKFile>")
+        lines = ""
+        for number, (time, at_time) in enumerate(zip(times, vectors, strict=True)):
+            file = f"{path.stem}-{number}.vtu"
+            meshio.Mesh(solid, cells, {"displacement": at_time, "velocity": at_time}).write(path.with_name(file))
+            lines += f'<DataSet timestep="{time}" file="{file}"/>'
+        path.write_text(f"<VTKFile type='Collection'><Collection>{lines}</Collection></VTKFile>")
     else:
         with meshio.xdmf.TimeSeriesWriter(path, data_format=form) as writer:
-            writer.write_points_cells(points, cells[:1])
-            for time, u in zip(arrays["times"], solid, strict=True):
-                writer.write_data(time, point_data={name: u})
+            writer.write_points_cells(solid, cells[:1])
+            for time, at_time in zip(times, vectors, strict=True):
+                writer.write_data(time, point_data={"displacement": at_time})
     return path
 
 
@@ -344,7 +350,7 @@ def test_files_of_other_programs_are_read(suffix, form, degree, tmp_path, monkey
         arrays["points"], arrays["triangles"] = of_degree_2(arrays["points"], arrays["triangles"])
         arrays["u"] = arrays["times"][:, None, None] * (1 - arrays["points"][None, :, 1:] ** 2) * np.array([0.1, 0.2])
     expected = given(PROBLEM, **arrays)
-    found = given(PROBLEM, **vars(read(write(tmp_path / f"mine{suffix}", arrays, form=form))))
+    found = given(PROBLEM, **vars(read(write(tmp_path / f"mine{suffix}", **arrays, form=form))))
     assert np.allclose(found.times, expected.times)
     assert np.allclose(found.nodes, expected.nodes)
     assert found.degree == degree
@@ -365,6 +371,42 @@ SERIES = """
 <Grid GridType="Uniform"><Time Value="1"/>{later}{u}</Grid>
 </Grid></Domain></Xdmf>
 """
+
+
+@pytest.fixture(scope="module")
+def unusable(tmp_path_factory):
+    """A directory with files in which no displacement can be read."""
+    directory = tmp_path_factory.mktemp("unusable")
+    write(directory / "mine.pvd", **field())
+    for noise in ("noise.vtu", "noise.npz", "noise.frd"):
+        (directory / noise).write_text("noise")
+    step = "<V><DataSet {}/></V>"
+    texts = {
+        "lost.pvd": step.format('timestep="0" file="lost.vtu"'),
+        "untimed.pvd": step.format('file="mine-0.vtu"'),
+        "bomb.pvd": step.format('timestep="0" file="bomb.xdmf"'),
+        **dict.fromkeys(("bomb.xdmf", "bomb.xmf"), '<Xdmf><DataItem Format="HDF">bomb.h5:/u</DataItem></Xdmf>'),
+        "moved.xdmf": SERIES.format(mesh=MESH, later=MESH.replace("0 0 1 0 0 1", "0 0 1 0 0 2"), u=FIELD),
+        "strange.xdmf": SERIES.format(mesh=MESH, later="<Geometry/>", u=FIELD),
+    }
+    for name, text in texts.items():
+        (directory / name).write_text(text)
+    np.savez_compressed(directory / "bomb.npz", **(field() | {"u": np.zeros(100_000_000, dtype=np.int8)}))
+    zeros = meshio.Mesh(np.zeros((10_000_000, 3)), [("triangle", np.array([[0, 1, 2]]))])
+    zeros.write(directory / "bomb.vtu", compression="zlib")
+    for bomb in ("bomb.h5", "bomb.med"):
+        with h5py.File(directory / bomb, "w") as file:
+            file.create_dataset("u", (10_000_000, 2), float, chunks=True, compression="gzip")
+    np.savez(directory / "short.npz", points=field()["points"])
+    packed = bytearray((directory / "short.npz").read_bytes())
+    # The flag of encryption in the header of the entry and in the table of all entries.
+    packed[6] = packed[packed.rindex(b"PK\x01\x02") + 8] = 1
+    (directory / "locked.npz").write_bytes(packed)
+    np.savez_compressed(directory / "broken.npz", **field())
+    broken = bytearray((directory / "broken.npz").read_bytes())
+    broken[120:160] = bytes(40)
+    (directory / "broken.npz").write_bytes(broken)
+    return directory
 
 
 @pytest.mark.parametrize(
@@ -389,36 +431,9 @@ SERIES = """
         ("moved.xdmf", None, r"moved.xdmf has another mesh at t = 1.0 than before"),
     ],
 )
-def test_files_without_a_displacement_are_refused(tmp_path, name, field_name, message):
-    write(tmp_path / "mine.pvd", field())
-    np.savez(tmp_path / "short.npz", points=field()["points"])
-    for noise in ("noise.vtu", "noise.npz", "noise.frd"):
-        (tmp_path / noise).write_text("noise")
-    step, (saved, *_) = "<V><DataSet {}/></V>", sorted(tmp_path.glob("*.vtu"))
-    (tmp_path / "lost.pvd").write_text(step.format('timestep="0" file="lost.vtu"'))
-    (tmp_path / "untimed.pvd").write_text(step.format(f'file="{saved.name}"'))
-    np.savez_compressed(tmp_path / "bomb.npz", **(field() | {"u": np.zeros(100_000_000, dtype=np.int8)}))
-    zeros = meshio.Mesh(np.zeros((10_000_000, 3)), [("triangle", np.array([[0, 1, 2]]))])
-    zeros.write(tmp_path / "bomb.vtu", compression="zlib") if name == "bomb.vtu" else None
-    for bomb in ("bomb.h5", "bomb.med"):
-        with h5py.File(tmp_path / bomb, "w") as file:
-            file.create_dataset("u", (10_000_000, 2), float, chunks=True, compression="gzip")
-    for bomb in ("bomb.xdmf", "bomb.xmf"):
-        (tmp_path / bomb).write_text('<Xdmf><DataItem Format="HDF">bomb.h5:/u</DataItem></Xdmf>')
-    (tmp_path / "bomb.pvd").write_text(step.format('timestep="0" file="bomb.xdmf"'))
-    packed = (tmp_path / "short.npz").read_bytes()
-    # The flag of encryption in the header of the entry and in the table of all entries.
-    locked = packed[:6] + b"\x01" + packed[7:]
-    start = locked.rindex(b"PK\x01\x02") + 8
-    (tmp_path / "locked.npz").write_bytes(locked[:start] + b"\x01" + locked[start + 1 :])
-    np.savez_compressed(tmp_path / "broken.npz", **field())
-    whole = (tmp_path / "broken.npz").read_bytes()
-    (tmp_path / "broken.npz").write_bytes(whole[:120] + bytes(40) + whole[160:])
-    moved = MESH.replace("0 0 1 0 0 1", "0 0 1 0 0 2")
-    for file, later in (("moved.xdmf", moved), ("strange.xdmf", "<Geometry/>")):
-        (tmp_path / file).write_text(SERIES.format(mesh=MESH, later=later, u=FIELD))
+def test_files_without_a_displacement_are_refused(unusable, name, field_name, message):
     with pytest.raises(BoundError, match=message):
-        read(tmp_path / name, field_name)
+        read(unusable / name, field_name)
 
 
 @pytest.mark.parametrize("series", [True, False])
@@ -426,7 +441,7 @@ def test_a_file_that_needs_a_missing_package_says_which(series, tmp_path, monkey
     monkeypatch.chdir(tmp_path)
     path, arrays = tmp_path / "mine.xdmf", field()
     if series:
-        write(path, arrays, form="HDF")
+        write(path, **arrays, form="HDF")
     else:
         meshio.Mesh(arrays["points"], [("triangle", arrays["triangles"])], {"u": arrays["u"][0]}).write(path)
     monkeypatch.setitem(sys.modules, "h5py", None)
@@ -467,24 +482,12 @@ def test_of_several_fields_of_other_names_the_displacement_has_to_be_named():
     assert _together(Path("u.vtu"), [(None, several)], None).u.min() == 1
 
 
-PULLED = """
-from manufactured import Kind, plane_stress, polygon, static
-
-CLAMPED, FREE, ROLLER = Kind.CLAMPED, Kind.LOADED, Kind.ROLLER
-body = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [ROLLER, FREE, FREE, ROLLER])
-plate = static(body, plane_stress(E=2.0, nu=0.25), f2={1: (2, 0)})
-"""
-
-
 @pytest.mark.parametrize("kind", ["triangle", "triangle6", "VTK_LAGRANGE_TRIANGLE"])
-def test_the_command_bounds_the_displacement_in_a_vtk_file_by_its_error(kind, tmp_path, told):
-    """The solution is (x, −y/4), and the energy of its stress σ_11 = 2 is 2; u_h is 9/10 of it."""
+def test_the_command_bounds_the_displacement_in_a_vtk_file_by_its_error(kind, pulled, tmp_path, told):
+    """u_h is 9/10 of the solution."""
     points, cells = (CORNERS, np.array(HALVES)) if kind == "triangle" else of_degree_2(CORNERS, np.array(HALVES))
-    u = 0.9 * points * [1, -1 / 4]
-    solid = np.column_stack([points, 0 * points[:, 0]])
-    point_data = {"u": np.column_stack([u, 0 * u[:, 0]])}
-    meshio.Mesh(solid, [(kind, cells)], point_data=point_data).write(tmp_path / "mine.vtu")
-    (tmp_path / "pulled.py").write_text(PULLED)
-    told(f"bound {tmp_path}/pulled.py:plate --displacement {tmp_path}/mine.vtu --out {tmp_path}", code=0)
+    solid, u = (np.insert(array, 2, 0.0, axis=1) for array in (points, 0.9 * points * [1, -1 / 4]))
+    meshio.Mesh(solid, [(kind, cells)], {"u": u}).write(tmp_path / "mine.vtu")
+    told(f"bound {pulled}:plate --displacement {tmp_path}/mine.vtu --out {tmp_path}", code=0)
     (row,) = pd.read_csv(tmp_path / "plate-mine" / "levels.csv").to_dict("records")
     assert [row["lowest"], row["highest"], row["plain"]] == pytest.approx(3 * [0.1 * 2**0.5], rel=1e-6)

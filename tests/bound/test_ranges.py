@@ -234,7 +234,7 @@ FORMULAS = [
     tanh(x1 - 2 * t) + x1 ** (1 + x2),
     x2**5 * log(2 + x1) + (x1 - Rational(1, 2)) ** 4,
     sp.sinh(x1 * t) - sp.cosh(x2) * sp.tan(x1 - x2 * t) + sp.cot(1 + x2),
-    (1 + x1**2) ** (x2 - t) / (2 + x1 * t) - sp.Max(x1, 0.5, x2) * sp.Abs(x2 - t) + sp.Min(x1, t),
+    (1 + x1**2) ** (x2 - t) / (2 + x1 * t),
 ]
 
 
@@ -242,10 +242,10 @@ FORMULAS = [
 @pytest.mark.parametrize("variables", [(x1, x2), (t,)], ids=["space", "time"])
 def test_taylor_coefficients_lie_in_their_ranges(formula, variables):
     boxes, random_points = random_boxes(variables, 4, 40)
-    found = boxes(own_formula(formula))
+    found = boxes(formula)
     modules = [{"pos": lambda x, a: np.where(x > 0, np.maximum(x, 1e-300) ** a, 0.0)}, "numpy"]
     for key, low, high in zip(boxes.keys, *found.ends, strict=True):
-        derivative = formula.rewrite(sp.Heaviside).replace(sp.DiracDelta, lambda *_: sp.Integer(0))
+        derivative = formula
         for variable, times in zip(variables, key, strict=True):
             derivative = sp.diff(derivative, variable, times) / sp.factorial(times)
         values = sp.lambdify((x1, x2, t), derivative, modules)

@@ -192,16 +192,14 @@ def curvature(which):
     return rest, beta * 2 * (1.5 - 1.1) / {"mean": 3, "largest": 2}[which] / math.sqrt(2)
 
 
-def stepped(**sizes):
-    """One step from y = 0 without elasticity, of one term alone: k r, √(2 k c), k η or k rest."""
-    k, found = 0.5, {"residual": 0.0, "oscillation": 0.0, "contact": 0.0, "rest": 0.0} | sizes
-    residual, oscillation = (np.full(4, found[name] ** 2 / 4) for name in ("residual", "oscillation"))
-    size = Sizes(residual[None], oscillation, found["contact"], found["rest"])
-    expected = k * (found["residual"] + found["oscillation"] + found["rest"]) + math.sqrt(2 * k * found["contact"])
-    return grow(0.0, np.zeros(1), Step(k, size, size))[0], expected
+def stepped(expected, residual=0.0, oscillation=0.0, contact=0.0, rest=0.0):
+    """One step of length 1/2 from y = 0 without elasticity, of one term alone."""
+    size = Sizes(np.full((1, 4), residual**2 / 4), np.full(4, oscillation**2 / 4), contact, rest)
+    return grow(0.0, np.zeros(1), Step(0.5, size, size))[0], expected
 
 
 STEP = {
+    "step by contact": lambda: stepped(math.sqrt(2), contact=2.0),  # (2 k c)^½
     "bending": bending,
     "largest bending": largest_bending,
     **{
@@ -210,8 +208,7 @@ STEP = {
         for which in ("mean", "largest")
     },
     **{
-        f"step by {term}": lambda term=term: stepped(**{term: 2.0})
-        for term in ("residual", "oscillation", "contact", "rest")
+        f"step by {term}": lambda term=term: stepped(1.0, **{term: 2.0}) for term in ("residual", "oscillation", "rest")
     },
 }
 

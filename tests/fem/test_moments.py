@@ -6,11 +6,12 @@ from costly_cases import BEYOND_THE_CATALOGUE, by_cost
 from hypothesis import given
 from hypothesis import strategies as st
 from measures import close
+from skfem import MeshTri
 
 from manufactured.catalogue import NAMES
 from manufactured.law import Linear
 from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules, shared_lines
-from study.fem.mesh import FAMILIES
+from study.fem.mesh import FAMILIES, barycentric, barycentric_gradients
 from study.fem.naming import resolve
 from study.fem.quadrature import Line, facet_rule, shared, simplex_rule
 from study.fem.space import Space
@@ -58,23 +59,21 @@ def test_modes_sum_to_the_strain_its_rate_and_the_force(name):
         "cube-disc",
     ],
 )
-def test_means_oscillation_and_load_are_integrals_over_the_points_of_the_rules(case):
+def test_error_and_load_are_integrals_over_the_points_of_the_rules(case):
     """The load is (σ, ε(v))_Q + ∫_{Γ3} p v_ν. Strain, stress and pressure are evaluated point by point."""
     solution = resolve(case).solution
     family = next(family for family in FAMILIES if family.serves(solution.body) and family.name != "one-diagonal")
     space = Space(family(solution.body, 8 if solution.body.dim == 2 else 4), solution.body)
     v_norm, time, A = ErrorNorm(solution, space), 0.61 * solution.body.T, solution.law.A
-    sample, oscillation = v_norm.sample(time), 0.0
+    sample, square = v_norm.sample(time), 0.0
+    of_interpolant = space.strain(sample.interpolant)
     integrals, nodal = np.zeros((len(A.matrix), space.cells)), np.zeros_like(space.mesh.p)
     for rule in rules(solution, space.mesh, v_norm.degree, shared_lines(solution)):
         fields, weights = solution.at(rule.points), rule.weights * A.factor(rule.points)
-        strain = fields.strain(time)
-        mean = np.einsum("Inq,nq->In", strain, weights) / weights.sum(axis=1)
-        apart = strain - mean[..., None]
-        oscillation += np.einsum("Inq,Inq,nq->", np.tensordot(A.matrix, apart, axes=1), apart, weights)
-        assert close(sample.means[:, rule.cells], mean, 1e-12)
+        apart = fields.strain(time) - of_interpolant[:, rule.cells, None]
+        square += np.einsum("Inq,IJ,Jnq,nq->", apart, A.matrix, apart, weights)
         integrals[:, rule.cells] = np.einsum("Inq,nq->In", fields.stress(time), rule.weights)
-    assert sample.oscillation == pytest.approx(oscillation, rel=1e-10)
+    assert v_norm.distance(sample, sample.interpolant) ** 2 == pytest.approx(square, rel=1e-10)
     for face in solution.faces:
         points = FACET_POINTS if space.dim == 2 else SOLID_FACET_POINTS
         on = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, points)
@@ -86,24 +85,17 @@ def test_means_oscillation_and_load_are_integrals_over_the_points_of_the_rules(c
 
 @given(seed=st.integers(0, 10**6), degree=st.sampled_from([4, 6]), angle=st.floats(0.2, 2.9), both=st.booleans())
 def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(seed, degree, angle, both):
-    rng = np.random.default_rng(seed)
-    corners = rng.normal(size=(2, 3, 5))
-    edges = corners[:, 1:] - corners[:, :1]
+    mesh = MeshTri(np.random.default_rng(seed).normal(size=(2, 15)), np.arange(15).reshape(3, 5))
     lines = [Line((1.0, 0.0), 0.2), Line((float(np.cos(angle)), float(np.sin(angle))), -0.1)][: 1 + both]
-    inverse = np.linalg.inv(np.moveaxis(edges, 2, 0).swapaxes(1, 2)).swapaxes(1, 2)
-    gradients = np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
-    barycentric, weights = simplex_rule(2, degree)
-    points, shares = shared(corners, gradients, barycentric, weights, lines)
-    offsets = points - corners[:, 0, :, None]
-    local = np.einsum("nid,dnq->inq", inverse, offsets)
-    assert min(local.min(), (1 - local.sum(axis=0)).min()) > 0
+    points, shares = shared(mesh.p[:, mesh.t], barycentric_gradients(mesh), *simplex_rule(2, degree), lines)
+    local = barycentric(mesh, np.arange(5), points)
+    assert local.min() > 0
     assert shares.min() > 0
     # Means of x^i y^j over the reference triangle: 2 i! j!/(i + j + 2)!.
     for i, j, mean in [(0, 0, 1), (1, 0, 1 / 3), (0, 1, 1 / 3), (2, 0, 1 / 6), (1, 1, 1 / 12), (0, 2, 1 / 6)]:
-        assert np.allclose((local[0] ** i * local[1] ** j * shares).sum(axis=1), mean, rtol=1e-11)
+        assert np.allclose((local[1] ** i * local[2] ** j * shares).sum(axis=1), mean, rtol=1e-11)
     for line in lines:
-        distance = np.einsum("d,dnq->nq", line.direction, points) - line.offset
-        for one in distance:
+        for one in np.tensordot(line.direction, points, axes=1) - line.offset:
             # Spacings are powers of two and at least this part of the width of the points of a cell.
             multiples = one / np.exp2(np.floor(np.log2(np.ptp(one))) - 20)
             assert np.allclose(multiples, np.rint(multiples), atol=1e-6)

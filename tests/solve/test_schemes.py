@@ -10,12 +10,9 @@ from changed import problems
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from measures import close
-from on_floor import on_floor
-from sympy import Rational
 
-from manufactured import named, pos, s, t, unit_square
+from manufactured import named, unit_square
 from manufactured.law import Indefinite, KelvinVoigt, isotropic, isotropic_matrix
-from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.fem.space import Space
@@ -135,26 +132,6 @@ def test_longer_steps_of_the_stress_problems_are_refused_too():
     experiment = StressExperiment.at(Setting("softening", "one-diagonal", 4), 2)
     with pytest.raises(StepsError, match="one solution"):
         list(replace(experiment, steps=1).march())
-
-
-FRONT = Rational(1, 4) + 2 * t * (1 - t)
-
-
-@pytest.mark.parametrize(("n", "error", "interpolation"), [(8, 6.977, 4.026), (16, 3.536, 2.030)])
-def test_errors_agree_with_an_independent_prototype_to_four_digits(n, error, interpolation):
-    """Of an advancing and receding front without slip, with backward Euler and k = 1/(2n)."""
-    law = KelvinVoigt(isotropic(1, 1), isotropic(1, 1), "A = G")
-    solution = on_floor(law, 20 * pos(s - FRONT, 4), 20 * pos(FRONT - s, 2), FRONT - s)
-    space = Space(OneDiagonal()(solution.body, n), solution.body)
-    v_norm = ErrorNorm(solution, space, raised=2)
-    problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
-    found, interpolated = [], []
-    for state in BACKWARD_EULER.march(problem, 2 * n):
-        sample = v_norm.sample(state.time)
-        found.append(v_norm.distance(sample, state.u))
-        interpolated.append(v_norm.distance(sample, sample.interpolant))
-    assert float(f"{max(found):.4g}") == error
-    assert float(f"{max(interpolated):.4g}") == interpolation
 
 
 def test_a_fixed_point_that_does_not_settle_says_so():
