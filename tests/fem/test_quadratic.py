@@ -56,15 +56,19 @@ def test_the_constraints_are_the_bernstein_coefficients_of_the_normal_trace(body
 # ---- values and strains
 
 
-def polynomial(c, x):
-    """The values u_i = Σ_m c_im m(x) with the monomials m up to the degree 2."""
-    return np.tensordot(c, [0 * x[0] + 1, x[0], x[1], x[0] ** 2, x[0] * x[1], x[1] ** 2], axes=1)
+class Polynomial:
+    """A random polynomial of degree 2 with values in the plane: u = c + B x + (H x)·x."""
 
+    def __init__(self, rng):
+        self.c, self.B, self.H = (rng.normal(size=shape) for shape in ((2, 1), (2, 2), (2, 2, 2)))
 
-def gradient(c, x):
-    zero, one = 0 * x[0], 0 * x[0] + 1
-    rows = [zero, one, zero, 2 * x[0], x[1], zero], [zero, zero, one, zero, x[0], 2 * x[1]]
-    return np.stack([np.tensordot(c, row, axes=1) for row in rows], axis=1)
+    def __call__(self, x):
+        x_ = x.reshape(2, -1)
+        values = self.c + self.B @ x_ + np.einsum("ijk,jn,kn->in", self.H, x_, x_)
+        return values.reshape(x.shape)
+
+    def gradient(self, x):
+        return self.B.reshape(2, 2, *(1,) * (x.ndim - 1)) + np.tensordot(self.H + self.H.swapaxes(1, 2), x, axes=1)
 
 
 class Unclamped(Quadratic):
@@ -80,20 +84,20 @@ class Unclamped(Quadratic):
 def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body, seed):
     rng, plain = np.random.default_rng(seed), quadratic(body)
     space = Unclamped(plain.mesh, plain.body)
-    c = rng.normal(size=(2, 6))
+    u = Polynomial(rng)
     # The coefficient of an edge follows from the values at its ends and its midpoint.
     ends = space.mesh.p[:, space.mesh.facets]
-    on_edges = 2 * polynomial(c, ends.mean(axis=1)) - polynomial(c, ends).mean(axis=1)
-    v = np.hstack([polynomial(c, space.mesh.p), on_edges]).T.ravel()
+    on_edges = 2 * u(ends.mean(axis=1)) - u(ends).mean(axis=1)
+    v = np.hstack([u(space.mesh.p), on_edges]).T.ravel()
     barycentric = rng.dirichlet(np.ones(3), 5).T
     x = np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], barycentric)
     values = np.einsum("aq,acd->dcq", space.shapes(barycentric), space.coefficients(v)[space.numbers])
-    assert np.allclose(values, polynomial(c, x), atol=1e-11)
-    expected = mandel(gradient(c, x))
+    assert np.allclose(values, u(x), atol=1e-11)
+    expected = mandel(u.gradient(x))
     assert np.allclose((space.strains(barycentric) @ v).reshape(expected.shape), expected, atol=1e-10)
     # The form is the integral of the products of strains.
     rule, weights = simplex_rule(2, 2)
-    e = mandel(gradient(c, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], rule)))
+    e = mandel(u.gradient(np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], rule)))
     A = anisotropic().A.matrix
     energy = np.einsum("IJ,Jcq,Icq,q,c->", A, e, e, weights, space.volumes)
     assert v @ space.form(A) @ v == pytest.approx(energy, rel=1e-10)

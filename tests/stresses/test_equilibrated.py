@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
-from costly_cases import slow, slow_unless
+from costly_cases import slow_unless
 from measures import close, gauss
 from skfem import Basis, ElementTriP4, ElementVector
 
@@ -16,7 +16,7 @@ from manufactured.data import Data, no_fronts
 from manufactured.law import KelvinVoigt
 from manufactured.regularity import Regularity
 from manufactured.tensors import full
-from study.fem.mesh import FAMILIES, MeshError, OneDiagonal, Shaken, Unstructured, cell_volumes
+from study.fem.mesh import FAMILIES, MeshError, OneDiagonal, Shaken, cell_volumes
 from study.fem.naming import resolve
 from study.fem.quadrature import Line, cell_rules
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
@@ -149,53 +149,42 @@ def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme, d
     space = StressSpace(family(data.body, 3), data.body, degree)
     v = moments_of(space, lambda x: np.array([0 * x[0], -x[1] * (1 - x[1])]))
     edges = np.concatenate([edges for _, edges in space.on(Kind.CONTACT)])
+    slope = -(1 - 2 * space.points[1])
+    zero = 0 * slope
     first, *states = scheme.march(StressEvolution(data, space), 4)
     assert np.isnan(first.stress.values).all()
-    assert first.strain == pytest.approx(0 * space.points[[0, 0, 1]], abs=1e-14)
+    assert abs(first.strain).max() <= 1e-14
     for state in states:
-        now, slope = state.time, -(1 - 2 * space.points[1])
-        zero = 0 * slope
-        stress = np.array([(LAMBDA_A + LAMBDA_G * now) * slope, (2 * MU_A + LAMBDA_A) * slope, zero])
-        stress[1] += (2 * MU_G + LAMBDA_G) * now * slope
-        np.testing.assert_allclose(state.stress.values, stress, rtol=0.0, atol=1e-10)
-        np.testing.assert_allclose(state.strain, np.array([zero, now * slope, zero]), rtol=0.0, atol=1e-11)
-        np.testing.assert_allclose(state.stress.moments, now * v, rtol=0.0, atol=1e-11)
+        across = LAMBDA_A + LAMBDA_G * state.time
+        along = across + 2 * (MU_A + MU_G * state.time)
         pressure = -space.boundary_tractions(edges, state.stress.tractions)[..., 0]
-        assert pressure == pytest.approx(2 * MU_A + LAMBDA_A + (2 * MU_G + LAMBDA_G) * now)
+        assert abs(state.stress.values - np.array([across * slope, along * slope, zero])).max() <= 1e-10
+        assert abs(state.strain - np.array([zero, state.time * slope, zero])).max() <= 1e-11
+        assert abs(state.stress.moments - state.time * v).max() <= 1e-11
+        assert pressure == pytest.approx(along)
 
 
-@pytest.mark.parametrize(
-    ("name", "family", "degree"),
-    [
-        *(("layered", Shaken(), 2), ("advance-recede", Shaken(), 2)),
-        *(slow(*one) for one in (("corner", Shaken(), 1), ("layered", Shaken(), 1))),
-        slow("hexagon", Unstructured(), 1),
-    ],
-    ids=lambda value: getattr(value, "name", str(value)),
-)
 def test_a_stress_of_least_energy_satisfies_the_variational_inequality(name, family, degree):
     """(C⁻¹σ + ε*, τ − σ)_Q ≥ 0 for random admissible stresses τ, which are stresses of least energy for other ε*.
 
     And σ is the admissible stress that is nearest to −C ε*.
     """
     solution = resolve(name).solution
-    space = StressSpace(family(solution.body, 4), solution.body, degree)
-    loads = ProjectedLoads(Data.of(solution), space)(0.4)
-    compliance = np.linalg.inv(tensor_at(solution.law.A, space.points))
-    strain = -solution.at(space.points).strain(0.4)
+    space, loads, _, _ = stress_at(solution, family, degree)
+    C = tensor_at(solution.law.A, space.points)
+    compliance, strain = np.linalg.inv(C), -solution.at(space.points).strain(0.4)
     equilibrium = Equilibrium(space, compliance)
-    stress = equilibrium(loads, strain)
-    target = act(tensor_at(solution.law.A, space.points), -strain)
+    stress, target = equilibrium(loads, strain), act(C, -strain)
     nearest = equilibrium.nearest(loads, target, np.zeros((len(equilibrium.contact), degree + 1)))
     assert close(nearest.values + target, stress.values, 1e-10)
     others = strain[:, None] + abs(strain).max() * np.random.default_rng(1).normal(size=(3, 40, *space.weights.shape))
     differences = equilibrium(together([loads] * 40), others).values - stress.values[:, None]
-    work = np.einsum("Icq,Iicq,cq->i", act(compliance, stress.values) + strain, differences, space.weights)
-    size = np.einsum("Iicq,Iicq,cq->i", act(compliance, differences), differences, space.weights)
+    slope, complementary = act(compliance, stress.values) + strain, act(compliance, differences)
+    work = np.einsum("Icq,Iicq,cq->i", slope, differences, space.weights)
+    size = np.einsum("Iicq,Iicq,cq->i", complementary, differences, space.weights)
     assert (work >= -1e-9 * size).all()
     pressure = equilibrium.pressure(stress)
-    assert (pressure > 1e-6 * pressure.max()).any()
-    assert (pressure < 1e-6 * pressure.max()).any()
+    assert np.unique(pressure > 1e-6 * pressure.max()).tolist() == [False, True]
 
 
 def test_what_cannot_be_posed_is_refused():
