@@ -153,12 +153,11 @@ def test_a_fixed_point_that_does_not_settle_says_so():
 )
 def test_each_part_of_the_residual_of_a_step_has_its_value(u, forces, load, expected):
     """On two vertices with the gap 1/4; all other parts are 0."""
-    unit, none = sps.csc_array(np.eye(2)), sps.csc_array((2, 2))
-    N = sps.csr_array(np.eye(2))
-    problem = SemiDiscrete(unit, none, None, N, lambda time: np.zeros(2), np.zeros(2), 1.0, gap=np.full(2, 0.25))
+    M, C, N = sps.csc_array(np.eye(2)), sps.csc_array((2, 2)), sps.csr_array(np.eye(2))
+    problem = SemiDiscrete(M, C, None, N, np.zeros_like, np.zeros(2), 1.0, gap=np.full(2, 0.25))
     step = problem.stepper(MIDPOINT, 0.5)
-    v, multipliers = np.array(u), np.array(forces)
-    b = step.S @ v + step.forces @ multipliers + np.array(load)
+    v, multipliers, load = np.array([u, forces, load])
+    b = step.S @ v + step.forces @ multipliers + load
     assert step._residual(v, multipliers, b) == pytest.approx(expected)
 
 

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
-from costly_cases import slow_unless
+from costly_cases import slow, slow_unless
 from measures import close, gauss
 from skfem import Basis, ElementTriP4, ElementVector
 
@@ -16,7 +16,7 @@ from manufactured.data import Data, no_fronts
 from manufactured.law import KelvinVoigt
 from manufactured.regularity import Regularity
 from manufactured.tensors import full
-from study.fem.mesh import FAMILIES, MeshError, OneDiagonal, Shaken, cell_volumes
+from study.fem.mesh import FAMILIES, MeshError, OneDiagonal, Shaken, Unstructured, cell_volumes
 from study.fem.naming import resolve
 from study.fem.quadrature import Line, cell_rules
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
@@ -164,6 +164,14 @@ def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme, d
         assert pressure == pytest.approx(along)
 
 
+@pytest.mark.parametrize(
+    ("name", "family", "degree"),
+    [
+        *(("layered", Shaken(), 2), ("advance-recede", Shaken(), 2)),
+        *(slow(*one) for one in (("corner", Shaken(), 1), ("hexagon", Unstructured(), 1))),
+    ],
+    ids=lambda value: getattr(value, "name", str(value)),
+)
 def test_a_stress_of_least_energy_satisfies_the_variational_inequality(name, family, degree):
     """(C⁻¹σ + ε*, τ − σ)_Q ≥ 0 for random admissible stresses τ, which are stresses of least energy for other ε*.
 
