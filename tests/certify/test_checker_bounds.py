@@ -11,6 +11,7 @@ from measures import gauss
 from places import CERTIFICATES
 from scipy.linalg import eigh
 
+from study.bound.trajectory import spline
 from study.certify import checker
 from study.certify.checker import Enclosure, Loads, Mesh, Piece, Problem, RefusedError, Stresses
 from study.fem.quadrature import simplex_rule
@@ -278,6 +279,16 @@ def test_u_h_has_the_size_of_its_mesh_and_vanishes_on_the_wall():
         checker.Computed([[0.0] * 5, [0.0] * 6], mesh, 0, problem)
 
 
+def test_pieces_are_those_of_the_quadratic_spline_of_the_bound():
+    nodes = np.random.default_rng(0).integers(-99, 99, (5, 3))
+    splines = spline(zip(np.linspace(0, 2, 5), nodes, strict=True))
+    for piece, wanted in zip(checker.pieces(nodes.tolist(), Q(2)), splines, strict=True):
+        assert (piece.a, piece.b) == (wanted.a, wanted.b)
+        assert np.array_equal(np.array(piece.values) / 4, [wanted.start, wanted.control, wanted.end])
+        first, _, last = np.array(piece.steps) / 4 / float(piece.b - piece.a)
+        assert np.array_equal([first, last], [wanted.rate(end=False), wanted.rate(end=True)])
+
+
 @pytest.mark.parametrize("time", range(3))
 def test_displacements_that_are_not_admissible_are_refused(time):
     """ũ on Γ1 (sides 0 and 3), and on Γ3 with the normal (1, 3), by each Bernstein coefficient."""
@@ -429,7 +440,7 @@ def test_distances_are_integrals_rounded_outward(name):
     assert high <= ceiling <= floor + 1
 
 
-def test_the_distance_of_the_start_is_an_integral_rounded_up():
+def test_the_distance_of_the_start_is_an_integral_rounded_up(monkeypatch):
     """u_0 = (x² y + 3 y, 2 x y − y²) and any ũ(0) on two cells."""
     certificate = object.__new__(checker.Certificate)
     problem, mesh = posed(QUADRANGLE, "loaded loaded clamped loaded", 2, loads={}, A=ROWS)
@@ -442,6 +453,9 @@ def test_the_distance_of_the_start_is_an_integral_rounded_up():
     fine, coarse = (on_grid(grid, certificate._start) for grid in (100, 12))
     assert float(fine) ** 2 == pytest.approx(square, rel=1e-12)
     assert fine < coarse < fine + Q(1, 2**8)
+    monkeypatch.setattr(checker, "root", lambda x: x)
+    fine, coarse = (on_grid(grid, certificate._start) for grid in (100, 2))
+    assert fine < coarse <= fine + Q(len(mesh.cells), 4)
 
 
 def test_the_work_of_contact_is_the_integral_of_its_bernstein_polynomials_and_not_negative():

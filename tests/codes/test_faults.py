@@ -96,6 +96,9 @@ def test_a_fault_of_the_history_of_one_step_or_of_the_load_is_named(cause):
         assert (found.verdict, found.cause) == ("exact for P1", "")
 
 
+# Contact that differs in the first step
+
+
 def forces_kept(W, free, memory):
     return memory.setdefault("kept", judge.active_set(W, free))
 
@@ -168,17 +171,12 @@ CAUSES = [
         )
     ),
     # Where the body is not held, nothing else is said.
-    (
-        "On Γ1 component 2 is not zero at 5 vertices.*of n = 4.*is not held",
-        faults.first_component_held,
-        ("anisotropic", 4),
-        0,
-    ),
-    (
-        "On Γ1 u is not zero at 2 vertices.*of n = 4.*is not held",
-        FAULTS["only every second vertex on Γ1 held"].make,
-        ("anisotropic", 4),
-        0,
+    *(
+        (f"On Γ1 {what} at {count} vertices.*of n = 4.*is not held", make, ("anisotropic", 4), 0)
+        for what, count, make in (
+            ("component 2 is not zero", 5, faults.first_component_held),
+            ("u is not zero", 2, FAULTS["only every second vertex on Γ1 held"].make),
+        )
     ),
     *((NOT_HELD, faults.first_component_held, case, 0) for case in (FLAT, ("rotated", 4))),
     # Before the clamp, a format is named.
@@ -230,9 +228,11 @@ CAUSES = [
 def test_a_cause_is_shown_by_undoing_or_imitating_it_and_named(words, make, case, steps):
     found = judged(make, exported(*case, steps=steps))
     assert re.search(words, found.cause)
-    assert found.verdict not in judge.GOOD
+    uncertain = words.startswith("^Not explained") or "digits" in words
+    assert found.verdict == ("undecided" if uncertain else "wrong")
     if "not held" in words:
         assert judge.notes(found) == [found.cause]
+        assert "Most likely" not in found.cause
 
 
 def projected_gauss_seidel(W, free, _):

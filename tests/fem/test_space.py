@@ -123,21 +123,18 @@ def test_wrong_faces_and_bodies_are_refused(make, message):
 def test_shaken_vertices_slide_along_edges_and_along_lines_where_the_condition_or_the_material_changes():
     def moved(body, n):
         plain = OneDiagonal()(body, n).p
-        return plain, abs(Shaken()(body, n).p - plain) > 1e-3
+        return plain, abs(Shaken()(body, n).p - plain)
 
-    (x, y, z), moves = moved(HALF, 4)
+    (x, y, z), off = moved(HALF, 4)
     inner = (y > 0) & (y < 1)
     change = (x == 0.5) & (z == 0)
-    assert moves[1, change & inner].all()
-    assert not moves[:, change & ~inner].any()
-    assert not moves[::2, change].any()
     edge = (y == 0) & (z == 1) & (x > 0) & (x < 1)
-    assert moves[0, edge].all()
-    assert not moves[1:, edge].any()
-    (x, y), moves = moved(LAYERED["level"], 8)
+    assert min(off[1, change & inner].min(), off[0, edge].min()) > 1e-3
+    assert max(off[:, change & ~inner].max(), off[::2, change].max(), off[1:, edge].max()) <= 1e-15
+    (x, y), off = moved(LAYERED["level"], 8)
     interface = (y == 0.25) & (x > 0) & (x < 1)
-    assert moves[0, interface].all()
-    assert not moves[1, interface].any()
+    assert off[0, interface].min() > 0
+    assert off[1, interface].max() <= 1e-15
 
 
 CHANGE_OFF_THE_GRID = polygon([(0, 0), (0.3, 0), (1, 0), (1, 1), (0, 1)], [CONTACT, LOADED, LOADED, CLAMPED, LOADED])
@@ -333,8 +330,9 @@ def test_vertices_are_moved_evenly_up_to_the_amplitude_and_stay_on_the_boundary(
     inside = ((plain > 0) & (plain < 1)).all(axis=0)
     moved = (shaken - plain)[:, inside] * n / (Shaken().amplitude * 2 / body.dim)
     assert abs(moved).max(axis=1) == pytest.approx(1, abs=0.02)
-    means = np.cov(moved, bias=True)
-    assert means == pytest.approx(np.eye(body.dim) / 3, abs=3 / np.sqrt(moved.shape[1]))
+    assert abs(moved).max() <= 1 + 1e-12
+    # Mean squares and means of products.
+    assert moved @ moved.T / moved.shape[1] == pytest.approx(np.eye(body.dim) / 3, abs=3 / np.sqrt(moved.shape[1]))
     assert (shaken[plain == 0], shaken[plain == 1]) == (pytest.approx(0), pytest.approx(1))
 
 

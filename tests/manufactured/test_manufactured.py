@@ -238,6 +238,7 @@ NONLINEAR = KelvinVoigt(isotropic(1, 1), Yield(1.0, FrobeniusBall(1)), "(3.3)")
         (lambda: with_gap(pos(s - HALF, 1)), CaseError, "a front that stays with α = 1"),
         (lambda: with_gap(pos(s - HALF, Rational(9, 4))), CaseError, r"a front that stays with α = 2\.25"),
         (lambda: with_gap(sqrt(s)), CaseError, "not known to be smooth"),
+        (lambda: labelled(Integer(0), Regularity(), 1 + s**s), CaseError, r"s\*\*s in .*not known to be smooth"),
     ],
 )
 def test_contact_data_and_initial_gaps_that_define_no_solution_are_refused(make, error, message):
