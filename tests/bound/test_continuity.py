@@ -18,11 +18,9 @@ from study.bound.trajectory import Refined
 CIRCLE = x1**2 + x2**2
 BAND = sp.Max(0, 0.0005 - sp.Abs(x1 - 0.30033))
 JUMPS = {
-    "Heaviside": Heaviside(x1 - Rational(1, 3)),
     "sign": sp.sign(x1 - x2),
     "Piecewise": Piecewise((1, CIRCLE < 0.3), (0, True)),
     "band with Max": Piecewise((1, (sp.Max(x1 - 0.3302, 0) <= 0) & (sp.Max(0.3301 - x1, 0) <= 0)), (0, True)),
-    "small": sin(3 * x1) + x2 + Heaviside(x1 - 0.4) / 1000,
     "two millionths": sin(3 * x1) + x2 + Heaviside(x1 - 0.4) / 500_000,
     "on a part of a line": Heaviside(x1 - 0.5) * sp.Max(x2 - 0.9, 0),
     "negative power": pos(x1 - 0.3, Rational(-1, 4)),
@@ -33,7 +31,6 @@ JUMPS = {
 }
 CONTINUOUS = {
     "zero": sp.Integer(0),
-    "smooth": sin(3 * x1) * sp.exp(x2),
     "kinks": sp.Max(x1 - 0.3, 0) + sp.Abs(x1 - x2),
     "Piecewise": Piecewise((1 - CIRCLE, CIRCLE < 1), (0, True)),
     "product with a jump": (x1 - 0.3) * Heaviside(x1 - 0.3) + sin(x1 - x2) * sp.sign(x1 - x2),

@@ -6,6 +6,7 @@ import lzma
 import subprocess
 import sys
 from dataclasses import replace
+from itertools import product
 
 import contact_judge as judge
 import faults
@@ -71,25 +72,18 @@ def test_springs_that_no_mesh_makes_stiffer_stagnate_and_their_order_in_v_does_n
     assert found.errors[-1].pressure > 2 * found.errors[-1].best_pressure
 
 
-ON_ONE_MESH = {
-    "1000 times": lambda u: 1000 * u,
-    "half": lambda u: u / 2,
-    "zero": lambda u: 0 * u,
-    "component by component": lambda u: u.swapaxes(1, 2).reshape(u.shape),
-}
+ON_ONE_MESH = [lambda u: 1000 * u, lambda u: u / 2, lambda u: 0 * u, lambda u: u.swapaxes(1, 2).reshape(u.shape)]
+"""In other units, half, zero, and written component by component."""
 
 
 @pytest.mark.parametrize("code", ["exact", "springs"])
-@pytest.mark.parametrize("level", LEVELS[:2])
-@pytest.mark.parametrize("change", ON_ONE_MESH)
-def test_an_answer_that_is_far_off_on_a_coarse_mesh_alone_is_wrong(tasks, change, level, code):
-    make = ours.make if code == "exact" else faults.springs(lambda task: 30 / task.data["h"])
-    right = answers(make, tasks)
+def test_an_answer_that_is_far_off_on_a_coarse_mesh_alone_is_wrong(tasks, code):
+    right = answers(ours.make if code == "exact" else faults.springs(lambda task: 30 / task.data["h"]), tasks)
     assert judge.assess(tasks, right)[0].verdict in judge.GOOD
-    (name,) = [task.name for task in tasks if task.data["level"] == level]
-    (found,) = judge.assess(tasks, right | {name: ON_ONE_MESH[change](right[name])})
-    assert found.verdict == "wrong"
-    assert f"n = {level}" in found.why
+    for change, one in product(ON_ONE_MESH, tasks[:2]):
+        (found,) = judge.assess(tasks, right | {one.name: change(right[one.name])})
+        assert found.verdict == "wrong"
+        assert f"n = {one.data['level']}" in found.why
 
 
 def test_contact_forgotten_is_seen_by_the_pressure_and_the_penetration(tasks):
@@ -231,12 +225,10 @@ def test_the_foundation_lies_under_the_face_and_covers_it(case):
 
 @pytest.mark.parametrize("scale", [1.0, 10.0])
 def test_a_task_has_the_gap_in_the_units_of_its_loads(scale):
-    mine = task("parabolic-gap", 4)
-    data = frozen(mine, (0.5,), scale)
+    data = frozen(task("parabolic-gap", 4), (0.5,), scale)
     (piece,), (again,) = data["contact"], read(data).scaled(3).gaps()
-    x = mine.space.mesh.p[0, piece["vertices"]]
-    assert piece["gap"] == pytest.approx(scale * 6 * (x - 0.4) ** 2)
-    assert again == pytest.approx(3 * piece["gap"])
+    x = np.array(data["vertices"])[piece["vertices"], 0]
+    assert [piece["gap"], again / 3] == [pytest.approx(scale * 6 * (x - 0.4) ** 2)] * 2
     assert "gap" not in frozen(task("full-contact", 4), (0.5,))["contact"][0]
 
 
@@ -289,11 +281,10 @@ def test_the_command_writes_the_same_bytes_again_and_their_sums_and_names_a_line
     assert everything(tmp_path) == before
     judge.read_tasks(tmp_path)
     (task,) = tmp_path.glob("*.xz")
-    *others, last = before[task]
-    task.write_bytes(bytes([*others, last ^ 1]))
-    with pytest.raises(judge.TaskError, match="SHA256SUMS"):
-        judge.read_tasks(tmp_path)
+    task.write_bytes(before[task][:-1] + b"x")
     with (tmp_path / "SHA256SUMS").open("a") as sums:
+        with pytest.raises(judge.TaskError, match="SHA256SUMS"):
+            judge.read_tasks(tmp_path)
         sums.write("mine\n")
     before = everything(tmp_path)
     named = "SHA256SUMS, line 2: found 'mine', expected a checksum and a file: remove the line"

@@ -10,17 +10,11 @@ from hypothesis import strategies as st
 
 from manufactured import named, polygon, unit_square
 from manufactured.cases.materials import anisotropic_law
-from manufactured.cases.shared import not_proportional
-from manufactured.data import Data
 from manufactured.problems import problems
 from manufactured.tensors import mandel
-from study.bound.discretisation import Discretisation
-from study.bound.problem import BoundError
-from study.bound.trajectory import prolongation
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured
-from study.fem.mesh import barycentric as barycentric_of
 from study.fem.quadrature import simplex_rule
-from study.fem.space import Quadratic, Space
+from study.fem.space import Quadratic
 from study.stresses.stress_space import bernstein
 
 BODIES = {
@@ -37,27 +31,6 @@ LEVEL = 4
 def quadratic(body):
     found, family = BODIES[body]
     return Quadratic(family(found, LEVEL), found)
-
-
-@lru_cache
-def discretisation(body, refinements=0):
-    found, family = BODIES[body]
-    data = Data.formulas(found, anisotropic_law() if body == "square" else not_proportional(), f0=(0, 0))
-    return Discretisation(data, family(found, LEVEL).refined(refinements))
-
-
-def in_cells(space, rng):
-    """Random barycentric coordinates (3, 5), the same in every cell, and their points (2, cells, 5)."""
-    barycentric = rng.dirichlet(np.ones(3), 5).T
-    return barycentric, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], barycentric)
-
-
-def values(space, v, barycentric):
-    return np.einsum("aq,acd->dcq", space.shapes(barycentric), space.coefficients(v)[space.numbers])
-
-
-def strains(space, v, barycentric):
-    return (space.strains(barycentric) @ v).reshape(3, space.cells, -1)
 
 
 def on_contact(space, v, x):
@@ -83,15 +56,19 @@ def test_the_constraints_are_the_bernstein_coefficients_of_the_normal_trace(body
 # ---- values and strains
 
 
-def polynomial(c, x):
-    """The values u_i = Σ_m c_im m(x) with the monomials m up to the degree 2."""
-    return np.tensordot(c, [0 * x[0] + 1, x[0], x[1], x[0] ** 2, x[0] * x[1], x[1] ** 2], axes=1)
+class Polynomial:
+    """A random polynomial of degree 2 with values in the plane: u = c + B x + (H x)·x."""
 
+    def __init__(self, rng):
+        self.c, self.B, self.H = (rng.normal(size=shape) for shape in ((2, 1), (2, 2), (2, 2, 2)))
 
-def gradient(c, x):
-    zero, one = 0 * x[0], 0 * x[0] + 1
-    rows = [zero, one, zero, 2 * x[0], x[1], zero], [zero, zero, one, zero, x[0], 2 * x[1]]
-    return np.stack([np.tensordot(c, row, axes=1) for row in rows], axis=1)
+    def __call__(self, x):
+        x_ = x.reshape(2, -1)
+        values = self.c + self.B @ x_ + np.einsum("ijk,jn,kn->in", self.H, x_, x_)
+        return values.reshape(x.shape)
+
+    def gradient(self, x):
+        return self.B.reshape(2, 2, *(1,) * (x.ndim - 1)) + np.tensordot(self.H + self.H.swapaxes(1, 2), x, axes=1)
 
 
 class Unclamped(Quadratic):
@@ -107,48 +84,23 @@ class Unclamped(Quadratic):
 def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body, seed):
     rng, plain = np.random.default_rng(seed), quadratic(body)
     space = Unclamped(plain.mesh, plain.body)
-    c = rng.normal(size=(2, 6))
+    u = Polynomial(rng)
     # The coefficient of an edge follows from the values at its ends and its midpoint.
     ends = space.mesh.p[:, space.mesh.facets]
-    on_edges = 2 * polynomial(c, ends.mean(axis=1)) - polynomial(c, ends).mean(axis=1)
-    v = np.hstack([polynomial(c, space.mesh.p), on_edges]).T.ravel()
-    barycentric, x = in_cells(space, rng)
-    assert np.allclose(values(space, v, barycentric), polynomial(c, x), atol=1e-11)
-    expected = mandel(gradient(c, x))
-    assert np.allclose(strains(space, v, barycentric), expected, atol=1e-10)
+    on_edges = 2 * u(ends.mean(axis=1)) - u(ends).mean(axis=1)
+    v = np.hstack([u(space.mesh.p), on_edges]).T.ravel()
+    barycentric = rng.dirichlet(np.ones(3), 5).T
+    x = np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], barycentric)
+    values = np.einsum("aq,acd->dcq", space.shapes(barycentric), space.coefficients(v)[space.numbers])
+    assert np.allclose(values, u(x), atol=1e-11)
+    expected = mandel(u.gradient(x))
+    assert np.allclose((space.strains(barycentric) @ v).reshape(expected.shape), expected, atol=1e-10)
     # The form is the integral of the products of strains.
     rule, weights = simplex_rule(2, 2)
-    e = mandel(gradient(c, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], rule)))
+    e = mandel(u.gradient(np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], rule)))
     A = anisotropic_law().A.matrix
     energy = np.einsum("IJ,Jcq,Icq,q,c->", A, e, e, weights, space.volumes)
     assert v @ space.form(A) @ v == pytest.approx(energy, rel=1e-10)
     assert v @ space.functional(np.einsum("IJ,Jcq->Icq", A, space.strain(v))) == pytest.approx(energy, rel=1e-10)
     some = rng.permutation(space.cells)[:3]
     assert np.allclose(space.strain_at(v, some, x[:, some]), expected[:, some], atol=1e-10)
-
-
-# ---- P1 in degree 2
-
-
-@pytest.mark.parametrize("refinements", [0, 1, 2])
-@pytest.mark.parametrize("body", BODIES)
-def test_linear_functions_keep_their_values_and_strains_on_refined_meshes(body, refinements):
-    """At the vertices of the refined mesh, and as the products of their strains."""
-    coarse, fine = discretisation(body), discretisation(body, refinements)
-    space, V = Space(coarse.mesh, coarse.data.body), fine.displacements
-    v = np.random.default_rng(refinements).normal(size=space.dofs)
-    P = prolongation(space, fine)
-    x = V.mesh.p
-    cells = coarse.mesh.element_finder()(*x)
-    local = barycentric_of(coarse.mesh, cells, x[..., None])[..., 0]
-    expected = np.einsum("dvc,vc->cd", space.nodal(v)[:, coarse.mesh.t[:, cells]], local)
-    assert np.allclose(V.coefficients(P @ v)[: len(expected)], expected, atol=1e-9)
-    A = coarse.data.law.A.matrix
-    assert abs(P.T @ V.form(A) @ P - space.form(A)).max() < 1e-10
-
-
-def test_a_mesh_that_is_no_refinement_is_refused():
-    coarse = discretisation("square")
-    other = Discretisation(coarse.data, OneDiagonal()(coarse.data.body, LEVEL).refined())
-    with pytest.raises(BoundError, match="no refinement"):
-        prolongation(Space(coarse.mesh, coarse.data.body), other)

@@ -89,12 +89,13 @@ def test_the_volume_follows_from_the_divergence_theorem(body, volume):
 
 def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed():
     rng, body = np.random.default_rng(1), prism()
-    x = rng.uniform(-0.5, 2.5, (3, 4000))
-    inside = (x[:2].min(axis=0) > 0) & (x[:2].max(axis=0) < 2) & (x[:2].min(axis=0) < 1) & (abs(x[2] - 0.5) < 0.5)
-    assert (body.contains(x.reshape(3, 40, 100)) == inside.reshape(40, 100)).all()
+    x = rng.uniform(-0.5, 2.5, (3, 40, 100))
+    low, high = np.sort(x[:2], axis=0)
+    inside = (low > 0) & (low < 1) & (high < 2) & (abs(x[2] - 0.5) < 0.5)
+    assert (body.contains(x) == inside).all()
     sample = body.sample(rng, 6000)
     assert body.contains(sample).all()
-    assert np.allclose(sample.mean(axis=1), [5 / 6, 5 / 6, 1 / 2], atol=0.03)
+    assert sample.mean(axis=1) == pytest.approx([5 / 6, 5 / 6, 1 / 2], abs=0.03)
 
 
 @pytest.mark.parametrize(
@@ -102,10 +103,8 @@ def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed(
     [
         (lambda: face(LOADED, O, X, XY + 0.1 * Z, Y), "not flat"),
         (lambda: face(LOADED, O, 2 * X, XY / 2, 2 * Y), "not convex"),
-        (lambda: face(LOADED, O, X), "cannot have corners of the shape"),
         (lambda: face(LOADED, O, X, 2 * X), "area 0"),
         (lambda: face(LOADED, O, O, X), "edge of length 0"),
-        (lambda: face(LOADED, O, X, np.nan * Y), "finite real numbers"),
         (lambda: Body(box().parts[1:]), "do not enclose"),
         (lambda: Body(tuple(Part(p.kind, p.corners[:, ::-1]) for p in box().parts)), "counter-clockwise"),
         (lambda: Body((Part(LOADED, box().parts[0].corners + 0.1), *box().parts[1:])), "do not enclose"),
@@ -122,20 +121,20 @@ def test_wrong_faces_and_bodies_are_refused(make, message):
 
 
 def test_shaken_vertices_slide_along_edges_and_along_lines_where_the_condition_or_the_material_changes():
-    plain, shaken = OneDiagonal()(HALF, 4).p, Shaken()(HALF, 4).p
-    moved = abs(shaken - plain).max(axis=0) > 1e-3
-    on = (plain[0] == 0.5) & (plain[2] == 0)
-    inner = on & (plain[1] > 0) & (plain[1] < 1)
-    assert moved[inner].all()
-    assert not moved[on & ~inner].any()
-    assert (shaken[::2, on] == plain[::2, on]).all()
-    edge = (plain[1] == 0) & (plain[2] == 1) & (plain[0] > 0) & (plain[0] < 1)
-    assert moved[edge].all()
-    assert np.allclose(shaken[1:, edge], plain[1:, edge])
-    plain, shaken = (family(LAYERED["level"], 8).p for family in (OneDiagonal(), Shaken()))
-    on = np.flatnonzero(plain[1] == 0.25)[1:-1]
-    assert np.allclose(shaken[1, on], 0.25, rtol=0, atol=1e-15)
-    assert (shaken[0, on] != plain[0, on]).all()
+    def moved(body, n):
+        plain = OneDiagonal()(body, n).p
+        return plain, abs(Shaken()(body, n).p - plain)
+
+    (x, y, z), off = moved(HALF, 4)
+    inner = (y > 0) & (y < 1)
+    change = (x == 0.5) & (z == 0)
+    edge = (y == 0) & (z == 1) & (x > 0) & (x < 1)
+    assert min(off[1, change & inner].min(), off[0, edge].min()) > 1e-3
+    assert max(off[:, change & ~inner].max(), off[::2, change].max(), off[1:, edge].max()) <= 1e-15
+    (x, y), off = moved(LAYERED["level"], 8)
+    interface = (y == 0.25) & (x > 0) & (x < 1)
+    assert off[0, interface].min() > 0
+    assert off[1, interface].max() <= 1e-15
 
 
 CHANGE_OFF_THE_GRID = polygon([(0, 0), (0.3, 0), (1, 0), (1, 1), (0, 1)], [CONTACT, LOADED, LOADED, CLAMPED, LOADED])
@@ -192,16 +191,13 @@ def test_graded_meshes_shrink_towards_their_points_and_change_nothing_elsewhere(
     """The cells at c have diameters of the order n^{-5/2}, the others of the order 1/n."""
     nearest, largest = [], []
     for n in (16, 32, 64):
-        space, plain = Space(Graded()(GRADED, n), GRADED), Unstructured()(GRADED, n).p
-        nearest.append(np.sort(np.linalg.norm(space.mesh.p - 1, axis=0))[1])
-        largest.append(np.sqrt(space.volumes.max()))
-        moved = abs(space.mesh.p - plain).max(axis=0) > 0
-        near = [
-            np.linalg.norm(plain - np.array(c)[:, None], axis=0) < Graded().radius(GRADED, c) for c in GRADED.refine
-        ]
-        assert (moved <= np.any(near, axis=0)).all()
-    assert np.allclose(np.log2(np.divide(nearest[:-1], nearest[1:])), 2.5, atol=0.25)
-    assert np.allclose(np.log2(np.divide(largest[:-1], largest[1:])), 1, atol=0.2)
+        mesh, plain = Graded()(GRADED, n), Unstructured()(GRADED, n)
+        nearest.append(np.sort(np.linalg.norm(mesh.p - 1, axis=0))[1])
+        largest.append(np.sqrt(cell_volumes(mesh).max()))
+        far = [np.linalg.norm(plain.p.T - c, axis=1) >= Graded().radius(GRADED, c) for c in GRADED.refine]
+        assert (mesh.p == plain.p)[:, np.all(far, axis=0)].all()
+    assert np.diff(np.log2(nearest)) == pytest.approx(-2.5, abs=0.25)
+    assert np.diff(np.log2(largest)) == pytest.approx(-1, abs=0.2)
 
 
 # ---- quadrature
@@ -219,17 +215,19 @@ def test_a_rule_on_a_simplex_is_exact_to_its_degree(dim, degree):
 
 
 def test_rules_integrate_quartics_over_a_solid_and_sextics_over_its_faces():
+    """∫ x² y² over a box, and ∫ x² y² z² over its faces: |F|³ c²/9 for the area |F| and the distance c from 0."""
     body = box((1.0, 2.0, 3.0))
     mesh = Shaken()(body, 3)
     total = sum(float(np.sum(np.prod(r.points[:2] ** 2, axis=0) * r.weights)) for r in cell_rules(mesh, 4, ()))
     assert total == pytest.approx(8 / 3, rel=1e-12)
-    exact = [0, 8 * 27 / 9, 0, 4 * 27 / 9, 0, 9 * 8 / 9]
-    for part, facets, integral in zip(body.parts, boundary_parts(mesh, body), exact, strict=True):
+    for part, facets in zip(body.parts, boundary_parts(mesh, body), strict=True):
         rule = facet_rule(mesh, facets, part, (), 4)
         x = part.point(rule.s)
         assert np.allclose(np.einsum("dkn,knq->dnq", mesh.p[:, mesh.facets[:, facets]], rule.shapes), x)
         assert rule.weights.sum() == pytest.approx(part.measure)
-        assert np.sum(np.prod(x**2, axis=0) * rule.weights) == pytest.approx(integral, abs=1e-11)
+        integral = np.sum(np.prod(x**2, axis=0) * rule.weights)
+        across = part.normal @ part.corners[:, 0]
+        assert integral == pytest.approx(part.measure**3 / 9 * across**2, abs=1e-11)
 
 
 @pytest.mark.parametrize("direction", [(1.0, 0.0), (0.6, 0.8)])
@@ -328,14 +326,13 @@ def test_the_leading_term_is_the_interpolation_error_on_fine_meshes(family, name
 @pytest.mark.parametrize(("body", "n"), [(unit_square(), 24), (box(), 9)], ids=["square", "cube"])
 def test_vertices_are_moved_evenly_up_to_the_amplitude_and_stay_on_the_boundary(body, n):
     """Uniform on ± a in each direction: the largest is close to a, the mean square a²/3, directions are independent."""
-    dim = body.dim
     plain, shaken = OneDiagonal()(body, n).p, Shaken()(body, n).p
     inside = ((plain > 0) & (plain < 1)).all(axis=0)
-    moved = (shaken - plain)[:, inside] * n / (Shaken().amplitude * 2 / dim)
+    moved = (shaken - plain)[:, inside] * n / (Shaken().amplitude * 2 / body.dim)
     assert abs(moved).max(axis=1) == pytest.approx(1, abs=0.02)
     assert abs(moved).max() <= 1 + 1e-12
     # Mean squares and means of products.
-    assert moved @ moved.T / moved.shape[1] == pytest.approx(np.eye(dim) / 3, abs=3 / np.sqrt(moved.shape[1]))
+    assert moved @ moved.T / moved.shape[1] == pytest.approx(np.eye(body.dim) / 3, abs=3 / np.sqrt(moved.shape[1]))
     assert (shaken[plain == 0], shaken[plain == 1]) == (pytest.approx(0), pytest.approx(1))
 
 

@@ -25,3 +25,12 @@ def test_modules_of_cases_define_no_class_because_results_depend_on_the_values_o
 def test_the_docstring_of_a_case_states_its_formulas_and_then_the_order_that_they_predict():
     found = {case.name: missing_parts(DOCSTRINGS[function_of(case.name)], case) for case in catalogue()}
     assert {name: missing for name, missing in found.items() if missing} == {}
+
+
+def test_four_moving_cases_satisfy_3_4_literally_and_most_cases_slip():
+    """(3.4) needs α > 9/2 and m > 5/2."""
+    labels = {case.name: case.regularity for case in catalogue() if case.proposition == "Prop. 5.4"}
+    literal = {name for name, label in labels.items() if label.moving and label.gap > 4.5 and label.pressure > 2.5}
+    assert literal == {"softening", "travelling-patch", "corner", "cube-disc"}
+    slipping = [case.name for case in catalogue() if any(any(getattr(f, "slip", ())) for f in case.solution.faces)]
+    assert len(slipping) > len(NAMES) / 2

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from on_floor import on_floor
 
-from manufactured import named, prove
+from manufactured import prove
 from manufactured.cases.materials import law_without_potential
 from manufactured.factor import Factor, x1
 from manufactured.law import (
@@ -148,26 +148,6 @@ def test_the_normal_response_is_the_nn_component_under_compression(G, q):
 def test_what_is_no_law_or_needs_a_prescribed_strain_is_refused(make, message):
     with pytest.raises(LawError, match=message):
         make()
-
-
-LITERAL = "softening", "travelling-patch", "corner"
-
-
-def variation(case, intervals):
-    """Σ ‖f_0(t_{i+1}) − f_0(t_i)‖ in L² of a line along Γ3, at the depth 0.3."""
-    s, times = (np.arange(1000) + 0.5) / 1000, np.linspace(0, 1, intervals + 1)
-    f0 = case.solution.at([s, np.full(1000, 0.3)]).body_force(times)
-    return float(np.sqrt(np.mean(np.sum(np.diff(f0, axis=2) ** 2, axis=0), axis=0)).sum())
-
-
-@pytest.mark.parametrize(("name", "literal"), [(n, True) for n in LITERAL] + [("advance-recede", False)])
-def test_a_moving_case_satisfies_3_4_literally_if_its_exponents_say_so(name, literal):
-    """With α > 9/2 and m > 5/2, f_0 is of bounded variation in time; else it jumps at the front, and half the intervals
-    have 1/√2 of the variation."""
-    case = named(name)
-    assert (case.regularity.gap > 4.5 and case.regularity.pressure > 2.5) == literal
-    growth = variation(case, 100) / variation(case, 50)
-    assert growth < 1.02 if literal else growth > 1.25
 
 
 def test_the_case_without_a_potential_proves_itself_is_found_by_its_name():

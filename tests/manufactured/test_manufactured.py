@@ -105,7 +105,6 @@ def test_a_strain_that_jumps_and_jumps_back_is_refused():
         ("junction", Regularity(on_contact=1.0)),
         ("layered-unmet", Regularity()),
         # These labels promise less, so that a case of Prop. 5.4 could escape its rows and speak of (5.36).
-        ("advance-recede", Regularity(gap=3.25, pressure=2, moving=True)),
         ("full-contact", Regularity(gap=4, pressure=2)),
         ("full-contact", Regularity(on_contact=1.5)),
         ("advance-recede", Regularity(gap=4, pressure=2, moving=True, corner=1.5)),
@@ -194,9 +193,6 @@ def test_a_part_that_is_rough_on_the_face_and_no_truncated_power_is_refused(form
     """A label is compared with the exponents of pos(x, a), so nothing else may be rough, in gap or pressure."""
     with pytest.raises(CaseError, match=rf"{part} in .*not known to be smooth.*write .* as pos\(x, a\)"):
         labelled(formula, Regularity())
-    if t not in formula.free_symbols:
-        with pytest.raises(CaseError, match=rf"{part} in .*not known to be smooth"):
-            labelled(Integer(0), Regularity(), formula)
 
 
 @pytest.mark.parametrize(
@@ -241,6 +237,7 @@ NONLINEAR = KelvinVoigt(isotropic(1, 1), Yield(1.0, FrobeniusBall(1)), "(3.3)")
         (lambda: with_gap(pos(s - HALF, 1)), CaseError, "a front that stays with α = 1"),
         (lambda: with_gap(pos(s - HALF, Rational(9, 4))), CaseError, r"a front that stays with α = 2\.25"),
         (lambda: with_gap(sqrt(s)), CaseError, "not known to be smooth"),
+        (lambda: labelled(Integer(0), Regularity(), 1 + s**s), CaseError, r"s\*\*s in .*not known to be smooth"),
     ],
 )
 def test_contact_data_and_initial_gaps_that_define_no_solution_are_refused(make, error, message):
@@ -311,6 +308,6 @@ def test_a_damaged_field_violates_its_condition(monkeypatch, where, name, condit
 @pytest.mark.parametrize("defect", [math.nan, math.inf])
 def test_what_is_no_number_passes_nothing(defect):
     assert not Finding("(2.2)", defect, 1e-9, (0.0,), 0.0).passes
-    x, scale = np.zeros((2, 2)), np.ones((1, 2))
-    assert not worst("(2.2)", x, np.zeros(1), np.array([[0.0, defect]]), scale).passes
-    assert not worst("(2.2)", x, np.zeros(1), np.array([[0.0, 1e-8]]), np.array([[defect, 1.0]])).passes
+    x, time = np.zeros((2, 2)), np.zeros(1)
+    for value, scale in ((defect, 1.0), (1e-8, defect)):
+        assert not worst("(2.2)", x, time, np.array([[0.0, value]]), np.array([[scale, 1.0]])).passes

@@ -1,7 +1,6 @@
 """What exact solutions are made of: singular fields that rest or travel, layers, coupled strains, regularity."""
 
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
@@ -94,8 +93,6 @@ def test_williams_fields_need_no_force_where_nothing_cuts_them_off(name):
 def test_a_law_that_couples_nn_with_sn_needs_a_shear_on_the_face():
     (face,) = named("anisotropic").solution.faces
     assert isinstance(face.strain, Coupled)
-    q, r = face.strain.at(np.linspace(0.1, 0.6, 7)[None])(0.8, False, 0)
-    assert abs(r[0,]).max() > 0.05 * abs(q[0,]).max()
     plain = on_floor(not_proportional(), face.gap, face.strain.pressure, face.level)
     with pytest.raises(SelfProofError, match="σ_τ = 0"):
         prove(replace(plain, law=anisotropic_law()), "without the shear")
@@ -132,7 +129,7 @@ LAWS = {"rotated": coupled(2), "cube-disc": coupled(3), "advance-recede": not_sy
 @pytest.mark.parametrize("name", LAWS)
 def test_a_face_slips_without_friction_under_laws_that_no_case_has(name):
     slipping = with_slip(replace(named(name).solution, law=LAWS[name]))
-    assert violated(slipping, points=8, times=3) == []
+    assert violated(slipping, points=4, times=2) == []
     (face,) = slipping.faces
     place = face.part.sample(np.random.default_rng(0), 9)
     u = face.part.frame[:, :-1].T @ slipping.at(place).displacement(0.7)
@@ -151,10 +148,23 @@ def test_under_the_law_3_3_the_whole_face_can_slip_while_it_is_pressed(convex, b
     prove(ExactSolution(body, law, (ContactFace(floor, Integer(0), strain, Integer(1), slip=SLIP[body.dim]),)), "(3.3)")
 
 
-@pytest.mark.parametrize(("slip", "told"), [((s, s), "has 2 components"), ((Abs(s),), "write fronts with pos")])
-def test_a_slip_with_a_wrong_number_of_components_or_with_a_kink_is_refused(slip, told):
-    with pytest.raises(FormulaError, match=told):
-        on_floor(not_proportional(), 0, 3 + s, slip=slip)
+NATURAL = r"natural-front of the catalogue.*SingularFace.*on_contact=1\.5"
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "told"),
+    [
+        (lambda: on_floor(not_proportional(), 0, 3 + s, slip=(s, s)), FormulaError, "has 2 components"),
+        (lambda: on_floor(not_proportional(), 0, 3 + s, slip=(Abs(s),)), FormulaError, "write fronts with pos"),
+        (lambda: layered(1.0, 2.0, 1.0), ValueError, "to increase"),
+        (lambda: Regularity(corner=0.0), ValueError, "λ > 0"),
+        (lambda: Regularity(gap=1.5), ValueError, "α > 3/2"),
+        *((lambda gap=gap: Regularity(gap=gap, pressure=0.5), ValueError, NATURAL) for gap in (2, 1.5)),
+    ],
+)
+def test_slips_depths_and_exponents_of_no_solution_in_h_1_are_refused(make, error, told):
+    with pytest.raises(error, match=told):
+        make()
 
 
 def test_a_lifting_without_a_kink_at_an_interface_is_refused():
@@ -204,22 +214,6 @@ def test_exponents_say_what_to_expect_and_what_the_proof_gives(regularity, order
     assert regularity.proposition == proposition
 
 
-NATURAL = r"natural-front of the catalogue.*SingularFace.*on_contact=1\.5"
-
-
-@pytest.mark.parametrize(
-    ("label", "message"),
-    [
-        ({"corner": 0.0}, "λ > 0"),
-        ({"gap": 1.5}, "α > 3/2"),
-        *(({"gap": gap, "pressure": 0.5}, NATURAL) for gap in (2, 1.5)),
-    ],
-)
-def test_exponents_of_no_solution_in_h_1_or_of_no_contact_face_are_refused(label, message):
-    with pytest.raises(ValueError, match=message):
-        Regularity(**label)
-
-
 CASE = natural_motion()
 (FACE,) = CASE.solution.faces
 RECEDING = natural_motion(Rational(7, 10) - 2 * t / 5)
@@ -241,20 +235,15 @@ def test_a_field_with_a_cut_off_of_the_distance_does_not_travel():
 # One call gives all fields of a case; points, times and shapes beyond the body and [0, T] are refused.
 
 
-TIME = 0.4
-
-
 @pytest.mark.parametrize("name", by_cost(NAMES))
 def test_the_gradient_has_the_strain_as_its_symmetric_part_and_all_else_is_what_the_fields_say(name):
     case = named(name)
-    body = case.solution.body
-    x = body.sample(np.random.default_rng(5), 5)
-    found, fields = evaluate(case, x, TIME), case.solution.at(x)
-    size = abs(found.gradient).max()
-    assert np.allclose(mandel(found.gradient), found.strain, rtol=0, atol=1e-11 * size)
+    x = case.solution.body.sample(np.random.default_rng(5), 5)
+    found, fields = evaluate(case, x, 0.4), case.solution.at(x)
+    assert mandel(found.gradient) == pytest.approx(found.strain, abs=1e-11 * abs(found.gradient).max())
     for quantity in ("displacement", "velocity", "strain_rate", "stress", "body_force"):
-        assert np.array_equal(getattr(found, quantity), getattr(fields, quantity)(TIME)), quantity
-    (*_, part) = body.of(LOADED)
+        assert np.array_equal(getattr(found, quantity), getattr(fields, quantity)(0.4)), quantity
+    (*_, part) = case.solution.body.of(LOADED)
     assert np.array_equal(found.surface_load(part), traction(found.stress, part.normal))
 
 
@@ -329,21 +318,8 @@ HISTORY = "(2.6)"
 """Of the self-proof: u = u_0 + ∫ u̇ dt by a rule with 256 steps, too few for what passes a point within a time ℓ."""
 
 
-@pytest.mark.parametrize("level", [16, slow(64)])
+@pytest.mark.parametrize("level", [8, slow(16), slow(64)])
 @pytest.mark.parametrize("kind", [1, *(slow(kind) for kind in (0, 2, 3))])
 def test_every_roller_is_an_exact_solution(kind, level):
     case = rollers(level)[kind]
     assert [finding for finding in violated(case.solution) if not finding.condition.startswith(HISTORY)] == []
-
-
-def test_in_most_cases_the_body_slides_where_it_touches_by_a_fifth_of_its_displacement_on_the_face():
-    def slides(name):
-        solution = named(name).solution
-        for part, time in product(solution.body.of(CONTACT), np.linspace(0, solution.body.T, 5)[1:]):
-            u = solution.at(part.sample(np.random.default_rng(0), 100)).displacement(time)
-            touching = abs(part.normal @ u) < 1e-12
-            if abs(u[:, touching]).max(initial=0) > 0.2 * abs(u).max():
-                return True
-        return False
-
-    assert sum(map(slides, NAMES)) > len(NAMES) / 2

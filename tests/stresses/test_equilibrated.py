@@ -18,6 +18,7 @@ from manufactured.regularity import Regularity
 from manufactured.tensors import full
 from study.fem.mesh import FAMILIES, MeshError, OneDiagonal, Shaken, Unstructured, cell_volumes
 from study.fem.naming import resolve
+from study.fem.quadrature import Line, cell_rules
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
 from study.statements.thm_4_2 import (
@@ -147,27 +148,26 @@ def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme, d
     space = StressSpace(family(data.body, 3), data.body, degree)
     v = moments_of(space, lambda x: np.array([0 * x[0], -x[1] * (1 - x[1])]))
     edges = np.concatenate([edges for _, edges in space.on(Kind.CONTACT)])
+    slope = -(1 - 2 * space.points[1])
+    zero = 0 * slope
     first, *states = scheme.march(StressEvolution(data, space), 4)
     assert np.isnan(first.stress.values).all()
-    assert first.strain == pytest.approx(0 * space.points[[0, 0, 1]], abs=1e-14)
+    assert abs(first.strain).max() <= 1e-14
     for state in states:
-        now, slope = state.time, -(1 - 2 * space.points[1])
-        zero = 0 * slope
-        stress = np.array([(LAMBDA_A + LAMBDA_G * now) * slope, (2 * MU_A + LAMBDA_A) * slope, zero])
-        stress[1] += (2 * MU_G + LAMBDA_G) * now * slope
-        np.testing.assert_allclose(state.stress.values, stress, rtol=0.0, atol=1e-10)
-        np.testing.assert_allclose(state.strain, np.array([zero, now * slope, zero]), rtol=0.0, atol=1e-11)
-        np.testing.assert_allclose(state.stress.moments, now * v, rtol=0.0, atol=1e-11)
+        across = LAMBDA_A + LAMBDA_G * state.time
+        along = across + 2 * (MU_A + MU_G * state.time)
         pressure = -space.boundary_tractions(edges, state.stress.tractions)[..., 0]
-        assert pressure == pytest.approx(2 * MU_A + LAMBDA_A + (2 * MU_G + LAMBDA_G) * now)
+        assert abs(state.stress.values - np.array([across * slope, along * slope, zero])).max() <= 1e-10
+        assert abs(state.strain - np.array([zero, state.time * slope, zero])).max() <= 1e-11
+        assert abs(state.stress.moments - state.time * v).max() <= 1e-11
+        assert pressure == pytest.approx(along)
 
 
 @pytest.mark.parametrize(
     ("name", "family", "degree"),
     [
         *(("layered", Shaken(), 2), ("advance-recede", Shaken(), 2)),
-        *(slow(*one) for one in (("corner", Shaken(), 1), ("layered", Shaken(), 1))),
-        slow("hexagon", Unstructured(), 1),
+        *(slow(*one) for one in (("corner", Shaken(), 1), ("hexagon", Unstructured(), 1))),
     ],
     ids=lambda value: getattr(value, "name", str(value)),
 )
@@ -177,23 +177,21 @@ def test_a_stress_of_least_energy_satisfies_the_variational_inequality(name, fam
     And σ is the admissible stress that is nearest to −C ε*.
     """
     solution = resolve(name).solution
-    space = StressSpace(family(solution.body, 4), solution.body, degree)
-    loads = ProjectedLoads(Data.of(solution), space)(0.4)
-    compliance = np.linalg.inv(tensor_at(solution.law.A, space.points))
-    strain = -solution.at(space.points).strain(0.4)
+    space, loads, _, _ = stress_at(solution, family, degree)
+    C = tensor_at(solution.law.A, space.points)
+    compliance, strain = np.linalg.inv(C), -solution.at(space.points).strain(0.4)
     equilibrium = Equilibrium(space, compliance)
-    stress = equilibrium(loads, strain)
-    target = act(tensor_at(solution.law.A, space.points), -strain)
+    stress, target = equilibrium(loads, strain), act(C, -strain)
     nearest = equilibrium.nearest(loads, target, np.zeros((len(equilibrium.contact), degree + 1)))
     assert close(nearest.values + target, stress.values, 1e-10)
     others = strain[:, None] + abs(strain).max() * np.random.default_rng(1).normal(size=(3, 40, *space.weights.shape))
     differences = equilibrium(together([loads] * 40), others).values - stress.values[:, None]
-    work = np.einsum("Icq,Iicq,cq->i", act(compliance, stress.values) + strain, differences, space.weights)
-    size = np.einsum("Iicq,Iicq,cq->i", act(compliance, differences), differences, space.weights)
+    slope, complementary = act(compliance, stress.values) + strain, act(compliance, differences)
+    work = np.einsum("Icq,Iicq,cq->i", slope, differences, space.weights)
+    size = np.einsum("Iicq,Iicq,cq->i", complementary, differences, space.weights)
     assert (work >= -1e-9 * size).all()
     pressure = equilibrium.pressure(stress)
-    assert (pressure > 1e-6 * pressure.max()).any()
-    assert (pressure < 1e-6 * pressure.max()).any()
+    assert np.unique(pressure > 1e-6 * pressure.max()).tolist() == [False, True]
 
 
 def test_what_cannot_be_posed_is_refused():
@@ -291,36 +289,25 @@ def test_a_traction_that_no_admissible_stress_has_is_measured(kind, traction, vi
 # P f_0 where f_0 jumps along fronts that move.
 
 
-def fluxes(solution, corners, fronts, time):
-    """∮ σν along n triangles (2, 3, n), whose sides are cut at the fronts, the lines of constant x_1: (2, n)."""
-    x, w = gauss(12)
-    ends = np.roll(corners, -1, axis=1)
-    along = ends - corners
-    with np.errstate(divide="ignore"):
-        crossings = [(front - corners[0]) / along[0] for front in fronts]
-    cuts = np.sort([0 * along[0], *np.clip(crossings, 0, 1), 0 * along[0] + 1], axis=0)[..., None]
-    places = (cuts[:-1] + np.diff(cuts, axis=0) * x)[None]
-    stress = solution.at(corners[:, None, ..., None] + along[:, None, ..., None] * places).stress(time)
-    normals = np.array([along[1], -along[0]]) * np.sign(np.linalg.det(np.moveaxis(along[:, :2], 2, 0)))
-    return np.einsum("ijpvnq,jvn,pvn,q->in", full(stress), normals, np.diff(cuts, axis=0)[..., 0], w)
-
-
 @pytest.mark.parametrize(
     ("family", "time", "count"),
     [(OneDiagonal(), 0.1, 4), (Shaken(seed=3), 0.28, 2), (Shaken(seed=3), 0.1, 4), (OneDiagonal(), 0.5, 2)],
 )
-def test_the_mean_of_f0_is_the_flux_of_the_stress_on_cells_that_moving_fronts_cross(family, time, count):
+def test_the_mean_of_f0_is_exact_on_cells_that_moving_fronts_cross(family, time, count):
+    """By a rule of high degree on quarters of the thirds of cells, which is divided at the fronts."""
     solution = resolve("merging-patches").solution
     space, data = StressSpace(family(solution.body, 6), solution.body), Data.of(solution)
-    thirds, corners = alfeld_split(space.mesh)
-    fronts = [offset for _, offset in solution.fronts(time)]
+    thirds, _ = alfeld_split(space.mesh)
+    fronts = [Line(*front) for front in solution.fronts(time)]
     assert len(fronts) == count
-    expected = -fluxes(solution, corners, fronts, time).T
+    integrals = np.zeros((2, 4 * 3 * space.cells))
+    for rule in cell_rules(thirds.refined(), 12, fronts):
+        integrals[:, rule.cells] = (solution.at(rule.points).body_force(time) * rule.weights).sum(axis=-1)
+    expected = integrals.reshape(2, 4, -1).sum(axis=1)
 
     def error(data):
-        means = ProjectedLoads(data, space, raised=10)(time).force.reshape(-1, 2)
-        return float(abs(means * cell_volumes(thirds)[:, None] - expected).max() / abs(expected).max())
+        means = ProjectedLoads(data, space, raised=10)(time).force.reshape(-1, 2).T
+        return abs(means * cell_volumes(thirds) - expected).max() / abs(expected).max()
 
-    # A rule of high degree, so that what is smooth is exact but for its last digits.
     assert error(data) < 1e-4
     assert error(replace(data, fronts=no_fronts)) > 100 * error(data)
