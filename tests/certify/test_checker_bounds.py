@@ -10,7 +10,7 @@ import pytest
 from measures import gauss
 from places import CERTIFICATES
 from scipy.linalg import eigh
-from study.stresses.composite import bernstein
+from study.stresses.stress_space import bernstein
 
 from study.bound.trajectory import spline
 from study.certify import checker

@@ -9,7 +9,7 @@ from changed import overridden, problems
 
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
-from study.statements.shared.norms import norm
+from study.solve.evolution import norm
 from study.statements.thm_4_2 import gaps
 
 STEPS = 4
