@@ -387,8 +387,7 @@ class Quadratic(Displacements):
         return nodes_of(self.mesh)
 
     def on_edges(self, edges: Array) -> Array:
-        """Return the numbers of the three basis functions on each edge, (3, edges): first vertex, edge, second vertex.
-        """
+        """Return the numbers of the three basis functions on each edge, (3, n): first vertex, edge, second vertex."""
         ends = self.mesh.facets[:, edges]
         return np.vstack([ends[0], self.mesh.p.shape[1] + edges, ends[1]])
 
