@@ -350,9 +350,7 @@ class ContactFace(Face):
 
     @cached_property
     def rate_jets(self) -> tuple[Jet, ...]:
-        """The velocity of the face: the time derivatives of the entries of ``jets``, with their derivatives along the
-        face.
-        """
+        """The velocity of the face: the time derivatives of ``jets``, with their derivatives along the face."""
         return tuple(jet.rate() for jet in self.jets)
 
     @property

@@ -233,9 +233,7 @@ class Linear(MatrixOperator):
 
     @property
     def ellipticity(self) -> float:
-        """The ellipticity constant of the operator τ ↦ α(x) C τ (m_A for a viscosity): its smallest eigenvalue on the
-        body.
-        """
+        """The ellipticity constant of τ ↦ α(x) C τ, called m_A for a viscosity: the smallest eigenvalue on the body."""
         return self.monotonicity
 
     def normal_modulus(self, normal: Array) -> float:
