@@ -101,8 +101,7 @@ class Regularity:
 
     @property
     def trace(self) -> float:
-        """The regularity of the normal trace: the supremum of all τ with u_ν(t) ∈ H^τ(Γ3,i) on each contact face Γ3,i.
-        """
+        """The regularity of the normal trace u_ν on each contact face: the supremum of all τ with u_ν(t) ∈ H^τ."""
         return min(self.gap, self.on_contact) + 0.5
 
     @property

@@ -29,7 +29,7 @@ IGNORED = ("vertex", "line", "line3", "VTK_LAGRANGE_CURVE")
 
 
 COUNTS = re.compile(rb"""NumberOf(?:Points|Cells)\s*=\s*["'](\d{1,20})["']""")
-"""The numbers of points and cells that a .vtu file states."""
+"""Pattern that finds the numbers of points and cells that a .vtu file states."""
 XDMF = (".xdmf", ".xmf")
 """Endings of files that name HDF5 files with their data."""
 UNPACKING_FACTOR, UNSUSPICIOUS = 100, 2**26
@@ -41,9 +41,13 @@ The coordinates and displacements of a mesh compress by a factor of 20 at most.
 
 @dataclass(frozen=True)
 class Field:
-    """The mesh, times and displacements from a file. If the file has no times, ``times`` is None.
+    """A mesh, times and displacements that were read from a file.
 
-    The arrays have the shapes that ``study.bound.given.given`` describes.
+    Attributes:
+        points: the coordinates of the points, (n, 2) or (n, 3).
+        triangles: for each cell the numbers of its points, (cells, 3) or (cells, 6).
+        times: the times, (k,); None if the file has no times.
+        u: the displacements of the points at the times, (k, n, 2) or (k, n, 3).
     """
 
     points: Array
