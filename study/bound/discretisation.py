@@ -105,8 +105,7 @@ class Discretisation:
 
     @cached_property
     def snapshot(self) -> Callable[[float], Snapshot]:
-        """Function from a time to the projected loads, and norms of the part of the loads that the projection leaves
-        out.
+        """Function from a time to the projected loads, and norms of the part that the projection leaves out.
 
         Its results are cached, because the computed displacements and the bounds use the loads at the same times.
         """
@@ -117,8 +116,7 @@ class Discretisation:
 
     @cached_property
     def oscillation(self) -> Oscillation:
-        """Computes the data oscillation of each cell: a bound of the work of the loads that their projection leaves
-        out.
+        """Computes the data oscillation of each cell: a bound of the work of the loads that the projection leaves out.
 
         The projected loads are piecewise polynomials, which discrete stresses can balance.
         """

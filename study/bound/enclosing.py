@@ -159,8 +159,7 @@ class Enclosure:
 
     @property
     def factor(self) -> tuple[float, float]:
-        """The factor s for which the displacement u_h/s fits the more accurate displacement ũ best, and the remaining
-        distance.
+        """The factor s for which u_h/s fits the more accurate displacement ũ best, and the remaining distance.
 
         The distance is relative, ‖u_h/s − ũ‖/‖ũ‖, with squared norms summed over all times. For a Galerkin solution u_h
         of a static problem without contact, s = 1 on every mesh, because its error is orthogonal to u_h.
@@ -172,9 +171,7 @@ class Enclosure:
 
     @property
     def lower(self) -> Array:
-        """The lower bound max(d − y, 0) of the error of u_h at ``times``, (n,), with d = ``distance`` and y =
-        ``bound``.
-        """
+        """The lower bound max(d − y, 0) of the error of u_h at ``times``, (n,), for d = ``distance``, y = ``bound``."""
         return np.maximum(self.distance - self.bound, 0.0)
 
     @property

@@ -78,9 +78,7 @@ class Moduli:
     directions: Array
 
     def decay(self, k: float) -> float:
-        """Return e^{−mk}, the factor by which an error changes over a time step of length k; m is the least modulus
-        g_i.
-        """
+        """Return e^{−mk}, the factor by which an error changes over a time step of length k; m is the least g_i."""
         return float(np.exp(-self.values.min() * k))
 
     def weights(self, time: float) -> Array:
