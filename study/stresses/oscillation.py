@@ -67,8 +67,8 @@ class DividedTriangle:
 
     The four triangles of half the size are called children. On each child the stresses are composite stresses:
     polynomials of degree k on the three subtriangles into which its barycentre divides the child. The unknowns are the
-    coefficients of the stresses on all children in the basis of ``CompositeElement``. They need not be continuous
-    between children.
+    coefficients of the stresses on all children in the basis of ``CompositeElement``. Tractions may jump between
+    children.
 
     Attributes:
         inner: the matrix from unknowns to the jumps of tractions across the three sides of the middle child,

@@ -336,8 +336,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def determinant(self) -> Array:
-        """The determinants of the matrices F of the maps to the cells, (cells,). They are negative for reflected cells.
-        """
+        """The determinants of the matrices F of the maps to the cells, negative for reflected cells, (cells,)."""
         return np.linalg.det(self.map)
 
     @cached_property
