@@ -531,7 +531,8 @@ def differences(rows: pd.DataFrame) -> Array:
     """Return the relative differences between the errors of another code and the errors of this study.
 
     Args:
-        rows: rows with the errors of the other code and, in a joined column, the errors of this study.
+        rows: the errors of the other code in the column ``error``, and the errors of this study in the column
+            ``value``.
     """
     return (rows["error"] / rows["value"] - 1).abs().to_numpy()
 
