@@ -130,11 +130,17 @@ class _Taylor:
 
 
 INTEGRALS_AT_ONCE = 1 << 12
-"""Number of integrals that are evaluated together, so that the values of all φ_k stay in the processor's cache."""
+"""Number of integrals over time that are evaluated together, so that their data stay in the processor's cache."""
 SMALL_ARGUMENT = 12.0
-"""Up to this |z|, φ_k is computed from φ_K by downward recurrence, which amplifies rounding by |z|^K/K!."""
+"""Up to this |z|, ``phi`` computes the functions φ_k(z) from the highest one, φ_K, by downward recurrence.
+
+The recurrence amplifies rounding by |z|^K/K!.
+"""
 SERIES_TERMS = 48
-"""Number of terms of the power series of φ_K. The next term |z|^n/(n + K)! is below the rounding of the sum."""
+"""Number of terms of the power series of the highest function φ_K in ``phi``.
+
+The next term |z|^n/(n + K)! is below the rounding of the sum.
+"""
 
 
 def phi(z: Array, count: int) -> Array:
@@ -167,11 +173,17 @@ def phi(z: Array, count: int) -> Array:
 
 
 POINTS_OF_RULE = 40
-"""Number of Gauss points on an interval of contact, or on each of its equal pieces."""
+"""Number of Gauss points in time on an interval of contact, or on each of the equal pieces into which it is divided."""
 GAUSS_PIECES = (1, 4)
-"""Numbers of equal pieces of an interval of contact that are tried in turn. A long contact may contain many periods."""
+"""Numbers of equal pieces into which an interval of contact is divided for Gauss's rule; they are tried in turn.
+
+A long contact may contain many periods of a motion.
+"""
 ACCURACY = 1e-13
-"""Largest accepted difference between the rule on an interval and on its halves, relative to the largest integral."""
+"""Largest accepted error of Gauss's rule for integrals over time, relative to the largest integral.
+
+The error is estimated by the difference between the rule on an interval and the rule on its halves.
+"""
 
 
 class Quadrature:
@@ -340,14 +352,17 @@ class PolynomialFront:
 
 
 SEARCH_INTERVALS, SURE = (257, 600), 1e-6
-"""The search for the turning points of ψ in time, which is made twice as a check.
+"""The search for the turning points in time of the level function ψ, which is made twice as a check.
 
 ``SEARCH_INTERVALS`` are the numbers of intervals of [0, T] in both searches. ``SURE`` is the largest accepted
 difference of the two results for the total time of contact, relative to T. Where ψ only touches zero, rounding changes
 this time by 1e-8.
 """
 BISECTIONS = 64
-"""Number of bisections, after which an interval is as short as rounding permits."""
+"""Number of bisections in the search for the time at which a front passes a point.
+
+After this number an interval is as short as rounding permits.
+"""
 POINTS_AT_ONCE = 1024
 """Number of points of a face that are treated together."""
 
@@ -369,7 +384,7 @@ class SmoothFront:
     slope: Function
 
     def passes(self, points: Array, T: float) -> Array:
-        """Return the times at which the front passes given points; see ``Front.passes``.
+        """Return the times at which the contact front passes given points, with the shapes of ``Front.passes``.
 
         Raises:
             FormulaError: ψ turns so often that turning points may be missed.
@@ -659,7 +674,7 @@ class Prescribed:
 
 NO_STRESS = sp.Integer(0)
 RECENT = 3
-"""Number of times for which computed values of the strain are cached."""
+"""Number of times for which ``MemoryAtPoints`` keeps computed values of the strain."""
 
 
 @dataclass(frozen=True, eq=False)

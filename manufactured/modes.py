@@ -49,7 +49,7 @@ class Modes:
 def pointwise(field: Callable[[Any, bool], Array], rows: int, count: int) -> Modes:
     """Return a strain or force that is no short sum of products, as a sum with one term for every component.
 
-    The amplitude of a term is the component at each of the points.
+    The sum is trivial: the amplitudes of a term are the values of the component at the points.
 
     Args:
         field: the function (t, rate) ↦ values, (rows, ...), or their time derivative if ``rate`` is true.

@@ -46,11 +46,13 @@ CLAMPED_UP_TO = 1e-9
 UNMOVED_UP_TO = 1e-12
 """A vertex counts as unmoved up to this distance, relative to the size of the mesh."""
 SCALED, SCALED_IN_TIME, ALIKE, NEAR = 0.03, 0.1, 0.7, 0.02
-"""A displacement counts as a multiple of the solution if its factor differs from 1 by more than ``SCALED``, in time by
-more than ``SCALED_IN_TIME``, because long time steps and penalties change the factor by some per cent; and if the
-relative distance that remains after division by this factor is below ``ALIKE``. A usual mistake explains the factor if
-the factors that it can have differ from it by less than ``NEAR``, relatively, or by less than the square of this
-distance."""
+"""Limits in the test whether a displacement is nearly a multiple of the solution, for example because of wrong units.
+
+The factor must differ from 1 by more than ``SCALED``, or by more than ``SCALED_IN_TIME`` for problems in time, because
+long time steps and penalties change the factor by some per cent. The relative distance that remains after division by
+this factor must be below ``ALIKE``. A usual mistake explains the factor if the factors that it can have differ from it
+by less than ``NEAR``, relatively, or by less than the square of the remaining distance.
+"""
 AS_PRESCRIBED = 1e-15
 """A prescribed displacement counts as exact up to this fraction of the largest displacement."""
 UNCHANGED_UP_TO = 1e-9

@@ -85,9 +85,10 @@ from study.stresses.loads import Loads, together
 ROUNDS = 4
 """Number of iterations that improve the fractions w_i of the residual that the elasticity compensates."""
 FIRST_PRODUCT = 2.0**-20
-"""Value of k β with which an iteration for the fractions w = g/(g + β) starts, so that they are nearly 1 at first.
+"""Value of k β with which an iteration for the fractions w_i = g_i/(g_i + β) starts, with a time step of length k.
 
-w is the fraction of the residual that the elasticity with the modulus g compensates, and k the length of a time step.
+w_i is the fraction of the residual that the elasticity with the modulus g_i compensates. β is a number ≥ 0 that is
+optimised; all w_i are nearly 1 at first.
 """
 LAGRANGE = np.array([[16.0, 15.0, 4.0], [15.0, 64.0, 15.0], [4.0, 15.0, 16.0]]) / 120
 """Integrals ∫_0^1 |L_i L_j| of the Lagrange polynomials L_i for the nodes 0, 1/2 and 1."""

@@ -379,7 +379,7 @@ def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
 
 
 RESIDUAL_TIMES = 32
-"""Number of times over which maxima of norms are taken."""
+"""Number of times over which ``ResidualBound`` takes maxima of norms."""
 
 
 class ResidualBound(ListedNumbers):
@@ -479,7 +479,7 @@ def prestress(space: Space, problem: SemiDiscrete, law: KelvinVoigt) -> Tensors:
 
 
 NORM_INSTANTS = 64
-"""Number of nodes of the midpoint rule that approximates norms in time."""
+"""Number of nodes of the midpoint rule by which ``ErrorBounds`` approximates norms in time."""
 STRESS_ROUND_OFF = 1e-11
 """Relative tolerance for round-off: smaller contact pressures, compared with the size of the stresses, count as 0."""
 BOTH_BOUNDS = "(5.21)", "(5.42)"

@@ -142,7 +142,7 @@ The quadrature error changes from step to step and averages out over many steps,
 overestimates its effect.
 """
 NEGLIGIBLE_QUADRATURE = 0.01
-"""Relative effect of quadrature below which it is not computed again with more steps."""
+"""Relative effect of quadrature errors on the error up to which a rough estimate with few time steps suffices."""
 
 
 def measure(experiment: Experiment) -> Measurement:
@@ -549,7 +549,10 @@ def _limit(key: str, window: Window, expected: float) -> Check:
 
 
 PROVED_ORDER_TOLERANCE = 0.1
-"""Observed orders approach the proved order from below, up to this number on these levels."""
+"""An observed order may be below the proved order by at most this number.
+
+Observed orders approach the proved order from below.
+"""
 
 
 class SizeOfInterpolation(FromRates):

@@ -320,7 +320,7 @@ The pressure error at a resting natural front is the error of one cell. If the p
 random, orders scatter by 1 from seed to seed. Merging patches and layers are three or four cells wide on the coarsest
 meshes, and on such random meshes orders scatter most."""
 STRESS_LEVELS, FINER_LEVELS = (8, 16, 32), {"re-entrant": (64,)}
-"""Levels of the full study, and further, finer levels for some cases."""
+"""Levels at which ``OwnSpace`` is measured in the full study, and further, finer levels for some cases."""
 
 RELATIVE_TO = {
     "stress": "stress",

@@ -30,7 +30,7 @@ HALVING_COUNTS = (4, 8, 16, 32, 64, 128, 256)
 """Numbers of time steps: six halvings of k, from k ≫ h to k ≪ h."""
 MOST_STEPS = HALVING_COUNTS[-1]
 REFERENCE_COUNT = 1024
-"""Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
+"""Number of steps of the midpoint rule whose solution ``BackwardEuler`` uses as the semi-discrete solution u^h."""
 PROVED_BELOW_1 = positive_at_most(1.0, "proved in the article for every h and k")
 ERROR_IN_TIME = "error in time of backward Euler, ‖u^h − û^{hk}‖_V"
 
@@ -205,7 +205,7 @@ class JumpingLoad(BackwardEuler):
 STEP_COUNTS = (4, 8, 16, 32, 64)
 """Numbers of time steps: four halvings of k, from k ≫ h to k ≪ h."""
 REFERENCE_STEPS = 256
-"""Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
+"""Number of steps of the midpoint rule whose solution ``NoPotential`` uses as the semi-discrete solution u^h."""
 STEPS_PER_SIDE_CELL = 4
 """Number of time steps for each cell along a side, k = T/(4n), in the comparison with the exact solution."""
 UNEQUAL = 3
@@ -385,11 +385,14 @@ def rotating() -> float:
 
 
 FEW_STEPS = (4, 8, 16, 32, 64, 128)
-"""Numbers of time steps. They are small, so that the error in space does not hide the error in time."""
+"""Numbers of time steps in ``FullyDiscrete``.
+
+They are small, so that the error in space does not hide the error in time.
+"""
 MANY_STEPS = 1024
-"""Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
+"""Number of steps of the midpoint rule whose solution ``FullyDiscrete`` uses as the semi-discrete solution u^h."""
 ASYMPTOTIC_COUNTS = FEW_STEPS[2:]
-"""Numbers of time steps from which the order in k of the error in time, d, is computed."""
+"""Numbers of time steps from which ``FullyDiscrete`` computes the order in k of the error in time."""
 SECOND_OR_LESS = between(1.5, 2, 0.1, 0.1, "3/2 where vertices come into contact or leave it")
 ORDERS = {"backward-euler": around(1, 0.1), "bdf2": SECOND_OR_LESS, "midpoint": SECOND_OR_LESS}
 
@@ -472,7 +475,7 @@ class FullyDiscrete(ListedNumbers):
 HALVED_STEPS = (16, 32, 64, 128, 256, 512, 1024)
 """Numbers of time steps, so that the step k is halved six times."""
 LANDING_STEPS = 8192
-"""Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
+"""Number of steps of the midpoint rule whose solution ``Landings`` uses as the semi-discrete solution u^h."""
 LANDING, RISE = 0.4, 0.075
 """Data of the problem with two unknowns in ``Landings``.
 

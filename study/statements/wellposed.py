@@ -311,7 +311,7 @@ SWEEP = tuple((rate, end) for rate in (0.1, 1.0, 10.0) for end in (0.1, 1.0, 10.
 SHORT = 16
 """Least number of time steps in [0, T] and in an interval of the length 1/ω, the time in which solutions diverge."""
 PERTURBATION_KINDS = 5
-"""Number of perturbations of the data, one of each kind."""
+"""Number of perturbations of loads and initial values in ``SolutionDivergence``, one of each kind."""
 SMALL_STRAIN = 0.01
 """Largest strain at the final time of the perturbation that ``growth_rate`` follows.
 
@@ -581,7 +581,7 @@ class OneTrajectory(ListedNumbers):
 
 
 def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
-    """Return copies of a problem with other solvers, by the names of the solvers."""
+    """Return copies of a problem with other contact solvers, by the names of the solvers, for comparison."""
     return {
         "random starts": replace(problem, solver=RandomStarts),
         "least squares": replace(problem, solver=LeastSquares),
@@ -1014,11 +1014,10 @@ def distances(x: Points, parts: list[Part]) -> Array:
 
 
 def vanishing(field: Field, parts: list[Part]) -> Field:
-    """Return a field multiplied by the distances of points from the planes of given boundary parts; it vanishes on
-    them.
+    """Return a field multiplied by the distances from the planes of given boundary parts.
 
     Args:
-        field: the field.
+        field: the field. The result vanishes on the boundary parts.
         parts: the boundary parts.
     """
     return lambda x: field(x) * distances(x, parts)

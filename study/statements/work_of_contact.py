@@ -163,7 +163,10 @@ C_0 = math.sqrt((2 + math.pi**2) / (8 * math.pi**2))
 EDGE_TIMES = 0.23, 0.5, 0.81
 """Times at which the work of contact on edges is computed, as fractions of the final time T."""
 CHANGES = 16
-"""Largest number of changes between contact and gap on an edge; 64 panels do not resolve more."""
+"""Largest number of changes between contact and gap on an edge that is examined.
+
+Its panels (``SEMINORM_PANELS``) do not resolve more changes.
+"""
 SOBOLEV_EXPONENTS = 0.05, 0.25, 0.5
 """The exponents ϱ of seminorms in H^ϱ for which suprema are computed.
 
@@ -226,7 +229,7 @@ class EdgeWork(ListedNumbers):
     )
 
     def settings(self, scope: Scope) -> Sequence[Setting]:
-        """Return the settings of a study.
+        """Return the settings (case, mesh family, level) in which a study measures the work of contact on edges.
 
         A study of all statements also has the cases with wave trains, which are not part of the catalogue.
         """
@@ -426,7 +429,7 @@ def pressing_on(at: Resolved) -> Callable[[float], Array]:
 FACE_RULE = composite_gauss(512, 4)
 """Quadrature rule on a contact face. Waves are at least 1/64 of the face wide, so each has at least 8 intervals."""
 TIME_NODES = 8
-"""Number of nodes of the midpoint rule that integrates over time."""
+"""Number of nodes of the midpoint rule that integrates the work of contact over time."""
 DRAWS = 400
 """Number of random sets of vertices on Γ3 over which mean and standard deviation of the work are computed."""
 
