@@ -640,13 +640,14 @@ def distinct(places: Array) -> tuple[Array, Array | None]:
 class StatedFace(Face):
     """The contact data of a part of the contact boundary in 2D, all given by formulas of s and t.
 
+    s is the coordinate along the part, and t the time. Derived classes add the displacement.
+
     Attributes:
         part: the part of the contact boundary.
         gap: the formula of the gap w(s, t).
         pressure: the formula of the contact pressure p(s, t). It must be the pressure that the law gives; the
             self-proof checks this.
-        level: the formula of the level function ψ(s, t); the contact zone is {ψ ≥ 0}. Derived classes add the
-            displacement.
+        level: the formula of the level function ψ(s, t); the contact zone is {ψ ≥ 0}.
 
     Raises:
         FormulaError: a kink of a formula is not written with ``pos``.

@@ -438,15 +438,15 @@ def bounds_of_factors(solution: ExactSolution, rng: np.random.Generator, count: 
 
 @checked(ValueError)
 def prove(solution: ExactSolution, name: str, seed: Natural = 0) -> list[Finding]:
-    """Check every condition of Problem 2.1 and return the largest violation of each; raise an error if one is too
-    large.
+    """Check every condition of Problem 2.1 and return the largest violation of each.
 
     >>> from manufactured import named
     >>> all(finding.passes for finding in prove(named("full-contact").solution, "full-contact"))
     True
 
     Raises:
-        SelfProofError: a condition is violated; the message lists all violated conditions with point and time.
+        SelfProofError: a condition is violated by more than its tolerance; the message lists all violated conditions
+            with point and time.
     """
     findings = examine(solution, seed)
     failed = [finding for finding in findings if not finding.passes]

@@ -76,7 +76,7 @@ class Discretisation:
 
     @cached_property
     def stresses(self) -> StressSpace:
-        """The composite stresses of degree 3 on the mesh."""
+        """The space of composite stresses of degree 3 on the mesh: polynomials on three subtriangles of every cell."""
         return StressSpace(self.mesh, self.data.body, STRESS_DEGREE)
 
     @cached_property

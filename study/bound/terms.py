@@ -301,7 +301,9 @@ class Terms:
         return np.tensordot(QUADRATIC, self.contact, axes=2)
 
     def step(self) -> Step:
-        """Return means of the terms over the time interval, and bounds of the terms that hold at all times."""
+        """Return means of the terms of the error bound over the time interval, and bounds that hold at all of its
+        times.
+        """
         rest = self.missed.everywhere
         mean = Sizes(
             np.tensordot(QUADRATIC, self.residual, axes=2),

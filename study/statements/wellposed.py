@@ -945,9 +945,8 @@ def tractions(setup: Experiment) -> Numbers:
 def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
     """Yield pairs of a time t and the discrete stress σ^h(t), for STRESS_INSTANTS times t.
 
-    The times are the midpoints of STRESS_INSTANTS equal parts of [0, T], each with an odd number of time steps. So t
-    is the
-    midpoint of a step from t_{n−1} to t_n, and σ^h(t) = A ε((u_n − u_{n−1})/k) + G ε((u_n + u_{n−1})/2).
+    The times are the midpoints of STRESS_INSTANTS equal parts of [0, T], each with an odd number of time steps. So t is
+    the midpoint of a step from t_{n−1} to t_n, and σ^h(t) = A ε((u_n − u_{n−1})/k) + G ε((u_n + u_{n−1})/2).
     """
     space = setup.space
     cells = on_cells(space, setup.solution.law)
