@@ -885,16 +885,17 @@ class Coupled:
         initial: sp.Expr | None,
         variables: Symbols,
     ) -> Coupled:
-        """Return the strain y = (q, r) on a contact face, the solution of 𝒜 ẏ + 𝒢 y = −(p, 0) − l.
+        """Return the normal strain q and the shear strain r on a contact face, from the contact pressure.
 
         Args:
             pressure: the formula of the contact pressure p(s, t).
             slip_stress: the formulas of the d components of l(s, t), the stress that a slip of the face causes.
-            viscous, elastic: the matrices 𝒜 and 𝒢 of moduli without a common factor, (d, d) each.
+            viscous, elastic: the matrices 𝒜 and 𝒢 of moduli without their common factor, (d, d) each. y = (q, r) solves
+                𝒜 ẏ + 𝒢 y = −(p, 0) − l.
             scale: the formula of the factor by which both matrices are multiplied.
             T: the final time.
             initial: the formula of q(s, 0), with r(s, 0) = 0; None for a start at rest, q̇ = ṙ = 0.
-            variables: the coordinates along the face.
+            variables: the symbols of the coordinates s along the face.
         """
         inverse = np.linalg.inv(np.linalg.cholesky(viscous))
         rates, basis = np.linalg.eigh(inverse @ elastic @ inverse.T)

@@ -189,7 +189,8 @@ class StressState:
 
     Attributes:
         time: the time t_n.
-        stress: the admissible stress σ_n, (D, cells). At t_0 it is NaN, because backward Euler has no rate there.
+        stress: the admissible stress σ_n, (D, cells), with the D components of a symmetric tensor. At t_0 it is NaN,
+            because backward Euler has no rate there.
         strain: the strain ε_n, computed by the law from σ_n and ε_{n−1}, (D, cells).
         u: the displacement u_n, which is the Lagrange multiplier of the equation of equilibrium, (dofs,).
         multipliers: the nodal contact forces λ_n ≥ 0, (m,); NaN at t_0.
@@ -197,7 +198,7 @@ class StressState:
             ε_{n−1} and the exact σ* and ε*, the gap is at least ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in the
             norm of C, where C is the tensor A/k + G of a step of length k. The reason: for the difference of the
             computed and the exact point, the quadratic part of the potential is −(λ_n − λ*)·N(u_n − u*), which is at
-            most −λ_n·N u_n. D is the number of components of a symmetric tensor, N u ≤ 0 the constraint of contact.
+            most −λ_n·N u_n; N u ≤ 0 is the constraint of contact.
     """
 
     time: float

@@ -262,7 +262,7 @@ BOTH_KINDS = accuracy(
 
 
 def mixed_edges(solution: ExactSolution, space: Space) -> tuple[Array, ...]:
-    """Return the work of contact on the edges of Γ3 on a part of which there is contact, and a gap on the rest.
+    """Return the work of contact on all edges of Γ3 that have both contact and a gap at a time.
 
     The work of contact on an edge E is R_E = ∫_E σ_ν (Π^h u_ν − u_ν). Each edge is mapped to the interval (0, 1). The
     map to an edge of length h multiplies R_E by h and leaves the seminorm |·|_{1/2} unchanged.
@@ -270,9 +270,9 @@ def mixed_edges(solution: ExactSolution, space: Space) -> tuple[Array, ...]:
     Returns:
         Three arrays for the n edges that are found on all contact faces and at all times:
 
-        * whether there is contact at the nodes ``FIRST`` of a quadrature rule on the edge, (n, nodes); * the fraction
-        |N|/h of the edge, of length h, with a gap, (n,); * the work over its bound without the factor β, |R_E| / (h²
-        |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), (n,).
+        * whether there is contact at the nodes ``FIRST`` of a quadrature rule on the edge, (n, nodes);
+        * the fraction |N|/h of the edge, of length h, with a gap, (n,);
+        * the work over its bound without the factor β, |R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), (n,).
     """
     found = [(np.empty((0, FIRST[0].size)), np.empty(0), np.empty(0))]
     for face, part in product(solution.faces, EDGE_TIMES):
