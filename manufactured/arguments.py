@@ -21,13 +21,16 @@ Decorated = TypeVar("Decorated")
 Extended = Annotated[float, "may be infinite"]
 """The type of a real number that may be infinite."""
 Size = Annotated[float, 1e-30, 1e30]
-"""The type of a positive number, such as a length, of which powers are computed."""
+"""The type of a positive number, such as a length, that is neither extremely small nor extremely large.
+
+Powers of such a number neither overflow nor underflow.
+"""
 Dimension = Annotated[int, 2, 3]
 """The type of the number of directions in space."""
 Degree = Annotated[int, 0, 1]
-"""The type of the exponent of a factor that may be missing."""
+"""The type of an exponent that is 0 or 1, of a factor that may be missing."""
 Count = Annotated[int, 1, 1e6]
-"""The type of the number of things of which there has to be at least one."""
+"""The type of a whole number from 1 to a million, such as a number of points or time steps."""
 Natural = Annotated[int, 0, 1e18]
 """The type of a whole number that is not negative."""
 BYTES = str, bytes, bytearray, memoryview

@@ -110,7 +110,11 @@ class Part:
         return self.corners[:, -1]
 
     def line(self, c: float) -> Hyperplane:
-        """Return (direction, offset) of the line direction·x = offset that is perpendicular to the segment at s = c."""
+        """Return the line {x : direction·x = offset} perpendicular to the segment at s = c, as (direction, offset).
+
+        Args:
+            c: the coordinate s along the segment.
+        """
         return tuple(map(float, self.tangent)), float(self.tangent @ self.start) + c
 
     @cached_property
@@ -131,7 +135,7 @@ class Part:
 
     @cached_property
     def tangent(self) -> Array:
-        """The unit vector from the first corner to the last one, which is the first axis of s, (d,)."""
+        """The unit vector from the first corner to the last one, the first axis of the local coordinates s, (d,)."""
         along = self.end - self.start
         return along / np.linalg.norm(along)
 
@@ -175,7 +179,12 @@ class Part:
         return (mapped(self.frame[:, :-1], s).T + self.start).T
 
     def covers(self, s: Array, tolerance: float) -> NDBool:
-        """Return for local coordinates s whether the point lies on the part or its boundary: (d−1, ...) → (...)."""
+        """Return for points with local coordinates s whether they lie on the part or its boundary: (d−1, ...) → (...).
+
+        Args:
+            s: the local coordinates, (d−1, ...).
+            tolerance: the distance from the part up to which a point counts as lying on it.
+        """
         normals, offsets = self.sides
         beyond = np.moveaxis(mapped(normals.T, s), 0, -1) - offsets
         return np.asarray((beyond <= tolerance).all(axis=-1))
@@ -189,7 +198,8 @@ class Part:
         """Return the points of a grid that lie on the part, in local coordinates, (d−1, n).
 
         Args:
-            shares: the positions of the grid lines along each axis, from 0 to 1 over the extent of the part.
+            shares: the positions of the grid lines along each axis as fractions, from 0 to 1, of the extent of the part
+                along this axis.
         """
         low, high = self.outline.min(axis=1), self.outline.max(axis=1)
         axes = low[:, None] + np.multiply.outer(high - low, shares)
@@ -226,7 +236,8 @@ def scattered(rng: np.random.Generator, corners: Points, inside: Callable[[Point
 
     Args:
         rng: the random number generator.
-        corners: the corners of the set, (k, c). Points are drawn from the smallest box that contains them.
+        corners: c points whose convex hull contains the set, such as its corners, (k, c). Points are drawn from the
+            smallest box that contains them.
         inside: function that returns whether points lie in the set.
         count: the number of points.
     """
@@ -246,7 +257,11 @@ SLENDER = 1000.0
 The constant of Korn's inequality grows with this ratio.
 """
 HELD = 1e-3
-"""Rollers hold a body if their conditions, for lengths relative to its size, have singular values above this number."""
+"""Rollers exclude rigid motions if the matrix of their conditions has no singular value below this number.
+
+The rows of the matrix are the normal displacements on the rollers for each rigid motion, with lengths relative to the
+size of the body.
+"""
 
 
 @dataclass(frozen=True, eq=False)

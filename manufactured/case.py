@@ -22,9 +22,10 @@ from manufactured.singular import SingularFace, SingularField, TravellingField
 from manufactured.symbols import t
 
 FIXED = 2.5
-"""A front that does not move lowers the regularity only if the strain on the face has an exponent up to this number.
+"""A fixed contact front lowers the regularity only if the exponent of the strain there is at most this number.
 
-Such fronts occur if the body starts in elastic equilibrium, since then q(0) = −p(0)/g.
+Such fronts occur if the body starts in elastic equilibrium, since then the normal strain is q(0) = −p(0)/g, with the
+contact pressure p and the normal modulus g of the elasticity.
 """
 INITIAL_GAP = "beyond: initial gap"
 """The label of the statement on cases with an initial gap, which are beyond the paper."""
@@ -45,7 +46,8 @@ class Case:
         name: the name in commands, files and tables.
         summary: one line on the motion of the contact zone.
         solution: the exact solution.
-        regularity: the exponents of gap and pressure at the least smooth fronts; they must agree with the formulas.
+        regularity: the exponents of gap and pressure at the least smooth contact fronts; they must agree with the
+            formulas of the solution.
         order: the predicted order of ‖u − u^h‖_{L∞(0,T;V)}.
         reason: why the regularity gives this order, in one sentence.
         pace: the number of time steps per unit of time, divided by n^{2/3} on the mesh of level n, which has about n
@@ -223,7 +225,7 @@ MOST_BYTES = 100
 File systems allow 255 for a file name, which also contains the mesh family, the level and a suffix.
 """
 RESERVED = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|com[0-9¹²³]|lpt[0-9¹²³]) *(\..*)?", re.IGNORECASE | re.DOTALL)
-"""Names of devices, with any suffix. Windows opens the device instead of a file of this name."""
+"""Names of devices in Windows, with any suffix. Windows opens the device instead of a file of this name."""
 FORBIDDEN = re.compile(r'[/\\:*?"<>|\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]')
 """Characters that must not be in file names.
 

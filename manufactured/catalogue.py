@@ -54,7 +54,10 @@ NAMES = tuple(MODULES)
 
 NATURAL_MOTION, NO_POTENTIAL = "natural-motion", "no-potential"
 OTHER_NAMES = ("trains", "breathing-trains", NATURAL_MOTION, NO_POTENTIAL)
-"""The names of further cases, which only single statements use. Functions of other names make them."""
+"""The names of cases that are not in the catalogue, because only single statements use them.
+
+They have no entry in ``MODULES``; functions in other modules make them.
+"""
 
 SUCCESSORS = {
     "fixed-front-on-vertex": "full-contact",

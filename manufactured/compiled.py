@@ -60,7 +60,7 @@ WITHOUT_DOCSTRING = {"docstring_limit": 0} if "docstring_limit" in signature(sp.
 
 
 def function(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> Callable[..., list[Array]]:
-    """Return a NumPy function that evaluates expressions and returns the list of their values.
+    """Return a NumPy function that evaluates SymPy expressions and returns the list of their values.
 
     Common subexpressions are computed once. The value of a constant expression is a number, not an array.
 
@@ -97,7 +97,7 @@ def coefficients_in_t(polynomial: sp.Expr) -> list[sp.Expr]:
 
 @dataclass(frozen=True)
 class Jet:
-    """Evaluates a formula of (s, t) together with its derivatives along a contact face.
+    """Evaluates a formula of s and t together with its derivatives in s, the coordinates along a contact face.
 
     A call with points, (d−1, ...), a time (or times that broadcast with the points) and an order returns the
     derivatives ∂^i with |i| ≤ order as a dict from multi-indices i to arrays, (...).

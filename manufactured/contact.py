@@ -54,20 +54,23 @@ COMBINATIONS: dict[str, tuple[tuple[str, int], ...]] = {
     "a'+b": (("a", 1), ("b", 0)),
     "e'+d": (("e", 1), ("d", 0)),
 }
-"""For each function of y that occurs in strains: its profile functions and the orders of their derivatives."""
+"""For each function of the depth y that occurs in strains: the profile functions whose sum it is.
+
+The profile functions a, …, f are attributes of ``Profile``. Each is given by its name and the order of its derivative.
+"""
 
 
 class StrainTerm(NamedTuple):
-    """One term of a component of the strain in the axes of a contact face.
+    """One term of a component of the strain ε(u) of a displacement that is made from the data of a contact face.
 
-    The term is the product of a factor, a derivative along the face of the gap w, the normal strain q, the shear
-    strain r or the slip z, and a function of y.
+    On the face there are the gap w, the normal strain q, the shear strain r and the slip z; y is the distance into the
+    body. The term is the product of a number, a derivative along the face of w, q, r or z, and a function of y.
 
     Attributes:
-        row: the row of the Mandel vector in the axes (s, n).
-        factor: the factor, which contains √2 or √½ for off-diagonal components.
-        source: the number of the function that is differentiated: 0 for w, 1 for q, and from 2 on the components of
-            the tangential fields r and z.
+        row: the row of the component in the Mandel vector of the strain, in the axes (s, n) of the face.
+        factor: the number, which contains √2 or √½ for off-diagonal components.
+        source: the number of the function that is differentiated: 0 for w, 1 for q, and from 2 on the components of r
+            and z.
         along: the multi-index of the derivative along the face.
         profile: the name of the function of y in ``COMBINATIONS``.
     """
@@ -81,13 +84,16 @@ class StrainTerm(NamedTuple):
 
 @lru_cache
 def strain_terms(n: int, deep: bool, tangential: tuple[str, ...]) -> tuple[StrainTerm, ...]:
-    """Return all terms of the strain of a contact face.
+    """Return all terms of the strain of a displacement that is made from the data of a contact face.
+
+    The terms contain the gap w, the normal strain q, the shear strain r and the slip z on the face, and the functions
+    of the depth in ``Profile``.
 
     Args:
         n: the number of coordinates along the face.
         deep: whether the profile has a function e, so that the strain contains second derivatives of q.
-        tangential: the profile functions of the tangential fields that are not zero: "c" for r, "f" for z. Each field
-            has n components.
+        tangential: the names of the profile functions of those tangential fields that are not zero: "c" for r, "f" for
+            z. Each field has n components.
     """
     zero, first = first_indices(n)
     fields = [(2 + n * number, profile) for number, profile in enumerate(tangential)]
@@ -114,7 +120,11 @@ def plus(*indices: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def first_indices(variables: int) -> tuple[tuple[int, ...], list[tuple[int, ...]]]:
-    """Return the multi-index of a function itself, (0, …), and the multi-indices of its first derivatives."""
+    """Return the multi-index (0, …, 0) of a function itself, and the multi-indices of its first derivatives.
+
+    Args:
+        variables: the number of variables of the function.
+    """
     unit = np.eye(variables, dtype=int)
     return (0,) * variables, [tuple(int(i) for i in row) for row in unit]
 
@@ -126,11 +136,12 @@ VARIABLES = {2: (s,), 3: (s1, s2)}
 
 
 class ContributionAtPoints(Protocol):
-    """The interface of a displacement field at fixed points, as a function of time.
+    """The interface of a displacement field at fixed points of the body, as a function of time.
 
-    The methods return the displacement, its strain, or the gradient of the strain at a time; if ``rate`` is true, they
-    return time derivatives. For n times, (n,), the results have n as an additional last axis. ``modes`` returns the
-    strain at all times, as a sum of products.
+    The displacement u of an exact solution is a sum of such fields. The methods return the field, its strain, or the
+    gradient of its strain at a time; if ``rate`` is true, they return time derivatives. For n times, (n,), the results
+    have n as an additional last axis. ``modes`` returns the strain for all times, as a sum of products of functions of
+    the point and of time.
     """
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors: ...
@@ -140,13 +151,19 @@ class ContributionAtPoints(Protocol):
 
 
 class Contribution(Protocol):
-    """The interface of a displacement field on the body; ``at`` returns the field at fixed points, (d, ...)."""
+    """The interface of a displacement field on the body; the displacement of an exact solution is a sum of such fields.
+
+    ``at`` returns the field at fixed points, (d, ...), as a function of time.
+    """
 
     def at(self, x: Points) -> ContributionAtPoints: ...
 
 
 class Face:
-    """A displacement field with contact on one part of Γ3. Derived classes add the displacement.
+    """A displacement field with contact on one part of the contact boundary Γ3.
+
+    Derived classes define the displacement (``at``) and the data below, which are formulas of the coordinates s along
+    the part and of the time t.
 
     Attributes:
         part: the part of Γ3.
@@ -211,11 +228,12 @@ parts, and then the part with the change again, ``DIVISIONS`` times, down to 1e-
 @dataclass(frozen=True, eq=False)
 @checked(FormulaError)
 class ContactFace(Face):
-    """The contact data on one part of the contact boundary, from which the displacement in the body is made.
+    """The contact data on one part of the contact boundary Γ3, from which the displacement in the body is made.
 
     Attributes:
-        part: the part Γ3,i.
-        gap: the formula of the gap w(s, t) = g − u_ν, with the symbols ``s`` (``s1`` and ``s2`` in 3D) and ``t``.
+        part: the part of Γ3.
+        gap: the formula of the gap w(s, t) = g − u_ν, where g is the initial gap, with the symbols ``s`` (``s1`` and
+            ``s2`` in 3D) and ``t``.
         strain: the normal strain q and the shear strain r on the face, as functions of s and t.
         level: the formula of a function ψ(s, t); the contact zone is {ψ ≥ 0}.
         profile: the functions of the depth y that continue the data into the body.
@@ -223,8 +241,8 @@ class ContactFace(Face):
             there.
         initial_gap: the formula of g(s), the distance of the undeformed body from the foundation; 0 in the paper.
         slip: the formulas of the components of the slip z(s, t) = u_τ along the coordinates of the face, one in 2D and
-            two in 3D; () if the face does not slip. ``strain`` must be the strain that the slip needs for p and
-            σ_τ = 0, as ``ContactFace.linear`` computes it.
+            two in 3D; () if the face does not slip. ``strain`` must be such that the stress has the wanted contact
+            pressure and σ_τ = 0, as ``ContactFace.linear`` computes it.
 
     Raises:
         FormulaError: a kink is not written with ``pos``; a formula has symbols other than s, s1, s2 and t; an entry of
@@ -267,12 +285,12 @@ class ContactFace(Face):
         """Return the contact face for a linear law; the strain on the face is computed from pressure and slip.
 
         Args:
-            part: the part Γ3,i.
+            part: the part of the contact boundary.
             law: the material law, with linear G.
             T: the final time.
             gap: the formula of the gap w(s, t).
             pressure: the formula of the contact pressure p(s, t).
-            level: the formula of ψ(s, t); the contact zone is {ψ ≥ 0}.
+            level: the formula of the level function ψ(s, t); the contact zone is {ψ ≥ 0}.
             initial: the formula of the normal strain q(s, 0); there is no shear strain at t = 0. By default the strain
                 starts at rest, q̇(s, 0) = 0; without slip, the body then starts in elastic equilibrium.
             profile, rough, initial_gap, slip: see ``ContactFace``.
@@ -290,7 +308,8 @@ class ContactFace(Face):
 
         Raises:
             LawError: the dimensions of law and part differ; G is not linear (prescribe q with
-                ``face_strain.Prescribed`` instead); or it couples nn and sn not symmetrically.
+                ``face_strain.Prescribed`` instead); or it couples the normal strain nn and the shear strain sn not
+                symmetrically.
             FormulaError: a kink is not written with ``pos``, or a part of the pressure may not be smooth in t.
         """
         refuse_kinks(gap, pressure, level, initial, initial_gap, *slip)
@@ -323,17 +342,23 @@ class ContactFace(Face):
 
     @cached_property
     def jets(self) -> tuple[Jet, ...]:
-        """The displacement of the face, u_n = −u_ν = w − g and then the slip, as formulas with their derivatives."""
+        """The displacement of the face, u_n = −u_ν = w − g and then the components of the slip, with their derivatives.
+
+        w is the gap and g the initial gap. Each entry evaluates a formula of (s, t) and its derivatives along the face.
+        """
         return tuple(Jet(u, self.variables) for u in (self.gap - self.initial_gap, *self.slip))
 
     @cached_property
     def rate_jets(self) -> tuple[Jet, ...]:
-        """The velocity of the face, as formulas with their derivatives."""
+        """The velocity of the face: the time derivatives of ``jets``, with their derivatives along the face."""
         return tuple(jet.rate() for jet in self.jets)
 
     @property
     def tangential(self) -> tuple[str, ...]:
-        """The profile functions of the tangential fields on the face that are not zero: "c" for r, "f" for z."""
+        """The names of the profile functions that belong to tangential fields on the face that are not zero.
+
+        The name is "c" for the shear strain r and "f" for the slip z.
+        """
         return ("c",) * isinstance(self.strain, Coupled) + ("f",) * bool(self.slip)
 
     @cached_property
@@ -393,7 +418,7 @@ class ContactFace(Face):
 
 
 Trace = tuple[int, Index]
-"""A derivative along the face of the gap, the strain or the slip.
+"""A derivative along the contact face of the gap, the normal or shear strain, or the slip on the face.
 
 It is a pair of the number of the function (``StrainTerm.source``) and the multi-index of the derivative.
 """
@@ -419,11 +444,12 @@ class _Traces:
 
 
 class Lifting:
-    """Evaluates the displacement field of a contact face, its strain and their rates at fixed points of the body.
+    """Evaluates the displacement field that continues the data of a contact face into the body, at fixed points.
 
-    For n times, the results have n as an additional last axis. Factors that do not depend on time are computed once.
-    Formulas are evaluated once for each distinct coordinate s, because many points have the same s on structured
-    meshes. At points deeper than the profile reaches, all fields are zero.
+    Its strain and the rates of both are evaluated as well. For n times, the results have n as an additional last axis.
+    Factors that do not depend on time are computed once. Formulas are evaluated once for each distinct coordinate s,
+    because many points have the same s on structured meshes. At points deeper than the profile reaches, all fields are
+    zero.
     """
 
     def __init__(self, face: ContactFace, x: Points) -> None:
@@ -448,9 +474,11 @@ class Lifting:
         return self._functions[name, derivative]
 
     def traces(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
-        """Return the displacement u_n and the values (q, r, z) on the face below every point, or their rates.
+        """Return the data of the contact face at the coordinates s of every point, with derivatives along the face.
 
-        u_n comes with its derivatives along the face up to order + 1, (q, r, z) with their derivatives up to ``order``.
+        The data are the normal displacement u_n, with derivatives up to ``order`` + 1, and the normal strain q, shear
+        strain r and slip z, with derivatives up to ``order``. If ``rate`` is true, the data are replaced by their time
+        derivatives.
         """
         w, strain = self.on_face(time, rate, order)
         return self._spread(w), tuple(self._spread(values) for values in strain)
@@ -506,19 +534,25 @@ class Lifting:
         return self._everywhere(np.moveaxis(mapped(self.frame, local), 0, 1), 2)
 
     def modes(self) -> Modes:
-        """Return the strain ε(u) as a sum of products: a function of the point times a function of (s, t)."""
+        """Return the strain ε(u) as a sum of products, each of a function of the point and a function of (s, t).
+
+        s is the coordinate of the point along the face.
+        """
         axes = np.eye(len(pairs(len(self.frame)))) if self.rotation is None else self.rotation
         tensors = np.array([axes[:, term.row] for term in self.terms])
         shapes = np.array([term.factor * self._profile(term.profile, 0).ravel() for term in self.terms])
         return self.products(tensors, shapes, [(term.source, term.along) for term in self.terms], 1 + self.deep)
 
     def products(self, tensors: Array, shapes: Array, traces: Sequence[Trace], order: int) -> Modes:
-        """Return a sum of products whose functions of time are derivatives of w, q, r and z along the face.
+        """Return a sum of K products of a constant tensor, a function of the point, and a function of (s, t).
+
+        The functions of (s, t) are derivatives along the face of the gap w, the normal strain q, the shear strain r and
+        the slip z.
 
         Args:
-            tensors: the K constant tensors, (K, D).
-            shapes: the K functions of the point, at the points within the depth of the profile, (K, n).
-            traces: the K derivatives.
+            tensors: the K constant tensors, (K, D), or vectors, (K, d).
+            shapes: the K functions of the point, at the n points within the depth of the profile, (K, n).
+            traces: the K derivatives, each as the number of the function and the multi-index of its derivative.
             order: the highest order of the derivatives of q, r and z.
         """
         # The function below uses local variables. A reference to ``self`` would keep the arrays of all points in
@@ -535,12 +569,15 @@ class Lifting:
 
     @property
     def deep(self) -> bool:
-        """Whether the profile has a function e ≠ 0, so that the strain contains second derivatives of q along s."""
+        """Whether the profile has a function e ≠ 0, so that strains contain second derivatives along the face.
+
+        They are the second derivatives of the normal strain q on the face.
+        """
         return self.face.profile.e is not ZERO
 
     @property
     def terms(self) -> tuple[StrainTerm, ...]:
-        """All terms of the strain."""
+        """All terms of the strain of the displacement field (see ``StrainTerm``)."""
         return strain_terms(len(self.s), self.deep, self.face.tangential)
 
     def _local(self, w: Values, strain: Components, along: Index, into: int, time: Array | complex) -> Tensors:
@@ -575,9 +612,9 @@ def _require_components(slip: tuple[sp.Expr, ...], variables: tuple[sp.Symbol, .
 
 
 def distinct(places: Array) -> tuple[Array, Array | None]:
-    """Find the distinct coordinates s among many points.
+    """Find the distinct coordinates s along a contact face among the coordinates of many points.
 
-    Coordinates that differ only by round-off count as equal.
+    Coordinates that differ only by round-off count as equal. The argument ``places`` has the shape (d − 1, ...).
 
     Returns:
         The distinct coordinates, (d − 1, m), and for each point the index of its coordinates, (...). If few coordinates
@@ -601,14 +638,16 @@ def distinct(places: Array) -> tuple[Array, Array | None]:
 
 @dataclass(frozen=True, eq=False)
 class StatedFace(Face):
-    """The contact data of a part of the contact boundary in 2D. Derived classes add the displacement.
+    """The contact data of a part of the contact boundary in 2D, all given by formulas of s and t.
+
+    s is the coordinate along the part, and t the time. Derived classes add the displacement.
 
     Attributes:
-        part: the part Γ3,i.
+        part: the part of the contact boundary.
         gap: the formula of the gap w(s, t).
         pressure: the formula of the contact pressure p(s, t). It must be the pressure that the law gives; the
             self-proof checks this.
-        level: the formula of ψ(s, t); the contact zone is {ψ ≥ 0}.
+        level: the formula of the level function ψ(s, t); the contact zone is {ψ ≥ 0}.
 
     Raises:
         FormulaError: a kink of a formula is not written with ``pos``.

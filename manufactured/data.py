@@ -53,14 +53,14 @@ SYMBOLS_BY_NAME = {str(symbol): symbol for symbol in (x1, x2, x3, t)}
 def compiled(
     formulas: Sequence[sp.Expr | float], count: int, name: str, symbols: tuple[sp.Symbol, ...]
 ) -> Callable[..., Vectors]:
-    """Return a function that evaluates formulas at points, (d, ...) → (count, ...), and at a time if t is among the
-    symbols.
+    """Return a function that evaluates formulas at points, (d, ...) → (count, ...).
 
     Args:
         formulas: the formulas.
         count: the number of formulas that is expected.
         name: the name of the quantity, for messages.
-        symbols: the symbols that the formulas may contain, in the order of the arguments.
+        symbols: the symbols that the formulas may contain: the coordinates, and the time t if the function shall have
+            the time as its second argument.
 
     Raises:
         FormulaError: there are other symbols, a wrong number of formulas, numbers that double precision cannot
@@ -173,7 +173,7 @@ class LoadError(ValueError):
 
 
 def no_fronts(time: float) -> tuple[Hyperplane, ...]:
-    """Return an empty tuple of lines, for a body force without moving fronts."""
+    """Return an empty tuple of lines: the lines at which a body force without moving fronts is not smooth."""
     return ()
 
 

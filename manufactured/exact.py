@@ -39,10 +39,10 @@ DOMAIN_ROUNDING = 1e-9
 
 
 def coordinates(values: ArrayLike, count: int, what: str) -> Array:
-    """Return the coordinates of points as an array whose first axis has the length ``count``.
+    """Return the coordinates of points as an array, (count, ...), after a check.
 
     Raises:
-        ValueError: the array has another shape.
+        ValueError: the array has another shape. The message names the points by ``what``.
     """
     wanted = f"{what} need the shape ({count}, n), one row for each coordinate"
     try:
@@ -102,11 +102,12 @@ def require_times(T: float, time: Array | complex) -> None:
 
 @dataclass(frozen=True, eq=False)
 class ForceModes:
-    """The body force f_0 = −Div(A ε(u̇)) − Div(G ε(u)) as sums of products, one sum for each displacement field of u.
+    """The body force f_0 = −Div(A ε(u̇)) − Div(G ε(u)) as sums of products of functions of the point and of time.
 
     Attributes:
-        viscous: −Div(A ε(u)); its time derivative is the viscous part of f_0.
-        elastic: −Div(G ε(u)), the elastic part of f_0.
+        viscous: −Div(A ε(u)), with one sum for each of the displacement fields that add up to u. Its time derivative is
+            the viscous part of f_0.
+        elastic: −Div(G ε(u)), the elastic part of f_0, with one sum for each field.
     """
 
     viscous: list[Modes]
@@ -116,7 +117,13 @@ class ForceModes:
 def force_modes(of: AtPoints, part: ContributionAtPoints, count: int) -> Modes:
     """Return the force −Div(α C ε) of a displacement field at ``count`` points, as a sum of products.
 
-    In the result, ``Modes.tensors`` are the K constant vectors of the products, (K, d).
+    A product has a function of the point and a function of time. In the result, ``Modes.tensors`` are the constant
+    vectors of the K products, (K, d).
+
+    Args:
+        of: the linear operator ε ↦ α C ε at the points.
+        part: the displacement field with the strain ε at the points.
+        count: the number of points.
 
     Raises:
         LawError: the operator is not linear.
@@ -371,7 +378,8 @@ class Fields:
     def modes(self) -> list[Modes]:
         """Return the strain of each displacement field as a sum of products of functions of the point and of time.
 
-        Points are in the order of ``x``.
+        The displacement of the exact solution is the sum of these fields. Points are numbered in the order of the array
+        of points for which this object was made.
         """
         return [part.modes() for part in self._parts]
 
@@ -384,7 +392,10 @@ class Fields:
         return self._law(time).stress(self.strain_rate(time), self.strain(time))
 
     def body_force(self, time: Array | complex) -> Vectors:
-        """Return the body force f_0 = −Div σ of (2.2), with ∂_j σ = A ∂_j ε̇ + G'(ε)[∂_j ε], (d, ...)."""
+        """Return the body force f_0 = −Div σ of (2.2), (d, ...).
+
+        It is computed by ∂_j σ = A ∂_j ε̇ + G'(ε)[∂_j ε], plus the derivatives of the material factors.
+        """
         rate_gradient = self._total("strain_gradient", time, rate=True)
         law = self._law(time)
         slope = law.A.gradient(lambda: self.strain_rate(time), rate_gradient)
@@ -392,7 +403,10 @@ class Fields:
         return -np.einsum("Iij,Ij...->i...", basis(slope.shape[1]), slope)
 
     def force_modes(self) -> ForceModes:
-        """Return the body force f_0 as sums of products; G must be linear. Points are in the order of ``x``."""
+        """Return the body force f_0 as sums of products of functions of the point and of time; G must be linear.
+
+        Points are numbered in the order of the array of points for which this object was made.
+        """
         viscous, elastic = (
             [force_modes(tensor, part, self.x[0].size) for part in self._parts] for tensor in (self.law.A, self.law.G)
         )
@@ -435,10 +449,11 @@ class FaceFields:
         return (self.solution.law.A.lipschitz + self.solution.law.G.lipschitz) * float(max(sizes))
 
     def traces(self, time: float, axis: int = 0) -> dict[str, tuple[Array, Array]]:
-        """Return the functions that must be continuous along the face, each with its derivative along an axis.
+        """Return the functions that must be continuous along the contact face, each with its derivative along an axis.
 
-        They are the gap w, and for a ``ContactFace`` also ∇_s w, the strains q and r, the slip z, and the initial gap
-        g with ∇_s g.
+        They are the gap w, and for a ``ContactFace`` also its gradient ∇_s w along the face, the normal strain q, the
+        shear strain r, the slip z, and the initial gap g with ∇_s g. The axis has the number ``axis`` among the
+        coordinates s of the face.
 
         Returns:
             A dict from the name of a function to its values and the values of its derivative, (...) each.

@@ -29,17 +29,17 @@ Each grid covers the neighbourhood of the best point of the grid before it.
 
 
 class RoughError(ValueError):
-    """Raised if the exponents of a formula cannot be read off, or if no ``Regularity`` can state them."""
+    """Raised if the exponents of a formula at contact fronts cannot be read off, or no ``Regularity`` states them."""
 
 
 @dataclass(frozen=True)
 class FaceFormula:
-    """A formula of the contact data on a face, such as the gap, for times between ``begin`` and ``end``.
+    """A formula of the contact data on a face, such as the gap, and the time interval in which it is used.
 
     Attributes:
         formula: a formula of the coordinates along the face and of t.
-        part: the face.
-        variables: the coordinates along the face.
+        part: the contact face.
+        variables: the symbols of the coordinates along the face.
         begin, end: the first and the last time at which the formula is used.
     """
 
@@ -51,10 +51,11 @@ class FaceFormula:
 
     @cached_property
     def plain(self) -> sp.Expr:
-        """The formula without truncated powers x_+^a that are smooth on the face: they are replaced by x^a or 0.
+        """The formula without those truncated powers x_+^a that are smooth on the face, which are replaced by x^a or 0.
 
-        A truncated power is smooth if x does not change its sign on the face. The remaining ``pos(x, a)`` have a front
-        on the face, or vanish at an end of the face with an exponent that is not a natural number.
+        A truncated power ``pos(x, a)`` is smooth if x does not change its sign on the face. In the remaining ones x
+        vanishes on the face, at a contact front, or at an end of the face with an exponent a that is not a natural
+        number.
         """
 
         def resolved(power: pos) -> sp.Expr:
@@ -94,12 +95,12 @@ class FaceFormula:
                 )
 
     def exponents(self) -> tuple[float, float]:
-        """Return two exponents: the lowest at fronts that do not move, and the lowest at moving fronts.
+        """Return the lowest exponents a of truncated powers x_+^a at fixed and at moving contact fronts.
 
-        If there is no such front, the exponent is infinity.
+        Without fixed fronts the first exponent is infinity, without moving fronts the second.
 
         Raises:
-            RoughError: see ``refuse_unread``.
+            RoughError: a part of the formula is neither a truncated power nor known to be smooth on the face.
         """
         self.refuse_unread()
         found = {False: math.inf, True: math.inf}
@@ -111,7 +112,10 @@ class FaceFormula:
         return found[False], found[True]
 
     def range(self, formula: sp.Expr) -> tuple[float, float]:
-        """Return the least and the largest value of a formula on the face and in [begin, end]; they may be infinite."""
+        """Return the least and the largest value of a formula, such as a part of ``self.formula``, on the face.
+
+        Times are between ``begin`` and ``end``. The values may be infinite.
+        """
         values = function([*self.variables, t], [formula])
         return self._least(values, 1.0), -self._least(values, -1.0)
 
@@ -138,9 +142,9 @@ class FaceFormula:
 
 
 def read_off(gaps: Iterable[FaceFormula], pressures: Iterable[FaceFormula]) -> tuple[float, float, bool]:
-    """Return the lowest exponents at fronts, α of the gap and m of pressure and strain, and whether a front moves.
+    """Return the lowest exponents α of the gap and m of the pressure at contact fronts, and whether a front moves.
 
-    If there is no front, the exponents are infinity.
+    If there is no front, the exponents are infinity. m is the exponent of the strain if no pressure is prescribed.
 
     Args:
         gaps: the formulas of the gap, and of an initial gap.
@@ -164,10 +168,14 @@ def read_off(gaps: Iterable[FaceFormula], pressures: Iterable[FaceFormula]) -> t
 
 
 def order_at(formula: sp.Expr, x: sp.Expr) -> tuple[float, float]:
-    """Return how a formula behaves near x = 0, as two exponents (a, k).
+    """Return two exponents (a, k) that describe how a formula behaves near x = 0.
 
-    Near x = 0 the formula has the size x^k, and it is smooth there except for the truncated power x_+^a and higher
-    ones. Sums, products and powers of ``pos(x, ·)`` and of x are understood.
+    Near x = 0 the formula has the size x^k. It is smooth there except for a truncated power x_+^a and higher ones.
+    Sums, products and powers of ``pos(x, ·)`` and of x are understood.
+
+    Args:
+        formula: the formula.
+        x: an expression of the coordinates and the time, which vanishes at a contact front.
     """
     if formula in (x, -x):
         return math.inf, 1.0

@@ -48,29 +48,33 @@ from manufactured.tensors import Array, Time
 
 
 class Started(Protocol):
-    """The interface of integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points, as functions of b for a fixed a."""
+    """The interface of integrals over time ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points s of a contact face.
+
+    P is the contact pressure divided by the viscosity, where it is smooth in time, and λ is the relaxation rate. The
+    starting times a are fixed; the integrals are functions of b.
+    """
 
     def upto(self, upper: Array, chosen: Array) -> Values:
-        """Return the integrals up to given times, at some of the points.
+        """Return the integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr up to given times b, at some of the points s.
 
         Args:
             upper: the times b, (n,).
             chosen: the indices of the points, (n,).
 
         Returns:
-            A dict from the multi-index i of the derivative to the values, (n,).
+            A dict from the multi-index i of the derivative along the face to the values of the integrals, (n,).
         """
         ...
 
 
 class Convolution:
-    """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a polynomial P of the time r, of degree m.
+    """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a polynomial P of degree m in the time r.
 
-    With τ = b − a, Taylor's formula at a gives
+    λ is a constant rate. With τ = b − a, Taylor's formula at a gives
 
         ∫_a^b e^{−λ(b−r)} P(r) dr = Σ_{j≤m} ∂_r^j P(a) τ^{j+1} φ_{j+1}(−λτ),    φ_k(z) = Σ_n z^n/(n + k)!.
 
-    Only τ depends on b, so the coefficients of a point are computed once.
+    Only τ depends on b, so the derivatives ∂_r^j P(a) at a point s are computed once.
 
     Source of the functions φ_k: M. Hochbruck, A. Ostermann, Exponential integrators, Acta Numer. 19 (2010) 209–286.
     """
@@ -80,7 +84,7 @@ class Convolution:
         self.powers = [Jet(coefficient, variables) for coefficient in reversed(coefficients_in_t(smooth))]
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """Prepare the integrals for given points and starting times.
+        """Prepare the integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for given points s and starting times a.
 
         The derivatives ∂_s^i ∂_r^j P(s, a) are computed for every |i| ≤ order and every j.
 
@@ -126,18 +130,24 @@ class _Taylor:
 
 
 INTEGRALS_AT_ONCE = 1 << 12
-"""Number of integrals that are evaluated together, so that the values of all φ_k stay in the processor's cache."""
+"""Number of integrals over time that are evaluated together, so that their data stay in the processor's cache."""
 SMALL_ARGUMENT = 12.0
-"""Up to this |z|, φ_k is computed from φ_K by downward recurrence, which amplifies rounding by |z|^K/K!."""
+"""Up to this |z|, ``phi`` computes the functions φ_k(z) from the highest one, φ_K, by downward recurrence.
+
+The recurrence amplifies rounding by |z|^K/K!.
+"""
 SERIES_TERMS = 48
-"""Number of terms of the power series of φ_K. The next term |z|^n/(n + K)! is below the rounding of the sum."""
+"""Number of terms of the power series of the highest function φ_K in ``phi``.
+
+The next term |z|^n/(n + K)! is below the rounding of the sum.
+"""
 
 
 def phi(z: Array, count: int) -> Array:
-    """Return the functions φ_1, …, φ_count of exponential integrators at points z, (N,) with Re z ≤ 0, as (count, N).
+    """Return the functions φ_k(z) = Σ_n z^n/(n + k)!, k = 1, …, count, at points z with Re z ≤ 0, (N,) → (count, N).
 
-    The recurrence φ_k = z φ_{k+1} + 1/k! is used. Where |z| is small it runs downwards from the power series of
-    φ_count, elsewhere upwards from φ_1 = (e^z − 1)/z.
+    These are the functions of exponential integrators. The recurrence φ_k = z φ_{k+1} + 1/k! is used. Where |z| is
+    small it runs downwards from the power series of φ_count, elsewhere upwards from φ_1 = (e^z − 1)/z.
     """
     found = np.empty((count, *z.shape), dtype=np.result_type(z, float))
     large = abs(z) > SMALL_ARGUMENT
@@ -163,24 +173,33 @@ def phi(z: Array, count: int) -> Array:
 
 
 POINTS_OF_RULE = 40
-"""Number of Gauss points on an interval of contact, or on each of its equal pieces."""
+"""Number of Gauss points in time on an interval of contact, or on each of the equal pieces into which it is divided."""
 GAUSS_PIECES = (1, 4)
-"""Numbers of equal pieces of an interval of contact that are tried in turn. A long contact may contain many periods."""
+"""Numbers of equal pieces into which an interval of contact is divided for Gauss's rule; they are tried in turn.
+
+A long contact may contain many periods of a motion.
+"""
 ACCURACY = 1e-13
-"""Largest accepted difference between the rule on an interval and on its halves, relative to the largest integral."""
+"""Largest accepted error of Gauss's rule for integrals over time, relative to the largest integral.
+
+The error is estimated by the difference between the rule on an interval and the rule on its halves.
+"""
 
 
 class Quadrature:
-    """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time by Gauss's rule, for a smooth part P of p/a."""
+    """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time by Gauss's rule.
+
+    P is the contact pressure divided by the viscosity, where it is smooth in time, and λ is the relaxation rate.
+    """
 
     def __init__(self, branch: sp.Expr, variables: Symbols, decay: float) -> None:
         self.branch, self.decay, self.jet = branch, decay, Jet(branch, variables)
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """Prepare the integrals for given points and starting times; see ``Convolution.started``.
+        """Prepare the integrals for given points and starting times. ``Convolution.started`` describes the parameters.
 
         Raises:
-            FormulaError: P changes too fast in time for the rule.
+            FormulaError: the integrand P changes too fast in time for the quadrature rule.
         """
         x, w = np.polynomial.legendre.leggauss(POINTS_OF_RULE)
         for pieces in GAUSS_PIECES:
@@ -236,12 +255,12 @@ class _Gauss:
 
 
 def integral(branch: sp.Expr, variables: Symbols, decay: float) -> Convolution | Quadrature:
-    """Return the object that computes the integrals for a smooth part P of p/a, pressure over viscosity.
+    """Return the object that computes the integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time.
 
     Args:
-        branch: the formula of P.
-        variables: the coordinates s along the face.
-        decay: λ.
+        branch: the formula of P, the contact pressure divided by the viscosity, where it is smooth in time.
+        variables: the symbols of the coordinates s along the face.
+        decay: the rate λ.
     """
     return (Convolution if branch.is_polynomial(t) else Quadrature)(branch, variables, decay)
 
@@ -253,9 +272,14 @@ class Front(Protocol):
     """The interface of contact fronts, each given by a function ψ(s, t) that is positive where there is contact."""
 
     def passes(self, points: Array, T: float) -> Array:
-        """Return the times in (0, T) at which the front passes N points, that is, ψ changes its sign there.
+        """Return the times in (0, T) at which the contact front passes N points, that is, ψ changes its sign there.
 
-        The points have the shape (d − 1, N), the result (most times at a point, N). Missing times are T.
+        Args:
+            points: the coordinates s of the points along the face, (d − 1, N).
+            T: the final time.
+
+        Returns:
+            The times, (n, N), where n is the largest number of times at a point. Missing times are T.
         """
         ...
 
@@ -265,7 +289,15 @@ class Front(Protocol):
 
 
 def between(passes: Array, T: float) -> tuple[Array, Array]:
-    """Return the starts and ends of the intervals into which given times divide [0, T], (n, N) → (n + 1, N) each."""
+    """Return the starts and ends of the intervals into which n given times divide [0, T], at N points.
+
+    Args:
+        passes: the times at each point, (n, N), such as the times at which a front passes the point.
+        T: the final time.
+
+    Returns:
+        The starts and the ends, (n + 1, N) each.
+    """
     ends = np.zeros((1, passes.shape[1]))
     nodes = np.sort(np.vstack([ends, passes, ends + T]), axis=0)
     return nodes[:-1], nodes[1:]
@@ -276,15 +308,22 @@ WITHIN = 0.38
 
 
 def within(begin: Array, end: Array) -> Array:
-    """Return a time inside each interval.
+    """Return a time inside each interval, at the fraction ``WITHIN`` of its length.
 
-    The midpoint is not used, because ψ of a symmetric motion may be zero there.
+    The midpoint is not used, because the level function ψ of a symmetric motion of the contact zone may be zero there.
     """
     return begin + WITHIN * (end - begin)
 
 
 def front(formula: sp.Expr, variables: Symbols) -> Front:
-    """Return the contact front for a formula ψ, a ``PolynomialFront`` if ψ is a polynomial of t."""
+    """Return the contact front for a formula ψ(s, t) that is positive where there is contact.
+
+    The result is a ``PolynomialFront`` if ψ is a polynomial of t, otherwise a ``SmoothFront``.
+
+    Args:
+        formula: the formula of ψ.
+        variables: the symbols of the coordinates s along the face.
+    """
     if formula.is_polynomial(t):
         return PolynomialFront(function(variables, coefficients_in_t(formula)))
     symbols = (*variables, t)
@@ -293,7 +332,7 @@ def front(formula: sp.Expr, variables: Symbols) -> Front:
 
 @dataclass(frozen=True)
 class PolynomialFront:
-    """A contact front for which ψ is a polynomial of time.
+    """A contact front given by a level function ψ(s, t) that is a polynomial of the time t; contact is where ψ > 0.
 
     Attributes:
         coefficients: the function from s to the coefficients of the polynomial, highest power first.
@@ -313,21 +352,24 @@ class PolynomialFront:
 
 
 SEARCH_INTERVALS, SURE = (257, 600), 1e-6
-"""The search for the turning points of ψ in time, which is made twice as a check.
+"""The search for the turning points in time of the level function ψ, which is made twice as a check.
 
 ``SEARCH_INTERVALS`` are the numbers of intervals of [0, T] in both searches. ``SURE`` is the largest accepted
 difference of the two results for the total time of contact, relative to T. Where ψ only touches zero, rounding changes
 this time by 1e-8.
 """
 BISECTIONS = 64
-"""Number of bisections, after which an interval is as short as rounding permits."""
+"""Number of bisections in the search for the time at which a front passes a point.
+
+After this number an interval is as short as rounding permits.
+"""
 POINTS_AT_ONCE = 1024
 """Number of points of a face that are treated together."""
 
 
 @dataclass(frozen=True)
 class SmoothFront:
-    """A contact front for which ψ is any smooth function of time.
+    """A contact front given by a level function ψ(s, t) that is smooth in the time t; contact is where ψ > 0.
 
     Between two turning points of ψ, at which ∂_t ψ changes its sign, ψ has at most one root. It is found by bisection.
 
@@ -342,7 +384,7 @@ class SmoothFront:
     slope: Function
 
     def passes(self, points: Array, T: float) -> Array:
-        """Return the times at which the front passes given points; see ``Front.passes``.
+        """Return the times at which the contact front passes given points, with the shapes of ``Front.passes``.
 
         Raises:
             FormulaError: ψ turns so often that turning points may be missed.
@@ -464,9 +506,14 @@ def _derivative(coefficients: Array) -> Array:
 
 
 def smooth_branch(term: sp.Expr, variables: Symbols) -> tuple[tuple[sp.Expr, ...], sp.Expr]:
-    """Return the moving fronts of a term of the pressure, and the formula of the term where there is contact.
+    """Split a term of the contact pressure: return its moving fronts, and its formula where there is contact.
 
-    A moving front is given by a formula ψ that is positive where there is contact.
+    The term is θ(s, t)·∏ pos(ψ_i(s, t), m_i). A moving front is given by a formula ψ_i of s and t that is positive
+    where there is contact.
+
+    Args:
+        term: the formula of the term.
+        variables: the symbols of the coordinates s along the face.
 
     Raises:
         FormulaError: the exponent of a moving front is not an integer ≥ 2, or the formula between the fronts contains
@@ -494,10 +541,10 @@ def smooth_branch(term: sp.Expr, variables: Symbols) -> tuple[tuple[sp.Expr, ...
 
 @dataclass(frozen=True, eq=False)
 class PressureTerm:
-    """Terms of p/a (pressure divided by viscosity) that have the same moving fronts.
+    """A part of the contact pressure divided by the viscosity: the sum of all its terms with the same moving fronts.
 
     Attributes:
-        moving: the moving fronts.
+        moving: the moving contact fronts, between which the pressure is smooth in time.
         integral: computes integrals over time of the formula that holds where there is contact.
     """
 
@@ -505,9 +552,13 @@ class PressureTerm:
     integral: Convolution | Quadrature
 
     def intervals(self, points: Array, T: float) -> tuple[Array, Array]:
-        """Return the times at which contact begins and ends at N points, (J, N) each.
+        """Return the times at which contact begins and ends at N points, in J time intervals, (J, N) each.
 
         If both times of an interval are equal, there is no contact in this interval.
+
+        Args:
+            points: the coordinates s of the points along the face, (d − 1, N).
+            T: the final time.
         """
         passes = [np.empty((0, points.shape[1]))]
         for moving in self.moving:
@@ -532,7 +583,8 @@ It is (q,) with the normal strain q, or (q, r_1, …, r_{d−1}) if there is als
 class StrainAtPoints(Protocol):
     """The interface of the strain at fixed points of a contact face, as a function of time.
 
-    The arguments of a call are the time, a flag for time derivatives, and the highest order of derivatives along the
+    A call returns the normal strain q, or (q, r_1, …, r_{d−1}) if there is also shear, with derivatives along the face.
+    The arguments are the time, whether time derivatives are wanted, and the highest order of derivatives along the
     face. For n times, (n,), the values have n as an additional last axis.
     """
 
@@ -540,10 +592,10 @@ class StrainAtPoints(Protocol):
 
 
 class FaceStrain(Protocol):
-    """The interface of the strain (q, r) on a contact face as a function of s and t.
+    """The interface of the normal strain q and shear strain r on a contact face as functions of s and t.
 
-    ``at`` prepares the evaluation at fixed points s, (d−1, ...). ``formula`` is a formula that contains the truncated
-    powers of q, or of the pressure that determines q.
+    ``at`` prepares the evaluation at fixed points with the coordinates s along the face, (d−1, ...). ``formula`` is a
+    formula that contains the truncated powers of q, or of the pressure that determines q.
     """
 
     @property
@@ -553,10 +605,10 @@ class FaceStrain(Protocol):
 
 
 def relaxation_rate(elasticity: sp.Expr, viscosity: sp.Expr) -> float:
-    """Return the relaxation rate g/a, elasticity over viscosity, which must be constant along the face.
+    """Return the relaxation rate g/a of the normal strain on a contact face, which must be constant along the face.
 
     Raises:
-        FormulaError: g/a varies along the face.
+        FormulaError: g/a varies along the face; g and a are the normal moduli of elasticity and viscosity.
     """
     ratio: sp.Expr = elasticity / viscosity
     # ``cancel`` is tried first: it is enough for most factors, and ``simplify`` takes longer because SymPy loads its
@@ -580,7 +632,7 @@ class Prescribed:
         phases: pairs of the end of a time interval and the formula of q(s, t) in it, in the order of time. The last
             interval ends at T. Formulas of neighbouring intervals must agree where they meet; the self-proof checks
             this.
-        variables: the coordinates along the face.
+        variables: the symbols of the coordinates s along the face.
     """
 
     phases: tuple[tuple[Size, sp.Expr], ...]
@@ -622,7 +674,7 @@ class Prescribed:
 
 NO_STRESS = sp.Integer(0)
 RECENT = 3
-"""Number of times for which computed values of the strain are cached."""
+"""Number of times for which ``MemoryAtPoints`` keeps computed values of the strain."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -630,13 +682,13 @@ RECENT = 3
 class Memory:
     """The normal strain q on a contact face for a linear law, computed from the history of the contact pressure p.
 
-    q is the solution of a q̇ + g q = −(p + l), exact up to rounding; l is the normal stress that a slip of the face
-    causes, 0 without slip. p + l must be a sum of terms θ(s, t)·∏ pos(ψ_i(s, t), m_i), where moving ψ_i are contact
-    fronts. θ and the moving ψ_i must be smooth in t, and the m_i of moving ψ_i must be integers ≥ 2. At each s, the
-    roots of the ψ_i divide [0, T] into intervals of contact (``front``), on which (p + l)/a is a smooth function
-    P(s, ·). The integral of e^{−λ(t−r)} P is known in closed form if P is a polynomial of t; otherwise Gauss's rule is
-    used (``integral``). Since p vanishes where a moving contact begins and ends, ∂_s^i q is the same expression with
-    ∂_s^i P.
+    q is the solution of a q̇ + g q = −(p + l), exact up to rounding. Here a and g are the normal moduli of viscosity
+    and elasticity, and l is the normal stress that a slip of the face causes, 0 without slip. p + l must be a sum of
+    terms θ(s, t)·∏ pos(ψ_i(s, t), m_i), where moving ψ_i are contact fronts. θ and the moving ψ_i must be smooth in t,
+    and the m_i of moving ψ_i must be integers ≥ 2. At each s, the roots of the ψ_i divide [0, T] into intervals of
+    contact (``front``), on which (p + l)/a is a smooth function P(s, ·). With λ = g/a, the integral of e^{−λ(t−r)} P
+    over the time r is known in closed form if P is a polynomial of t; otherwise Gauss's rule is used (``integral``).
+    Since p vanishes where a moving contact begins and ends, ∂_s^i q is the same expression with ∂_s^i P.
 
     Attributes:
         pressure: the formula of p(s, t).
@@ -664,17 +716,20 @@ class Memory:
 
     @property
     def formula(self) -> sp.Expr:
-        """The formula from which the smoothness of the strain is read off: p + l plus the initial strain."""
+        """The formula from which the smoothness of the strain is read off: the load p + l plus the initial strain.
+
+        p is the contact pressure, and l the normal stress that the slip causes.
+        """
         return self.load + (0 if self.initial is None else self.initial)
 
     @property
     def load(self) -> sp.Expr:
-        """The formula of p + l, which drives the strain."""
+        """The formula of p + l, which drives the strain: contact pressure p plus normal stress l caused by the slip."""
         return self.pressure + self.slip_stress
 
     @cached_property
     def decay(self) -> float:
-        """The relaxation rate λ = g/a, elasticity over viscosity."""
+        """The relaxation rate λ = g/a, the normal modulus of the elasticity over that of the viscosity."""
         return relaxation_rate(self.elasticity, self.viscosity)
 
     @cached_property
@@ -685,12 +740,18 @@ class Memory:
 
     @cached_property
     def source_jet(self) -> Jet:
-        """(p + l)/a, load over viscosity, as a formula with its derivatives."""
+        """The load over the viscosity, (p + l)/a, as a formula with its derivatives.
+
+        p is the contact pressure, l the normal stress that the slip causes, and a the normal modulus of the viscosity.
+        """
         return Jet(self.load / self.viscosity, self.variables)
 
     @cached_property
     def terms(self) -> tuple[PressureTerm, ...]:
-        """The terms of (p + l)/a, load over viscosity; terms with the same moving fronts are added up."""
+        """The terms of (p + l)/a, the load over the viscosity; terms with the same moving contact fronts are added up.
+
+        p is the contact pressure, l the normal stress that the slip causes, and a the normal modulus of the viscosity.
+        """
         branches: dict[tuple[sp.Expr, ...], sp.Expr] = {}
         for term in sp.Add.make_args(sp.expand(self.load)):
             fronts, branch = smooth_branch(term, self.variables)
@@ -709,9 +770,9 @@ class Memory:
 
 
 class MemoryAtPoints:
-    """Evaluates the normal strain q and its rate q̇ at fixed points of a face.
+    """Evaluates the normal strain q, which the history of the contact pressure determines, at fixed points of a face.
 
-    The intervals of contact, and integrals over past intervals, are computed once.
+    The time intervals of contact at each point, and integrals of the pressure over past intervals, are computed once.
     """
 
     def __init__(self, memory: Memory, points: Array) -> None:
@@ -824,16 +885,17 @@ class Coupled:
         initial: sp.Expr | None,
         variables: Symbols,
     ) -> Coupled:
-        """Return the strain on a face.
+        """Return the normal strain q and the shear strain r on a contact face, from the contact pressure.
 
         Args:
             pressure: the formula of the contact pressure p(s, t).
-            slip_stress: the formulas of the d components of l(s, t).
-            viscous, elastic: the matrices 𝒜 and 𝒢 of moduli without a common factor, (d, d) each.
-            scale: the formula of the common factor.
+            slip_stress: the formulas of the d components of l(s, t), the stress that a slip of the face causes.
+            viscous, elastic: the matrices 𝒜 and 𝒢 of moduli without their common factor, (d, d) each. y = (q, r) solves
+                𝒜 ẏ + 𝒢 y = −(p, 0) − l.
+            scale: the formula of the factor by which both matrices are multiplied.
             T: the final time.
             initial: the formula of q(s, 0), with r(s, 0) = 0; None for a start at rest, q̇ = ṙ = 0.
-            variables: the coordinates along the face.
+            variables: the symbols of the coordinates s along the face.
         """
         inverse = np.linalg.inv(np.linalg.cholesky(viscous))
         rates, basis = np.linalg.eigh(inverse @ elastic @ inverse.T)

@@ -22,8 +22,8 @@ class Factor:
 
     Attributes:
         formula: the formula of α. Jumps between layers are written with ``pos(·, 0)``.
-        low, high: bounds with 0 < low ≤ α ≤ high on the body. The constants m_A and L_G are computed from them; the
-            self-proof of a case checks them.
+        low, high: bounds with 0 < low ≤ α ≤ high on the body. Constants of the material (ellipticity, Lipschitz
+            constant) are computed from them; the self-proof of a case checks them.
         steps: planes {x : direction·x = offset} across which α jumps, as pairs (direction, offset).
 
     Raises:

@@ -32,25 +32,33 @@ class LawError(ValueError):
 
 
 class AtPoints(Protocol):
-    """The interface of a constitutive operator at fixed points of the body; strains and stresses are (D, ...)."""
+    """The interface of a constitutive operator at fixed points of the body, from strains to stresses.
+
+    The operator is a tensor ε ↦ C(x) ε or an elasticity ε ↦ G(x, ε). Strains and stresses are Mandel vectors at the
+    points, (D, ...).
+    """
 
     def __call__(self, strain: Tensors) -> Tensors:
         """Return the stress C(x) ε or G(x, ε) at the points: (D, ...) → (D, ...)."""
         ...
 
     def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
-        """Return the derivative of the stress with respect to the strain in a direction: (D, ...), (D, ...) → (D, ...).
+        """Return the derivative of the stress with respect to the strain in a direction.
 
         It is used only where the derivative exists.
+
+        Args:
+            strain: the strain at which the derivative is taken, (D, ...).
+            direction: the direction, a strain, (D, ...).
         """
         ...
 
     def gradient(self, strain: Callable[[], Tensors], change: Array) -> Array:
-        """Return the derivatives ∂_j in space of the stress C(x) ε(x) or G(x, ε(x)), (D, d, ...).
+        """Return the derivatives ∂_j in space of the stress that a strain field ε(x) causes, (D, d, ...).
 
         Args:
             strain: a function that returns ε, (D, ...); it is called only if ε is needed.
-            change: the derivatives ∂_j ε, (D, d, ...).
+            change: the derivatives ∂_j ε of the strain at the points, (D, d, ...).
         """
         ...
 
@@ -91,12 +99,17 @@ class Elasticity(Protocol):
         ...
 
     def scaled(self, factor: Array) -> AtPoints:
-        """Return the operator α G for given values of α, (...), for example means of ``factor`` over cells."""
+        """Return the operator at points where its material factor has given values.
+
+        Args:
+            factor: the values of the factor, (...), for example the means of ``self.factor`` over cells. They replace
+                the values of ``self.factor``.
+        """
         ...
 
 
 class Homogeneous:
-    """The part of elasticity operators without a scalar factor: they are the same at all points."""
+    """Mixin for elasticity operators that are the same at all points of the body, with the material factor 1."""
 
     factor = UNIFORM
 
@@ -117,7 +130,12 @@ MODULUS_ROUNDING = 1e-14
 
 @dataclass(frozen=True, eq=False)
 class MatrixOperator:
-    """An operator ε ↦ α C ε with a constant matrix C in Mandel form and a scalar factor α, 1 by default."""
+    """An operator ε ↦ α(x) C ε from strains to stresses.
+
+    Attributes:
+        matrix: the constant matrix C in Mandel form, (D, D).
+        factor: the scalar material factor α(x), 1 by default.
+    """
 
     matrix: Array
 
@@ -133,7 +151,7 @@ class MatrixOperator:
 
     @property
     def at_rest(self) -> Tensors:
-        """The stress for the strain 0, which is 0, (D,)."""
+        """The stress of the operator ε ↦ α C ε for the strain 0, which is 0, (D,)."""
         return np.zeros(len(self.matrix))
 
     def __call__(self, strain: Tensors) -> Tensors:
@@ -148,23 +166,30 @@ class MatrixOperator:
 
     @cached_property
     def reference(self) -> Array:
-        """The constant symmetric matrix that a solver uses instead of G: the symmetric part (C + Cᵀ)/2, (D, D)."""
+        """The constant symmetric matrix that a solver uses instead of C: the symmetric part (C + Cᵀ)/2, (D, D)."""
         return (self.matrix + self.matrix.T) / 2
 
     @cached_property
     def eigenvalues(self) -> Array:
-        """The eigenvalues of the symmetric part of C, increasing, (D,)."""
+        """The eigenvalues of the symmetric part of the matrix C, without the factor α, increasing, (D,)."""
         return np.linalg.eigvalsh(self.reference)
 
     @property
     def monotonicity(self) -> float:
-        """The monotonicity constant m: the smallest eigenvalue of α C on the body; it is negative if G softens."""
+        """The monotonicity constant m of the operator G: ε ↦ α(x) C ε, with (G(a) − G(b))·(a − b) ≥ m |a − b|².
+
+        It is the smallest eigenvalue of the symmetric part of C times a bound of the factor α on the body: the lower
+        bound if the eigenvalue is positive, otherwise the upper bound. It is negative if the material softens.
+        """
         least = float(self.eigenvalues[0])
         return least * (self.factor.low if least > 0 else self.factor.high)
 
     @property
     def lipschitz(self) -> float:
-        """The Lipschitz constant of a symmetric C: the largest absolute eigenvalue of α C on the body."""
+        """The Lipschitz constant of the operator ε ↦ α(x) C ε for a symmetric matrix C.
+
+        It is the largest absolute eigenvalue of C times the upper bound of the factor α on the body.
+        """
         return self.factor.high * float(abs(self.eigenvalues).max())
 
     def at(self, x: Points) -> AtPoints:
@@ -208,20 +233,25 @@ class Linear(MatrixOperator):
 
     @property
     def ellipticity(self) -> float:
-        """The ellipticity constant: the smallest eigenvalue of α C on the body (m_A for a viscosity)."""
+        """The ellipticity constant of τ ↦ α(x) C τ, called m_A for a viscosity: the smallest eigenvalue on the body."""
         return self.monotonicity
 
     def normal_modulus(self, normal: Array) -> float:
-        """Return the normal modulus C_nnnn = (n⊗n)·C(n⊗n) of the constant tensor for a unit vector n."""
+        """Return the normal modulus C_nnnn = (n⊗n)·C(n⊗n) of the constant tensor C for a unit vector n.
+
+        Args:
+            normal: the vector n, (d,).
+        """
         direction = dyad(normal, normal)
         return float(direction @ self.matrix @ direction)
 
 
 def face_moduli(operator: MatrixOperator, frame: Array) -> Array:
-    """Return the moduli d_a·C d_b of a linear operator, for the strains d_b that can occur on a contact face.
+    """Return the moduli d_a·C d_b of a linear operator C, for basis strains d_a and d_b on a contact face.
 
-    d_1, …, d_d are n⊗n and (n⊗t_i + t_i⊗n)/2 for the normal n and the tangents t_i. The other d_b are
-    (t_i⊗t_j + t_j⊗t_i)/2 for all pairs (i, j). They are caused by the derivative ∂_j of the slip in the direction t_i.
+    They give the traction on the face that each possible strain causes. d_1, …, d_d are n⊗n and (n⊗t_i + t_i⊗n)/2 for
+    the normal n and the tangents t_i. The other d_b are (t_i⊗t_j + t_j⊗t_i)/2 for all pairs (i, j). They occur if the
+    face slips: the component of the slip along t_i has a derivative along t_j.
 
     Args:
         operator: the operator with the matrix C in Mandel form; its factor is left out.
@@ -255,11 +285,11 @@ class Indefinite(Linear):
 
 @dataclass(frozen=True, eq=False)
 class Scaled:
-    """A linear operator ε ↦ α C ε at fixed points of the body.
+    """A linear operator ε ↦ α C ε at fixed points of the body, with the values of its material factor α there.
 
     Attributes:
-        matrix: the constant tensor C, (D, D).
-        factor: the values of α at the points, (...).
+        matrix: the constant tensor C in Mandel form, (D, D).
+        factor: the values of α at the points, (...), or one number for all points.
         slopes: the gradient ∂_j α at the points, (d, ...); None if α is constant.
     """
 
@@ -331,8 +361,7 @@ class NonSymmetric(MatrixOperator):
 
 
 class ConvexSet(Protocol):
-    """The interface of closed convex sets K = {τ : |Pτ| ≤ r} of symmetric tensors; P is an orthogonal projector,
-    (D, D)."""
+    """The interface of closed convex sets K = {τ : |Pτ| ≤ r} of symmetric tensors, with an orthogonal projector P."""
 
     @property
     def dim(self) -> int: ...
@@ -374,8 +403,8 @@ class DeviatoricBall:
 class Yield(Homogeneous):
     """The elasticity operator (3.3), G(ε) = β (ε − P_K ε), where P_K is the projection onto a convex set K.
 
-    G is 0 inside K. Its Lipschitz constant is L_G = β, and it is monotone, but not strongly: m = 0. For K = {|Pτ| ≤ r}
-    it is G(ε) = β (1 − r/|Pε|)_+ Pε.
+    G is 0 inside K. Its Lipschitz constant is L_G = β, and it is monotone, but not strongly: m = 0. For K = {τ : |Pτ| ≤
+    r} with an orthogonal projector P it is G(ε) = β (1 − r/|Pε|)_+ Pε.
 
     Attributes:
         beta: the stiffness β.
@@ -410,13 +439,14 @@ class Yield(Homogeneous):
     def reference(self) -> Array:
         """The constant matrix (β/2) P that a solver uses instead of the derivative of G, (D, D).
 
-        G minus this matrix has the Lipschitz constant β/2, which is the least for any constant matrix.
+        P is the projector of the convex set K = {τ : |Pτ| ≤ r}. G minus this matrix has the Lipschitz constant β/2,
+        which is the least for any constant matrix.
         """
         return 0.5 * self.beta * self.convex.projector
 
     @property
     def at_rest(self) -> Tensors:
-        """The stress for the strain 0, which is 0 because K contains 0, (D,)."""
+        """The stress G(0), which is 0 because the convex set K contains 0, (D,)."""
         return np.zeros(size(self.dim))
 
     def __call__(self, strain: Tensors) -> Tensors:
@@ -438,9 +468,13 @@ class Yield(Homogeneous):
         return np.stack([self.derivative(at, each) for each in np.moveaxis(change, 1, 0)], axis=1)
 
     def normal_response(self, normal: Array) -> tuple[float, float]:
-        """Return the response to a normal strain −Q n⊗n, as numbers (b, ρ).
+        """Return two numbers (b, ρ) that describe the normal stress caused by a normal strain −Q n⊗n.
 
-        The normal stress is G(−Q n⊗n)_nn = −b (Q − ρ)_+ for Q ≥ 0, with b = β |P(n⊗n)|² and ρ = r/|P(n⊗n)|.
+        The normal stress is G(−Q n⊗n)_nn = −b (Q − ρ)_+ for Q ≥ 0. For K = {τ : |Pτ| ≤ r} the numbers are b = β
+        |P(n⊗n)|² and ρ = r/|P(n⊗n)|, the value of Q at which the strain leaves K.
+
+        Args:
+            normal: the unit vector n, (d,).
         """
         length = float(np.linalg.norm(self.convex.projector @ dyad(normal, normal)))
         return self.beta * length**2, self.convex.radius / length
@@ -449,12 +483,12 @@ class Yield(Homogeneous):
 @dataclass(frozen=True, eq=False)
 @checked(LawError)
 class Combined(Homogeneous):
-    """The elasticity operator G(ε) = S + C ε + β (ε − P_K ε): a stress at rest, a linear operator and the law (3.3).
+    """The elasticity operator G(ε) = S + C ε + β (ε − P_K ε): a stress at rest, a linear operator and (3.3).
 
-    For K = {|Pτ| ≤ r}, the derivative of G is C inside K, tends to C + βP far from K, and always lies between the two.
-    So the constant of monotonicity m is the smallest eigenvalue of C, and the Lipschitz constant L_G is the largest
-    absolute eigenvalue of C and of C + βP. If C is not positive, G softens inside K and hardens outside if β is large
-    enough.
+    P_K is the projection onto the convex set K. For K = {τ : |Pτ| ≤ r} with a projector P, the derivative of G is C
+    inside K, tends to C + βP far from K, and always lies between the two. So the constant of monotonicity m is the
+    smallest eigenvalue of C, and the Lipschitz constant L_G is the largest absolute eigenvalue of C and of C + βP. If C
+    is not positive, G softens inside K and hardens outside if β is large enough.
 
     Attributes:
         prestress: the stress at rest S, (D,).
@@ -498,13 +532,13 @@ class Combined(Homogeneous):
     def reference(self) -> Array:
         """The constant matrix C + (β/2) P that a solver uses instead of the derivative of G, (D, D).
 
-        G minus this matrix has the Lipschitz constant β/2.
+        P is the projector of the convex set K = {τ : |Pτ| ≤ r}. G minus this matrix has the Lipschitz constant β/2.
         """
         return self.linear.matrix + self.yielding.reference
 
     @property
     def at_rest(self) -> Tensors:
-        """The stress at rest S, (D,)."""
+        """The stress at rest S = G(0), (D,)."""
         return self.prestress
 
     def __call__(self, strain: Tensors) -> Tensors:
@@ -517,9 +551,13 @@ class Combined(Homogeneous):
         return self.linear(change) + self.yielding.gradient(strain, change)
 
     def normal_response(self, normal: Array) -> tuple[float, float, float, float]:
-        """Return the response to a normal strain −Q n⊗n, as numbers (s, g, b, ρ).
+        """Return four numbers (s, g, b, ρ) that describe the normal stress caused by a normal strain −Q n⊗n.
 
-        The normal stress is G(−Q n⊗n)_nn = s − g Q − b (Q − ρ)_+ for Q ≥ 0.
+        The normal stress is G(−Q n⊗n)_nn = s − g Q − b (Q − ρ)_+ for Q ≥ 0. Here s is the normal stress at rest, g the
+        normal modulus of the linear operator C, and b and ρ are the results of ``Yield.normal_response``.
+
+        Args:
+            normal: the unit vector n, (d,).
         """
         b, edge = self.yielding.normal_response(normal)
         return float(self.prestress @ dyad(normal, normal)), self.linear.normal_modulus(normal), b, edge
@@ -572,17 +610,19 @@ class KelvinVoigt:
 
     @property
     def kappa(self) -> float:
-        """The constant κ = L_G/m_A, which bounds how fast two solutions can move apart.
+        """The constant κ = L_G/m_A, Lipschitz constant of the elasticity over ellipticity constant of the viscosity.
 
-        For every G, κ is a Lipschitz constant of the operator B in (4.3) and an admissible ω in (4.5).
+        It bounds the rate at which two solutions can move apart. For every G, κ is a Lipschitz constant of the operator
+        B in (4.3) and an admissible ω in (4.5).
         """
         return self.G.lipschitz / self.A.ellipticity
 
     @property
     def growth(self) -> float:
-        """The rate at which differences of solutions may grow, max(−m, 0)/m_A with the monotonicity constant m of G.
+        """The largest rate at which differences of solutions may grow in time.
 
-        It is at most ``kappa``, and 0 if G is monotone.
+        It is max(−m, 0)/m_A with the monotonicity constant m of the elasticity G and the ellipticity constant m_A of
+        the viscosity A. It is at most ``kappa``, and 0 if G is monotone.
         """
         return max(-self.G.monotonicity, 0.0) / self.A.ellipticity
 
@@ -597,7 +637,7 @@ class KelvinVoigt:
     def stress(self, strain_rate: Tensors, strain: Tensors) -> Tensors:
         """Return the stress A ε̇ + G(ε) for a strain rate and a strain: (D, ...), (D, ...) → (D, ...).
 
-        The law must be homogeneous.
+        The law must be the same at all points; otherwise use ``at`` or ``scaled``.
         """
         return self.A(strain_rate) + self.G(strain)
 
@@ -611,7 +651,11 @@ class KelvinVoigt:
         return PointLaw(self.A.at(x), self.G.at(x))
 
     def scaled(self, viscous: Array, elastic: Array) -> PointLaw:
-        """Return the law for given values of the material factors of A and of G, each of shape (...)."""
+        """Return the law at points where the material factors of A and of G have given values.
+
+        Args:
+            viscous, elastic: the values of the factors of A and of G, (...) each, for example their means over cells.
+        """
         return PointLaw(self.A.scaled(viscous), self.G.scaled(elastic))
 
 

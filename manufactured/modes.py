@@ -15,8 +15,10 @@ from manufactured.tensors import Array, Time
 class Modes:
     """A strain at points x_p, written as a sum of products ε(x_p, t) = Σ_k E_k φ_k(x_p) T_k(s_{j(p)}, t).
 
-    Only the functions T_k, called amplitudes, depend on time. Many points have the same coordinate s_j along the
-    contact face, so few values change with time. At points that are not listed the strain is zero.
+    Each of the K terms has a constant tensor E_k, a function φ_k of the point, and a function T_k of the time t and of
+    the coordinate s_{j(p)} of the point along the contact face. Only the T_k, called amplitudes, depend on time. Many
+    points have the same coordinate s_j, so few values change with time. At points that are not listed in ``points`` the
+    strain is zero.
 
     Attributes:
         tensors: the constant tensors E_k in Mandel form, (K, D).
@@ -45,7 +47,9 @@ class Modes:
 
 
 def pointwise(field: Callable[[Any, bool], Array], rows: int, count: int) -> Modes:
-    """Return a strain or force that is no short sum of products, with one amplitude for every component and point.
+    """Return a strain or force that is no short sum of products, as a sum with one term for every component.
+
+    The sum is trivial: the amplitudes of a term are the values of the component at the points.
 
     Args:
         field: the function (t, rate) ↦ values, (rows, ...), or their time derivative if ``rate`` is true.
@@ -61,7 +65,12 @@ def pointwise(field: Callable[[Any, bool], Array], rows: int, count: int) -> Mod
 
 
 def at_each(time: Time, of: Callable[[Any], Array]) -> Array:
-    """Evaluate a field at one time, or at several times one by one; the times become the last axis of the result."""
+    """Evaluate a field at one time, or at several times one by one; the times become the last axis of the result.
+
+    Args:
+        time: one time, or several times (n,).
+        of: the field, as a function from one time to an array.
+    """
     if not (isinstance(time, np.ndarray) and time.ndim):
         return of(time)
     found = [of(one) for one in time]

@@ -57,7 +57,8 @@ def _lifting(rate: bool, order: int) -> Function:
 class FadingFace(StatedFace):
     """A contact face whose displacement reaches to a variable depth; all data are formulas of s and t.
 
-    For the gap w and the normal strain q on the face, the displacement reaches to the depth D(s, t) and is
+    For the gap w and the normal strain q on the face, the displacement reaches to the depth D(s, t) and has the
+    tangential and normal components
 
         u_s = −y ∂_s w φ(y/D),   u_n = (w + y q) φ(y/D),   φ(η) = (1 − η)²(1 + 2η) for η < 1, zero beyond,
 
@@ -83,30 +84,40 @@ class FadingFace(StatedFace):
 
     @cached_property
     def traces(self) -> tuple[Jet, Jet, Jet]:
-        """Gap w, strain q and depth D, which determine the displacement, as formulas with their derivatives."""
+        """The gap w, the normal strain q and the depth D, which determine the displacement.
+
+        Each evaluates a formula of (s, t) with its derivatives along the face.
+        """
         return self.gap_jet, Jet(self.strain), Jet(self.depth)
 
     @cached_property
     def trace_rates(self) -> tuple[Jet, ...]:
-        """The time derivatives of w, q and D as formulas with their derivatives."""
+        """The time derivatives of the gap w, the normal strain q and the depth D.
+
+        Each evaluates a formula of (s, t) with its derivatives along the face.
+        """
         return tuple(jet.rate() for jet in self.traces)
 
     def traced(self, s: Array, time: complex, rate: bool, order: int) -> list[Array]:
-        """Return the derivatives of w, q and D along the face that ``lifted`` needs, at points s, (1, n).
+        """Return the derivatives along the face that ``lifted`` needs, of gap w, normal strain q and depth D.
 
-        If ``rate`` is true, the derivatives of their rates follow.
+        Args:
+            s: the coordinates of the n points along the face, (1, n).
+            time: the time.
+            rate: whether the derivatives of the time derivatives of w, q and D are appended.
+            order: the highest order of the derivatives that ``lifted`` shall return.
         """
         jets = (*self.traces, *self.trace_rates) if rate else self.traces
         traces = [jet(s, time, order + more) for jet, more in zip(jets, (1, 0, 0) * 2, strict=False)]
         return [trace[i,] for trace in traces for i in range(len(trace))]
 
     def lifted(self, traced: Sequence[Array], into: Array, rate: bool, order: int) -> tuple[Values, Values]:
-        """Return the derivatives of the displacements u_s and u_n in (s, y) up to an order, at points with y < D.
+        """Return the displacements u_s and u_n with their derivatives in (s, y), at points within the depth.
 
         Args:
             traced: the result of ``traced`` at the coordinates s of the points.
             into: the distances y of the points from the face, (n,).
-            rate: whether to return the derivatives of the velocities instead.
+            rate: whether to return the velocities with their derivatives instead.
             order: the highest order.
         """
         keys, values = indices(2, order), _lifting(rate, order)(into, *traced)
@@ -195,7 +206,7 @@ TRAINS = 7
 LENGTH = Rational(1, 8)
 """The length L of every part of Γ3."""
 GAP_FACTOR, PRESSURE_FACTOR = 2, 200
-"""The factors ω and ϖ in the formulas of gap and pressure."""
+"""The constant factors ω and ϖ in the formulas of gap and pressure of the trains of contact patches."""
 
 
 @lru_cache
@@ -257,8 +268,8 @@ def breathing() -> Case:
 class StripFace(ContactFace):
     """A contact face in 2D whose displacement is zero beyond the ends s = 0 and s = |Γ3,i| of its part.
 
-    The displacement of each train reaches to a depth in proportion to its details, and must not reach into the strip
-    above the next part. At the ends the contact data must vanish so smoothly that no strain jumps.
+    A train of contact patches lies on the part. Its displacement must not reach into the strip above the next part. At
+    the ends the contact data must vanish so smoothly that no strain jumps.
     """
 
     def at(self, x: Points) -> Lifting:
@@ -269,7 +280,7 @@ class StripFace(ContactFace):
 
 
 Piece = tuple[float, Expr, Expr, Expr]
-"""The data of a train of patches: its depth, and the formulas of gap w, pressure p and level function ψ."""
+"""The data of a train of contact patches: depth of its displacement, and formulas of gap w, pressure p and level ψ."""
 
 
 def _wave(j: int) -> Expr:
@@ -319,13 +330,16 @@ MIDDLE = Rational(1, 2)
 LANDINGS = Rational(1, 10), Rational(2, 5)
 """The times t_j at which a standing patch comes into contact."""
 SLOPE = Rational(1, 10)
-"""The factor ω in the formula of the gap."""
+"""The constant factor ω in the formula of the gap of roller cases, which gives the size of its slope."""
 ROLLERS = "roller", "pushing-roller", "steep-roller", "standing"
 """The names of the roller cases; a case of level n has "-n" added."""
 COARSEST_ROLLER = 5
-"""The smallest level n of the cases. A standing patch of half-width 2/n must lie within the contact face."""
+"""The smallest level n of the roller cases. A standing patch of half-width 2/n must lie within the contact face."""
 DEPTH = Rational(7, 10)
-"""The depth of the displacement divided by (ℓ² + ξ²)^{1/2}, where ξ is the position relative to the patch."""
+"""The depth of the displacement of roller cases, divided by (ℓ² + ξ²)^{1/2}.
+
+ℓ is the width of the contact patch, and ξ the position along the face relative to the patch.
+"""
 
 
 @checked(FormulaError)
@@ -372,7 +386,14 @@ def rollers(level: int) -> tuple[Case, ...]:
 
 
 def roller(name: str, width: Expr, push: int = 1, slope: Expr = SLOPE) -> Case:
-    """Return the case of a moving patch, for ℓ = ``width``, Q = ``push`` and ω = ``slope`` in the formulas."""
+    """Return the case of a contact patch that moves along the face, with the formulas of ``rollers``.
+
+    Args:
+        name: the name of the case.
+        width: the width ℓ of the patch.
+        push: the factor Q of the pressure.
+        slope: the factor ω of the gap.
+    """
     xi = s - START - t
     place = -xi / width
     return _roller_case(
@@ -389,7 +410,12 @@ def roller(name: str, width: Expr, push: int = 1, slope: Expr = SLOPE) -> Case:
 
 
 def standing(name: str, width: Expr) -> Case:
-    """Return the case of a standing patch with the half-width ℓ = ``width``, which comes into contact twice."""
+    """Return the case of a contact patch that does not move and comes into contact twice.
+
+    Args:
+        name: the name of the case.
+        width: half of the width of the patch, ℓ in the formulas of ``rollers``.
+    """
     xi = s - MIDDLE
     place = xi / width
     bump = pos(1 - (xi / width) ** 2, 4)

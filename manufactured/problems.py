@@ -58,7 +58,7 @@ class OpenProblem:
         summary: a description in one line.
         data: the data of the problem.
         order: the predicted order of ‖u − u^h‖_{L∞(0,T;V)}, or None.
-        reason: the reason for this prediction.
+        reason: why this order is predicted.
     """
 
     name: str

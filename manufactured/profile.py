@@ -12,24 +12,29 @@ from manufactured.tensors import Array
 HERMITE = (1.0, 0.0, -3.0, 2.0)
 """The polynomial φ(η) = (1 − η)²(1 + 2η) with φ(1) = φ'(1) = 0.
 
-The displacement may end inside the body, and there is no traction on the clamped boundary.
+It is a cut-off function of the relative depth η. The displacement may end inside the body, and there is no traction on
+the clamped boundary.
 """
 
 QUARTIC = (1.0, 0.0, -6.0, 8.0, -3.0)
 """The polynomial φ(η) = (1 − η)³(1 + 3η) with φ(1) = φ'(1) = φ''(1) = 0.
 
-Strains have no kink where the displacement ends.
+It is a cut-off function of the relative depth η. Strains have no kink where the displacement ends.
 """
 
 PARABOLA = (1.0, 0.0, -1.0)
 """The polynomial φ(η) = 1 − η² with φ(1) = 0 only.
 
-The clamped boundary must be where the displacement ends, and its traction is not zero.
+It is a cut-off function of the relative depth η. The clamped boundary must be where the displacement ends, and its
+traction is not zero.
 """
 
 
 class ProfileError(ValueError):
-    """Raised if a profile violates a condition at y = 0 and would therefore change the contact data."""
+    """Raised if the functions of the depth in a profile violate a condition at the face, y = 0.
+
+    They would change the contact data there.
+    """
 
 
 def _require_increasing(*depths: float) -> None:
@@ -56,10 +61,11 @@ def _polynomial(coefficients: tuple[float, ...], y: Array) -> Array:
 @dataclass(frozen=True)
 @checked(ProfileError)
 class Piecewise:
-    """A continuous piecewise polynomial of the depth y, zero beyond its last piece.
+    """A continuous piecewise polynomial of the depth y below a contact face, zero beyond its last piece.
 
     Attributes:
-        ends: the ends of the pieces, increasing. The first piece starts at 0 and is also used for y < 0.
+        ends: the depths at which the polynomial pieces end, increasing. The first piece starts at 0 and is also used
+            for y < 0.
         pieces: the coefficients of each piece in powers of y, lowest first.
     """
 
@@ -97,8 +103,9 @@ class Profile:
 
         u_s = ∇_s w·a(y) + ∇_s q·e(y) + r·c(y) + z·f(y),      u_n = w·b(y) + q·d(y).
 
-    At y = 0 the functions must satisfy a = c = d = e = 0, b = f = 1, a' = −1, c' = d' = 1 and b' = e' = f' = 0. Then
-    u_n = w, u_s = z, ε_nn = q, 2ε_sn = r and ε_ss = sym ∇_s z on the face.
+    u_s and u_n are its components along the face and along the inward normal. At y = 0 the functions must satisfy a = c
+    = d = e = 0, b = f = 1, a' = −1, c' = d' = 1 and b' = e' = f' = 0. Then u_n = w, u_s = z, ε_nn = q, 2ε_sn = r and
+    ε_ss = sym ∇_s z on the face.
 
     Attributes:
         a, b, c, d, e, f: the functions.
@@ -140,7 +147,7 @@ ZERO = Piecewise((1.0,), ((0.0,),))
 def cutoff(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
     """Return the profile of the standard construction: the displacement is multiplied by a cut-off φ(y/ℓ).
 
-    The functions are b = f = φ(y/ℓ), c = d = y φ(y/ℓ), a = −y φ(y/ℓ), e = 0.
+    The functions of ``Profile`` are b = f = φ(y/ℓ), c = d = y φ(y/ℓ), a = −y φ(y/ℓ), e = 0.
 
     Args:
         depth: ℓ, the depth beyond which the displacement is zero.
@@ -158,8 +165,9 @@ def cutoff(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 def slab(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
     """Return a profile with which the strain in the body can be uniform.
 
-    The strain is uniform for a constant gap w and the normal strain q = −w/ℓ on the face. The profile is ``cutoff``
-    with b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ).
+    The strain is uniform for a constant gap w and the normal strain q = −w/ℓ on the face. The profile is the one of
+    ``cutoff``, except for the function b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ) that multiplies the gap. The parameters ℓ = ``depth``
+    and φ = ``phi`` are those of ``cutoff``.
     """
     plain = cutoff(depth, phi)
     b = polyadd((1.0, -1 / depth), np.array(plain.d.pieces[0]) / depth)
@@ -170,15 +178,17 @@ def slab(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 def layered(interface: Size, ratio: Size, depth: Size = 1.0) -> Profile:
     """Return a profile for a body of two layers that keeps the traction continuous at the interface.
 
-    The clamped boundary must be at the depth ℓ. On the interface y = y_0 the tangential displacement vanishes, so
-    ε = sym(β ⊗ n) there. If also ε⁺ = ε⁻/κ, where κ is the ratio of the layers, then the traction is continuous for any
-    A and G and at all times. This requires
+    The clamped boundary must be at the depth ℓ. The superscripts ⁻ and ⁺ denote the lower layer, at the face, and the
+    upper layer; u_s and u_n are the tangential and the normal displacement. On the interface y = y_0 the tangential
+    displacement vanishes, so ε = sym(β ⊗ n) there, with some vector β and the normal n. If also ε⁺ = ε⁻/κ, where κ is
+    the ratio of the layers, then the traction is continuous for any A and G and at all times. This requires
 
         ∂_y u_n⁺ = ∂_y u_n⁻/κ,      ∂_y u_s⁺ + ∇_s u_n = (∂_y u_s⁻ + ∇_s u_n)/κ.
 
-    In the lower layer, at the face, b = 1 + γ y² and d = y + δ y² are quadratic, c = −a = y(1 − y/y_0) and e = 0. In
-    the upper layer b and d are linear, with γ and δ such that b and d are 0 at y = ℓ. f = 1 − (y/y_0)² in the lower
-    layer. The other functions are cubics whose slopes at y_0 follow from the conditions above.
+    The functions of ``Profile`` are chosen as follows. In the lower layer b = 1 + γ y² and d = y + δ y² are quadratic,
+    c = −a = y(1 − y/y_0) and e = 0. In the upper layer b and d are linear, with γ and δ such that b and d are 0 at y =
+    ℓ. f = 1 − (y/y_0)² in the lower layer. The other functions are cubics whose slopes at y_0 follow from the
+    conditions above.
 
     Args:
         interface: the depth y_0 of the interface.

@@ -41,13 +41,14 @@ class Evaluation:
     """The fields of an exact solution at given points, (d, ...), and one time; tensors are Mandel vectors, (D, ...).
 
     Attributes:
-        displacement: u, (d, ...).
-        velocity: u̇, (d, ...).
-        gradient: ∂_j u_i, (d, d, ...), computed by the complex step, which is exact up to rounding.
-        strain: ε(u), (D, ...).
-        strain_rate: ε(u̇), (D, ...).
-        stress: σ = A ε(u̇) + G ε(u), (D, ...).
-        body_force: f_0 = −Div σ, (d, ...).
+        displacement: the displacement u, (d, ...).
+        velocity: the velocity u̇, (d, ...).
+        gradient: the displacement gradient ∂_j u_i, (d, d, ...), computed by the complex step, which is exact up to
+            rounding.
+        strain: the strain ε(u), (D, ...).
+        strain_rate: the strain rate ε(u̇), (D, ...).
+        stress: the stress σ = A ε(u̇) + G ε(u), (D, ...).
+        body_force: the body force f_0 = −Div σ, (d, ...).
     """
 
     displacement: Vectors

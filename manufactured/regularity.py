@@ -48,8 +48,10 @@ class Regularity:
     0.75
 
     Attributes:
-        gap: α, the exponent of the gap at the contact fronts; math.inf without a front.
-        pressure: m, the exponent of the pressure at the contact fronts; math.inf without a front.
+        gap: the exponent α of the gap, which behaves like r^α at the distance r from the contact fronts; math.inf
+            without a front.
+        pressure: the exponent m of the pressure, which behaves like r^m at the contact fronts; math.inf without a
+            front.
         moving: whether the front moves.
         corner: the smallest λ of singular fields r^λ at points that are not on Γ3; math.inf if there are none.
         on_contact: the smallest λ of singular fields r^λ at points on Γ3; math.inf if there are none.
@@ -99,7 +101,7 @@ class Regularity:
 
     @property
     def trace(self) -> float:
-        """The regularity of the trace: the supremum of all τ with u_ν(t) ∈ H^τ(Γ3,i)."""
+        """The regularity of the normal trace u_ν on each contact face: the supremum of all τ with u_ν(t) ∈ H^τ."""
         return min(self.gap, self.on_contact) + 0.5
 
     @property

@@ -31,20 +31,20 @@ DEFECT_ROUND_OFF = 1e-9
 
 
 OPEN_IN_CONTACT = "w = 0, so σ_ν w = 0, on the stated zone"
-"""Name of the condition that is violated if the gap is positive somewhere in the contact zone."""
+"""Name of the condition that is violated if the gap w is positive somewhere in the stated contact zone."""
 INITIAL_GAP_ADVICE = (
     "`gap` is the distance that is left at the time t, 0 where there is contact. If your formula is the distance of "
     "the undeformed body from the foundation, give it as `initial_gap` of ContactFace.linear, and give `gap` a formula "
     "that vanishes in contact, such as pos(-zone, 4)"
 )
 CLAMPED_CONDITION = "(2.3) u = 0 on Γ1"
-"""Name of the condition that is violated if the displacement reaches the clamped boundary."""
+"""Name of the condition that is violated if the displacement is not zero on the clamped boundary."""
 CLAMPED_ADVICE = (
     "by default the displacement of a contact face ends at the depth 1; `profile=cutoff(depth)` of ContactFace lets it "
     "end above Γ1"
 )
 ADVICE = {OPEN_IN_CONTACT: INITIAL_GAP_ADVICE, CLAMPED_CONDITION: CLAMPED_ADVICE}
-"""Condition, or the beginning of its name ↦ what to change if it is violated."""
+"""Advice what to change if a condition is violated, by the name of the condition or the beginning of its name."""
 
 
 @dataclass(frozen=True)
@@ -96,14 +96,14 @@ class SelfProofError(ValueError):
 def worst(
     condition: str, x: Points, instants: Array, defect: Array, scale: Array, tolerance: float = DEFECT_ROUND_OFF
 ) -> Finding:
-    """Return the largest violation of a condition, relative to the largest entry of ``scale``.
+    """Return the largest violation of a condition over points and times, relative to the largest ``scale``.
 
     Args:
         condition: the number and formula of the condition.
         x: the points, (d, points).
         instants: the times, (times,).
         defect: the size of the violation, (times, points).
-        scale: the size of the terms of the condition.
+        scale: the size of the terms of the condition at points and times, an array of any shape.
         tolerance: the largest relative violation that passes.
     """
     defect = np.where(np.isfinite(defect), defect, np.inf)
@@ -115,7 +115,7 @@ def worst(
 
 
 def at_times(of: Callable[[Array], Array], instants: Array, points: int) -> Array:
-    """Evaluate a field at many times, which become the first axis, in blocks that fit into the processor's cache.
+    """Evaluate a field at many times, in blocks that fit into the processor's cache; times become the first axis.
 
     Args:
         of: a function from times (n,) to values whose last axis has the length n.
@@ -128,7 +128,7 @@ def at_times(of: Callable[[Array], Array], instants: Array, points: int) -> Arra
 
 
 def norms(values: list[Array] | Array) -> Array:
-    """Return the Euclidean norms of vectors with the axes (times, components, points)."""
+    """Return the Euclidean norms of vectors, (times, components, points) → (times, points)."""
     return np.linalg.norm(np.asarray(values), axis=1)
 
 
@@ -141,7 +141,10 @@ STEP = 1e-30
 
 
 def shifted_fields(solution: ExactSolution, x: Points) -> list[Fields]:
-    """Return the fields of the solution at the complex points x + i·STEP·e_j, one object for every direction j."""
+    """Return the fields of the solution at complex points, from which ``gradient`` computes derivatives.
+
+    The points are x + i·STEP·e_j, with one result for every coordinate direction e_j and i the imaginary unit.
+    """
     found = []
     for j in range(len(x)):
         shifted = x.astype(complex)
@@ -151,7 +154,7 @@ def shifted_fields(solution: ExactSolution, x: Points) -> list[Fields]:
 
 
 def gradient(shifted: list[Fields], field: Callable[[Fields, Any], Array], time: Array | float) -> Array:
-    """Return the derivatives ∂_j of a field at one time or several times, (components, d, ...).
+    """Return the derivatives ∂_j in space of a field by the complex step, (components, d, ...).
 
     Args:
         shifted: the result of ``shifted_fields``.
@@ -176,7 +179,15 @@ If T is long, it may contain many periods of a motion, and more panels are neede
 
 
 def kinematics(solution: ExactSolution, x: Points, instants: Array) -> list[Finding]:
-    """Check that strains, velocities and stresses of the solution agree with derivatives of u by the complex step."""
+    """Check that strains, velocities and stresses of the solution agree with derivatives of the displacement u.
+
+    The derivatives are computed by the complex step.
+
+    Args:
+        solution: the exact solution.
+        x: the points, (d, points).
+        instants: the times, (times,).
+    """
     fields, shifted, at_points = solution.at(x), shifted_fields(solution, x), solution.law.at(x[..., None])
 
     def found(of: Callable[[Array], Array]) -> Array:
@@ -254,8 +265,9 @@ def equilibrium(solution: ExactSolution, x: Points, instants: Array) -> Finding:
 def on_boundary(solution: ExactSolution, rng: np.random.Generator, inside: Points, instants: Array) -> list[Finding]:
     """Check the boundary conditions at random points of each part and at the times ``instants``.
 
-    They are u = 0 on Γ1, σν = f_2 on Γ2, and the stated contact data u_ν = g − w, σ_ν = −p, σ_τ = 0 on Γ3. Defects are
-    relative to the sizes of u and σ at the points ``inside`` of the body. As many points of each part are taken.
+    They are u = 0 on Γ1, σν = f_2 on Γ2, and u_ν = g − w, σ_ν = −p, σ_τ = 0 on Γ3, with the initial gap g, the gap w
+    and the pressure p that the contact faces state. Defects are relative to the sizes of u and σ at the points
+    ``inside`` of the body. The number of random points on each part equals the number of points ``inside``.
     """
     fields, count = solution.at(inside), inside.shape[1]
     scale_u = norms(at_times(fields.displacement, instants, count))
@@ -309,9 +321,10 @@ LEAST_SCALE = 1e-150
 
 
 def signs(solution: ExactSolution) -> list[Finding]:
-    """Check that gap and pressure are not negative, that one of them is 0, and that the contact zone is as stated.
+    """Check the sign conditions of contact on a dense grid of each contact face and of [0, T].
 
-    A dense grid of each face and of [0, T] is used.
+    Gap and pressure must not be negative, one of them must be 0, and there must be contact exactly in the stated zone
+    {ψ ≥ 0}.
     """
     instants = np.linspace(0, solution.body.T, CHECKED_TIMES)
     findings = []
@@ -425,15 +438,15 @@ def bounds_of_factors(solution: ExactSolution, rng: np.random.Generator, count: 
 
 @checked(ValueError)
 def prove(solution: ExactSolution, name: str, seed: Natural = 0) -> list[Finding]:
-    """Check every condition of Problem 2.1 and return the largest violation of each; raise an error if one is too
-    large.
+    """Check every condition of Problem 2.1 and return the largest violation of each.
 
     >>> from manufactured import named
     >>> all(finding.passes for finding in prove(named("full-contact").solution, "full-contact"))
     True
 
     Raises:
-        SelfProofError: a condition is violated; the message lists all violated conditions with point and time.
+        SelfProofError: a condition is violated by more than its tolerance; the message lists all violated conditions
+            with point and time.
     """
     findings = examine(solution, seed)
     failed = [finding for finding in findings if not finding.passes]

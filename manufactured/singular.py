@@ -40,7 +40,7 @@ from manufactured.tensors import Array, Points, Tensors, Time, Vectors, mandel, 
 @dataclass(frozen=True)
 @checked(FormulaError)
 class Monomial:
-    """The function y^m Re(c z^β) of z = x + iy, where m is 0 or 1."""
+    """The function y^m Re(c z^β) of the complex coordinate z = x + iy, where m is 0 or 1."""
 
     m: Degree
     c: complex
@@ -69,11 +69,11 @@ def kolosov(kappa: Size, a: complex, b: complex, exponent: float) -> tuple[Compo
 
     Args:
         kappa: Kolosov's constant κ.
-        a, b: the factors of the potentials.
-        exponent: λ.
+        a, b: the complex factors of the potentials.
+        exponent: the exponent λ.
 
     Returns:
-        The terms of 2μ u_x, and the terms of 2μ u_y.
+        The terms y^m Re(c z^β) whose sum is 2μ u_x, and the terms of 2μ u_y; μ is the shear modulus.
     """
     # The sum is κ a z^λ − conj((λ a + b) z^λ) − 2iyλ conj(a z^{λ−1}). It is written as terms Re(c z^β) with Im g =
     # Re(−i g) and conj(g) = Re g − i Im g.
@@ -86,8 +86,8 @@ def kolosov(kappa: Size, a: complex, b: complex, exponent: float) -> tuple[Compo
 class Powers:
     """Evaluates functions Re(c (x + iy)^β) at fixed points for given c and β; they are 0 at the origin.
 
-    The formula r^β (c_r cos βθ − c_i sin βθ) is analytic in x and y, as derivatives by the complex step need. r^β, cos
-    βθ and sin βθ are computed once for each β.
+    In polar coordinates r, θ the formula is r^β (c_r cos βθ − c_i sin βθ) for c = c_r + i c_i. It is analytic in x and
+    y, as derivatives by the complex step need. r^β, cos βθ and sin βθ are computed once for each β.
     """
 
     def __init__(self, x: Array, y: Array) -> None:
@@ -111,13 +111,13 @@ class Powers:
 @dataclass(frozen=True, eq=False)
 @checked(FormulaError)
 class SingularField:
-    """The displacement u = θ(t) χ U(x, y) near a point: U is singular at the point, and χ is a cut-off function.
+    """The displacement u = θ(t) χ U(x, y) near a point, where U is singular and χ is a cut-off function.
 
     Attributes:
         centre: the point, (2,).
-        frame: the local axes as columns, (2, 2). The power z^β is discontinuous on the negative x-axis, which must lie
-            outside the body or on its boundary.
-        x, y: the terms y^m Re(c z^β) of which U_x and U_y consist.
+        frame: the axes of the local coordinates x, y around the point, as columns, (2, 2). The power z^β is
+            discontinuous on the negative x-axis, which must lie outside the body or on its boundary.
+        x, y: the terms y^m Re(c z^β), z = x + iy, of which the components U_x and U_y consist.
         theta: the formula of the function of time θ(t).
         radial: χ as a function of the distance r from the point.
         depth: χ as a function of the local coordinate y. If neither ``radial`` nor ``depth`` is given, χ = 1.
@@ -142,12 +142,12 @@ class SingularField:
 
     @cached_property
     def amplitude(self) -> tuple[Jet, Jet]:
-        """The function of time θ and its derivative, as formulas that can be evaluated."""
+        """The factor θ(t) of the displacement and its time derivative, as formulas that can be evaluated."""
         jet = Jet(self.theta, (s,))
         return jet, jet.rate()
 
     def at_time(self, time: Time, rate: bool) -> Array:
-        """Return the factor θ(t), or its time derivative if ``rate`` is true."""
+        """Return the factor θ(t) of the displacement, or its time derivative if ``rate`` is true."""
         return self.amplitude[rate](np.zeros(1), time)[0,]
 
     def at(self, x: Points) -> SingularAtPoints:
@@ -156,9 +156,9 @@ class SingularField:
 
 
 class SingularAtPoints:
-    """A singular displacement field at fixed points.
+    """A singular displacement field at fixed points, which is a function of time θ(t) times a constant field.
 
-    It is θ(t) times fields that do not depend on time and are computed once.
+    The displacement, strain and strain gradient without the factor θ are computed once.
     """
 
     def __init__(self, field: SingularField, x: Points) -> None:
@@ -178,7 +178,10 @@ class SingularAtPoints:
         return np.multiply.outer(self._strain_gradient, self.field.at_time(time, rate))
 
     def modes(self) -> Modes:
-        """Return the strain ε(u) as a sum of products: one for each component, with the amplitude θ(t)."""
+        """Return the strain ε(u) as a sum of products, one for each component of the strain.
+
+        All products have the same function of time θ(t), by which the displacement is multiplied.
+        """
         shapes = self._strain.reshape(len(self._strain), -1)
         field, count = self.field, len(shapes)
 
@@ -191,7 +194,7 @@ class SingularAtPoints:
 
     @cached_property
     def powers(self) -> Powers:
-        """The powers of z = x + iy at the points."""
+        """Evaluates powers of the complex local coordinate z = x + iy of the points."""
         return Powers(*self.local)
 
     @cached_property
@@ -258,7 +261,7 @@ class SingularAtPoints:
 # A ``SingularFace`` is a part of the contact boundary where the displacement is a singular field.
 
 Of = Callable[[SingularAtPoints, complex, bool], Array]
-"""The type of a method of ``SingularAtPoints``, as a function of the field, the time and ``rate``."""
+"""The type of a method of ``SingularAtPoints``: a function of the field, the time, and whether the rate is wanted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,7 +269,8 @@ Of = Callable[[SingularAtPoints, complex, bool], Array]
 class TravellingField:
     """The displacement u = θ(t) χ(y) U(x − c(t), y), whose singular point x = c(t) moves.
 
-    Its velocity is u̇ = θ̇ χ U(x − c, y) − θ ċ χ ∂_x U(x − c, y).
+    θ is a factor, χ a cut-off function, and U a singular displacement field in local coordinates. The velocity is u̇ =
+    θ̇ χ U(x − c, y) − θ ċ χ ∂_x U(x − c, y).
 
     Attributes:
         steady: the field θ(t) χ(y) U(x, y), whose cut-off χ depends on y only.
@@ -293,7 +297,7 @@ class TravellingField:
 
     @cached_property
     def slope(self) -> SingularField:
-        """The field θ(t) χ(y) ∂_x U(x, y), which the velocity contains."""
+        """The field θ(t) χ(y) ∂_x U(x, y), which the velocity of the travelling field θ χ U(x − c(t), y) contains."""
         return replace(self.steady, x=_along(self.steady.x), y=_along(self.steady.y))
 
     @cached_property

@@ -18,7 +18,8 @@ from manufactured.tensors import Points
 class Static(Data):
     """The data of a static contact problem: find u ∈ K with (Gε(u), ε(v − u))_Q ≥ (f, v − u)_V for all v ∈ K.
 
-    Where a displacement is prescribed on parts of ``body``, K contains the displacements with these values.
+    G is the elasticity, f the load, and K the set of admissible displacements, with v_ν ≤ 0 on the contact boundary.
+    Where a displacement is prescribed on parts of ``body``, K contains only displacements with these values.
 
     There is no viscosity. The law has A = G, so that ‖·‖_V is the energy norm (Gε(v), ε(v))_Q^½. Instances are made by
     ``static``.

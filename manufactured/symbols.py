@@ -23,7 +23,7 @@ Index = tuple[int, ...]
 """The orders of a derivative along a contact face, one number for each coordinate."""
 
 Values = dict[Index, Array]
-"""A function on a face with its derivatives, as a dict from multi-indices to values.
+"""The type of a function on a contact face with its derivatives along the face, as a dict from multi-indices to values.
 
 The multi-index of zeros gives the function itself.
 """
@@ -102,7 +102,7 @@ def differentiate(expression: sp.Expr, variables: Symbols, index: Index) -> sp.E
 
 
 KINKED = (sp.Heaviside, sp.DiracDelta, sp.Piecewise, sp.Abs, sp.Min, sp.Max, sp.sign)
-"""SymPy functions with kinks or jumps. Their derivatives in SymPy are not the ones that are needed here."""
+"""SymPy functions with kinks or jumps. Formulas must not contain them; kinks and jumps are written with ``pos``."""
 
 
 def refuse_kinks(*formulas: sp.Expr | None) -> None:

@@ -35,13 +35,18 @@ RELEASE = Rational(3, 5)
 
 
 def edge(law: KelvinVoigt, part: Part) -> float:
-    """Return the value ρ of Q at which the strain −Q n⊗n reaches the boundary of K, on a face with the normal n."""
+    """Return the value ρ of Q at which the strain −Q n⊗n leaves the convex set K of the law (3.3).
+
+    Args:
+        law: the law (3.3).
+        part: the contact face, which gives the normal n.
+    """
     assert isinstance(law.G, Yield)
     return law.G.normal_response(part.normal)[1]
 
 
 def pressed_and_released(law: KelvinVoigt, part: Part, start: Expr, rise: Expr) -> Prescribed:
-    """Return the prescribed normal strain −Q on a face that is loaded and then released at the time t_1.
+    """Return the prescribed normal strain −Q(s, t) on a face that is loaded and then released at the time t_1.
 
     The law (3.3) gives the pressure p = a Q̇ + b (Q − ρ)_+ for the normal strain −Q with Q ≥ 0. Here ρ is the value of
     Q at which the strain reaches the boundary of K. Q changes from Q_0(s) at t = 0 to Q_1(s) at t = t_1. With τ = t/t_1
@@ -55,7 +60,7 @@ def pressed_and_released(law: KelvinVoigt, part: Part, start: Expr, rise: Expr) 
     Args:
         law: the law (3.3).
         part: the face.
-        start, rise: the formulas of Q_0 and of Q_1 − Q_0.
+        start, rise: the formulas of Q_0 and of Q_1 − Q_0, functions of the coordinate s along the face.
     """
     assert isinstance(law.G, Yield)
     response, rho = law.G.normal_response(part.normal)
@@ -143,7 +148,7 @@ def yield_on_a_part() -> Case:
 
 
 FRONT: Expr = Rational(1, 4) + t / 2
-"""The position c(t) of the contact front."""
+"""The position c(t) of the contact front on the bottom of the unit square."""
 
 
 def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Expr) -> ExactSolution:
@@ -158,8 +163,8 @@ def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Ex
     Args:
         body: the unit square.
         law: the material law.
-        profile: the functions that continue the displacement into the body.
-        pressure: the formula of the contact pressure p(s, t), which must be 0 beyond the front.
+        profile: the functions of the depth that continue the displacement from the contact face into the body.
+        pressure: the formula of the contact pressure p(s, t) with s = x, which must be 0 for x > c.
     """
     gap = 8 * (Rational(1, 5) + t) * pos(s - FRONT, 4)
     return with_one_face(body, law, gap=gap, pressure=pressure, level=FRONT - s, profile=profile, slip=(SLIP,))
@@ -278,7 +283,11 @@ def softening_in_volume() -> KelvinVoigt:
 
 
 def with_softening(law: KelvinVoigt) -> ExactSolution:
-    """Return the solution for a law whose normal modulus of viscosity is positive."""
+    """Return the exact solution with the gap, pressure and slip of the case ``softening`` for a linear law.
+
+    Args:
+        law: the law; the normal modulus of its viscosity must be positive.
+    """
     c = Rational(7, 24) + Rational(15, 8) * t * (1 - t)
     return with_one_face(
         unit_square(),
@@ -328,7 +337,8 @@ def softening() -> Case:
 def softening_then_hardening() -> KelvinVoigt:
     """Return a prestressed law whose elasticity G softens inside K = {|τ| ≤ 2} and hardens outside.
 
-    A τ = 2τ + (tr τ)/2 I with the normal modulus a = 5/2, and G ε = S − ε + 4 (ε − P_K ε) with S = e_1 ⊗ e_1.
+    A τ = 2τ + (tr τ)/2 I with the normal modulus a = 5/2, and G ε = S − ε + 4 (ε − P_K ε) with the stress at rest S =
+    e_1 ⊗ e_1 and the projection P_K onto K.
     """
     softens = Indefinite(isotropic_matrix(-0.5, 0))
     G = Combined(np.array([1.0, 0.0, 0.0]), softens, Yield(4.0, FrobeniusBall(2.0)))
@@ -384,11 +394,14 @@ def double_well() -> Case:
 
 
 SKEW = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
-"""The rotation by a right angle of the first and third Mandel components, 11 and √2·12."""
+"""A skew matrix in Mandel form: the rotation by a right angle of the first and third components, 11 and √2·12."""
 
 
 def law_without_potential() -> KelvinVoigt:
-    """Return the law ``softening_in_volume`` with three times the skew ``SKEW`` added to its G."""
+    """Return a linear law whose elasticity G is not symmetric, so that it is not the derivative of an energy.
+
+    G is the elasticity of ``softening_in_volume`` plus three times the skew matrix ``SKEW``.
+    """
     G = NonSymmetric(isotropic_matrix(0.5, -1.5) + 3 * SKEW)
     return KelvinVoigt(isotropic(1, 0.5), G, "linear, G softens in volume and has no potential")
 

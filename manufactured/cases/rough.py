@@ -30,10 +30,12 @@ def kolosov_constant(tensor: Linear) -> float:
 
 
 def shearing(law: KelvinVoigt, theta: Expr) -> Expr:
-    """Return the factor 2μ_A θ̇ + 2μ_G θ, by which an elastic stress is multiplied to give the viscoelastic stress.
+    """Return the factor 2μ_A θ̇ + 2μ_G θ, by which an elastic stress is multiplied to give the stress.
 
-    A and G must be isotropic with the same Kolosov constant κ. If U is the displacement with the potentials Φ and Ψ
-    (``singular.kolosov``), then the stress of θ(t) U is this factor times the stress that Φ and Ψ give.
+    Let U = κΦ − z conj(Φ') − conj(Ψ) be a plane displacement, given by the potentials Φ and Ψ (``singular.kolosov``).
+    The stress σ = A ε(u̇) + G ε(u) of the displacement u = θ(t) U is this factor times the elastic stress with these
+    potentials. The viscosity A, with the shear modulus μ_A, and the elasticity G, with μ_G, must be isotropic with the
+    same Kolosov constant κ.
     """
     assert isinstance(law.G, Linear)
     mu_A, mu_G = (Rational(lame(tensor)[0]) for tensor in (law.A, law.G))
@@ -41,10 +43,10 @@ def shearing(law: KelvinVoigt, theta: Expr) -> Expr:
 
 
 def with_natural_front(theta: Expr, place: Expr, moving: bool = False) -> ExactSolution:
-    """Return the solution with a natural front on the unit square.
+    """Return the exact solution with a natural front on the bottom of the unit square.
 
     Args:
-        theta: the formula of the factor θ(t).
+        theta: the formula of the factor θ(t) by which the singular displacement field is multiplied.
         place: the position c of the front, a number or a formula of t.
         moving: whether the front moves.
     """
@@ -91,7 +93,7 @@ def natural_front() -> Case:
 
 
 MOVING_FRONT = Rational(1, 4) + Rational(2, 5) * t
-"""The position c(t) of the contact front."""
+"""The position c(t) of the contact front on the bottom of the unit square, in ``natural_motion``."""
 
 
 @checked(FormulaError)

@@ -17,7 +17,7 @@ from manufactured.law import KelvinVoigt, Linear, isotropic
 from manufactured.symbols import s, t
 
 SLIP: Expr = t * (1 + t) * sin(2 * s + 1)
-"""A slip z(s, t) that other cases use with a factor."""
+"""The formula of a slip z(s, t), a tangential displacement on the contact face, that cases use with a factor."""
 
 
 def proportional(ratio: float = 1.0) -> KelvinVoigt:
@@ -70,19 +70,26 @@ def without_contraction(dim: int = 2) -> KelvinVoigt:
 
 
 def with_faces(body: Body, law: KelvinVoigt, *faces: dict[str, Any]) -> ExactSolution:
-    """Return the exact solution with a contact face on every piece of Γ3, for a linear law.
+    """Return the exact solution with contact on every flat piece of the contact boundary, for a linear law.
 
     Args:
         body: the body.
         law: the material law.
-        faces: for each piece of Γ3 the data of its face, as arguments of ``ContactFace.linear`` with their names.
+        faces: for each flat piece of the contact boundary Γ3 its gap, pressure and other contact data, as a dict of
+            keyword arguments of ``ContactFace.linear``.
     """
     pieces = zip(body.of(Kind.CONTACT), faces, strict=True)
     return ExactSolution(body, law, tuple(ContactFace.linear(part, law, body.T, **data) for part, data in pieces))
 
 
 def with_one_face(body: Body, law: KelvinVoigt, **data: Any) -> ExactSolution:
-    """Return the exact solution on a body with a single piece of Γ3; see ``with_faces``."""
+    """Return the exact solution on a body whose contact boundary is one flat piece, for a linear law.
+
+    Args:
+        body: the body.
+        law: the material law.
+        data: the contact data, such as gap and pressure, as keyword arguments of ``ContactFace.linear``.
+    """
     return with_faces(body, law, data)
 
 

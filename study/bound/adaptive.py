@@ -31,7 +31,10 @@ from study.ledger.text import up
 from study.solve.evolution import Scheme
 
 PART = 0.5
-"""The cells to refine contribute together this fraction of the part of the error bound that is due to cells."""
+"""Fraction that determines how many cells are refined.
+
+The refined cells contribute together this fraction of the part of the error bound that is due to cells.
+"""
 SHARE_IN_TIME = 0.25
 """Time steps are halved if they contribute more than this fraction of the error bound.
 
@@ -41,7 +44,13 @@ If the cells contribute less than this fraction, the mesh is not refined.
 
 @dataclass(frozen=True, eq=False)
 class Adapted:
-    """The solution u_h on one mesh, the bound of its error, and the contributions of cells and time to the bound."""
+    """The displacement u_h on one mesh, the bound of its error, and the contributions to the bound.
+
+    Attributes:
+        computed: the displacement u_h.
+        enclosure: the lower and upper bounds of the error of u_h.
+        shares: the contributions of the cells and of the time steps to the upper bound.
+    """
 
     computed: Computed
     enclosure: Enclosure
@@ -50,7 +59,7 @@ class Adapted:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """The discretisation of one refinement step.
+    """The mesh and the number of time steps of one round of the adaptive refinement.
 
     Attributes:
         mesh: the mesh.
@@ -67,7 +76,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """The tolerance for the error bound: a number, or a percentage of max ‖u(t)‖_V.
+    """The tolerance for the error bound: a number, or a percentage of the norm max_t ‖u(t)‖_V of the solution.
 
     Attributes:
         number: the number or the percentage.
@@ -102,7 +111,15 @@ def tolerance_from(text: str) -> Tolerance:
 
 
 def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adapted:
-    """Compute the displacement u_h on a mesh, and bound the error of u_h without a more accurate second displacement.
+    """Compute the displacement u_h on a mesh, and bound its error from u_h alone.
+
+    No second, more accurate displacement is computed.
+
+    Args:
+        data: the problem.
+        case: the case if the exact solution is known, otherwise None; the true error is then reported as well.
+        stage: the mesh and the number of time steps.
+        scheme: the time scheme.
 
     Raises:
         MeshError: the mesh does not fit the parts of the body.
@@ -133,11 +150,12 @@ def next_stage(stage: Stage, cells: Array, in_time: float) -> Stage:
 
 
 def marked(shares: Array, part: float) -> Array:
-    """Select the cells to refine: as few as possible, with shares that sum to ``part`` times the sum of all or more.
+    """Select the cells to refine: as few cells as possible whose contributions sum to a given fraction of the total.
 
     Args:
-        shares: the contribution of each cell to the bound, (cells,).
-        part: the fraction, 0 < part ≤ 1.
+        shares: the contribution of each cell to the error bound, (cells,).
+        part: the fraction, 0 < part ≤ 1. The sum over the selected cells is at least this fraction of the sum over all
+            cells.
 
     Returns:
         The numbers of the selected cells in ascending order, (n,).
@@ -157,8 +175,8 @@ def record(number: int, found: Adapted) -> dict[str, Any]:
         found: the solution on this mesh and the bound of its error.
 
     Returns:
-        ``row``: the row of ``adaptive.csv``; ``inside``: whether the error lies in the enclosure, if it is known;
-        ``sentences``: texts that say whether the bound is guaranteed.
+        ``row``: the row of ``adaptive.csv``; ``inside``: whether the error lies between its bounds, if the error is
+        known; ``sentences``: texts that say whether the bound is guaranteed.
     """
     enclosure = found.enclosure
     row = {
@@ -176,7 +194,7 @@ def record(number: int, found: Adapted) -> dict[str, Any]:
 
 
 def table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
-    """Return the table ``adaptive.csv``, with one row for each mesh.
+    """Return the table ``adaptive.csv``, with one row for each mesh, from the rows that ``record`` returns.
 
     The column ``order`` compares each mesh with the previous one. For the bounds b, b' and the numbers N, N' of
     unknowns on the two meshes, it is log(b/b')/log(N'/N).

@@ -40,19 +40,19 @@ INSIDE = 1e-12
 EQUAL = 1e-9
 """Time steps count as equal if their relative difference is at most this number."""
 SMALLER = 0.95
-"""An observed order is computed from two meshes only if the ratio of their mesh sizes is at most this number."""
+"""An observed order is computed from two meshes only if the ratio of their mesh sizes, fine/coarse, is at most this."""
 ON_LINE = 1e-9
 """A side of the body counts as lying on a line up to this distance, relative to the size of the body."""
 
 
 @dataclass(frozen=True, eq=False)
 class BoundedSolution:
-    """The displacement u_h with two bounds of its error.
+    """A computed displacement u_h with two bounds of its error.
 
     Attributes:
         computed: the displacement u_h.
         plain: the bound that is computed from u_h alone; None if there is none.
-        enclosure: the lower and upper bound that are computed from a more accurate displacement ũ.
+        enclosure: the lower and upper bounds that are computed with the help of a second, more accurate displacement.
         remarks: sentences for the user, for example why ``plain`` is None.
     """
 
@@ -63,12 +63,18 @@ class BoundedSolution:
 
     @property
     def error(self) -> tuple[float, float]:
-        """Interval that contains the largest error max_t ‖u(t) − u_h(t)‖_V; each end is the sharper of two bounds."""
+        """An interval that contains the largest error max_t ‖u(t) − u_h(t)‖_V of the displacement u_h.
+
+        Each end of the interval is the sharper of the two bounds ``plain`` and ``enclosure``.
+        """
         return self._sharpest(lambda bound: (bound.lowest, bound.highest))
 
     @property
     def norm(self) -> tuple[float, float]:
-        """Interval that contains the norm max_t ‖u(t)‖_V; each end is the sharper of two bounds."""
+        """An interval that contains the norm max_t ‖u(t)‖_V of the exact solution u.
+
+        Each end of the interval is the sharper of the two bounds ``plain`` and ``enclosure``.
+        """
         return self._sharpest(lambda bound: bound.norm)
 
     def _sharpest(self, ends: Callable[[Enclosure], tuple[float, float]]) -> tuple[float, float]:
@@ -79,24 +85,27 @@ class BoundedSolution:
 
     @property
     def relative(self) -> tuple[float, float]:
-        """Interval that contains the relative error max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V."""
+        """An interval that contains the relative error max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V of u_h."""
         return relative(self.error, self.norm)
 
 
 def steps_on(data: Data, level: int, wanted: int | None) -> int:
-    """Return the number of time steps of u_h on a level.
+    """Return the number of time steps of the computed displacement on the mesh of a level.
 
-    For a static problem it is 1. Otherwise it is ``wanted``, or by default the number that ``rate_steps`` gives.
+    Args:
+        data: the problem. For a static problem the result is 1.
+        level: the level of the mesh.
+        wanted: the number that the user wants; None for the number that ``rate_steps`` gives for this level.
     """
     return 1 if isinstance(data, Static) else wanted or rate_steps(data.body.T, level)
 
 
 def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: int | None, refined: Refined) -> None:
-    """Refuse a problem or options for which no bound can be computed, before time is spent.
+    """Refuse a problem or options for which no error bound can be computed, before time is spent.
 
     Raises:
-        BoundError: invalid levels, steps or refinements; T, a body or a law of extreme size; a mesh family that cannot
-            mesh the body; a body in 3D; or a law without a usable monotonicity constant.
+        BoundError: there are invalid levels, steps or refinements; T, a body or a law of extreme size; a mesh family
+            that cannot mesh the body; a body in 3D; or a law without a usable monotonicity constant.
         LoadError: no solution can exist for the data.
         MeshError: a mesh does not fit the parts of the body.
     """
@@ -111,10 +120,10 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
 
 
 def check_problem(data: Data, steps: int | None, refined: Refined) -> None:
-    """Refuse a problem or a number of steps for which no bound can be computed on any mesh.
+    """Refuse a problem or a number of time steps for which no error bound can be computed on any mesh.
 
     Raises:
-        BoundError: the message names the reason.
+        BoundError: no bound can be computed; the message names the reason.
         LoadError: no solution can exist for the data.
     """
     if steps is not None:
@@ -159,13 +168,14 @@ def both_bounds(
     error: Callable[[float, Array], float] | None = None,
     progress: Callable[[float], object] = lambda time: None,
 ) -> BoundedSolution:
-    """Return the bound of the error that follows from u_h alone, and the enclosure by a more accurate displacement ũ.
+    """Return two bounds of the error of a displacement u_h: from u_h alone, and by a more accurate displacement ũ.
 
     Args:
         coarse: the problem and the mesh of u_h.
         computed: the displacement u_h.
         refined: how ũ is computed. For a static problem, ũ is the solution of degree 2 on the refined mesh.
-        error: the function (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V if the exact solution is known; not used if static.
+        error: the function (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V if the exact solution is known; it is not used for static
+            problems.
         progress: a function that is called with each time up to which the enclosure is computed. For a static problem
             it is called with T/4 after the bound from u_h alone, and with T at the end.
     """
@@ -223,8 +233,9 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
 
     Returns:
         ``row``: the row of ``levels.csv`` without orders; ``series``: the rows of ``enclosure.csv``; ``inside``:
-        whether the error lies in the enclosure, if it is known; ``sentences``: texts that say whether the bounds are
-        guaranteed; ``on_cells``: for static problems ‖ũ − u_h‖² on every cell.
+        whether the error lies between its bounds, if the error is known; ``sentences``: texts that say whether the
+        bounds are guaranteed; ``on_cells``: for static problems the squared distance ‖ũ − u_h‖² of u_h from the more
+        accurate displacement ũ on every cell.
     """
     enclosure = found.enclosure
     row = {
@@ -252,10 +263,11 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
 
 
 def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
-    """Return the table ``levels.csv``: for each level, intervals with the largest error and two observed orders.
+    """Return the table ``levels.csv``: for each level, intervals that contain the error and two observed orders.
 
-    The columns ``order_…`` compare a level with the first one, the columns ``pair_…`` with the previous one. On the
-    first level, and if a mesh is not finer than the mesh to compare with, the order is NaN.
+    The columns ``order_…`` compare a level with the first one, the columns ``pair_…`` with the previous one. The error
+    is the largest one over time. On the first level, and if a mesh is not finer than the mesh to compare with, the
+    order is NaN.
     """
     table = pd.DataFrame(rows)
     for name, earlier in (("order", [rows[0]] * len(rows)), ("pair", [rows[0], *rows[:-1]])):
@@ -270,7 +282,10 @@ def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
 
 
 def contact_sentences(body: Body) -> list[str]:
-    """Return a list with a sentence about the shape of the foundation if Γ3 does not lie on one line, otherwise []."""
+    """Return a list with a sentence about the shape of the foundation if the contact boundary does not lie on one line.
+
+    Otherwise the list is empty.
+    """
     sides = body.of(Kind.CONTACT)
     if not sides:
         return []

@@ -42,11 +42,11 @@ ON_VERTEX = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Discretisation:
-    """The finite element spaces, matrices and data of a problem on one mesh.
+    """The finite element spaces, matrices and data of a problem on one mesh, as the error bound needs them.
 
     Raises:
         BoundError: the body is not plane; there is an initial gap; the final time, the body or the law has an extreme
-            size; A or G jumps inside a cell; or the law has no finite monotonicity constant.
+            size; the viscosity or the elasticity jumps inside a cell; or the law has no finite monotonicity constant.
     """
 
     data: Data
@@ -76,22 +76,28 @@ class Discretisation:
 
     @cached_property
     def stresses(self) -> StressSpace:
-        """The composite stresses of degree 3 on the mesh."""
+        """The space of composite stresses of degree 3 on the mesh: polynomials on three subtriangles of every cell."""
         return StressSpace(self.mesh, self.data.body, STRESS_DEGREE)
 
     @cached_property
     def inverse_viscosity(self) -> Array:
-        """The reciprocal 1/α of the material factor α of the viscosity A at the quadrature points, (cells, Q)."""
+        """The reciprocal of the material factor of the viscosity at the Q quadrature points of a cell, (cells, Q)."""
         return 1 / self.data.law.A.factor(self.stresses.points)
 
     @cached_property
     def compliance(self) -> Array:
-        """The matrix of the norm in which residuals of the material law are minimised, without 1/α, (3, 3)."""
+        """The matrix of the norm in which residuals of the material law are minimised, in Mandel form, (3, 3).
+
+        The norm also contains the factor ``inverse_viscosity``, which is not part of the matrix.
+        """
         return self.moduli.compliance(self.data.body.T)
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
-        """Solver for the stress that balances the loads and has the smallest residual of the material law."""
+        """Solver for the stress that balances the loads and is nearest to a given stress.
+
+        Distances are measured in the norm of ``compliance``.
+        """
         compliance = self.compliance
         if self.data.law.A.factor is not UNIFORM:
             compliance = np.multiply.outer(self.inverse_viscosity, compliance)
@@ -99,9 +105,9 @@ class Discretisation:
 
     @cached_property
     def snapshot(self) -> Callable[[float], Snapshot]:
-        """Function from a time to the projected loads at this time.
+        """Function from a time to the projected loads, and norms of the part that the projection leaves out.
 
-        Its results are cached, because u_h, ũ and the bounds use the loads at the same times.
+        Its results are cached, because the computed displacements and the bounds use the loads at the same times.
         """
         # The cache is limited by memory: the results at one time contain about as many numbers as there are quadrature
         # points.
@@ -110,17 +116,26 @@ class Discretisation:
 
     @cached_property
     def oscillation(self) -> Oscillation:
-        """Computes a bound of the dual norm of f − P f on each cell, where P is the projection of the loads."""
+        """Computes the data oscillation of each cell: a bound of the work of the loads that the projection leaves out.
+
+        The projected loads are piecewise polynomials, which discrete stresses can balance.
+        """
         A = self.data.law.A
         return Oscillation(self.stresses, np.linalg.inv(A.matrix), A.factor.low)
 
     @cached_property
     def sampling(self) -> Sampling:
-        """Decides whether the error bound is guaranteed, and bounds the change of the data between sample points."""
+        """Decides whether the error bound is guaranteed, and bounds the change of the data between sample points.
+
+        The data are the loads and the initial displacement.
+        """
         return Sampling(self.data, self.stresses)
 
     def load(self, time: float) -> Array:
-        """Return the load vector (P f_0, v)_H + (P f_2, v)_{L²(Γ2)} of the projected loads at a time, (dofs,)."""
+        """Return the load vector (P f_0, v)_H + (P f_2, v)_{L²(Γ2)} at a time, for the basis functions v, (dofs,).
+
+        P projects the body force f_0 and the traction f_2 onto piecewise polynomials.
+        """
         loads, space, V = self.snapshot(time).loads, self.stresses, self.displacements
         force = space.volumes[:, None, None] * (self._moments @ loads.force.reshape(space.cells, -1, 2))
         places, moments = [V.numbers.T.ravel()], [force.reshape(-1, 2)]
@@ -144,15 +159,19 @@ class Discretisation:
 
     @cached_property
     def M(self) -> sps.csc_array:
-        """The matrix of the inner product (u, v)_V = (Aε(u), ε(v))_Q, (dofs, dofs)."""
+        """The matrix of the inner product (u, v)_V = (Aε(u), ε(v))_Q with the viscosity A, (dofs, dofs)."""
         return self.displacements.form(self.data.law.A.matrix, self.data.law.A.factor(self.displacements.points))
 
     def norm(self, v: Array) -> Any:
-        """Return the norms ‖v‖_V of displacements, (..., dofs) → (...)."""
+        """Return the norms ‖v‖_V of displacements v, given by their coefficients, (..., dofs) → (...)."""
         return np.sqrt(np.maximum(np.einsum("...i,...i->...", v, (self.M @ v.T).T), 0.0))
 
     def products(self, *displacements: Array) -> Array:
-        """Return the products (v_i, v_j)_V of displacements, (dofs,) each → (number, number)."""
+        """Return the inner products (v_i, v_j)_V of any two of n displacements, (n, n).
+
+        Args:
+            displacements: the coefficients of the displacements v_i, (dofs,) each.
+        """
         v = np.array(displacements)
         return np.asarray(v @ (self.M @ v.T))
 
@@ -165,36 +184,42 @@ class Discretisation:
         return self.displacements.strains(np.eye(3))
 
     def strain(self, v: Array) -> Tensors:
-        """Return the strain ε(v) at the quadrature points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
+        """Return the strain ε(v) of displacements at the quadrature points, (..., dofs) → (3, ..., cells, Q).
+
+        There are Q quadrature points in every cell, those of the composite stresses.
+        """
         corners = (self._strains @ v.T).reshape(3, self.stresses.cells, 3, *reversed(v.shape[:-1]))
         found: Tensors = np.ascontiguousarray(np.moveaxis(corners, (1, 2), (-2, -1))) @ self.stresses.barycentric
         return found
 
     @cached_property
     def viscous(self) -> Callable[[Array], Tensors]:
-        """Function from a velocity u̇ to the viscous stress Aε(u̇) at the quadrature points.
+        """Function from the coefficients of a velocity u̇ to its viscous stress Aε(u̇) at the quadrature points.
 
-        (..., dofs) → (3, ..., cells, Q)
+        The shape is (..., dofs) → (3, ..., cells, Q), with Q points in every cell.
         """
         A = self.data.law.A.at(self.stresses.points)
         return lambda rate: A(self.strain(rate))
 
     @cached_property
     def elastic(self) -> Callable[[Array], Tensors]:
-        """Function from a displacement u to the elastic stress Gε(u) at the quadrature points, as in ``viscous``."""
+        """Function from the coefficients of a displacement u to its elastic stress Gε(u) at the quadrature points.
+
+        The shape is (..., dofs) → (3, ..., cells, Q), with Q points in every cell.
+        """
         G = self.data.law.G.at(self.stresses.points)
         return lambda u: G(self.strain(u))
 
     def nearest_stress(self, loads: Loads, target: Tensors, u: Array) -> EquilibratedStress:
-        """Return the equilibrated stress σ̃ nearest to a given stress, in the norm of ``compliance``.
+        """Return the stress σ̃ that balances the loads and is nearest to a given stress, in the norm of ``compliance``.
 
-        Among all stresses that balance the loads, σ̃ minimises ‖σ̃ − target‖² + 2 ∫_{Γ3} σ̃_ν u_ν. The attribute
-        ``values`` of the result is the difference σ̃ − target.
+        Among all stresses that balance the loads, σ̃ minimises ‖σ̃ − target‖² + 2 ∫_{Γ3} σ̃_ν u_ν, where the second
+        term is the work of the contact pressure. The attribute ``values`` of the result is the difference σ̃ − target.
 
         Args:
             loads: the projected loads at one time or at several times.
-            target: the given stress Aε(ũ̇) + Gε(ũ), (3, ..., cells, Q).
-            u: the admissible displacement ũ, (..., dofs).
+            target: the given stress at the quadrature points, Aε(u̇) + Gε(u), (3, ..., cells, Q).
+            u: an admissible displacement u, (..., dofs).
         """
         return self.equilibrium.nearest(loads, target, self.normal_moments(u))
 
@@ -204,9 +229,9 @@ class Discretisation:
         return np.asarray(self.stresses.mesh.f2t[0, self.equilibrium.contact])
 
     def normal_moments(self, v: Array) -> Array:
-        """Return the moments ∫_e v_ν B_i of the normal displacement on every edge e of the contact boundary Γ3.
+        """Return the moments ∫_e v_ν B_i of the normal displacement v_ν on every edge e of the contact boundary Γ3.
 
-        The B_i are the n Bernstein polynomials of degree 3: (..., dofs) → (..., edges of Γ3, n).
+        The B_i are the n = 4 Bernstein polynomials of degree 3: (..., dofs) → (..., edges of Γ3, n).
         """
         found: Array = (self._normal_moments @ v.reshape(-1, v.shape[-1]).T).T
         return found.reshape(*v.shape[:-1], -1, STRESS_DEGREE + 1)

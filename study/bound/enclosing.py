@@ -66,7 +66,10 @@ from study.solve.multigrid import contact_solver
 from study.solve.signorini import Signorini
 
 POOR = 0.5
-"""If sampling of the data causes more than this fraction of an error bound, a message says at which place."""
+"""Limit of the fraction of an error bound that is due to unknown changes of the loads between sample points.
+
+Above this fraction a message names the point where the change is largest.
+"""
 SAME_TIME = 1e-9
 """Two times count as equal if they differ by less than this fraction of a time interval between knots."""
 RAISED = 4
@@ -76,29 +79,31 @@ On coarse meshes, the standard rule has a relative error of 3 % (level 2) to 0.1
 bound differ by a few per cent only, so this is not accurate enough.
 """
 INITIAL_DEGREE = 6
-"""Degree of the quadrature rule for the initial error ‖u_0 − ũ(0)‖_V."""
+"""Degree of the quadrature rule for the distance ‖u_0 − ũ(0)‖_V of a displacement ũ(0) from the initial value u_0."""
 
 
 @dataclass(frozen=True, eq=False)
 class Enclosure:
-    """Lower and upper bounds of the error ‖u(t) − u_h(t)‖_V over [0, T].
+    """Lower and upper bounds of the error ‖u(t) − u_h(t)‖_V over [0, T] of a computed displacement u_h.
 
-    They are computed from a more accurate displacement ũ, which is a spline in time.
+    They are computed from a second, usually more accurate displacement ũ, which is a quadratic spline in time. With the
+    distance d = ‖ũ − u_h‖_V and a bound y of ‖u − ũ‖_V, the error lies between d − y and d + y.
 
     Attributes:
         h: the mesh size of u_h.
-        times: the times of the knots of the spline ũ, without 0, (n,).
-        distance: the distance d = ‖ũ − u_h‖_V at these times, (n,).
-        bound: the bound y of ‖u − ũ‖_V at these times, (n,).
+        times: the times of the knots of the spline ũ, without t = 0, (n,).
+        distance: the distance d at these times, (n,).
+        bound: the bound y at these times, (n,).
         error: the error of u_h at these times if the exact solution is known, otherwise NaN, (n,).
-        intervals: for each time interval between knots, the terms from which y is computed.
-        start: a bound of the error of u_h at t = 0.
-        initial: the squared initial distance ‖u_0 − ũ(0)‖² on each cell of the mesh of ũ, computed from samples of u_0,
-            (cells,).
+        intervals: for each time interval between knots, the quantities from which y is computed.
+        start: a bound of the error ‖u_0 − u_h(0)‖_V of u_h at t = 0.
+        initial: the squared distance ‖u_0 − ũ(0)‖² of ũ(0) from the initial value u_0 on each cell of the mesh of ũ,
+            computed from samples of u_0, (cells,).
         between: for each time interval between knots, an upper bound of the error of u_h at all of its times, (n,).
         evidence: whether the bounds are guaranteed or estimated, and why.
         norm: an interval that contains max_t ‖u(t)‖_V.
-        products: the products in V of the pair (ũ, u_h), summed over these times, (2, 2).
+        products: the inner products in V of any two of the pair (ũ, u_h), each summed over ``times``, (2, 2). They show
+            whether u_h is a multiple of ũ.
         on_cells: for static problems the squared distance ‖ũ − u_h‖² on every cell of u_h, (cells of u_h,). It
             estimates the error on a single cell, which is not bounded.
     """
@@ -141,10 +146,10 @@ class Enclosure:
     def shares(self, moduli: Moduli) -> Shares:
         """Return the contributions of each cell and of the time steps to the error bound ``highest``.
 
-        The contributions come from the initial error and from all time intervals before the bound is largest. Each is
-        multiplied by the factor by which errors decay until then. The part due to u_0 between sample points is divided
-        among the cells like the sampled initial error. The increase due to smoothing u_h in time counts as a
-        contribution of the time steps.
+        The contributions come from the initial error and from all time intervals up to the one with the largest bound.
+        Each is multiplied by the factor by which errors decay until then. The part due to the initial value u_0 between
+        its sample points is divided among the cells like the sampled initial error. The increase due to smoothing the
+        computed displacement in time counts as a contribution of the time steps.
         """
         last = int(self.between.argmax()) if self.highest > self.start else -1
         found = Shares(self.initial, 0.0).scaled_to(self.intervals[0].at_a)
@@ -154,9 +159,10 @@ class Enclosure:
 
     @property
     def factor(self) -> tuple[float, float]:
-        """The factor s for which u_h/s fits ũ best, and the relative distance ‖u_h/s − ũ‖/‖ũ‖ that remains.
+        """The factor s for which u_h/s fits the more accurate displacement ũ best, and the remaining distance.
 
-        The factor of a Galerkin solution is 1 on every mesh, because its error is orthogonal to it.
+        The distance is relative, ‖u_h/s − ũ‖/‖ũ‖, with squared norms summed over all times. For a Galerkin solution u_h
+        of a static problem without contact, s = 1 on every mesh, because its error is orthogonal to u_h.
         """
         (better, mixed), (_, given) = self.products.tolist()
         if not mixed or not better * given:
@@ -165,12 +171,12 @@ class Enclosure:
 
     @property
     def lower(self) -> Array:
-        """The lower bound max(d − y, 0) of the error of u_h at ``times``, (n,)."""
+        """The lower bound max(d − y, 0) of the error of u_h at ``times``, (n,), for d = ``distance``, y = ``bound``."""
         return np.maximum(self.distance - self.bound, 0.0)
 
     @property
     def upper(self) -> Array:
-        """The upper bound d + y of the error of u_h at ``times``, (n,)."""
+        """The upper bound d + y of the error of u_h at ``times``, with d = ``distance`` and y = ``bound``, (n,)."""
         return self.distance + self.bound
 
     @property
@@ -180,14 +186,18 @@ class Enclosure:
 
     @property
     def contains(self) -> bool:
-        """Whether the known error lies between the lower and the upper bound at all times."""
+        """Whether the known error of u_h lies between the lower and the upper bound at all ``times``."""
         return bool(((self.lower <= self.error) & (self.error <= self.upper)).all())
 
 
 def relative(error: tuple[Any, Any], norm: tuple[float, float]) -> tuple[Any, Any]:
-    """Return an interval that contains the quotient of an error and a norm, which are known as intervals.
+    """Return an interval that contains the quotient error/norm, where both are only known to lie in intervals.
 
-    If the norm may be 0, the interval ends at ∞. The ends of the error are numbers, or arrays for several errors.
+    If the norm may be 0, the interval ends at ∞.
+
+    Args:
+        error: the lower and the upper end of the interval of the error; numbers, or arrays for several errors.
+        norm: the lower and the upper end of the interval of the norm.
     """
     return (error[0] / norm[1] if norm[1] > 0 else 0.0), (error[1] / norm[0] if norm[0] > 0 else math.inf)
 
@@ -204,7 +214,7 @@ def enclose(
     Args:
         coarse: the problem on the mesh of u_h.
         computed: the displacement u_h.
-        trajectory: how the displacement ũ is computed from which the bounds follow.
+        trajectory: how a second displacement ũ is computed, from which the bounds follow.
         error: the function (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V if the exact solution is known.
         progress: a function that is called with each time up to which the bounds are computed.
 
@@ -257,7 +267,12 @@ def enclose(
 
 
 def known_error(case: Case | None, computed: Computed) -> Callable[[float, Array], float] | None:
-    """Return the function (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V, or None if the exact solution is unknown."""
+    """Return the function (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V, or None if the exact solution is unknown.
+
+    Args:
+        case: the case with the exact solution u, or None.
+        computed: the displacement u_h, of degree 1.
+    """
     if case is None:
         return None
     space = Space(computed.mesh, computed.body)
@@ -266,14 +281,15 @@ def known_error(case: Case | None, computed: Computed) -> Callable[[float, Array
 
 
 def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: Callable[[float], Array]) -> float:
-    """Return a bound of the distance ‖ũ(t) − u_h(t)‖_V over one time interval, on which ũ is a parabola in time.
+    """Return a bound of the distance ‖ũ(t) − u_h(t)‖_V of two displacements over one time interval.
 
-    Each part of the interval on which u_h is linear is considered separately. There ũ − u_h is a parabola in Bernstein
-    form, and the norm is at most the largest norm of its coefficients.
+    On the interval ũ is a parabola in time, and u_h is piecewise linear. Each part on which u_h is linear is considered
+    separately. There ũ − u_h is a parabola in Bernstein form, and the norm is at most the largest norm of its
+    coefficients.
 
     Args:
-        fine: the spaces on the mesh of ũ.
-        piece: the parabola ũ.
+        fine: the finite element spaces on the mesh of ũ.
+        piece: the parabola ũ on the interval.
         nodes: the times between which u_h is linear.
         u_h: the function t ↦ u_h(t).
     """
@@ -291,7 +307,7 @@ def squared_distances(
 ) -> Array:
     """Return the squared energy norm of the difference of two strains ε and ε(v) on every cell, (cells,).
 
-    The squared norm is ∫_T A(ε − ε(v))·(ε − ε(v)).
+    On a cell T it is ∫_T A(ε − ε(v))·(ε − ε(v)) with the viscosity A.
 
     Args:
         discretisation: the mesh and the space of v.
@@ -325,33 +341,48 @@ def order_interval(coarse: tuple[float, float], fine: tuple[float, float], ratio
 
 
 ENERGY_ROUNDING = 1e-11
-"""Relative rounding error of ‖ũ‖² for which the interval of the energy ‖u‖² is widened."""
+"""Relative rounding error of the squared norm of a displacement, by which the interval of the energy is widened."""
 
 
 class StaticDiscretisation(Discretisation):
-    """The finite element spaces on one mesh for a static problem; stresses are measured in the norm of G⁻¹."""
+    """The finite element spaces on one mesh for a static problem with the elasticity G.
+
+    The norm of displacements is the energy norm of G, and stresses are measured in the norm of G⁻¹.
+    """
 
     @cached_property
     def compliance(self) -> Array:
         return np.asarray(np.linalg.inv(self.data.law.A.matrix))
 
     def strain(self, v: Array) -> Tensors:
-        """Return the strain at the quadrature points, with prescribed displacements, (dofs,) → (3, cells, Q)."""
+        """Return the strain of a displacement at the Q quadrature points of every cell, (dofs,) → (3, cells, Q).
+
+        The prescribed displacements, which are not among the unknowns, are included.
+        """
         return self.displacements.strain_at(v, np.arange(self.stresses.cells), self.stresses.points)
 
     def products(self, *displacements: Array) -> Array:
-        """Return the products (Gε(v_i), ε(v_j))_Q of displacements, which include the prescribed displacement."""
+        """Return the products (Gε(v_i), ε(v_j))_Q of any two of n displacements, with the elasticity G, (n, n).
+
+        The prescribed displacements, which are not among the unknowns, are included.
+
+        Args:
+            displacements: the unknowns of the displacements v_i, (dofs,) each.
+        """
         stresses, strains = zip(*((self.elastic(v), self.strain(v)) for v in displacements), strict=True)
         return np.einsum("iIcq,jIcq,cq->ij", stresses, strains, self.stresses.weights)
 
     def residual(self, v: Array) -> Array:
-        """Return the load vector minus the work (Gε(v), ε(φ_i))_Q of a displacement, (dofs,) → (dofs,)."""
+        """Return the load vector minus the elastic forces (Gε(v), ε(φ_i))_Q of a displacement v, (dofs,) → (dofs,).
+
+        The φ_i are the basis functions, and G is the elasticity.
+        """
         V = self.displacements
         strain = V.strain_at(v, np.arange(self.stresses.cells), V.points)
         return np.asarray(self.load(0.0) - V.functional(self.data.law.G.at(V.points)(strain)))
 
     def squares(self, stress: Array) -> Array:
-        """Return the squared norm ‖τ‖²_{G⁻¹} of a stress on every cell, (3, cells, Q) → (cells,)."""
+        """Return the squared norm ‖τ‖²_{G⁻¹} = ∫_T G⁻¹τ·τ of a stress τ on every cell T, (3, cells, Q) → (cells,)."""
         strain = np.tensordot(self.compliance, stress, axes=1) * self.inverse_viscosity
         return np.asarray(np.einsum("Icq,Icq,cq->c", stress, strain, self.stresses.weights))
 
@@ -375,11 +406,12 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     Args:
         coarse: the problem and the mesh of u_h.
         computed: the displacement u_h.
-        refinements: how often the mesh is refined to compute the more accurate displacement ũ of degree 2. If None,
-            ũ = u_h is used.
+        refinements: how often the mesh is refined to compute the more accurate displacement ũ of degree 2. If None, ũ =
+            u_h is used.
 
     Returns:
-        The bounds, as an enclosure at one time, and how much each cell contributes to the bound of ‖u − ũ‖.
+        The bounds, as an enclosure at one time, and how much each cell contributes to the bound of the error ‖u − ũ‖ of
+        ũ.
     """
     fine = StaticDiscretisation(coarse.data, coarse.mesh.refined(refinements or 0))
     u_h = computed.on(fine)(0.0)

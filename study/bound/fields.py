@@ -16,7 +16,10 @@ from study.bound.problem import BoundError
 ARRAYS = ("points", "triangles", "times", "u")
 """Names of the arrays in an .npz file with a displacement."""
 OURS = {"p": "points", "t": "triangles"}
-"""Other names of these arrays, in files that ``study bound`` writes. There the arrays are stored transposed."""
+"""Names of the arrays for points and triangles in .npz files that ``study bound`` writes, and the usual names.
+
+In these files the arrays are stored transposed.
+"""
 DISPLACEMENT_NAMES = ("u", "displacement", "displacements", "u_h", "uh", "disp")
 """Names, in lower case, by which the displacement is recognised among the fields of a mesh file."""
 CELLS = {"triangle": (3,), "triangle6": (6,), "VTK_LAGRANGE_TRIANGLE": (3, 6)}
@@ -29,21 +32,26 @@ IGNORED = ("vertex", "line", "line3", "VTK_LAGRANGE_CURVE")
 
 
 COUNTS = re.compile(rb"""NumberOf(?:Points|Cells)\s*=\s*["'](\d{1,20})["']""")
-"""The numbers of points and cells that a .vtu file states."""
+"""Pattern that finds the numbers of points and cells that a .vtu file states."""
 XDMF = (".xdmf", ".xmf")
 """Endings of files that name HDF5 files with their data."""
 UNPACKING_FACTOR, UNSUSPICIOUS = 100, 2**26
-"""A file may unpack to so many times its size. Files that unpack to at most 64 MiB may have any ratio.
+"""A file may unpack to at most this many times its size.
 
-The coordinates and displacements of a mesh compress by a factor of 20 at most.
+Files that unpack to at most 64 MiB (``UNSUSPICIOUS``) may have any ratio. The coordinates and displacements of a mesh
+compress by a factor of 20 at most.
 """
 
 
 @dataclass(frozen=True)
 class Field:
-    """The mesh, times and displacements from a file. If the file has no times, ``times`` is None.
+    """A mesh, times and displacements that were read from a file.
 
-    The arrays have the shapes that ``study.bound.given.given`` describes.
+    Attributes:
+        points: the coordinates of the points, (n, 2) or (n, 3).
+        triangles: for each cell the numbers of its points, (cells, 3) or (cells, 6).
+        times: the times, (k,); None if the file has no times.
+        u: the displacements of the points at the times, (k, n, 2) or (k, n, 3).
     """
 
     points: Array

@@ -38,7 +38,7 @@ from study.solve.steps import require_steps
 LEAST_STEPS = 16
 """The number of time steps of ũ is chosen as if u_h had at least this many time steps."""
 SAME_LENGTH = 0.01
-"""Two lengths count as equal if their relative difference is below this number, when bodies and meshes are compared."""
+"""When bodies and meshes are compared, two lengths count as equal if their relative difference is below this number."""
 SINGLE = 1e-6
 """Relative accuracy of the numbers in files, which may be in single precision."""
 CLAMPED_UP_TO = 1e-9
@@ -46,11 +46,13 @@ CLAMPED_UP_TO = 1e-9
 UNMOVED_UP_TO = 1e-12
 """A vertex counts as unmoved up to this distance, relative to the size of the mesh."""
 SCALED, SCALED_IN_TIME, ALIKE, NEAR = 0.03, 0.1, 0.7, 0.02
-"""A displacement counts as a multiple of the solution if its factor differs from 1 by more than ``SCALED``, in time by
-more than ``SCALED_IN_TIME``, because long time steps and penalties change the factor by some per cent; and if the
-relative distance that remains after division by this factor is below ``ALIKE``. A usual mistake explains the factor if
-the factors that it can have differ from it by less than ``NEAR``, relatively, or by less than the square of this
-distance."""
+"""Limits in the test whether a displacement is nearly a multiple of the solution, for example because of wrong units.
+
+The factor must differ from 1 by more than ``SCALED``, or by more than ``SCALED_IN_TIME`` for problems in time, because
+long time steps and penalties change the factor by some per cent. The relative distance that remains after division by
+this factor must be below ``ALIKE``. A usual mistake explains the factor if the factors that it can have differ from it
+by less than ``NEAR``, relatively, or by less than the square of the remaining distance.
+"""
 AS_PRESCRIBED = 1e-15
 """A prescribed displacement counts as exact up to this fraction of the largest displacement."""
 UNCHANGED_UP_TO = 1e-9
@@ -78,10 +80,11 @@ def bound_displacement(
     """Bound the error ‖u(t) − u_h(t)‖_V of a displacement u_h, computed by any program, from below and from above.
 
     Args:
-        data: the problem. If it is ``Static``, the norm is the energy norm of G.
-        points, triangles, times, u, steps, nearest: as in ``given``.
-        refine: how often the mesh of u_h is refined for the more accurate displacement ũ.
+        data: the problem. If it is ``Static``, the norm is the energy norm of the elasticity.
+        points, triangles, times, u: the mesh and the displacement u_h, as in ``given``.
+        refine: how often the mesh of u_h is refined for the second, more accurate displacement ũ that the bounds need.
         shorter: the number of time steps of ũ, divided by the number of time steps of u_h (or by ``steps``, if given).
+        steps, nearest: as in ``given``.
         case: the case if the exact solution is known; the true error is then reported as well.
         progress: a function that is called with each time up to which the bounds are computed.
 
@@ -101,7 +104,15 @@ def bounded_displacement(
     case: Case | None = None,
     progress: Callable[[float], object] = lambda time: None,
 ) -> BoundedSolution:
-    """Return bounds of the error of a displacement that ``given`` has checked. See ``bound_displacement``."""
+    """Return bounds of the error of a displacement that ``given`` has checked.
+
+    Args:
+        data: the problem.
+        computed: the displacement.
+        refined: how the second, more accurate displacement is computed from which the bounds follow.
+        case: the case if the exact solution is known; the true error is then reported as well.
+        progress: a function that is called with each time up to which the bounds are computed.
+    """
     coarse = Discretisation(data, computed.mesh)
     if not isinstance(data, Static):
         require_steps(refined.shorter * computed.steps)
@@ -118,9 +129,13 @@ def bounded_displacement(
 
 
 def suspicion(found: BoundedSolution, data: Data) -> list[str]:
-    """Return a list with a sentence if u_h is a multiple of the solution up to a small rest, and else an empty list.
+    """Return a list with a warning if a displacement is nearly a multiple of the solution, otherwise an empty list.
 
-    The sentence asks for the mistake that usually gives this factor.
+    The warning asks for the usual mistake, for example in units, that gives the factor between both.
+
+    Args:
+        found: the displacement with the bounds of its error.
+        data: the problem.
     """
     factor, rest = found.enclosure.factor
     is_scaled = abs(factor - 1) > (SCALED if isinstance(data, Static) else SCALED_IN_TIME)
@@ -150,7 +165,14 @@ def suspicion(found: BoundedSolution, data: Data) -> list[str]:
 
 
 def true_error(case: Case | None, coarse: Discretisation, computed: Computed) -> Callable[[float, Array], float] | None:
-    """Return the function (t, nodal values) ↦ ‖u(t) − u_h(t)‖_V, or None if the exact solution is unknown."""
+    """Return the function (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V, or None if the exact solution is unknown.
+
+    Args:
+        case: the case with the exact solution u, or None.
+        coarse: the problem on the mesh of u_h.
+        computed: the displacement u_h, of degree 1 or 2. The argument u_h(t) of the function is the array of its nodal
+            values.
+    """
     if case is None:
         return None
     u_h, exact, data = computed.on(coarse), case.solution, coarse.data

@@ -44,12 +44,12 @@ LEAST_DATUM, MOST_DATUM = 1e-25, 1e25
 SMALLEST_BOUND, LARGEST_BOUND = 1e-50, 1e100
 """The error bound, if it is not 0, and all quantities whose squares are summed must lie between these numbers."""
 LEVELS_OF_CONSTANTS = (2, 3, 4, 6, 8)
-"""Levels of the coarse mesh on which C_Ω and C_Γ are computed; the first at which the mesh fits the body is taken.
+"""Levels of the coarse mesh on which the constants of ``load_constants`` are computed.
 
-On finer meshes the constants change by a few per cent only.
+The first level at which the mesh fits the body is taken. On finer meshes the constants change by a few per cent only.
 """
 DEGREE_OF_CONSTANTS = 2
-"""Polynomial degree of the stresses that balance linear loads when C_Ω and C_Γ are computed."""
+"""Degree of the polynomial stresses that balance linear loads when ``load_constants`` are computed."""
 
 
 class BoundError(ValueError):
@@ -63,26 +63,31 @@ def place(x: Array) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Moduli:
-    """The moduli of the elasticity G relative to the viscosity A (see the docstring of the module).
+    """The moduli g_i of the elasticity G relative to the viscosity A, with directions v_i in the space of strains.
+
+    They satisfy (Gε₁ − Gε₂)·(ε₁ − ε₂) ≥ Σ_i g_i (Av_i·(ε₁ − ε₂))² for all strains, and the v_i are orthonormal in A.
+    For linear G they are the eigenvalues and eigenvectors of A⁻¹G. For other G, all g_i are the same monotonicity
+    constant.
 
     Attributes:
         values: the moduli g_i in ascending order, (directions,).
-        directions: the directions v_i as columns, (D, directions).
+        directions: the directions v_i in Mandel form as columns, (D, directions).
     """
 
     values: Array
     directions: Array
 
     def decay(self, k: float) -> float:
-        """Return e^{−mk}, the factor by which an error changes over a time step of length k; m is the least modulus."""
+        """Return e^{−mk}, the factor by which an error changes over a time step of length k; m is the least g_i."""
         return float(np.exp(-self.values.min() * k))
 
     def weights(self, time: float) -> Array:
-        """Return the weights of the squared residual in every direction, time/(1 + 2 time g_i), (directions,).
+        """Return for every direction the weight of the squared residual of the material law, (directions,).
 
-        In a direction in which G is stiff the weight is small, because the elasticity compensates a part of the
-        residual. The weights come from ``study.bound.terms``: to first order, a time step increases y² by 2 ∫ (c + ¼
-        Σ_i |ρ|²_i/(g_i + β)) with β ~ 1/(2T).
+        It is time/(1 + 2 time g_i) for the modulus g_i. In a direction in which the elasticity G is stiff the weight is
+        small, because the elasticity compensates a part of the residual. The reason is that the square of the error
+        bound increases in a time step, to first order, by a multiple of Σ_i |ρ|²_i/(g_i + β), with the residual |ρ|_i
+        in the direction i and β ~ 1/(2T).
 
         Args:
             time: the final time T.
@@ -92,7 +97,8 @@ class Moduli:
     def compliance(self, time: float) -> Array:
         """Return the matrix Σ_i w_i v_i v_iᵀ of the norm in which residuals are minimised, in Mandel form (D, D).
 
-        The v_i are the directions, and the w_i their weights from ``weights``.
+        Residuals of the material law are minimised in this norm. The v_i are the directions, and the w_i are their
+        weights (``weights``).
 
         Args:
             time: the final time T.
@@ -125,9 +131,11 @@ def moduli(law: KelvinVoigt) -> Moduli:
 
 @dataclass(frozen=True)
 class LoadConstants:
-    """The constants C_Ω for the body force and C_Γ for the traction, as in the docstring of the module.
+    """Constants that bound the work of loads: ∫_Ω g·v ≤ C_Ω ‖g‖_H ‖v‖_V and ∫_{Γ2} g·v ≤ C_Γ ‖g‖_{L²(Γ2)} ‖v‖_V.
 
-    If Γ2 is empty, C_Γ is 0.
+    Attributes:
+        volume: the constant C_Ω for the body force.
+        surface: the constant C_Γ for the traction on Γ2; 0 if Γ2 is empty.
     """
 
     volume: float
@@ -136,7 +144,9 @@ class LoadConstants:
 
 @lru_cache(maxsize=16)
 def load_constants(body: Body, A: Linear) -> LoadConstants:
-    """Return the constants that bound the work of loads on a body: C_Ω for the body force and C_Γ for the traction.
+    """Return constants with ∫_Ω g·v ≤ C_Ω ‖g‖_H ‖v‖_V and ∫_{Γ2} g·v ≤ C_Γ ‖g‖_{L²(Γ2)} ‖v‖_V for all displacements v.
+
+    They bound the work of body forces and of tractions; ‖v‖_V = (A ε(v), ε(v))_Q^½.
 
     Args:
         body: the body.
@@ -195,7 +205,7 @@ def require_units(data: Data) -> None:
     """Refuse a material, a body or a final time of extreme size, because squares would overflow or underflow.
 
     Raises:
-        BoundError: the message names the quantity and its value.
+        BoundError: a quantity is too large or too small; the message names it and its value.
     """
     law, vertices = data.law, data.body.vertices
     sizes = {
@@ -221,7 +231,7 @@ def require_finite(quantities: Mapping[str, Array | float]) -> None:
         quantities: the values of each quantity, by its name.
 
     Raises:
-        BoundError: the message names the first such quantity.
+        BoundError: there is such a quantity; the message names the first one.
     """
     for name, values in quantities.items():
         # Every comparison with NaN is false, so the condition is written such that NaN is refused as well.
@@ -234,7 +244,10 @@ def require_finite(quantities: Mapping[str, Array | float]) -> None:
 
 
 def require_ordered(low: Array | float, high: Array | float) -> None:
-    """Refuse intervals whose ends are crossed: their bounds contradict each other.
+    """Refuse intervals whose lower end is above the upper end: their bounds contradict each other.
+
+    Args:
+        low, high: the lower and the upper ends of the intervals.
 
     Raises:
         BoundError: a lower end is above its upper end.

@@ -51,13 +51,13 @@ from study.bound.problem import place
 from study.fem.mesh import distance
 
 Pair = tuple[Array, Array]
-"""Intervals, one for each box, given by their lower and their upper ends, (boxes,) each."""
+"""The type of intervals, one for each box, given by their lower and their upper ends, (boxes,) each."""
 Intervals = Array
-"""Intervals, by their lower ends and then their upper ends, (2, ...)."""
+"""The type of intervals, given by their lower ends and then their upper ends, (2, ...)."""
 REALS = np.array([[-np.inf], [np.inf]])
 """The interval (−∞, ∞), (2, 1)."""
 Flags = np.ndarray[tuple[int], np.dtype[np.bool_]]
-"""A statement about each box, (boxes,)."""
+"""The type of a truth value for each box, (boxes,)."""
 
 
 ARC, ACROSS = sp.symbols("arc across", real=True)
@@ -65,14 +65,14 @@ ARC, ACROSS = sp.symbols("arc across", real=True)
 
 
 class RangeError(ValueError):
-    """Raised for a formula that contains a function for which no ranges of derivatives are known."""
+    """Raised for a formula with a function for whose derivatives no ranges of values over intervals are known."""
 
 
 # ---- arithmetic of intervals
 
 
 def enclosed(low: Array, high: Array) -> Intervals:
-    """Make the ends of intervals valid after overflow.
+    """Return intervals from their lower and upper ends, (2, ...), so that they are valid after overflow.
 
     A lower end of +∞ becomes the largest number, and an upper end of −∞ becomes the smallest number.
     """
@@ -90,10 +90,13 @@ def _is_power_of_two(ends: Intervals) -> Array:
 
 
 def times(a: Intervals, b: Intervals) -> Intervals:
-    """Return the product of two intervals.
+    """Return the products of intervals: intervals that contain all products of their numbers, (2, ...).
 
     Zero times (−∞, ∞) is zero. If the product of nonzero intervals underflows, the result is a small interval around
     zero.
+
+    Args:
+        a, b: the intervals, by their lower and then their upper ends, (2, ...) each.
     """
     with np.errstate(invalid="ignore", over="ignore", under="ignore"):
         every = np.array([x * y for x in a for y in b])
@@ -175,7 +178,10 @@ def _of_log(u: Intervals, j: int) -> Intervals:
 
 
 WAVES = (np.cos, lambda x: -np.sin(x), lambda x: -np.cos(x), np.sin)
-"""cos(x + nπ/2) for n = 0, …, 3. They are 0 at x = 0 if the sine is; cos(x − π/2) in double precision is not."""
+"""The functions cos(x + nπ/2) for n = 0, …, 3, which are the cosine and its derivatives.
+
+They are 0 at x = 0 if the sine is; cos(x − π/2) in double precision is not.
+"""
 
 
 def _of_cosine(u: Intervals, j: int, turns: int = 0) -> Intervals:
@@ -203,7 +209,10 @@ BY_OTHERS: dict[type, Callable[..., sp.Expr]] = PIECEWISE | {
     sp.tan: lambda x: sp.sin(x) / sp.cos(x),
     sp.cot: lambda x: sp.cos(x) / sp.sin(x),
 }
-"""Functions that are written by means of other functions. Their ranges are valid, and a little wider."""
+"""Functions that are written by means of other functions, whose ranges are known.
+
+The ranges that are found in this way are valid, and a little wider than necessary.
+"""
 
 
 ORDERED: dict[type, Callable[[Array, Array], tuple[Flags, Flags]]] = {
@@ -211,18 +220,20 @@ ORDERED: dict[type, Callable[[Array, Array], tuple[Flags, Flags]]] = {
     sp.Ge: lambda low, high: (high < 0, low >= 0),
     sp.Eq: lambda low, high: ((low > 0) | (high < 0), (low == 0) & (high == 0)),
 }
-"""For a relation x ∘ 0 and the range of x: whether it holds for no x, and whether it holds for all x of the range.
+"""For a relation x > 0, x ≥ 0 or x = 0 and the range of x: whether it never holds, and whether it always holds.
 
-The other relations are reversed or negated ones.
+The values are functions from the lower and the upper ends of the ranges of x over boxes to two flags for each box. The
+other relations are reversed or negated ones.
 """
 
 
 def coefficients(formula: sp.Expr, u: Intervals, order: int) -> list[Intervals]:
-    """Return the ranges of the Taylor coefficients of the outermost function of a formula.
+    """Return the ranges of the Taylor coefficients of the outermost function of a formula, one for each order.
 
     Args:
         formula: the formula, such as exp(…).
-        u: the range of the argument of the outermost function.
+        u: the range of the argument of the outermost function; the coefficients belong to expansions at all points of
+            it.
         order: the highest order of the coefficients.
 
     Raises:
@@ -250,7 +261,13 @@ def require_known(formula: sp.Expr) -> None:
 
 
 def along_side(part: Part, formulas: Sequence[sp.Expr], distance: sp.Expr | float = 0) -> list[sp.Expr]:
-    """Return formulas on a side of a body as formulas of the arc length, at a distance from the side."""
+    """Return formulas of x1 and x2 as formulas of the arc length along a side of a body.
+
+    Args:
+        part: the side.
+        formulas: the formulas.
+        distance: the distance of the points from the side in outward direction, a number or a symbol.
+    """
     place = dict(zip((x1, x2), part.start + part.tangent * ARC + part.normal * distance, strict=True))
     return [formula.subs(place, simultaneous=True) for formula in formulas]
 
@@ -260,10 +277,11 @@ def along_side(part: Part, formulas: Sequence[sp.Expr], distance: sp.Expr | floa
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Ranges of the Taylor coefficients of one formula over several boxes.
+    """Ranges of the Taylor coefficients ∂^α f/α! of one formula f over several boxes.
 
     Attributes:
-        ends: the ranges, (2, terms, boxes). ``indices`` gives the multi-indices of the terms.
+        ends: the lower and then the upper ends of the ranges, (2, terms, boxes). ``indices`` gives the multi-index α of
+            each term.
     """
 
     ends: Intervals
@@ -280,7 +298,7 @@ class Series:
 
     @property
     def largest(self) -> Array:
-        """The largest absolute value of each Taylor coefficient, (terms, boxes)."""
+        """The largest absolute value of each Taylor coefficient over each box, (terms, boxes)."""
         return np.asarray(abs(self.ends).max(axis=0))
 
     def __add__(self, other: Series) -> Series:
@@ -289,7 +307,11 @@ class Series:
         return found.rounded() if self.nonzero[0] and other.nonzero[0] else found
 
     def rounded(self, exact: Array | bool = False) -> Series:
-        """Round ranges of values outward, except where they are ``exact``; ranges of derivatives remain as they are."""
+        """Round the ranges of the values of the formula outward; ranges of derivatives remain as they are.
+
+        Args:
+            exact: for each box, whether the values are exact, so that they are not rounded, (boxes,).
+        """
         self.ends[:, 0] = np.where(exact, self.values, outward(self.values))
         return self
 
@@ -314,15 +336,15 @@ class Boxes:
 
     Attributes:
         sides: for each symbol, the lower and the upper ends of the sides of the boxes, (boxes,) each.
-        variables: the symbols in which formulas are expanded.
-        order: the order of the expansion.
+        variables: the symbols (coordinates, time) in which formulas are expanded.
+        order: the highest order of the Taylor coefficients.
     """
 
     sides: Mapping[sp.Symbol, Pair | Intervals]
     variables: tuple[sp.Symbol, ...]
     order: int
     _known: dict[sp.Expr, Series] = field(default_factory=dict, init=False)
-    """The series that have been computed, by formula. They are stored because formulas share parts."""
+    """Taylor series that have been computed, by formula. They are stored because formulas have parts in common."""
 
     @property
     def count(self) -> int:
@@ -330,7 +352,7 @@ class Boxes:
 
     @property
     def keys(self) -> tuple[Index, ...]:
-        """The multi-indices of the terms of a series."""
+        """The multi-indices of the Taylor coefficients of a formula, in the order of ``Series``."""
         return indices(len(self.variables), self.order)
 
     def __call__(self, formula: sp.Expr) -> Series:
@@ -477,21 +499,30 @@ class Boxes:
 
 
 ALL_HALVINGS = 44
-"""Number of halvings in each direction. The last boxes are a few units in the last place of double precision wide."""
+"""Number of halvings of boxes in each direction, in the search for jumps of the initial displacement.
+
+The last boxes are a few units in the last place of double precision wide.
+"""
 FIRST_HALVINGS = 5
-"""Number of halvings in each direction before any box is dropped."""
+"""Number of halvings of boxes in each direction before any box is dropped, in the search for jumps."""
 MOST_BOXES = 2000
-"""If there are more boxes than this number, only the half with the largest range is kept of each box."""
+"""If more boxes than this number are left, only one half of each halved box is kept, the half with the larger range."""
 INSIDE_MARGIN = 1e-9
 """A point is inside the body if its distance to the boundary is larger than this number times the size of the body."""
 LEAST_JUMP = 1e-6
-"""A function jumps if its range in the last boxes exceeds this fraction of its size. There the root of the distance to
-a line, which is not in V, has the range 2.4e-7."""
+"""A function counts as having a jump if its range in the last boxes exceeds this fraction of its size.
+
+The last boxes are a few units in the last place wide. The square root of the distance to a line, which is not in V, has
+the range 2.4e-7 there.
+"""
 
 Spread = Callable[[Array], Array]
-"""Function from boxes, given by their lower and then their upper corners, (2, d, n), to the width of the range of u_0
-on each box; it is 0 on boxes on which u_0 is Lipschitz continuous. On sides of the body it is the violation of a
-boundary condition."""
+"""The type of a function that measures how much the initial displacement u_0 varies on boxes, (2, d, n) → (n,).
+
+The boxes are given by their lower and then their upper corners. The result is the width of the range of u_0 on each
+box; it is 0 on boxes on which u_0 is Lipschitz continuous. On sides of the body it is the violation of a boundary
+condition.
+"""
 
 
 def require_continuous_start(data: Data) -> None:

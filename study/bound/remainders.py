@@ -48,15 +48,18 @@ ORDER = 4
 CACHED = 64
 """Number of time intervals for which bounds of the data between sample points are cached."""
 Sides = Mapping[sp.Symbol, Pair]
-"""Boxes around cells or around parts of edges: for each coordinate, the lower and upper ends, (boxes,) each."""
+"""The type of boxes around cells or parts of edges: for each coordinate, their lower and upper ends, (boxes,) each."""
 GRADED = "cells at the lines and points where the data are rough have graded rules, which are not exact"
 GUARANTEED, ESTIMATED = "guaranteed", "estimated"
 PARABOLA_FACTOR, CUBIC_FACTOR = 2.2513, 4.0559
-"""The factors 1 + Λ of the error of interpolation in time at 0, k/2, k (parabola) and at 0, k/4, k/2, k (cubic)."""
+"""The factors 1 + Λ in bounds of the interpolation error in time, with the Lebesgue constant Λ of the nodes.
+
+The nodes are 0, k/2 and k for the parabola, and 0, k/4, k/2 and k for the cubic, in a time interval of length k.
+"""
 
 
 def proportional(squares: Array) -> Array:
-    """Divide the square root of a sum of squares into parts that are proportional to the squares, (n,) → (n,)."""
+    """Divide √(Σ s_i) into n parts that are proportional to the squares s_i: (n,) → (n,)."""
     return np.asarray(squares / max(np.sqrt(squares.sum()), np.finfo(float).tiny))
 
 
@@ -87,13 +90,14 @@ class Evidence:
 
 
 def in_space(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
-    """Return bounds e of the data minus their Taylor polynomials in space, for all times a ≤ t ≤ b, (boxes,).
+    """Return for each box a bound of the data minus a Taylor polynomial in space at the centre of the box, (boxes,).
 
-    These are the bounds e_T in the docstring of the module.
+    The bound holds on the box and at all times a ≤ t ≤ b. It is the smallest one for Taylor polynomials of the degrees
+    0 to 3, or half the range of the data.
 
     Args:
-        sides: the boxes.
-        formulas: the components of the data.
+        sides: the boxes: for each coordinate, their lower and upper ends.
+        formulas: the components of the data, such as the body force.
         a, b: the ends of the time interval.
     """
     bounds = _by_order(sides, tuple(sides), formulas, a, b)
@@ -102,9 +106,15 @@ def in_space(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> A
 
 
 def in_time(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
-    """Return bounds of the data minus their interpolants in time, by a parabola (p) and by a cubic (q), (2, boxes).
+    """Return for each box bounds of the data minus their interpolants in time by a parabola and by a cubic, (2, boxes).
 
-    These are the bounds p_T and q_T in the docstring of the module. The arguments are those of ``in_space``.
+    The bounds hold on the box and at all times a ≤ t ≤ b. With the length k = b − a, the parabola interpolates at a, a
+    + k/2 and b, and the cubic also at a + k/4.
+
+    Args:
+        sides: the boxes: for each coordinate, their lower and upper ends.
+        formulas: the components of the data, such as the body force.
+        a, b: the ends of the time interval.
     """
     bounds = _by_order(sides, (t,), formulas, a, b)
     both = [PARABOLA_FACTOR * bounds[:, :ORDER].min(axis=1), CUBIC_FACTOR * bounds.min(axis=1)]
@@ -131,18 +141,25 @@ def _by_order(sides: Sides, variables: tuple[sp.Symbol, ...], formulas: Sequence
 
 
 def strain_of_start(expressions: Expressions) -> tuple[sp.Expr, ...]:
-    """Return formulas for the strain ε(u_0) of the initial displacement, as Mandel's three components."""
+    """Return formulas for the three Mandel components of the strain ε(u_0) of the initial displacement.
+
+    Args:
+        expressions: the formulas of the data, among them those of u_0.
+    """
     (e_11, slope), (other_slope, e_22) = np.reshape(gradient(expressions.start, (x1, x2)), (2, 2))
     return e_11, e_22, (slope + other_slope) / sp.sqrt(2)
 
 
 @dataclass(frozen=True, eq=False)
 class Missed:
-    """Bounds of the loads minus their samples, on one time interval on which ũ is a parabola.
+    """Bounds of the loads minus their samples, on one time interval between knots of the more accurate displacement.
+
+    The error bound samples the loads at quadrature points and at a few times.
 
     Attributes:
-        cells: the amount by which the oscillation η_T of every cell must be increased to hold for the loads between the
-            samples too, at all times of the interval, (cells,).
+        cells: the amount by which the oscillation of every cell must be increased so that it also bounds the loads
+            between the samples, at all times of the interval, (cells,). The oscillation bounds the work of loads that
+            the discrete stresses do not balance.
         everywhere: a bound, in the dual norm, of the differences that are not contained in ``cells``.
         in_cells: the part of ``everywhere`` that a finer mesh would reduce, divided among the cells, (cells,).
     """
@@ -154,11 +171,12 @@ class Missed:
 
 @dataclass(frozen=True, eq=False)
 class Sampling:
-    """Decides whether the error bound is guaranteed, and bounds the data minus their samples on one mesh.
+    """Decides whether the error bound is guaranteed, and bounds the change of the data between sample points.
 
     Attributes:
         data: the problem.
-        space: the composite stresses, at whose quadrature points the data are sampled.
+        space: the composite stresses on the mesh, at whose quadrature points the loads and the initial strain are
+            sampled.
     """
 
     data: Data
@@ -187,15 +205,16 @@ class Sampling:
 
     @cached_property
     def constants(self) -> LoadConstants:
-        """The constants that bound the work of loads: C_Ω for the body force and C_Γ for the traction."""
+        """The constants C_Ω and C_Γ that bound the work of body forces and of tractions (``load_constants``)."""
         assert isinstance(self.data.law.A, Linear)
         return load_constants(self.data.body, self.data.law.A)
 
     def missed(self, oscillation: Oscillation, a: float, b: float) -> Missed:
-        """Return bounds of the loads f_0 and f_2 minus their samples for a ≤ t ≤ b.
+        """Return bounds of the loads f_0 and f_2 minus their samples in the time interval a ≤ t ≤ b.
 
-        If the error bound is only estimated, the bounds are zero. They are zero for cubic polynomials, too, and the
-        constants are then not computed.
+        If the error bound is only estimated, the bounds are zero. They are zero for cubic polynomials, too, and
+        ``constants`` are then not computed. ``oscillation`` computes the oscillation of a load on each cell from norms
+        of the load.
         """
         nothing = Missed(np.zeros(self.space.cells), 0.0, np.zeros(self.space.cells))
         if self.reasons:
@@ -210,9 +229,9 @@ class Sampling:
         return Missed(oscillation(LeftOut(e + p, e + p, e_Γ + p_Γ)), float(rest), in_cells)
 
     def missed_at_start(self) -> float:
-        """Return a bound of the error that sampling u_0 makes in the initial distance ‖u_0 − ũ(0)‖_V.
+        """Return a bound of the error in the distance ‖u_0 − ũ(0)‖_V that is due to sampling the initial value u_0.
 
-        If the error bound is only estimated, it is zero.
+        ũ is the more accurate displacement. If the error bound is only estimated, the result is zero.
         """
         if self.reasons:
             return 0.0

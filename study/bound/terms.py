@@ -83,9 +83,13 @@ from study.bound.trajectory import Parabola
 from study.stresses.loads import Loads, together
 
 ROUNDS = 4
-"""Number of iterations that improve the weights w_i of the module's docstring."""
+"""Number of iterations that improve the fractions w_i of the residual that the elasticity compensates."""
 FIRST_PRODUCT = 2.0**-20
-"""Value of k β with which an iteration for the weights g/(g + β) starts, so that the first weights are nearly 1."""
+"""Value of k β with which an iteration for the fractions w_i = g_i/(g_i + β) starts, with a time step of length k.
+
+w_i is the fraction of the residual that the elasticity with the modulus g_i compensates. β is a number ≥ 0 that is
+optimised; all w_i are nearly 1 at first.
+"""
 LAGRANGE = np.array([[16.0, 15.0, 4.0], [15.0, 64.0, 15.0], [4.0, 15.0, 16.0]]) / 120
 """Integrals ∫_0^1 |L_i L_j| of the Lagrange polynomials L_i for the nodes 0, 1/2 and 1."""
 LEBESGUE = 1.25
@@ -94,12 +98,15 @@ LEBESGUE = 1.25
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """The quantities on which the growth of the error bound depends, at one time or as means over a time step.
+    """The quantities on which the growth of the error bound of a displacement ũ depends in time.
+
+    They are values at one time, or means over a time step.
 
     Attributes:
-        residual: the squared residual |ρ|²_i of the law in every direction i on every cell, (directions, cells).
-        oscillation: the square of the oscillation η_T of the loads on every cell, (cells,).
-        contact: the contact term c.
+        residual: the squared residual |ρ|²_i of the material law in every direction i of ``Moduli`` on every cell,
+            (directions, cells). ρ is an equilibrated stress σ̃ minus the stress that the law gives for ũ.
+        oscillation: the square of the data oscillation η_T of the loads on every cell T, (cells,).
+        contact: the contact term c = ∫_{Γ3} σ̃_ν ũ_ν, the work of the normal stress of σ̃.
         rest: a bound of the sum of all other quantities, which are not divided among the cells.
     """
 
@@ -109,7 +116,7 @@ class Sizes:
     rest: float
 
     def joined(self, share: Array) -> float:
-        """Return (Σ_T (‖ρ_A‖_T + η_T)²)^½, the norm of a part ρ_A of the residual together with the oscillation η.
+        """Return (Σ_T (‖ρ_A‖_T + η_T)²)^½ over all cells T, for a part ρ_A of the residual ρ and the oscillation η_T.
 
         Args:
             share: the fraction of the residual ρ that belongs to ρ_A, for every direction, (directions,).
@@ -118,9 +125,10 @@ class Sizes:
         return float(np.linalg.norm(residual + np.sqrt(self.oscillation)))
 
     def squares(self, inverse: Array) -> float:
-        """Return 2 (c + q), where c is the contact term and q the quadratic term of the residual.
+        """Return 2 (c + q), with the contact term c and the term q = ¼ Σ_i w_i² |ρ|²_i/(g_i − θ) of the residual.
 
-        The docstring of the module defines c and q.
+        In each direction i the elasticity with the modulus g_i compensates the fraction w_i of the residual |ρ|_i; θ is
+        the rate at which the elasticity damps the error.
 
         Args:
             inverse: the factors w_i²/(g_i − θ) in q, (directions,).
@@ -130,7 +138,7 @@ class Sizes:
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """The quantities that drive the error over one time step.
+    """The quantities that make the error bound of a displacement grow over one time step.
 
     Attributes:
         k: the length of the step.
@@ -144,12 +152,12 @@ class Step:
 
 
 def grow(y: float, moduli: Array, step: Step) -> tuple[float, float]:
-    """Return two bounds of the error ‖u − ũ‖_V: at the end of a time step, and at all times of the step.
+    """Return two bounds of the error ‖u − ũ‖_V of a displacement ũ: at the end of a time step, and at all of its times.
 
     Args:
         y: a bound of the error at the start of the step.
-        moduli: the moduli g_i of G relative to A, (directions,).
-        step: the residual, the loads and the contact term on the step.
+        moduli: the moduli g_i of the elasticity relative to the viscosity, (directions,).
+        step: the residual of the material law, the oscillation of the loads and the contact term on the step.
     """
     m = float(moduli.min())
     growth = float(np.exp(max(-m, 0.0) * step.k))
@@ -182,14 +190,14 @@ def _bounds(y: float, moduli: Array, theta: float, step: Step) -> Iterator[tuple
 
 
 def kernel(rate: float, k: float) -> float:
-    """Return ∫_0^k e^{−rate·s} ds, the weight of a constant right-hand side over a step of length k."""
+    """Return ∫_0^k e^{−rate·s} ds, the error that a constant right-hand side 1 causes over a step of length k."""
     return float(-np.expm1(-rate * k) / rate) if rate > 0 else k
 
 
 def mean_square(*norms: Array) -> Array:
     """Return a bound of the mean of ‖f‖² over a time step, for a function f that is a parabola in time.
 
-    The bound follows from ‖f‖ ≤ Σ |L_i| ‖f_i‖ with the Lagrange polynomials L_i.
+    The bound follows from ‖f‖ ≤ Σ |L_i| ‖f_i‖ with the three values f_i and the Lagrange polynomials L_i.
 
     Args:
         norms: the norm ‖f‖ at the start, in the middle and at the end of the step.
@@ -209,10 +217,10 @@ def largest_square(*norms: Array) -> Array:
 QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
 """Integrals ∫_0^1 B_i B_j of the Bernstein polynomials B_0, B_1, B_2 of degree 2."""
 CURVED, BENT = 1.5, 1.027
-"""Factors from values that are computed on a time interval to the maximum over it, at the relative times 0 ≤ θ ≤ 1.
+"""Factors by which values that are computed on a time interval are multiplied to bound the maximum over the interval.
 
-``CURVED`` is the maximum of θ(1 − θ) divided by its mean. ``BENT`` is the maximum of |θ(θ − ½)(θ − 1)| divided by its
-value at θ = ¼.
+For relative times 0 ≤ θ ≤ 1, ``CURVED`` is the maximum of θ(1 − θ) divided by its mean. ``BENT`` is the maximum of |θ(θ
+− ½)(θ − 1)| divided by its value at θ = ¼.
 """
 LEAST_INTERVALS, MOST_INTERVALS, VALUES_IN_CACHE = 4, 16, 1 << 20
 """Limits of the blocks of time intervals that are computed together, so that the data fit into the cache.
@@ -226,7 +234,7 @@ VELOCITY_ROUNDING = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Shares:
-    """The non-negative contributions, called shares, of the cells and of time to an error bound.
+    """The contributions, called shares, of the cells and of the time steps to an error bound; none is negative.
 
     Attributes:
         cells: the share of each cell, (cells,).
@@ -256,22 +264,24 @@ class Shares:
 
 @dataclass(frozen=True, eq=False)
 class Terms:
-    """The terms of the error bound on one time interval between two knots of the displacement ũ.
+    """The terms of the error bound of a displacement ũ on one time interval between two knots of ũ.
 
-    The docstring of the module defines the residual ρ, the stress σ̃, the loads f and their projection P f.
+    σ̃ is a stress that balances the projected loads P f, and ρ = σ̃ − Aε(ũ̇) − Gε(ũ) the residual of the material law.
+    In time both are represented by parabolas on the interval, which have three Bernstein coefficients.
 
     Attributes:
         piece: the displacement ũ on this interval, a parabola in time.
-        residual: for each direction v_i of ``study.bound.problem`` and any two of the three Bernstein coefficients ρ_a,
-            ρ_b of ρ in time, the integral ∫_T (v_i·ρ_a)(v_i·ρ_b)/α, (3, 3, directions, cells). The sum over the
-            directions is ∫_T A⁻¹ρ_a·ρ_b.
+        residual: for each direction v_i of ``Moduli`` and any two of the three coefficients ρ_a, ρ_b of ρ, the integral
+            ∫_T (v_i·ρ_a)(v_i·ρ_b)/α over each cell T, (3, 3, directions, cells), with the material factor α of A. The
+            sum over the directions is ∫_T A⁻¹ρ_a·ρ_b.
         curvature: a bound of the mean over time of the distance ‖Gε(ũ) − parabola‖_{A⁻¹} between the elastic stress and
             its approximation by a parabola in time; 0 for linear G.
-        contact: for each of the three Bernstein coefficients of σ̃_ν in time and each of those of ũ_ν, the integral of
-            their product over every edge of Γ3, (3, 3, edges of Γ3).
-        oscillation: the bound η_T of f − P f on every cell, at both ends and in the middle, (3, cells).
+        contact: for each of the three coefficients of σ̃_ν and each of those of ũ_ν, the integral of their product over
+            every edge of Γ3, (3, 3, edges of Γ3).
+        oscillation: the bound η_T of the work of the loads f − P f on every cell T, at both ends and in the middle of
+            the interval, (3, cells).
         bending: the dual norm of P f minus its parabola in time, at a quarter of the interval.
-        missed: bounds of f minus its samples.
+        missed: bounds of the loads f minus their samples.
     """
 
     piece: Parabola
@@ -284,11 +294,16 @@ class Terms:
 
     @property
     def contact_on_edges(self) -> Array:
-        """The mean over time of the contact term ∫_e σ̃_ν ũ_ν on every edge e of Γ3, (edges of Γ3,)."""
+        """The mean over time of the contact term ∫_e σ̃_ν ũ_ν on every edge e of Γ3, (edges of Γ3,).
+
+        It is the work of the normal stress of the equilibrated stress σ̃ on the displacement ũ.
+        """
         return np.tensordot(QUADRATIC, self.contact, axes=2)
 
     def step(self) -> Step:
-        """Return means of the terms over the time interval, and bounds of the terms that hold at all times."""
+        """Return means of the terms of the error bound over the time interval, and bounds that hold at all of its
+        times.
+        """
         rest = self.missed.everywhere
         mean = Sizes(
             np.tensordot(QUADRATIC, self.residual, axes=2),
@@ -309,18 +324,18 @@ class Terms:
 
 @dataclass(frozen=True)
 class Interval:
-    """The bound y of the error ‖u − ũ‖_V on one time interval [a, b] between two knots of ũ.
+    """The bound y of the error ‖u − ũ‖_V of a displacement ũ on one time interval [a, b] between two knots of ũ.
 
-    The docstring of the module defines the residual ρ, the contact term c, the loads f and their projection P f. The
-    integrals over [a, b] are only reported: the bound combines residual and oscillation on each cell.
+    The integrals over [a, b] show what the bound is due to; they are only reported. ρ is the residual of the material
+    law, an equilibrated stress minus the stress that the law gives for ũ; f are the loads and P f their projection.
 
     Attributes:
         a, b: the ends of the interval.
         at_a, at_b: the values of the bound y at a and at b.
         inside: a bound of the error at all times of the interval.
         residual: the integral of the norm of ρ.
-        contact: the integral of c.
-        oscillation: the integral of the bound of f − P f.
+        contact: the integral of the contact term, the work of the equilibrated normal stress on ũ_ν.
+        oscillation: the integral of the bound of the work of f − P f.
         bending: the integral of the dual norm of P f minus its parabola in time.
         missed: the integral of the bound of f minus its samples.
         shares: the contributions of cells and time to the increase of y, which is ``at_b`` minus the decayed ``at_a``.
@@ -369,10 +384,10 @@ class Majorant:
             y = interval.at_b
 
     def terms(self, pieces: Iterable[Parabola]) -> Iterator[Terms]:
-        """Yield the terms of the error bound on every time interval between knots of ũ.
+        """Yield the terms of the error bound of a displacement ũ on every time interval between knots of ũ.
 
         Raises:
-            BoundError: the velocity ũ̇ jumps at a knot.
+            BoundError: the velocity of ũ jumps at a knot.
         """
         remaining, before = iter(pieces), None
         while block := list(islice(remaining, self._together)):
@@ -457,12 +472,13 @@ class Majorant:
         return found
 
     def products(self, stresses: Sequence[Array]) -> Array:
-        """Return the inner products on every cell of any two of n stresses, for each direction.
+        """Return the inner products on every cell of any two of n stresses, for each direction of ``Moduli``.
 
         The shape is (n, n, directions, ..., cells).
 
         Args:
-            stresses: stresses as ``_in_directions`` returns them.
+            stresses: for each stress its components in the directions at the Q quadrature points, times the roots of
+                the weights, (directions, ..., cells, Q).
         """
         n = len(stresses)
         found = np.empty((n, n, *stresses[0].shape[:-1]))
@@ -527,11 +543,11 @@ class Majorant:
 
 
 def part_that_changes(products: Array, squares: Array) -> Array:
-    """Return the fraction, from 0 to 1, of the mean square of parabolas in time that is due to their change, (n,).
+    """Return the fraction of the mean square of parabolas in time that is due to their change in time, (n,).
 
     Args:
-        products: the products of any two Bernstein coefficients of each of n parabolas, (3, 3, n).
-        squares: the mean squares that follow from these products, (n,).
+        products: the inner products of any two Bernstein coefficients of each of n parabolas, (3, 3, n).
+        squares: the mean over time of the squared norm of each parabola, (n,).
     """
     # The mean of a parabola is the mean of its three coefficients, because each Bernstein polynomial has the mean 1/3.
     means = products.sum(axis=(0, 1)) / 9

@@ -52,8 +52,8 @@ class Computed:
         times: the times from 0 to T, (k,).
         nodes: the displacements at the nodes, two components for each node in turn, (k, 2 · number of nodes). Nodes are
             the vertices and, for degree 2, then the midpoints of the edges.
-        steps: the number of time steps of the more accurate displacement ũ is a multiple of this number.
-        remarks: sentences on changes of the input and on penetration of the foundation.
+        steps: the number of which the number of time steps of a second, more accurate displacement is a multiple.
+        remarks: sentences for the user on changes of the input and on penetration of the foundation.
         offset: 0 if u_h is the displacement of the file. If its values on Γ1 were replaced, a bound of the distance
             ‖u_file − u_h‖_V at all times.
     """
@@ -69,12 +69,15 @@ class Computed:
 
     @cached_property
     def h(self) -> float:
-        """The mesh size."""
+        """The mesh size of the displacement."""
         return mesh_size(self.mesh)
 
     @property
     def level(self) -> int:
-        """The number of cells of size h along a side of a square with the area of the body, at least 1."""
+        """The level of the mesh: the number of cells of size h along a side of a square as large as the body.
+
+        It is at least 1.
+        """
         return max(1, round(math.sqrt(self.body.measure) / self.h))
 
     @property
@@ -84,25 +87,25 @@ class Computed:
 
     @cached_property
     def space(self) -> Displacements:
-        """The displacements of this degree on the mesh; their nodes are those of ``nodes``."""
+        """The finite element displacements of degree ``degree`` on the mesh; their nodes are ordered as ``nodes``."""
         return (Space if self.degree == 1 else Quadratic)(self.mesh, self.body)
 
     @property
     def at_vertices(self) -> Array:
-        """The displacements of the vertices at the times, (k, 2, vertices)."""
+        """The displacements u_h of the vertices at the k stored times, (k, 2, vertices)."""
         values = self.nodes.reshape(len(self.times), -1, 2)[:, : self.mesh.p.shape[1]]
         return values.swapaxes(1, 2)
 
     @cached_property
     def at(self) -> Callable[[float], Array]:
-        """Function from any time to the values of u_h, linearly interpolated, (number of values,)."""
+        """Function from any time to the nodal values of u_h, linearly interpolated in time, (number of values,)."""
         return make_interp_spline(self.times, self.nodes, k=1)
 
     def on(self, fine: Discretisation) -> Callable[[float], Array]:
         """Return the function t ↦ u_h(t) on a finer mesh.
 
-        Its values are coefficients of degree 2 on the mesh of ``fine``, (dofs,). This mesh is the mesh of u_h or a
-        uniform refinement of it.
+        The values of the function are coefficients of degree 2 on the mesh of ``fine``, (dofs,). This mesh is the mesh
+        of u_h or a uniform refinement of it.
         """
         J = sps.csr_array(on_refinement(self.mesh, self.degree, fine.mesh)[fine.displacements.free])
         return lambda time: J @ self.at(time)
@@ -111,7 +114,7 @@ class Computed:
 def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Computed:
     """Solve the semi-discrete problem (Problem 5.1) by a time scheme, from the data alone.
 
-    The load is the projected load P f, and the initial value is the interpolant of u_0.
+    The load is projected onto piecewise polynomials, and the initial value is the nodal interpolant of u_0.
     """
     data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
     J, start = prolongation(space, discretisation), space.interpolate(data.start(space.mesh.p))
@@ -121,7 +124,13 @@ def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Compu
 
 
 def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
-    """Return the matrix from P1 displacements to coefficients of degree 2 on the same or a finer mesh, (dofs, n_dofs).
+    """Return the matrix from P1 displacements to coefficients of degree 2 on the same or a finer mesh.
+
+    The shape is (dofs of degree 2, dofs of degree 1).
+
+    Args:
+        space: the P1 displacements.
+        discretisation: the displacements of degree 2 and their mesh.
 
     Raises:
         BoundError: the mesh of degree 2 is no uniform refinement of the mesh of degree 1.
@@ -171,7 +180,10 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
 
 @dataclass(frozen=True)
 class SmoothedInTime:
-    """Take u_h itself, smoothed in time, as the displacement ũ; the error bound then follows from u_h alone."""
+    """Takes the computed displacement u_h itself, smoothed in time, as the displacement ũ from which bounds follow.
+
+    The error bound then follows from u_h alone. ``name`` is the entry in the column ``trajectory`` of ``bounds.csv``.
+    """
 
     name: str = "bound"
 
@@ -187,7 +199,9 @@ class SmoothedInTime:
 @dataclass(frozen=True)
 @checked(BoundError)
 class Refined:
-    """Compute ũ as the solution of the semi-discrete problem (Problem 5.1) in degree 2, by the midpoint scheme.
+    """Computes the displacement ũ, from which error bounds of u_h follow, in degree 2 with shorter time steps than u_h.
+
+    ũ is the solution of the semi-discrete problem (Problem 5.1) by the midpoint scheme.
 
     Attributes:
         refinements: how often the mesh of u_h is refined uniformly.
@@ -228,16 +242,19 @@ class Refined:
 
 
 Trajectory = SmoothedInTime | Refined
-"""A way to compute the displacement ũ. ``name`` is the entry in the column ``trajectory`` of ``bounds.csv``."""
+"""The ways to compute the displacement ũ from which bounds of the error of a computed displacement follow.
+
+``name`` is the entry in the column ``trajectory`` of ``bounds.csv``.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Parabola:
-    """The displacement ũ on the time interval between two knots a < b, where it is a parabola in time.
+    """A displacement ũ on the time interval between two knots a < b, where it is a parabola in time.
 
     Attributes:
         a, b: the knots.
-        start, control, end: the three Bernstein coefficients of the parabola, (dofs,) each.
+        start, control, end: the three Bernstein coefficients of the parabola in time, (dofs,) each.
     """
 
     a: float
@@ -256,7 +273,7 @@ class Parabola:
         return (1 - x) * (1 - y) * self.start + (x * (1 - y) + y * (1 - x)) * self.control + x * y * self.end
 
     def rate(self, end: bool) -> Array:
-        """Return the velocity ũ̇ at a, or at b if ``end`` is true."""
+        """Return the velocity, the time derivative of the parabola, at a, or at b if ``end`` is true, (dofs,)."""
         difference = self.end - self.control if end else self.control - self.start
         return 2 * difference / (self.b - self.a)
 

@@ -45,7 +45,8 @@ if the degree is raised by two.
 FACET_POINTS, SOLID_FACET_POINTS = 8, 4
 """Number of Gauss points per direction on a contact facet, in 2D and in 3D.
 
-In 2D a facet is first divided at the points where the strain is not smooth, and each piece gets this number.
+In 2D a facet is first divided at the points where the strain is not smooth, and each part of the divided facet gets
+this number of points.
 """
 PARALLEL_FACES = 0.1
 """Two contact faces count as parallel if the sine of the angle between them is below this number.
@@ -60,13 +61,14 @@ class NormError(ArithmeticError):
 
 @dataclass(frozen=True, eq=False)
 class ExactAtTime:
-    """Data of the exact solution u at one time, from which ``ErrorNorm.distance`` computes an error.
+    """Data of the exact solution u at one time t, from which ``ErrorNorm.distance`` computes the error ‖u(t) − v‖_V.
 
     Attributes:
         time: the time t.
-        means: the mean of the strain ε(u(t)) on every cell, (D, cells).
-        oscillation: the energy of the strain minus its means ε̄, Σ_T ∫_T A(ε(u) − ε̄)·(ε(u) − ε̄).
-        interpolant: the interpolant Π^h u(t), (dofs,).
+        means: the mean of the strain ε(u(t)) on every cell T, (D, cells), with the D Mandel components of a tensor.
+        oscillation: the energy of the strain minus its cell means ε̄, Σ_T ∫_T A(ε(u) − ε̄)·(ε(u) − ε̄), with the
+            viscosity A.
+        interpolant: the coefficients of the nodal interpolant Π^h u(t), (dofs,).
     """
 
     time: float
@@ -84,9 +86,9 @@ class ErrorNorm:
         solution: the exact solution u.
         space: the space V^h.
         raised: a number added to the degree of the cell rules and to the number of points of the facet rules.
-        aligned: whether the quadrature points are moved so that many of them have the same coordinate along one of the
-            lines ``shared_lines(solution)``. The formulas of u are then evaluated less often, but the degree of the
-            rule is lower (``study.fem.quadrature.shared``).
+        aligned: whether the quadrature points are moved so that many of them have the same coordinate along a contact
+            face (``shared_lines``). The formulas of u are then evaluated less often, but the degree of the rule is
+            lower (``study.fem.quadrature.shared``).
     """
 
     def __init__(self, solution: ExactSolution, space: Space, raised: int = 0, aligned: bool = True) -> None:
@@ -116,11 +118,11 @@ class ErrorNorm:
         self._nodes = solution.at(space.mesh.p)
 
     def sample(self, time: float) -> ExactAtTime:
-        """Evaluate the exact solution at a time; ``distance`` needs the result."""
+        """Evaluate the exact solution at a time; the result is an argument of ``distance``."""
         return next(self.samples(time))
 
     def samples(self, times: Array | float) -> Iterator[ExactAtTime]:
-        """Evaluate the exact solution at one time after another, from times (n,)."""
+        """Evaluate the exact solution at times, (n,), and yield the data of one time after another for ``distance``."""
         for block in blocks(times, self._size):
             strains = self._amplitudes(block, False)
             means = self._cells.strains(strains) / self._cells.viscous[:, None]
@@ -138,11 +140,11 @@ class ErrorNorm:
         """Return the error ‖u(t) − v‖_V of a displacement v at a time t.
 
         Args:
-            sample: the result of ``sample`` for the time t.
+            sample: the data of the exact solution u at the time t, as ``sample`` returns them.
             v: the coefficients of a displacement in V^h, (dofs,).
 
         Raises:
-            NormError: the norm is not a finite number. Without this error a maximum over time could hide it.
+            NormError: the norm is not a finite number. A maximum over time could hide a NaN.
         """
         found = float(np.sqrt(sample.oscillation + self._constant_energy(sample.means - self.space.strain(v))))
         if not math.isfinite(found):
@@ -158,13 +160,13 @@ class ErrorNorm:
         return float(np.max([self.distance(sample, v) for sample, v in pairs]))
 
     def load(self, time: Array | float) -> Array:
-        """Return the load vector of an exact solution, v ↦ (f(t), v)_V for the basis functions v.
+        """Return the load vector F of an exact solution, with one entry (f(t), v)_V for each basis function v of V^h.
 
         The result has the shape (dofs,), or (dofs, n) for n times.
 
-        It is computed from the exact stress σ: Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0 gives
-        (f, v)_V = (σ, ε(v))_Q − ∫_{Γ3} σ_ν v_ν. No derivative of σ is needed, so this also holds for solutions whose
-        body force is not in L².
+        F is computed from the exact stress σ. By Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0 it is (f, v)_V =
+        (σ, ε(v))_Q − ∫_{Γ3} σ_ν v_ν. No derivative of σ is needed, so F can also be computed for solutions whose body
+        force is not in L².
         """
         found = []
         for block in blocks(time, self._size):
@@ -180,10 +182,10 @@ def rules(solution: ExactSolution, mesh: Mesh, degree: int, aligned: bool = Fals
     """Return quadrature rules for all cells, adapted to lines and points at which the exact strain is never smooth.
 
     Args:
-        solution: gives the lines (``rough``) along which cells are cut, and the points (``singular``) towards which the
-            quadrature points are graded.
+        solution: the exact solution. Cells are cut along the lines ``solution.rough``, and quadrature points are graded
+            towards the points ``solution.singular``.
         mesh: the mesh.
-        degree: degree of the rule on ordinary cells.
+        degree: degree of the rule on cells that contain none of these lines and points.
         aligned: whether the quadrature points are aligned with contact faces, as for ``ErrorNorm``.
     """
     along = shared_lines(solution) if aligned else ()
@@ -191,9 +193,11 @@ def rules(solution: ExactSolution, mesh: Mesh, degree: int, aligned: bool = Fals
 
 
 def shared_lines(solution: ExactSolution) -> list[Line]:
-    """Return lines through one or two contact faces, with which quadrature points in 2D are aligned.
+    """Return for at most two contact faces in 2D the line perpendicular to the face at its first corner.
 
-    In 3D, and if no face is a ``ContactFace``, the list is empty.
+    The distance of a point from such a line is the coordinate s of the point along the face. ``ErrorNorm`` aligns
+    quadrature points such that few different values of s occur. In 3D, and if no face of the solution is a
+    ``ContactFace``, the list is empty.
     """
     found: list[Line] = []
     contact = [face for face in solution.faces if isinstance(face, ContactFace)] if solution.body.dim == 2 else []

@@ -19,8 +19,8 @@ from study.fem.space import Space
 LEADING_TERM_STEPS = 32
 """Number of steps of the time grid on which the maximum of the leading term of the interpolation error is searched.
 
-The steepest known maximum is in the case travelling-patch: the term falls by 15 % within T/16. For a parabola this is 1
-% within half a step.
+The steepest known maximum is in the case travelling-patch, where the term falls by 15 % within T/16. If the term is a
+parabola near its maximum, it falls by 1 % within half a step of the grid.
 """
 
 
@@ -40,7 +40,10 @@ def load_from_forces(solution: ExactSolution, space: Space, time: float, degree:
 
 
 def work_of_body_force(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
-    """Return the load vector of the body force f_0 alone, v ↦ (f_0, v)_H, (dofs,); see ``load_from_forces``."""
+    """Return the load vector of the body force f_0 alone, with the entry (f_0, v)_H for each basis function v, (dofs,).
+
+    The parameters are those of ``load_from_forces``, which adds the surface load.
+    """
     mesh = space.mesh
     nodal = np.zeros_like(mesh.p)
     for rule in rules(solution, mesh, degree):
@@ -51,9 +54,10 @@ def work_of_body_force(solution: ExactSolution, space: Space, time: float, degre
 
 
 def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> Array:
-    """Return the load vector of the exact traction on all boundary parts of one kind, v ↦ ∫ σν·v, (dofs,).
+    """Return the load vector ∫ σν·v of the exact traction on all boundary parts of one kind, (dofs,).
 
-    On the loaded boundary Γ2 this is (f_2, v)_{L²(Γ2)}. On the contact boundary Γ3 it is ∫ σ_ν v_ν.
+    There is one entry for each basis function v. On the loaded boundary Γ2 it is (f_2, v)_{L²(Γ2)}. On the contact
+    boundary Γ3 it is ∫ σ_ν v_ν, because σ_τ = 0.
     """
     nodal = np.zeros_like(space.mesh.p)
     for part in space.body.of(kind):
@@ -67,11 +71,11 @@ class LeadingTerm:
     """Computes the leading term of the interpolation error ‖u − Π^h u‖_V for h → 0.
 
     The leading term is the interpolation error of the piecewise quadratic function that has the second derivatives of u
-    at the centres of the cells. On a cell, the interpolation error of a quadratic function with Hessian H is −½ Σ_{i<j}
-    λ_i λ_j l_ijᵀ H l_ij, where l_ij is the edge from vertex i to vertex j. The gradient of this error is −Σ_i λ_i V_i
-    with V_i = ½ Σ_{j≠i} (l_ijᵀ H l_ij) ⊗ ∇λ_j. Since ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d + 1)(d + 2)), the energy of the
-    error is |T|/((d + 1)(d + 2)) (Σ_i A V_i·V_i + A V·V) for V = Σ_i V_i. The factor of A is also evaluated at the
-    centres.
+    at the centres of the cells. On a cell T with barycentric coordinates λ_i, the interpolation error of a quadratic
+    function with Hessian H is −½ Σ_{i<j} λ_i λ_j l_ijᵀ H l_ij, where l_ij is the edge from vertex i to vertex j. The
+    gradient of this error is −Σ_i λ_i V_i with V_i = ½ Σ_{j≠i} (l_ijᵀ H l_ij) ⊗ ∇λ_j. Since ∫_T λ_i λ_j = |T| (1 +
+    δ_ij)/((d + 1)(d + 2)), the energy of the error is |T|/((d + 1)(d + 2)) (Σ_i A V_i·V_i + A V·V) for V = Σ_i V_i. The
+    material factor of the viscosity A is also evaluated at the centres.
 
     Source: J. R. Shewchuk, What is a good linear finite element?, 2002, for the error function.
     """

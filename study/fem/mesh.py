@@ -41,7 +41,7 @@ class MeshFamily(ABC):
     along a side. Everything that the study knows about a family is an attribute of its class.
 
     Attributes:
-        meshes: the meshes in a few words, for the documentation.
+        meshes: a description of the meshes in a few words, for the documentation.
         least_angle: a lower bound in degrees for the angles of all cells, on the plane bodies of the catalogue, some of
             which are sheared such that angles of 45° become 27°.
         density: the number of cells of a plane mesh, divided by the number of cells of the one-diagonal mesh of the
@@ -116,7 +116,7 @@ def facet_measures(mesh: Mesh, facets: Array) -> Array:
 
 
 def barycentric_gradients(mesh: Mesh) -> Array:
-    """Return the gradients of the P1 basis functions λ_i on every cell, (cells, d+1, d)."""
+    """Return the gradients of the P1 basis functions (barycentric coordinates λ_i) on every cell, (cells, d+1, d)."""
     inner = MappingAffine(mesh).invA
     return np.ascontiguousarray(np.moveaxis(np.concatenate([-inner.sum(axis=0, keepdims=True), inner]), 2, 0))
 
@@ -163,13 +163,18 @@ def nearest(points: Points, segment: Array) -> Array:
 
 
 def distance(points: Points, segment: Array) -> Array:
-    """Return the distances of points, (d, n), from a segment with the two ends (d, 2), (n,)."""
+    """Return the distance of each of n points, (d, n), from a segment with the two ends (d, 2); the result is (n,)."""
     foot = segment[:, :1] + np.multiply.outer(segment[:, 1] - segment[:, 0], nearest(points, segment))
     return np.linalg.norm(points - foot, axis=0)
 
 
 def on_segment(points: Points, segment: Array) -> Array:
-    """Return for each point, (d, n), whether it lies on a segment with the two ends (d, 2), up to round-off, (n,)."""
+    """Return for each of n points, (d, n), whether it lies on a segment up to round-off; the result is (n,).
+
+    Args:
+        points: the points, (d, n).
+        segment: the two ends of the segment as columns, (d, 2).
+    """
     return distance(points, segment) <= 1e-9 * np.linalg.norm(segment[:, 1] - segment[:, 0])
 
 
@@ -178,7 +183,10 @@ def on_segment(points: Points, segment: Array) -> Array:
 
 
 class Structured(MeshFamily):
-    """Base class of the families of structured meshes, with ``density`` · d! simplices in each of the n^d cubes.
+    """Base class of the families of structured meshes, in which cubes are divided into simplices.
+
+    At level n in dimension d, the unit cube is divided into n^d cubes, and each of them into ``density`` · d!
+    simplices. The grid is then mapped to the body.
 
     Attributes:
         plane: whether the family meshes 2D bodies only.
@@ -248,10 +256,11 @@ class Alternating(Structured):
 class Shaken(Structured):
     """One-diagonal meshes whose vertices are moved at random.
 
-    Every coordinate of a vertex changes by up to 2/d ``amplitude`` cell widths. Vertices on faces of the body, on edges
-    between boundary parts and on interfaces stay on them; corners of parts do not move. The random numbers of two
-    levels are independent, so the meshes are neither nested nor symmetric. Before the grid is mapped from the unit cube
-    to the body, every simplex keeps at least the fraction 1 − 4 ``amplitude`` of its volume, in every dimension.
+    Every coordinate of a vertex changes by up to 2/d · ``amplitude`` times the width of a cube of the grid, in
+    dimension d; ``seed`` is the seed of the random numbers. Vertices on faces of the body, on edges between boundary
+    parts and on interfaces stay on them; corners of parts do not move. The random numbers of two levels are
+    independent, so the meshes of different levels are not nested. Before the grid is mapped from the unit cube to the
+    body, every simplex keeps at least the fraction 1 − 4 · ``amplitude`` of its volume, in every dimension.
     """
 
     seed: int = 2002
@@ -290,20 +299,26 @@ def grid_vertices(n: int, dim: int) -> Points:
 
 
 def lowest_corners(n: int, dim: int) -> Array:
-    """Return the number of the vertex with the smallest coordinates of every cube of the grid, (n^d,)."""
+    """Return for every cube of the grid the number of its vertex with the smallest coordinates, (n^d,).
+
+    The vertices are numbered as ``grid_vertices`` lists them.
+    """
     return np.flatnonzero((grid_vertices(n, dim) < 1).all(axis=0))
 
 
 def squares(n: int) -> Array:
-    """Return the vertices of every square of a plane grid, counter-clockwise from the lowest one, (4, n²)."""
+    """Return the vertex numbers of every square of a plane n × n grid, (4, n²).
+
+    The vertices are listed counter-clockwise from the lower left one, and numbered as by ``grid_vertices``.
+    """
     return lowest_corners(n, 2) + np.array([[0], [1], [n + 2], [n + 1]])
 
 
 def kuhn(n: int, dim: int) -> Array:
-    """Divide every cube of a grid into d! simplices; return their vertices, positively oriented, (d+1, d! n^d).
+    """Divide every cube of a grid into d! simplices; return their vertex numbers, positively oriented, (d+1, d! n^d).
 
-    Each simplex belongs to an order of the axes. Its vertices lie on the path along the axes in this order from the
-    lowest to the highest corner of the cube.
+    The grid has n^d cubes, in dimension d = ``dim``. Each simplex belongs to an order of the axes. Its vertices lie on
+    the path along the axes in this order from the lowest to the highest corner of the cube.
 
     Source: H. W. Kuhn, Some combinatorial lemmas in topology, IBM J. Res. Dev. 4 (1960) 518–524.
     """
@@ -407,9 +422,10 @@ def _is_grid_line(images: Points, interface: Part) -> bool:
 class Unstructured(MeshFamily):
     """Delaunay triangulations of random, evenly distributed points, for any polygon.
 
-    Points in the interior start on a triangular lattice, each moved at random. Then ``sweeps`` times, every point moves
-    to the area-weighted mean of the centroids of the cells around it (Lloyd's iteration in the form of Du, Faber,
-    Gunzburger, SIAM Review 41 (1999) 637–676). Points on the boundary and on interfaces are evenly spaced and fixed.
+    Points in the interior start on a triangular lattice, each moved at random; ``seed`` is the seed of the random
+    numbers. Then ``sweeps`` times, every point moves to the area-weighted mean of the centroids of the cells around it
+    (Lloyd's iteration in the form of Du, Faber, Gunzburger, SIAM Review 41 (1999) 637–676). Points on the boundary and
+    on interfaces are evenly spaced and fixed.
     """
 
     seed: int = 2002
@@ -440,10 +456,10 @@ class Unstructured(MeshFamily):
 class Graded(MeshFamily):
     """Unstructured meshes that are refined towards the points c of ``body.refine``.
 
-    First an unstructured mesh is made. Then its vertices with |x − c| < R are moved by the map
-    x ↦ c + (x − c)(|x − c|/R)^{e−1}. The size of cells becomes h ϱ^{1−1/e} at the distance ϱ from c, and h^e at c. P1
-    functions then approximate |x − c|^λ in H¹ with order 1 if 1/e < λ. The exponent e = 5/2 is sufficient for λ ≥ 1/2,
-    which covers re-entrant corners and changes of the boundary condition.
+    First an unstructured mesh is made. Then its vertices x with |x − c| < R are moved by the map x ↦ c + (x − c)(|x −
+    c|/R)^{e−1}. The size of cells becomes h ϱ^{1−1/e} at the distance ϱ from c, and h^e at c. P1 functions then
+    approximate |x − c|^λ in H¹ with order 1 if 1/e < λ. The exponent e = 5/2 is sufficient for λ ≥ 1/2, which covers
+    re-entrant corners and changes of the boundary condition.
 
     Attributes:
         exponent: the exponent e.
@@ -579,7 +595,7 @@ class MeshedBody:
         return boundary_parts(self.mesh, self.body)
 
     def facets(self, part: Part) -> Array:
-        """Return the numbers of the facets on a part of the boundary, (n,)."""
+        """Return the numbers of the mesh facets on one part of the boundary of the body, (n,)."""
         return self.parts[self.body.parts.index(part)]
 
     def on(self, kind: Kind) -> list[tuple[Part, Array]]:

@@ -91,7 +91,7 @@ def resolve(reference: str) -> Case:
 
 @lru_cache
 def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
-    """Return the name and the data of a problem, and its case if the exact solution is known, otherwise None.
+    """Return the name of a problem, its data, and its case, which is None if the exact solution is unknown.
 
     Args:
         reference: a name from the catalogue or from ``manufactured.problems``; or FILE.py:NAME, where NAME is a
@@ -131,8 +131,9 @@ def outside_the_catalogue(name: str = "") -> tuple[Case, ...]:
     """Return the cases that commands know by name although they are not in the catalogue.
 
     Args:
-        name: the name of a case. Roller cases exist for every level of meshes. If ``name`` is the name of a roller
-            case, the roller cases of its level are included.
+        name: the name of a case. Roller cases, with a narrow contact patch that moves or that opens and closes, exist
+            for every level of meshes. If ``name`` is the name of a roller case, the roller cases of its level are
+            included.
     """
     rolling = re.fullmatch(rf"(?:{'|'.join(ROLLERS)})-(\d+)", name)
     level = int(rolling[1]) if rolling else 0

@@ -45,7 +45,7 @@ from study.fem.mesh import MeshedBody, MeshError, barycentric_gradients, cell_vo
 VERTEX_ON_LINE = 1e-9
 """A vertex counts as lying on a line up to this distance, relative to the size of the cell."""
 GRADING = 8
-"""Exponent of the substitution s = c + L ξ^8 that grades quadrature points towards a line or vertex.
+"""Exponent of the substitution s = c + L ξ^8, 0 < ξ < 1, that grades quadrature points towards a line or vertex s = c.
 
 It turns (s − c)^{2(α−2)}, the square of a singular second derivative, into a nonnegative power of ξ for every α > 3/2.
 """
@@ -89,7 +89,7 @@ class FacetRule:
 
 @lru_cache
 def gauss(count: int) -> PointsAndWeights:
-    """Return nodes and weights of the Gauss–Legendre rule with ``count`` points on (0, 1)."""
+    """Return nodes and weights of the Gauss–Legendre rule with ``count`` points on (0, 1), (count,) each."""
     x, w = np.polynomial.legendre.leggauss(count)
     found = (x + 1) / 2, w / 2
     for part in found:
@@ -100,12 +100,15 @@ def gauss(count: int) -> PointsAndWeights:
 def graded(
     left: Array, right: Array, count: int, power: Array | int = 1, to_right: Array | bool = False
 ) -> PointsAndWeights:
-    """Return Gauss rules on n intervals, after the substitution s = near + (far − near) ξ^power with ξ in (0, 1).
+    """Return Gauss rules on n intervals, graded towards one end of each interval.
+
+    A Gauss rule in ξ on (0, 1) is mapped by the substitution s = near + (far − near) ξ^power, where ``near`` and
+    ``far`` are the two ends of an interval. A power above 1 concentrates the points at the end ``near``.
 
     Args:
-        left, right: the ends of the intervals, (n, 1); a power above 1 concentrates the points at the end ``near``.
+        left, right: the ends of the intervals, (n, 1).
         count: the number of points in each interval.
-        power: the exponent, one for all intervals or one for each, (n, 1).
+        power: the exponent of the substitution, one for all intervals or one for each, (n, 1).
         to_right: whether ``near`` is the right end, for all intervals or for each, (n, 1).
 
     Returns:
@@ -129,10 +132,10 @@ def simplex_rule(dim: int, degree: int) -> PointsAndWeights:
 
 
 def duffy(along: int, across: int, grading: int = 1) -> PointsAndWeights:
-    """Return Duffy's rule on a triangle, graded towards its first vertex v_0.
+    """Return Duffy's quadrature rule on a triangle with the vertices v_0, v_1, v_2, graded towards v_0.
 
-    Gauss rules in ξ and η on the unit square are mapped to the triangle by x = v_0 + ξ^g ((1−η)(v_1 − v_0) + η
-    (v_2 − v_0)), with dx = 2|T| g ξ^{2g−1} dξ dη.
+    Gauss rules in ξ and η on the unit square are mapped to the triangle T by x = v_0 + ξ^g ((1−η)(v_1 − v_0) + η (v_2 −
+    v_0)), with dx = 2|T| g ξ^{2g−1} dξ dη.
 
     Args:
         along: number of points in ξ, the direction away from v_0.
@@ -158,7 +161,7 @@ def placed(vertices: Points, simplices: Array, barycentric: Array) -> Points:
     Args:
         vertices: vertices of a mesh, (d, vertices).
         simplices: vertex numbers of the simplices, (k+1, n).
-        barycentric: barycentric coordinates, (k+1, q).
+        barycentric: barycentric coordinates of q points in a k-simplex, (k+1, q).
     """
     return np.einsum("dvn,vq->dnq", vertices[:, simplices], barycentric)
 
@@ -174,11 +177,11 @@ def facet_rule(
         part: the part on which the facets lie.
         rough: in 2D the coordinates along the part at which the integrand is not smooth. Facets are divided there, and
             the quadrature points are graded towards these coordinates.
-        points: the number of Gauss points per direction, in 2D on each piece of a facet.
+        points: the number of Gauss points per direction, in 2D on each piece into which a facet is divided.
         divisions: in 2D the number of equal pieces into which every facet is divided.
 
     Raises:
-        MeshError: ``rough`` is given in 3D, or a line has not two components.
+        MeshError: ``rough`` is given in 3D.
     """
     if mesh.dim() == 3:
         if rough:
@@ -209,7 +212,13 @@ def facet_rule(
 
 
 def rule_on(space: MeshedBody, part: Part, points: int, rough: tuple[float, ...] = ()) -> FacetRule:
-    """Return the rule ``facet_rule`` on all facets of one boundary part of a body with its mesh."""
+    """Return the quadrature rule of ``facet_rule`` on all facets of one boundary part of a meshed body.
+
+    Args:
+        space: the body and its mesh.
+        part: the boundary part.
+        points, rough: see ``facet_rule``.
+    """
     return facet_rule(space.mesh, space.facets(part), part, rough, points)
 
 
@@ -248,7 +257,7 @@ class Line:
 
 
 def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> list[Array]:
-    """Return the cells in which lines or points make the integrand rough, (n,) for each line, then each point.
+    """Return the cells that each of the lines and points meets, as arrays of cell numbers, (n,) each.
 
     Raises:
         MeshError: two lines or points meet the same cell, a point is not a vertex of the mesh, or lines or points are
@@ -295,7 +304,8 @@ def _touching(mesh: Mesh, line: Line) -> Array:
 def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
     """Return Duffy's rule on the cells that have a given point as a vertex, exact to the given degree.
 
-    It is accurate for powers of the distance to the point, because they are smooth along the rays of the rule.
+    The rule is accurate for powers of the distance to the point. The substitution of ``duffy`` makes them smooth along
+    the rays from the point.
     """
     simplices = mesh.t[:, cells]
     vertex = np.linalg.norm(mesh.p[:, simplices] - np.array(point)[:, None, None], axis=0).argmin(axis=0)
@@ -308,8 +318,8 @@ def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
     """Return a quadrature rule on cells that a line meets, graded towards the line.
 
     The cells are cut into slabs by the line and by its parallels through the vertices. In each slab, the rule across
-    the line is a Gauss rule after the substitution s = c + L ξ^8, where s is the signed distance from the line and c
-    the end of the slab that is nearer to the line.
+    the line is a Gauss rule in ξ on (0, 1) after the substitution s = c + L ξ^8. Here s is the signed distance from the
+    line, c its value at the side of the slab that is nearer to the line, and |L| the width of the slab.
     """
 
     def towards_line(left: Array, right: Array) -> PointsAndWeights:
@@ -404,9 +414,12 @@ def _slab_rule(
 CELLS_IN_RULE = 4096
 """Largest number of ordinary cells in one quadrature rule, so that its points fit into the processor's cache."""
 LARGEST_SHIFT = 1 / 32
-"""Moving a quadrature point changes its barycentric coordinates by at most this number."""
+"""If quadrature points are aligned with lines, their barycentric coordinates change by at most this number."""
 TIE = 1e-9
-"""A number added to a logarithm that is rounded down, so that congruent cells get equal spacings despite round-off."""
+"""A number added to the logarithm of a spacing before it is rounded down.
+
+Congruent cells thereby get equal spacings of quadrature points despite round-off.
+"""
 
 
 def cell_rules(
@@ -450,11 +463,11 @@ def shared(
 ) -> PointsAndWeights:
     """Move the points of a quadrature rule on triangles so that few different distances to given lines occur.
 
-    The reason is run time: formulas of an exact solution in (s, t) are expensive, where s is the distance to a line,
-    and on an unstructured mesh all quadrature points have different s. So each point is moved to the nearest of the
-    lines s = jδ, where δ is a power of two and 16 to 32 times smaller than the cell (twice that ratio with two lines).
-    The weights are then changed as little as possible so that the rule is exact for polynomials of the highest degree
-    that this number of weights permits, which is 2 for six points.
+    The reason is run time: formulas of an exact solution in (s, t) are expensive, where s is the distance to a line and
+    t the time, and on an unstructured mesh all quadrature points have different s. So each point is moved to the
+    nearest of the lines s = jδ with integers j, where δ is a power of two and 16 to 32 times smaller than the cell
+    (twice that ratio with two lines). The weights are then changed as little as possible so that the rule is exact for
+    polynomials of the highest degree that this number of weights permits, which is 2 for six points.
 
     Args:
         corners: the vertices of the triangles, (2, 3, n).
@@ -505,27 +518,46 @@ def _correction(barycentric: Array, weights: Array) -> Array:
 
 
 Amplitudes = Array
-"""The values T_k(s_j, t) at n times of the functions that describe how a strain changes with time.
+"""The type of the amplitudes of a strain, the time-dependent factors T_k(s_j, t) of its terms, at n times.
 
-The J values of each of the K terms follow one after the other, (Σ K J, n).
+The strain is a sum of K products E_k φ_k(x) T_k(s, t), and s_j are the J coordinates of points along the contact face
+(``Modes``). The J values of each of the K terms follow one after the other, (Σ K J, n).
 """
 MOST_TIMES, MOST_VALUES = 32, 1 << 19
-"""Largest number of times that are evaluated together, and of values that belong to them.
+"""Largest number of times that are evaluated together, and largest number of values for all these times.
 
 Formulas are called less often for blocks of times. Larger blocks would leave the processor's cache.
 """
 MANY = 4
-"""The energy is stored as a matrix if it needs at most this many times the memory of the terms of the strain."""
+"""``StrainEnergy`` stores the energy as a matrix if it needs at most this many times the memory of the strain."""
 
 
 def blocks(times: Array | float, size: int) -> list[Array]:
-    """Divide times, (n,), into blocks that are evaluated together; ``size`` values belong to each time."""
+    """Divide times, (n,), into blocks that are evaluated together.
+
+    Args:
+        times: the times, (n,).
+        size: the number of values that are computed for each time. It limits the length of a block, so that the values
+            of a block fit into the processor's cache.
+    """
     most = max(1, min(MOST_TIMES, MOST_VALUES // size))
     return np.split(np.atleast_1d(times), range(most, np.size(times), most))
 
 
 def amplitudes_of(modes: Sequence[Modes]) -> Callable[[Array, bool], Amplitudes]:
-    """Return the function (times, rate) ↦ amplitudes of the strain ε, or of its rate ε̇ if ``rate`` is true."""
+    """Return the function that evaluates the amplitudes, the time-dependent factors of a strain.
+
+    The strain is a sum of products ε(x, t) = Σ_k E_k φ_k(x) T_k(s, t), where E_k are constant tensors, and s is the
+    coordinate of x along the contact face (``Modes``). The amplitudes are the values T_k(s_j, t) of all terms k at
+    their coordinates s_j. If ``rate`` is true, they are ∂_t T_k(s_j, t), the amplitudes of the strain rate ε̇.
+
+    Args:
+        modes: the sums of products that add up to the strain. A sum has K terms and J coordinates s_j.
+
+    Returns:
+        A function from n times, (n,), and the flag ``rate`` to the amplitudes, (Σ K J, n). The rows of the sums follow
+        one after the other.
+    """
     # The returned function stores only these references. A reference to the modes would keep their large arrays in
     # memory.
     each = [part.amplitudes for part in modes]
@@ -542,7 +574,7 @@ def amplitudes_of(modes: Sequence[Modes]) -> Callable[[Array, bool], Amplitudes]
 
 @dataclass(frozen=True, eq=False)
 class QuadraturePoints:
-    """Quadrature points with the weighted sums to which they contribute, one sum for each cell or for each vertex.
+    """Quadrature points for several weighted sums, one sum for each cell or for each vertex of a mesh.
 
     Attributes:
         x: the points, (d, n).
@@ -558,7 +590,7 @@ class QuadraturePoints:
 
     @classmethod
     def on_cells(cls, rules: Sequence[CellRule]) -> QuadraturePoints:
-        """Return the points of quadrature rules that together cover every cell once; there is one sum for each cell."""
+        """Return the points of quadrature rules that together cover every cell once, with one sum for each cell."""
         return cls(
             np.concatenate([rule.points.reshape(len(rule.points), -1) for rule in rules], axis=1),
             np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in rules]),
@@ -568,10 +600,10 @@ class QuadraturePoints:
 
     @classmethod
     def on_facets(cls, rule: FacetRule, part: Part, mesh: Mesh) -> tuple[QuadraturePoints, Array]:
-        """Return the points of a quadrature rule on facets, with one sum for each vertex, and these vertices.
+        """Return the points of a rule on facets, with one sum for each vertex, and the numbers of the vertices.
 
-        The weights contain the shape function of the vertex, so a point of a facet occurs once for each of its d
-        vertices.
+        The sum of a vertex is the integral of a function times the hat function of the vertex. The weights contain the
+        hat function, so a point of a facet occurs once for each of the d vertices of the facet.
         """
         vertices, sums = np.unique(mesh.facets[:, rule.facets], return_inverse=True)
         x = part.point(rule.s)
@@ -581,14 +613,24 @@ class QuadraturePoints:
         return cls(copies, sums.ravel(), weights.ravel(), len(vertices)), vertices
 
     def adding(self, weights: Array) -> sps.csr_array:
-        """Return the matrix from values at the points to their sums with given weights (n,), (count, n)."""
+        """Return the matrix that maps values at the n points to the weighted sums, (count, n).
+
+        Args:
+            weights: the weights of the points, (n,), for example ``self.weights`` times a material factor.
+        """
         return sps.csr_array((weights, (self.sums, np.arange(len(weights)))), shape=(self.count, len(weights)))
 
 
 def shapes_at_points(modes: Sequence[Modes], count: int) -> Iterator[sps.csr_array]:
-    """Yield for each term k of the strain the matrix that maps its amplitudes to its values at the quadrature points.
+    """Yield for each term of a strain the matrix that maps its amplitudes to its values at the quadrature points.
 
-    The matrix maps T_k(s_j, t), (J,), to φ_k(x_p) T_k(s_{j(p)}, t), (count,).
+    A term is E_k φ_k(x) T_k(s, t) with a constant tensor E_k; its amplitudes are T_k(s_j, t) at J coordinates s_j along
+    the contact face (``Modes``). The matrix, (count, J), maps the amplitudes to φ_k(x_p) T_k(s_{j(p)}, t) at the points
+    x_p, where s_{j(p)} is the coordinate of x_p.
+
+    Args:
+        modes: the sums of products that add up to the strain.
+        count: the number of quadrature points.
     """
     for part in modes:
         # Each row belongs to a point and has one entry, so the arrays of the CSR format can be filled without sorting.
@@ -599,9 +641,14 @@ def shapes_at_points(modes: Sequence[Modes], count: int) -> Iterator[sps.csr_arr
 
 
 def strain_matrix(modes: Sequence[Modes], count: int) -> sps.csr_array:
-    """Return the matrix from amplitudes to the strain at ``count`` points, component by component.
+    """Return the matrix from the amplitudes of a strain to the strain at ``count`` points, (D · count, Σ K J).
 
-    The shape is (D · count, Σ K J).
+    The rows are ordered component by component, with D Mandel components. The columns are the amplitudes in the order
+    of ``amplitudes_of``.
+
+    Args:
+        modes: the sums of products that add up to the strain; a sum has K terms and J amplitudes for each term.
+        count: the number of points.
     """
     tensors = np.concatenate([part.tensors for part in modes])
     shapes = shapes_at_points(modes, count)
@@ -610,12 +657,14 @@ def strain_matrix(modes: Sequence[Modes], count: int) -> sps.csr_array:
 
 
 class StrainSums:
-    """Computes weighted sums Σ w_p ε(x_p, t) of a strain over points, (D, sums, n), from its amplitudes at n times.
+    """Computes weighted sums Σ w_p ε(x_p, t) of a strain ε over points x_p at n times, (D, sums, n).
+
+    A call needs the amplitudes of the strain, its time-dependent factors, as ``amplitudes_of`` returns them.
 
     Args:
-        modes: the terms of the strain ε at the points x_p.
+        modes: the strain ε at the points x_p, as sums of products (``Modes``).
         points: the points, with the sums to which they contribute.
-        weights: the weights w_p, (n,), which are quadrature weights, possibly times material factors.
+        weights: the weights w_p, (points,), which are quadrature weights, possibly times material factors.
     """
 
     def __init__(self, modes: Sequence[Modes], points: QuadraturePoints, weights: Array) -> None:
@@ -641,11 +690,12 @@ class StrainSums:
 class StressSums:
     """Computes weighted sums Σ w_p σ(x_p, t) of the stress σ = A ε(u̇) + G ε(u) at n times, (D, sums, n).
 
-    A call needs the amplitudes of the strain ε and of its rate ε̇ at these times.
+    A call needs the amplitudes of the strain ε(u) and of its rate ε(u̇) at these times, as ``amplitudes_of`` returns
+    them. The points x_p have the quadrature weights w_p.
 
     Attributes:
         viscous: the sums Σ w_p α of the material factor α of A, (sums,).
-        strains: computes the sums Σ w_p α ε of the strain from its amplitudes.
+        strains: computes the sums Σ w_p α ε(x_p, t) of the strain from its amplitudes, with the same α.
     """
 
     def __init__(self, law: KelvinVoigt, modes: Sequence[Modes], points: QuadraturePoints) -> None:
@@ -673,14 +723,14 @@ class StressSums:
 
 
 class StrainEnergy:
-    """Computes the energies ∫_Ω α C ε·ε dx of a strain at several times, (times,), from its amplitudes.
+    """Computes the energies ∫_Ω α C ε·ε dx of a strain ε at several times, (times,), from its amplitudes.
 
-    If many points have the same coordinate along the contact face, the strain has few amplitudes, and the energy is
-    stored as a quadratic form of them. Otherwise the matrix of this form would be too large, and the strain at the
-    points is computed first.
+    The amplitudes are the time-dependent factors of the strain, as ``amplitudes_of`` returns them. If many points have
+    the same coordinate along the contact face, there are few amplitudes, and the energy is stored as a quadratic form
+    of them. Otherwise the matrix of this form would be too large, and the strain at the points is computed first.
 
     Args:
-        modes: the terms of the strain ε at the quadrature points.
+        modes: the strain ε at the quadrature points, as sums of products (``Modes``).
         weights: quadrature weights times the material factor α, (points,).
         C: a symmetric tensor in Mandel form, (D, D).
     """

@@ -43,7 +43,7 @@ FACTOR_DEGREE = 6
 
 
 class Displacements(MeshedBody, ABC):
-    """Base class of finite element displacements that vanish on Γ1.
+    """Base class of finite element displacements that vanish on the clamped boundary Γ1.
 
     Subclasses define the numbering of the scalar basis functions (``numbers``, ``numbers_on``), the quadrature weights
     (``weights``) and the strain matrix (``E``).
@@ -68,7 +68,8 @@ class Displacements(MeshedBody, ABC):
     def E(self) -> sps.csr_array:
         """The matrix from the coefficients of a displacement to its strains, (D · cells · points, dofs).
 
-        The rows for all components 11 come first, then those for 22, and so on.
+        The rows for the first of the D Mandel components (11) at all points come first, then the rows for 22, and so
+        on.
         """
 
     @property
@@ -82,7 +83,7 @@ class Displacements(MeshedBody, ABC):
 
     @cached_property
     def free(self) -> Array:
-        """Positions of the free coefficients among all d · ``count`` coefficients, (dofs,)."""
+        """Positions of the free coefficients, the unknowns, among all d · ``count`` coefficients, (dofs,)."""
         return np.flatnonzero(~self._held[0])
 
     @cached_property
@@ -104,7 +105,10 @@ class Displacements(MeshedBody, ABC):
 
     @property
     def prescribed(self) -> Array:
-        """All coefficients of the prescribed displacement, 0 for free coefficients, (d · count,)."""
+        """The coefficients of the prescribed displacement, (d · count,).
+
+        They are the given values on Γ1 and on rollers, and 0 for free coefficients.
+        """
         return self._held[1]
 
     @property
@@ -119,7 +123,10 @@ class Displacements(MeshedBody, ABC):
 
     @property
     def free_points(self) -> Points:
-        """The nodes of the free basis functions, in the order of the unknowns, (d, dofs/d); with rollers (d, dofs)."""
+        """The nodes of the free basis functions, in the order of the unknowns, (d, dofs/d).
+
+        If the body has rollers, the node of every single unknown is listed instead, (d, dofs).
+        """
         every = 1 if self.body.of(Kind.ROLLER) else self.dim
         return self.nodes[:, self.free[::every] // self.dim]
 
@@ -142,11 +149,11 @@ class Displacements(MeshedBody, ABC):
         return (self.E @ v).reshape(-1, *self.weights.shape, *v.shape[1:])
 
     def functional(self, stress: Tensors) -> Array:
-        """Return the virtual work of a stress for every basis function: the vector of v ↦ (σ, ε(v))_Q.
+        """Return the virtual work (σ, ε(v))_Q of a stress σ for every basis function v.
 
         Args:
-            stress: σ at the quadrature points, (D, cells, points), or its cell means if cells have one point,
-                (D, cells). For n stresses there is one more axis, the last.
+            stress: σ at the quadrature points, (D, cells, points), or its cell means if cells have one point, (D,
+                cells). For n stresses there is one more axis, the last.
 
         Returns:
             (dofs,), or (dofs, n) for n stresses.
@@ -155,11 +162,11 @@ class Displacements(MeshedBody, ABC):
         return self.tested(self.weights.reshape(*self.weights.shape, *(1,) * (stress.ndim - inner - 1)) * stress)
 
     def tested(self, integrals: Tensors) -> Array:
-        """Return the work (σ, ε(φ_i))_Q of a stress for all basis functions, (dofs,), from integrals of the stress.
+        """Return the virtual work (σ, ε(φ_i))_Q of a stress σ for every basis function φ_i, (dofs,).
 
         Args:
-            integrals: the integrals of the stress σ over the cells, (D, cells), or weights times σ at the points,
-                (D, cells, points).
+            integrals: the integrals of the stress σ over the cells, (D, cells), or quadrature weights times σ at the
+                points, (D, cells, points).
         """
         return self._transposed @ integrals.reshape(self.E.shape[0], *integrals.shape[self.weights.ndim + 1 :])
 
@@ -173,7 +180,7 @@ class Displacements(MeshedBody, ABC):
 
         Args:
             C: a constant tensor in Mandel form, (D, D).
-            factor: α at the quadrature points, shaped like ``weights``, or a number.
+            factor: the material factor α at the quadrature points, shaped like ``weights``, or a number.
         """
         weighted = sps.kron(C, sps.diags_array((self.weights * factor).ravel()), format="csr")
         matrix = sps.csc_array(self._transposed @ (weighted @ self.E))
@@ -181,10 +188,10 @@ class Displacements(MeshedBody, ABC):
 
     @cached_property
     def contact(self) -> list[tuple[Part, Array]]:
-        """For every contact part of the boundary, its free basis functions, in the order of the rows of ``N``.
+        """The free basis functions of every contact part, as pairs of the part and their numbers, (n,).
 
-        If a function belongs to two parts with the same normal, it is listed for the first part only, so that ``N`` has
-        no equal rows.
+        If a function belongs to two parts with the same normal, it is listed for the first part only. The rows of the
+        constraint matrix ``N`` have the same order.
         """
         held = np.ones((self.count, self.dim), dtype=bool)
         held.ravel()[self.free] = False
@@ -197,18 +204,19 @@ class Displacements(MeshedBody, ABC):
 
     @cached_property
     def N(self) -> sps.csr_array:
-        """The constraint matrix, (m, dofs): N v contains the normal components of the coefficients of v on Γ3.
+        """The constraint matrix, (m, dofs): N v contains the normal displacements of v on the contact boundary.
 
-        Displacements with N v ≤ 0 are admissible. There is one row for each pair of a contact part and a basis
-        function. So a function on two parts with different normals has two constraints.
+        More precisely, N v contains the normal components of the coefficients of v. Displacements with N v ≤ 0 are
+        admissible. There is one row for each pair of a contact part and a basis function. So a function on two parts
+        with different normals has two constraints.
         """
         return self.normal_components(self.contact)
 
     def normal_components(self, on: Sequence[tuple[Part, Array]]) -> sps.csr_array:
-        """Return the matrix from displacements to the normal components ν·c of some coefficients c, (Σ n, dofs).
+        """Return the matrix from displacements to the normal components of some of their coefficients, (Σ n, dofs).
 
         Args:
-            on: pairs of a boundary part, which gives the normal ν, and the numbers of basis functions, (n,).
+            on: pairs of a boundary part, whose normal is used, and the numbers of n basis functions, (n,).
         """
         # Bodies without contact have no array to concatenate, so each list starts with an empty array.
         normals = [np.empty((0, self.dim)), *(np.tile(part.normal, (len(numbers), 1)) for part, numbers in on)]
@@ -244,7 +252,7 @@ class Space(Displacements):
     """The space V^h of Problem 5.1: continuous, piecewise linear displacements, given by their values at the vertices.
 
     The admissible displacements are K^h = {v : N v ≤ 0}. Strains are constant on every cell, so integrals need only the
-    cell means of stresses and of material factors.
+    cell means of stresses and of material factors. ``N`` gives the normal displacements at the contact vertices.
 
     Raises:
         MeshError: the mesh does not fit the parts of the body.
@@ -277,37 +285,44 @@ class Space(Displacements):
 
     @cached_property
     def E(self) -> sps.csr_array:
-        """The matrix from displacements to strains, (D · cells, dofs).
+        """The matrix from displacements to their strains, (D · cells, dofs), with the D Mandel components of a strain.
 
-        For the basis function φ e_j, the component I of the strain is E_I : sym(e_j ⊗ ∇φ).
+        For the basis function φ e_j with the hat function φ and the unit vector e_j, the component I of the strain is
+        E_I : sym(e_j ⊗ ∇φ), where E_I is the I-th basis tensor.
         """
         gradients = barycentric_gradients(self.mesh)
         return self._matrix(np.einsum("Ijk,cik->Icij", basis(self.dim), gradients, optimize=True), self.numbers.T)
 
     def scatter(self, vertices: Array, values: Vectors) -> Vectors:
-        """Add local vectors (d, k, n) up at the vertices with the numbers (k, n): the result is (d, vertices)."""
+        """Add up vectors of cells or facets at their vertices; the result is (d, vertices).
+
+        Args:
+            vertices: the numbers of the k vertices of each of n cells or facets, (k, n).
+            values: the vector that each of them contributes to each of its vertices, (d, k, n).
+        """
         return np.array([np.bincount(vertices.ravel(), component.ravel(), self.count) for component in values])
 
     def interpolate(self, values: Vectors) -> Array:
-        """Return the interpolant Π^h u of a function u as free coefficients, from its values at the vertices.
+        """Return the free coefficients of the nodal interpolant Π^h u of a function u.
 
         Args:
-            values: the values of u, (d, vertices), or (d, vertices, n) for n functions.
+            values: the values of u at the vertices, (d, vertices), or (d, vertices, n) for n functions.
 
         Returns:
-            (dofs,) or (dofs, n).
+            The coefficients, (dofs,), or (dofs, n) for n functions.
         """
         return np.moveaxis(values, 0, 1).reshape(-1, *values.shape[2:])[self.free]
 
     def nodal(self, v: Array) -> Vectors:
-        """Return the values of a displacement at all vertices, zero on Γ1: (dofs,) → (d, vertices)."""
+        """Return the values of a displacement at all vertices, also the fixed ones on Γ1: (dofs,) → (d, vertices)."""
         return self.coefficients(v).T
 
 
 def means(space: Space, factor: Factor) -> Array:
     """Return the mean of a material factor α on every cell, (cells,).
 
-    Strains of V^h are constant on cells, so with these means the integrals (α C ε(u), ε(v))_Q are exact.
+    Strains of the P1 space V^h are constant on cells. So with these means the integrals (α C ε(u), ε(v))_Q are exact
+    for a constant tensor C and u, v ∈ V^h.
     """
     if factor is UNIFORM:
         return np.ones(len(space.volumes))
@@ -318,36 +333,45 @@ def means(space: Space, factor: Factor) -> Array:
 
 
 def form(space: Space, tensor: Elasticity) -> sps.csc_array:
-    """Return the matrix of the bilinear form (α C ε(u), ε(v))_Q of an elasticity tensor, (dofs, dofs).
+    """Return the matrix of the bilinear form (α C ε(u), ε(v))_Q on the P1 space V^h, (dofs, dofs).
 
-    For a nonlinear law, C is the constant reference tensor.
+    Args:
+        space: the space V^h.
+        tensor: the operator ε ↦ α C ε with the constant tensor C and the material factor α. For a nonlinear law, C is
+            its constant reference tensor.
     """
     return space.form(tensor.reference, means(space, tensor.factor))
 
 
 def on_cells(space: Space, law: KelvinVoigt) -> PointLaw:
-    """Return the law as a function from strains to stresses that are constant on the cells, (D, cells) → (D, cells)."""
+    """Return the material law with the cell means of its factors, as a function from cell strains to cell stresses.
+
+    Strains of the P1 space and their stresses are constant on the cells, (D, cells) → (D, cells).
+    """
     return law.scaled(means(space, law.A.factor), means(space, law.G.factor))
 
 
 EDGES = ((0, 1), (1, 2), (0, 2))
 """The two vertices of each edge of a cell, in the order in which the mesh numbers the edges."""
 FACTORS = (*((i, i, 1) for i in range(3)), *((a, b, 2) for a, b in EDGES))
-"""For each Bernstein polynomial c λ_a λ_b of degree 2 the numbers (a, b, c)."""
+"""The Bernstein polynomials c λ_a λ_b of degree 2 on a triangle, each as its numbers (a, b, c).
+
+λ_0, λ_1, λ_2 are the barycentric coordinates. First come the polynomials of the vertices, then those of the edges.
+"""
 
 
 def nodes_of(mesh: Mesh) -> Points:
-    """Return the vertices of a triangular mesh, then the midpoints of its edges, (2, count)."""
+    """Return the nodes of degree 2 of a triangular mesh: its vertices, then the midpoints of its edges, (2, count)."""
     return np.hstack([mesh.p, mesh.p[:, mesh.facets].mean(axis=1)])
 
 
 def numbers_of(mesh: Mesh) -> Array:
-    """Return the numbers of the six nodes of every cell, of its 3 vertices and then its 3 edges, (6, cells)."""
+    """Return the numbers of the six nodes of degree 2 of every cell: its 3 vertices, then its 3 edges, (6, cells)."""
     return np.vstack([mesh.t, mesh.p.shape[1] + mesh.t2f])
 
 
 class Quadratic(Displacements):
-    """Displacements of degree 2 on a triangular mesh.
+    """Displacements of degree 2 on a triangular mesh, with the Bernstein polynomials as basis functions.
 
     Every vertex and every edge has one coefficient vector; all vertices come first.
     """

@@ -52,13 +52,19 @@ from study.solve.tableau import Tableau
 VectorFunction = Callable[[Array], Array]
 """A function from a vector to a vector of the same length, (n,) → (n,)."""
 SMALLEST_DIVISOR = 1e-150
-"""Replaces zero in denominators. Its square is still a positive number."""
+"""Replaces zero in denominators. The square of this number is still positive."""
 SEEN = 3
-"""The iteration may stop only after this number of evaluations, which give two estimates of the contraction number."""
+"""Least number of evaluations before the fixed-point iteration may stop.
+
+They give two estimates of the contraction number.
+"""
 MEMORY = 3
-"""Number of previous steps that Anderson acceleration combines."""
+"""Number of previous iterates that Anderson acceleration of the fixed-point iteration combines."""
 CUTOFF = 1e-12
-"""In least squares, eigenvalues of the Gram matrix count as zero below this fraction of the largest one."""
+"""In the least squares of Anderson acceleration, smaller eigenvalues of the Gram matrix count as zero.
+
+The number is relative to the largest eigenvalue.
+"""
 
 
 class FixedPointError(RuntimeError):
@@ -147,7 +153,7 @@ def _accelerated(residual: Array, memory: Sequence[tuple[Array, Array]]) -> Arra
 
 @dataclass(frozen=True, eq=False)
 class SemiDiscrete:
-    """The semi-discrete problem (Problem 5.1) on one mesh, with n unknowns and m constraints.
+    """The semi-discrete problem (Problem 5.1) in displacements on one mesh, with n unknowns and m constraints.
 
     Attributes:
         M: the matrix of the viscosity A, which is the inner product (·,·)_V on V^h, (n, n).
@@ -155,13 +161,13 @@ class SemiDiscrete:
             tensor.
         remainder: the function v ↦ (G ε(v) − G_ref ε(v), ε(·))_Q, (n,) → (n,); None for a linear law.
         N: the constraint matrix, (m, n): displacements with N v ≤ g are admissible.
-        load: the function from m times t to the load vectors F(t), (m,) → (n, m).
+        load: the function from k times t to the load vectors F(t), (k,) → (n, k).
         u0: the initial value u_0^h ∈ K^h, (n,).
         T: the final time.
-        solver: a function that makes the contact solver of one step from S and N; an initial gap is passed as
-            ``gap=g``.
-        growth: the largest rate max(−m, 0)/m_A at which two solutions can move apart, where m is the monotonicity
-            constant of G; 0 for a monotone G. It limits the length of steps.
+        solver: a function that makes the contact solver of one time step from the matrix S of the step and from N; an
+            initial gap is passed as ``gap=g``.
+        growth: the largest rate max(−μ, 0)/m_A at which two solutions can move apart, with the monotonicity constant μ
+            of G and the ellipticity constant m_A of A; 0 for a monotone G. It limits the length of steps.
         gap: the initial gap g ≥ 0 at the contact vertices, (m,), or the number 0 as in the paper.
     """
 
@@ -185,7 +191,13 @@ class SemiDiscrete:
         u0: Array,
         gap: Array | float = 0.0,
     ) -> SemiDiscrete:
-        """Return Problem 5.1 on a space for a law, a load and an initial value; see ``SemiDiscrete``."""
+        """Return the semi-discrete problem (Problem 5.1) in the P1 space V^h for a law, a load and an initial value.
+
+        Args:
+            space: the space V^h.
+            law: the material law.
+            load, u0, gap: the load, the initial value u_0^h and the initial gap, as attributes of ``SemiDiscrete``.
+        """
         factor = means(space, law.G.factor)
         return cls(
             M=form(space, law.A),
@@ -204,9 +216,9 @@ class SemiDiscrete:
     def of_exact(cls, v_norm: ErrorNorm) -> SemiDiscrete:
         """Return Problem 5.1 whose exact solution is known, with the discretisation of the paper.
 
-        It starts from the nodal interpolant u_0^h = Π^h u_0, imposes the contact constraint at the vertices of Γ3
-        (K^h = V^h ∩ K), and has the load (3.7). If the solution has an initial gap, the constraint includes it; the
-        paper has no initial gap.
+        The discrete solution starts from the nodal interpolant u_0^h = Π^h u_0, imposes the contact constraint at the
+        vertices of Γ3 (K^h = V^h ∩ K), and has the load (3.7). If the solution has an initial gap, the constraint
+        includes it; the paper has no initial gap.
 
         Args:
             v_norm: gives the exact solution, the space V^h and the load.
@@ -217,7 +229,11 @@ class SemiDiscrete:
         return cls.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant, gap)
 
     def contact(self, S: sps.csc_array) -> ContactSolver:
-        """Return the contact solver for a matrix S: a function of b that minimises ½ vᵀSv − bᵀv over K^h."""
+        """Return the contact solver for a matrix S: a function of b that minimises ½ vᵀSv − bᵀv over admissible v.
+
+        Args:
+            S: a symmetric positive definite matrix, (n, n).
+        """
         return self.solver(S, self.N, gap=self.gap) if np.any(self.gap) else self.solver(S, self.N)
 
     def initial(self) -> State:
@@ -228,21 +244,29 @@ class SemiDiscrete:
         return State(0.0, self.u0, np.zeros(self.N.shape[0]), 0, lambda: 0.0)
 
     def elastic(self, v: Array) -> Array:
-        """Return the vector of the elastic forces of a displacement v, (G ε(v), ε(·))_Q, (n,) → (n,)."""
+        """Return the elastic forces (G ε(v), ε(φ_i))_Q of a displacement v for all basis functions φ_i, (n,) → (n,)."""
         linear: Array = self.reference @ v
         return linear if self.remainder is None else linear + self.remainder(v)
 
     def stepper(self, scheme: Tableau, k: float) -> ContactStep:
-        """Return the function that computes the state at t_n from n and the previous states, for steps of size k."""
+        """Return the function that computes the state at t_n from the number n and the previous states.
+
+        Args:
+            scheme: the time scheme.
+            k: the size of the time steps, t_n = n k.
+        """
         return ContactStep(self, scheme, k)
 
 
 def remainder(space: Displacements, G: Elasticity, factor: Array) -> VectorFunction | None:
-    """Return the function ``SemiDiscrete.remainder``: the elastic forces of a displacement minus their linear part.
+    """Return the nonlinear part of the elastic forces, as a function of the displacement, or None for linear G.
+
+    The function is v ↦ (α (G − G_ref) ε(v), ε(φ_i))_Q for all basis functions φ_i, where G_ref is the constant
+    reference tensor of G.
 
     Args:
         space: the finite element space.
-        G: the elasticity; the result is None if it is linear.
+        G: the elasticity.
         factor: the material factor α of G at the quadrature points.
     """
     if isinstance(G, Linear):
@@ -259,7 +283,8 @@ def remainder(space: Displacements, G: Elasticity, factor: Array) -> VectorFunct
 def velocities(problem: SemiDiscrete, scheme: Tableau, steps: int) -> Iterator[tuple[State, Array]]:
     """Solve the problem and yield pairs of the state at t_n and the velocity δu_n, n = 0, …, steps.
 
-    The velocity is the difference quotient of the scheme. The scheme does not define δu_0, so δu_1 is used for it.
+    The velocity δu_n is the difference quotient of the time scheme. The scheme does not define δu_0, so δu_1 is used
+    for it.
     """
     k = step_size(problem.T, steps)
     states = scheme.march(problem, steps)
@@ -276,7 +301,7 @@ def velocities(problem: SemiDiscrete, scheme: Tableau, steps: int) -> Iterator[t
 Scheme = Tableau
 """A time scheme for the semi-discrete problem."""
 FIXED_POINT = DIRECT_RESIDUAL / 10
-"""The iteration for a nonlinear law stops at this relative distance from the fixed point, in the norm of M.
+"""The iteration for a nonlinear law stops at this relative distance from the fixed point, in the norm ‖·‖_V.
 
 The residual of a state is measured in another norm. In all runs it was at most five times this value, half of what is
 permitted.
@@ -296,11 +321,12 @@ class State:
     Attributes:
         time: the time t_n.
         u: the displacement u_n ∈ K^h, (n,).
-        multipliers: the nodal contact forces λ_n ≥ 0, (m,).
+        multipliers: the nodal contact forces λ_n ≥ 0, (m,), which are Lagrange multipliers of N u ≤ g.
         iterations: the number of contact problems that were solved in this step.
-        residual: a function that returns the residual of the step, which is 0 for an exact solution. It is the largest
-            of ‖S u + Nᵀλ − b‖/‖b‖, (N u − g)_+, |λ·(N u − g)| and λ_−, the last three relative to the size of u and λ.
-            It is computed only on request, because that takes as long as a step on a coarse mesh.
+        residual: a function that returns the residual of the step, which is 0 for an exact solution. For the contact
+            problem S u + Nᵀλ = b, N u ≤ g of the step it is the largest of ‖S u + Nᵀλ − b‖/‖b‖, (N u − g)_+, |λ·(N u −
+            g)| and λ_−, the last three relative to the size of u and λ. The residual is computed only on request,
+            because that takes as long as a step on a coarse mesh.
     """
 
     time: float
@@ -311,12 +337,13 @@ class State:
 
 
 class ContactStep:
-    """Computes the time steps of one scheme with one step size k.
+    """Computes time steps of the semi-discrete problem by one time scheme with one step size k.
 
     Attributes:
         S: the matrix of the contact problem in each step, which is factorised once.
         known: the matrices that multiply the earlier displacements u_{n−1}, u_{n−2}, … on the right-hand side. They are
-            w_j M/k; (1 − θ) G_ref is subtracted from the first.
+            w_j M/k with the weights w_j of the scheme and the matrix M of the viscosity; (1 − θ) G_ref is subtracted
+            from the first, with the number θ of the scheme and the matrix G_ref of the elasticity.
 
     Raises:
         StepsError: G is not monotone, and a step of this length may have several solutions.
@@ -352,7 +379,16 @@ class ContactStep:
         return self.solved(n * self.k, self._loads(block)[:, column], past)
 
     def solved(self, time: float, load: Array, past: Sequence[State]) -> State:
-        """Compute one time step to a time with a given load vector, (n,); see ``__call__``."""
+        """Compute one time step to a given time and return the state there.
+
+        Args:
+            time: the time t_n.
+            load: the load vector of the step, (n,).
+            past: the previous states, the last one at t_{n−1}.
+
+        Raises:
+            EvolutionError: the iteration for a nonlinear law did not converge, or values are not finite.
+        """
         before = [state.u for state in past]
         b = reduce(add, (matrix @ u for matrix, u in zip(self.known, reversed(before), strict=False)), load)
         if self.problem.remainder is None:
@@ -412,33 +448,41 @@ class ContactStep:
 
 
 def norm(problem: SemiDiscrete, v: Array) -> float:
-    """Return the norm ‖v‖_V = (A ε(v), ε(v))_Q^{1/2} of a P1 displacement v.
+    """Return the norm ‖v‖_V = (A ε(v), ε(v))_Q^{1/2} of a discrete displacement v, with the viscosity A.
 
     Args:
-        problem: the semi-discrete problem with the matrix of this norm.
-        v: the degrees of freedom, (dofs,).
+        problem: the semi-discrete problem, which has the matrix of this norm.
+        v: the unknowns of v, (dofs,).
     """
     return math.sqrt(max(v @ (problem.M @ v), 0.0))
 
 
 def norms(problem: SemiDiscrete, v: Array) -> Array:
-    """Return the norms ‖v_n‖_V of several P1 displacements, (n, dofs) → (n,)."""
+    """Return the norms ‖v‖_V of several discrete displacements v, (number, dofs) → (number,).
+
+    Args:
+        problem: the semi-discrete problem, which has the matrix of this norm.
+        v: the displacements, one in each row.
+    """
     return np.sqrt(abs(np.sum(v.T * (problem.M @ v.T), axis=0)))
 
 
 def histories(states: Iterable[State]) -> tuple[Array, Array]:
-    """Return the displacements and the contact forces of several states, (states, n) and (states, m)."""
+    """Return the displacements and the contact forces of several states as arrays, (states, n) and (states, m).
+
+    n is the number of unknowns, and m the number of contact constraints.
+    """
     u, multipliers = zip(*((state.u, state.multipliers) for state in states), strict=True)
     return np.array(u), np.array(multipliers)
 
 
 def path(problem: SemiDiscrete, scheme: Scheme, steps: int) -> Array:
-    """Solve the semi-discrete problem and return the displacements u_0, …, u_steps, (steps + 1, n)."""
+    """Solve the semi-discrete problem by a time scheme and return the displacements u_0, …, u_steps, (steps + 1, n)."""
     return np.array([state.u for state in scheme.march(problem, steps)])
 
 
 def interpolated(states: Array, nodes: Array) -> Array:
-    """Interpolate displacements linearly to a finer time grid with M steps, (M + 1, n).
+    """Interpolate displacements linearly in time to a finer grid with M steps, (M + 1, n).
 
     Args:
         states: displacements at the nodes of the coarse grid, (N + 1, n).
@@ -451,7 +495,7 @@ def last(states: Array, steps: int) -> tuple[Array, Array]:
     """Evaluate the piecewise constant function that is U_n on (t_{n−1}, t_n], at the nodes of a finer time grid.
 
     Args:
-        states: the displacements U_0, …, U_N, (N + 1, n).
+        states: the displacements U_0, …, U_N at equidistant times t_0, …, t_N, (N + 1, n).
         steps: the number of steps of the finer grid, a multiple of N.
 
     Returns:
@@ -464,7 +508,7 @@ def last(states: Array, steps: int) -> tuple[Array, Array]:
 
 
 def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
-    """Return the largest difference ‖v̇(r) − v̇(s)‖_V of the velocities of a solution within one time step.
+    """Return the largest difference ‖v̇(r) − v̇(s)‖_V of velocities of a solution v at two times in one time step.
 
     Args:
         problem: gives the norm of V and the final time.
@@ -482,5 +526,10 @@ def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
 
 
 def furthest(problem: SemiDiscrete, one: Array, other: Array) -> float:
-    """Return the largest distance max_n ‖v_n − w_n‖_V of two solutions at the same times, (steps + 1, n) each."""
+    """Return the largest distance max_n ‖v_n − w_n‖_V of two solutions v and w at the same times.
+
+    Args:
+        problem: the semi-discrete problem, which gives the norm.
+        one, other: the displacements v_n and w_n, (steps + 1, unknowns) each.
+    """
     return float(norms(problem, one - other).max())

@@ -15,7 +15,10 @@ LEAF = 32
 """Nested dissection does not divide sets of at most this number of points."""
 
 MOST_ENTRIES = (2**31 - 1) // 30
-"""SuperLU reserves space for 30 times as many entries as the matrix has, and counts them in 32 bits."""
+"""Largest number of entries of a matrix that SuperLU can factorise.
+
+SuperLU reserves space for 30 times as many entries as the matrix has, and counts them in 32 bits.
+"""
 
 
 class Cholesky:
@@ -31,9 +34,9 @@ class Cholesky:
     Args:
         S: a symmetric positive definite matrix, (n, n).
         last: the unknowns that are eliminated last, (c,).
-        x: the p points to which the unknowns belong, n/p consecutive unknowns each, (d, p). They give an order by
-            nested dissection. Without them a minimum degree order is used, for which S is factorised twice; this is
-            meant for small matrices.
+        x: the p points to which the unknowns belong, n/p consecutive unknowns each, (d, p). The points give an order of
+            elimination by nested dissection. Without them a minimum degree order is used, for which S is factorised
+            twice; this is meant for small matrices.
 
     Attributes:
         order: the unknowns in the order of elimination, (n,).
@@ -104,8 +107,8 @@ def nested_dissection(S: sps.csc_array, x: Points) -> Integers:
 
     The set of points is divided into two halves at the median of its longest coordinate axis. The points of one half
     that are coupled to the other half are called a separator. The smaller of the two separators is eliminated after
-    both halves, and the halves are divided in the same way (A. George, Nested dissection of a regular finite element
-    mesh, SIAM J. Numer. Anal. 10 (1973) 345–363).
+    both halves. The halves are divided in the same way (A. George, Nested dissection of a regular finite element mesh,
+    SIAM J. Numer. Anal. 10 (1973) 345–363).
 
     In the program each point gets a key with one ternary digit for each division: 0 in the lower half, 1 in the upper
     half, 2 in the separator, which is not divided again. Points with equal keys form a part, and sorting the keys gives

@@ -48,20 +48,23 @@ from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 
 TOUCHING_AT_START = 1e-12
-"""A vertex counts as in contact at t = 0 up to this gap, relative to the largest initial displacement."""
+"""A vertex counts as in contact at t = 0 if its gap is at most this fraction of the largest initial displacement."""
 
 
 @dataclass(frozen=True, eq=False)
 class EulerBounds:
-    """Computes error bounds for backward Euler on one mesh; the docstring of the module states them.
+    """Computes bounds of the error in time of backward Euler on one mesh, max_t ‖u^h(t) − û(t)‖_V.
+
+    u^h is the solution of the semi-discrete problem (Problem 5.1), and û interpolates the values U_n of backward Euler
+    linearly in time. The bounds do not depend on the mesh.
 
     Attributes:
-        problem: the semi-discrete problem (Problem 5.1), with n unknowns.
-        loads: the load vectors at equidistant times t_0, …, t_m from 0 to T, (m + 1, n), from which the total variation
-            of the load follows.
-        kappa: the Lipschitz constant κ of an elasticity without a potential in ‖·‖_V, for example L_G/m_A; 0 for a
-            gradient flow.
-        growth: the largest rate γ at which two solutions can move apart, at most κ; 0 if G is monotone.
+        problem: the semi-discrete problem, with n unknowns.
+        loads: the load vectors at equidistant times t_0, …, t_m from 0 to T, the fine grid, (m + 1, n). The total
+            variation of the load is computed on this grid.
+        kappa: the Lipschitz constant κ in ‖·‖_V of an elasticity without a potential, for example L_G/m_A; 0 for an
+            elasticity that is the derivative of a convex energy (a gradient flow).
+        growth: the largest rate γ at which two solutions can move apart, at most κ; 0 if the elasticity is monotone.
     """
 
     problem: SemiDiscrete
@@ -75,9 +78,10 @@ class EulerBounds:
         return Cholesky(self.problem.M)(self.loads)
 
     def distance(self, i: Array, j: Array) -> Array:
-        """Return the distances ‖f(t_i) − f(t_j)‖_V of loads at times of the grid, (k,).
+        """Return the distances ‖f(t_i) − f(t_j)‖_V of loads at k pairs of times of the fine grid, (k,).
 
-        The arguments are arrays of k indices each.
+        Args:
+            i, j: the indices of the times in the grid, (k,) each.
         """
         between = self.loads[i] - self.loads[j]
         represented = self.representers[i] - self.representers[j]
@@ -86,13 +90,13 @@ class EulerBounds:
 
     @cached_property
     def variation(self) -> float:
-        """The total variation Var f of the load over the times of the grid."""
+        """The total variation of the load f over the times of the fine grid, Σ_i ‖f(t_i) − f(t_{i−1})‖_V."""
         ends = np.arange(len(self.loads))
         return float(self.distance(ends[1:], ends[:-1]).sum())
 
     @cached_property
     def start(self) -> Array:
-        """The initial velocity z = u̇^h(0+), (n,)."""
+        """The initial velocity u̇^h(0+) of the semi-discrete solution, (n,)."""
         problem = self.problem
         u0 = problem.u0
         touching = problem.N @ u0 >= -TOUCHING_AT_START * abs(u0).max(initial=0.0)
@@ -101,17 +105,18 @@ class EulerBounds:
 
     @property
     def interval(self) -> float:
-        """The length T/m of an interval of the grid."""
+        """The length T/m of an interval of the fine time grid, which has m intervals."""
         return self.problem.T / (len(self.loads) - 1)
 
     def delays(self, nodes: Array) -> Array:
-        """Return upper bounds of the integrals ∫ ‖f(t_n) − f(t)‖_V dt over all steps, whose sum is F, (N,).
+        """Return for every time step of backward Euler an upper bound of ∫ ‖f(t_n) − f(t)‖_V dt over the step, (N,).
 
-        On every interval of the grid, the larger of the values at its ends is used. If a step consists of j intervals
-        of the grid and the load is linear on it, the result is 1 + 1/j times the integral.
+        f is the load, and t_n the end of the step. On every interval of the fine grid, the larger of the values at its
+        ends is used. If a step consists of j intervals of the grid and the load is linear on the step, the result is 1
+        + 1/j times the integral.
 
         Args:
-            nodes: the indices of t_0 = 0, …, t_N = T in the grid, (N + 1,).
+            nodes: the indices of t_0 = 0, …, t_N = T in the fine grid, (N + 1,).
         """
         grid = np.arange(len(self.loads))
         ahead = np.repeat(nodes[1:], np.diff(nodes))
@@ -120,19 +125,22 @@ class EulerBounds:
 
     @cached_property
     def first(self) -> float:
-        """The norm ‖z‖_V of the initial velocity z."""
+        """The norm ‖u̇^h(0+)‖_V of the initial velocity of the semi-discrete solution."""
         return norm(self.problem, self.start)
 
     @property
     def fastest(self) -> float:
-        """A bound of the speeds ‖u̇^h(t)‖_V and ‖δU_n‖_V: the initial speed ‖z‖_V plus Var f."""
+        """A bound of the speeds ‖u̇^h(t)‖_V of the semi-discrete solution and ‖(U_n − U_{n−1})/k‖_V of backward Euler.
+
+        It is the initial speed ``first`` plus the total variation of the load.
+        """
         return self.first + self.variation
 
     def by_data(self, nodes: Array) -> float:
-        """Return the error bound that needs only the data, for steps between given nodes of the fine grid.
+        """Return the bound of the error of backward Euler that needs only the data, such as the variation of the load.
 
         Args:
-            nodes: the indices of t_0, …, t_N in the grid, (N + 1,).
+            nodes: the indices of the time nodes t_0, …, t_N of backward Euler in the fine grid, (N + 1,).
         """
         steps = np.diff(nodes * self.interval)
         half = self.kappa * self.problem.T / 2
@@ -142,10 +150,10 @@ class EulerBounds:
         return longest * product / (1 - self.growth * longest) * terms
 
     def by_solution(self, nodes: Array, states: Array) -> float:
-        """Return the error bound that is computed from the solution by backward Euler.
+        """Return the bound of the error of backward Euler that is computed from its solution.
 
         Args:
-            nodes: the indices of t_0, …, t_N in the fine grid, (N + 1,).
+            nodes: the indices of the time nodes t_0, …, t_N of backward Euler in the fine grid, (N + 1,).
             states: the displacements U_0, …, U_N, (N + 1, n).
         """
         problem = self.problem
@@ -162,18 +170,21 @@ class EulerBounds:
     def piecewise_constant(self, nodes: Array) -> float:
         """Return the error bound for the piecewise constant function that is U_n on (t_{n−1}, t_n].
 
-        It is ``by_data`` plus k (‖z‖_V + Var f).
+        U_n are the values of backward Euler. The bound is ``by_data`` plus the longest time step times ``fastest``.
 
         Args:
-            nodes: the indices of t_0, …, t_N in the grid, (N + 1,).
+            nodes: the indices of t_0, …, t_N in the fine grid, (N + 1,).
         """
         return self.by_data(nodes) + self.interval * float(np.diff(nodes).max()) * self.fastest
 
     def a_posteriori(self, states: Array) -> float:
-        """Return the error bound that is computed from the solution, F + k (Σ (ξ_n − ξ_{n−1}, δU_n)_V)^½.
+        """Return the error bound from the solution of backward Euler, for a gradient flow and equal steps.
+
+        It is F + k (Σ_n (ξ_n − ξ_{n−1}, δU_n)_V)^½ for the step k. F is the sum of ``delays``, δU_n = (U_n −
+        U_{n−1})/k, and ξ_n = f(t_n) − δU_n with the load f.
 
         Args:
-            states: the displacements U_0, …, U_N, (N + 1, n), where N divides m.
+            states: the displacements U_0, …, U_N, (N + 1, n), where N divides the number of intervals of the fine grid.
         """
         steps = len(states) - 1
         k = self.problem.T / steps

@@ -25,12 +25,12 @@ from study.solve.tableau import BDF2
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """The solution at one time node t_n.
+    """The numerical solution of a contact problem at one time node t_n.
 
     Attributes:
         time: the time t_n.
         u, velocity: the displacement u_n and the velocity δu_n, (dofs,).
-        stress: the stress σ_n on the cells, (D, cells).
+        stress: the stress σ_n on the cells in Mandel form, (D, cells).
         normal: the normal displacement minus the initial gap at the contact vertices, N u_n − g ≤ 0, (m,).
         multipliers: the nodal contact forces λ_n, (m,).
     """
@@ -51,7 +51,7 @@ class Motion:
         solution: the exact solution, which gives the data.
         family, level: the name of the mesh family, and the level of the mesh.
         space: the space V^h.
-        frames: the solution at t_0, …, t_steps. At t_0 the contact forces are set to 0.
+        frames: the solution at the time nodes t_0, t_1, …. At t_0 the contact forces are set to 0.
     """
 
     solution: ExactSolution
@@ -94,10 +94,11 @@ class Motion:
 
 
 def von_mises(stress: Tensors) -> Array:
-    """Return the von Mises stress √(3/2) |dev σ| with dev σ = σ − (tr σ/d) I, (D, ...) → (...).
+    """Return the von Mises stress √(3/2) |dev σ| of stresses σ, (D, ...) → (...).
 
-    The plane problem has no σ_33. Here σ_33 = (σ_11 + σ_22)/2 is taken, so that the deviator is the one of plane
-    tensors that the sets K of (3.3) use. The value is (√3/2) ((σ_11 − σ_22)² + 4 σ_12²)^½, the smallest for any σ_33.
+    The deviator is dev σ = σ − (tr σ/d) I in dimension d. The plane problem has no σ_33. This formula corresponds to
+    σ_33 = (σ_11 + σ_22)/2, so that the deviator is the one of plane tensors, which the convex sets of the law (3.3)
+    use. The value is then (√3/2) ((σ_11 − σ_22)² + 4 σ_12²)^½, the smallest for any σ_33.
     """
     dim = {3: 2, 6: 3}[len(stress)]
     unit = identity(dim)

@@ -46,13 +46,16 @@ from study.fem.space import Displacements
 from study.solve.signorini import ContactSolution, ContactSolver, Signorini
 
 REDUCTION = 0.02
-"""One correction reduces the residual by this factor. More accuracy would be wasted while the active set changes."""
-CORRECTIONS, GRADIENT_ITERATIONS = 200, 300
-"""Largest numbers of corrections in a solve, and of conjugate gradient iterations in a correction."""
-PATIENCE = 5
-"""Number of corrections without progress after which a cycle of active sets is suspected.
+"""Factor by which one correction (some conjugate gradient iterations) reduces the residual of the multigrid solver.
 
-Progress means that the number of unknowns to change has reached a new minimum.
+More accuracy would be wasted while the active set changes.
+"""
+CORRECTIONS, GRADIENT_ITERATIONS = 200, 300
+"""Largest numbers of corrections in a solve by multigrid, and of conjugate gradient iterations in a correction."""
+PATIENCE = 5
+"""Number of corrections without progress after which active sets are supposed to repeat in a cycle.
+
+Progress means that the number of unknowns that must enter or leave the active set has reached a new minimum.
 """
 SMOOTHER = ("chebyshev", {"degree": 2, "lower_bound": 1 / 20})
 """The smoother of the multigrid method: Chebyshev polynomials of degree 2 for eigenvalues above λ_max/20.
@@ -60,7 +63,7 @@ SMOOTHER = ("chebyshev", {"degree": 2, "lower_bound": 1 / 20})
 Higher degrees cost more time than they save.
 """
 COARSEST = 100
-"""Largest number of aggregates on the coarsest level. The matrix of this level is inverted as a dense matrix."""
+"""Largest number of aggregates on the coarsest multigrid level, whose matrix is inverted as a dense matrix."""
 INDEPENDENT = 1e-8
 """Two contact normals at a vertex are refused as linearly dependent if the sine of their angle is below this number."""
 
@@ -70,10 +73,10 @@ class MultigridError(RuntimeError):
 
 
 class Multigrid:
-    """The multigrid solver of contact problems with fixed matrices S and N.
+    """The multigrid solver of contact problems: minimise ½ uᵀSu − bᵀu subject to N u ≤ g, for fixed matrices S and N.
 
-    The solution satisfies N u ≤ g, λ ≥ 0 and λ·(N u − g) = 0 up to rounding, and S u + Nᵀλ = b up to the tolerance.
-    Each solve starts from the last solution and active set.
+    A call with b returns the displacement u and the contact forces λ. They satisfy N u ≤ g, λ ≥ 0 and λ·(N u − g) = 0
+    up to rounding, and S u + Nᵀλ = b up to the tolerance. Each solve starts from the last solution and active set.
 
     Args:
         S: a symmetric positive definite matrix, with the d unknowns of each vertex in sequence, (n, n).
@@ -142,10 +145,11 @@ class Multigrid:
         )
 
     def hold(self, held: NDArray[np.bool_]) -> None:
-        """Set the active set.
+        """Set the active set, and cut the held unknowns out of the matrix.
 
         Args:
-            held: for each row of N, whether its unknown is held at its bound, (m,).
+            held: for each row of the constraint matrix, whether the constraint is active, so that its unknown is held
+                at its bound, (m,).
         """
         self.held = held
         self.free = np.ones(self.A.shape[0])
@@ -173,7 +177,11 @@ class Multigrid:
         return w, np.where(self.held, (r - self.A @ z)[self.bounded] <= 0, values > self.highest)
 
     def cycle(self, r: Array) -> Array:
-        """Apply the preconditioner, a symmetric V-cycle, to a residual that is 0 on the held unknowns."""
+        """Apply the preconditioner, a symmetric V-cycle, to a residual that is 0 on the unknowns held at their bounds.
+
+        Args:
+            r: the residual, (n,).
+        """
         if self.coarse is None:
             return r
         x = np.zeros_like(r)
@@ -205,7 +213,7 @@ def levels(A: sps.bsr_array, modes: Array) -> tuple[MultilevelSolver.Level, Call
 
 
 def rigid_motions(x: Points) -> Array:
-    """Return the displacements at points of all translations and infinitesimal rotations.
+    """Return the displacements at points of all translations and infinitesimal rotations, as columns.
 
     The shape is (d, vertices) → (d·vertices, d(d + 1)/2).
     """
@@ -221,9 +229,10 @@ def rigid_motions(x: Points) -> Array:
 
 
 def local_bases(N: sps.csr_array, d: int) -> tuple[Array, NDArray[np.int64]]:
-    """Return new coordinates at every vertex in which each contact constraint is a bound of one unknown.
+    """Return new displacement coordinates at every vertex in which each contact constraint is a bound of one unknown.
 
-    The matrix of a vertex consists of its rows of N, followed by an orthonormal basis of their orthogonal complement.
+    N is the constraint matrix, and d the dimension. The matrix of a vertex, which gives the new coordinates, consists
+    of its rows of N, followed by an orthonormal basis of their orthogonal complement.
 
     Returns:
         The matrices of the vertices, (n/d, d, d), and the new unknown of each row of N, (m,). Row i of N is row
@@ -265,10 +274,10 @@ def block_diagonal(blocks: Array) -> sps.bsr_array:
 
 
 FACTORED = {2: math.inf, 3: 15_000}
-"""The direct solver is used up to this number n of unknowns, by dimension.
+"""Largest number n of unknowns for which the direct solver is used, by the dimension of the body.
 
-In 2D its factor L has O(n log n) entries, and multigrid takes ten times as long. In 3D L has O(n^{4/3}) entries and
-takes O(n²) operations.
+In 2D its Cholesky factor has O(n log n) entries, and multigrid takes ten times as long. In 3D the factor has O(n^{4/3})
+entries and takes O(n²) operations.
 """
 DIRECT_RESIDUAL = 1e-10
 """Largest relative residual that the direct solver may leave."""
@@ -277,10 +286,10 @@ SHARE = 0.01
 
 
 def contact_solver(space: Displacements) -> Callable[..., ContactSolver]:
-    """Return a function that makes contact solvers for a space: direct ones, or multigrid for large problems in space.
+    """Return a function that makes contact solvers for a space: direct ones, or multigrid for large problems in 3D.
 
-    It is called with the matrix S, the matrix N of the constraints and optionally ``gap=g``. The solver minimises
-    ½ vᵀSv − bᵀv over N v ≤ g.
+    The function is called with a matrix S, the constraint matrix N and optionally the initial gap, ``gap=g``. The
+    solver that it makes minimises ½ vᵀSv − bᵀv subject to N v ≤ g.
     """
     if space.dofs <= FACTORED[space.dim]:
         return partial(Signorini, x=space.free_points)
@@ -288,16 +297,21 @@ def contact_solver(space: Displacements) -> Callable[..., ContactSolver]:
 
 
 def multigrid_tolerance(dim: int, dofs: int) -> float:
-    """Return the relative residual at which multigrid stops: half of the largest permitted one (``residual``)."""
+    """Return the relative residual at which the multigrid solver stops: half of the one that ``residual`` permits.
+
+    Args:
+        dim: the dimension of the body.
+        dofs: the number of unknowns.
+    """
     return SHARE / 2 * (dim / dofs) ** (2 / dim)
 
 
 def residual(dim: int, dofs: int) -> float:
-    """Return the largest permitted relative residual ‖S u + Nᵀλ − b‖/‖b‖ of the contact solver.
+    """Return the largest permitted relative residual ‖S u + Nᵀλ − b‖/‖b‖ of the contact solver for S u + Nᵀλ = b.
 
-    For the direct solver this is ``DIRECT_RESIDUAL``. For multigrid it is ϑ h² with ϑ = ``SHARE`` and h =
-    (d/dofs)^{1/d}. The reason is that a relative residual ρ gives a relative error of at most cond(S)^{1/2} ρ in the
-    norm of S, and cond(S)^{1/2} grows like 1/h. The solver's error is then at most about ϑ h, while the discretisation
-    error is of order h. The constants are measured by tests.
+    For the direct solver this is ``DIRECT_RESIDUAL``. For multigrid it is ϑ h² with ϑ = ``SHARE`` and the mesh size h =
+    (d/dofs)^{1/d}, where d is the dimension ``dim``. The reason is that a relative residual ρ gives a relative error of
+    at most cond(S)^{1/2} ρ in the norm of S, and cond(S)^{1/2} grows like 1/h. The solver's error is then at most about
+    ϑ h, while the discretisation error is of order h. The constants are measured by tests.
     """
     return DIRECT_RESIDUAL if dofs <= FACTORED[dim] else 2 * multigrid_tolerance(dim, dofs)

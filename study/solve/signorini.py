@@ -29,17 +29,20 @@ from manufactured.tensors import Array, Points
 from study.solve.factorisation import Cholesky
 
 ContactSolution = tuple[Array, Array]
-"""The solution of one contact problem: the displacement u, (n,), and the nodal contact forces λ, (m,)."""
+"""The type of the solution of a contact problem: displacement u, (n,), and nodal contact forces λ, (m,)."""
 ContactSolver = Callable[[Array], ContactSolution]
-"""A contact solver: a function from a load b, (n,), to the displacement and the contact forces."""
+"""The type of a contact solver: a function from a load b, (n,), to the displacement and the contact forces."""
 
 
 class Signorini:
-    """The direct solver of contact problems with fixed matrices S and N. Each solve starts from the last active set.
+    """The direct solver of contact problems: minimise ½ uᵀSu − bᵀu subject to N u ≤ g, for fixed matrices S and N.
+
+    A call with b returns the displacement u and the contact forces λ ≥ 0, with S u + Nᵀλ = b. Each solve starts from
+    the last active set.
 
     Args:
         S: a symmetric positive definite matrix, (n, n).
-        N: the matrix of the constraints N v ≤ g, with linearly independent rows, (m, n).
+        N: the constraint matrix, with linearly independent rows, (m, n).
         x: the points to which the unknowns belong, (d, p); they give the order of elimination (see ``Cholesky``).
         gap: the initial gap g, (m,) or a number.
 
@@ -72,17 +75,17 @@ class Signorini:
         return self.factor.backward(y), multipliers
 
     def gap(self, b: Array) -> Array:
-        """Return the normal displacements N S⁻¹ b that a load b causes without contact forces, (m,).
+        """Return the normal displacements N S⁻¹ b of the contact vertices under a load b without contact forces, (m,).
 
         For several loads, (k, n), the result is (k, m).
         """
         return self.factor.forward(b)[..., self.contact] @ self.Y
 
     def complementarity(self, gap: Array) -> Array:
-        """Solve the complementarity problem λ ≥ 0, gap − Wλ ≤ 0, λ·(gap − Wλ) = 0 for the contact forces λ, (m,).
+        """Solve the complementarity problem λ ≥ 0, p − Wλ ≤ 0, λ·(p − Wλ) = 0 for the contact forces λ, (m,).
 
         Args:
-            gap: the penetration without contact forces, N S⁻¹ b − g, (m,).
+            gap: the penetration p = N S⁻¹ b − g that the load b causes without contact forces, (m,).
         """
         active = self.active
         visited: set[bytes] = set()
@@ -101,13 +104,14 @@ class Signorini:
         return self.multipliers_on(self.active, gap)
 
     def multipliers_on(self, active: Array, gap: Array) -> Array:
-        """Return the contact forces with gap − Wλ = 0 on the active set and λ = 0 elsewhere, (m,).
+        """Return the contact forces λ with p − Wλ = 0 on the active set and λ = 0 elsewhere, (m,).
 
-        W is factorised only if the active set differs from the last one.
+        p is the penetration without contact forces, and W = N S⁻¹ Nᵀ maps contact forces to normal displacements. The
+        block of W is factorised only if the active set differs from the last one.
 
         Args:
             active: the active set as flags, (m,).
-            gap: the penetration without contact forces, (m,).
+            gap: the penetration p, (m,).
         """
         if self._factored is None or self._factored[0] != active.tobytes():
             where = np.flatnonzero(active)

@@ -10,7 +10,7 @@ import math
 from study.ledger.files import UsageError
 
 PACE = 8.0
-"""Default number of time steps per unit of time, divided by n^{2/3} at level n."""
+"""Default factor ``pace`` of ``rate_steps``: time steps per unit of time, divided by n^{2/3} at level n."""
 STEPS_LIMIT = 1_000_000
 """Largest number of steps of one solution. More would take days."""
 
@@ -31,13 +31,15 @@ def step_size(T: float, steps: int) -> float:
 
 
 def longest_step(growth: float, newest: float = 1.0, theta: float = 1.0) -> float:
-    """Return the step size below which a time step has a unique solution; infinity if G is monotone.
+    """Return the step size below which a time step has a unique solution; infinity if the elasticity G is monotone.
 
-    A step of size k has a unique solution if (w/k) A + θ G is strongly monotone, which holds for θ k ω < w.
+    A step of size k has a unique solution if (w/k) A + θ G is strongly monotone, with the viscosity A. This holds for θ
+    k ω < w.
 
     Args:
         growth: the largest rate ω ≤ L_G/m_A at which differences of solutions can grow; 0 for a monotone G.
-        newest, theta: the numbers w and θ of the time scheme (``Tableau``). The defaults belong to backward Euler.
+        newest, theta: the numbers w and θ of the time scheme (``Tableau``): the weight of the newest value in the
+            difference quotient, and the fraction of it in the elastic forces. The defaults belong to backward Euler.
     """
     return newest / (theta * growth) if growth else math.inf
 
@@ -72,19 +74,29 @@ def require_steps(steps: int) -> None:
 
 
 def rate_steps(T: float, level: int, pace: float = PACE) -> int:
-    """Return the number of time steps for an error in space of order h: ⌈pace · T · n^{2/3}⌉, so that k ~ h^{2/3}.
+    """Return the number of time steps ⌈pace · T · n^{2/3}⌉ on the mesh of level n, so that the step is k ~ h^{2/3}.
 
-    The mesh has level n, and the factor ``pace`` scales the number of steps. The time error is then of order h for a
-    scheme of order 3/2 (midpoint if u̇ jumps), and of order h^{4/3} for a scheme of order 2.
+    The mesh size is h ~ 1/n. The time error is then of order h for a scheme of order 3/2 (midpoint rule if u̇ jumps),
+    and of order h^{4/3} for a scheme of order 2. It suits an error in space of order h.
+
+    Args:
+        T: the final time.
+        level: the level n of the mesh.
+        pace: a factor by which the number of steps is multiplied.
     """
     return math.ceil(pace * T * level ** (2 / 3))
 
 
 def stress_steps(T: float, level: int, pace: float = PACE) -> int:
-    """Return the number of time steps for an error in space of order h²: about pace/2 · T · n, so that k ~ h.
+    """Return an even number of time steps, about pace/2 · T · n on the mesh of level n, so that the step is k ~ h.
 
-    The mesh has level n, and the factor ``pace`` scales the number of steps. The number lies between T · n and 4 · T ·
-    n and is even and positive, because a solution with half as many steps is computed, too. The difference of both
+    The mesh size is h ~ 1/n. A scheme of order 2 then suits an error in space of order h². The number lies between T ·
+    n and 4 · T · n. It is even because a solution with half as many steps is computed, too; the difference of both
     solutions shows which part of the error is due to time.
+
+    Args:
+        T: the final time.
+        level: the level n of the mesh.
+        pace: a factor by which the number of steps is multiplied.
     """
     return 2 * max(round(min(max(1.0, pace / 2), 4.0) * T * level / 2), 1)

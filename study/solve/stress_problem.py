@@ -62,7 +62,7 @@ SOLVED = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
 
 
 class Accuracy(NamedTuple):
-    """Tolerances of the solver.
+    """Tolerances of the interior-point solver.
 
     Attributes:
         gap: the tolerance for the duality gap, absolute or relative.
@@ -113,11 +113,12 @@ def _act(blocks: Array, values: Array) -> Array:
 
 
 class Potential:
-    """The convex potential of one step of backward Euler, written on every cell as ½ Q y·y + g·y with an unknown y.
+    """The convex potential that one step of backward Euler minimises in the stress problem (Problem 3.2).
 
-    For linear G the unknown is the stress, y = τ. For laws that contain (3.3) it is y = (s₁, ρ, z) with ρ ≥ |z|, where
-    z are the coordinates of a part s₂ of the stress in an orthonormal basis R of the range of P. Then |s₂| = |z| and
-    τ = s₁ + R z, and ρ = |z| at the minimum.
+    On every cell it is ½ Q y·y + g·y with an unknown y that determines the stress τ. The vector g depends on the
+    previous strain. For linear elasticity G the unknown is the stress, y = τ. For laws that contain (3.3), with the
+    convex set K = {τ : |Pτ| ≤ r}, it is y = (s₁, ρ, z) with ρ ≥ |z|, where z are the coordinates of a part s₂ of the
+    stress in an orthonormal basis R of the range of P. Then |s₂| = |z| and τ = s₁ + R z, and ρ = |z| at the minimum.
 
     Args:
         space: the space V^h.
@@ -125,9 +126,9 @@ class Potential:
         k: the length of the step.
 
     Attributes:
-        compliance: the matrix from a stress to the strain that it adds in a step, (cells, D, D). In the docstring of
-            the module it is C⁻¹, k A⁻¹ or Ĉ⁻¹.
-        quadratic: the matrix Q, (cells, p, p).
+        compliance: the inverse of A/k plus the linear part of G, (cells, D, D): the matrix from a stress to the strain
+            that it adds in a step.
+        quadratic: the matrix Q for y with p entries, (cells, p, p).
         stress: the matrix from y to the stress τ, (D, p).
         cone: the number of entries of (ρ, z), which are the last entries of y; 0 for linear G.
         radius: the radius r of K; 0 for linear G.
@@ -174,25 +175,30 @@ class Potential:
             self.quadratic[:, D + 1 :, D + 1 :] = np.eye(R.shape[1]) / yielding.beta
 
     def released(self, strain: Tensors) -> Tensors:
-        """Return the strain at which a step without stress would end, from the previous strain, (D, cells)."""
+        """Return the strain at the end of a time step in which there is no stress.
+
+        Args:
+            strain: the strain at the start of the step, (D, cells).
+        """
         return _act(self.compliance, _act(self._viscosity, strain) - self._at_rest)
 
 
 @dataclass(frozen=True, eq=False)
 class StressState:
-    """The solution of Problem 3.2 at one time node t_n.
+    """The solution of the stress problem (Problem 3.2) at one time node t_n, computed by backward Euler.
 
     Attributes:
         time: the time t_n.
-        stress: the stress σ_n ∈ Σ^h(t_n), (D, cells). At t_0 it is NaN, because backward Euler has no rate there.
+        stress: the admissible stress σ_n, (D, cells), with the D components of a symmetric tensor. At t_0 it is NaN,
+            because backward Euler has no rate there.
         strain: the strain ε_n, computed by the law from σ_n and ε_{n−1}, (D, cells).
         u: the displacement u_n, which is the Lagrange multiplier of the equation of equilibrium, (dofs,).
         multipliers: the nodal contact forces λ_n ≥ 0, (m,); NaN at t_0.
         gap: the duality gap at which the solver stopped; 0 at t_0. It bounds the error of this step: for the same
-            ε_{n−1} and the exact σ* and ε*, it is at least ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in the norm
-            of C. The reason: for the difference of the computed and the exact point, the quadratic part of Φ is
-            −(λ_n − λ*)·N(u_n − u*), which is at most −λ_n·N u_n.
-    D is the number of components of a symmetric tensor, N u ≤ 0 the constraint of contact.
+            ε_{n−1} and the exact σ* and ε*, the gap is at least ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in the
+            norm of C, where C is the tensor A/k + G of a step of length k. The reason: for the difference of the
+            computed and the exact point, the quadratic part of the potential is −(λ_n − λ*)·N(u_n − u*), which is at
+            most −λ_n·N u_n; N u ≤ 0 is the constraint of contact.
     """
 
     time: float
@@ -204,15 +210,17 @@ class StressState:
 
 
 class Programme:
-    """Minimises the potential Φ of a time step over the admissible stresses Σ^h(t) with the solver Clarabel.
+    """Minimises the potential of a time step (``Potential``) over the admissible stresses with the solver Clarabel.
 
-    The solver is made once for all times. The unknown of a cell is scaled by √|T|, so that norms of Q are Euclidean
-    norms on any mesh. With x_T = √|T| y_T and q_T = √|T| g_T the problem is
+    The solver is made once for all times. The unknown y_T of a cell T is scaled by the root of its volume |T|, so that
+    L² norms are Euclidean norms on any mesh. The potential on a cell is ½ Q y_T·y_T + g_T·y_T. With x_T = √|T| y_T and
+    q_T = √|T| g_T the problem is
 
         min Σ_T ½ Q x_T·x_T + q_T·x_T   subject to   Bᵀ x + Nᵀλ = F,   λ ≥ 0,   x_T in its cone,
 
-    with B = (√|T| stressᵀ E)_T. Stresses are measured in units in which the data of the step are of order one, and
-    strains in these units times the norm of the compliance, so that the tolerances of the solver are relative.
+    with B = (√|T| stressᵀ E)_T, the strain matrix E, the constraint matrix N, the load vector F and the contact forces
+    λ. Stresses are measured in units in which the data of the step are of order one, and strains in these units times
+    the norm of the compliance, so that the tolerances of the solver are relative.
     """
 
     def __init__(self, space: Space, potential: Potential) -> None:
@@ -292,7 +300,7 @@ class Programme:
 
 @dataclass(frozen=True, eq=False)
 class StressProblem:
-    """Problem 3.2, whose unknown is the stress, on the strains of a space V^h.
+    """Problem 3.2, whose unknown is the stress, for stresses dual to the strains of the P1 space V^h.
 
     Attributes:
         space: the space V^h.

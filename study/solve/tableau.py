@@ -39,12 +39,15 @@ class TimeProblem(Protocol[StateT]):
 
 @dataclass(frozen=True)
 class Tableau:
-    """A time scheme, given by its weights as in the docstring of the module.
+    """A time scheme for M u̇ + G(u) + N_K(u) ∋ F, given by its weights.
+
+    A step of size k computes u_n from M δu_n + G(θ u_n + (1 − θ) u_{n−1}) + N_K(u_n) ∋ F(t_{n−1+θ}), with the
+    difference quotient δu_n = (w u_n − Σ_{j≥1} w_j u_{n−j})/k. N_K is the normal cone of the admissible set.
 
     Attributes:
         name: the name in tables and on the command line.
         order: the order in k for solutions that are smooth in time.
-        newest: the weight w of u_n in the difference quotient δu_n.
+        newest: the weight w of u_n in the difference quotient.
         past: the weights (w_1, w_2, …) of the earlier values u_{n−1}, u_{n−2}, ….
         theta: the number θ; elastic forces and loads are evaluated at t_{n−1+θ}.
         starting: the scheme of the first steps of a multistep scheme; None for a one-step scheme.
@@ -61,22 +64,34 @@ class Tableau:
     kept: int = 3
 
     def known(self, before: Sequence[Array]) -> Array:
-        """Return Σ_{j≥1} w_j u_{n−j}, the part of the difference quotient from earlier values (…, u_{n−2}, u_{n−1})."""
+        """Return Σ_{j≥1} w_j u_{n−j}, the part of the difference quotient from earlier values with the weights w_j.
+
+        Args:
+            before: the earlier values in the order of time, (…, u_{n−2}, u_{n−1}).
+        """
         return reduce(add, (w * u for w, u in zip(self.past, reversed(before), strict=False)))
 
     def rate(self, u: Array, before: Sequence[Array], k: float) -> Array:
-        """Return the velocity δu_n: the difference quotient of u_n and the earlier values (…, u_{n−2}, u_{n−1})."""
+        """Return the velocity δu_n, the difference quotient of the scheme.
+
+        Args:
+            u: the value u_n.
+            before: the earlier values in the order of time, (…, u_{n−2}, u_{n−1}).
+            k: the step size.
+        """
         return (self.newest * u - self.known(before)) / k
 
     def of_step(self, n: int) -> Tableau:
         """Return the scheme that is used for the step to t_n.
 
-        It is the starting scheme while earlier values are missing, otherwise this scheme.
+        Args:
+            n: the number of the step. The first steps of a multistep scheme, for which earlier values are missing, use
+                the scheme ``starting``.
         """
         return self.starting if self.starting and n < len(self.past) else self
 
     def balanced(self, n: Array | int, k: float) -> Any:
-        """Return the time t_{n−1+θ} at which the forces are in equilibrium in the step to t_n, or in several steps."""
+        """Return the time t_{n−1+θ} = (n − 1 + θ) k at which the forces are in equilibrium in the step to t_n."""
         # The formula is chosen such that, for θ = ½, it gives exactly the same numbers as the knots of splines in
         # ``study.bound``.
         return (1 - self.theta) * ((n - 1) * k) + self.theta * (n * k)
@@ -84,7 +99,8 @@ class Tableau:
     def longest(self, growth: float) -> float:
         """Return the step size below which every step has a unique solution, including the first steps.
 
-        The formula is documented in ``study.solve.steps.longest_step``.
+        Args:
+            growth: the largest rate at which differences of solutions can grow (``study.solve.steps.longest_step``).
         """
         mine = longest_step(growth, self.newest, self.theta)
         return min(mine, self.starting.longest(growth)) if self.starting else mine
@@ -93,7 +109,8 @@ class Tableau:
         """Refuse a step size k for which a time step may have several solutions.
 
         Raises:
-            StepsError: k is too large; the message gives the permitted size.
+            StepsError: k is too large for ``growth``, the largest rate at which differences of solutions can grow; the
+                message gives the permitted size.
         """
         require_unique(self.name, k, growth, self.longest(growth))
 
@@ -116,19 +133,19 @@ class Tableau:
 
 
 BACKWARD_EULER = Tableau("backward-euler", 1.0, 1.0, (1.0,))
-"""Backward Euler: M (u_n − u_{n−1})/k + G(u_n) + N_{K^h}(u_n) ∋ F(t_n)."""
+"""Backward Euler: M (u_n − u_{n−1})/k + G(u_n) + N_K(u_n) ∋ F(t_n), with the normal cone N_K of the admissible set."""
 
 MIDPOINT = Tableau("midpoint", 2.0, 1.0, (1.0,), theta=0.5)
-"""The midpoint scheme: M (u_n − u_{n−1})/k + G((u_n + u_{n−1})/2) + N_{K^h}(u_n) ∋ F(t_{n−1/2}).
+"""The midpoint scheme: M (u_n − u_{n−1})/k + G((u_n + u_{n−1})/2) + N_K(u_n) ∋ F(t_{n−1/2}).
 
-The order is 2 as long as no vertex comes into contact. If a vertex comes into contact and thereby relieves a neighbour
-in contact, the order is 1 (``study.statements.time_steps``).
+N_K is the normal cone of the admissible set. The order is 2 as long as no vertex comes into contact. If a vertex comes
+into contact and thereby relieves a neighbour in contact, the order is 1 (``study.statements.time_steps``).
 """
 
 BDF2 = Tableau("bdf2", 2.0, 1.5, (2.0, -0.5), starting=BACKWARD_EULER, kept=2)
-"""The backward difference formula of order 2: M (3u_n − 4u_{n−1} + u_{n−2})/(2k) + G(u_n) + N_{K^h}(u_n) ∋ F(t_n).
+"""The backward difference formula of order 2: M (3u_n − 4u_{n−1} + u_{n−2})/(2k) + G(u_n) + N_K(u_n) ∋ F(t_n).
 
-The first step is a step of backward Euler.
+N_K is the normal cone of the admissible set. The first step is a step of backward Euler.
 """
 
 SCHEMES = (BACKWARD_EULER, BDF2, MIDPOINT)

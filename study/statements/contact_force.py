@@ -78,9 +78,11 @@ from study.statements.shared.norms import FacePoints, maximum, midpoints
 from study.statements.shared.scope import Scope
 
 FORCE_ERRORS = "pressure", "dual", "resultant"
-"""Relative errors of the contact force over (0, T), as columns.
+"""Columns with relative errors of the contact force over (0, T).
 
-They are the error of the pressure in L²(Γ3), in the dual norm, and of the total force on each face."""
+They are the error of the pressure in L²(Γ3), the error in the dual norm sup_v ∫ p v_ν/‖v‖_V, and the error of the total
+force on each face.
+"""
 TIME_SHARES = tuple(f"{name}_time_share" for name in FORCE_ERRORS)
 CONTACT = CsvFile("contact.csv")
 FACET_GAUSS_POINTS, SOLID_FACET_GAUSS_POINTS = 20, 6
@@ -90,11 +92,11 @@ Many are needed, because the pressure has kinks inside facets."""
 
 
 class PressedFace(FacePoints):
-    """One contact face with quadrature points, the exact pressure there, and the hat functions of its vertices.
+    """One contact face with quadrature points, the exact solution there, and the hat functions of its vertices.
 
     Attributes:
         functions: the values of the hat functions φ_i of the m unclamped vertices of the face, (points, m).
-        mass: the mass matrix ∫ φ_i φ_j, (m, m).
+        mass: the mass matrix ∫ φ_i φ_j over the face, (m, m).
     """
 
     def __init__(self, solution: ExactSolution, space: Space, face: Face, vertices: Array) -> None:
@@ -105,14 +107,15 @@ class PressedFace(FacePoints):
 
 
 class Forces:
-    """Measures errors of nodal contact forces and the penetration between the vertices.
+    """Measures errors of nodal contact forces, and the penetration of the foundation between vertices.
 
     Attributes:
         space: the P1 displacement space V^h.
         faces: the contact faces.
         ends: the numbers of the rows of N, the matrix of normal displacements, at which the rows of a new face begin.
         clamped: the number of faces that have a vertex on the clamped boundary Γ1.
-        W: the matrix N M⁻¹ Nᵀ, which gives the dual norm sup_v y·Nv/‖v‖_V = (y·Wy)^½ of nodal forces y, (m, m).
+        W: the matrix N M⁻¹ Nᵀ, with the matrix M of (·,·)_V. It gives the dual norm sup_v y·Nv/‖v‖_V = (y·Wy)^½ of
+            nodal forces y, (m, m).
     """
 
     def __init__(self, setup: Experiment) -> None:
@@ -129,7 +132,8 @@ class Forces:
     def squares(self, times: Array, multipliers: Array) -> tuple[Array, Array]:
         """Return sums over time of the squared errors of the contact force and of the squared exact norms, (3,) each.
 
-        The three entries belong to the errors that ``FORCE_ERRORS`` names.
+        The three entries belong to the errors in ``FORCE_ERRORS``: of the pressure in L²(Γ3), in the dual norm, and of
+        the total force on each face.
 
         Args:
             times: the times, (n,).
@@ -152,17 +156,21 @@ class Forces:
         return np.array(squared), np.array([sizes, np.vdot(y, self.W @ y), np.vdot(total, total)])
 
     def penetration(self, u: Array) -> float:
-        """Return the largest penetration (u_ν)_+ of a P1 displacement over the quadrature points on Γ3."""
+        """Return the largest penetration (u_ν)_+ of a P1 displacement u at the quadrature points on contact faces.
+
+        Args:
+            u: the unknowns of the displacement, (dofs,).
+        """
         nodal = self.space.nodal(u)
         return float(np.max([0.0, *((face.hats @ (face.normal @ nodal)).max() for face in self.faces)]))
 
 
 def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array, float, float]:
-    """Solve by the midpoint rule, and return the errors of the contact force and violations of both sign conditions.
+    """Solve a problem, and return errors of the contact force and violations of both sign conditions of contact.
 
     Returns:
-        The three relative errors over (0, T) that ``FORCE_ERRORS`` names, (3,); the largest relative penetration; and
-        the largest relative tensile force.
+        The relative errors over (0, T) of the pressure in L²(Γ3), of the contact force in the dual norm, and of the
+        total force on each face, (3,); the largest relative penetration; and the largest relative tensile force.
     """
     u, multipliers = histories(setup.march(steps))
     squares, sizes = forces.squares(midpoints(setup.problem.T, steps), multipliers[1:])
@@ -176,9 +184,10 @@ CORNER_CELLS = "a face meets Γ1, and the error depends on whether one cell or t
 LANDS = "lift-and-land"
 """The case whose pressure jumps in time, for which no order of the contact force is claimed."""
 NO_BOUND = "a face meets Γ1, so that the dual norm does not bound the error of the resultant"
-"""Why no order of the resultant is claimed if a contact face meets the clamped boundary Γ1.
+"""Why no order of the resultant, the total force on a face, is claimed if the face meets the clamped boundary Γ1.
 
-The order would follow from the dual norm with v_ν = 1. But v = 0 on Γ1, so no v ∈ V has v_ν = 1 on the whole face."""
+The order would follow from the dual norm with v_ν = 1. But v = 0 on Γ1, so no v ∈ V has v_ν = 1 on the whole face.
+"""
 PRESSURE_ORDER = check_of_order(
     "order-pressure",
     "order of ‖p − p^h‖_{L²(Γ3)}",
@@ -208,11 +217,12 @@ DUAL_ORDERS = (
         between(1, 2, 0.15, 0.2, "the order of ‖Π^h u − u^h‖_V on other meshes"),
     ),
 )
-"""The checks of the order of the dual norm, on one-diagonal meshes and on all others."""
+"""The checks of the order of the contact force in the dual norm, on one-diagonal meshes and on all others."""
 RESULTANT = at_least(1, "the order of the dual norm; 2 if the contact zone is known")
-"""Window of the order of the contact resultant.
+"""Window of the order of the contact resultant, the total contact force on a face.
 
-It has no upper end: parts of the error of the resultant may cancel, so its order may exceed 2."""
+It has no upper end: parts of the error of the resultant may cancel, so its order may exceed 2.
+"""
 FORCE_NORMS = (
     check_of_order(
         "order-resultant", "order of the error of the contact resultant on each face", "resultant", RESULTANT
@@ -240,7 +250,11 @@ EXACT = (
 
 
 def touches(solution: ExactSolution) -> bool:
-    """Return whether an exact solution has contact at some time, according to the formulas of its contact faces."""
+    """Return whether an exact solution has contact at some time.
+
+    The formulas of its contact faces decide: there is no contact if the pressure is 0 or the level function is
+    negative.
+    """
     return any(
         (face.pressure_jet is None or face.pressure_jet.expression != 0) and not sp.sympify(face.level).is_negative
         for face in solution.faces
@@ -248,7 +262,10 @@ def touches(solution: ExactSolution) -> bool:
 
 
 class ContactForce(Statement):
-    """Measures errors of the contact force, penetration and tensile forces, by the midpoint rule with k ~ h."""
+    """Measures errors of the nodal contact forces, penetration and tensile forces, by the midpoint rule with k ~ h.
+
+    k is the time step and h the mesh size.
+    """
 
     label = "contact force"
     claim = "−σ^h_ν → p on Γ3, and u^h_ν ≤ 0 between vertices, for the solutions of Proposition 5.4"

@@ -53,8 +53,8 @@ class BoundSetting(Setting):
     The case may also be a problem whose solution is unknown.
 
     Attributes:
-        scheme: the name of the time scheme that computes u_h.
-        by: how the displacement ũ is computed, from which the bounds follow.
+        scheme: the name of the time scheme that computes the displacement u_h, whose error is bounded.
+        by: how a second displacement ũ is computed, from which the bounds follow.
     """
 
     scheme: str
@@ -62,7 +62,10 @@ class BoundSetting(Setting):
 
     @property
     def trajectory(self) -> str:
-        """The name of the method that computes ũ: "bound" or "enclosure", as the label of the statement."""
+        """The name of the kind of bound: "bound" from u_h alone, or "enclosure" by a more accurate displacement.
+
+        It is also the label of the statement.
+        """
         return self.by.name
 
 
@@ -101,15 +104,14 @@ def by_midpoint(case: str, family: str, levels: Sequence[int], by: Trajectory) -
 
 
 def bounds(cases: Sequence[Case], full: bool) -> Iterator[BoundSetting]:
-    """Yield the settings of both statements in the full or the quick study.
+    """Yield the settings of the statements about upper bounds and about enclosures, in the full or the quick study.
 
     The quick study has upper bounds for the cases in QUICK. It has enclosures on two levels, for one case with a known
     solution and for one problem whose solution is unknown.
 
-    In the full study every case is measured with every time scheme, on the next mesh family of ``FAMILIES_IN_TURN``
-    for each
-    scheme. Enclosures are computed on two levels, but on three for the case ``CHECKED`` and for problems whose solution
-    is unknown.
+    In the full study every case is measured with every time scheme, on the next mesh family of ``FAMILIES_IN_TURN`` for
+    each scheme. Enclosures are computed on two levels, but on three for the case ``CHECKED`` and for problems whose
+    solution is unknown.
     """
     studied = {case.name for case in cases}
     if not full:
@@ -174,9 +176,10 @@ open_problems = lru_cache(problems)
 def measure(
     problem: ResolvedProblem, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
 ) -> tuple[Numbers, Enclosure]:
-    """Compute a displacement and bounds of its error, and return a row of ``bounds.csv`` and the bounds over time.
+    """Compute a displacement u_h and bounds of its error, and return a row of ``bounds.csv`` and the bounds over time.
 
-    If the exact solution is unknown, numbers that depend on the error are NaN.
+    u_h has ``steps`` time steps of ``scheme``, and ``trajectory`` says how the displacement is computed from which the
+    bounds follow. If the exact solution is unknown, numbers that depend on the error are NaN.
 
     Raises:
         BoundError: the body force is not square integrable, f_0 ∉ L²(Ω)².
@@ -244,7 +247,8 @@ class Bounds(Statement):
     def cost(self, setting: BoundSetting) -> float:
         """Return the expected run time in µs.
 
-        It is proportional to the number of cells times the number of time steps with which ũ is computed.
+        It is proportional to the number of cells times the number of time steps of the displacement from which the
+        bounds follow.
         """
         finer = 4**setting.by.refinements * setting.by.shorter if isinstance(setting.by, Refined) else 1
         return 220.0 * setting.level**2 * finer * self.steps(setting)
@@ -280,7 +284,7 @@ UNPREDICTED = "no claim: neither the solution nor its order is known"
 
 
 class BoundedError(Bounds):
-    """Judges the upper bound that is computed from the displacement u_h alone."""
+    """Judges the upper bound of the error that is computed from the displacement u_h alone."""
 
     label = "bound"
     claim = "‖u(t) − u_h(t)‖_V ≤ y(t), where y is computed from u_h and an admissible stress alone"

@@ -76,9 +76,12 @@ from study.statements.thm_4_2 import beyond
 from study.statements.wellposed import planes, strain, vanishing, waves
 
 FIRST_SPIKES = 3
-"""The smallest level j of the spikes: the radius 4^{−j} is small compared with the distance 2^{−j} for j ≥ 3."""
+"""The smallest level j of the spikes of the counterexample ``NodalStart``.
+
+For j ≥ 3 the radius 4^{−j} of a spike is small compared with the distance 2^{−j} between spikes.
+"""
 DIRECTION = np.array([0.0, 1.0])
-"""The direction e_2 of the initial displacement."""
+"""The direction e_2 of the initial displacement of the counterexample ``NodalStart``."""
 
 
 class NodalStart(ListedNumbers):
@@ -154,8 +157,8 @@ class NodalStart(ListedNumbers):
 def spikes(x: Points, last: int) -> Array:
     """Return the function v of ``NodalStart``, a sum of spikes, at the vertices of a grid.
 
-    Spikes of levels j > last are left out. They vanish at all vertices, because their radius is smaller than the
-    distance of their centres from the vertices.
+    A spike of the level j has the radius 4^{−j}. Spikes of levels j > last are left out. They vanish at all vertices,
+    because their radius is smaller than the distance of their centres from the vertices.
 
     Args:
         x: the vertices, (2, ...), with one value of v for each in the result, (...).
@@ -173,18 +176,20 @@ def spikes(x: Points, last: int) -> Array:
 
 
 def mean_energy(A: Linear) -> float:
-    """Return the energy ∫ A ε(v e_2)·ε(v e_2) of a field v e_2 with a radial function v and ∫ |∇v|² = 1.
+    """Return the energy ∫ A ε(v e_2)·ε(v e_2) of a field v e_2 with a radial function v such that ∫ |∇v|² = 1.
 
-    The energy is ½ Σ_i A d_i·d_i with d_i = sym(e_i ⊗ e_2), which is (3μ + λ)/2 for an isotropic A.
+    e_1 and e_2 are the Cartesian unit vectors. The energy is ½ Σ_i A d_i·d_i with d_i = sym(e_i ⊗ e_2), which is (3μ +
+    λ)/2 for an isotropic A.
     """
     directions = np.array([dyad(axis, DIRECTION) for axis in np.eye(2)])
     return float(np.einsum("iI,IJ,iJ->", directions, A.matrix, directions)) / 2
 
 
 def norm_of_start(A: Linear) -> float:
-    """Return an upper bound of the norm ‖u_0‖_V of the counterexample.
+    """Return an upper bound of the norm ‖u_0‖_V of the initial displacement of the counterexample in ``NodalStart``.
 
-    It is the geometric series Σ_j a_j (4^{j−1} · 2π/4^j · ``mean_energy``)^{1/2} over the levels of the spikes.
+    It is the geometric series Σ_j a_j (4^{j−1} · 2π/4^j · ``mean_energy``)^{1/2} over the levels j of the spikes with
+    the heights a_j.
     """
     return math.sqrt(math.pi / 2 * mean_energy(A)) * 2 ** (-FIRST_SPIKES / 2) / (1 - math.sqrt(0.5))
 
@@ -210,7 +215,7 @@ In no case does contact begin or end at these times."""
 INTERPOLATED = {"smooth": SMOOTH_FIELD, "u-0.23": "u(0.23 T)", "u-0.61": "u(0.61 T)"}
 """Names of the interpolated functions in columns, by the keys of the checks."""
 REGULARITY = "τ"
-"""Name of the column with the regularity τ of the trace: v_ν ∈ H^s(Γ3,i) for all s < τ."""
+"""Name of the column with the regularity τ of the normal trace: v_ν ∈ H^s(Γ3,i) on a contact face for all s < τ."""
 FACE_SIZE, TRACE_ERROR = "size of Γ3,{}", "{} on Γ3,{}"
 """Names of the columns for one contact face: its mesh size, and the interpolation error of a trace on it."""
 
@@ -310,9 +315,10 @@ class InterpolationOnContact(ListedNumbers):
         return with_h(space.h, numbers)
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
-        """Yield the criteria for the orders on all faces, in the mesh size on the face.
+        """Yield the criteria for the orders of interpolation on all contact faces, in the mesh size on the face.
 
-        For τ > 2 the paper claims the order 2. Otherwise min(2, τ) is predicted.
+        Let the normal trace lie in H^s for all s < τ. For τ > 2 the paper claims the order 2. Otherwise min(2, τ) is
+        predicted.
         """
         columns = {str(column) for table in groups.values() for column in table}
         of_solution = min(float(table[REGULARITY].min()) for table in groups.values())
@@ -349,8 +355,8 @@ class InterpolationOnContact(ListedNumbers):
 def induced_size(space: Space, part: Part) -> float:
     """Return the mesh size on a boundary part Γ3,i, which follows from its measure and its number of facets.
 
-    The mesh size is ((d − 1)! |Γ3,i| / number of facets)^{1/(d−1)}. On unstructured meshes this size is not exactly
-    proportional to h, because a part has a whole number of facets.
+    The mesh size is ((d − 1)! |Γ3,i| / number of facets)^{1/(d−1)} in dimension d. On unstructured meshes this size is
+    not exactly proportional to h, because a part has a whole number of facets.
     """
     along = space.dim - 1
     return float((math.factorial(along) * part.measure / len(space.facets(part))) ** (1 / along))
@@ -373,13 +379,13 @@ def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
 
 
 RESIDUAL_TIMES = 32
-"""Number of times over which maxima of norms are taken."""
+"""Number of times over which ``ResidualBound`` takes maxima of norms."""
 
 
 class ResidualBound(ListedNumbers):
-    """Compares the norm of the residual R with its bound.
+    """Compares the norm of the residual R of the exact solution, R(t; v) = (σ, ε(v))_Q − (f, v)_V, with its bound.
 
-    This is done for exact solutions, and for a body at rest with G(·, 0) ≠ 0, for which the printed bound is 0.
+    Both are computed for exact solutions, and for a body at rest with G(·, 0) ≠ 0, for which the printed bound is 0.
 
     (5.27): a bound of the residual R in V, with a term that is missing in the paper.
 
@@ -442,9 +448,10 @@ class ResidualBound(ListedNumbers):
 
 
 def share_of_bound(energies: Energies, v_norm: ErrorNorm, problem: SemiDiscrete, law: KelvinVoigt) -> float:
-    """Return the largest norm of the residual over time divided by its bound, for an exact solution.
+    """Return the largest norm over time of the residual R, divided by the bound of ``ResidualBound``.
 
-    The residual is a functional on V^h.
+    The residual R(t; v) = (σ, ε(v))_Q − (f, v)_V of an exact solution, the work of the contact force, is taken as a
+    functional on V^h.
     """
     riesz = Cholesky(problem.M)
     exact = energies.exact
@@ -463,22 +470,31 @@ def share_of_bound(energies: Energies, v_norm: ErrorNorm, problem: SemiDiscrete,
 
 
 def prestress(space: Space, problem: SemiDiscrete, law: KelvinVoigt) -> Tensors:
-    """Return the stress A ε(z) of random contact forces on the cells: z = −M⁻¹Nᵀμ with random μ > 0."""
+    """Return the stress on the cells that random contact forces cause by the viscosity, (D, cells).
+
+    It is A ε(z) with z = −M⁻¹Nᵀμ for random forces μ > 0, the constraint matrix N and the matrix M of (·,·)_V.
+    """
     multipliers = np.random.default_rng(SEED).uniform(size=problem.N.shape[0])
     return on_cells(space, law).A(space.strain(-Cholesky(problem.M)(problem.N.T @ multipliers)))
 
 
 NORM_INSTANTS = 64
-"""Number of nodes of the midpoint rule that approximates norms in time."""
+"""Number of nodes of the midpoint rule by which ``ErrorBounds`` approximates norms in time."""
 STRESS_ROUND_OFF = 1e-11
 """Relative tolerance for round-off: smaller contact pressures, compared with the size of the stresses, count as 0."""
 BOTH_BOUNDS = "(5.21)", "(5.42)"
 GROWTH_EXPONENTS = {bound: f"γ of {bound}" for bound in BOTH_BOUNDS}
 """Names of the columns with the exponents γ: (right side of the bound) / error is predicted to grow like h^{−γ}."""
 RATE, TRACE = "‖η̇‖_{L²(0,T;V)}", "(‖σ_ν‖ ‖η_ν‖)^{1/2}"
-"""The terms of the bounds that may be of lower order than the error, as names of columns."""
+"""Names of the columns with the terms of the bounds (5.21) and (5.42) that may be of lower order than the error.
+
+η = u − Π^h u is the interpolation error of the exact solution.
+"""
 LOGARITHM = "τ = 2"
-"""Name of the column that tells whether the bound (5.42) has a logarithmic factor, which is so for τ = 2."""
+"""Name of the column that tells whether the bound (5.42) has a logarithmic factor.
+
+It has one if the normal trace lies in H^s for all s < 2, but not in H² (τ = 2).
+"""
 
 
 class ErrorBounds(ListedNumbers):
@@ -553,7 +569,11 @@ class ErrorBounds(ListedNumbers):
         return super().records(setting, {**found, **predicted(resolve(setting.case))})
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
-        """Yield two criteria for each of the bounds, which depend on the predicted exponent γ of the case."""
+        """Yield two criteria for each of the bounds (5.21) and (5.42).
+
+        They depend on the predicted exponent γ of the case: the bound divided by the error is predicted to grow like
+        h^{−γ}.
+        """
         (table, *_) = groups.values()
         names = *GROWTH_EXPONENTS.values(), LOGARITHM
         known = {name: table[name].iloc[0] if name in table else math.nan for name in names}
@@ -592,7 +612,14 @@ class ErrorBounds(ListedNumbers):
 
 
 def changing(bound: str, prediction: str) -> Value:
-    """Return the function for the change of a bound under refinement; it needs the column with the prediction γ."""
+    """Return the function that computes how bound/error changes under refinement.
+
+    The data need a column with the exponent γ for which bound/error is predicted to grow like h^{−γ}.
+
+    Args:
+        bound: the column with the quotient of the bound and the error.
+        prediction: the column with γ.
+    """
     growth = change(bound)
     return lambda table: growth(table[[bound, prediction]])
 
@@ -610,7 +637,12 @@ def predicted(case: Case) -> Numbers:
 
 
 def constant(law: KelvinVoigt, T: float) -> float:
-    """Return the constant c of the error estimate that ``ErrorBounds`` proves, for a law and the final time T."""
+    """Return the constant c of the error estimate that ``ErrorBounds`` proves: error ≤ c · (right side).
+
+    Args:
+        law: the material law.
+        T: the final time.
+    """
     L = law.kappa
     omega = law.growth
     on_rate = math.sqrt(4 * T + 2 * L * T**2 + L**2 * T**3 / 3)
@@ -618,7 +650,10 @@ def constant(law: KelvinVoigt, T: float) -> float:
 
 
 def sides(setup: Experiment) -> Numbers:
-    """Return the quotients (right side) / error and error / (c · right side) for the bounds (5.21) and (5.42)."""
+    """Return two quotients for each of the bounds (5.21) and (5.42): (right side)/error and error/(c · right side).
+
+    The right side contains no constant, and c is the constant that ``ErrorBounds`` proves. Keys are names of columns.
+    """
     v_norm = setup.v_norm
     problem = setup.problem
     T = problem.T

@@ -42,13 +42,13 @@ from study.statements.time_steps import PROVED_BELOW_1
 from study.statements.work_of_contact import SEEDS
 
 STEPS_PER_CELL = 4
-"""Number of time steps for each cell along a side of the body."""
+"""Number of time steps for each cell along a side of the body, in ``HalfDerivative``."""
 CUT_RADIUS = 0.2
-"""Radius R of the cut-off about the front."""
+"""Radius R of the cut-off (1 − r²/R²)_+^4 about the contact front, where r is the distance from the front."""
 MIDDLE_TIME, SPEED, FRONTS = 0.625, 0.4, 8
-"""The time at which the front is in the middle of Γ3, its speed, and the number of its places in an edge."""
+"""The time at which the front is in the middle of Γ3, its speed, and the number of its positions in an edge."""
 BEHIND = 3.0
-"""Largest distance behind the front, in edges, at which signed nodal errors are measured."""
+"""Largest distance behind the contact front, in edges of the mesh, at which signed nodal errors are measured."""
 GAUSS_POINTS = 20
 """Number of Gauss points on each edge of a cell."""
 
@@ -70,9 +70,11 @@ HALF_DERIVATIVE = (
 
 
 def half_quotient(problem: SemiDiscrete, states: Array) -> float:
-    """Return the largest quotient of both sides of the lemma on half a derivative, over δ = 2k, 4k, 8k, … up to T/4.
+    """Return the largest quotient of both sides of the bound of half a derivative in time of the discrete velocity.
 
-    The integrals are exact for the velocity of the midpoint rule, which is constant in every step.
+    ``HalfDerivative`` states the bound: the mean over τ < δ of ∫ ‖u̇^h(t + τ) − u̇^h(t)‖² dt is at most C_2 δ. The
+    quotient is largest over δ = 2k, 4k, 8k, … up to T/4, with the time step k. The integrals are exact for the velocity
+    of the midpoint rule, which is constant in every step.
 
     Args:
         problem: the semi-discrete problem.
@@ -97,10 +99,13 @@ def half_quotient(problem: SemiDiscrete, states: Array) -> float:
 
 
 def euler_quotient(flow: EulerBounds, states: Array) -> float:
-    """Return Σ ‖δ_n − δ_{n−1}‖² for backward Euler, divided by its bound.
+    """Return Σ_n ‖δ_n − δ_{n−1}‖² for the velocities δ_n of backward Euler, divided by its bound in ``HalfDerivative``.
+
+    δ_n = (U_n − U_{n−1})/k are difference quotients of the displacements U_n with the step k, and δ_0 is the initial
+    velocity.
 
     Args:
-        flow: the problem, with its loads at t_0, …, t_N and κ = L_G/m_A.
+        flow: the problem, with its loads at the time nodes t_0, …, t_N and the Lipschitz constant κ = L_G/m_A.
         states: the displacements U_0, …, U_N, (N + 1, dofs).
     """
     rates = np.vstack([flow.start, np.diff(states, axis=0) / flow.interval])
@@ -111,9 +116,10 @@ def euler_quotient(flow: EulerBounds, states: Array) -> float:
 
 
 class HalfDerivative(ListedNumbers):
-    """Measures half a derivative of the discrete velocity in time, over its bound.
+    """Measures half a derivative in time of the discrete velocity u̇^h, divided by its bound.
 
-    Beyond the paper: u̇^h has half a derivative in time, and the nodal errors of the projection P_h have a bound.
+    Beyond the paper: u̇^h has half a derivative in time, and the nodal errors of the projection P_h onto V^h in (·,·)_V
+    have a bound.
 
     Both statements are lemmas with which the order of the error at moving fronts is proved (paper/velocity.tex,
     paper/fronts.tex). Here they are measured themselves.
@@ -136,8 +142,9 @@ class HalfDerivative(ListedNumbers):
         |(P_hu_s − Π^hu_s)_ν(a)| ≤ C h² L (h + |a − x(t)|)^{−1/2}.
 
     θ(t) is the factor of the singular field. Two numbers are measured over eight places of the front in an edge. The
-    first is the largest C/θ. The second is the largest signed error (P_hu_s)_ν(a)/(θ h^{3/2}) at vertices in contact,
-    at most three edges behind the front. There u_ν = 0, so P_hu_s violates the constraint where it is positive.
+    first is the largest C/θ, with the least C for which the inequality holds. The second is the largest signed error
+    (P_hu_s)_ν(a)/(θ h^{3/2}) at vertices in contact, at most three edges behind the front. There u_ν = 0, so P_hu_s
+    violates the constraint where it is positive.
 
     **Predicted** before these programs existed, from prototypes:
 
@@ -183,7 +190,10 @@ SIGN = consequence(
 
 
 class NodalErrors(ListedNumbers):
-    """Measures nodal errors of the projection P_h near an advancing natural front."""
+    """Measures nodal errors of the projection P_hu of the exact displacement u near an advancing natural front.
+
+    P_h is the projection onto V^h in (·,·)_V. Errors are measured at the vertices of the contact boundary.
+    """
 
     label = "beyond: nodal errors"
     claim = "|(P_hu_s − Π^hu_s)_ν(a)| ≤ C h² |log h| (h + |a − x(t)|)^{−1/2} on Γ3, with both signs on irregular meshes"
@@ -218,7 +228,11 @@ class NodalErrors(ListedNumbers):
         return with_h(h, numbers)
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
-        """Yield the check of the constant on all meshes, and that of the sign on all random meshes together."""
+        """Yield two checks of nodal errors of the projection P_hu onto V^h near the front.
+
+        The first bounds the constant C of ``HalfDerivative``, on all meshes. The second checks the sign of the error,
+        on all random meshes together.
+        """
         yield (
             consequence(
                 "constant",
@@ -234,7 +248,7 @@ class NodalErrors(ListedNumbers):
 
 
 def front_at(solution: ExactSolution, time: float) -> float:
-    """Return the place c(t) of the front along Γ3."""
+    """Return the coordinate c(t) of the contact front along the contact face at a time."""
     (face,) = solution.faces
     assert isinstance(face, SingularFace)
     assert isinstance(face.field, TravellingField)
@@ -242,7 +256,10 @@ def front_at(solution: ExactSolution, time: float) -> float:
 
 
 def cut_solution(solution: ExactSolution, time: float, x: Points) -> Vectors:
-    """Return u_s(x) = (1 − r²/R²)_+^4 u(x), where r is the distance from the front, (2, points)."""
+    """Return the displacement near the front, u_s(x) = (1 − r²/R²)_+^4 u(x), at points, (2, points).
+
+    u is the exact displacement, r the distance of x from the contact front, and R = ``CUT_RADIUS``.
+    """
     place = solution.faces[0].part.point(np.array([[front_at(solution, time)]]))
     cut = np.maximum(1 - np.sum((x - place) ** 2, axis=0) / CUT_RADIUS**2, 0.0) ** 4
     return cut * solution.at(x).displacement(time)
@@ -253,8 +270,9 @@ def means_from_edges(
 ) -> Tensors:
     """Return the mean of the strain ε(u) on some cells, (D, n), from the displacement u on their edges.
 
-    By the divergence theorem, ∫_T ∇u = Σ_e ν_e ⊗ ∫_e u. On the edge e opposite to vertex i, |e| ν_e = −2|T| ∇λ_i. So
-    the mean of ∇u is −2 Σ_i ∇λ_i ⊗ ū_i, where ū_i is the mean of u on this edge.
+    By the divergence theorem, ∫_T ∇u = Σ_e ν_e ⊗ ∫_e u for the edges e of a cell T with the normals ν_e. On the edge e
+    opposite to vertex i with the hat function λ_i, |e| ν_e = −2|T| ∇λ_i. So the mean of ∇u is −2 Σ_i ∇λ_i ⊗ ū_i, where
+    ū_i is the mean of u on this edge.
 
     Args:
         displacement: the displacement u, a function of points.
@@ -273,19 +291,20 @@ def means_from_edges(
 
 
 FORCE_DEGREE, RAISED_FORCE_DEGREE = 2, 6
-"""Degree of the quadrature rule for f_0 on cells, and of a finer rule by which the quadrature error is estimated."""
+"""Degrees of the quadrature rule for the body force on cells, and of a finer rule that shows the quadrature error."""
 FRONT_STEPS_PER_CELL = 2
-"""Number of time steps for each cell along a side of the body.
+"""Number of time steps for each cell along a side of the body, in ``AdvancingFront``.
 
-The solution with twice as many steps is used as the semi-discrete solution u^h."""
+The solution with twice as many steps is used as the semi-discrete solution u^h.
+"""
 ERROR_INSTANTS, FEW_INSTANTS = 32, 4
 """Number of times at which errors and velocities are measured, and number at which two quadratures are compared.
 
 Errors are measured at about as many evenly spaced time nodes, or at all nodes if there are fewer."""
 INCREMENT = 1e-30
-"""Imaginary increment with which a derivative is computed."""
+"""Imaginary increment with which ``travelling_weight`` computes a derivative."""
 FROM = 16
-"""The level from which the growth of the pairing is judged."""
+"""The level from which the growth of the quantity ``pairing`` is judged."""
 NEGLIGIBLE_SHARE = positive_at_most(0.02, "negligible against the error")
 
 
@@ -314,11 +333,11 @@ class AdvancingFront(ListedNumbers):
       of any speed.
     * ‖u̇ − Π^h u̇‖_{L²(0,T;V)} ~ h^{1/2}. Observed orders are higher on coarse meshes, because smooth parts have order
       1.
-    * The *excess* ‖u^h − u^h_lin‖ has an order between 1 and 3/2; the proof gives 1/2. Here u^h_lin solves the linear
-      problem in which the exact normal stress σ_ν is a given traction. The front passes a cell in a time ~ h, during
-      which velocities have an error of h^{1/2}. So an error of the size h^{3/2} remains in each of h^{−1} cells. If
-      these errors have independent signs, they add up to h^{3/2} h^{−1/2} = h. If they are the same in all cells, their
-      sum is a smooth field of order h^{3/2}.
+    * The *excess* ‖u^h − u^h_lin‖, the part of the error that is due to contact, has an order between 1 and 3/2; the
+      proof gives 1/2. Here u^h_lin solves the linear problem in which the exact normal stress σ_ν is a given traction.
+      The front passes a cell in a time ~ h, during which velocities have an error of h^{1/2}. So an error of the size
+      h^{3/2} remains in each of h^{−1} cells. If these errors have independent signs, they add up to h^{3/2} h^{−1/2} =
+      h. If they are the same in all cells, their sum is a smooth field of order h^{3/2}.
 
     **Predicted** for what the proofs of these theorems use, from a prototype with one diagonal and n ≤ 128. L is |log
     h|:
@@ -328,11 +347,11 @@ class AdvancingFront(ListedNumbers):
       paper/fronts.tex). The prototype has at most 0.001 h² L². At most 0.01 h² L² is demanded: with |(P_hu)_ν(a)| in
       place of (P_hu)_ν(a) it would be 0.05 to 0.16. Unstructured meshes, which the prototype did not have, were found
       to need up to 0.0044.
-    * *Pairing*, the largest |∫_0^t (u̇^h, D_h)_V ds| over t, is the term of the proof in which a singular field travels
-      with the front: D_h is the interpolant of ∂_x(ζ_0 W^h) ν, with W^h = x (r² + h²)^{−1/4} and a cut-off ζ_0 that is
-      1 near the front. At most C L is proved (Lemma 2 of paper/fronts.tex), because D_h travels and u̇^h has half a
-      derivative in time; from ‖D_h‖_V alone it could grow like h^{−1/2}. The prototype grows by 0.24 to 0.29 whenever n
-      is doubled. From n = 16 the increments must lie between 0.1 and 0.5: a bounded pairing falls below 0.1.
+    * *Pairing*, the largest |∫_0^t (u̇^h, D_h)_V ds| over t, is the term of the proof in which a singular field D_h
+      travels with the front. D_h is the interpolant of ∂_x(ζ_0 W^h) ν, with W^h = x (r² + h²)^{−1/4} and a cut-off ζ_0
+      that is 1 near the front. At most C L is proved (Lemma 2 of paper/fronts.tex), because D_h travels and u̇^h has
+      half a derivative in time; from ‖D_h‖_V alone it could grow like h^{−1/2}. The prototype grows by 0.24 to 0.29
+      whenever n is doubled. From n = 16 the increments must lie between 0.1 and 0.5: a bounded pairing falls below 0.1.
     * *Half a derivative* of u̇^h in time, with the windows of ``HalfDerivative``.
 
     The load is computed as (f_0, v) + (f_2, v)_{Γ2}, because f_0 is bounded, while the stress that ``ErrorNorm.load``
@@ -434,12 +453,15 @@ class AdvancingFront(ListedNumbers):
 
 
 def violation(v_norm: ErrorNorm, problem: SemiDiscrete, forces: Array) -> float:
-    """Return ∫_0^T (Σ_a λ_a (P_hu)_ν(a))^+ dt, where P_h is the projection onto V^h in (·,·)_V.
+    """Return the work of the discrete contact forces where the projection P_hu violates the constraint, ∫_0^T w^+ dt.
+
+    Here w = Σ_a λ_a (P_hu)_ν(a), with the forces λ_a at the contact vertices a. P_hu is the projection of the exact
+    displacement u onto V^h in (·,·)_V.
 
     Args:
         v_norm: gives the exact solution u.
         problem: the semi-discrete problem.
-        forces: the contact forces λ in the middle of each time step, (steps, m).
+        forces: the contact forces λ_a in the middle of each time step, (steps, m).
     """
     project = Signorini(problem.M, problem.N)
     A = v_norm.A.matrix
@@ -450,11 +472,15 @@ def violation(v_norm: ErrorNorm, problem: SemiDiscrete, forces: Array) -> float:
 
 
 def pairing(solution: ExactSolution, space: Space, momenta: Array) -> float:
-    """Return the largest value of |∫_0^t (u̇^h, D_h)_V ds| over the time nodes t.
+    """Return the largest value over the time nodes t of |∫_0^t (u̇^h, D_h)_V ds|.
+
+    u̇^h is the discrete velocity. D_h is the nodal interpolant of the field w ν in V^h, where ν is the normal of the
+    contact face, and the function w (``travelling_weight``) is singular at the contact front and travels with it.
 
     Args:
         solution, space: the exact solution, which gives the front, and the space V^h.
-        momenta: the functionals (u_n − u_{n−1}, ·)_V of the time steps, (dofs, steps).
+        momenta: the functional v ↦ (u_n − u_{n−1}, v)_V of the displacements u_n, for each time step and all basis
+            functions v, (dofs, steps).
     """
     (face,) = solution.faces
     (along,), into = face.part.coordinates(space.mesh.p)
@@ -465,7 +491,14 @@ def pairing(solution: ExactSolution, space: Space, momenta: Array) -> float:
 
 
 def travelling_weight(x: Array, y: Array, h: float) -> Array:
-    """Return ∂_x(ζ_0 W^h), W^h = x (x² + y² + h²)^{−1/4}, for the cut-off ζ_0 = (1 − (x² + y²)/``CUT_RADIUS``²)_+^4."""
+    """Return ∂_x(ζ_0 W^h), a function that is singular at x = y = 0 except for a regularisation of the size h.
+
+    W^h = x (x² + y² + h²)^{−1/4}, and ζ_0 = (1 − (x² + y²)/``CUT_RADIUS``²)_+^4 is a cut-off.
+
+    Args:
+        x, y: the coordinates of points along the contact face, relative to the contact front, and into the body.
+        h: the mesh size.
+    """
     z = x + INCREMENT * 1j
     inside = 1 - (z**2 + y**2) / CUT_RADIUS**2
     values = z * (z**2 + y**2 + h**2) ** -0.25 * inside**4

@@ -142,7 +142,7 @@ class PlainProblem:
         return sps.csc_array(self.E.T @ tensor @ self.E)
 
     def work(self, stress: Tensors) -> Array:
-        """Return the work of a stress on strains as a load vector, v ↦ (σ, ε(v))_Q, (n,).
+        """Return the work (σ, ε(φ_i))_Q of a stress σ on the strains of all basis functions φ_i, (n,).
 
         Args:
             stress: σ at the quadrature points in the cells, (D, points).
@@ -156,7 +156,8 @@ class PlainProblem:
     def load(self, time: float) -> Array:
         """Return the load vector at one time, from the exact stress and pressure, (n,).
 
-        It is the functional v ↦ (σ, ε(v))_Q + ∫_{Γ3} p v_ν.
+        Its entries are (σ, ε(v))_Q + ∫_{Γ3} p v_ν for the basis functions v, with the stress σ and the contact pressure
+        p.
         """
         on_faces = [load @ exact.pressure(time).ravel() for load, exact in self.faces]
         return self.work(self.exact.stress(time)) + np.sum(on_faces, axis=0)
@@ -168,8 +169,8 @@ class PlainProblem:
     def contact(self, b: Array, k: float) -> ContactSolution:
         """Solve the contact problem of one time step by the method of Lawson and Hanson.
 
-        The problem is M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0. With RᵀR = NM⁻¹Nᵀ, λ minimises
-        |Rλ − R⁻ᵀNM⁻¹b| over λ ≥ 0.
+        The problem is M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0, with the matrix M of the viscous form and the
+        constraint matrix N. With RᵀR = NM⁻¹Nᵀ, λ minimises |Rλ − R⁻ᵀNM⁻¹b| over λ ≥ 0.
 
         Args:
             b: the right-hand side, (n,).
@@ -183,11 +184,11 @@ class PlainProblem:
         return k * (free - self._response @ multipliers), multipliers
 
     def trajectory(self, steps: int, load: Callable[[float], Array]) -> Trajectory:
-        """Solve by the midpoint rule from the initial value Π^h u_0.
+        """Solve the problem by the midpoint rule from the initial value Π^h u_0, the nodal interpolant.
 
         Args:
             steps: the number of time steps.
-            load: the function t ↦ F(t), (n,).
+            load: the function from a time t to the load vector F(t), (n,).
 
         Returns:
             The displacements and the contact forces at the time nodes. The contact forces at t = 0 are set to 0.
@@ -276,7 +277,7 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
 
 
 def quotient(difference: Any, size: Any) -> float:
-    """Return a difference relative to a size; if the size is 0, whether there is a difference."""
+    """Return a difference relative to a size. If the size is 0, return 1 if there is a difference, otherwise 0."""
     return float(difference / size if size else difference > 0)
 
 
@@ -392,13 +393,14 @@ ROUNDED_IN_FILES = at_most(1e-10, "of the error; ten times the rounding of numbe
 
 @dataclass(frozen=True)
 class Peer:
-    """A contact code of other people, its parameters, and the tolerance for the relative difference of its errors.
+    """A contact code of other people, its parameters, and the tolerance for the difference from this study.
 
-    Only codes are compared that, according to their documentation, impose the contact condition at vertices.
-    scikit-fem is not compared, because this study uses it for assembly.
+    The difference is the relative difference of the errors in V. Only codes are compared that, according to their
+    documentation, impose the contact condition at vertices. scikit-fem is not compared, because this study uses it for
+    assembly.
 
     Attributes:
-        key: the key of the check.
+        key: the key of the check that compares the code with this study.
         code, variant: the name and the parameters of the code, as in ``errors.csv``.
         window: the window of |error of the code / error of this study − 1|.
     """
@@ -423,7 +425,7 @@ PEERS = (
 )
 PLANE = "advance-recede", "rotated", "corner", "layered", "anisotropic", "lift-and-land"
 MARCHED = frozenset(grid(("advance-recede", "anisotropic"), ("one-diagonal",), (8, 16, 32)))
-"""The settings in which solutions in time are compared as well."""
+"""The settings (case, mesh family, level) in which solutions in time of other codes are compared as well."""
 PROBLEM_KEY = ["case", "family", "level", "quantity"]
 """The columns that identify a problem. The column "quantity" is the mode, static ("frozen") or in time ("march")."""
 
@@ -526,7 +528,12 @@ class OtherCodes(ListedNumbers):
 
 
 def differences(rows: pd.DataFrame) -> Array:
-    """Return the relative differences of the errors of another code and of this study."""
+    """Return the relative differences between the errors of another code and the errors of this study.
+
+    Args:
+        rows: the errors of the other code in the column ``error``, and the errors of this study in the column
+            ``value``.
+    """
     return (rows["error"] / rows["value"] - 1).abs().to_numpy()
 
 

@@ -72,7 +72,7 @@ FORCE = (
 def judge_own(verdicts: Sequence[Verdict], rows: pd.DataFrame) -> list[Verdict]:
     """Return the verdicts on the case of a user.
 
-    A check that misses its window because the case is not suitable as a test is undecided and does not fail.
+    A check that misses its tolerance window because the case is not suitable as a test is undecided and does not fail.
 
     Args:
         verdicts: the verdicts that a case of the catalogue would get.
@@ -99,8 +99,8 @@ def judge_own(verdicts: Sequence[Verdict], rows: pd.DataFrame) -> list[Verdict]:
 def unclaimed(verdict: Verdict) -> Verdict:
     """Return a verdict, changed to *reported* if it fails only because the contact force is not superclose.
 
-    On one-diagonal meshes the order of the contact force is higher by one half. The paper does not claim this half, and
-    it appears only on fine meshes if contact fronts are a few cells apart.
+    On one-diagonal meshes the order of the contact force is higher by one half than on other meshes (superclose). The
+    paper does not claim this half, and it appears only on fine meshes if contact fronts are a few cells apart.
     """
     superclose, other = DUAL_ORDERS
     missed = (verdict.label, verdict.key, verdict.verdict) == (ContactForce.label, superclose.key, FAILS)
@@ -111,7 +111,7 @@ def unclaimed(verdict: Verdict) -> Verdict:
 
 
 def reason(verdict: Verdict, groups: Groups, expected: float, remedy: str) -> str:
-    """Return why a check that does not hold is undecided, or "" if the data contradict the statement.
+    """Return why a check that misses its window is undecided, or "" if the data contradict the statement.
 
     Args:
         verdict: the verdict on the check.
@@ -144,7 +144,9 @@ def reason(verdict: Verdict, groups: Groups, expected: float, remedy: str) -> st
 
 
 def reason_of_force(verdict: Verdict, verdicts: Sequence[Verdict], remedy: str) -> str:
-    """Return why a check of the contact force is undecided, or "" if it is decided or violates an identity.
+    """Return why a check of the contact force is undecided, or "" if it is decided.
+
+    Checks of identities, which hold up to rounding, are always decided.
 
     Args:
         verdict: the verdict on the check.
@@ -175,7 +177,7 @@ def why_missed(series: Sequence[Array], target: float, room: float, remedy: str)
     of a series miss the limit on the same side by more than the tolerance, and the last one is hardly nearer.
 
     Args:
-        series: for every mesh family, the values from coarse to fine.
+        series: for every mesh family, the observed values from the coarsest to the finest mesh.
         target: the predicted limit.
         room: the tolerance.
         remedy: the advice to add to the reason.

@@ -51,9 +51,9 @@ def mesh_for(body: Body) -> tuple[MeshFamily, int]:
 
 
 def record(name: str, motion: Motion, every: int) -> Numbers:
-    """Return the data for the pictures of a solution: contact gap, pressure, displacement and stress over time.
+    """Return the data for the figures and the report page of a computed solution, as a dictionary.
 
-    The computed pressure at a vertex is its contact force divided by the integral of its shape function.
+    The computed pressure at a vertex is its contact force divided by the integral of its shape function over Γ3.
 
     Args:
         name: the name of the case.
@@ -61,15 +61,17 @@ def record(name: str, motion: Motion, every: int) -> Numbers:
         every: the data are taken from every ``every``-th time step.
 
     Returns:
-        A dictionary. ``cells`` are the triangles of the mesh, in 3D the triangles of its surface, and ``vertices``
-        their corners. ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are compressed. ``shapes``
-        are the times at which the deformed mesh is shown.
+        The figures show the triangles of the mesh, in 3D the triangles of the surface of the body. ``vertices`` are the
+        coordinates of their corners, (d, vertices), and ``cells`` are these triangles, as indices into ``vertices``,
+        (3, cells). ``displacement`` (times, d, vertices) and ``von_mises``, the von Mises stress (times, cells), are
+        compressed. ``times`` are the times of these data, and ``shapes`` the times at which the deformed mesh is shown.
 
-        Each of ``faces`` has gap, pressure and their exact values at the contact vertices. In 2D these are written as
-        numbers, ``zone_exact`` has the ends of the exact contact zone, and ``line`` has exact values at evenly spaced
-        points, compressed. In 3D all values are compressed, and ``nodes`` are the indices of the contact vertices in
-        ``vertices``. ``level_exact`` is the level function ψ at these vertices and at the midpoints between them; the
-        exact zone is {ψ ≥ 0}.
+        ``faces`` has one dictionary for each contact face, with the coordinates ``s`` of its contact vertices along the
+        face, and ``gap``, ``pressure`` and the exact values ``gap_exact``, ``pressure_exact`` at these vertices over
+        time. In 2D these are written as numbers, ``zone_exact`` has the ends of the exact contact zone, and ``line``
+        has exact values at evenly spaced points, compressed. In 3D all values are compressed, and ``nodes`` are the
+        indices of the contact vertices in ``vertices``. ``level_exact`` is the level function ψ at these vertices and
+        at the midpoints between them; the exact zone is {ψ ≥ 0}.
     """
     solution = motion.solution
     space = motion.space
@@ -95,7 +97,7 @@ def record(name: str, motion: Motion, every: int) -> Numbers:
 
 
 def contact_weights(space: Space) -> Array:
-    """Return the integral over Γ3 of the hat function of each contact vertex, (m,).
+    """Return the integral over the contact boundary of the hat function of each contact vertex, (m,).
 
     A vertex between two contact faces with different normals has one integral for each face.
     """
@@ -112,7 +114,16 @@ def contact_weights(space: Space) -> Array:
 def faces(
     solution: ExactSolution, space: Space, skin: Skin, times: Array, normal: Array, pressure: Array
 ) -> Iterator[Numbers]:
-    """Yield the data of the contact faces for the pictures; ``record`` describes their contents."""
+    """Yield for each contact face the dictionary of data for the figures that ``record`` describes.
+
+    Args:
+        solution: the exact solution.
+        space: the space V^h.
+        skin: the triangles that the figures show.
+        times: the times, (times,).
+        normal: the normal displacement minus the initial gap at the m contact vertices, (times, m).
+        pressure: the computed contact pressure at the contact vertices, (times, m).
+    """
     plane = space.dim == 2
     start = 0
     write: Callable[[Array], Any] = short if plane else packed
@@ -166,14 +177,17 @@ def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: A
 
 
 def packed(values: Array) -> Numbers:
-    """Return values at points over time in the compressed format of the pictures, with many digits."""
+    """Return the values of a function at points over time in the compressed format of the pictures.
+
+    Many digits are kept.
+    """
     return Packed.of(values, FINE_UNITS).record()
 
 
 def intervals(s: Array, level: Array) -> list[list[float]]:
     """Return the parts of a contact face in contact, as intervals [begin, end] of the coordinate s.
 
-    The face is in contact where the level function ψ ≥ 0. It is interpolated linearly between the points.
+    The face is in contact where the level function is ψ ≥ 0. ψ is interpolated linearly between the points.
 
     Args:
         s: the coordinates of the points, (points,).

@@ -136,12 +136,13 @@ class Rates(FromRates):
 RESPONSE, MORE = 12, 4
 """Number of time steps with which the effect of the load's quadrature error on u^h is first estimated.
 
-The second number is the factor by which the number of steps is increased.
+``MORE`` is the factor by which the number of steps is increased.
 
 The quadrature error changes from step to step and averages out over many steps, so a small number of steps
-overestimates its effect."""
+overestimates its effect.
+"""
 NEGLIGIBLE_QUADRATURE = 0.01
-"""Relative effect of quadrature below which it is not computed again with more steps."""
+"""Relative effect of quadrature errors on the error up to which a rough estimate with few time steps suffices."""
 
 
 def measure(experiment: Experiment) -> Measurement:
@@ -175,15 +176,15 @@ def measure(experiment: Experiment) -> Measurement:
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """Errors of a discrete solution over time.
+    """Errors of a discrete solution u^h over time.
 
     Attributes:
         experiment: the experiment.
         history: five rows with values at the time nodes, (5, nodes): the time t, the error ‖u − u^h‖_V, the
-            interpolation error ‖u − Π^h u‖_V, the discrete error ‖Π^h u − u^h‖_V, and the error of the mean of both,
-            ‖u − (u^h + Π^h u)/2‖_V.
-        drift: the effect of the time step, max_n ‖u^h_k − u^h_{k/2}‖_V.
-        residual: the largest relative residual of a contact problem.
+            interpolation error ‖u − Π^h u‖_V, the discrete error ‖Π^h u − u^h‖_V, and the error of the mean of both, ‖u
+            − (u^h + Π^h u)/2‖_V.
+        drift: the effect of the time step, max_n ‖u^h_k − u^h_{k/2}‖_V for the solutions with the steps k and k/2.
+        residual: the largest relative residual that the contact solver left in a time step.
         worst: the discrete solution at the time of the largest error.
     """
 
@@ -194,7 +195,7 @@ class Measurement:
     worst: State
 
     def errors(self) -> Numbers:
-        """Return the largest errors, the times at which they occur, and the share of the error in time."""
+        """Return the largest errors over time, the times at which they occur, and the share of the error in time."""
         error, interpolation, discrete = self.history[1:4].max(axis=1)
         at, interpolation_at, discrete_at = self.history[0, self.history[1:4].argmax(axis=1)]
         return {
@@ -241,24 +242,24 @@ class Measurement:
     def parallelogram(self) -> float:
         """Return how far the measured errors violate the parallelogram law; the result must be 0.
 
-        It is max_n |2e² + 2i² − (2m)² − d²| / max_n d², where e, i, d and m are the four errors in ``history``. The
-        discrete error d is computed with the matrix M, the others by ``ErrorNorm`` with another quadrature rule for A.
-        If the interpolation error replaced e and m by mistake, the result would be 1, because e = m = i leaves d². If
-        it replaced only e, the defect would be 2 |i² − e²|, which is 2d² if u^h is the best approximation.
+        The result is max_n |2e² + 2i² − (2m)² − d²| / max_n d² over the time nodes n. The errors are e = ‖u − u^h‖_V, i
+        = ‖u − Π^h u‖_V, d = ‖Π^h u − u^h‖_V and m = ‖u − (u^h + Π^h u)/2‖_V. The discrete error d is computed with the
+        matrix M, the others by ``ErrorNorm`` with another quadrature rule for A. If the interpolation error replaced e
+        and m by mistake, the result would be 1, because e = m = i leaves d². If it replaced only e, the defect would be
+        2 |i² − e²|, which is 2d² if u^h is the best approximation.
         """
         _, error, interpolation, discrete, halfway = self.history
         missed = 2 * error**2 + 2 * interpolation**2 - (2 * halfway) ** 2 - discrete**2
         return float(abs(missed).max() / (discrete**2).max())
 
     def quadrature_change(self) -> float:
-        """Return the relative change of the largest error under finer quadrature.
+        """Return the relative change of the largest error of the discrete solution u^h under finer quadrature.
 
         The degree of every rule on cells is raised by two, and points are not moved along lines of low regularity. Two
         changes are added. The first is the change of the error norm. The second is the change of u^h, which is
         estimated by the linear problem without contact whose load is the change of the load. This problem is solved
-        with RESPONSE steps. As long as the change is above NEGLIGIBLE_QUADRATURE, the number of steps is increased,
-        up to the
-        steps of u^h.
+        with RESPONSE steps. As long as the change is above NEGLIGIBLE_QUADRATURE, the number of steps is increased, up
+        to the steps of u^h.
         """
         experiment = self.experiment
         problem = experiment.problem
@@ -289,12 +290,15 @@ class Measurement:
 # Two numbers of steps, two quadratures or two ways to compute a norm differ at least by rounding, so a time share of
 # exactly 0 means that a solution was compared with itself.
 def residual_shares(levels: pd.DataFrame) -> Array:
-    """Return the residual of the contact solver, divided by its tolerance for the number of unknowns."""
+    """Return for each level the residual of the contact solver, divided by the tolerance that ``residual`` states."""
     return (levels["residual"] / [*map(multigrid.residual, levels["dim"], levels["dofs"])]).to_numpy()
 
 
 def size(levels: pd.DataFrame) -> float:
-    """Return (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖ on the finest level."""
+    """Return (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖ on the finest level, which should be about 1.
+
+    The numbers are the error, the discrete error and the interpolation error, by the columns of ``levels``.
+    """
     finest = levels.iloc[-1]
     return float(np.hypot(finest["error"], finest["discrete_error"]) / finest["interpolation_error"])
 
@@ -395,11 +399,12 @@ DISCRETE_SIZES = (
     ),
 )
 NOT_AT_START = 0.99
-"""Upper bound of (error at t = 0) / (largest error) for which the largest error counts as attained after t = 0."""
+"""The largest error counts as attained after t = 0 if the error at t = 0 is at most this fraction of it."""
 EXPECTED_AT_START = Window(0.8, 1 + ROUNDING_ROOM)
 """Window of (error / interpolation error) at t = 0 for a correct solver.
 
-By Pythagoras' theorem a discrete share of 0.6 leaves 0.8 of the interpolation error."""
+By Pythagoras' theorem the lower end 0.8 leaves a discrete error ‖Π^h u_0 − u^h(0)‖ of 0.6 of the interpolation error.
+"""
 AT_START = (
     "‖u − Π^h u‖_V is largest near t = 0, where nothing is solved; the checks of ‖Π^h u − u^h‖_V test the solution"
 )
@@ -427,7 +432,7 @@ def start_share(groups: Groups) -> Check:
 
 
 class FirstOrder(Rates):
-    """Judges Proposition 5.4 on exact solutions that satisfy its regularity assumption (5.36)."""
+    """Judges Proposition 5.4, the order 1 of ‖u − u^h‖_V, on exact solutions that satisfy its assumption (5.36)."""
 
     label = proposition = "Prop. 5.4"
     claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h)"
@@ -474,11 +479,12 @@ class FirstOrder(Rates):
 ROUGH_LEVELS = MIN_LEVELS + 1
 """Smallest number of levels that gives two observed orders over two refinements each."""
 ERROR_LIMIT = at_most(0.1, "of the two finest errors, if s is the predicted order", low=-math.inf)
-"""Window of the limit e∞, relative to the two finest errors.
+"""Window of the limit e∞ of the error for h → 0 in the fit e = e∞ + C h^s, relative to the two finest errors.
 
-Over two refinements an order s − δ instead of s has the same effect as a limit e∞/e = (1 − 4^{−δ})/(1 − 4^{−s}). For
-s = 1/4 this window corresponds to δ = 0.02. Observed orders are not more accurate than this, because the position of a
-front within its cell differs from level to level."""
+Over two refinements an order s − δ instead of s has the same effect as a limit e∞/e = (1 − 4^{−δ})/(1 − 4^{−s}). For s
+= 1/4 this window corresponds to δ = 0.02. Observed orders are not more accurate than this, because the position of a
+front within its cell differs from level to level.
+"""
 
 
 OVER_TWO_REFINEMENTS = "over two refinements (no rate is claimed)"
@@ -543,14 +549,17 @@ def _limit(key: str, window: Window, expected: float) -> Check:
 
 
 PROVED_ORDER_TOLERANCE = 0.1
-"""Observed orders approach the proved order from below, up to this number on these levels."""
+"""An observed order may be below the proved order by at most this number.
+
+Observed orders approach the proved order from below.
+"""
 
 
 class SizeOfInterpolation(FromRates):
-    """Judges (5.23): ‖u − Π^h u‖_V divided by its leading term, for the cases of Proposition 5.4.
+    """Judges (5.23): the interpolation error ‖u − Π^h u‖_V divided by its leading term for h → 0.
 
-    Other code computes the leading term from second derivatives of u. Nothing is measured: the check uses the errors in
-    ``rates.csv``, which ``Convergence`` and ``FirstOrder`` measure.
+    The cases are those of Proposition 5.4. Other code computes the leading term from second derivatives of u. Nothing
+    is measured: the check uses the errors in ``rates.csv``, which ``Convergence`` and ``FirstOrder`` measure.
     """
 
     label = "(5.23)"
@@ -577,10 +586,10 @@ SEEN_ORDER = consequence(
 
 
 class RegularityNeeded(FromRates):
-    """Compares observed orders with proved orders, for solutions without the regularity (5.36).
+    """Compares observed orders of the error with proved orders, for solutions without the regularity (5.36).
 
-    Whether the order is reached on these levels is reported and not judged, because the paper claims no order for these
-    solutions. An order that misses a proved order by more than 0.1 fails.
+    Whether the proved order is reached on these levels is reported and not judged, because the paper claims no order
+    for these solutions. An order that misses a proved order by more than 0.1 fails.
     """
 
     label = "(5.36)"

@@ -102,19 +102,24 @@ from study.stresses.stress_space import StressSpace, alfeld_split, barycentric, 
 class Gaps(NamedTuple):
     """Largest differences of the solutions of the displacement problem (3.1) and the stress problem (3.2), with bounds.
 
-    Differences are the largest over all time steps. Each difference and each bound is relative to the largest size of
-    its quantity. In ``equivalence.csv`` differences and bounds are rounded (``magnitudes``).
+    u_n(3.2) and σ_n(3.2) are the displacement and the stress of the stress problem at the time node t_n, u_n(3.1) and
+    σ_n(3.1) the ones of the displacement problem. Differences are the largest over all time steps. Each difference and
+    each bound is relative to the largest size of its quantity. In ``equivalence.csv`` differences and bounds are
+    rounded (``magnitudes``).
 
     Attributes:
         displacement_gap: difference of the displacements, ‖u_n(3.2) − u_n(3.1)‖_V / max_n ‖u_n(3.1)‖_V.
         stress_gap: difference of the stresses, ‖σ_n(3.2) − σ_n(3.1)‖_Q / max_n ‖σ_n(3.1)‖_Q.
-        admissibility: violation of σ_n ∈ Σ^h(t_n) by the stress of Problem 3.2. It is the supremum of
-            (f(t_n), v)_V − (σ_n, ε(v))_Q over v ∈ K^h with nodal values |v| = 1, divided by max_n |F(t_n)|.
+        admissibility: violation of the condition of an admissible stress, (σ_n, ε(v))_Q ≥ (f(t_n), v)_V for all v ∈
+            K^h, by the stress of Problem 3.2. It is the supremum of (f(t_n), v)_V − (σ_n, ε(v))_Q over v ∈ K^h with
+            nodal values |v| = 1, divided by the size max_n |F(t_n)| of the load vectors.
         energy_gap: violation of (4.14) by Problem 3.2, |(σ_n, ε(u_n))_Q − (f(t_n), u_n)_V| / max_n |(f(t_n), u_n)_V|.
         membership: largest penetration of u_n of Problem 3.2 at a vertex of Γ3, divided by max_n |u_n|_∞.
-        displacement_bound: bound of displacement_gap, (q k)^{1/2} R. The number R is computed from the duality gaps of
-            all steps, and q is the Lipschitz constant of a step; the module docstring defines both.
-        stress_bound: bound of stress_gap with the same R, (L_A/k + L_G)^{1/2} R.
+        displacement_bound: bound of displacement_gap, (q k)^{1/2} R. k is the time step, q = 1/(1 − kω) with ω =
+            max(−m, 0)/m_A and the monotonicity constant m of G, and R = Σ_j q^{N−j} g_j^{1/2} over the steps j = 1, …,
+            N with the duality gaps g_j at which the solver stopped.
+        stress_bound: bound of stress_gap with the same R, (L_A/k + L_G)^{1/2} R, and the Lipschitz constants of A and
+            G.
     """
 
     displacement_gap: float
@@ -129,7 +134,7 @@ class Gaps(NamedTuple):
 def stress_problem(setup: Experiment) -> StressProblem:
     """Return the stress problem (3.2) of the exact solution of an experiment, on the same mesh.
 
-    It takes nothing from the displacement problem that is solved, so a fault of the latter does not change it.
+    A deliberate fault, which ``setup.solved`` has, does not change the stress problem.
 
     Raises:
         StressError: the exact solution has an initial gap, which Problem 3.2 does not allow.
@@ -143,7 +148,7 @@ def stress_problem(setup: Experiment) -> StressProblem:
 
 
 def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:
-    """Solve both problems by backward Euler, and return the largest differences of their solutions over all steps.
+    """Solve both problems by backward Euler, and return the largest differences of their solutions.
 
     Args:
         displacements: the displacement problem (3.1).
@@ -192,9 +197,9 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
 
 
 def beyond(defect: Array, N: sps.csr_array) -> float:
-    """Return the distance of a vector from the cone of contact forces {Nᵀλ : λ ≥ 0}.
+    """Return the distance of a vector from the cone of contact forces {Nᵀλ : λ ≥ 0}, with the constraint matrix N.
 
-    The distance equals sup {defect·v : Nv ≤ 0, |v| ≤ 1}.
+    The distance equals sup {defect·v : Nv ≤ 0, |v| ≤ 1}, where ``defect`` is the vector, (dofs,).
     """
     touched = np.unique(N.indices)
     _, distance = nnls(N[:, touched].T.toarray(), defect[touched])
@@ -202,7 +207,10 @@ def beyond(defect: Array, N: sps.csr_array) -> float:
 
 
 LEAST_GAP = 1e-9
-"""Smallest reported difference. Smaller ones depend on the iteration at which a solver stops."""
+"""Smallest reported difference between the solutions of the displacement and the stress problem.
+
+Smaller ones depend on the iteration at which a solver stops.
+"""
 
 
 def magnitudes(differences: Row) -> Numbers:
@@ -233,7 +241,7 @@ class SameMesh(Statement):
     """Measures how far the solutions of the displacement problem (3.1) and of the stress problem (3.2) differ.
 
     Differences are divided by their bounds. Conditions that the solver of the stress problem does not impose, such as u
-    ∈ K^h, are measured as well. The time scheme is backward Euler with k ~ h/2.
+    ∈ K^h, are measured as well. The time scheme is backward Euler with a time step proportional to the mesh size.
     """
 
     label = "Thm 4.2"
@@ -312,7 +320,7 @@ The pressure error at a resting natural front is the error of one cell. If the p
 random, orders scatter by 1 from seed to seed. Merging patches and layers are three or four cells wide on the coarsest
 meshes, and on such random meshes orders scatter most."""
 STRESS_LEVELS, FINER_LEVELS = (8, 16, 32), {"re-entrant": (64,)}
-"""Levels of the full study, and further, finer levels for some cases."""
+"""Levels at which ``OwnSpace`` is measured in the full study, and further, finer levels for some cases."""
 
 RELATIVE_TO = {
     "stress": "stress",
@@ -323,7 +331,7 @@ RELATIVE_TO = {
     "displacement": "displacement",
     "primal_displacement": "displacement",
 }
-"""The exact quantity to whose norm in L²(0,T) each error is relative."""
+"""For each error, the exact quantity to whose norm in L²(0,T) the error is relative."""
 MOMENT_POINTS = 4
 """Number of Gauss points on an edge for the moments of the exact displacement."""
 RAISED_LOAD_DEGREE = 2
@@ -381,9 +389,10 @@ def norm_in_q(values: Tensors, space: StressSpace) -> float:
 
 
 class Exact:
-    """Computes errors of discrete stresses, pressures and multipliers against an exact solution.
+    """Computes errors of the discrete solution of the stress problem (Problem 3.2) against an exact solution.
 
-    Cells are cut along lines where the solution is not smooth, as in ``study.fem.error_norm``.
+    They are errors of stresses, of contact pressures, and of the Lagrange multipliers, which approximate displacements
+    on edges. Cells are cut along lines where the solution is not smooth, as in ``study.fem.error_norm``.
 
     Attributes:
         inside: the exact solution at the quadrature points of the stress space.
@@ -410,7 +419,7 @@ class Exact:
         self._share = np.bincount(space.edges.ravel(), np.repeat(space.volumes / 3, 3), len(space.lengths))
 
     def stress(self, time: float, values: Tensors) -> tuple[float, float, float]:
-        """Return three norms in Q at one time: of the error σ − σ^h, of the error of the best polynomials, and of σ.
+        """Return three L² norms at one time: of the error σ − σ^h, of the error of the best polynomials, and of σ.
 
         Every cell is split at its centroid into three triangles. The best polynomials are the linear functions on each
         triangle that are nearest to σ.
@@ -435,7 +444,8 @@ class Exact:
 
         Args:
             time: the time.
-            tractions: the tractions of σ^h on the edges.
+            tractions: the tractions of σ^h on the three edges of every cell, as Bernstein coefficients, (cells, 3, n,
+                2).
         """
         square = 0.0
         for edges, shapes, weights, fields in self._faces:
@@ -445,7 +455,9 @@ class Exact:
         return float(np.sqrt(square))
 
     def moments(self, time: float) -> Array:
-        """Return the moments ∫_e u B_i of the exact displacement with n Bernstein polynomials B_i on each edge.
+        """Return the moments ∫_e u B_i of the exact displacement u with n Bernstein polynomials B_i on each edge e.
+
+        They are compared with the Lagrange multipliers of the stress problem.
 
         Returns:
             The moments of both components of u, (edges, n, 2). Components are normal and tangential on Γ3, Cartesian on
@@ -454,13 +466,14 @@ class Exact:
         return self._tested(self._edges.displacement(time))
 
     def moments_of(self, nodal: Vectors) -> Array:
-        """Return the moments ∫_e v B_i of a P1 displacement v with n Bernstein polynomials B_i on each edge.
+        """Return the moments ∫_e v B_i of a P1 displacement v with n Bernstein polynomials B_i on each edge e.
 
         Args:
-            nodal: the nodal values, (2, vertices).
+            nodal: the values of v at the vertices, (2, vertices).
 
         Returns:
-            The moments of both components of v, (edges, n, 2), with the components of ``moments``.
+            The moments of both components of v, (edges, n, 2). Components are normal and tangential on Γ3, Cartesian on
+            all other edges.
         """
         return self._tested(np.einsum("den,eq->dnq", nodal[:, self.space.mesh.facets], self._along))
 
@@ -470,9 +483,13 @@ class Exact:
         return np.einsum("inq,aq,n->nai", turned, self._moments, self.space.lengths, optimize=True)
 
     def mean_square(self, moments: Array) -> float:
-        """Return a discrete L² norm of functions m on edges, given by their moments.
+        """Return a discrete L² norm of a function m that is defined on the edges of the mesh and given by its moments.
 
-        The norm is (Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |m|²)^½.
+        The norm is (Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |m|²)^½ over the cells T and their edges e, where mean_e is the mean
+        over e.
+
+        Args:
+            moments: the moments ∫_e m B_i with n Bernstein polynomials B_i on each edge, (edges, n, 2).
         """
         means = moments / self.space.lengths[:, None, None]
         inverse = np.linalg.inv(self._moments @ self._shapes.T)
@@ -480,11 +497,17 @@ class Exact:
 
 
 def primal_solution(solution: ExactSolution, space: StressSpace, steps: int) -> Iterator[tuple[Vectors, Tensors]]:
-    """Yield the displacement and the stress of Problem 5.1 at the time nodes after t = 0.
+    """Yield the displacement and the stress of the displacement problem at the time nodes after t = 0.
 
-    Mesh and time steps are the same as in the stress problem. The displacement u^h is given at the vertices, the stress
-    Aε(δu^h) + Gε(u^h) with the discrete velocity δu^h of BDF2 at the quadrature points of the stress space. Their
-    shapes are (2, vertices) and (3, cells, Q), or (3, cells, 1) if the material is homogeneous.
+    The displacement problem (Problem 5.1) is solved by BDF2, with the mesh and the time steps of the stress problem.
+    The displacement u^h is given at the vertices, (2, vertices). The stress A ε(δu^h) + G ε(u^h), with the discrete
+    velocity δu^h, is given at the Q quadrature points of every cell in the stress space, (3, cells, Q), or (3, cells,
+    1) if the material is homogeneous.
+
+    Args:
+        solution: the exact solution, which gives the data.
+        space: the stress space.
+        steps: the number of time steps.
     """
     law = solution.law
     displacements = Space(space.mesh, solution.body)
@@ -498,7 +521,10 @@ def primal_solution(solution: ExactSolution, space: StressSpace, steps: int) -> 
 
 
 def measure(experiment: StressExperiment) -> Numbers:
-    """Solve the stress and the displacement problem together, and return the measured columns of ``stresses.csv``."""
+    """Solve the stress and the displacement problem by BDF2, and return the measured columns of ``stresses.csv``.
+
+    The columns are errors of the stress problem against the exact solution, and differences between both problems.
+    """
     space = experiment.space
     exact = Exact(experiment.solution, space)
     clamped = len(space.edges_on(Kind.CLAMPED))
@@ -545,7 +571,8 @@ def measure(experiment: StressExperiment) -> Numbers:
 def inadmissible(space: StressSpace, state: DualState) -> float:
     """Return how far a discrete stress is from admissible: its largest violation divided by its largest traction.
 
-    A stress is admissible if its tractions satisfy (2.4) and (2.5) and are continuous between cells.
+    The tractions of an admissible stress satisfy the conditions (2.4) on the loaded and (2.5) on the contact boundary
+    and are continuous between cells.
     """
     tractions = state.stress.tractions
     total = np.zeros((len(space.lengths), *tractions.shape[2:]))
@@ -570,11 +597,11 @@ IN_CELLS = ("stress", "strain", "primal_stress")
 The other errors come from cells along a line. The pressure error is a sum over the edges on Γ3, and multiplier errors
 are largest along a moving front."""
 CHANCE = 0.3
-"""Additional tolerance on random meshes for orders of errors that come from cells along a line.
+"""Additional tolerance on random meshes for orders of those errors that come from cells along a line.
 
 It is three standard deviations. In a pilot study on shaken meshes with n = 8, 16, 32, which judged nothing, the
-standard deviation was 0.03 to 0.19. Orders of sums over all cells scattered by 0.03 and need no additional
-tolerance."""
+standard deviation was 0.03 to 0.19. Orders of sums over all cells scattered by 0.03 and need no additional tolerance.
+"""
 RATIO = "‖σ − σ^h‖_Q / error of the best piecewise polynomials"
 ERROR_TEXTS = {
     "stress": "‖σ − σ^h‖_Q",
@@ -588,13 +615,13 @@ ERROR_TEXTS = {
 
 @dataclass(frozen=True)
 class Orders:
-    """The lowest and the highest order of an error that the regularity of the solution and the time scheme predict."""
+    """The lowest and the highest order of an error that regularity of the solution and time scheme predict."""
 
     low: float
     high: float
 
     def window(self, chance: float = 0.0) -> Window:
-        """Return the tolerance window for the observed order.
+        """Return the tolerance window for an observed order that is predicted to lie between ``low`` and ``high``.
 
         Args:
             chance: an additional tolerance on random meshes.
@@ -605,7 +632,7 @@ class Orders:
 
 
 def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
-    """Return the predicted orders of all quantities that are claimed to converge, by their names.
+    """Return the predicted orders of all errors of the stress problem that are claimed to converge, by their names.
 
     Args:
         regularity: the regularity of the solution.
@@ -629,9 +656,10 @@ def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
 
 
 def smoothness(regularity: Regularity, family: str) -> tuple[float, float]:
-    """Return the exponents (s, s') of the regularity u(t) ∈ H^{1+s} and u̇(t) ∈ H^{1+s'}, as far as meshes show it.
+    """Return the exponents (s, s') with u(t) ∈ H^{1+s} and u̇(t) ∈ H^{1+s'}, as they determine observed orders.
 
-    At a corner singularity r^λ, meshes that are graded with the exponent e have the same orders as for s = eλ.
+    At a corner singularity r^λ, meshes that are graded with the exponent e have the same orders as uniform meshes for s
+    = eλ.
     """
     if family != Graded().name:
         return regularity.smoothness, regularity.rate_smoothness
@@ -641,7 +669,12 @@ def smoothness(regularity: Regularity, family: str) -> tuple[float, float]:
 
 
 def checks_of(regularity: Regularity, family: str) -> Iterator[Check]:
-    """Yield the criteria for a solution with the given regularity on a mesh family."""
+    """Yield the criteria of the stress problem in a conforming stress space, for one case on one mesh family.
+
+    Args:
+        regularity: the regularity of the exact solution.
+        family: the name of the mesh family.
+    """
     random = family_named(family).random
     orders_of = predicted(regularity, family)
     for name, orders in orders_of.items():
@@ -688,7 +721,12 @@ def checks_of(regularity: Regularity, family: str) -> Iterator[Check]:
 
 
 def growth(h: Array, ratio: Array) -> float:
-    """Return the growth of a ratio from the coarsest to the finest mesh, by a fit with the weights h^−2."""
+    """Return the growth of a ratio from the coarsest to the finest mesh, by a fit with the weights h^{−2}.
+
+    Args:
+        h: the mesh sizes of the levels.
+        ratio: the ratio on each level.
+    """
     return float((h[-1] / h[0]) ** fit(h, ratio, CELL_POWER))
 
 

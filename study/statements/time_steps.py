@@ -30,13 +30,13 @@ HALVING_COUNTS = (4, 8, 16, 32, 64, 128, 256)
 """Numbers of time steps: six halvings of k, from k ≫ h to k ≪ h."""
 MOST_STEPS = HALVING_COUNTS[-1]
 REFERENCE_COUNT = 1024
-"""Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
+"""Number of steps of the midpoint rule whose solution ``BackwardEuler`` uses as the semi-discrete solution u^h."""
 PROVED_BELOW_1 = positive_at_most(1.0, "proved in the article for every h and k")
 ERROR_IN_TIME = "error in time of backward Euler, ‖u^h − û^{hk}‖_V"
 
 
 def columns(template: str, counts: Sequence[int]) -> list[str]:
-    """Return the names of the columns with a measured number, one column for each number of time steps.
+    """Return the names of columns with the same kind of number, one column for each number of time steps.
 
     Args:
         template: the name of a column with ``{}`` in place of the number of steps.
@@ -46,15 +46,21 @@ def columns(template: str, counts: Sequence[int]) -> list[str]:
 
 
 def orders_in_k(template: str, counts: Sequence[int]) -> Value:
-    """Return the function for the observed orders in the time step k on all levels; ``columns`` have the errors."""
+    """Return the function that computes observed orders in the time step k on all levels, from columns with errors.
+
+    Args:
+        template: the name of a column with ``{}`` in place of the number of steps.
+        counts: the numbers of steps.
+    """
     names = columns(template, counts)
     return lambda levels: np.array([fit(1 / np.array(counts), row) for row in levels[names].to_numpy()])
 
 
 class BackwardEuler(ListedNumbers):
-    """Measures errors of backward Euler in time, divided by each of their two bounds, for many h and k.
+    """Measures errors of backward Euler in time, divided by each of their two bounds.
 
-    Beyond the paper: backward Euler has an error in time of O(k), with a constant that does not depend on the mesh.
+    Beyond the paper: backward Euler has an error in time of O(k) for the time step k, with a constant that does not
+    depend on the mesh.
 
     This error is ‖u^h − û^{hk}‖_V. Here u^h is the semi-discrete solution, U_n are the values that backward Euler
     computes, and û^{hk} is their linear interpolant in time. Together with Proposition 5.4 this gives ‖u − û^{hk}‖_V =
@@ -180,7 +186,7 @@ class BackwardEuler(ListedNumbers):
 
 
 class JumpingLoad(BackwardEuler):
-    """Measures the same numbers for a load that jumps in time."""
+    """Measures errors of backward Euler in time for a load that jumps in time, and divides them by their two bounds."""
 
     label = "beyond: O(h + k), load with a jump"
     full = grid(("advance-recede",), ("shaken",), (6, 12, 24))
@@ -199,7 +205,7 @@ class JumpingLoad(BackwardEuler):
 STEP_COUNTS = (4, 8, 16, 32, 64)
 """Numbers of time steps: four halvings of k, from k ≫ h to k ≪ h."""
 REFERENCE_STEPS = 256
-"""Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
+"""Number of steps of the midpoint rule whose solution ``NoPotential`` uses as the semi-discrete solution u^h."""
 STEPS_PER_SIDE_CELL = 4
 """Number of time steps for each cell along a side, k = T/(4n), in the comparison with the exact solution."""
 UNEQUAL = 3
@@ -351,19 +357,23 @@ class NoPotential(ListedNumbers):
 
 
 def small_problem(M: Array, N: Array, force: Array, start: Array) -> SemiDiscrete:
-    """Return a problem with n unknowns, a constant load and no elasticity, on the time interval [0, 1].
+    """Return a semi-discrete problem with n unknowns, a constant load and no elasticity, on the time interval [0, 1].
 
     Args:
-        M, N, force, start: the matrices M, (n, n), and N, (m, n), the load F and the initial value u_0, (n,) each.
+        M: the matrix of the viscosity, (n, n).
+        N: the constraint matrix, (m, n).
+        force: the load, (n,).
+        start: the initial value, (n,).
     """
     S = sps.csc_array(M)
     return SemiDiscrete(S, 0 * S, None, sps.csr_array(N), lambda t: np.tile(force[:, None], t.size), start, 1.0)
 
 
 def rotating() -> float:
-    """Return the error of backward Euler divided by its bound, for a rotation in the plane.
+    """Return the error of backward Euler divided by its bound from the data, for a rotation in the plane.
 
-    The problem is u̇ + Bu = 0, where B is κ times the rotation by a right angle.
+    The problem is u̇ + Bu = 0 with two unknowns, where B is κ = ``ANGULAR_VELOCITY`` times the rotation by a right
+    angle.
     """
     problem = small_problem(np.eye(2), np.zeros((0, 2)), np.zeros(2), np.array([1.0, 0.0]))
     problem = replace(problem, remainder=(ANGULAR_VELOCITY * np.array([[0.0, 1.0], [-1.0, 0.0]])).__matmul__)
@@ -375,17 +385,24 @@ def rotating() -> float:
 
 
 FEW_STEPS = (4, 8, 16, 32, 64, 128)
-"""Numbers of time steps. They are small, so that the error in space does not hide the error in time."""
+"""Numbers of time steps in ``FullyDiscrete``.
+
+They are small, so that the error in space does not hide the error in time.
+"""
 MANY_STEPS = 1024
-"""Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
+"""Number of steps of the midpoint rule whose solution ``FullyDiscrete`` uses as the semi-discrete solution u^h."""
 ASYMPTOTIC_COUNTS = FEW_STEPS[2:]
-"""Numbers of time steps from which the order in k of the error in time, d, is computed."""
+"""Numbers of time steps from which ``FullyDiscrete`` computes the order in k of the error in time."""
 SECOND_OR_LESS = between(1.5, 2, 0.1, 0.1, "3/2 where vertices come into contact or leave it")
 ORDERS = {"backward-euler": around(1, 0.1), "bdf2": SECOND_OR_LESS, "midpoint": SECOND_OR_LESS}
 
 
 def checks_of_scheme(scheme: Scheme) -> Iterator[Check]:
-    """Yield the checks of a time scheme: the orders of the error in time in k and in h, and of the error in h."""
+    """Yield the checks of the orders of a time scheme.
+
+    They are the orders q and s of the error in time, C k^q h^s, in the time step k and the mesh size h, and the order
+    in h of the total error for the smallest k.
+    """
     name = scheme.name
     in_time = "‖u^h − u^{hk}‖"
     for key, quantity, value, window in (
@@ -398,7 +415,13 @@ def checks_of_scheme(scheme: Scheme) -> Iterator[Check]:
 
 
 def exponent(scheme: Scheme, position: int, levels: pd.DataFrame) -> float:
-    """Return one of the exponents (q, s) of the error in time, d = C k^q h^s, by least squares for small steps."""
+    """Return one of the exponents (q, s) of the error in time, d = C k^q h^s, by least squares for small steps k.
+
+    Args:
+        scheme: the time scheme.
+        position: 0 for the exponent q of the time step k, 1 for the exponent s of the mesh size h.
+        levels: the measured errors, with one row for each level.
+    """
     d = levels[columns(f"{scheme.name} {{}} d", ASYMPTOTIC_COUNTS)].to_numpy()
     h = levels["h"].to_numpy()
     log_k, log_h = np.meshgrid(-np.log(ASYMPTOTIC_COUNTS), np.log(h))
@@ -452,9 +475,12 @@ class FullyDiscrete(ListedNumbers):
 HALVED_STEPS = (16, 32, 64, 128, 256, 512, 1024)
 """Numbers of time steps, so that the step k is halved six times."""
 LANDING_STEPS = 8192
-"""Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
+"""Number of steps of the midpoint rule whose solution ``Landings`` uses as the semi-discrete solution u^h."""
 LANDING, RISE = 0.4, 0.075
-"""Data of the problem with two unknowns: the time at which u_2 comes into contact, and then the velocity of u_1."""
+"""Data of the problem with two unknowns in ``Landings``.
+
+They are the time at which the second unknown u_2 comes into contact, and the velocity of u_1 from then on.
+"""
 LAST_HALVINGS = HALVED_STEPS[3:]
 """Numbers of time steps in the last three halvings, where the order 1 is expected."""
 LEFT = around(1, 0.4, "excludes 3/2 and 2")
@@ -477,7 +503,8 @@ def solution_of_two_unknowns(t: Array) -> Array:
 def rolling(space: Space) -> Callable[[Array], Array]:
     """Return a load that moves along the first contact face, as a function of n times with values (dofs, n).
 
-    It is the normal traction (1 − 5 sin 2π(2s − 4t))ν with the coordinate 0 ≤ s ≤ 1 on the face.
+    It is the normal traction (1 − 5 sin 2π(2s − 4t))ν with the relative coordinate 0 ≤ s ≤ 1 along the face and its
+    normal ν.
     """
     part, vertices = space.contact[0]
     along = space.mesh.p[:, vertices] - part.corners[:, :1]

@@ -83,10 +83,10 @@ which occurs if Γ1 is a point; it extrapolates to less than 0.7 of the last val
 
 
 def extrapolated(table: pd.DataFrame) -> float:
-    """Return the extrapolated limit of the eigenvalue for h → 0, divided by its value on the finest level.
+    """Return the limit of the smallest eigenvalue in ``Korn`` for h → 0, divided by its value on the finest level.
 
-    The limit is computed by Aitken's extrapolation of the last three values. It is −∞ if their differences do not
-    shrink.
+    The limit is computed by Aitken's extrapolation of the last three values. The result is −∞ if the differences of the
+    values do not shrink.
     """
     first, second, last = table[VALUE].to_numpy()[-3:]
     before = first - second
@@ -147,10 +147,11 @@ It is twice the largest number of time steps of u^h."""
 
 
 class BoundedVelocity(ListedNumbers):
-    """Measures the largest discrete velocity divided by the largest exact velocity, for several k and h.
+    """Measures the largest discrete velocity divided by the largest exact velocity.
 
-    The quotient is max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V with δu_n = (u_n − u_{n−1})/k. For an initial value outside K^h it
-    would grow like 1/k. If velocities are bounded, so are stresses, σ ∈ L^∞(0,T;Q), by (3.1) and (3.2).
+    The quotient is max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V with δu_n = (u_n − u_{n−1})/k, for several time steps k and mesh
+    sizes. For an initial value outside K^h it would grow like 1/k. If velocities are bounded, so are stresses, σ ∈
+    L^∞(0,T;Q), by (3.1) and (3.2).
     """
 
     label = "(4.1)"
@@ -258,16 +259,23 @@ def quotients(problem: SemiDiscrete, trajectory: list[State], other: SemiDiscret
 
 
 def with_force(problem: SemiDiscrete, force: Array, frequency: float) -> SemiDiscrete:
-    """Return a problem whose load F(t) is replaced by F(t) + cos(ωt) · force, (dofs,), with the frequency ω."""
+    """Return a problem whose load F(t) is replaced by F(t) + cos(ωt) · force.
+
+    Args:
+        problem: the problem.
+        force: the load vector that is added, (dofs,).
+        frequency: ω.
+    """
     return replace(
         problem, load=lambda times: problem.load(times) + np.multiply.outer(force, np.cos(frequency * times))
     )
 
 
 def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[SemiDiscrete]:
-    """Yield problems with perturbed loads or with perturbed initial values in K^h.
+    """Yield problems with perturbed loads, and problems with perturbed initial values in K^h.
 
-    The first perturbation is a constant load that moves no vertex of Γ3 along ν.
+    K^h contains the admissible P1 displacements. The first perturbation is a constant load that moves no vertex of the
+    contact boundary along its normal.
     """
     rng = np.random.default_rng(SEED)
     riesz = Cholesky(problem.M)
@@ -301,11 +309,14 @@ def along_the_contact(problem: SemiDiscrete, v: Array) -> Array:
 SWEEP = tuple((rate, end) for rate in (0.1, 1.0, 10.0) for end in (0.1, 1.0, 10.0) if rate * end <= 10)
 """The pairs (ω, T) of rates and final times. ωT is between 1/100 and 10, so e^{ωT} is at most 2e4."""
 SHORT = 16
-"""Smallest number of time steps in an interval of length 1/ω and in [0, T]."""
+"""Least number of time steps in [0, T] and in an interval of the length 1/ω, the time in which solutions diverge."""
 PERTURBATION_KINDS = 5
-"""Number of perturbations of the data, one of each kind."""
+"""Number of perturbations of loads and initial values in ``SolutionDivergence``, one of each kind."""
 SMALL_STRAIN = 0.01
-"""Largest strain at the final time of the solution along an eigenvector. It is so small that the law is linear."""
+"""Largest strain at the final time of the perturbation that ``growth_rate`` follows.
+
+It is so small that the law is linear.
+"""
 RATE_SEEN = around(1, 1e-3, "the midpoint rule changes the rate by at most 3.3e-4")
 GROWTH_OVER_RATE = "measured growth rate of ‖u − v‖_V / predicted rate"
 DISTANCE_OVER_BOUND = "largest ‖u − v‖_V / its bound, u and v with different loads or initial displacements"
@@ -313,19 +324,31 @@ EVERY_RATE = "for every ω and T"
 
 
 def column(law: str, what: str, omega: float, T: float) -> str:
-    """Return the name of the column with a measured number of a law for one pair (ω, T)."""
+    """Return the name of the column with a measured number of a material law for one pair (ω, T).
+
+    Args:
+        law: the name of the law.
+        what: the name of the number.
+        omega: the rate ω = L_G/m_A of the law.
+        T: the final time.
+    """
     return f"{law} {what}, ω = {omega:g}, T = {T:g}"
 
 
 def columns(law: str, what: str) -> list[str]:
-    """Return the names of the columns with a measured number of a law, one for each pair (ω, T)."""
+    """Return the names of the columns with a measured number of a material law, one for each pair (ω, T) of ``SWEEP``.
+
+    Args:
+        law: the name of the law.
+        what: the name of the number.
+    """
     return [column(law, what, omega, T) for omega, T in SWEEP]
 
 
 class SolutionDivergence(ListedNumbers):
-    """Measures how fast two solutions diverge.
+    """Measures how fast two solutions of Problem 5.1 diverge.
 
-    Rates of growth are divided by predicted rates, and distances of solutions by their bound.
+    Rates of growth of their difference are divided by predicted rates, and their distances by a bound.
 
     (4.4) and Theorem 2.2 for softening materials: two solutions diverge like e^{ct}, and never faster than e^{ωt}.
 
@@ -420,13 +443,14 @@ def scaled(law: KelvinVoigt, omega: float) -> KelvinVoigt:
 
 
 def softest_mode(space: Space, law: KelvinVoigt) -> tuple[float, Array, Array]:
-    """Return the displacement that grows fastest while all contact vertices stay in contact (Nv = 0).
+    """Return the perturbation of a solution that grows fastest while all contact vertices stay in contact.
 
-    The law is linearised at zero strain.
+    It is a displacement v with Nv = 0, where N is the constraint matrix. The law is linearised at zero strain.
 
     Returns:
         The rate of growth c; the displacement v, (dofs,); and the contact force that enforces Nv = 0, (m,). Among the
-        displacements with Nv = 0, v is the eigenvector of G'(0) with respect to M with the smallest eigenvalue, −c.
+        displacements with Nv = 0, v is the eigenvector of the matrix of G'(0) with respect to the matrix M of (·,·)_V
+        with the smallest eigenvalue, −c.
     """
     units = np.eye(size(space.dim))[..., None]
     at_point = law.G.at(space.mesh.p[:, :1])
@@ -442,16 +466,20 @@ def softest_mode(space: Space, law: KelvinVoigt) -> tuple[float, Array, Array]:
 
 
 def steps_for(law: KelvinVoigt, T: float) -> int:
-    """Return a number of time steps such that a step is at most the fraction 1/SHORT of 1/ω and of T."""
+    """Return a number of time steps such that a step is at most 1/16 of the final time T and of the time 1/ω.
+
+    ω = L_G/m_A is the rate at which differences of solutions may grow for the law. The number 16 is ``SHORT``.
+    """
     return math.ceil(SHORT * max(law.kappa * T, 1.0))
 
 
 def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
-    """Return the measured rate of growth of a perturbation divided by the predicted rate c.
+    """Return the measured rate at which a perturbation of a solution grows, divided by the predicted rate c.
 
     The quotient is log(‖v(T)‖/‖v(0)‖)/(cT). The perturbation v is the difference of two solutions, one of which is 0 at
-    all times; v(0) is a multiple of the softest mode. The load presses both solutions onto the foundation with twice
-    the force that the mode needs, and balances the stress at zero strain.
+    all times; v(0) is a multiple of the displacement that ``softest_mode`` returns, which grows at the rate c. The load
+    presses both solutions onto the foundation with twice the force that the mode needs, and balances the stress at zero
+    strain.
     """
     c, v, force = softest_mode(space, law)
     strain = abs(space.strain(v)).max()
@@ -471,9 +499,10 @@ def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
 def over_bound(setup: Experiment, law: KelvinVoigt, T: float) -> float:
     """Return the largest quotient (distance of two solutions) / bound, for backward Euler.
 
-    The bound of ‖u_n − v_n‖_V is (1 − gk)^{−n} (‖u_0 − v_0‖_V + k Σ ‖f_j − g_j‖_V). The number g is
-    max(−m, 0)/m_A ≤ ω with the monotonicity constant m of G; f_j and g_j are the loads of u and v. The solution u has
-    the load of the experiment, with time scaled to T; v has another load or another initial value.
+    For solutions u_n and v_n with the time step k, the bound of ‖u_n − v_n‖_V is (1 − gk)^{−n} (‖u_0 − v_0‖_V + k Σ
+    ‖f_j − g_j‖_V). The number g is max(−m, 0)/m_A ≤ ω with the monotonicity constant m of G; f_j and g_j are the loads
+    of u and v. The solution u has the load of the experiment, with time scaled to T; v has another load or another
+    initial value.
     """
     space = setup.space
     steps = steps_for(law, T)
@@ -506,11 +535,11 @@ WAYS = {
 
 
 def differences(of: str, *ways: str, on: str = "") -> tuple[Check, ...]:
-    """Return the criteria for the relative differences of solutions that other solvers give.
+    """Return the criteria for relative differences between a solution and the results of other solvers.
 
     Args:
         of: what is compared, "solutions" or "stresses".
-        ways: the names of the other ways.
+        ways: the names of the other ways to solve the problem, keys of ``WAYS``.
         on: text to add to the description of the interior point method.
     """
     texts = {name: f"difference of the {of} {WAYS[name][0]}{on if name == 'interior point' else ''}" for name in ways}
@@ -520,11 +549,11 @@ def differences(of: str, *ways: str, on: str = "") -> tuple[Check, ...]:
 class OneTrajectory(ListedNumbers):
     """Measures relative differences between solutions in time that different solvers compute.
 
-    The difference is max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V. Every step of backward Euler minimises ½ vᵀSv − bᵀv over K^h
-    with S = M/k + G. The active set method of the study starts from the last active set. Four other ways to solve the
-    problem are compared with it: the same method from random active sets, two methods that share no code with it, and a
-    fixed-point iteration with all of G on the right-hand side. If G softens, S is positive definite for short steps
-    only, and longer steps are refused.
+    The difference of solutions u_n and v_n is max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V. Every step of backward Euler
+    minimises ½ vᵀSv − bᵀv over K^h with S = M/k + G. The active set method of the study starts from the last active
+    set. Four other ways to solve the problem are compared with it: the same method from random active sets, two methods
+    that share no code with it, and a fixed-point iteration with all of G on the right-hand side. If G softens, S is
+    positive definite for short steps only, and longer steps are refused.
     """
 
     label = "Thm 4.1, 5.2"
@@ -552,7 +581,7 @@ class OneTrajectory(ListedNumbers):
 
 
 def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
-    """Return copies of a problem with other solvers, by the names of the solvers."""
+    """Return copies of a problem with other contact solvers, by the names of the solvers, for comparison."""
     return {
         "random starts": replace(problem, solver=RandomStarts),
         "least squares": replace(problem, solver=LeastSquares),
@@ -576,7 +605,8 @@ class RandomStarts(Signorini):
 class LeastSquares:
     """Contact solver that computes the contact forces by nonnegative least squares, from the dual problem.
 
-    The dual problem is min |L⁻¹(Nᵀλ − b)| over λ ≥ 0 with S = LLᵀ.
+    The contact problem is to minimise ½ vᵀSv − bᵀv subject to N v ≤ 0. Its dual problem is min |L⁻¹(Nᵀλ − b)| over the
+    contact forces λ ≥ 0, with S = LLᵀ.
 
     Source: C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23.
     """
@@ -592,7 +622,10 @@ class LeastSquares:
 
 
 class InteriorPoint:
-    """Contact solver that solves a quadratic programme in all unknowns by an interior-point method (Clarabel)."""
+    """Contact solver that solves a quadratic programme in all unknowns by the interior-point method Clarabel.
+
+    The programme is to minimise ½ vᵀSv − bᵀv subject to N v ≤ 0.
+    """
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
         rows = N.shape[0]
@@ -621,9 +654,9 @@ RIVALS: Mapping[str, type[Signorini]] = {
 class OneStress(ListedNumbers):
     """Measures relative differences between stresses of Problem 3.2 that different solvers compute.
 
-    The difference is max_n ‖σ_n − τ_n‖_Q / max_n ‖σ_n‖_Q. Every step minimises a strictly convex energy over the
-    admissible stresses. So the earlier steps determine the stress and the multipliers of equilibrium, and neither the
-    start of the search nor the method may change them.
+    The difference of stresses σ_n and τ_n is max_n ‖σ_n − τ_n‖_Q / max_n ‖σ_n‖_Q. Every step minimises a strictly
+    convex energy over the admissible stresses. So the earlier steps determine the stress and the multipliers of
+    equilibrium, and neither the start of the search nor the method may change them.
     """
 
     label = "Thm 4.3"
@@ -754,7 +787,10 @@ UNBOUNDED = "junction"
 
 
 def last_increments(levels: pd.DataFrame) -> float:
-    """Return the last over the previous increment of max_t ‖σν‖² under refinement."""
+    """Return the quotient of the last and the previous increment of max_t ‖σν‖² from mesh to mesh.
+
+    σν is the exact traction on the boundary, with the norm of L²(Γ).
+    """
     increments = np.diff(levels["norm"].to_numpy() ** 2)
     return float(increments[-1] / increments[-2])
 
@@ -812,13 +848,13 @@ WEAK = around(2, 0.3, "product of two errors O(h), σ − σ^h and v − Π^h v"
 
 
 WEAKLY = "loaded, weakly", "tangential, weakly"
-"""Columns with the violations of the traction conditions on Γ2 and on Γ3, tested with smooth fields."""
+"""Columns with violations of the traction conditions, on Γ2 and on Γ3, that are tested with smooth fields."""
 
 
 class NaturalConditions(ListedNumbers):
     """Measures how far the discrete stress violates the traction conditions on Γ2 and Γ3.
 
-    Stresses are evaluated at STRESS_INSTANTS evenly spaced times, each of which is the midpoint of a time step.
+    The conditions are evaluated at STRESS_INSTANTS evenly spaced times, each of which is the midpoint of a time step.
 
     (4.13): the tractions σν = f_2 on Γ2 and σ_τ = 0 on Γ3, which discrete stresses satisfy only in the limit h → 0.
 
@@ -909,9 +945,8 @@ def tractions(setup: Experiment) -> Numbers:
 def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
     """Yield pairs of a time t and the discrete stress σ^h(t), for STRESS_INSTANTS times t.
 
-    The times are the midpoints of STRESS_INSTANTS equal parts of [0, T], each with an odd number of time steps. So t
-    is the
-    midpoint of a step from t_{n−1} to t_n, and σ^h(t) = A ε((u_n − u_{n−1})/k) + G ε((u_n + u_{n−1})/2).
+    The times are the midpoints of STRESS_INSTANTS equal parts of [0, T], each with an odd number of time steps. So t is
+    the midpoint of a step from t_{n−1} to t_n, and σ^h(t) = A ε((u_n − u_{n−1})/k) + G ε((u_n + u_{n−1})/2).
     """
     space = setup.space
     cells = on_cells(space, setup.solution.law)
@@ -925,11 +960,11 @@ def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
 
 
 def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
-    """Return random smooth fields that test the traction condition on Γ2, and fields that test the condition on Γ3.
+    """Return random smooth test fields for the traction condition on the loaded boundary Γ2, and for the one on Γ3.
 
     Returns:
-        Fields that vanish on Γ1 and Γ3; and fields that vanish on Γ1, are tangential on one plane of Γ3 and vanish on
-        the other planes of Γ3.
+        First, fields that vanish on the clamped boundary Γ1 and on the contact boundary Γ3. Second, fields that vanish
+        on Γ1, are tangential on one plane of Γ3 and vanish on the other planes of Γ3.
     """
     clamped = planes(body, Kind.CLAMPED)
     contact = planes(body, Kind.CONTACT)
@@ -978,12 +1013,20 @@ def distances(x: Points, parts: list[Part]) -> Array:
 
 
 def vanishing(field: Field, parts: list[Part]) -> Field:
-    """Return a field multiplied by the distances from the planes of the given parts, so that it vanishes on them."""
+    """Return a field multiplied by the distances from the planes of given boundary parts.
+
+    Args:
+        field: the field. The result vanishes on the boundary parts.
+        parts: the boundary parts.
+    """
     return lambda x: field(x) * distances(x, parts)
 
 
 def waves(body: Body, rng: np.random.Generator) -> Field:
-    """Return a random vector field cos(κ·x + c) with about half a wave across the body in each direction."""
+    """Return a random vector field cos(κ·x + c), with about half a wave across the body in each direction.
+
+    Wave vectors κ and phases c are random for each component.
+    """
     extent = body.vertices.max(axis=1) - body.vertices.min(axis=1)
     directions = rng.uniform(-np.pi, np.pi, (body.dim, body.dim)) / extent
     phases = rng.uniform(0, 2 * np.pi, body.dim)

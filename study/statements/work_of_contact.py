@@ -70,8 +70,8 @@ def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.cs
 
     Args:
         mesh: a mesh of triangles.
-        wanted: function from the corners of cells (2, 3, cells) to the largest permitted length of their sides,
-            (cells,).
+        wanted: function from the corners of cells, (2, 3, cells), to the largest permitted length of the sides of each
+            cell, (cells,).
 
     Returns:
         The refined mesh, and the matrix from vertex values on the given mesh to vertex values on the refined one.
@@ -100,9 +100,10 @@ def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.cs
 
 
 SEMINORM_PANELS, SEMINORM_POINTS = 64, 3
-"""The quadrature of the double integral: number of equal panels of (0, 1), and number of Gauss points in each panel.
+"""The quadrature of the double integral over x and y in the seminorm of H^ϱ(0, 1).
 
-The rule in y has one more point in each panel than the rule in x, so that x = y does not occur.
+(0, 1) is divided into ``SEMINORM_PANELS`` equal panels with ``SEMINORM_POINTS`` Gauss points each. The rule in y has
+one more point in each panel than the rule in x, so that x = y does not occur.
 """
 
 
@@ -113,7 +114,7 @@ def composite_gauss(panels: int, points: int) -> PointsAndWeights:
 
 
 FIRST, SECOND = composite_gauss(SEMINORM_PANELS, SEMINORM_POINTS), composite_gauss(SEMINORM_PANELS, SEMINORM_POINTS + 1)
-"""The quadrature rules of the double integral, in x and in y."""
+"""The quadrature rules on (0, 1) for the double integral over x and y of the seminorm, in x and in y."""
 
 
 def _kernel(first: PointsAndWeights, second: PointsAndWeights, rho: float) -> Array:
@@ -123,7 +124,7 @@ def _kernel(first: PointsAndWeights, second: PointsAndWeights, rho: float) -> Ar
 
 
 def seminorm(first: Array, second: Array, rho: float) -> Array:
-    """Return the Sobolev–Slobodeckij seminorm |v|_ϱ of functions v on (0, 1), (...).
+    """Return the Sobolev–Slobodeckij seminorm |v|_ϱ in H^ϱ of functions v on (0, 1), (...).
 
     For a Lipschitz v and ϱ ≤ 1/2 the integrand is bounded. The relative error is a few per mille if v has about ten
     oscillations.
@@ -131,7 +132,7 @@ def seminorm(first: Array, second: Array, rho: float) -> Array:
     Args:
         first: the values of v at the nodes of ``FIRST``, (..., n).
         second: the values of v at the nodes of ``SECOND``, (..., m).
-        rho: the order ϱ.
+        rho: the order ϱ of the seminorm.
     """
     kernel = _kernel(FIRST, SECOND, rho)
     squares = first**2 @ kernel.sum(axis=1) + second**2 @ kernel.sum(axis=0)
@@ -157,14 +158,20 @@ def gram(panels: int, rho: float) -> Array:
 
 
 EQUAL_BRANCHES = 2 / (2 + math.pi**2)
-"""The fraction |N|/h of an edge with a gap at which both expressions for the constant β of the bound are equal."""
+"""The fraction of an edge with a gap at which both expressions for the constant β in ``EdgeWork`` are equal."""
 C_0 = math.sqrt((2 + math.pi**2) / (8 * math.pi**2))
 EDGE_TIMES = 0.23, 0.5, 0.81
-"""Times at which edges are examined, as fractions of the final time T."""
+"""Times at which the work of contact on edges is computed, as fractions of the final time T."""
 CHANGES = 16
-"""Largest number of changes between contact and gap on an edge; 64 panels do not resolve more."""
+"""Largest number of changes between contact and gap on an edge that is examined.
+
+Its panels (``SEMINORM_PANELS``) do not resolve more changes.
+"""
 SOBOLEV_EXPONENTS = 0.05, 0.25, 0.5
-"""The exponents ϱ = s − 1/2 for which suprema are computed, that is, s = 0.55, 0.75, 1."""
+"""The exponents ϱ of seminorms in H^ϱ for which suprema are computed.
+
+They belong to u ∈ H^{1+s} with s = ϱ + 1/2 = 0.55, 0.75 and 1.
+"""
 WORK = "R_E / bound"
 OF_ALL = "supremum / bound"
 OVERALL = "R_E / (h² |σ_ν| |u_ν'|)"
@@ -173,10 +180,10 @@ PROVED_ON_EDGES = at_most(1.0, "proved")
 
 
 class EdgeWork(ListedNumbers):
-    """Measures the work of contact |R_E| on edges, divided by its bound.
+    """Measures the work of contact |R_E|, the work of the contact pressure on the interpolation error on an edge E.
 
-    The quotient is computed for exact solutions. For each of their edges its supremum over all pressures and gaps with
-    the same contact zone is computed as well.
+    The work is divided by its bound. The quotient is computed for exact solutions. For each of their edges its supremum
+    over all pressures and gaps with the same contact zone is computed as well.
 
     Beyond the paper: a bound of the work of contact on every edge, so that Prop. 5.4 needs no trace in H²(Γ3).
 
@@ -222,7 +229,7 @@ class EdgeWork(ListedNumbers):
     )
 
     def settings(self, scope: Scope) -> Sequence[Setting]:
-        """Return the settings of a study.
+        """Return the settings (case, mesh family, level) in which a study measures the work of contact on edges.
 
         A study of all statements also has the cases with wave trains, which are not part of the catalogue.
         """
@@ -255,16 +262,16 @@ BOTH_KINDS = accuracy(
 
 
 def mixed_edges(solution: ExactSolution, space: Space) -> tuple[Array, ...]:
-    """Find the edges of Γ3 that have both contact and a gap at a time, and return the work of contact on them.
+    """Return the work of contact on all edges of Γ3 that have both contact and a gap at a time.
 
-    Each edge is mapped to the interval (0, 1). The map to an edge of length h multiplies R_E by h and leaves the
-    seminorm |·|_{1/2} unchanged.
+    The work of contact on an edge E is R_E = ∫_E σ_ν (Π^h u_ν − u_ν). Each edge is mapped to the interval (0, 1). The
+    map to an edge of length h multiplies R_E by h and leaves the seminorm |·|_{1/2} unchanged.
 
     Returns:
         Three arrays for the n edges that are found on all contact faces and at all times:
 
         * whether there is contact at the nodes ``FIRST`` of a quadrature rule on the edge, (n, nodes);
-        * the fraction |N|/h of the edge with a gap, (n,);
+        * the fraction |N|/h of the edge, of length h, with a gap, (n,);
         * the work over its bound without the factor β, |R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), (n,).
     """
     found = [(np.empty((0, FIRST[0].size)), np.empty(0), np.empty(0))]
@@ -292,22 +299,31 @@ def mixed_edges(solution: ExactSolution, space: Space) -> tuple[Array, ...]:
 
 
 def linear(ends: Array, x: Array) -> Array:
-    """Return values at points x of (0, 1), (n, points), of functions that are linear between two end values, (2, n)."""
+    """Return the values at points of functions that are linear on (0, 1), (n, points).
+
+    Args:
+        ends: the values of the n functions at 0 and at 1, (2, n).
+        x: the points of (0, 1), (points,).
+    """
     return ends[0][:, None] + (ends[1] - ends[0])[:, None] * x
 
 
 def beta(open_part: Array) -> Array:
-    """Return the constant β of the bound, given the fraction |N|/h of an edge with a gap, which is in (0, 1)."""
+    """Return the constant β of the bound of the work of contact on an edge (``EdgeWork``).
+
+    Args:
+        open_part: the fraction of the length of the edge with a gap, strictly between 0 and 1.
+    """
     return np.minimum(1 / np.sqrt(open_part) / (2 * np.pi), 1 / np.sqrt(8 * (1 - open_part)))
 
 
 def supremum(touching: Array, rho: float) -> float:
     """Return the supremum of the work of contact on an edge over all pressures λ and gaps w, divided by its bound.
 
-    The edge is mapped to the interval (0, 1). Then the result is sup |∫ λ Π w| / (|λ|_ϱ |w'|_ϱ), divided by β. The
-    interval is split into ``SEMINORM_PANELS`` equal panels, and each panel belongs to the part N with a gap or to the
-    part C in contact. λ and w' are continuous and linear on each panel, with λ = 0 on N and w' = 0 on C. The result is
-    0 if λ or w' must vanish.
+    The edge is mapped to the interval (0, 1). Then the result is sup |∫ λ Π w| / (|λ|_ϱ |w'|_ϱ), divided by the
+    constant β of the bound. Π w interpolates w linearly, and |·|_ϱ is the seminorm in H^ϱ. The interval is split into
+    ``SEMINORM_PANELS`` equal panels, and each panel belongs to the part N with a gap or to the part C in contact. λ and
+    w' are continuous and linear on each panel, with λ = 0 on N and w' = 0 on C. The result is 0 if λ or w' must vanish.
 
     The values of w at both ends of the edge follow from w' on the panels of N there, because w = 0 on the next panel of
     C. Between panels of C the integral of w' must be 0. This condition is ignored, so with a gap between panels of C
@@ -333,14 +349,15 @@ def supremum(touching: Array, rho: float) -> float:
 
 
 def dual_products(A: Array, panels: Array, functionals: Array) -> Array:
-    """Return the matrix of products f_i · A⁻¹ f_j for two linear functionals f_1 and f_2, (2, 2).
+    """Return the products f_i · A⁻¹ f_j of two linear functionals f_1 and f_2 on piecewise linear functions, (2, 2).
 
-    A, f_1 and f_2 are restricted to the free nodes. A node is free if all panels next to it are marked.
+    The functions are zero on all panels of the interval (0, 1) that are not marked. So A, f_1 and f_2 are restricted to
+    the free nodes: those at which all neighbouring panels are marked.
 
     Args:
-        A: a symmetric matrix, (nodes, nodes).
+        A: a symmetric matrix of a form on the functions, (nodes, nodes).
         panels: whether each panel is marked, (panels,).
-        functionals: the functionals, (2, nodes).
+        functionals: the values of the functionals for the hat functions, (2, nodes).
     """
     padded = np.concatenate([[True], panels, [True]])
     free = padded[:-1] & padded[1:]
@@ -360,8 +377,8 @@ class Resolved:
     Attributes:
         solution: the exact solution.
         space: the P1 displacement space V^h on the mesh.
-        v_norm: the error norm, which is integrated on the refined mesh.
-        inclusion: the matrix that maps degrees of freedom of V^h to degrees of freedom on the refined mesh.
+        v_norm: computes errors in V, integrated on the finer mesh.
+        inclusion: the matrix that maps degrees of freedom of V^h to degrees of freedom on the finer mesh.
         start: the interpolant Π^h u_0 of the initial displacement, (dofs,).
     """
 
@@ -397,9 +414,13 @@ def least_depth(solution: ExactSolution, corners: Points) -> Array:
 
 
 def pressing_on(at: Resolved) -> Callable[[float], Array]:
-    """Return the exact contact pressure as a load: a function of time with values v ↦ ∫_{Γ3} p v_ν on V^h, (dofs,).
+    """Return the exact contact pressure as a load: a function from a time to a load vector, (dofs,).
 
-    The prescribed pressure is used, which is a hundred times faster than the pressure from the exact stress.
+    Its entries are ∫_{Γ3} p v_ν for the basis functions v of V^h. The prescribed pressure p is used, which is a hundred
+    times faster than the pressure from the exact stress.
+
+    Args:
+        at: the space V^h and the exact solution.
     """
     load = contact_load(at.solution, at.v_norm.space, (), FaceFields.stated_pressure)
     return lambda time: -np.asarray(at.inclusion.T @ load(time))
@@ -408,16 +429,16 @@ def pressing_on(at: Resolved) -> Callable[[float], Array]:
 FACE_RULE = composite_gauss(512, 4)
 """Quadrature rule on a contact face. Waves are at least 1/64 of the face wide, so each has at least 8 intervals."""
 TIME_NODES = 8
-"""Number of nodes of the midpoint rule that integrates over time."""
+"""Number of nodes of the midpoint rule that integrates the work of contact over time."""
 DRAWS = 400
 """Number of random sets of vertices on Γ3 over which mean and standard deviation of the work are computed."""
 
 
 class TotalWork:
-    """Computes the work of the contact force on the interpolation error, integrated over time.
+    """Computes the work of contact, the work of the contact pressure on the interpolation error, integrated over time.
 
-    This is ∫_0^T R(t; Π^h u − u) dt with R = ∫_{Γ3} p Π^h w for the pressure p and the gap w. It depends on the mesh
-    only through the vertices on Γ3. Time is integrated by the midpoint rule.
+    It is ∫_0^T R dt with R = ∫_{Γ3} p Π^h w for the pressure p, the gap w and its nodal interpolant Π^h w. R depends on
+    the mesh only through the vertices on Γ3. Time is integrated by the midpoint rule.
     """
 
     def __init__(self, solution: ExactSolution) -> None:
@@ -443,16 +464,16 @@ class TotalWork:
 
 
 def vertices_on(space: Space) -> list[Array]:
-    """Return the increasing coordinates of the vertices along every contact face."""
+    """Return for every contact face the coordinates of the mesh vertices along the face, in increasing order."""
     parts = space.body.of(Kind.CONTACT)
     return [np.sort(part.coordinates(space.mesh.p[:, space.vertices(part)])[0][0]) for part in parts]
 
 
 def shaken(vertices: Sequence[Array], rng: np.random.Generator) -> list[Array]:
-    """Return vertices moved at random as on shaken meshes: by up to a fifth of an edge, except the end points.
+    """Return coordinates of vertices, moved at random by up to a fifth of an edge as on shaken meshes.
 
     Args:
-        vertices: equidistant coordinates of vertices on each contact face.
+        vertices: equidistant coordinates of vertices on each contact face; the end points are not moved.
         rng: the random generator.
     """
     moved = []
@@ -522,7 +543,7 @@ ON_ALL_MESHES = (
 
 
 class WorkOfContact(ListedNumbers):
-    """Measures the square root of the work of contact, the error ‖u − u^h‖_V, and the excess ‖u^h − u^h_lin‖_V.
+    """Measures the square root of the work of contact, the error ‖u − u^h‖_V, and its part that is due to contact.
 
     Beyond the paper: the work of contact for solutions with contact patches of every size.
 
@@ -620,7 +641,7 @@ COARSE_ROLLER_LEVELS = ROLLER_LEVELS[:3]
 
 They are used for rollers other than ROLLER, for meshes with two diagonals, and for half of the random meshes."""
 HALVED = 32
-"""The level at which the excess is also computed with half the time step."""
+"""The level at which ``Rollers`` also computes the excess with half the time step."""
 PER_H = 8
 """Number of time steps in which a roller moves by the length of one edge."""
 SAMPLED_PARTS = 32
@@ -631,17 +652,17 @@ class OnContact:
     """The semi-discrete problem (Problem 5.1) for A = G, reduced to the normal displacements at the contact vertices.
 
     For A = G the operator B in (4.2) is the identity. Let P_h be the projection onto V^h in (·,·)_V and π the nodal
-    forces of the pressure p. Then Problem 5.1 reads M(u̇^h + u^h) + Nᵀλ = M(P_hu̇ + P_hu) + Nᵀπ. With y = N u^h,
-    g = N P_hu and S = (N M⁻¹ Nᵀ)⁻¹ it becomes
+    forces of the pressure p. Then Problem 5.1 reads M(u̇^h + u^h) + Nᵀλ = M(P_hu̇ + P_hu) + Nᵀπ. With y = N u^h, g = N
+    P_hu and S = (N M⁻¹ Nᵀ)⁻¹ it becomes
 
         S(ẏ + y) + λ = S(ġ + g) + π,     y ≤ 0,   λ ≥ 0,   λ·y = 0.
 
     This is again Problem 5.1, with as many unknowns as Γ3 has vertices, so the same time schemes solve it.
 
     Attributes:
-        at: the P1 space V^h, with integrals on a finer mesh.
+        at: the P1 space V^h and the exact solution, with integrals on a finer mesh.
         M: the matrix of the inner product (·,·)_V, (dofs, dofs).
-        condensed: the contact solver with a factorisation of M.
+        condensed: the contact solver for the matrix M and the constraint matrix N.
         S: the Schur complement (N M⁻¹ Nᵀ)⁻¹, (m, m).
         start: the interpolant Π^h u_0 of the initial displacement, (dofs,).
         places: the coordinates s of the m contact vertices along Γ3, (1, m).
@@ -661,17 +682,17 @@ class OnContact:
         self.places = self._face.part.coordinates(space.mesh.p[:, vertices])[0]
 
     def functional(self, time: float) -> Array:
-        """Return the functional (u(t), ·)_V of the exact displacement on V^h, (dofs,)."""
+        """Return the products (u(t), v)_V of the exact displacement u with all basis functions v of V^h, (dofs,)."""
         v_norm = self.at.v_norm
         law = self.at.solution.law
         return np.asarray(self.at.inclusion.T @ v_norm.space.functional(law.A.matrix @ v_norm.sample(time).means))
 
     def projected(self, time: float) -> Array:
-        """Return the projection P_hu(t) of the exact displacement onto V^h, (dofs,)."""
+        """Return the projection P_hu(t) of the exact displacement onto V^h, orthogonal in (·,·)_V, (dofs,)."""
         return self.condensed.factor(self.functional(time))
 
     def gap(self, time: float) -> Array:
-        """Return the exact gap w at the contact vertices, in the order of the rows of N, (m,)."""
+        """Return the exact gap at the m contact vertices, in the order of the rows of the constraint matrix, (m,)."""
         return self._face.gap_jet(self.places, time)[(0,)]
 
 
@@ -679,8 +700,10 @@ class OnContact:
 class Trajectories:
     """Normal displacements at the contact vertices over time, with contact (y) and without contact (y_lin).
 
-    Both are computed by the midpoint rule. Without contact, the forces λ are the forces π of the exact pressure p, so
-    that u^h_lin = P_hu + e^{−t}(Π^h u_0 − P_hu_0). Contact adds the displacement z = M⁻¹Nᵀc with c = S(y − y_lin), and
+    Both are computed by the midpoint rule for the problem ``OnContact``, in which N is the constraint matrix, S = (N
+    M⁻¹ Nᵀ)⁻¹, and P_h the projection onto V^h in (·,·)_V with the matrix M. Without contact, the forces λ are the
+    forces π of the exact pressure p, so that u^h_lin = P_hu + e^{−t}(Π^h u_0 − P_hu_0). Contact adds the displacement z
+    = M⁻¹Nᵀc with c = S(y − y_lin), and
 
         ‖u^h − u^h_lin‖_V² = cᵀ N z = (y − y_lin)ᵀ S (y − y_lin).
 
@@ -705,7 +728,8 @@ class Trajectories:
     def of(cls, on: OnContact, steps: int) -> Trajectories:
         """Solve the reduced problem with and without contact.
 
-        The values of ġ and g in the middle of a step are computed from g at its ends.
+        The values of g = N P_hu, the normal displacements of the projected exact displacement, and of ġ in the middle
+        of a step are computed from g at its ends.
         """
         T = on.at.space.body.T
         k = step_size(T, steps)
@@ -726,19 +750,28 @@ class Trajectories:
 
     @cached_property
     def nodal_errors(self) -> Array:
-        """The nodal errors |(P_hu − u)_ν| at the contact vertices, at the time nodes, (steps + 1, m)."""
+        """The errors |(P_hu − u)_ν| of the projected exact displacement P_hu at the contact vertices, (steps + 1, m).
+
+        The first axis belongs to the time nodes. P_h is the projection onto V^h in (·,·)_V.
+        """
         gaps = [self.on.gap(n * self.k) for n in range(self.steps + 1)]
         return abs(self.projected + gaps)
 
     def excess(self) -> Array:
-        """Return the excess ‖u^h − u^h_lin‖_V, the distance of both discrete solutions, at time nodes, (steps + 1,)."""
+        """Return the distance ‖u^h − u^h_lin‖_V of the solutions with and without contact at time nodes, (steps + 1,).
+
+        It is called the excess, the part of the error that is due to contact. Without contact, the exact contact force
+        is a given load.
+        """
         z = self.contact - self.linear
         return np.sqrt(np.maximum(np.einsum("ni,ij,nj->n", z, self.on.S, z, optimize=True), 0.0))
 
     def displacement(self, n: int) -> Array:
-        """Return the discrete displacement at the n-th time node, (dofs,).
+        """Return the discrete displacement u^h with contact at the n-th time node, (dofs,).
 
-        It is u^h(t_n) = P_hu(t_n) + ((1 − k/2)/(1 + k/2))^n (Π^h u_0 − P_hu_0) + M⁻¹Nᵀc, where c = S(y − y_lin).
+        P_h is the projection onto V^h in (·,·)_V, k the time step, y and y_lin the normal displacements with and
+        without contact. Then u^h(t_n) = P_hu(t_n) + ((1 − k/2)/(1 + k/2))^n (Π^h u_0 − P_hu_0) + M⁻¹Nᵀc, where c = S(y
+        − y_lin).
         """
         on = self.on
         left = ((1 - self.k / 2) / (1 + self.k / 2)) ** n * (on.start - on.projected(0.0))
@@ -747,7 +780,11 @@ class Trajectories:
 
 
 def sides(solutions: Trajectories) -> Numbers:
-    """Return the error, its bound, and the terms E_h, M_h, J_h of the bound, which ``Rollers`` defines."""
+    """Return the error ‖u − u^h‖_V for a roller, its bound, and the quantities E_h, M_h and J_h in the bound.
+
+    E_h is the error of the projection P_hu in V, M_h its largest nodal error on Γ3, and J_h the largest interpolation
+    error on Γ3 (``Rollers``). Keys are names of columns.
+    """
     on = solutions.on
     at = on.at
     space = on.at.space
@@ -774,13 +811,14 @@ def sides(solutions: Trajectories) -> Numbers:
 
 
 def nodal_error_near_patch(solutions: Trajectories, width: float) -> float:
-    """Return the largest nodal error |(P_hu − u)_ν| at vertices near the roller, for t ≥ T/2.
+    """Return the largest nodal error |(P_hu − u)_ν| at vertices near a moving contact patch, for t ≥ T/2.
 
-    Near means within 2ℓ of the middle of the contact patch. At these times the patch is far from all corners.
+    P_hu is the projection of the exact displacement u onto V^h in (·,·)_V. Near means within 2ℓ of the middle of the
+    patch. At these times the patch is far from all corners.
 
     Args:
         solutions: the solutions over time.
-        width: the width ℓ of the roller.
+        width: the width ℓ of the patch.
     """
     half = solutions.steps // 2
     times = solutions.k * np.arange(half, solutions.steps + 1)
@@ -806,14 +844,14 @@ EQUAL_VERTICES = Window(0.75, 1.1, "1 up to a logarithm, as all vertices of Γ3 
 HALF = around(0.5, 0.15, "the roller leaves different displacements at neighbouring vertices; equal ones give 1")
 STANDING_ORDER = around(1, 0.25, "displacements remain at few vertices only")
 HALF_STEP_EXCESS = "excess, k/2"
-"""Name of the column with the excess for half the time step."""
+"""Name of the column with the excess ‖u^h − u^h_lin‖_V that is computed with half the time step."""
 
 
 def change_by_half_steps(levels: pd.DataFrame) -> Array:
-    """Return the relative change of the excess ‖u^h − u^h_lin‖_V when the time step is halved.
+    """Return the relative change of the excess ‖u^h − u^h_lin‖_V if the time step is halved.
 
-    The excess is the distance of u^h from the solution of the linear problem with the exact pressure as a traction. The
-    result is empty if no level was measured with half the time step.
+    The excess is the distance of the discrete solution u^h from the solution of the linear problem with the exact
+    pressure as a traction. The result is empty if no level was measured with half the time step.
     """
     both = levels.dropna()
     return abs(both[HALF_STEP_EXCESS] / both["excess"] - 1).to_numpy()

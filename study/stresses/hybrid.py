@@ -53,7 +53,8 @@ from study.stresses.stress_space import StressSpace
 class EquilibratedStress:
     """A stress in equilibrium with the loads, which ``Equilibrium`` computes.
 
-    Several stresses have one more axis, written ``...`` in the shapes.
+    Several stresses have one more axis, written ``...`` in the shapes. Q is the number of quadrature points in a cell,
+    and n the number of Bernstein polynomials B_i on an edge.
 
     Attributes:
         values: the stress at the quadrature points of the space, (3, ..., cells, Q).
@@ -71,14 +72,15 @@ class EquilibratedStress:
 class Equilibrium:
     """Computes the stress τ that balances loads and has the least complementary energy ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q.
 
-    Several pairs of a strain ε* and loads can be given at once. They then have one more axis, written ``...`` in the
-    shapes.
+    C is a stiffness tensor and ε* a given strain. Several pairs of ε* and loads can be given at once. They then have
+    one more axis, written ``...`` in the shapes.
 
     Args:
-        space: the composite stresses.
-        compliance: the inverse C⁻¹ of a stiffness in Mandel form, (3, 3), or at the quadrature points,
-            (cells, Q, 3, 3).
-        solver: a function that makes the contact solver from S, N and the points of the unknowns.
+        space: the composite stresses, among which τ is sought.
+        compliance: the inverse C⁻¹ in Mandel form, (3, 3), or at the Q quadrature points of every cell, (cells, Q, 3,
+            3).
+        solver: a function that makes the contact solver from the matrix S, the constraint matrix N and the points of
+            the unknowns.
 
     Raises:
         MeshError: triangles are too thin for double precision.
@@ -144,13 +146,14 @@ class Equilibrium:
     def nearest(self, loads: Loads, target: Tensors, normal: Array) -> EquilibratedStress:
         """Return the stress τ that balances the loads and is nearest to a given stress in the norm of C⁻¹.
 
-        This is the stress of least energy for ε* = −C⁻¹ target, where ∫_{Γ3} τ_ν v is added to the energy.
+        C⁻¹ is the compliance. More precisely, τ minimises ½ ‖τ − target‖² + ∫_{Γ3} τ_ν v for a given function v on the
+        contact boundary.
 
         Args:
-            loads: as in ``__call__``.
+            loads: the projected loads P f_0 and P f_2.
             target: the given stress at the quadrature points, (3, ..., cells, Q).
-            normal: the moments ∫_e v B_i of the function v on Γ3 with the Bernstein polynomials B_i, (..., edges of
-                Γ3, n). They must be ≤ 0 on the edges ``contact``.
+            normal: the moments ∫_e v B_i of v with the n Bernstein polynomials B_i on every edge e of Γ3, (..., edges
+                of Γ3, n). They must be ≤ 0 on the edges ``contact``.
 
         Returns:
             The stress τ, except that its ``values`` are the difference τ − target.
@@ -164,7 +167,10 @@ class Equilibrium:
         return self._joined(values, tractions, known, v, v - shift)
 
     def balance(self, loads: Loads) -> EquilibratedStress:
-        """Return the stress with the least norm (C⁻¹τ, τ)_Q that balances loads and has no traction on Γ3, τν = 0."""
+        """Return the stress with the least norm (C⁻¹τ, τ)_Q that balances loads and has no traction on Γ3, τν = 0.
+
+        C⁻¹ is the compliance, and Γ3 the contact boundary.
+        """
         values, tractions = self.space.lift(loads.force)
         known, g = self._condensed(loads, tractions, act(self.compliance, values))
         v = self.solve.factor(g)
@@ -212,7 +218,10 @@ class Equilibrium:
         )
 
     def pressure(self, stress: EquilibratedStress) -> Array:
-        """Return the contact pressure −τ_ν ≥ 0 as Bernstein coefficients on the edges of Γ3, (..., edges, n)."""
+        """Return the contact pressure −τ_ν ≥ 0 of a stress τ on the e edges of the contact boundary, (..., e, n).
+
+        On every edge it is given by its n Bernstein coefficients.
+        """
         return -self.space.boundary_tractions(self.contact, stress.tractions)[..., 0]
 
 
@@ -258,9 +267,10 @@ class DualState:
 
     Attributes:
         time: the time t_n.
-        stress: the stress σ^h_n. At t_0 it is NaN, because the schemes define no strain rate there.
-        strain: the strain ε_n at the quadrature points, (3, cells, Q).
-        loads: the projected loads P f_0 and P f_2 at t_n.
+        stress: the computed stress σ_n, in equilibrium with the loads. At t_0 it is NaN, because the schemes define no
+            strain rate there.
+        strain: the strain ε_n that the law gives, at the Q quadrature points of every cell, (3, cells, Q).
+        loads: the projected loads at t_n.
     """
 
     time: float
@@ -270,7 +280,10 @@ class DualState:
 
 
 def tensor_at(C: Linear, x: Array) -> Array:
-    """Return a linear tensor at points (2, ...) in Mandel form, (..., 3, 3); (3, 3) for a homogeneous material."""
+    """Return the Mandel matrix of a linear tensor at points, (2, ...) → (..., 3, 3).
+
+    For a homogeneous material the result is one matrix, (3, 3).
+    """
     if C.factor is UNIFORM:
         return C.matrix
     return np.moveaxis(np.multiply.outer(C.matrix, C.factor(x)), (0, 1), (-2, -1))
@@ -284,7 +297,7 @@ class StressEvolution:
         data: the body, the law, the loads and the initial displacement.
         space: the composite stresses.
         solver: the class of the contact solver of one step.
-        raised: a number added to the degree of the quadrature rule for f_0.
+        raised: a number added to the degree of the quadrature rule for the body force f_0.
     """
 
     data: Data

@@ -33,17 +33,17 @@ from study.fem.quadrature import (
 from study.stresses.stress_space import StressSpace, alfeld_split, barycentric, bernstein, triangle_mass
 
 LEAST_FORCE_DEGREE = 4
-"""Least degree of the quadrature rule for f_0 on a subtriangle of a cell.
+"""Least degree of the quadrature rule for the body force f_0 on a subtriangle of a cell.
 
-For stresses of degree k, 2k is used if it is larger.
+For stresses of degree k, the degree 2k is used if it is larger.
 """
 EDGE_POINTS, EDGE_PARTS = 6, 4
-"""The quadrature rule for f_2: number of Gauss points on each part of an edge, and number of equal parts of an edge.
+"""The quadrature rule for the traction f_2 on an edge: number of Gauss points on each part of the edge, and of parts.
 
-Edges are divided so that a kink of f_2 affects one part only.
+An edge is divided into equal parts so that a kink of f_2 affects one part only.
 """
 GRADED_POINTS = 28
-"""Number of Gauss points on edges that are cut and on which the points are graded towards the cut.
+"""Number of Gauss points on edges where the traction has a kink, towards which the points are graded.
 
 The grading by the power 8 leaves the degree 6, which is enough for products of two cubics.
 """
@@ -53,13 +53,14 @@ PARALLEL_LINE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Loads:
-    """Projected loads at one time, as Bernstein coefficients. Loads at several times have one more axis, the first.
+    """Loads at one time, projected (P) onto piecewise polynomials and given by their Bernstein coefficients.
 
     Attributes:
-        force: the projected body force P f_0, (cells, 3, lower, 2). Axes: cell, subtriangle, Bernstein polynomial of
-            degree k − 1, component.
-        surface: the projected traction P f_2, zero outside Γ2, (edges, n, 2). Axes: edge, Bernstein polynomial of
-            degree k, component.
+        force: the projected body force P f_0, (cells, 3, lower, 2); loads at several times have one more axis, the
+            first. Axes: cell, subtriangle, Bernstein polynomial of degree k − 1 (``lower`` in number), component; k is
+            the degree of the stresses that balance the loads.
+        surface: the projected traction P f_2, zero outside the loaded boundary, (edges, n, 2). Axes: edge, Bernstein
+            polynomial of degree k (n = k + 1 in number), component.
     """
 
     force: Array
@@ -79,14 +80,16 @@ def together(loads: Sequence[Loads]) -> Loads:
 
 @dataclass(frozen=True, eq=False)
 class LeftOut:
-    """Norms of the part of the loads that the projection P leaves out, at one time.
+    """Norms of the part of the loads that their projection P onto piecewise polynomials leaves out, at one time.
 
-    Let g = f_0 − P f_0, and let Π be the L² projection onto the polynomials of degree k on a whole cell T.
+    Let g = f_0 − P f_0 for the body force f_0, and let Π be the L² projection onto the polynomials of degree k on a
+    whole cell T. k is the degree of the stresses that balance P f_0.
 
     Attributes:
         low_order: the norm ‖Π g‖_T of the part of g that is a polynomial of degree k on the whole cell, (cells,).
         high_order: the norm ‖g − Π g‖_T of the rest of g, (cells,).
-        on_edges: the norm ‖f_2 − P f_2‖_e on every edge e, zero outside Γ2, (edges,).
+        on_edges: the norm ‖f_2 − P f_2‖_e of the rest of the traction f_2 on every edge e, zero outside the loaded
+            boundary Γ2, (edges,).
     """
 
     low_order: Array
@@ -96,18 +99,25 @@ class LeftOut:
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The projected loads at one time, and norms of the part of the loads that the projection leaves out."""
+    """Loads at one time, projected onto piecewise polynomials.
+
+    Attributes:
+        loads: the projected loads.
+        left_out: norms of the part of the loads that the projection leaves out.
+    """
 
     loads: Loads
     left_out: LeftOut
 
 
 class ProjectedLoads:
-    """Computes the projected loads P f_0 and P f_2 at any time.
+    """Computes the projections P f_0 and P f_2 of body force and traction onto piecewise polynomials, at any time.
+
+    Discrete stresses can balance the projected loads exactly.
 
     Args:
         data: the problem.
-        space: the composite stresses that balance the loads.
+        space: the composite stresses that balance the projected loads.
         raised: a number added to the degree of the quadrature rule for f_0.
     """
 
@@ -156,7 +166,7 @@ class ProjectedLoads:
             yield self._block(rule), self.data.body_force(rule.points)(time)
 
     def at(self, time: float) -> Snapshot:
-        """Return the projected loads P f_0 and P f_2 at a time, and norms of the part f − P f that is left out."""
+        """Return the projected loads at a time, and norms of the part of the loads that the projection leaves out."""
         space = self.space
         thirds = 3 * space.cells
         lower, more = (degree * (degree + 1) // 2 for degree in (space.degree, space.degree + 1))
@@ -179,10 +189,11 @@ class ProjectedLoads:
 
 
 class Projection:
-    """The L² projection onto polynomials on n subtriangles or edges, from values at q quadrature points on each.
+    """The L² projection onto polynomials on n subtriangles or edges, from values at quadrature points.
 
     Args:
-        shapes: the values of a basis of the polynomials at the points, (basis, n, q).
+        shapes: the values of a basis of the polynomials at the q quadrature points on each subtriangle or edge, (basis,
+            n, q).
         weights: the quadrature weights, (n, q).
     """
 

@@ -52,29 +52,35 @@ from study.stresses.stress_space import (
 )
 
 CELLS_AT_A_TIME = 256
-"""Number of cells whose constants C_{T,q} are computed at a time, which limits the memory."""
+"""Number of cells for which ``cell_constants`` are computed at a time, which limits the memory."""
 CHILDREN = np.stack([*((np.eye(3) + np.eye(3)[i]) / 2 for i in range(3)), (1 - np.eye(3)) / 2])
-"""Vertices of the four children of a triangle, in barycentric coordinates of the triangle, (4, 3 vertices, 3)."""
+"""The vertices of the four similar triangles of half the size into which a triangle is divided, (4, 3 vertices, 3).
+
+They are given in barycentric coordinates of the triangle.
+"""
 DEPENDENT = 1e-9
-"""Equations count as dependent if a singular value is below this fraction of the largest one."""
+"""Linear equations count as dependent if a singular value is below this fraction of the largest one."""
 
 
 class DividedTriangle:
-    """Matrices for composite stresses of degree k on the four children of the reference triangle.
+    """Matrices for stresses of degree k on the reference triangle, divided into four similar triangles.
 
-    The children are the similar triangles of half the size into which the triangle is divided. The unknowns are the
-    coefficients of the stresses on all children.
+    The four triangles of half the size are called children. On each child the stresses are composite stresses:
+    polynomials of degree k on the three subtriangles into which its barycentre divides the child. The unknowns are the
+    coefficients of the stresses on all children in the basis of ``CompositeElement``. Tractions may jump between
+    children.
 
     Attributes:
-        inner: the matrix from unknowns to the jumps of tractions across the sides of the middle child,
-            (equations, unknowns).
-        outer: the matrix from unknowns to the tractions |ê| σν on the halves of the sides, (3, 2, k + 1, 2, unknowns).
-            Axes: side, half, Bernstein coefficient, component, unknown.
+        inner: the matrix from unknowns to the jumps of tractions across the three sides of the middle child,
+            (equations, unknowns). The jumps are 0 if tractions are continuous.
+        outer: the matrix from unknowns to the tractions |ê| σν on the boundary of the reference triangle, (3, 2, k + 1,
+            2, unknowns). Axes: side, half of the side, Bernstein coefficient, component, unknown. |ê| is the length of
+            the half.
         divergence: the matrix from unknowns to the Bernstein coefficients of the divergence, (4 · 3 · coefficients · 2,
             unknowns). Row order: child (4), subtriangle (3), Bernstein polynomial of degree k − 1, component (2).
         values: the matrix from unknowns to the values of the stress in Mandel form at the points of a quadrature rule,
             (points, 3, unknowns).
-        weights: the weights of this rule, (points,).
+        weights: the weights of the quadrature rule, (points,).
     """
 
     def __init__(self, degree: int) -> None:
@@ -103,14 +109,15 @@ class DividedTriangle:
 
 
 def restriction(degree: int, corners: Array) -> Array:
-    """Return the matrix that restricts a polynomial in Bernstein form to a smaller triangle.
+    """Return the matrix that restricts a polynomial on a triangle to a smaller triangle in it.
 
     Args:
         degree: the degree of the polynomial.
-        corners: barycentric coordinates of the vertices of the smaller triangle, one row for each vertex, (3, 3).
+        corners: barycentric coordinates of the vertices of the smaller triangle in the larger one, one row for each
+            vertex, (3, 3).
 
     Returns:
-        The matrix from coefficients on the triangle to coefficients on the smaller triangle,
+        The matrix from Bernstein coefficients on the triangle to Bernstein coefficients on the smaller triangle,
         (polynomials, polynomials).
     """
     at = np.array(indices(degree)).T / degree
@@ -120,10 +127,10 @@ def restriction(degree: int, corners: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class BalancingStresses:
-    """Stresses on the divided reference triangle that balance the loads of a space with a basis of r loads.
+    """Stresses on the divided reference triangle that balance any of the loads in a space of dimension r.
 
     Attributes:
-        free: a basis of the stresses that balance the load 0, at quadrature points, (points, 3, p).
+        free: a basis of p stresses that balance the load 0, at quadrature points, (points, 3, p).
         lifts: for each load of the basis one stress that balances it, (points, 3, r).
         weights: the weights of the quadrature points, (points,).
         loads: the integrals ∫ d_i d'_j of the components of any two loads d, d' of the basis, (r, r, 2, 2).
@@ -136,14 +143,16 @@ class BalancingStresses:
 
     @classmethod
     def of(cls, divided: DividedTriangle, zero: Array, balanced: Array, loads: Array, gram: Array) -> BalancingStresses:
-        """Compute the stresses that balance given loads; every load must be balanced by some stress.
+        """Compute stresses on the divided triangle that balance given loads; some stress must balance each load.
 
         Args:
-            divided: the stresses on the divided triangle.
-            zero: the matrix of the conditions zero·w = 0 that the coefficients w of all stresses satisfy.
-            balanced: the matrix from w to the load that the stress balances.
-            loads: scalar loads as columns; each of them is applied in both coordinate directions.
-            gram: the integrals of products of two scalar loads.
+            divided: matrices for the stresses on the divided triangle.
+            zero: the matrix of the conditions zero·w = 0 that the coefficients w of admissible stresses satisfy, such
+                as continuous tractions, (conditions, unknowns).
+            balanced: the matrix from w to the coefficients of the load that the stress balances, (coefficients,
+                unknowns).
+            loads: coefficients of scalar loads as columns; each load is applied in both coordinate directions.
+            gram: the integrals of the products of any two of the scalar loads.
         """
         admissible = null_space(zero, rcond=DEPENDENT)
         onto = balanced @ admissible
@@ -153,10 +162,9 @@ class BalancingStresses:
         return cls(divided.values @ free, divided.values @ lifts, divided.weights, products)
 
     def constants(self, F: Array, compliance: Array, scale: Array) -> Array:
-        """Return √λ for each of the triangles x = F x̂ + b, (cells,).
+        """Return for each triangle x = F x̂ + b the largest ratio ‖τ‖_{A⁻¹}/‖load‖ over all loads, (cells,).
 
-        This is the largest ratio ‖τ‖_{A⁻¹}/‖load‖ over all loads, where τ is the smallest stress that balances the
-        load.
+        x̂ is in the reference triangle, and τ is the smallest stress that balances the load.
 
         Args:
             F: the matrices F, (cells, 2, 2).
@@ -178,9 +186,10 @@ class BalancingStresses:
 
 @lru_cache
 def balancing_in_cell(q: int) -> BalancingStresses:
-    """Return stresses that balance body forces and have no traction on the three sides of the divided triangle.
+    """Return stresses on the divided reference triangle that balance body forces and have no traction on its boundary.
 
-    The forces are polynomials of degree q on each child, orthogonal to the polynomials of degree q on the triangle.
+    The forces are polynomials of degree q on each of the four small triangles, and orthogonal to the polynomials of
+    degree q on the whole triangle.
     """
     divided = DividedTriangle(q + 1)
     third = np.concatenate([restriction(q, corners) for corners in np.moveaxis(thirds(np.eye(3)), 2, 0).swapaxes(1, 2)])
@@ -194,10 +203,13 @@ def balancing_in_cell(q: int) -> BalancingStresses:
 
 @lru_cache
 def balancing_on_side(side: int) -> BalancingStresses:
-    """Return stresses that balance tractions on one side of the divided triangle.
+    """Return stresses on the divided reference triangle that balance tractions on one of its sides.
 
-    The tractions are linear on each half of the side and orthogonal to linear tractions on the side. Div and the
-    tractions on the other sides are 0.
+    The tractions are linear on each half of the side and orthogonal to linear tractions on the whole side. The
+    divergence of the stresses and their tractions on the other sides are 0.
+
+    Args:
+        side: the number of the side, which is opposite to the vertex with this number.
     """
     divided = DividedTriangle(2)
     unknowns = divided.inner.shape[1]
@@ -219,16 +231,16 @@ def balancing_on_side(side: int) -> BalancingStresses:
 
 
 def cell_constants(F: Array, compliance: Array, q: int) -> Array:
-    """Return an upper bound of the constant C_{T,q} for each of the triangles x = F x̂ + b, (cells,).
+    """Return for each triangle T a bound of the constant C with ∫_T g·v ≤ C ‖g‖_T ‖ε(v)‖_{A,T}, (cells,).
 
-    The docstring of the module defines C_{T,q}.
-
-    The constant is computed once for cells that differ only by size, by a half turn, or by the order of their vertices.
+    The inequality holds for all displacements v and all body forces g that are orthogonal to the polynomials of degree
+    q on T. ‖·‖_{A,T} is the energy norm of the viscosity A on T. The constant is computed once for cells that differ
+    only by size, by a half turn, or by the order of their vertices.
 
     Args:
-        F: the matrices F, (cells, 2, 2).
+        F: the matrices F of the affine maps x = F x̂ + b from the reference triangle to the triangles, (cells, 2, 2).
         compliance: the inverse A⁻¹ of the viscosity in Mandel form, (3, 3).
-        q: the degree of the polynomials to which loads are orthogonal.
+        q: the degree of the polynomials to which body forces are orthogonal.
     """
     size = np.sqrt(abs(np.linalg.det(F)))
     # The vertices are sorted by the lengths of the opposite sides.
@@ -244,14 +256,15 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
 
 
 def side_constants(F: Array, compliance: Array, side: int) -> Array:
-    """Return an upper bound of the constant C_e for one side of each of the triangles x = F x̂ + b, (cells,).
+    """Return for one side e of each triangle T a bound of the constant C with ∫_e g·v ≤ C ‖g‖_e ‖ε(v)‖_{A,T}, (cells,).
 
-    The docstring of the module defines C_e.
+    The inequality holds for all displacements v and all tractions g that are orthogonal to the linear functions on e.
+    ‖·‖_{A,T} is the energy norm of the viscosity A on T.
 
     Args:
-        F: the matrices F, (cells, 2, 2).
+        F: the matrices F of the affine maps x = F x̂ + b from the reference triangle to the triangles, (cells, 2, 2).
         compliance: the inverse A⁻¹ of the viscosity in Mandel form, (3, 3).
-        side: the number of the side.
+        side: the number of the side, which is opposite to the vertex with this number.
     """
     a, b = SIDES[side]
     length = np.linalg.norm(F @ (REFERENCE_CORNERS[:, b] - REFERENCE_CORNERS[:, a]), axis=1)
@@ -259,11 +272,15 @@ def side_constants(F: Array, compliance: Array, side: int) -> Array:
 
 
 def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Array, Array]]:
-    """Return the loaded sides of all cells, and upper bounds of the constant C_e in the docstring of the module.
+    """Return the sides of cells on the loaded boundary Γ2, each with a bound of the work of tractions on it.
+
+    Args:
+        space: the composite stresses on the mesh.
+        compliance: the inverse A⁻¹ of the viscosity in Mandel form, (3, 3).
 
     Returns:
-        For each of the three side numbers: the cells with this side on Γ2, (n,); the edges there, (n,); and the bounds,
-        (n,).
+        For each of the three side numbers: the cells with this side on Γ2, (n,); the edges there, (n,); and the
+        constants of ``side_constants``, (n,).
     """
     loaded = space.edges_on(Kind.LOADED)
     sides = []
@@ -274,15 +291,20 @@ def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Arr
 
 
 class Oscillation:
-    """Computes the oscillation η_T of every cell T, which bounds the work of loads that the projection P leaves out:
+    """Computes the data oscillation η_T of every cell T, a bound of the work of loads that the projection leaves out.
 
-    (f_0 − P f_0, v)_T + Σ_e (f_2 − P f_2, v)_e ≤ η_T ‖ε(v)‖_{A,T}, where e are the sides of T on Γ2.
+    For the body force f_0, the traction f_2 and their projections P f_0, P f_2 onto piecewise polynomials, and for all
+    displacements v,
 
-    It is η_T = C_{T,k−1} ‖Π g‖_T + C_{T,k} ‖g − Π g‖_T + Σ_e C_e ‖f_2 − P f_2‖_e. Here k is the degree of the stresses,
-    g = f_0 − P f_0 is orthogonal to P_{k−1}, and Π g is its projection onto P_k.
+        (f_0 − P f_0, v)_T + Σ_e (f_2 − P f_2, v)_e ≤ η_T ‖ε(v)‖_{A,T},
+
+    where e are the sides of T on Γ2, and ‖·‖_{A,T} is the energy norm of the viscosity A on T. The oscillation is η_T =
+    C_{T,k−1} ‖Π g‖_T + C_{T,k} ‖g − Π g‖_T + Σ_e C_e ‖f_2 − P f_2‖_e. Here k is the degree of the stresses that balance
+    the projected loads, g = f_0 − P f_0, and Π g the projection of g onto the polynomials of degree k on T.
+    ``cell_constants`` computes C_{T,k}, and ``side_constants`` computes C_e.
 
     Args:
-        space: the stresses for which P is defined, of degree 2 or more.
+        space: the composite stresses for which P is defined, of degree k ≥ 2.
         compliance: the inverse A⁻¹ of the viscosity without its material factor, in Mandel form, (3, 3).
         low: the smallest value of the material factor of A.
     """

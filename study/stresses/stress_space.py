@@ -81,7 +81,7 @@ def bernstein(degree: int, barycentric: Array) -> Array:
 def interval_mass(degree: int, other: int) -> Array:
     """Return the integrals ∫_0^1 B_i B_j of the Bernstein polynomials B_i of one degree and B_j of another degree.
 
-    The shape is (degree + 1, other + 1).
+    The shape is (degree + 1, other + 1), where ``other`` is the degree of the B_j.
     """
     x, weights = gauss((degree + other) // 2 + 1)
     first, second = (bernstein(k, np.array([1 - x, x])) for k in (degree, other))
@@ -89,7 +89,10 @@ def interval_mass(degree: int, other: int) -> Array:
 
 
 def triangle_mass(degree: int) -> Array:
-    """Return the mean values on a triangle of the products of two Bernstein polynomials, (polynomials, polynomials)."""
+    """Return the mean values on a triangle of the products of any two Bernstein polynomials of a degree.
+
+    The shape is (polynomials, polynomials).
+    """
     barycentric, weights = simplex_rule(2, 2 * degree)
     at = bernstein(degree, barycentric)
     return (at * weights) @ at.T
@@ -97,10 +100,12 @@ def triangle_mass(degree: int) -> Array:
 
 @dataclass(frozen=True)
 class CompositeElement:
-    """The composite equilibrium element of degree k ≥ 1 on the reference triangle.
+    """The composite equilibrium element of degree k ≥ 1 on the reference triangle, a finite element for stresses.
 
-    A stress is stored as the array of its Bernstein coefficients, (3, polynomials, 3). Axes: the three subtriangles,
-    the Bernstein polynomials of degree k on each of them (``polynomials`` in number), and the three Mandel components.
+    The barycentre divides the triangle into three subtriangles. A stress is a polynomial of degree k on each of them,
+    with continuous tractions. It is stored as the array of its Bernstein coefficients, (3, polynomials, 3). Axes: the
+    subtriangles, the Bernstein polynomials of degree k on each of them (``polynomials`` in number), and the three
+    Mandel components.
 
     A vector field of degree k − 1, such as a divergence, is stored as an array (3, lower, 2). Axes: the subtriangles,
     the Bernstein polynomials of degree k − 1 (``lower`` in number), and the two components.
@@ -123,7 +128,8 @@ class CompositeElement:
         The shape is (3, lower, 2; 3, polynomials, 3). Row axes: subtriangle, Bernstein polynomial of degree k − 1,
         vector component. Column axes: subtriangle, Bernstein polynomial of degree k, Mandel component.
 
-        The derivative ∂_j of Σ c_α B_α has the coefficients k Σ_i c_{β+e_i} ∂_j λ_i.
+        The derivative ∂_j of Σ c_α B_α has the Bernstein coefficients k Σ_i c_{β+e_i} ∂_j λ_i, for multi-indices |β| =
+        k − 1 and barycentric coordinates λ_i.
         """
         k = self.degree
         lower = indices(k - 1)
@@ -161,11 +167,10 @@ class CompositeElement:
 
     @cached_property
     def jumps(self) -> Array:
-        """The matrix from a stress to the jumps of its traction across the three inner edges.
+        """The matrix from a stress to the jumps of its traction across the three edges between the subtriangles.
 
-        The stresses of the element are the stresses without jumps. The shape is (equations; 3, polynomials, 3). Row
-        axis: all coefficients of the jumps, 3 (k + 1) · 2. Column axes: subtriangle, Bernstein polynomial, Mandel
-        component.
+        The stresses of the element are the ones without jumps. The shape is (equations; 3, polynomials, 3). Row axis:
+        all coefficients of the jumps, 3 (k + 1) · 2. Column axes: subtriangle, Bernstein polynomial, Mandel component.
         """
         rows = []
         for vertex in range(3):
@@ -176,10 +181,11 @@ class CompositeElement:
 
     @cached_property
     def tractions(self) -> Array:
-        """The matrix from stresses to their tractions |ê| σ̂ν̂ on the sides, in Bernstein form along ``SIDES``.
+        """The matrix from stresses σ̂ to their tractions on the sides ê of the triangle, times the length, |ê| σ̂ν̂.
 
-        The shape is (3, k + 1, 2; 3, polynomials, 3). Row axes: side, Bernstein coefficient, traction component. Column
-        axes: subtriangle, Bernstein polynomial, Mandel component.
+        ν̂ is the outward normal. Tractions are in Bernstein form along ``SIDES``. The shape is (3, k + 1, 2; 3,
+        polynomials, 3). Row axes: side, Bernstein coefficient, traction component. Column axes: subtriangle, Bernstein
+        polynomial, Mandel component.
         """
         return np.array(
             [
@@ -212,11 +218,11 @@ class CompositeElement:
 
     @cached_property
     def lift(self) -> Array:
-        """The matrix from a divergence to the stress of the element with this divergence and the least coefficients.
+        """The matrix from a vector field to the stress with this divergence and the least coefficients.
 
         Least means the least Euclidean norm. The shape is (3, polynomials, 3; 3, lower, 2). Row axes: subtriangle,
-        Bernstein polynomial of degree k, Mandel component. Column axes: subtriangle, Bernstein polynomial of degree
-        k − 1, vector component.
+        Bernstein polynomial of degree k, Mandel component. Column axes: subtriangle, Bernstein polynomial of degree k −
+        1, vector component.
         """
         space = self.space.reshape(-1, self.space.shape[-1])
         inverse = space @ np.linalg.pinv(self.divergence.reshape(-1, len(space)) @ space)
@@ -236,7 +242,13 @@ def composite(degree: int) -> CompositeElement:
 
 
 def piola(F: Array) -> Array:
-    """Return the matrices of the Piola transformations σ̂ ↦ F σ̂ Fᵀ / det F, (cells, 2, 2) → (cells, 3, 3)."""
+    """Return the matrices of the Piola transformations of stresses, (cells, 2, 2) → (cells, 3, 3).
+
+    The transformation σ̂ ↦ F σ̂ Fᵀ / det F maps stresses from the reference triangle to a cell.
+
+    Args:
+        F: the matrices of the affine maps from the reference triangle to the cells.
+    """
     E = basis(2)
     pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / np.linalg.det(F)[:, None, None, None]
     return np.einsum("Iil,cJil->cIJ", E, pushed)
@@ -318,13 +330,13 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def map(self) -> Array:
-        """The matrices F of the affine maps from the reference triangle to the cells, (cells, 2, 2)."""
+        """The matrices F of the affine maps x = F x̂ + b from the reference triangle to the cells, (cells, 2, 2)."""
         corners = self.mesh.p[:, self.mesh.t]
         return np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)
 
     @cached_property
     def determinant(self) -> Array:
-        """The determinants of F, which are negative for reflected cells, (cells,)."""
+        """The determinants of the matrices F of the maps to the cells, negative for reflected cells, (cells,)."""
         return np.linalg.det(self.map)
 
     @cached_property
@@ -344,7 +356,11 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def frames(self) -> Array:
-        """The axes of tractions on every edge, as rows: (ν, τ) on Γ3 and rollers, else Cartesian, (edges, 2, 2)."""
+        """The axes in which tractions on every edge are given, as rows, (edges, 2, 2).
+
+        They are the normal and the tangent on the contact boundary and on rollers, and the Cartesian axes on all other
+        edges.
+        """
         axes = np.tile(np.eye(2), (self.mesh.facets.shape[1], 1, 1))
         for part, edges in (*self.on(Kind.CONTACT), *self.on(Kind.ROLLER)):
             axes[edges] = np.array([part.normal, part.tangent])
@@ -355,10 +371,11 @@ class StressSpace(MeshedBody):
 
         Args:
             edges: numbers of boundary edges, (e,).
-            tractions: tractions on the three sides of every cell, (..., cells, 3, n, 2).
+            tractions: Bernstein coefficients of tractions on the three sides of every cell, (..., cells, 3, n, 2). Last
+                axes: cell, side, coefficient, component.
 
         Returns:
-            The tractions on the given edges, (..., e, n, 2).
+            The coefficients of the tractions on the given edges, (..., e, n, 2).
         """
         on_edges = np.empty((*tractions.shape[:-4], len(self.lengths), *tractions.shape[-2:]))
         on_edges[..., self.edges, :, :] = tractions
@@ -393,18 +410,18 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def points(self) -> Points:
-        """The quadrature points, (2, cells, Q)."""
+        """The quadrature points, (2, cells, Q), with Q points in the three subtriangles of every cell."""
         vertices = thirds(self.mesh.p[:, self.mesh.t])
         return np.einsum("dvtc,vq->dctq", vertices, self._rule[0]).reshape(2, self.cells, -1)
 
     @cached_property
     def barycentric(self) -> Array:
-        """The barycentric coordinates, with respect to the cell, of the quadrature points of a cell, (3, Q)."""
+        """The barycentric coordinates of the Q quadrature points of a cell with respect to the cell, (3, Q)."""
         return np.einsum("ivt,vq->itq", thirds(np.eye(3)), self._rule[0]).reshape(3, -1)
 
     @cached_property
     def weights(self) -> Array:
-        """The quadrature weights, (cells, Q)."""
+        """The quadrature weights, (cells, Q), with Q points in every cell."""
         return np.multiply.outer(self.volumes / 3, np.tile(self._rule[1], 3))
 
     @cached_property
@@ -414,10 +431,11 @@ class StressSpace(MeshedBody):
         return values.reshape(-1, values.shape[-1])
 
     def gram(self, compliance: Array) -> Array:
-        """Return the inner products ∫_T C⁻¹σ·τ of any two basis functions with Div σ = 0 on every cell, (cells, p, p).
+        """Return the inner products ∫_T C⁻¹σ·τ of any two of the p basis functions with Div σ = 0, (cells, p, p).
 
         Args:
-            compliance: the inverse stiffness C⁻¹ in Mandel form, (3, 3), or at the quadrature points, (cells, Q, 3, 3).
+            compliance: the inverse stiffness C⁻¹ in Mandel form, (3, 3), or at the Q quadrature points of every cell T,
+                (cells, Q, 3, 3).
         """
         # All cells have the same basis up to the Piola transformation, so the product of two large matrices suffices.
         piola = self._piola[:, None]
@@ -429,7 +447,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def shares(self) -> Array:
-        """The quadrature weights of a cell divided by its area, which are the same for all cells, (Q,)."""
+        """The quadrature weights of a cell divided by its area, (Q,). They are the same for all cells."""
         return self.weights[0] / self.volumes[0]
 
     def tested(self, values: Tensors) -> Array:
@@ -439,7 +457,7 @@ class StressSpace(MeshedBody):
             values: the strain ε at the quadrature points, (3, ..., cells, Q).
 
         Returns:
-            The integrals ∫_T σ·ε, (..., cells, p).
+            The integrals ∫_T σ·ε for the p basis functions σ on every cell T, (..., cells, p).
         """
         pulled = (self.volumes[:, None, None] * self._piola.swapaxes(1, 2)) @ np.moveaxis(values, 0, -2)
         return pulled.reshape(*pulled.shape[:-2], -1) @ (np.tile(self.shares, 3)[:, None] * self._reference)
@@ -447,7 +465,7 @@ class StressSpace(MeshedBody):
     def combined(self, coefficients: Array) -> Tensors:
         """Return stresses with Div σ = 0 at the quadrature points, from their coefficients in the basis.
 
-        The shape is (..., cells, p) → (3, ..., cells, Q).
+        The shape is (..., cells, p) → (3, ..., cells, Q), with p basis functions and Q quadrature points in every cell.
         """
         return self._pushed(coefficients @ self._reference.T)
 
@@ -457,7 +475,10 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def tractions(self) -> Array:
-        """The tractions on the three sides of every basis function with Div σ = 0, (cells, 3, n, 2, p)."""
+        """The tractions on the three sides of the cell of every basis function with Div σ = 0, (cells, 3, n, 2, p).
+
+        Axes: cell, side, Bernstein coefficient, component, basis function.
+        """
         reference = np.moveaxis(np.tensordot(self.element.tractions, self.element.divergence_free, axes=3), -1, 0)
         tractions = self._to_edges(
             np.broadcast_to(reference[:, None], (len(reference), self.cells, *reference.shape[1:]))
@@ -501,12 +522,13 @@ class StressSpace(MeshedBody):
     def force_shapes(self) -> Array:
         """The values of the Bernstein polynomials of degree k − 1 at the q quadrature points of a subtriangle.
 
-        Projected forces are expanded in these polynomials. The shape is (lower, q).
+        Body forces that the stresses of degree k can balance are expanded in these polynomials. The shape is (lower,
+        q).
         """
         return bernstein(self.degree - 1, self._rule[0])
 
     def lift(self, coefficients: Array) -> tuple[Tensors, Array]:
-        """Return a stress that balances the projected body force in every cell, Div σ + P f_0 = 0.
+        """Return a stress σ that balances a piecewise polynomial body force P f_0 in every cell, Div σ + P f_0 = 0.
 
         Args:
             coefficients: Bernstein coefficients of P f_0, (..., cells, 3, lower, 2). Last axes: cell, subtriangle,

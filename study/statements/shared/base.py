@@ -54,13 +54,13 @@ JOINED_SUFFIX = "_reported"
 
 
 Numbers = dict[str, Any]
-"""Measured numbers, by their names."""
+"""The type of measured numbers: a dict from their names to values."""
 Records = Iterator[tuple[DataFile, Row]]
-"""Data files, each with a row that a measurement adds to it."""
+"""The type of the rows that a measurement adds to data files, each as a pair of the file and the row."""
 ByCase = Iterable[tuple[str, Groups]]
-"""Names of cases, each with its tables of levels, by mesh family."""
+"""The type of measurements by case: pairs of the name of a case and its tables of levels, by mesh family."""
 Judged = Iterable[tuple[Check, Groups]]
-"""Checks of a case, each with the tables of levels that it judges, by mesh family."""
+"""The type of the checks of a case: pairs of a check and the tables of levels that it judges, by mesh family."""
 
 
 class Statement:
@@ -100,26 +100,37 @@ class Statement:
     per_step: tuple[float, float] = (0.0, 0.0)
 
     def planned(self, scope: Scope) -> Sequence[Any]:
-        """Return the settings in which a study measures the statement.
+        """Return the settings (case, mesh family, level) in which a study measures the statement.
 
         Cases with an initial gap are left out unless ``initial_gap`` is set.
+
+        Args:
+            scope: the cases, mesh families and levels of the study.
         """
         return self.settings(scope if self.initial_gap else scope.of_the_paper())
 
     def places(self, full: bool) -> Sequence[Any]:
-        """Return the settings of the full study if ``full`` is true, otherwise of the quick study."""
+        """Return the settings of the full study if ``full`` is true, otherwise of the quick study.
+
+        A setting is a case with a mesh family and a level.
+        """
         return self.full if full else self.quick
 
     def settings(self, scope: Scope) -> Sequence[Any]:
-        """Return the settings whose case is one of the cases of the study."""
+        """Return those settings of the statement whose case is one of the cases of the study.
+
+        Args:
+            scope: the cases, mesh families and levels of the study.
+        """
         if self.outside_catalogue:
             return self.places(scope.full) if scope.statements else []
         return [setting for setting in self.places(scope.full) if setting.case in scope.cases]
 
     def setup(self, setting: Any) -> Any:
-        """Return what is measured in a setting; by default the setting itself.
+        """Return the argument of ``measure`` for a setting; by default the setting itself.
 
-        A deliberate fault (``study.controls.faults``) changes it before it is measured.
+        It may be a discretised problem, of which a control replaces a part by a deliberate fault
+        (``study.controls.faults``).
         """
         return setting
 
@@ -136,9 +147,9 @@ class Statement:
         return self.measure(self.setup(setting))
 
     def records(self, setting: Any, found: Row) -> Records:
-        """Yield pairs of a data file and a row that one measurement adds to it.
+        """Yield the rows that one measurement adds to data files, each as a pair of the data file and the row.
 
-        By default it is one row with the setting and the measured numbers.
+        By default there is one row with the setting and the measured numbers.
 
         Args:
             setting: the setting of the measurement.
@@ -158,7 +169,10 @@ class Statement:
         return verdicts
 
     def by_case(self, rows: pd.DataFrame) -> ByCase:
-        """Divide measured rows, and return pairs of a case and its tables of levels, by mesh family."""
+        """Divide measured rows by case, and yield pairs of a case and its tables, one for each mesh family.
+
+        The rows of a table belong to different levels.
+        """
         return [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
@@ -166,14 +180,14 @@ class Statement:
 
         Args:
             case: the name of the case.
-            groups: the tables of levels of this case, by mesh family.
+            groups: the tables of this case by mesh family, with one row for each level.
         """
         return [(check, groups) for check in self.checks]
 
     def cost(self, setting: Any) -> float:
         """Return the expected run time of ``measure`` in µs.
 
-        By default it is proportional to the number of cells and to the number of time steps.
+        By default the time is proportional to the number of cells and to the number of time steps.
         """
         cells = setting.level**setting.dim * estimates.cells(setting.family)
         return float(cells * self.steps(setting)) * self.per_step[setting.dim - 2]
@@ -181,7 +195,7 @@ class Statement:
     def memory(self, setting: Any) -> float:
         """Return an upper estimate in bytes of the memory of the process that runs ``measure``.
 
-        By default it is the memory for solving the displacement problem (Problem 5.1).
+        By default the result is the memory for solving the displacement problem (Problem 5.1).
         """
         return estimates.displacement(setting.dim, setting.level, setting.family)
 
@@ -202,7 +216,7 @@ class Statement:
 def check_of_order(
     key: str, quantity: str, column: str, window: Window, last: int = 0, power: int = 0, if_missed: str = ""
 ) -> Check:
-    """Return the check of the order of a column that ``quantities.fitted`` computes; it needs ``MIN_LEVELS`` levels.
+    """Return the check that the observed order of a column in h, fitted to several levels, lies in a window.
 
     Args:
         key, quantity, window, if_missed: as described in ``Check``.
@@ -215,9 +229,10 @@ def check_of_order(
 SEED = 2002
 """Seed of all random numbers in measurements, so that every run gives the same numbers."""
 EVOLVING = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
-"""The cases on which statements about solutions in time are measured.
+"""The names of the cases on which statements about solutions in time are measured.
 
-Together they have linear laws, the nonlinear law (3.3) and moving fronts between contact and gap."""
+Together they have linear laws, the nonlinear law (3.3) and moving fronts between contact and gap.
+"""
 SOFTENING = ("softening", "double-well")
 """Two cases with an elasticity operator G that softens: G is Lipschitz, as (3.2) requires, but not monotone.
 
@@ -256,7 +271,10 @@ class ListedNumbers(Statement):
 
 
 def steps_like_h(setting: Setting) -> int:
-    """Return an even number of time steps with k ~ h, with the factor that the case states as its pace."""
+    """Return an even number of time steps with k ~ h, for the time step k and the mesh size h.
+
+    It is multiplied by the factor that the case states as its pace.
+    """
     case = resolve(setting.case)
     return stress_steps(case.solution.body.T, setting.level, case.pace)
 
@@ -267,13 +285,18 @@ def grid(cases: Sequence[str], families: Sequence[str], levels: Sequence[int]) -
 
 
 def with_h(h: float, values: Mapping[str, float]) -> Numbers:
-    """Return measured numbers with the mesh size under the key "h", as ``ListedNumbers.measure`` must return them."""
+    """Return measured numbers together with the mesh size h, as ``ListedNumbers.measure`` must return them.
+
+    Args:
+        h: the mesh size, which gets the key "h".
+        values: the measured numbers by their names.
+    """
     return {"h": h, **{name: float(value) for name, value in values.items()}}
 
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """The semi-discrete problem (Problem 5.1) whose exact solution is known, on one mesh, with a time scheme.
+    """A problem whose exact solution is known, discretised in space (Problem 5.1) and in time.
 
     Deliberate faults replace one attribute by a wrong value.
 
@@ -301,7 +324,10 @@ class Experiment:
 
     @classmethod
     def of(cls, solution: ExactSolution, family: MeshFamily, level: int, scheme: Tableau, steps: int) -> Experiment:
-        """Return the discretisation of the paper for an exact solution (``SemiDiscrete.of_exact``)."""
+        """Return the discretisation of the paper for an exact solution, on one mesh with a time scheme.
+
+        ``SemiDiscrete.of_exact`` describes the discretisation in space.
+        """
         space = Space(family(solution.body, level), solution.body)
         v_norm = ErrorNorm(solution, space)
         return cls(solution, space, v_norm, SemiDiscrete.of_exact(v_norm), scheme, steps)

@@ -32,16 +32,17 @@ SMALL_MEMORY, SOLID_MEMORY = 736 * MIB, 2304 * MIB
 BOUND_MEMORY, PER_BOUND_CELL = 96 * MIB, 260 * KIB
 """Memory in bytes for an error bound: on any mesh, and for each cell of the refined mesh."""
 FACTORISED = 33_000
-"""Number of cells on which stresses can be computed.
+"""Largest number of cells on which the stresses of an error bound can be computed.
 
-Their Cholesky factor has about 143 n log₂ n entries for n cells, more than SuperLU can factorise on larger meshes.
+The Cholesky factor of their matrix has about 143 n log₂ n entries for n cells, more than SuperLU can factorise on
+larger meshes.
 """
 STRESSES = 18
 """Number of unknown stresses in each square of a plane mesh; a square has two cells."""
 
 
 def cells(family: str) -> int:
-    """Return how many times more cells a plane mesh of a family has than a one-diagonal mesh of the same level."""
+    """Return how many times more cells a plane mesh of a family has than the one-diagonal mesh of the same level."""
     return family_named(family).density
 
 
@@ -51,7 +52,7 @@ def unknowns(dim: int, n: int, family: str) -> int:
 
 
 def displacement(dim: int, n: int, family: str) -> float:
-    """Return the memory in bytes for solving the displacement problem (Problem 5.1) on the mesh of level n.
+    """Return the memory in bytes for solving the displacement problem (Problem 5.1) on the mesh of level n of a family.
 
     The stress problem (Problem 3.2) on the strains of P1 displacements needs as much memory.
     """
@@ -74,12 +75,22 @@ def triangles(n: int, family: str) -> int:
 
 
 def bound(cells: int, refinements: int) -> float:
-    """Return the memory in bytes for an error bound of a displacement on a mesh with the given number of cells."""
+    """Return the memory in bytes for an error bound of a displacement.
+
+    Args:
+        cells: the number of cells of the mesh of the displacement.
+        refinements: how often this mesh is refined for the error bound.
+    """
     return BASE + BOUND_MEMORY + PER_BOUND_CELL * cells * 4**refinements
 
 
 def require_factorisation(cells: int, refinements: int) -> None:
-    """Raise UsageError if a refined mesh has too many cells for an error bound, however much memory there is."""
+    """Raise UsageError if the mesh for an error bound has too many cells for SuperLU, however much memory there is.
+
+    Args:
+        cells: the number of cells of the mesh of the displacement.
+        refinements: how often this mesh is refined for the error bound.
+    """
     refined = cells * 4**refinements
     if refined > FACTORISED:
         raise UsageError(

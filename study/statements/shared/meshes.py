@@ -40,7 +40,11 @@ def named(*names: str) -> list[Case]:
 
 
 def first_with_each(feature: Callable[[Case], Hashable]) -> list[Case]:
-    """Return the first case of the catalogue with each value of a feature."""
+    """Return one case of the catalogue for each value of a feature: the first case that has this value.
+
+    Args:
+        feature: a function from a case to the value, such as its body or its law.
+    """
     first: dict[Hashable, Case] = {}
     for case in catalogue():
         first.setdefault(feature(case), case)
@@ -48,12 +52,12 @@ def first_with_each(feature: Callable[[Case], Hashable]) -> list[Case]:
 
 
 def body_of(case: Case) -> Hashable:
-    """Return the parts of the boundary of a case, which are equal for equal bodies."""
+    """Return the boundary parts of the body of a case as a value that is equal for equal bodies."""
     return tuple((part.kind, *part.corners.ravel()) for part in case.solution.body.parts)
 
 
 def law_of(case: Case) -> Hashable:
-    """Return the moduli of a case, which are equal for equal laws."""
+    """Return the moduli of the law of a case as a value that is equal for equal laws."""
     return repr(case.solution.law.A), repr(case.solution.law.G)
 
 
@@ -71,16 +75,17 @@ def posed(setting: Setting) -> tuple[Space, ExactSolution]:
 def place(
     cases: Iterable[Case], levels: tuple[int, ...], levels_3d: tuple[int, ...] = (), every_family: bool = False
 ) -> list[Setting]:
-    """Return the settings in which cases are measured on suitable meshes.
+    """Return settings (case, mesh family, level) for given cases and levels.
 
-    If a level does not have the ends of all boundary parts of a body among its vertices, the next finer level that has
-    them replaces it.
+    The ends of all boundary parts of a body must be vertices of the mesh. A level for which they are not is replaced by
+    the next finer one for which they are.
 
     Args:
         cases: the cases.
         levels: the levels for plane bodies.
         levels_3d: the levels for bodies in space.
-        every_family: whether all mesh families that can mesh a body are used, and not only the regular one.
+        every_family: whether all mesh families that can mesh a body are used, and not only the one that ``regular``
+            returns.
     """
     found = []
     for case in cases:
@@ -96,7 +101,7 @@ def place(
 def spacing(case: str, family: str) -> int:
     """Return the smallest number s such that the meshes of levels s, 2s, 3s, … resolve the boundary parts of a body.
 
-    A mesh resolves the boundary parts if their ends are vertices.
+    A mesh resolves the boundary parts if their ends are vertices. ``case`` and ``family`` are names.
     """
     kind = family_named(family)
     body = resolve(case).solution.body
@@ -114,13 +119,13 @@ def fits(family: MeshFamily, body: Body, level: int) -> bool:
 
 
 CELL_POWER, ALONG = 2, 1
-"""Exponents of 1/h in numbers of cells: a plane mesh has about h⁻² cells, and about h⁻¹ cells along a line."""
+"""Exponents p for which a plane mesh has about h^{−p} cells in total, and about h^{−p} cells along a line."""
 LEADING = "predicted_interpolation"
 """The column with the leading term of the interpolation error ‖u − Π^h u‖_V."""
 
 
 def is_random(family: str) -> bool:
-    """Return whether the meshes of the family with a name are random."""
+    """Return whether the meshes of the mesh family with the given name are random."""
     return family_named(family).random
 
 
@@ -130,7 +135,7 @@ def value_of_case(groups: Groups, column: str) -> float:
 
 
 def split(groups: Groups, feature: str) -> tuple[Groups, Groups]:
-    """Split measurements by mesh family into those on meshes with a feature and those on all other meshes.
+    """Split measurements by a feature of the mesh: return those on meshes with the feature, and all others.
 
     Args:
         groups: the measurements by mesh family.
@@ -141,9 +146,9 @@ def split(groups: Groups, feature: str) -> tuple[Groups, Groups]:
 
 
 def in_leading_term(groups: Groups) -> Groups:
-    """Return measurements by mesh family, with another measure of mesh size than h on irregular meshes.
+    """Return measurements in which the leading term of the interpolation error replaces h on irregular meshes.
 
-    On irregular meshes, the leading term of the interpolation error replaces the values in the column h.
+    The orders of these measurements are then orders in this leading term. The measurements are given by mesh family.
     """
     irregular, others = split(groups, "irregular")
     return others | {name: table.assign(h=table[LEADING]) for name, table in irregular.items()}

@@ -25,7 +25,7 @@ from study.solve.evolution import SemiDiscrete, VectorFunction
 from study.statements.shared.base import SEED
 
 Field = Callable[[Points], Vectors]
-"""A displacement field, as a function of points, (d, ...) → (d, ...), or (d, ..., n) for n times."""
+"""The type of a displacement field, a function of points: (d, ...) → (d, ...), or (d, ..., n) for n times."""
 
 
 def midpoints(T: float, count: int) -> Array:
@@ -52,7 +52,7 @@ def dual_norm(functional: Array, riesz: VectorFunction) -> float:
     """Return the dual norm (FᵀM⁻¹F)^{1/2} of the linear functional v ↦ F·v on the P1 space V^h.
 
     Args:
-        functional: F, (dofs,).
+        functional: the values F of the functional for the basis functions, (dofs,).
         riesz: the function b ↦ M⁻¹b, with the matrix M of (·,·)_V.
     """
     return math.sqrt(max(float(functional @ riesz(functional)), 0.0))
@@ -88,11 +88,15 @@ class Energies:
         return float(np.sum(stress * strain * self.weights))
 
     def functional(self, stress: Tensors) -> Array:
-        """Return the linear functional v ↦ (σ, ε(v))_Q of a stress on the P1 space V^h, (dofs,)."""
+        """Return the work (σ, ε(v))_Q of a stress σ for all basis functions v of the P1 space V^h, (dofs,).
+
+        Args:
+            stress: σ at the quadrature points, (D, points).
+        """
         return self.space.tested(self.integrals(stress))
 
     def integrals(self, stress: Tensors) -> Tensors:
-        """Return the integrals over all cells of a stress at the quadrature points, (D, points) → (D, cells)."""
+        """Return the integrals of a stress over each cell, from its values at the points: (D, points) → (D, cells)."""
         count = len(self.space.volumes)
         return np.array([np.bincount(self.cells, self.weights * component, count) for component in stress])
 
@@ -101,7 +105,12 @@ class Energies:
         return math.sqrt(self.work(self.exact.law.A(strain), strain))
 
     def distance(self, strain: Tensors, v: Array) -> float:
-        """Return the norm of ε − ε(v) for a strain ε at the quadrature points and a P1 displacement v, (dofs,)."""
+        """Return the norm (A δ, δ)_Q^{1/2} of the difference δ = ε − ε(v) of two strains.
+
+        Args:
+            strain: the strain ε at the quadrature points, (D, points).
+            v: a P1 displacement, (dofs,).
+        """
         return self.norm(strain - self.space.strain(v)[:, self.cells])
 
     def velocity_norm(self, times: Array) -> Array:
@@ -142,7 +151,11 @@ class FacePoints:
         self.exact = solution.on(face, rule.s)
 
     def moments(self, pressure: Array) -> Array:
-        """Return the integrals ∫ p φ_i with the hat functions φ_i of all vertices, from p at the points."""
+        """Return the integrals ∫ p φ_i over the face for the hat functions φ_i of all vertices, (vertices,).
+
+        Args:
+            pressure: the values of p at the quadrature points, (points,).
+        """
         return self.hats.T @ (self.weights * pressure.ravel())
 
 
@@ -152,9 +165,10 @@ def contact_load(
     rough: tuple[float, ...],
     pressure: Callable[[FaceFields, float], Array] = FaceFields.pressure,
 ) -> Callable[[float], Array]:
-    """Return the exact contact force as a load: a function of time with values v ↦ ∫_{Γ3} σ_ν v_ν on V^h, (dofs,).
+    """Return the exact contact force as a load: a function from a time to a load vector, (dofs,).
 
-    The normal stress σ_ν is minus the exact contact pressure.
+    Its entries are ∫_{Γ3} σ_ν v_ν for the basis functions v of V^h. The normal stress σ_ν is minus the exact contact
+    pressure.
 
     Args:
         solution: the exact solution.
@@ -174,16 +188,21 @@ def contact_load(
 
 
 def displacement(solution: ExactSolution, times: Array | float) -> Field:
-    """Return the exact displacement as a function of points, (d, ...) → (d, ..., n) at n times, (d, ...) at one."""
+    """Return the exact displacement at given times as a function of points.
+
+    The function is (d, ...) → (d, ..., n) for n times, and (d, ...) → (d, ...) for one time.
+    """
     return lambda x: solution.at(x).displacement(times)
 
 
 def trace_error(field: Field, space: Space, part: Part, rule: FacetRule) -> tuple[Array, Array]:
-    """Return the interpolation error Π^h v_ν − v_ν and v_ν at the n × q points of a rule on facets, (n, q, ...) each.
+    """Return the interpolation error (Π^h v)_ν − v_ν of a normal trace, and v_ν, at the points of a rule on facets.
+
+    The shape is (n, q, ...) each, for q points on each of n facets.
 
     Args:
         field: the field v, a function of points, (d, points) → (d, points, ...).
-        space: the P1 displacement space V^h.
+        space: the P1 displacement space V^h, in which Π^h interpolates.
         part: the boundary part with the normal ν.
         rule: the quadrature rule on facets of this part.
     """
@@ -235,7 +254,7 @@ def h1_product(space: Space) -> sps.csc_array:
 
 
 def smallest(form: sps.csc_array, product: sps.csc_array) -> float:
-    """Return the smallest Rayleigh quotient a(v, v)/b(v, v) of two forms over v ∈ V^h.
+    """Return the smallest Rayleigh quotient a(v, v)/b(v, v) of two bilinear forms a and b over v ∈ V^h.
 
     Args:
         form: the matrix of a, positive definite.
@@ -245,7 +264,7 @@ def smallest(form: sps.csc_array, product: sps.csc_array) -> float:
 
 
 def largest(form: sps.csc_array, product: sps.csc_array) -> float:
-    """Return the largest Rayleigh quotient a(v, v)/b(v, v) of two forms over v ∈ V^h.
+    """Return the largest Rayleigh quotient a(v, v)/b(v, v) of two bilinear forms a and b over v ∈ V^h.
 
     Lanczos' method is used without a shift, because a shift at a supposed bound would hide eigenvalues far beyond it.
 

@@ -106,7 +106,7 @@ class Scope:
         return replace(self, cases=tuple(without_gap))
 
     def on_families(self) -> Iterator[tuple[str, Case, MeshFamily]]:
-        """Yield every case with each of its mesh families, as (name in ``cases``, case, mesh family)."""
+        """Yield every case of the study with each of its mesh families, as (name of the case, case, mesh family)."""
         for reference, case in zip(self.cases, self.resolved(), strict=True):
             for family in self.families_of(case):
                 yield reference, case, family
@@ -158,7 +158,8 @@ class Scope:
         """Return the mesh families on which a case is measured.
 
         Raises:
-            UsageError: the case names a family that does not exist or cannot mesh its body.
+            UsageError: the attribute ``families`` of the case names a family that does not exist or cannot mesh its
+                body.
         """
         families = serving(case)
         if self.every_family or (self.full and case.name in ON_EVERY_FAMILY):

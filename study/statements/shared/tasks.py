@@ -37,15 +37,19 @@ from study.statements.shared.base import Experiment
 from study.statements.shared.norms import Energies, FacePoints, time_nodes
 
 FROZEN_TIMES = 0.15, 0.55, 0.9
-"""Default times of frozen problems, as fractions of the final time T.
+"""Default times at which static problems are taken from a solution in time, as fractions of the final time T.
 
-At these times no quantity jumps in any case of the catalogue, and no contact front is at a vertex of a grid with
-n = 2^j."""
+At these times no quantity jumps in any case of the catalogue, and no contact front is at a vertex of a grid with n =
+2^j.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """Contact problems with a known solution on one mesh: static ("frozen") problems, and one problem in time.
+    """Contact problems of one case on one mesh, as data for other codes: static problems and one problem in time.
+
+    A static problem is "frozen" at one time: the viscous stress of the exact solution at this time is given as an
+    initial stress, so that its solution is the exact displacement at this time.
 
     Attributes:
         case, family, level: the case, and the mesh family and the level of the mesh.
@@ -101,7 +105,10 @@ class Task:
         return Energies(self.solution, self.space, raised=self.v_norm.degree - CELL_DEGREE)
 
     def initial_stress(self, time: float) -> Tensors:
-        """Return the means over cells of the exact viscous stress A ε(u̇) at one time, (D, cells)."""
+        """Return the initial stress of the static problem at one time, (D, cells).
+
+        It consists of the means over cells of the exact viscous stress A ε(u̇).
+        """
         exact = self._energies.exact
         return self._energies.integrals(exact.law.A(exact.strain_rate(time))) / self.space.volumes
 
@@ -111,11 +118,15 @@ class Task:
         return problem.contact(problem.reference)
 
     def static(self, time: float) -> Array:
-        """Return the discrete solution of the frozen (static) problem at one time, (dofs,)."""
+        """Return the discrete solution of the static problem at one time, (dofs,)."""
         return self._solve(self.v_norm.load(time) - self.space.functional(self.initial_stress(time)))[0]
 
     def error(self, times: Sequence[float]) -> float:
-        """Return the largest error ‖u(t) − u^h‖_V of the frozen (static) problems at the given fractions of T."""
+        """Return the largest error ‖u(t) − u^h‖_V of the discrete solutions u^h of static problems at several times t.
+
+        Args:
+            times: the times as fractions of the final time.
+        """
         frozen = [part * self.solution.body.T for part in times]
         return self.v_norm.largest(np.array(frozen), map(self.static, frozen))
 
@@ -127,7 +138,10 @@ class Task:
         return self.experiment.problem, self.experiment.march(steps)
 
     def error_of_march(self, steps: int) -> float:
-        """Return the largest error ‖u(t_n) − u_n‖_V of the midpoint rule over the time nodes after t = 0."""
+        """Return the largest error ‖u(t_n) − u_n‖_V of the solution u_n by the midpoint rule.
+
+        It is taken over all time nodes t_n after t = 0.
+        """
         problem, states = self.march(steps)
         next(states)
         return self.v_norm.largest(time_nodes(problem.T, steps)[1:], (state.u for state in states))
@@ -156,7 +170,7 @@ class Task:
         """Return exact tractions at the facet corners of all boundary parts of a kind.
 
         They are the viscous traction A ε(u̇) ν on contact faces, and the surface load f_2 = σν on loaded parts. The
-        load b of a task already contains the work of f_2.
+        load vector of a task already contains the work of f_2.
 
         Returns:
             One array for each part: the components of the traction at the corners of each facet, (facets, corners,
