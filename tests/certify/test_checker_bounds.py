@@ -10,12 +10,12 @@ import pytest
 from measures import gauss
 from places import CERTIFICATES
 from scipy.linalg import eigh
-from study.stresses.stress_space import bernstein
 
 from study.bound.trajectory import spline
 from study.certify import checker
 from study.certify.checker import Enclosure, Loads, Mesh, Piece, Problem, RefusedError, Stresses
 from study.fem.quadrature import simplex_rule
+from study.stresses.stress_space import bernstein
 
 GRID = Q(1, 1 << checker.GRID)
 ROWS = [["4", "1", "1/2"], ["1", "3", "1/4"], ["1/2", "1/4", "2"]]
