@@ -106,11 +106,12 @@ trials: $(RUNTIME)  ## test the bounds on 400 random problems and on stiff mater
 	OMP_NUM_THREADS=1 nice -n 10 $(BIN)/python -m benchmarks.trials.run
 
 # Benchmarks are not tests: a slow machine or a missing peer is no failure.
+WARNING ?= WARNING:
 bench: $(DEVELOPMENT)  ## ratios of timings, results/benchmarks, some minutes; warns if one got worse
 	mkdir -p build && rm -f build/timings.json
 	-OMP_NUM_THREADS=1 $(BIN)/pytest -p no:xdist --benchmark-columns=median,iqr,rounds \
-		--benchmark-json=build/timings.json benchmarks/bench_ratios.py
-	-OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.ratios build/timings.json
+		--benchmark-json=build/timings.json benchmarks/bench_ratios.py $(BENCH)
+	-OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.ratios build/timings.json | sed "s/^WARNING:/$(WARNING)/"
 
 bench-growth: $(DEVELOPMENT)  ## time and memory on finer and finer meshes, results/benchmarks, some minutes, 10 GB of memory
 	-OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.growth

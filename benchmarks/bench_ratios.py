@@ -5,19 +5,19 @@ from __future__ import annotations
 import os
 from dataclasses import asdict
 from itertools import cycle, islice
-from statistics import mean
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy.sparse as sps
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse.linalg import LaplacianNd, SuperLU, splu
 
 from benchmarks.level import DIRECT, Place, Watched, compile_formulas, errors
+from benchmarks.parallel import run
 from manufactured.tensors import Array
 from study.fem.naming import resolve
-from study.solve import signorini
 from study.solve.factorisation import Cholesky
 from study.solve.steps import rate_steps
 
@@ -25,6 +25,7 @@ LEVELS = [int(n) for n in os.environ.get("BENCH_LEVELS", "256 512").split()]
 PLACES = [Place("advance-recede", family, n) for n in LEVELS for family in ("one-diagonal", "shaken")]
 SOLIDS = [Place("cube-disc", "one-diagonal", 18)]
 NONLINEAR = [Place(case, "shaken", n) for case in ("yield-and-release", "yield-on-a-part") for n in (8, 16, 32, 64)]
+WHOLE = Place("all cases of the quick study", "all", 0)
 RIGHTS = 12
 """Right sides of consecutive steps on which solves are timed."""
 REPEATED = 256
@@ -51,15 +52,6 @@ def bench_factorisation(benchmark: Any, watched: tuple[Place, Watched]) -> None:
     last = seen.contact.factor.order[seen.contact.contact]
     describe(benchmark, "factorisation", place, seen.S.shape[0])
     benchmark.pedantic(Cholesky, args=(seen.S, last, seen.points), rounds=3)
-
-
-def bench_condensation(benchmark: Any, watched: tuple[Place, Watched], monkeypatch: pytest.MonkeyPatch) -> None:
-    """The contact solver as it is made, but for the factorisation, which is at hand."""
-    place, seen = watched
-    factor = seen.contact.factor
-    monkeypatch.setattr(signorini, "Cholesky", lambda S, last, x: factor)
-    describe(benchmark, "condensation", place, seen.S.shape[0])
-    benchmark.pedantic(signorini.Signorini, args=(seen.S, seen.N, seen.points), rounds=5)
 
 
 def bench_solve(benchmark: Any, watched: tuple[Place, Watched]) -> None:
@@ -138,7 +130,29 @@ def bench_nonlinear_law(benchmark: Any, place: Place) -> None:
     def march() -> None:
         # The start is no step.
         spent = [state.iterations for state in setup.scheme.march(setup.problem, steps)][1:]
-        counts = {"most_solves": max(spent), "mean_solves": mean(spent), "factorisations": watched.made}
+        counts = {"most_solves": max(spent), "factorisations": watched.made}
         describe(benchmark, "nonlinear", place, setup.space.dofs, **counts)
 
     benchmark.pedantic(march, rounds=1)
+
+
+def bench_quick_study(benchmark: Any, tmp_path: Path) -> None:
+    """All jobs in one process, from an empty directory; Python is started, too."""
+    describe(benchmark, "quick study", WHOLE, 0)
+    benchmark.pedantic(run, (tmp_path / "quick", 1, ["--quick"]), rounds=1)
+
+
+def bench_fixed_work(benchmark: Any) -> None:
+    """Work of NumPy and SciPy that no change of this study makes slower: small arrays, a factorisation and solves."""
+    describe(benchmark, "fixed work", WHOLE, 0)
+    S, x = sps.csc_array(-LaplacianNd((150, 150)).tosparse() + sps.eye_array(150**2)), np.linspace(0.0, 1.0, 1000)
+    right = np.ones(150**2)
+
+    def work() -> None:
+        factor = library(S)
+        for _ in range(200):
+            factor.solve(right)
+        for _ in range(300_000):
+            np.exp(x)
+
+    benchmark.pedantic(work, rounds=5)

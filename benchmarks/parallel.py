@@ -1,13 +1,12 @@
 """What a second process is worth: the same run with one and with two, `make bench-parallel`.
 
-    python -m benchmarks.parallel [--full] [--out DIRECTORY] [--run ARGUMENTS OF study run ...]
+    python -m benchmarks.parallel [ARGUMENTS OF study run ...]
 
 Both runs start from an empty directory under ``build/`` and have to write the same CSV files to the byte.
 """
 
 from __future__ import annotations
 
-import argparse
 import os
 import shutil
 import subprocess
@@ -61,15 +60,8 @@ def table(plan: str, one: tuple[float, Files], two: tuple[float, Files]) -> pd.D
     return pd.DataFrame([row])
 
 
-def main(arguments: list[str]) -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--full", action="store_true", help="the full plan instead of the quick one")
-    parser.add_argument("--out", type=Path, default=RESULTS)
-    parser.add_argument(
-        "--run", nargs=argparse.REMAINDER, default=[], help="more arguments of study run; the last option"
-    )
-    options = parser.parse_args(arguments)
-    plan = ["--full" if options.full else "--quick", *options.run]
+def main(plan: Sequence[str]) -> None:
+    """Measure a run with the arguments ``plan`` of `study run`, write the table and show it."""
     build = ROOT / "build"
     one, two = (run(build / f"parallel-{jobs}", jobs, plan) for jobs in (1, 2))
     notes = [
@@ -77,11 +69,11 @@ def main(arguments: list[str]) -> None:
         "one process over those with two, which should be at least *goal*. *identical*: whether the two wrote the same "
         "CSV files, byte for byte."
     ]
-    write(options.out, "parallel", table(" ".join(plan), one, two), "Processes", notes)
-    print((options.out / "parallel.md").read_text(encoding="utf-8"))
+    write(RESULTS, "parallel", table(" ".join(plan), one, two), "Processes", notes)
+    print((RESULTS / "parallel.md").read_text(encoding="utf-8"))
     for name in differing(one[1], two[1]):
         print(f"WARNING: {name} depends on the number of processes")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main(sys.argv[1:] or ["--quick"])
