@@ -47,9 +47,10 @@ class Modes:
 
 
 def pointwise(field: Callable[[Any, bool], Array], rows: int, count: int) -> Modes:
-    """Return a strain or force that is no short sum of products, as a sum with one term for every component.
+    """Return a strain or force that is not a sum of a few products (function of the point) × (function of time).
 
-    The sum is trivial: the amplitudes of a term are the values of the component at the points.
+    It becomes a sum with one term for every component. The factors of a term that change with time (``amplitudes``) are
+    the values of the component at all points.
 
     Args:
         field: the function (t, rate) ↦ values, (rows, ...), or their time derivative if ``rate`` is true.

@@ -82,12 +82,12 @@ class Moduli:
         return float(np.exp(-self.values.min() * k))
 
     def weights(self, time: float) -> Array:
-        """Return for every direction the weight of the squared residual of the material law, (directions,).
+        """Return for every eigentensor i of G with respect to A the weight of the squared residual, (eigentensors,).
 
-        It is time/(1 + 2 time g_i) for the modulus g_i. In a direction in which the elasticity G is stiff the weight is
-        small, because the elasticity compensates a part of the residual. The reason is that the square of the error
-        bound increases in a time step, to first order, by a multiple of Σ_i |ρ|²_i/(g_i + β), with the residual |ρ|_i
-        in the direction i and β ~ 1/(2T).
+        The weight is T/(1 + 2 T g_i) with the eigenvalue g_i of G and the final time T. For a large g_i it is small,
+        because the elasticity compensates a part of the residual: in a time step the square of the error bound
+        increases, to first order, by a multiple of Σ_i |ρ_i|²/(g_i + β), with the part ρ_i of the residual of the
+        material law in the direction of the eigentensor i, and β ~ 1/(2T).
 
         Args:
             time: the final time T.

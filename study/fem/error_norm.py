@@ -122,7 +122,7 @@ class ErrorNorm:
         return next(self.samples(time))
 
     def samples(self, times: Array | float) -> Iterator[ExactAtTime]:
-        """Evaluate the exact solution at times, (n,), and yield the data of one time after another for ``distance``."""
+        """Evaluate the exact solution at n times, (n,), and yield for each time what ``distance`` compares with u^h."""
         for block in blocks(times, self._size):
             strains = self._amplitudes(block, False)
             means = self._cells.strains(strains) / self._cells.viscous[:, None]

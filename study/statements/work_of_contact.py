@@ -1008,9 +1008,10 @@ class Rollers(ListedNumbers):
         return super().by_case(rows.assign(case=rows["case"].str.rpartition("-")[0]))
 
     def checks_of(self, kind: str, groups: Groups) -> Judged:
-        """Yield the criteria for a kind of roller, each with the measurements on the mesh families that it judges.
+        """Yield the criteria for one kind of roller, each with the measurements that it judges, by mesh family.
 
-        The excess is the distance of u^h from the solution of the linear problem with the exact pressure as a traction.
+        One criterion judges the excess: the distance of u^h from the discrete solution of the linear problem in which
+        the exact contact pressure acts as a traction.
         """
 
         def on(*families: str) -> Groups:

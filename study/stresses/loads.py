@@ -279,6 +279,9 @@ class _Edges:
         self.load = data.surface_load(part, part.point(rule.s))
 
     def split(self, time: float) -> tuple[Array, Array]:
-        """Return the projected traction P f_2 at a time, (n, k + 1, 2), and the norms ‖f_2 − P f_2‖_e, (n,)."""
+        """Return the L² projection P f_2 of the traction at a time onto polynomials of degree k on n edges e.
+
+        Returns:
+            The Bernstein coefficients of P f_2, (n, k + 1, 2), and the norms ‖f_2 − P f_2‖_e, (n,)."""
         coefficients, rest = self._projection(self.load(time))
         return coefficients, np.sqrt(np.einsum("nqd,nqd,nq->n", rest, rest, self.weights))
