@@ -43,6 +43,7 @@ from pathlib import Path
 import clarabel
 import numpy as np
 import scipy.sparse as sps
+from numpy.typing import ArrayLike
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 
@@ -79,7 +80,7 @@ def bits_below(size: float, digits: int) -> int:
     return max(digits - math.ceil(math.log2(size)), 1) if size > 0 else 1
 
 
-def rounded(mesh: checker.Mesh, values: Array, bits: int) -> list[list[int]]:
+def rounded(mesh: checker.Mesh, values: Array, bits: int) -> Array:
     """Round displacements to integers over 2^bits that are exactly admissible: v = 0 on Γ1, and v·ν ≤ 0 on Γ3.
 
     Args:
@@ -88,7 +89,7 @@ def rounded(mesh: checker.Mesh, values: Array, bits: int) -> list[list[int]]:
         bits: the number of binary digits behind the point.
 
     Returns:
-        For each time the integers in one list, x and y in turn.
+        The integers at each time, x and y in turn, (times, 2 (vertices + edges)).
     """
     normals = defaultdict[int, set[checker.Vector]](set)
     clamped = set[int]()
@@ -98,13 +99,11 @@ def rounded(mesh: checker.Mesh, values: Array, bits: int) -> list[list[int]]:
         elif side.kind == "contact":
             for n in mesh.nodes_of(edge):
                 normals[n].add(side.normal)
-    found = np.round(values * 2.0**bits).astype(np.int64).tolist()
-    for v in found:
-        for n, of_node in normals.items():
-            v[n] = admissible(v[n], of_node)
-        for n in clamped:
-            v[n] = [0, 0]
-    return [[c for point in v for c in point] for v in found]
+    found = np.round(values * 2.0**bits).astype(np.int64)
+    for n, of_node in normals.items():
+        found[:, n] = [admissible(v, of_node) for v in found[:, n].tolist()]
+    found[:, [*clamped]] = 0
+    return found.reshape(len(found), -1)
 
 
 def admissible(value: Sequence[int], normals: Collection[checker.Vector]) -> list[int]:
@@ -217,7 +216,7 @@ class StressEncoder:
         found: Array = hat[np.arange(len(hat))[:, None], self.twins.corners[:, third], monomial, row, column]
         return found * self.exact.h
 
-    def integers(self, tractions: Array, inner: Array, bits: int, coarse: int) -> tuple[list[int], list[int]]:
+    def integers(self, tractions: Array, inner: Array, bits: int, coarse: int) -> tuple[Array, Array]:
         """Return the integers by which a certificate stores a stress: tractions, and inner numbers of the cells.
 
         The tractions are rounded such that σ̃_ν ≤ 0 holds exactly on Γ3.
@@ -233,7 +232,7 @@ class StressEncoder:
         pressed = np.minimum((contact * n).sum(axis=2) / (n * n).sum(axis=2), 0)
         modes = np.linalg.solve(np.array(checker.MODES).T, free) / 2.0 ** (coarse * (np.arange(4)[:, None] > 1))
         numbers = np.concatenate([part.ravel() for part in (pressed, loaded, modes)]) * 2.0**bits
-        return [int(x) for x in np.round(numbers)], [int(x) for x in np.round(inner * 2.0 ** (bits - coarse)).ravel()]
+        return np.round(numbers), np.round(inner * 2.0 ** (bits - coarse)).ravel()
 
 
 def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
@@ -535,11 +534,15 @@ def _rounded_stresses(
     return {"bits": bits, "coarse": coarse, "tractions": differences(tractions), "inner": differences(inner)}
 
 
-def differences(rows: Sequence[list[int]]) -> list[list[int]]:
-    """Return second differences in time of rows of integers, which have fewer digits and so make the file smaller."""
+def differences(rows: ArrayLike) -> list[list[int]]:
+    """Return the second differences in time of whole numbers (times, k), which have fewer digits than the numbers.
+
+    So the file of a certificate is smaller. The first row has the numbers at the first time.
+    """
+    found = np.array(rows, dtype=np.int64)
     for _ in range(2):
-        rows = [rows[0], *([y - x for x, y in zip(p, q, strict=True)] for p, q in pairwise(rows))]
-    return list(rows)
+        found = np.diff(found, axis=0, prepend=0)
+    return found.tolist()
 
 
 def write(path: Path, certificate: Json) -> Path:

@@ -10,6 +10,7 @@ fault.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from types import SimpleNamespace
@@ -32,6 +33,8 @@ from study.statements.shared.base import Experiment
 
 Faulty = Experiment | None
 """An experiment with a fault; None where the fault cannot occur."""
+Rule = Callable[[Signorini, Array], Array]
+"""Function of a solver and of the penetrations without forces that returns the forces of the constraints."""
 Change = Callable[[Experiment, float], Faulty]
 """Function of an experiment and a size δ that returns the experiment with the fault; None where it cannot occur."""
 
@@ -202,19 +205,15 @@ def body_load(setup: Experiment, time: float) -> Array:
     return setup.problem.load(time) - traction_load(setup, time)
 
 
-def contact_dofs(setup: Experiment) -> Array:
-    """Return for every unknown whether its vertex lies on Γ3, (dofs,)."""
-    return np.isin(setup.space.free // setup.space.dim, contact_vertices(setup.space))
-
-
 def load_at_contact(setup: Experiment, time: float) -> Array:
     """Return the load at the vertices of Γ3, 0 elsewhere, (dofs,)."""
-    return np.where(contact_dofs(setup), setup.problem.load(time), 0.0)
+    on_contact = np.isin(setup.space.free // setup.space.dim, contact_vertices(setup.space))
+    return np.where(on_contact, setup.problem.load(time), 0.0)
 
 
 def tangential_load(setup: Experiment, time: float) -> Array:
     """Return the tangential part of the load at the vertices of Γ3, (dofs,)."""
-    T = tangents(setup.space)
+    T, _ = tangents(setup.space, setup.space.dim - 1)
     return np.asarray(T.T @ (T @ setup.problem.load(time)))
 
 
@@ -273,20 +272,18 @@ def partly_clamped(setup: Experiment, size: float) -> Experiment:
 # ---- (2.5): contact
 
 
-def components(space: Space, directions: Callable[[Part], Array], once: bool = True) -> sps.csr_array:
+def components(space: Space, directions: Callable[[Part], Array], left_out: Array | None = None) -> sps.csr_array:
     """Return the matrix from displacements to components at the vertices of Γ3, in the order of the rows of N.
 
     Args:
         space: the space V^h.
         directions: returns for a contact part the directions of the components, (d, k).
-        once: whether vertices that lie on several parts are left out.
+        left_out: numbers of vertices that get no row; by default there are none.
     """
-    every = contact_vertices(space)
-    left_out = repeated(every if once else every[:0])
     rows = []
     for part, numbers in space.contact:
-        single = np.setdiff1d(numbers, left_out)
-        rows += [(SimpleNamespace(normal=direction), single) for direction in directions(part).T]
+        used = numbers if left_out is None else np.setdiff1d(numbers, left_out)
+        rows += [(SimpleNamespace(normal=direction), used) for direction in directions(part).T]
     return space.normal_components(rows)  # type: ignore[arg-type]
 
 
@@ -295,91 +292,88 @@ def contact_vertices(space: Space) -> Array:
     return np.concatenate([numbers for _, numbers in space.contact])
 
 
-def repeated(vertices: Array) -> Array:
-    """Return the vertices that lie on several contact parts."""
-    numbers, counts = np.unique(vertices, return_counts=True)
-    return numbers[counts > 1]
+def tangents(space: Space, count: int) -> tuple[sps.csr_array, Array]:
+    """Return the matrix T from displacements to tangential components at the vertices of Γ3.
 
+    Vertices that lie on several contact parts have no tangent and are left out.
 
-def tangents(space: Space) -> sps.csr_array:
-    """Return the matrix from displacements to tangential components at the vertices of Γ3, without corners."""
-    return components(space, lambda part: part.frame[:, :-1])
+    Args:
+        space: the space V^h.
+        count: how many of the d − 1 tangents of each contact part are used.
+
+    Returns:
+        T, and for each row of T the row of N of the same vertex, (rows,).
+    """
+    vertices, occurrences = np.unique(contact_vertices(space), return_counts=True)
+    corners = vertices[occurrences > 1]
+    rows_of_N = []
+    first = 0
+    for _, numbers in space.contact:
+        rows_of_N += [first + np.flatnonzero(np.isin(numbers, corners, invert=True))] * count
+        first += len(numbers)
+    return components(space, lambda part: part.frame[:, :count], corners), np.concatenate(rows_of_N)
 
 
 def along_contact(setup: Experiment, size: float, name: str, first_only: bool = False) -> Faulty:
-    """Solve with springs ("reference") or dashpots ("M") along Γ3.
+    """Solve with springs or dashpots that act along Γ3; None if ``first_only`` is set and the body is plane.
 
     Their stiffness for an area is δ times the normal modulus of G or A, divided by a unit length.
+
+    Args:
+        setup, size: the experiment, and δ.
+        name: "reference" for springs, "M" for dashpots: the matrix of the problem to which they are added.
+        first_only: whether they act only along the first of the two tangents of each contact part.
     """
     space = setup.space
     if first_only and space.dim == 2:
         return None
-    directions = 1 if first_only else space.dim - 1
-    T = components(space, lambda part: part.frame[:, :directions])
-    weights = contact_weights(space)[owners(space, directions)]
+    T, rows_of_N = tangents(space, 1 if first_only else space.dim - 1)
     tensor = getattr(setup.solution.law, "A" if name == "M" else "G")
     modulus = np.linalg.eigvalsh(tensor.reference)[-1]
-    stiffness = T.T @ sps.diags_array(size * modulus * weights) @ T
+    stiffness = T.T @ sps.diags_array(size * modulus * contact_weights(space)[rows_of_N]) @ T
     return solving(setup, **{name: sps.csc_array(getattr(setup.problem, name) + stiffness)})
 
 
-def owners(space: Space, directions: int) -> Array:
-    """Return for each tangential component at the vertices of Γ3 the row of N of the same vertex, (rows,)."""
-    every = contact_vertices(space)
-    ends = np.cumsum([len(numbers) for _, numbers in space.contact])[:-1]
-    rows = []
-    for part in np.split(np.arange(len(every)), ends):
-        rows += [part[np.isin(every[part], repeated(every), invert=True)]] * directions
-    return np.concatenate(rows)
+def friction(setup: Experiment, size: float) -> Experiment:
+    """Solve with Coulomb friction, |σ_τ| ≤ δ |σ_ν|, on the total displacement.
 
-
-class Frictional:
-    """Solves the contact problem of one step with Coulomb friction, |σ_τ| ≤ μ |σ_ν|, on the total displacement.
-
-    The bound of the friction force is taken from the last contact forces until both agree. With μ = ∞ the body is glued
-    to the foundation where it is in contact.
-
-    Args:
-        S, N, gap: as for ``Signorini``.
-        T: the matrix from displacements to their tangential components at the vertices of Γ3.
-        owners: for each row of T, the row of N of the same vertex.
-        friction: the coefficient μ.
+    With δ = ∞ the body is glued to the foundation where it is in contact. The bound of the friction force is taken from the last contact forces until both agree.
     """
+    N = setup.problem.N
+    m = N.shape[0]
+    T, rows_of_N = tangents(setup.space, setup.space.dim - 1)
 
-    def __init__(
-        self,
-        S: sps.csc_array,
-        N: sps.csr_array,
-        T: sps.csr_array,
-        owners: Array,
-        friction: float,
-        gap: Array | float = 0.0,
-    ) -> None:
-        self.m = N.shape[0]
-        self.owners = owners
-        self.friction = friction
-        self.gap = np.concatenate([np.broadcast_to(gap, self.m), np.zeros(T.shape[0])])
-        self.both = Signorini(S, sps.csr_array(sps.vstack([N, T])))
-        self.normal = Signorini(S, N)
-
-    def __call__(self, b: Array) -> ContactSolution:
-        solver = self.both
-        m = self.m
+    def coulomb(solver: Signorini, gap: Array) -> Array:
         W = solver.W
-        y = solver.factor.forward(b)
-        free = y[solver.contact] @ solver.Y - self.gap
         pressure = np.zeros(m)
-        shear = np.zeros(len(free) - m)
+        shear = np.zeros(len(gap) - m)
         for _ in range(100):
             before = pressure
-            pressure = self.normal.complementarity(free[:m] - W[:m, m:] @ shear)
-            on = pressure[self.owners]
-            bound = np.where(on > 0, self.friction * np.maximum(on, np.finfo(float).tiny), 0.0)
-            shear = bounded(W[m:, m:], free[m:] - W[m:, :m] @ pressure, bound, shear)
+            pressure = with_matrix(solver, W[:m, :m], gap[:m] - W[:m, m:] @ shear)
+            on = pressure[rows_of_N]
+            bound = np.where(on > 0, size * np.maximum(on, np.finfo(float).tiny), 0.0)
+            shear = bounded(W[m:, m:], gap[m:] - W[m:, :m] @ pressure, bound, shear)
             if abs(pressure - before).max(initial=0.0) <= 1e-12 * abs(pressure).max(initial=0.0):
                 break
-        y[solver.contact] -= solver.Y @ np.concatenate([pressure, shear])
-        return solver.factor.backward(y), pressure
+        return np.concatenate([pressure, shear])
+
+    constraints = sps.csr_array(sps.vstack([N, T]))
+    return constrained(setup, constraints, sps.eye_array(constraints.shape[0], m, format="csr"), coulomb)
+
+
+def with_matrix(solver: Signorini, W: Array, gap: Array) -> Array:
+    """Return the contact forces (k,) that solve the complementarity problem of ``Signorini`` with another matrix W.
+
+    Args:
+        solver: the solver, whose first k constraints are used. It remembers which of them are active.
+        W: the matrix from contact forces to the normal displacements that they cause, (k, k).
+        gap: the penetration without contact forces, (k,).
+    """
+    other = copy(solver)
+    vars(other).update(W=W, active=solver.active[: len(W)], _factored=None)
+    forces = Signorini.complementarity(other, gap)
+    solver.active[: len(W)] = other.active
+    return forces
 
 
 def bounded(W: Array, free: Array, bound: Array, start: Array) -> Array:
@@ -401,26 +395,20 @@ def bounded(W: Array, free: Array, bound: Array, start: Array) -> Array:
     return forces
 
 
-def friction(setup: Experiment, size: float) -> Experiment:
-    """Solve with Coulomb friction of the coefficient δ; δ = ∞ glues the body where it is in contact."""
-    rows = owners(setup.space, setup.space.dim - 1)
-    return solving(setup, solver=partial(Frictional, T=tangents(setup.space), owners=rows, friction=size))
-
-
 def tilted(setup: Experiment, size: float) -> Experiment:
     """Turn the normals of the constraint by the angle δ towards the first tangent."""
 
     def turned(part: Part) -> Array:
         return np.cos(size) * part.normal[:, None] + np.sin(size) * part.frame[:, :1]
 
-    return solving(setup, N=components(setup.space, turned, once=False))
+    return solving(setup, N=components(setup.space, turned))
 
 
 def normals_of_next_part(setup: Experiment, size: float) -> Faulty:
     """Take the normal of the next contact part for the constraint; None if there is one part only."""
     parts = [part for part, _ in setup.space.contact]
     following = {id(part): after.normal[:, None] for part, after in zip(parts, [*parts[1:], parts[0]], strict=True)}
-    N = components(setup.space, lambda part: following[id(part)], once=False)
+    N = components(setup.space, lambda part: following[id(part)])
     return solving(setup, N=N) if len(parts) > 1 else None
 
 
@@ -436,18 +424,25 @@ def unconstrained(which: Callable[[int], Iterable[int]]) -> Change:
     return faulty
 
 
-def constrained(setup: Experiment, N: sps.csr_array, right: sps.csr_array) -> Experiment:
-    """Return an experiment that is solved with other constraints.
+def constrained(
+    setup: Experiment, N: sps.csr_array, right: sps.csr_array, rule: Rule = Signorini.complementarity
+) -> Experiment:
+    """Return an experiment that is solved with other constraints, or with another rule for contact forces.
 
     Args:
         setup: the experiment.
         N: the matrix of the constraints, (k, dofs).
         right: which of the m right constraints each of the k constraints is, as a matrix of zeros and ones, (k, m).
+        rule: computes the forces of the constraints from a solver and the penetrations without forces, (k,).
     """
     gap = right @ np.broadcast_to(setup.problem.gap, right.shape[1])
 
+    class Faulty(Signorini):
+        def complementarity(self, gap: Array) -> Array:
+            return rule(self, gap)
+
     def solver(S: sps.csc_array, _: sps.csr_array, **of_right: Array) -> ContactSolver:
-        solve = Signorini(S, N, gap=gap)
+        solve = Faulty(S, N, setup.space.free_points, gap)
 
         def solved(b: Array) -> ContactSolution:
             u, forces = solve(b)
@@ -458,17 +453,10 @@ def constrained(setup: Experiment, N: sps.csr_array, right: sps.csr_array) -> Ex
     return solving(setup, solver=solver)
 
 
-def other_forces(rule: Callable[[Signorini, Array], Array]) -> Change:
-    """Return the fault that computes contact forces by another rule, from the penetration without contact forces."""
-
-    def faulty(setup: Experiment, size: float) -> Experiment:
-        class Faulty(Signorini):
-            def complementarity(self, gap: Array) -> Array:
-                return rule(self, gap)
-
-        return solving(setup, solver=partial(Faulty, x=setup.space.free_points))
-
-    return faulty
+def other_forces(setup: Experiment, rule: Rule) -> Experiment:
+    """Return an experiment in which a rule computes the contact forces (m,); see ``constrained`` for the rule."""
+    N = setup.problem.N
+    return constrained(setup, N, sps.eye_array(N.shape[0], format="csr"), rule)
 
 
 def tied(solver: Signorini, gap: Array) -> Array:
@@ -488,21 +476,19 @@ def never_released(solver: Signorini, gap: Array) -> Array:
     return forces
 
 
+def forces_scaled(setup: Experiment, size: float) -> Experiment:
+    """Multiply the contact forces by 1 + δ."""
+    return other_forces(setup, lambda solver, gap: (1 + size) * Signorini.complementarity(solver, gap))
+
+
 def springs(setup: Experiment, size: float) -> Experiment:
     """Replace the foundation by springs that resist penetration; δ is their compliance.
 
     A spring of an area has the stiffness of the largest modulus of A per unit length, divided by δ.
     """
-    space = setup.space
     modulus = np.linalg.eigvalsh(setup.solution.law.A.reference)[-1]
-    compliance = size / (modulus * contact_weights(space))
-
-    def solver(S: sps.csc_array, N: sps.csr_array, **gap: Array) -> Signorini:
-        yielding = Signorini(S, N, space.free_points, **gap)
-        yielding.W = yielding.W + np.diag(compliance)
-        return yielding
-
-    return solving(setup, solver=solver)
+    compliance = np.diag(size / (modulus * contact_weights(setup.space)))
+    return other_forces(setup, lambda solver, gap: with_matrix(solver, solver.W + compliance, gap))
 
 
 def relaxed(setup: Experiment, size: float) -> Experiment:
@@ -569,9 +555,8 @@ def in_both_tensors(
     return [Fault(f"{name} in {of}", "(2.1)", tensor_fault(of, change), sizes) for of in ("A", "G")]
 
 
-A_TOO_LARGE = tensor_fault("A", lambda matrix, size: (1 + size) * matrix)
 FAULTS = (
-    Fault("A too large", "(2.1)", A_TOO_LARGE, (0.5, 0.05)),
+    Fault("A too large", "(2.1)", tensor_fault("A", lambda matrix, size: (1 + size) * matrix), (0.5, 0.05)),
     Fault("G too large", "(2.1)", elasticity_scaled, (0.5, 0.05)),
     Fault("G left out", "(2.1)", lambda setup, size: elasticity_scaled(setup, -1.0)),
     *in_both_tensors("λ and μ exchanged", exchanged, (0.5, 0.1)),
@@ -609,16 +594,9 @@ FAULTS = (
     Fault("middle vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained(lambda count: [count // 2]), single=True),
     Fault("last vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained(lambda count: [count - 1]), single=True),
     Fault("springs of compliance δ", "(2.5) u_ν ≤ 0", springs, (0.1, 0.01)),
-    Fault("no lift-off", "(2.5) σ_ν ≤ 0", other_forces(tied)),
-    Fault("no lift-off after contact", "(2.5) σ_ν ≤ 0", other_forces(never_released)),
-    Fault(
-        "contact forces scaled",
-        "(2.5) σ_ν ≤ 0",
-        lambda setup, size: other_forces(lambda solver, gap: (1 + size) * Signorini.complementarity(solver, gap))(
-            setup, size
-        ),
-        (0.5, 0.1),
-    ),
+    Fault("no lift-off", "(2.5) σ_ν ≤ 0", lambda setup, size: other_forces(setup, tied)),
+    Fault("no lift-off after contact", "(2.5) σ_ν ≤ 0", lambda setup, size: other_forces(setup, never_released)),
+    Fault("contact forces scaled", "(2.5) σ_ν ≤ 0", forces_scaled, (0.5, 0.1)),
     Fault("opposite faces in contact", "(2.5) σ_ν u_ν = 0", opposite_faces),
     Fault("glued on Γ3", "(2.5) σ_τ = 0", partial(along_contact, name="reference"), (1e6,)),
     Fault("glued where in contact", "(2.5) σ_τ = 0", lambda setup, size: friction(setup, np.inf)),

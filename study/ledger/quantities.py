@@ -45,11 +45,9 @@ def fit(h: Array, error: Array, power: float = 0) -> float:
         RatesError: mesh sizes do not decrease, or errors are not positive and finite.
     """
     orders(h, error)
-    x = np.log(h)
-    y = np.log(error)
-    weights = np.asarray(h, dtype=float) ** -power
-    x = x - np.average(x, weights=weights)
-    return float((weights * x) @ y / ((weights * x) @ x))
+    # NumPy multiplies the residuals by the weights before it squares them.
+    weights = np.asarray(h, dtype=float) ** (-power / 2)
+    return float(np.polyfit(np.log(h), np.log(error), 1, w=weights)[0])
 
 
 def extrapolated_order(h: Array, error: Array) -> float:
