@@ -153,16 +153,13 @@ class StressEncoder:
 
     def loads(self, a: Fraction, b: Fraction) -> list[Loads]:
         """Return the loads f̃ of the checker for a time interval [a, b], as three Bernstein coefficients in time."""
-        first, middle, last = (self._surface(t) for t in (a, (a + b) / 2, b))
-        surfaces = first, 2 * middle - (first + last) / 2, last
-        controls = self._loads.controls(a, b)
-        return [Loads(self._force(f), surface) for f, surface in zip(controls, surfaces, strict=True)]
+        first, middle, last = (Loads(self._force(t), self._surface(t)) for t in (a, (a + b) / 2, b))
+        return [first, 2 * middle + -0.5 * (first + last), last]
 
-    def _force(self, control: list[checker.Poly]) -> Array:
-        """Return a body force of the checker as in ``Loads.force``."""
+    def _force(self, time: Fraction) -> Array:
+        """Return the body force of the checker at a time as in ``Loads.force``."""
         found = np.zeros((self.space.cells, 3, 6, 2))
-        numbers = self._loads.on_cells(control)
-        if numbers:
+        if numbers := self._loads.on_cells([p(X, Y, checker.constant(time)) for p in self.problem.force]):
             force = np.reshape(np.array(numbers, dtype=float), (-1, 6, 2)) / 2.0**LOAD_BITS
             values = self._monomials(checker.SQUARE) @ (force / self._twice_area[:, None, None])[:, None]
             found[self.twins.cells] = np.linalg.pinv(self.space.force_shapes.T) @ values
@@ -255,11 +252,6 @@ Without f_0, the constant C_Ω is needed for rounding errors only, so μ can be 
 """
 SLACKS = (1e-4, 1e-3, 1e-2, 0.1)
 """Fractions by which κ is reduced until the rounded field Φ proves it; they are tried in turn."""
-ENTRIES = ((0, 0), (0, 1), (1, 1))
-"""Positions of the entries of a symmetric 2 × 2 matrix.
-
-The k-th entry of Φv contains the components k and k + 1 of the tensor field Φ.
-"""
 
 
 # ---- the reference element: the stress for each prescribed traction and force
@@ -276,10 +268,9 @@ def _of_stress(component: int, third: int, monomial: int) -> list[Fraction]:
 
     The equations are for tractions on the boundary, jumps of tractions inside, and divergences on the subtriangles.
     """
-    one = (third, component, monomial)
-    stress = []
-    for i in range(3):
-        stress.append([[Fraction((i, c, m) == one) for m in range(10)] for c in range(3)])
+    unit = np.zeros((3, 3, 10), dtype=int)
+    unit[third, component, monomial] = 1
+    stress = unit.tolist()
     outside = []
     jumps = []
     divergences = []
@@ -403,8 +394,7 @@ def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iter
         divergence = np.zeros((5, 5, 4 * len(mesh.points) + 1))
         a, b, c, d = (x * mesh.h / cell.det for x in cell.F)
         for w, slope in zip(cell.v, ((c - d, b - a), (d, -b), (-c, a)), strict=True):
-            for k, entry in enumerate(ENTRIES):
-                divergence[entry][[4 * w + k, 4 * w + k + 1]] += slope
+            divergence[:2, :2] += _contracted(mesh, w, slope)
         divergence[[0, 1], [0, 1], -1] -= inside
         for v in cell.v:
             block = divergence.copy()
@@ -422,12 +412,22 @@ def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
         normal = np.array([float(c) for c in side.normal])
         normal /= np.linalg.norm(normal)
         for v in edge if side.kind != "clamped" else ():
-            block = np.zeros((2, 2, 4 * len(mesh.points) + 1))
-            for k, entry in enumerate(ENTRIES):
-                block[entry][[4 * v + k, 4 * v + k + 1]] -= normal
+            block = -_contracted(mesh, v, normal)
             if side.load:
                 block[[0, 1], [0, 1], -1] -= 1
             yield block, -SEMIDEFINITE_MARGIN * np.eye(2)
+
+
+def _contracted(mesh: checker.Mesh, v: int, vector: ArrayLike) -> Array:
+    """Return the upper triangle of the matrix Φ·vector at a vertex v as a linear function of the unknowns.
+
+    The shape is (2, 2, unknowns). The unknowns are the four components of Φ at each vertex, then κ.
+    """
+    block = np.zeros((2, 2, 4 * len(mesh.points) + 1))
+    for k, entry in enumerate(((0, 0), (0, 1), (1, 1))):
+        # The entry k of Φ·vector contains the components k and k + 1 of Φ.
+        block[entry][[4 * v + k, 4 * v + k + 1]] = vector
+    return block
 
 
 CONSTANTS_LEVEL = 12
@@ -539,7 +539,8 @@ def differences(rows: ArrayLike) -> list[list[int]]:
 
     So the file of a certificate is smaller. The first row has the numbers at the first time.
     """
-    found = np.array(rows, dtype=np.int64)
+    # They become integers of Python, because 64 bits may be too few.
+    found = np.frompyfunc(int, 1, 1)(np.array(rows))
     for _ in range(2):
         found = np.diff(found, axis=0, prepend=0)
     return found.tolist()

@@ -337,7 +337,8 @@ def along_contact(setup: Experiment, size: float, name: str, first_only: bool = 
 def friction(setup: Experiment, size: float) -> Experiment:
     """Solve with Coulomb friction, |σ_τ| ≤ δ |σ_ν|, on the total displacement.
 
-    With δ = ∞ the body is glued to the foundation where it is in contact. The bound of the friction force is taken from the last contact forces until both agree.
+    With δ = ∞ the body is glued to the foundation where it is in contact. The bound of the friction force is taken from
+    the last contact forces until both agree.
     """
     N = setup.problem.N
     m = N.shape[0]

@@ -172,59 +172,76 @@ def execute(jobs: Jobs, store: Store, pool: Pool, notify: Notify) -> None:
     """
     waiting = unfinished(jobs, store)
     refuse_too_large(waiting, pool)
-    running: dict[Future[Result], tuple[int, Job]] = {}
-    cases: dict[int, str] = {}
-    suspects: set[str] = set()
     failures: list[str] = []
-    try:
-        # An executor may run jobs in threads of this process, so the limit of one thread per job is set here, too.
-        with threadpool_limits(1):
-            while waiting or running:
-                busy = {number for number, _ in running.values()}
-                for number in set(range(len(pool.executors))) - busy:
-                    occupied = [job for _, job in running.values()]
-                    job = next_job(waiting, occupied, suspects, cases.get(number, ""), pool.together)
-                    if job is not None:
-                        waiting.remove(job)
-                        cases[number] = job.case
-                        running[pool.executors[number].submit(run_job, job)] = number, job
-                ended = wait(running, SILENCE, return_when=FIRST_COMPLETED).done
-                if not ended and (failure := pool.failure()):
-                    running.clear()  # ``cancel`` would wait for the executor
-                    raise JobsError("\n".join([failure, *failures]))
-                for future in ended:
-                    _, job = running.pop(future)
-                    killed = not future.cancelled() and isinstance(future.exception(), BrokenExecutor)
-                    if killed and job.key not in suspects:
-                        suspects.add(job.key)
-                        waiting.append(job)
-                    elif reason := _failure(job, future):
-                        failures.append(reason)
-                    else:
-                        store.save(job.key, job.fingerprint(), future.result())
-                        notify(job)
-    finally:
-        for future in running:
-            future.cancel()
+    # An executor may run jobs in threads of this process, so the limit of one thread per job is set here, too.
+    with threadpool_limits(1):
+        for job in _run_together(waiting, store, pool, notify, failures):
+            if _run_together([job], store, pool, notify, failures):
+                failures.append(
+                    f"{job.key}: its process was killed twice, the second time while no other job was running: is "
+                    f"there less memory than the {job.memory / GIB:.1f} GiB it needs? The same command tries again"
+                )
     if failures:
         raise JobsError("\n".join([f"{len(failures)} job(s) failed, all other results are stored:", *failures]))
 
 
-def next_job(waiting: Jobs, running: Jobs, suspects: set[str], case: str, together: float) -> Job | None:
+def _run_together(waiting: list[Job], store: Store, pool: Pool, notify: Notify, failures: list[str]) -> list[Job]:
+    """Run jobs, as many at once as memory permits, and store their results.
+
+    Parameters:
+        waiting: the jobs, the most expensive first; all are removed from the list.
+        store, pool, notify: as for ``execute``.
+        failures: receives a message for each job that fails.
+
+    Returns:
+        The jobs whose process was killed.
+    """
+    running: dict[Future[Result], tuple[int, Job]] = {}
+    cases: dict[int, str] = {}
+    killed = []
+    try:
+        while waiting or running:
+            busy = {number for number, _ in running.values()}
+            for number in set(range(len(pool.executors))) - busy:
+                occupied = [job for _, job in running.values()]
+                job = next_job(waiting, occupied, cases.get(number, ""), pool.together)
+                if job is not None:
+                    waiting.remove(job)
+                    cases[number] = job.case
+                    running[pool.executors[number].submit(run_job, job)] = number, job
+            ended = wait(running, SILENCE, return_when=FIRST_COMPLETED).done
+            if not ended and (failure := pool.failure()):
+                running.clear()  # ``cancel`` would wait for the executor
+                raise JobsError("\n".join([failure, *failures]))
+            for future in ended:
+                _, job = running.pop(future)
+                if future.cancelled():
+                    failures.append(f"{job.key}: its cluster no longer answers; run the same command again")
+                elif isinstance(error := future.exception(), BrokenExecutor):
+                    killed.append(job)
+                elif error:
+                    failures.append(f"{job.key}: {type(error).__name__}: {error}")
+                else:
+                    store.save(job.key, job.fingerprint(), future.result())
+                    notify(job)
+    finally:
+        for future in running:
+            future.cancel()
+    return killed
+
+
+def next_job(waiting: Jobs, running: Jobs, case: str, together: float) -> Job | None:
     """Return the job that an idle worker starts now; None if it must wait.
 
     Parameters:
         waiting: jobs that have not started, the most expensive first.
         running: the running jobs of all workers.
-        suspects: keys of jobs whose worker was killed. They are chosen last, and run only while no other job runs.
         case: the case of the last job of the worker. Other jobs of this case are preferred.
         together: memory in bytes that all running jobs may use together.
     """
     room = together - sum(job.memory for job in running)
-    if running:
-        alone = suspects & {job.key for job in running}
-        waiting = [job for job in waiting if not alone and job.key not in suspects and job.memory <= room]
-    return max(waiting, key=lambda job: (job.key not in suspects, job.case == case), default=None)
+    fitting = [job for job in waiting if not running or job.memory <= room]
+    return max(fitting, key=lambda job: job.case == case, default=None)
 
 
 def run_job(job: Job | Proof) -> Result:
@@ -235,19 +252,6 @@ def run_job(job: Job | Proof) -> Result:
     finally:
         if psutil.Process().memory_info().rss > CROWDED:
             gc.collect()
-
-
-def _failure(job: Job, future: Future[Result]) -> str:
-    """Return why a job that has ended has no result; an empty text if it has one."""
-    if future.cancelled():
-        return f"{job.key}: its cluster no longer answers; run the same command again"
-    error = future.exception()
-    if isinstance(error, BrokenExecutor):
-        return (
-            f"{job.key}: its process was killed twice, the second time while no other job was running: is there less "
-            f"memory than the {job.memory / GIB:.1f} GiB it needs? The same command tries again"
-        )
-    return f"{job.key}: {type(error).__name__}: {error}" if error else ""
 
 
 def require(what: str, need: float, room: float | None = None) -> None:
