@@ -76,7 +76,7 @@ ON_EDGE = [Fraction(i, 3) for i in range(4)]
 
 
 def bits_below(size: float, digits: int) -> int:
-    """Return the exponent b of a unit 2^{−b} that is about 2^{−digits} times a given size."""
+    """Return b ≥ 1 such that numbers up to ``size``, as multiples of 2^{−b}, have about ``digits`` binary digits."""
     return max(digits - math.ceil(math.log2(size)), 1) if size > 0 else 1
 
 

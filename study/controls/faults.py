@@ -113,9 +113,10 @@ def with_factors(setup: Experiment, change: Callable[[Array], Array]) -> Experim
 
 
 def exchanged(matrix: Array, size: float) -> Array:
-    """Return a tensor in which the fraction δ of μ and λ is exchanged; with λ = μ nothing changes.
+    """Return a tensor in which the fraction δ = ``size`` of the moduli μ and λ is exchanged.
 
-    In a tensor that is not isotropic, the entry (1, 2) counts as λ and half of the last entry as μ.
+    With λ = μ nothing changes. In a tensor that is not isotropic, the entry (1, 2) counts as λ and half of the last
+    entry as μ.
     """
     mu = matrix[-1, -1] / 2
     lam = matrix[0, 1]
@@ -124,20 +125,23 @@ def exchanged(matrix: Array, size: float) -> Array:
 
 
 def axes_exchanged(matrix: Array, size: float) -> Array:
-    """Return a tensor with the axes 1 and 2 exchanged."""
+    """Return a tensor (D, D) in which the coordinate axes 1 and 2 are exchanged; ``size`` is not used."""
     order = [1, 0, 2] if len(matrix) == 3 else [1, 0, 2, 4, 3, 5]
     return matrix[np.ix_(order, order)]
 
 
 def shear_scaled(matrix: Array, size: float) -> Array:
-    """Return a tensor with the factor 1 + δ at its rows and columns of shear; δ = √2 − 1 mistakes Voigt for Mandel."""
+    """Return a tensor (D, D) whose rows and columns of shear are multiplied by 1 + δ, where δ = ``size``.
+
+    With δ = √2 − 1 components in Mandel form are mistaken for components in Voigt form.
+    """
     d = 2 if len(matrix) == 3 else 3
     weights = np.where(np.arange(len(matrix)) < d, 1.0, 1.0 + size)
     return weights[:, None] * matrix * weights
 
 
 def elasticity_scaled(setup: Experiment, size: float) -> Experiment:
-    """Solve with (1 + δ) G, for a linear or a nonlinear G."""
+    """Return an experiment that is solved with (1 + δ) G in place of G, linear or not, where δ = ``size``."""
     problem = setup.problem
     nonlinear = problem.remainder
     scaled = None if nonlinear is None else lambda v: (1 + size) * nonlinear(v)
@@ -145,7 +149,7 @@ def elasticity_scaled(setup: Experiment, size: float) -> Experiment:
 
 
 def stressless_start(setup: Experiment, size: float) -> Faulty:
-    """Compute elastic forces from the displacement since the start, u − u_0; None if the body starts at rest."""
+    """Return an experiment whose elastic forces are computed from u − u_0 in place of u; None if u_0 = 0."""
     problem = setup.problem
 
     def remainder(v: Array) -> Array:
@@ -155,7 +159,10 @@ def stressless_start(setup: Experiment, size: float) -> Faulty:
 
 
 def yield_radius(setup: Experiment, size: float) -> Faulty:
-    """Solve with a convex set K in (3.3) whose radius is 1 + δ times as large."""
+    """Return an experiment that is solved with a convex set K in the law (3.3) whose radius is 1 + δ times as large.
+
+    δ is ``size``. The result is None if the law is another one.
+    """
     G = setup.solution.law.G
     if not isinstance(G, Yield):
         return None
@@ -165,12 +172,12 @@ def yield_radius(setup: Experiment, size: float) -> Faulty:
 
 
 def linear_part_only(setup: Experiment, size: float) -> Faulty:
-    """Solve with the constant reference tensor in place of a nonlinear G."""
+    """Return an experiment that is solved with the constant reference tensor of G in place of G; None for a linear G."""
     return None if setup.problem.remainder is None else solving(setup, remainder=None)
 
 
 def cell_missing(setup: Experiment, size: float) -> Experiment:
-    """Leave the cell nearest to the centre of the body out of both stiffness matrices."""
+    """Return an experiment whose matrices of A and G lack the cell that is nearest to the centre of the body."""
     mesh = setup.space.mesh
     away = mesh.p[:, mesh.t].mean(axis=1) - mesh.p.mean(axis=1, keepdims=True)
     missing = np.linalg.norm(away, axis=0).argmin()
@@ -201,24 +208,24 @@ def traction_load(setup: Experiment, time: float, kind: Kind = Kind.LOADED) -> A
 
 
 def body_load(setup: Experiment, time: float) -> Array:
-    """Return the load vector of f_0 at a time, (dofs,)."""
+    """Return the load vector of the body force f_0 at a time, (dofs,)."""
     return setup.problem.load(time) - traction_load(setup, time)
 
 
 def load_at_contact(setup: Experiment, time: float) -> Array:
-    """Return the load at the vertices of Γ3, 0 elsewhere, (dofs,)."""
+    """Return the load of an experiment at a time, set to 0 at all vertices that are not on Γ3, (dofs,)."""
     on_contact = np.isin(setup.space.free // setup.space.dim, contact_vertices(setup.space))
     return np.where(on_contact, setup.problem.load(time), 0.0)
 
 
 def tangential_load(setup: Experiment, time: float) -> Array:
-    """Return the tangential part of the load at the vertices of Γ3, (dofs,)."""
+    """Return the part of the load at a time that is tangential to Γ3 at the vertices of Γ3, 0 elsewhere, (dofs,)."""
     T, _ = tangents(setup.space, setup.space.dim - 1)
     return np.asarray(T.T @ (T @ setup.problem.load(time)))
 
 
 def late(setup: Experiment, size: float) -> Experiment:
-    """Take the load of the time t − δT, and of t = 0 before."""
+    """Return an experiment that is solved at a time t with the load of the time max(t − δT, 0), where δ = ``size``."""
     right = setup.problem.load
     delay = size * setup.problem.T
 
@@ -229,7 +236,10 @@ def late(setup: Experiment, size: float) -> Experiment:
 
 
 def step_of_unit_time(setup: Experiment, size: float) -> Faulty:
-    """Divide by 1/n instead of T/n to get velocities from n time steps."""
+    """Return an experiment whose n time steps of length T/n are taken for steps of length 1/n; None if T = 1.
+
+    So its velocities are T times as large as they should be.
+    """
     T = setup.problem.T
     return None if T == 1 else solving(setup, M=sps.csc_array(T * setup.problem.M))
 
@@ -254,7 +264,10 @@ INSIDE_SHARE = 1e-9
 
 
 def partly_clamped(setup: Experiment, size: float) -> Experiment:
-    """Hold only every second vertex of Γ1; the load of the free vertices has no reaction of Γ1."""
+    """Return an experiment in which only every second vertex of Γ1 is clamped.
+
+    The load at the other vertices of Γ1 does not contain the force with which the support holds the body.
+    """
     solution = setup.solution
     space = Loosened(setup.space.mesh, setup.space.body)
     v_norm = ErrorNorm(solution, space)
@@ -315,12 +328,12 @@ def tangents(space: Space, count: int) -> tuple[sps.csr_array, Array]:
 
 
 def along_contact(setup: Experiment, size: float, name: str, first_only: bool = False) -> Faulty:
-    """Solve with springs or dashpots that act along Γ3; None if ``first_only`` is set and the body is plane.
+    """Return an experiment with springs or dashpots that act along Γ3.
 
-    Their stiffness for an area is δ times the normal modulus of G or A, divided by a unit length.
+    If ``first_only`` is set and the body is plane, the result is None. The stiffness for an area is δ times the normal modulus of G or A, divided by a unit length.
 
     Args:
-        setup, size: the experiment, and δ.
+        setup, size: the experiment, and the factor δ of the stiffness.
         name: "reference" for springs, "M" for dashpots: the matrix of the problem to which they are added.
         first_only: whether they act only along the first of the two tangents of each contact part.
     """
@@ -335,7 +348,7 @@ def along_contact(setup: Experiment, size: float, name: str, first_only: bool = 
 
 
 def friction(setup: Experiment, size: float) -> Experiment:
-    """Solve with Coulomb friction, |σ_τ| ≤ δ |σ_ν|, on the total displacement.
+    """Return an experiment with Coulomb friction: |σ_τ| ≤ δ |σ_ν|, for the total displacement, where δ = ``size``.
 
     With δ = ∞ the body is glued to the foundation where it is in contact. The bound of the friction force is taken from
     the last contact forces until both agree.
@@ -397,7 +410,7 @@ def bounded(W: Array, free: Array, bound: Array, start: Array) -> Array:
 
 
 def tilted(setup: Experiment, size: float) -> Experiment:
-    """Turn the normals of the constraint by the angle δ towards the first tangent."""
+    """Return an experiment whose constraint has normals that are turned by the angle ``size`` towards a tangent."""
 
     def turned(part: Part) -> Array:
         return np.cos(size) * part.normal[:, None] + np.sin(size) * part.frame[:, :1]
@@ -406,7 +419,7 @@ def tilted(setup: Experiment, size: float) -> Experiment:
 
 
 def normals_of_next_part(setup: Experiment, size: float) -> Faulty:
-    """Take the normal of the next contact part for the constraint; None if there is one part only."""
+    """Return an experiment whose constraint on each contact part has the normal of the next part; None for one part."""
     parts = [part for part, _ in setup.space.contact]
     following = {id(part): after.normal[:, None] for part, after in zip(parts, [*parts[1:], parts[0]], strict=True)}
     N = components(setup.space, lambda part: following[id(part)])
@@ -461,6 +474,7 @@ def other_forces(setup: Experiment, rule: Rule) -> Experiment:
 
 
 def tied(solver: Signorini, gap: Array) -> Array:
+    """Return the contact forces (m,) if no vertex of Γ3 can leave the foundation."""
     return solver.multipliers_on(np.ones_like(solver.active), gap)
 
 
@@ -478,12 +492,12 @@ def never_released(solver: Signorini, gap: Array) -> Array:
 
 
 def forces_scaled(setup: Experiment, size: float) -> Experiment:
-    """Multiply the contact forces by 1 + δ."""
+    """Return an experiment in which the computed contact forces are multiplied by 1 + δ, where δ = ``size``."""
     return other_forces(setup, lambda solver, gap: (1 + size) * Signorini.complementarity(solver, gap))
 
 
 def springs(setup: Experiment, size: float) -> Experiment:
-    """Replace the foundation by springs that resist penetration; δ is their compliance.
+    """Return an experiment with springs that resist penetration in place of the rigid foundation; δ = ``size``.
 
     A spring of an area has the stiffness of the largest modulus of A per unit length, divided by δ.
     """
@@ -493,7 +507,7 @@ def springs(setup: Experiment, size: float) -> Experiment:
 
 
 def relaxed(setup: Experiment, size: float) -> Experiment:
-    """Permit a penetration of δ."""
+    """Return an experiment whose constraint permits a penetration of ``size`` into the foundation."""
     problem = setup.problem
     return solving(setup, gap=np.broadcast_to(problem.gap, problem.N.shape[0]) + size)
 
@@ -520,7 +534,7 @@ def gap_fault(change: Callable[[Array], Array]) -> Change:
 
 
 def opposite_faces(setup: Experiment, size: float) -> Faulty:
-    """Find the faces of Γ2 in contact as well: u_ν ≤ 0 there."""
+    """Return an experiment with the constraint u_ν ≤ 0 on the loaded boundary Γ2, too; None if it has no vertex."""
     space = setup.space
     taken = contact_vertices(space)
     free = space.free[:: space.dim] // space.dim
@@ -535,7 +549,7 @@ def opposite_faces(setup: Experiment, size: float) -> Faulty:
 
 
 def gap_from_start(setup: Experiment, size: float) -> Faulty:
-    """Measure the gap from the start: (u − u_0)_ν ≤ 0; None if the body starts at rest."""
+    """Return an experiment with the constraint (u − u_0)_ν ≤ 0 in place of u_ν ≤ 0; None if u_0 = 0."""
     start = setup.problem.u0
     return solving(setup, gap=setup.problem.N @ start) if start.any() else None
 
@@ -544,7 +558,7 @@ def gap_from_start(setup: Experiment, size: float) -> Faulty:
 
 
 def start_scaled(setup: Experiment, size: float) -> Faulty:
-    """Start from (1 + δ) u_0; None if the body starts at rest."""
+    """Return an experiment that starts from (1 + δ) u_0 in place of u_0, where δ = ``size``; None if u_0 = 0."""
     u0 = setup.problem.u0
     return solving(setup, u0=(1 + size) * u0) if u0.any() else None
 

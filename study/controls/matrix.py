@@ -74,7 +74,10 @@ class Measured:
         return [self.statement.measure(setup) for setup in self.setups]
 
     def failing(self, fault: Fault | None = None, size: float = 0.0) -> list[Verdict]:
-        """Return the checks that fail with a fault, or without; none if the fault cannot occur here."""
+        """Return the checks that fail with a fault of a size; by default, those that fail without a fault.
+
+        The list is empty if the fault cannot occur in one of the settings.
+        """
         measured = []
         for setup, right in zip(self.setups, self.right, strict=True):
             faulty = fault.change(setup, size) if fault else setup

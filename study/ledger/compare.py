@@ -77,6 +77,7 @@ class Comparison:
 
     @property
     def differs(self) -> bool:
+        """Whether a file differs by more than the tolerance, or is missing although ``study run`` writes it."""
         return DIFFERS in self.states.values()
 
     @property

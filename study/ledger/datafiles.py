@@ -324,23 +324,27 @@ def read_claims(directory: Path) -> DataFrame:
 
 
 def count_verdicts(claims: DataFrame) -> dict[str, int]:
-    """Return the number of checks with each verdict."""
+    """Return verdict ↦ number of checks with this verdict, perhaps 0; ``claims`` has rows of ``claims.csv``."""
     counts: dict[str, int] = claims.verdict.value_counts().reindex(VERDICTS, fill_value=0).to_dict()
     return counts
 
 
 def count_kinds(claims: DataFrame) -> dict[str, int]:
-    """Return the number of checks that hold, for each kind of check (``CheckKind``)."""
+    """Return kind of check (``CheckKind``) ↦ number of checks of this kind that hold, perhaps 0.
+
+    Parameters:
+        claims: rows of ``claims.csv``, the table of all checks.
+    """
     kinds = claims[claims.verdict == HOLDS].kind
     counts: dict[str, int] = kinds.value_counts().reindex([*CheckKind], fill_value=0).to_dict()
     return counts
 
 
 def by_claim(claims: DataFrame) -> Iterator[tuple[str, str, DataFrame]]:
-    """Divide the table of all checks by statements, in the order of the ledger.
+    """Divide rows of ``claims.csv``, the table of all checks, by statements, in the order of the table.
 
     Yields:
-        Label, claim in words, and checks. Two claims may have the same label.
+        For each statement its label, claim in words, and checks. Two claims may have the same label.
     """
     for (label, claim), rows in claims.groupby(["label", "statement"], sort=False):
         yield str(label), str(claim), rows

@@ -29,7 +29,7 @@ from typing import Any, ParamSpec, TypeVar
 import psutil
 from threadpoolctl import threadpool_limits
 
-from manufactured.self_proof import SelfProofError, examine
+from manufactured.self_proof import Finding, SelfProofError, examine
 from study.fem.naming import name_of, resolve
 from study.ledger.files import JobsError, UsageError
 from study.run.fingerprint import ALL_CODE, code_hash, of_solution, problem, versions
@@ -40,7 +40,6 @@ from study.statements.shared.estimates import bound, require_factorisation
 
 P = ParamSpec("P")
 Returned = TypeVar("Returned")
-AnyJob = TypeVar("AnyJob", bound="Job | Proof")
 Notify = Callable[[Job], object]
 """Function that shows progress; it is called with each finished job."""
 GIB = 2.0**30
@@ -139,7 +138,7 @@ def local_pool(workers: int) -> Iterator[Pool]:
         yield Pool(executors, memory, memory)
 
 
-def unfinished(jobs: Sequence[AnyJob], store: Store) -> list[AnyJob]:
+def unfinished(jobs: Jobs, store: Store) -> list[Job]:
     """Return the jobs whose results are not stored, the most expensive first."""
     missing = [job for job in jobs if store.load(job.key, job.fingerprint()) is None]
     return sorted(missing, key=lambda job: -job.cost)
@@ -244,7 +243,7 @@ def next_job(waiting: Jobs, running: Jobs, case: str, together: float) -> Job | 
     return max(fitting, key=lambda job: job.case == case, default=None)
 
 
-def run_job(job: Job | Proof) -> Result:
+def run_job(job: Job) -> Result:
     """Run a job in one thread and return its result; the other cores are used by other worker processes."""
     try:
         with threadpool_limits(1):
@@ -312,57 +311,51 @@ def _read(path: Path) -> str:
 # Self-proofs: before a case is measured, it is tested whether its solution is exact.
 
 
-@dataclass(frozen=True)
-class Proof:
-    """The self-proof of a case as a job; its result lists the violated equations and contact conditions.
-
-    Attributes:
-        case: the name of the case in the catalogue, or FILE.py:NAME.
-    """
-
-    case: str
-
-    @property
-    def key(self) -> str:
-        """The name of the file in which the result is stored, without the ending."""
-        return f"proof__{name_of(self.case)}"
-
-    @property
-    def cost(self) -> float:
-        """The expected computing time in µs; solutions in 3D take longest."""
-        return 10.0 ** (3 + resolve(self.case).solution.body.dim)
-
-    def fingerprint(self) -> str:
-        """Return the cache key of the result."""
-        return of_solution(self.case)
-
-    def run(self) -> Result:
-        """Examine the solution; return the violated conditions under the key "violated"."""
-        return {"violated": [finding for finding in examine(resolve(self.case).solution) if not finding.passes]}
-
-
-def prove(jobs: Iterable[Job], cases: Iterable[str], store: Store, pool: Pool) -> list[Proof]:
+def prove(jobs: Iterable[Job], cases: Iterable[str], store: Store, pool: Pool) -> list[str]:
     """Test the solutions of the cases that occur in jobs, unless their proofs are stored.
 
+    Parameters:
+        jobs: the jobs.
+        cases: the cases whose solutions must be exact: names in the catalogue, or FILE.py:NAME.
+        store, pool: contains the stored proofs, and runs the tests.
+
     Returns:
-        The new proofs. ``save_proofs`` stores them when the result directory is locked.
+        The cases whose solutions were tested now. ``save_proofs`` stores their proofs when the result directory is
+        locked.
 
     Raises:
         SelfProofError: a solution violates an equation or a contact condition.
     """
     measured = {job.case for job in jobs}
-    proofs = unfinished([Proof(case) for case in cases if case in measured], store)
-    futures = [executor.submit(run_job, proof) for executor, proof in zip(cycle(pool.executors), proofs, strict=False)]
-    for proof, future in zip(proofs, futures, strict=True):
-        if violated := future.result()["violated"]:
-            raise SelfProofError(f"case {resolve(proof.case).name}", violated)
-    return proofs
+    needed = [case for case in cases if case in measured and store.load(*_proof(case)) is None]
+    # Solutions in 3D take longest.
+    needed.sort(key=lambda case: -resolve(case).solution.body.dim)
+    futures = [executor.submit(violations, case) for executor, case in zip(cycle(pool.executors), needed, strict=False)]
+    for case, future in zip(needed, futures, strict=True):
+        if violated := future.result():
+            raise SelfProofError(f"case {resolve(case).name}", violated)
+    return needed
 
 
-def save_proofs(proofs: Iterable[Proof], store: Store) -> None:
-    """Store proofs that found no violation, so that later runs need not repeat them."""
-    for proof in proofs:
-        store.save(proof.key, proof.fingerprint(), {"violated": []})
+def violations(case: str) -> list[Finding]:
+    """Return the equations and contact conditions that the exact solution of a case violates, in one thread.
+
+    Parameters:
+        case: the name of the case in the catalogue, or FILE.py:NAME.
+    """
+    with threadpool_limits(1):
+        return [finding for finding in examine(resolve(case).solution) if not finding.passes]
+
+
+def save_proofs(cases: Iterable[str], store: Store) -> None:
+    """Store that the solutions of some cases violate no equation, so that later runs need not test them again."""
+    for case in cases:
+        store.save(*_proof(case), {"violated": []})
+
+
+def _proof(case: str) -> tuple[str, str]:
+    """Return the name, without ending, of the file with the self-proof of a case, and the cache key of the proof."""
+    return f"proof__{name_of(case)}", of_solution(case)
 
 
 # Functions that run jobs on several machines: on the workers of a Dask cluster.
