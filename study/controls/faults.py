@@ -172,7 +172,7 @@ def yield_radius(setup: Experiment, size: float) -> Faulty:
 
 
 def linear_part_only(setup: Experiment, size: float) -> Faulty:
-    """Return an experiment that is solved with the constant reference tensor of G in place of G; None for a linear G."""
+    """Return an experiment that is solved with the constant reference tensor of a nonlinear G; None if G is linear."""
     return None if setup.problem.remainder is None else solving(setup, remainder=None)
 
 
@@ -330,7 +330,8 @@ def tangents(space: Space, count: int) -> tuple[sps.csr_array, Array]:
 def along_contact(setup: Experiment, size: float, name: str, first_only: bool = False) -> Faulty:
     """Return an experiment with springs or dashpots that act along Γ3.
 
-    If ``first_only`` is set and the body is plane, the result is None. The stiffness for an area is δ times the normal modulus of G or A, divided by a unit length.
+    If ``first_only`` is set and the body is plane, the result is None. The stiffness for an area is δ times the normal
+    modulus of G or A, divided by a unit length.
 
     Args:
         setup, size: the experiment, and the factor δ of the stiffness.
@@ -353,8 +354,7 @@ def friction(setup: Experiment, size: float) -> Experiment:
     With δ = ∞ the body is glued to the foundation where it is in contact. The bound of the friction force is taken from
     the last contact forces until both agree.
     """
-    N = setup.problem.N
-    m = N.shape[0]
+    m = setup.problem.N.shape[0]
     T, rows_of_N = tangents(setup.space, setup.space.dim - 1)
 
     def coulomb(solver: Signorini, gap: Array) -> Array:
@@ -371,8 +371,7 @@ def friction(setup: Experiment, size: float) -> Experiment:
                 break
         return np.concatenate([pressure, shear])
 
-    constraints = sps.csr_array(sps.vstack([N, T]))
-    return constrained(setup, constraints, sps.eye_array(constraints.shape[0], m, format="csr"), coulomb)
+    return other_forces(setup, coulomb, T)
 
 
 def with_matrix(solver: Signorini, W: Array, gap: Array) -> Array:
@@ -467,10 +466,16 @@ def constrained(
     return solving(setup, solver=solver)
 
 
-def other_forces(setup: Experiment, rule: Rule) -> Experiment:
-    """Return an experiment in which a rule computes the contact forces (m,); see ``constrained`` for the rule."""
-    N = setup.problem.N
-    return constrained(setup, N, sps.eye_array(N.shape[0], format="csr"), rule)
+def other_forces(setup: Experiment, rule: Rule, *further: sps.csr_array) -> Experiment:
+    """Return an experiment in which another rule computes the contact forces, perhaps with further constraints.
+
+    Args:
+        setup: the experiment.
+        rule: see ``constrained``. The first m forces that it returns are the contact forces.
+        further: matrices whose rows are constraints in addition to the m rows of N, (rows, dofs) each.
+    """
+    N = sps.csr_array(sps.vstack([setup.problem.N, *further]))
+    return constrained(setup, N, sps.eye_array(N.shape[0], setup.problem.N.shape[0], format="csr"), rule)
 
 
 def tied(solver: Signorini, gap: Array) -> Array:
@@ -543,9 +548,7 @@ def opposite_faces(setup: Experiment, size: float) -> Faulty:
         more.append((part, np.setdiff1d(np.intersect1d(space.vertices(part), free), taken)))
         taken = np.concatenate([taken, more[-1][1]])
     further = space.normal_components(more)
-    N = sps.csr_array(sps.vstack([setup.problem.N, further]))
-    right = sps.eye_array(N.shape[0], setup.problem.N.shape[0], format="csr")
-    return constrained(setup, N, right) if further.shape[0] else None
+    return other_forces(setup, Signorini.complementarity, further) if further.shape[0] else None
 
 
 def gap_from_start(setup: Experiment, size: float) -> Faulty:
