@@ -429,41 +429,17 @@ def unconstrained(which: Callable[[int], Iterable[int]]) -> Change:
     """Return the fault that leaves some of m vertices of Γ3 unconstrained; ``which`` returns their numbers for m."""
 
     def faulty(setup: Experiment, size: float) -> Experiment:
-        N = setup.problem.N
-        count = N.shape[0]
+        count = setup.problem.N.shape[0]
         held = np.delete(np.arange(count), [*which(count)])
-        return constrained(setup, N[held], sps.eye_array(count, format="csr")[held])
+
+        def held_only(solver: Signorini, gap: Array) -> Array:
+            forces = np.zeros(count)
+            forces[held] = with_matrix(solver, solver.W[np.ix_(held, held)], gap[held])
+            return forces
+
+        return other_forces(setup, held_only)
 
     return faulty
-
-
-def constrained(
-    setup: Experiment, N: sps.csr_array, right: sps.csr_array, rule: Rule = Signorini.complementarity
-) -> Experiment:
-    """Return an experiment that is solved with other constraints, or with another rule for contact forces.
-
-    Args:
-        setup: the experiment.
-        N: the matrix of the constraints, (k, dofs).
-        right: which of the m right constraints each of the k constraints is, as a matrix of zeros and ones, (k, m).
-        rule: computes the forces of the constraints from a solver and the penetrations without forces, (k,).
-    """
-    gap = right @ np.broadcast_to(setup.problem.gap, right.shape[1])
-
-    class Faulty(Signorini):
-        def complementarity(self, gap: Array) -> Array:
-            return rule(self, gap)
-
-    def solver(S: sps.csc_array, _: sps.csr_array, **of_right: Array) -> ContactSolver:
-        solve = Faulty(S, N, setup.space.free_points, gap)
-
-        def solved(b: Array) -> ContactSolution:
-            u, forces = solve(b)
-            return u, right.T @ forces
-
-        return solved
-
-    return solving(setup, solver=solver)
 
 
 def other_forces(setup: Experiment, rule: Rule, *further: sps.csr_array) -> Experiment:
@@ -471,11 +447,29 @@ def other_forces(setup: Experiment, rule: Rule, *further: sps.csr_array) -> Expe
 
     Args:
         setup: the experiment.
-        rule: see ``constrained``. The first m forces that it returns are the contact forces.
+        rule: computes the forces of the k constraints from a solver and the penetrations without forces, (k,). The
+            first m forces that it returns are the contact forces.
         further: matrices whose rows are constraints in addition to the m rows of N, (rows, dofs) each.
     """
     N = sps.csr_array(sps.vstack([setup.problem.N, *further]))
-    return constrained(setup, N, sps.eye_array(N.shape[0], setup.problem.N.shape[0], format="csr"), rule)
+    m = setup.problem.N.shape[0]
+    initial_gap = np.zeros(N.shape[0])
+    initial_gap[:m] = setup.problem.gap
+
+    class Faulty(Signorini):
+        def complementarity(self, gap: Array) -> Array:
+            return rule(self, gap)
+
+    def solver(S: sps.csc_array, _: sps.csr_array, **of_right: Array) -> ContactSolver:
+        solve = Faulty(S, N, setup.space.free_points, initial_gap)
+
+        def solved(b: Array) -> ContactSolution:
+            u, forces = solve(b)
+            return u, forces[:m]
+
+        return solved
+
+    return solving(setup, solver=solver)
 
 
 def tied(solver: Signorini, gap: Array) -> Array:
