@@ -89,17 +89,18 @@ class Diagnosis(NamedTuple):
     """The behaviour of a sequence of errors (they converge, stagnate or grow, for example), and the verdict.
 
     Attributes:
-        first, last: the errors that were judged have the indices first, …, last − 1, from the coarsest mesh on.
         kind: what the errors do, in a word or two.
         sentence: what the errors do, as a sentence.
         verdict: holds, fails, undecided, higher (than expected) or skipped.
+        first, last: the errors that were judged have the indices first, …, last − 1, from the coarsest mesh on; if
+            ``last`` is None, they end with the error on the finest mesh.
     """
 
-    first: int
-    last: int
     kind: str
     sentence: str
     verdict: str
+    first: int = 0
+    last: int | None = None
 
 
 @dataclass(frozen=True)
@@ -228,7 +229,8 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
     sizes, e = _coarse_first(h, errors, name or "errors")
     if (e < 0).any():
         raise OrderError(f"{name or 'error'} = {np.nanmin(e):g}: errors must not be negative; give absolute values")
-    first, last, kind, sentence, verdict = _diagnose(sizes, e, expectation)
+    kind, sentence, verdict, first, end = _diagnose(sizes, e, expectation)
+    last = len(e) if end is None else end
     if kind == "grows" and sizes.min() > 1:
         sentence += "; or is h the number n of cells? Then give h = 1/n"
     if max_error and not e[-1] <= max_error:
@@ -299,25 +301,24 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
 
     Special cases come first: infinite errors, zero errors, few meshes, stagnation.
     """
-    n = len(e)
     if not np.isfinite(e).all():
         where = h[~np.isfinite(e)][0]
         words = f"the error is not finite for h = {where:.5g}: the computation broke down there"
-        return Diagnosis(0, n, "not finite", words, FAILS)
+        return Diagnosis("not finite", words, FAILS)
     if not e.any():
-        return Diagnosis(0, n, "exactly zero", "the error is exactly zero on all meshes: nothing to judge", SKIPPED)
+        return Diagnosis("exactly zero", "the error is exactly zero on all meshes: nothing to judge", SKIPPED)
     if not e.all():
         stop = int(np.argmin(e != 0))
         words = f"is exactly zero for h = {h[stop]:.5g}"
         if e[stop:].any():
             words += ", but not on all finer meshes: is this value right?"
-            return Diagnosis(0, n, "exactly zero", words, UNDECIDED)
+            return Diagnosis("exactly zero", words, UNDECIDED)
         return _above(h, e, stop, 0.0, "exactly zero", words, expectation)
-    if n < 3:
+    if len(e) < 3:
         orders = consecutive_orders(h, e)
         grows = "the error grows; " if (orders < -STALLED).any() else ""
         words = f"{grows}a verdict needs three meshes; order {_text(orders) or 'none'}"
-        return Diagnosis(0, n, "grows" if grows else "fewer than three meshes", words, UNDECIDED)
+        return Diagnosis("grows" if grows else "fewer than three meshes", words, UNDECIDED)
     return _stalled(h, e, expectation) or _tends_to_limit(h, e, expectation) or _trend(h, e, expectation)
 
 
@@ -335,7 +336,7 @@ def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
         return _above(h, e, stall, floor, "round-off", f"is round-off of about {floor:.2g} {start}", expectation)
     if e[-1] > 2 * e[stall] or (e[-1] >= 1.01 * e[0] and (stall == n - 1 or orders[-1] < -STALLED)):
         words = f"the error grows as h decreases: orders {_text(orders)}; it does not converge"
-        return Diagnosis(0, n, "grows", words, FAILS)
+        return Diagnosis("grows", words, FAILS)
     question = "" if stall else "; or are these orders or values of a quantity (--values), not errors?"
     words = f"stagnates at about {floor:.2g} {start}: another error dominates (a floor){question}"
     return _above(h, e, stall, floor, "floor", words, expectation)
@@ -366,7 +367,7 @@ def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis |
             f"orders rise from mesh to mesh ({quoted}) as those of C (h^p − H^p) with p = {p:.2f}, H = "
             f"{reference:.3g}: an error against a solution computed with h = {reference:.3g}? Take a finer reference"
         )
-        return Diagnosis(0, len(e), "computed reference", words, UNDECIDED)
+        return Diagnosis("computed reference", words, UNDECIDED)
     if before > 0 and limit > 0 and changes.max() < 0:
         words = f"orders fall from mesh to mesh ({quoted}): the error tends to {limit:.2g}, not to 0"
         return _above(h, e, len(e), limit, "orders falling", words, expectation)
@@ -389,12 +390,13 @@ def _above(h: Array, e: Array, stall: int, floor: float, kind: str, words: str, 
     harmless = kind in ("round-off", "exactly zero")
     if not harmless and (floor > expectation.floor or stop < 4):
         hint = f" (--floor {floor:.2g} would permit it)" if stop > 3 else ""
-        return Diagnosis(0, len(e), "stagnates" if kind == "floor" else kind, words + hint, FAILS)
+        return Diagnosis("stagnates" if kind == "floor" else kind, words + hint, FAILS)
     if stop < 4:
-        return Diagnosis(0, stop, kind, f"{words}; fewer than three orders before: add coarser meshes", UNDECIDED)
+        words += "; fewer than three orders before: add coarser meshes"
+        return Diagnosis(kind, words, UNDECIDED, last=stop)
     first, verdict = _judge(h[:stop], e[:stop], expectation)
     orders = consecutive_orders(h[:stop], e[:stop])[first:]
-    return Diagnosis(first, stop, kind, f"{words}; on coarser meshes the orders are {_text(orders)}", verdict)
+    return Diagnosis(kind, f"{words}; on coarser meshes the orders are {_text(orders)}", verdict, first, stop)
 
 
 def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
@@ -445,7 +447,7 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
         sentence = f"orders fall on the finest meshes: {_text(orders)}; another error may dominate there"
     elif abs(last) > step:
         kind, sentence = "pre-asymptotic", f"pre-asymptotic, orders not settled: {_text(orders)}; take finer meshes"
-    return Diagnosis(first, len(e), kind, sentence, verdict)
+    return Diagnosis(kind, sentence, verdict, first)
 
 
 # The grid convergence index, for quantities without an exact value (Celik et al. 2008; ASME V&V 20).

@@ -43,6 +43,7 @@ from pathlib import Path
 import clarabel
 import numpy as np
 import scipy.sparse as sps
+from numpy.typing import ArrayLike
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 
@@ -75,11 +76,11 @@ ON_EDGE = [Fraction(i, 3) for i in range(4)]
 
 
 def bits_below(size: float, digits: int) -> int:
-    """Return the exponent b of a unit 2^{−b} that is about 2^{−digits} times a given size."""
+    """Return b ≥ 1 such that numbers up to ``size``, as multiples of 2^{−b}, have about ``digits`` binary digits."""
     return max(digits - math.ceil(math.log2(size)), 1) if size > 0 else 1
 
 
-def rounded(mesh: checker.Mesh, values: Array, bits: int) -> list[list[int]]:
+def rounded(mesh: checker.Mesh, values: Array, bits: int) -> Array:
     """Round displacements to integers over 2^bits that are exactly admissible: v = 0 on Γ1, and v·ν ≤ 0 on Γ3.
 
     Args:
@@ -88,7 +89,7 @@ def rounded(mesh: checker.Mesh, values: Array, bits: int) -> list[list[int]]:
         bits: the number of binary digits behind the point.
 
     Returns:
-        For each time the integers in one list, x and y in turn.
+        The integers at each time, x and y in turn, (times, 2 (vertices + edges)).
     """
     normals = defaultdict[int, set[checker.Vector]](set)
     clamped = set[int]()
@@ -98,13 +99,11 @@ def rounded(mesh: checker.Mesh, values: Array, bits: int) -> list[list[int]]:
         elif side.kind == "contact":
             for n in mesh.nodes_of(edge):
                 normals[n].add(side.normal)
-    found = np.round(values * 2.0**bits).astype(np.int64).tolist()
-    for v in found:
-        for n, of_node in normals.items():
-            v[n] = admissible(v[n], of_node)
-        for n in clamped:
-            v[n] = [0, 0]
-    return [[c for point in v for c in point] for v in found]
+    found = np.round(values * 2.0**bits).astype(np.int64)
+    for n, of_node in normals.items():
+        found[:, n] = [admissible(v, of_node) for v in found[:, n].tolist()]
+    found[:, [*clamped]] = 0
+    return found.reshape(len(found), -1)
 
 
 def admissible(value: Sequence[int], normals: Collection[checker.Vector]) -> list[int]:
@@ -154,16 +153,13 @@ class StressEncoder:
 
     def loads(self, a: Fraction, b: Fraction) -> list[Loads]:
         """Return the loads f̃ of the checker for a time interval [a, b], as three Bernstein coefficients in time."""
-        first, middle, last = (self._surface(t) for t in (a, (a + b) / 2, b))
-        surfaces = first, 2 * middle - (first + last) / 2, last
-        controls = self._loads.controls(a, b)
-        return [Loads(self._force(f), surface) for f, surface in zip(controls, surfaces, strict=True)]
+        first, middle, last = (Loads(self._force(t), self._surface(t)) for t in (a, (a + b) / 2, b))
+        return [first, 2 * middle + -0.5 * (first + last), last]
 
-    def _force(self, control: list[checker.Poly]) -> Array:
-        """Return a body force of the checker as in ``Loads.force``."""
+    def _force(self, time: Fraction) -> Array:
+        """Return the body force of the checker at a time as in ``Loads.force``."""
         found = np.zeros((self.space.cells, 3, 6, 2))
-        numbers = self._loads.on_cells(control)
-        if numbers:
+        if numbers := self._loads.on_cells([p(X, Y, checker.constant(time)) for p in self.problem.force]):
             force = np.reshape(np.array(numbers, dtype=float), (-1, 6, 2)) / 2.0**LOAD_BITS
             values = self._monomials(checker.SQUARE) @ (force / self._twice_area[:, None, None])[:, None]
             found[self.twins.cells] = np.linalg.pinv(self.space.force_shapes.T) @ values
@@ -217,7 +213,7 @@ class StressEncoder:
         found: Array = hat[np.arange(len(hat))[:, None], self.twins.corners[:, third], monomial, row, column]
         return found * self.exact.h
 
-    def integers(self, tractions: Array, inner: Array, bits: int, coarse: int) -> tuple[list[int], list[int]]:
+    def integers(self, tractions: Array, inner: Array, bits: int, coarse: int) -> tuple[Array, Array]:
         """Return the integers by which a certificate stores a stress: tractions, and inner numbers of the cells.
 
         The tractions are rounded such that σ̃_ν ≤ 0 holds exactly on Γ3.
@@ -233,7 +229,7 @@ class StressEncoder:
         pressed = np.minimum((contact * n).sum(axis=2) / (n * n).sum(axis=2), 0)
         modes = np.linalg.solve(np.array(checker.MODES).T, free) / 2.0 ** (coarse * (np.arange(4)[:, None] > 1))
         numbers = np.concatenate([part.ravel() for part in (pressed, loaded, modes)]) * 2.0**bits
-        return [int(x) for x in np.round(numbers)], [int(x) for x in np.round(inner * 2.0 ** (bits - coarse)).ravel()]
+        return np.round(numbers), np.round(inner * 2.0 ** (bits - coarse)).ravel()
 
 
 def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
@@ -256,11 +252,6 @@ Without f_0, the constant C_Ω is needed for rounding errors only, so μ can be 
 """
 SLACKS = (1e-4, 1e-3, 1e-2, 0.1)
 """Fractions by which κ is reduced until the rounded field Φ proves it; they are tried in turn."""
-ENTRIES = ((0, 0), (0, 1), (1, 1))
-"""Positions of the entries of a symmetric 2 × 2 matrix.
-
-The k-th entry of Φv contains the components k and k + 1 of the tensor field Φ.
-"""
 
 
 # ---- the reference element: the stress for each prescribed traction and force
@@ -277,10 +268,9 @@ def _of_stress(component: int, third: int, monomial: int) -> list[Fraction]:
 
     The equations are for tractions on the boundary, jumps of tractions inside, and divergences on the subtriangles.
     """
-    one = (third, component, monomial)
-    stress = []
-    for i in range(3):
-        stress.append([[Fraction((i, c, m) == one) for m in range(10)] for c in range(3)])
+    unit = np.zeros((3, 3, 10), dtype=int)
+    unit[third, component, monomial] = 1
+    stress = unit.tolist()
     outside = []
     jumps = []
     divergences = []
@@ -404,8 +394,7 @@ def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iter
         divergence = np.zeros((5, 5, 4 * len(mesh.points) + 1))
         a, b, c, d = (x * mesh.h / cell.det for x in cell.F)
         for w, slope in zip(cell.v, ((c - d, b - a), (d, -b), (-c, a)), strict=True):
-            for k, entry in enumerate(ENTRIES):
-                divergence[entry][[4 * w + k, 4 * w + k + 1]] += slope
+            divergence[:2, :2] += _contracted(mesh, w, slope)
         divergence[[0, 1], [0, 1], -1] -= inside
         for v in cell.v:
             block = divergence.copy()
@@ -423,12 +412,22 @@ def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
         normal = np.array([float(c) for c in side.normal])
         normal /= np.linalg.norm(normal)
         for v in edge if side.kind != "clamped" else ():
-            block = np.zeros((2, 2, 4 * len(mesh.points) + 1))
-            for k, entry in enumerate(ENTRIES):
-                block[entry][[4 * v + k, 4 * v + k + 1]] -= normal
+            block = -_contracted(mesh, v, normal)
             if side.load:
                 block[[0, 1], [0, 1], -1] -= 1
             yield block, -SEMIDEFINITE_MARGIN * np.eye(2)
+
+
+def _contracted(mesh: checker.Mesh, v: int, vector: ArrayLike) -> Array:
+    """Return the upper triangle of the matrix Φ·vector at a vertex v as a linear function of the unknowns.
+
+    The shape is (2, 2, unknowns). The unknowns are the four components of Φ at each vertex, then κ.
+    """
+    block = np.zeros((2, 2, 4 * len(mesh.points) + 1))
+    for k, entry in enumerate(((0, 0), (0, 1), (1, 1))):
+        # The entry k of Φ·vector contains the components k and k + 1 of Φ.
+        block[entry][[4 * v + k, 4 * v + k + 1]] = vector
+    return block
 
 
 CONSTANTS_LEVEL = 12
@@ -535,11 +534,16 @@ def _rounded_stresses(
     return {"bits": bits, "coarse": coarse, "tractions": differences(tractions), "inner": differences(inner)}
 
 
-def differences(rows: Sequence[list[int]]) -> list[list[int]]:
-    """Return second differences in time of rows of integers, which have fewer digits and so make the file smaller."""
+def differences(rows: ArrayLike) -> list[list[int]]:
+    """Return the second differences in time of whole numbers (times, k), which have fewer digits than the numbers.
+
+    So the file of a certificate is smaller. The first row has the numbers at the first time.
+    """
+    # They become integers of Python, because 64 bits may be too few.
+    found = np.frompyfunc(int, 1, 1)(np.array(rows))
     for _ in range(2):
-        rows = [rows[0], *([y - x for x, y in zip(p, q, strict=True)] for p, q in pairwise(rows))]
-    return list(rows)
+        found = np.diff(found, axis=0, prepend=0)
+    return found.tolist()
 
 
 def write(path: Path, certificate: Json) -> Path:

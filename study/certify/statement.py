@@ -164,8 +164,13 @@ def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> 
 def rational_mesh(mesh: Mesh, body: Body) -> Json:
     """Return a mesh as a certificate states it, with rational vertices.
 
-    The vertices are integers over one denominator, the cells are counter-clockwise, and ``sides`` lists the vertices on
-    every part of the boundary in the order in which they follow each other.
+    Args:
+        mesh: a mesh of scikit-fem.
+        body: the polygon on which the mesh was made.
+
+    Returns:
+        ``points`` has the numerators of the coordinates over the common ``denominator``, ``cells`` the vertices of each
+        cell counter-clockwise, and ``sides`` the vertices on every part of the boundary, in their order along it.
     """
     bits = math.ceil(math.log2(FINENESS / size(mesh)))
     unit = 1 << bits
@@ -196,7 +201,7 @@ def rational_mesh(mesh: Mesh, body: Body) -> Json:
 
 
 def in_doubles(mesh: checker.Mesh) -> Mesh:
-    """Convert a mesh of the checker to a scikit-fem mesh, with coordinates in double precision."""
+    """Convert a mesh of the checker, which has rational vertices, to a scikit-fem mesh in double precision."""
     points = np.array([[float(c) for c in mesh.place(v)] for v in range(len(mesh.points))]).T
     return simplicial_mesh(points, np.array([cell.v for cell in mesh.cells]).T)
 

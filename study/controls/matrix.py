@@ -13,7 +13,7 @@ For each fault (``study.controls.faults``), size and case three things are measu
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -74,7 +74,10 @@ class Measured:
         return [self.statement.measure(setup) for setup in self.setups]
 
     def failing(self, fault: Fault | None = None, size: float = 0.0) -> list[Verdict]:
-        """Return the checks that fail with a fault, or without; none if the fault cannot occur here."""
+        """Return the checks that fail with a fault of a size; by default, those that fail without a fault.
+
+        The list is empty if the fault cannot occur in one of the settings.
+        """
         measured = []
         for setup, right in zip(self.setups, self.right, strict=True):
             faulty = fault.change(setup, size) if fault else setup
@@ -124,8 +127,12 @@ def measured_on(name: str) -> list[Measured]:
     return statements
 
 
-def rows_of(name: str, faults: Sequence[Fault] = FAULTS) -> Iterator[Numbers]:
-    """Yield the rows of the matrix for one case; in space, for the largest size of each fault.
+def measure_case(name: str, faults: Collection[str]) -> list[Numbers]:
+    """Return the rows of the matrix for one case; in space, for the largest size of each fault.
+
+    Args:
+        name: the case.
+        faults: the names of the faults.
 
     Raises:
         UsageError: a check of the errors fails without a fault, so that nothing follows from its failing with one.
@@ -137,11 +144,11 @@ def rows_of(name: str, faults: Sequence[Fault] = FAULTS) -> Iterator[Numbers]:
         if wrong:
             keys = ", ".join(sorted(wrong))
             raise UsageError(f"{name}: without a fault these checks fail: {keys}; `study run --case {name}` shows them")
-        for fault in faults:
+        rows = []
+        for fault in (fault for fault in FAULTS if fault.name in faults):
             for size in fault.sizes if case.solution.body.dim == 2 else fault.sizes[:1]:
-                row = row_of(rates, others, fault, size)
-                if row is not None:
-                    yield row
+                rows.append(row_of(rates, others, fault, size))
+    return [row for row in rows if row]
 
 
 def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: float) -> Numbers | None:
@@ -184,8 +191,3 @@ def distance_of_solutions(right: Experiment, faulty: Experiment) -> float:
         return math.nan
     one, other = (np.array([state.u for state in setup.march(setup.steps)]) for setup in (right, faulty))
     return furthest(right.problem, one, other)
-
-
-def measure_case(name: str, faults: Sequence[str]) -> list[Numbers]:
-    """Return the rows of the matrix for one case and the faults with the given names."""
-    return list(rows_of(name, [fault for fault in FAULTS if fault.name in faults]))

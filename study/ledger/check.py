@@ -137,7 +137,6 @@ def by_case(rows: DataFrame) -> Iterator[tuple[str, Groups]]:
     """
     for case, of_case in rows.groupby("case", sort=False):
         groups = {}
-        for family, of_family in of_case.groupby("family", sort=False):
-            table = of_family.pivot(index=["level", "h"], columns="quantity", values="value")
-            groups[str(family)] = table.reset_index().sort_values("h", ascending=False)
+        for family, table in by_family(of_case).items():
+            groups[family] = table.pivot(index=["level", "h"], columns="quantity", values="value").reset_index()
         yield str(case), groups

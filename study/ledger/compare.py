@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import asdict, dataclass
-from itertools import takewhile, zip_longest
+from itertools import zip_longest
 from json import loads
 from math import inf, isclose, isnan
 from pathlib import Path
@@ -77,6 +77,7 @@ class Comparison:
 
     @property
     def differs(self) -> bool:
+        """Whether a file differs by more than the tolerance, or is missing although ``study run`` writes it."""
         return DIFFERS in self.states.values()
 
     @property
@@ -268,7 +269,7 @@ def _shown(text: str | None, other: str | None) -> str:
     """Return a text in quotation marks, cut to the part around its first difference from another; None is "nothing"."""
     if text is None:
         return "nothing"
-    same = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(text, other or "", strict=False)))
+    same = next((i for i in range(len(text)) if text[i] != (other or "")[i : i + 1]), len(text))
     start = max(0, same - SHOWN_TEXT // 2) if len(text) > SHOWN_TEXT else 0
     end = start + SHOWN_TEXT
     return f"{'…' * (start > 0)}{text[start:end]!r}{'…' * (end < len(text))}"

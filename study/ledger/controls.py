@@ -12,12 +12,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import ceil, log
 from pathlib import Path
+from typing import NamedTuple
 
 import scipy  # loads ``scipy.stats`` at its first use, because importing it takes half a second
 from pandas import DataFrame
 
 from study.ledger.datafiles import DataError, read_csv, write_csv
-from study.ledger.schema import SCHEMA
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 
 INVISIBLE_SHARE = 1e-6
@@ -77,7 +77,6 @@ def in_words(lacking: dict[str, str]) -> str:
 
 
 SEEDS_FILE = "seeds.csv"
-SEED_COLUMNS = [*SCHEMA[SEEDS_FILE].columns]
 CONFIDENCE = 0.95
 LARGEST_RATE = 0.01
 """The largest permitted false-alarm rate: on which share of seeds at least one check may fail by chance."""
@@ -104,8 +103,7 @@ def seeds_needed() -> int:
     return ceil(log((1 - CONFIDENCE) / 2) / log(1 - LARGEST_RATE))
 
 
-@dataclass(frozen=True)
-class Seed:
+class Seed(NamedTuple):
     """A row of ``seeds.csv``.
 
     Attributes:
@@ -138,21 +136,19 @@ class SeedRecord:
         if not path.is_file():
             return cls()
         try:
-            table = read_csv(directory, SEEDS_FILE, SEED_COLUMNS)
+            table = read_csv(directory, SEEDS_FILE, Seed._fields)
         except DataError as error:
             raise DataError(f"{error}, or restore the file, because rows are only added to it") from error
-        record = cls(tuple(Seed(*row) for row in table[SEED_COLUMNS].itertuples(index=False, name=None)))
-        unfinished = [row for row in record.rows if row.judged < 0]
-        if unfinished not in ([], [record.rows[-1]]) or any(row.alarms > row.judged for row in record.rows):
+        if (table.judged[:-1] < 0).any() or (table.alarms > table.judged).any():
             raise DataError(
                 f"{path} has more alarms than checks, or an unfinished seed that is not the last one: restore the "
                 "file, because rows are only added to it"
             )
-        return record
+        return cls(tuple(map(Seed._make, table[[*Seed._fields]].itertuples(index=False))))
 
     def write(self, directory: Path) -> Path:
         """Write the record into a result directory and return the path of the file."""
-        return write_csv(directory / "data" / SEEDS_FILE, DataFrame(self.rows, columns=SEED_COLUMNS))
+        return write_csv(directory / "data" / SEEDS_FILE, DataFrame(self.rows, columns=Seed._fields))
 
     def pending(self) -> Seed | None:
         """Return the seed that was drawn but not yet judged; None if there is none."""

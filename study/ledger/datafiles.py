@@ -75,7 +75,7 @@ def read_checked(path: Path, name: str, command: str, columns: Collection[str] =
                 wrong &= frame[column].notna()
             if wrong.any():
                 row = wrong.idxmax()
-                cell = pd.read_csv(path, dtype=str, keep_default_na=False)[column].iloc[row]
+                cell = frame[column].astype(object).fillna("").iloc[row]
                 raise DataError(f"{path}, line {line(row)}, column {column}: found {cell!r}, expected a number; {mend}")
     refuse_repeated(path, frame, key, mend)
     return frame
@@ -288,8 +288,8 @@ def read_rates(directory: Path) -> DataFrame:
             f"{directory / 'data' / 'rates.csv'}, line {line(row)}: found an infinite number, expected a finite one; "
             f"make it again with `{made_by(directory)}`"
         )
-    series = [frame.sort_values("level") for _, frame in rates.groupby(SERIES, sort=False)]
-    rates = pd.concat(series, ignore_index=True) if series else rates
+    series = rates.groupby(SERIES, sort=False).ngroup()
+    rates = rates.iloc[np.lexsort([rates.level, series])].reset_index(drop=True)
     return rates.assign(discrete_order=in_series(rates, "discrete_error"))
 
 
@@ -324,21 +324,27 @@ def read_claims(directory: Path) -> DataFrame:
 
 
 def count_verdicts(claims: DataFrame) -> dict[str, int]:
-    """Return the number of checks with each verdict."""
-    return {verdict: int((claims.verdict == verdict).sum()) for verdict in VERDICTS}
+    """Return verdict ↦ number of checks with this verdict, perhaps 0; ``claims`` has rows of ``claims.csv``."""
+    counts: dict[str, int] = claims.verdict.value_counts().reindex(VERDICTS, fill_value=0).to_dict()
+    return counts
 
 
 def count_kinds(claims: DataFrame) -> dict[str, int]:
-    """Return the number of checks that hold, for each kind of check (``CheckKind``)."""
-    kinds = claims.loc[claims.verdict == HOLDS, "kind"]
-    return {str(name): int((kinds == name).sum()) for name in CheckKind}
+    """Return kind of check (``CheckKind``) ↦ number of checks of this kind that hold, perhaps 0.
+
+    Parameters:
+        claims: rows of ``claims.csv``, the table of all checks.
+    """
+    kinds = claims[claims.verdict == HOLDS].kind
+    counts: dict[str, int] = kinds.value_counts().reindex([*CheckKind], fill_value=0).to_dict()
+    return counts
 
 
 def by_claim(claims: DataFrame) -> Iterator[tuple[str, str, DataFrame]]:
-    """Divide the table of all checks by statements, in the order of the ledger.
+    """Divide rows of ``claims.csv``, the table of all checks, by statements, in the order of the table.
 
     Yields:
-        Label, claim in words, and checks. Two claims may have the same label.
+        For each statement its label, claim in words, and checks. Two claims may have the same label.
     """
     for (label, claim), rows in claims.groupby(["label", "statement"], sort=False):
         yield str(label), str(claim), rows

@@ -45,11 +45,9 @@ def fit(h: Array, error: Array, power: float = 0) -> float:
         RatesError: mesh sizes do not decrease, or errors are not positive and finite.
     """
     orders(h, error)
-    x = np.log(h)
-    y = np.log(error)
-    weights = np.asarray(h, dtype=float) ** -power
-    x = x - np.average(x, weights=weights)
-    return float((weights * x) @ y / ((weights * x) @ x))
+    # NumPy multiplies the residuals by the weights before it squares them.
+    weights = np.asarray(h, dtype=float) ** (-power / 2)
+    return float(np.polyfit(np.log(h), np.log(error), 1, w=weights)[0])
 
 
 def extrapolated_order(h: Array, error: Array) -> float:
@@ -87,32 +85,43 @@ Value = Callable[[DataFrame], float | Array]
 
 
 def finest(column: str) -> Value:
-    """Return the function that gives the value of a column on the finest level."""
+    """Return a function of the table of one mesh family that gives the value of a column on the finest level."""
     return lambda table: float(table[column].iloc[-1])
 
 
 def quotients(above: str, below: str) -> Value:
-    """Return the function that gives the quotients of two columns on all levels."""
+    """Return a function of the table of one mesh family that gives the columns ``above`` / ``below`` on each level."""
     return lambda table: (table[above] / table[below]).to_numpy()
 
 
 def finest_quotient(above: str, below: str) -> Value:
-    """Return the function that gives the quotient of two columns on the finest level."""
+    """Return a function of the table of one mesh family that gives ``above`` / ``below`` on the finest level.
+
+    Parameters:
+        above, below: the names of two columns of the table.
+    """
     return lambda table: float((table[above] / table[below]).iloc[-1])
 
 
 def change(column: str, since: int = 0) -> Value:
-    """Return the function for the value on the finest level divided by the value on level ``since`` (0: coarsest)."""
+    """Return a function of the table of one mesh family that compares the values of a column on two levels.
+
+    The function gives the value on the finest level, divided by the value on the level with the index ``since``, which
+    is 0 for the coarsest level and −2 for the level before the finest one.
+    """
     return lambda table: float(table[column].iloc[-1] / table[column].iloc[since])
 
 
 def ratios(column: str) -> Value:
-    """Return the function for the quotients of the values of a column on a level and the next coarser one."""
+    """Return a function of the table of one mesh family that gives the quotients of consecutive values of a column.
+
+    Each value is divided by the value on the next coarser level, (levels − 1,).
+    """
     return lambda table: (table[column] / table[column].shift()).to_numpy()[1:]
 
 
 def of_errors(column: str, evaluate: Callable[[Array, Array], float | Array], last: int = 0) -> Value:
-    """Return the function for a quantity of mesh sizes and errors, such as an observed order.
+    """Return a function of the table of one mesh family that gives a quantity of errors, such as an observed order.
 
     Parameters:
         column: the column of the errors.
@@ -128,21 +137,30 @@ def of_errors(column: str, evaluate: Callable[[Array, Array], float | Array], la
 
 
 def level_by_level(column: str) -> Value:
-    """Return the function for the observed orders between consecutive levels."""
+    """Return a function of the table of one mesh family that gives the observed orders of a column level by level."""
     return of_errors(column, orders)
 
 
 def over_refinements(column: str, refinements: int) -> Value:
-    """Return the function for the observed order between the finest level and a coarser one."""
+    """Return a function of the table of one mesh family that gives the observed order of a column between two levels.
+
+    They are the finest level, and the level that is ``refinements`` levels coarser.
+    """
     pair = [-1 - refinements, -1]
     return of_errors(column, lambda h, e: float(orders(h[pair], e[pair])[0]))
 
 
 def fitted(column: str, last: int = 0, power: int = 0) -> Value:
-    """Return the function for the observed order by least squares with the weights h^−``power``."""
+    """Return a function of the table of one mesh family that gives the order of a column by least squares (``fit``).
+
+    Parameters:
+        column: the column of the errors.
+        last: number of finest levels that are used; 0 for all.
+        power: the errors on a level with mesh size h have the weight h^−power.
+    """
     return of_errors(column, lambda h, e: fit(h, e, power), last)
 
 
 def extrapolated(column: str) -> Value:
-    """Return the function for the observed order extrapolated to h → 0 from three levels."""
+    """Return a function of the table of one mesh family that extrapolates the order of a column to h → 0."""
     return of_errors(column, extrapolated_order)

@@ -29,7 +29,7 @@ from typing import Any, ParamSpec, TypeVar
 import psutil
 from threadpoolctl import threadpool_limits
 
-from manufactured.self_proof import SelfProofError, examine
+from manufactured.self_proof import Finding, SelfProofError, examine
 from study.fem.naming import name_of, resolve
 from study.ledger.files import JobsError, UsageError
 from study.run.fingerprint import ALL_CODE, code_hash, of_solution, problem, versions
@@ -40,7 +40,6 @@ from study.statements.shared.estimates import bound, require_factorisation
 
 P = ParamSpec("P")
 Returned = TypeVar("Returned")
-AnyJob = TypeVar("AnyJob", bound="Job | Proof")
 Notify = Callable[[Job], object]
 """Function that shows progress; it is called with each finished job."""
 GIB = 2.0**30
@@ -139,7 +138,7 @@ def local_pool(workers: int) -> Iterator[Pool]:
         yield Pool(executors, memory, memory)
 
 
-def unfinished(jobs: Sequence[AnyJob], store: Store) -> list[AnyJob]:
+def unfinished(jobs: Jobs, store: Store) -> list[Job]:
     """Return the jobs whose results are not stored, the most expensive first."""
     missing = [job for job in jobs if store.load(job.key, job.fingerprint()) is None]
     return sorted(missing, key=lambda job: -job.cost)
@@ -172,62 +171,79 @@ def execute(jobs: Jobs, store: Store, pool: Pool, notify: Notify) -> None:
     """
     waiting = unfinished(jobs, store)
     refuse_too_large(waiting, pool)
-    running: dict[Future[Result], tuple[int, Job]] = {}
-    cases: dict[int, str] = {}
-    suspects: set[str] = set()
     failures: list[str] = []
-    try:
-        # An executor may run jobs in threads of this process, so the limit of one thread per job is set here, too.
-        with threadpool_limits(1):
-            while waiting or running:
-                busy = {number for number, _ in running.values()}
-                for number in set(range(len(pool.executors))) - busy:
-                    occupied = [job for _, job in running.values()]
-                    job = next_job(waiting, occupied, suspects, cases.get(number, ""), pool.together)
-                    if job is not None:
-                        waiting.remove(job)
-                        cases[number] = job.case
-                        running[pool.executors[number].submit(run_job, job)] = number, job
-                ended = wait(running, SILENCE, return_when=FIRST_COMPLETED).done
-                if not ended and (failure := pool.failure()):
-                    running.clear()  # ``cancel`` would wait for the executor
-                    raise JobsError("\n".join([failure, *failures]))
-                for future in ended:
-                    _, job = running.pop(future)
-                    killed = not future.cancelled() and isinstance(future.exception(), BrokenExecutor)
-                    if killed and job.key not in suspects:
-                        suspects.add(job.key)
-                        waiting.append(job)
-                    elif reason := _failure(job, future):
-                        failures.append(reason)
-                    else:
-                        store.save(job.key, job.fingerprint(), future.result())
-                        notify(job)
-    finally:
-        for future in running:
-            future.cancel()
+    # An executor may run jobs in threads of this process, so the limit of one thread per job is set here, too.
+    with threadpool_limits(1):
+        for job in _run_together(waiting, store, pool, notify, failures):
+            if _run_together([job], store, pool, notify, failures):
+                failures.append(
+                    f"{job.key}: its process was killed twice, the second time while no other job was running: is "
+                    f"there less memory than the {job.memory / GIB:.1f} GiB it needs? The same command tries again"
+                )
     if failures:
         raise JobsError("\n".join([f"{len(failures)} job(s) failed, all other results are stored:", *failures]))
 
 
-def next_job(waiting: Jobs, running: Jobs, suspects: set[str], case: str, together: float) -> Job | None:
+def _run_together(waiting: list[Job], store: Store, pool: Pool, notify: Notify, failures: list[str]) -> list[Job]:
+    """Run jobs, as many at once as memory permits, and store their results.
+
+    Parameters:
+        waiting: the jobs, the most expensive first; all are removed from the list.
+        store, pool, notify: as for ``execute``.
+        failures: receives a message for each job that fails.
+
+    Returns:
+        The jobs whose process was killed.
+    """
+    running: dict[Future[Result], tuple[int, Job]] = {}
+    cases: dict[int, str] = {}
+    killed = []
+    try:
+        while waiting or running:
+            busy = {number for number, _ in running.values()}
+            for number in set(range(len(pool.executors))) - busy:
+                occupied = [job for _, job in running.values()]
+                job = next_job(waiting, occupied, cases.get(number, ""), pool.together)
+                if job is not None:
+                    waiting.remove(job)
+                    cases[number] = job.case
+                    running[pool.executors[number].submit(run_job, job)] = number, job
+            ended = wait(running, SILENCE, return_when=FIRST_COMPLETED).done
+            if not ended and (failure := pool.failure()):
+                running.clear()  # ``cancel`` would wait for the executor
+                raise JobsError("\n".join([failure, *failures]))
+            for future in ended:
+                _, job = running.pop(future)
+                if future.cancelled():
+                    failures.append(f"{job.key}: its cluster no longer answers; run the same command again")
+                elif isinstance(error := future.exception(), BrokenExecutor):
+                    killed.append(job)
+                elif error:
+                    failures.append(f"{job.key}: {type(error).__name__}: {error}")
+                else:
+                    store.save(job.key, job.fingerprint(), future.result())
+                    notify(job)
+    finally:
+        for future in running:
+            future.cancel()
+    return killed
+
+
+def next_job(waiting: Jobs, running: Jobs, case: str, together: float) -> Job | None:
     """Return the job that an idle worker starts now; None if it must wait.
 
     Parameters:
         waiting: jobs that have not started, the most expensive first.
         running: the running jobs of all workers.
-        suspects: keys of jobs whose worker was killed. They are chosen last, and run only while no other job runs.
         case: the case of the last job of the worker. Other jobs of this case are preferred.
         together: memory in bytes that all running jobs may use together.
     """
     room = together - sum(job.memory for job in running)
-    if running:
-        alone = suspects & {job.key for job in running}
-        waiting = [job for job in waiting if not alone and job.key not in suspects and job.memory <= room]
-    return max(waiting, key=lambda job: (job.key not in suspects, job.case == case), default=None)
+    fitting = [job for job in waiting if not running or job.memory <= room]
+    return max(fitting, key=lambda job: job.case == case, default=None)
 
 
-def run_job(job: Job | Proof) -> Result:
+def run_job(job: Job) -> Result:
     """Run a job in one thread and return its result; the other cores are used by other worker processes."""
     try:
         with threadpool_limits(1):
@@ -235,19 +251,6 @@ def run_job(job: Job | Proof) -> Result:
     finally:
         if psutil.Process().memory_info().rss > CROWDED:
             gc.collect()
-
-
-def _failure(job: Job, future: Future[Result]) -> str:
-    """Return why a job that has ended has no result; an empty text if it has one."""
-    if future.cancelled():
-        return f"{job.key}: its cluster no longer answers; run the same command again"
-    error = future.exception()
-    if isinstance(error, BrokenExecutor):
-        return (
-            f"{job.key}: its process was killed twice, the second time while no other job was running: is there less "
-            f"memory than the {job.memory / GIB:.1f} GiB it needs? The same command tries again"
-        )
-    return f"{job.key}: {type(error).__name__}: {error}" if error else ""
 
 
 def require(what: str, need: float, room: float | None = None) -> None:
@@ -308,57 +311,51 @@ def _read(path: Path) -> str:
 # Self-proofs: before a case is measured, it is tested whether its solution is exact.
 
 
-@dataclass(frozen=True)
-class Proof:
-    """The self-proof of a case as a job; its result lists the violated equations and contact conditions.
-
-    Attributes:
-        case: the name of the case in the catalogue, or FILE.py:NAME.
-    """
-
-    case: str
-
-    @property
-    def key(self) -> str:
-        """The name of the file in which the result is stored, without the ending."""
-        return f"proof__{name_of(self.case)}"
-
-    @property
-    def cost(self) -> float:
-        """The expected computing time in µs; solutions in 3D take longest."""
-        return 10.0 ** (3 + resolve(self.case).solution.body.dim)
-
-    def fingerprint(self) -> str:
-        """Return the cache key of the result."""
-        return of_solution(self.case)
-
-    def run(self) -> Result:
-        """Examine the solution; return the violated conditions under the key "violated"."""
-        return {"violated": [finding for finding in examine(resolve(self.case).solution) if not finding.passes]}
-
-
-def prove(jobs: Iterable[Job], cases: Iterable[str], store: Store, pool: Pool) -> list[Proof]:
+def prove(jobs: Iterable[Job], cases: Iterable[str], store: Store, pool: Pool) -> list[str]:
     """Test the solutions of the cases that occur in jobs, unless their proofs are stored.
 
+    Parameters:
+        jobs: the jobs.
+        cases: the cases whose solutions must be exact: names in the catalogue, or FILE.py:NAME.
+        store, pool: contains the stored proofs, and runs the tests.
+
     Returns:
-        The new proofs. ``save_proofs`` stores them when the result directory is locked.
+        The cases whose solutions were tested now. ``save_proofs`` stores their proofs when the result directory is
+        locked.
 
     Raises:
         SelfProofError: a solution violates an equation or a contact condition.
     """
     measured = {job.case for job in jobs}
-    proofs = unfinished([Proof(case) for case in cases if case in measured], store)
-    futures = [executor.submit(run_job, proof) for executor, proof in zip(cycle(pool.executors), proofs, strict=False)]
-    for proof, future in zip(proofs, futures, strict=True):
-        if violated := future.result()["violated"]:
-            raise SelfProofError(f"case {resolve(proof.case).name}", violated)
-    return proofs
+    needed = [case for case in cases if case in measured and store.load(*_proof(case)) is None]
+    # Solutions in 3D take longest.
+    needed.sort(key=lambda case: -resolve(case).solution.body.dim)
+    futures = [executor.submit(violations, case) for executor, case in zip(cycle(pool.executors), needed, strict=False)]
+    for case, future in zip(needed, futures, strict=True):
+        if violated := future.result():
+            raise SelfProofError(f"case {resolve(case).name}", violated)
+    return needed
 
 
-def save_proofs(proofs: Iterable[Proof], store: Store) -> None:
-    """Store proofs that found no violation, so that later runs need not repeat them."""
-    for proof in proofs:
-        store.save(proof.key, proof.fingerprint(), {"violated": []})
+def violations(case: str) -> list[Finding]:
+    """Return the equations and contact conditions that the exact solution of a case violates, in one thread.
+
+    Parameters:
+        case: the name of the case in the catalogue, or FILE.py:NAME.
+    """
+    with threadpool_limits(1):
+        return [finding for finding in examine(resolve(case).solution) if not finding.passes]
+
+
+def save_proofs(cases: Iterable[str], store: Store) -> None:
+    """Store that the solutions of some cases violate no equation, so that later runs need not test them again."""
+    for case in cases:
+        store.save(*_proof(case), {"violated": []})
+
+
+def _proof(case: str) -> tuple[str, str]:
+    """Return the name, without ending, of the file with the self-proof of a case, and the cache key of the proof."""
+    return f"proof__{name_of(case)}", of_solution(case)
 
 
 # Functions that run jobs on several machines: on the workers of a Dask cluster.

@@ -66,15 +66,13 @@ def judge_stored(jobs: Jobs, store: Store) -> Verdicts:
     statement = jobs[0].statement
     case = jobs[0].case
     file = statement.file
-    own = case not in NAMES
-    if statement.joined_file or (own and file != RATES):
+    if statement.joined_file or (case not in NAMES and file != RATES):
         return []
     rows = stored_rows(jobs, store)
     if not isinstance(file, CsvFile) or file not in rows:
         return []
     table = predicted(DataFrame(rows[file]), DataFrame([describe(resolve(case))]))
-    verdicts = statement.judge(table)
-    return judge_own(verdicts, table) if own else verdicts
+    return with_reasons(statement.judge(table), table)
 
 
 def collect(plan: Plan, store: Store) -> None:

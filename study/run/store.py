@@ -50,6 +50,7 @@ class Store:
 
     @property
     def data(self) -> Path:
+        """The folder with the data files of the run, DIR/data."""
         return self.directory / "data"
 
     @property
