@@ -75,7 +75,9 @@ _SCRIPT = re.compile(
     r"(?:^|[^A-Za-z])(?:[A-Za-z][\u0300-\u036f]?|max|min|sup|inf|lim)[\^_]|\d\^|[)\]}][\^_]|^O\(|^[=<>]$|^\[-?[\d.]|^-[\d.]+[,;]?$"
 )
 # A reference such as (2.5) is no part of a formula.
-_SHORT = re.compile(r"(?!\(\d\.\d+\))(?:\(?[B-HJ-Zb-z][)\]]?|[+/|]|\(?[-+]?[\d./]+[)\]]?|[A-Z]?\((?!.*[a-z]{2})[^()]*\))[,;]?")
+_SHORT = re.compile(
+    r"(?!\(\d\.\d+\))(?:\(?[B-HJ-Zb-z][)\]]?|[+/|]|\(?[-+]?[\d./]+[)\]]?|[A-Z]?\((?!.*[a-z]{2})[^()]*\))[,;]?"
+)
 _TAIL = re.compile(r"[.,;:]+$")
 _SIGNED_NUMBER = re.compile(r"(-?)(?:[\d.]+|(inf))")
 # The subscript of u_lin is a word; elsewhere a script without braces is one character, as in P_hu.

@@ -30,7 +30,7 @@ import psutil
 from threadpoolctl import threadpool_limits
 
 from manufactured.self_proof import SelfProofError, examine
-from study.fem.naming import name_of, resolve
+from study.fem.naming import name_of, raised_at, resolve
 from study.ledger.files import JobsError, UsageError
 from study.run.fingerprint import ALL_CODE, code_hash, of_solution, problem, versions
 from study.run.plan import Job, Jobs, Result
@@ -232,6 +232,10 @@ def run_job(job: Job | Proof) -> Result:
     try:
         with threadpool_limits(1):
             return job.run()
+    except Exception as error:
+        # The traceback is lost on the way to the main process, but a note is not.
+        error.add_note(raised_at(error, Path(job.case.rpartition(":")[0])))
+        raise
     finally:
         if psutil.Process().memory_info().rss > CROWDED:
             gc.collect()
@@ -247,7 +251,7 @@ def _failure(job: Job, future: Future[Result]) -> str:
             f"{job.key}: its process was killed twice, the second time while no other job was running: is there less "
             f"memory than the {job.memory / GIB:.1f} GiB it needs? The same command tries again"
         )
-    return f"{job.key}: {type(error).__name__}: {error}" if error else ""
+    return f"{job.key}: {type(error).__name__}: {error}{''.join(getattr(error, '__notes__', []))}" if error else ""
 
 
 def require(what: str, need: float, room: float | None = None) -> None:
