@@ -9,11 +9,12 @@ from math import floor, log10, sqrt
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import BoundaryNorm, Colormap, LinearSegmentedColormap, Normalize, PowerNorm
+from matplotlib.colors import BoundaryNorm, Colormap, Normalize, PowerNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
@@ -62,7 +63,7 @@ GAP_STYLE: Style = dict(facecolor=(BLUE, 0.3), edgecolor=BLUE, linewidth=0.5)
 
 def ramp(name: str, shades: int = 256) -> Colormap:
     """Return the colour map of a quantity of ``RAMPS``, with ``shades`` colours from zero to the largest value."""
-    return LinearSegmentedColormap.from_list(name, RAMPS[name], shades)
+    return colormaps[RAMPS[name]].resampled(shades)
 
 
 def band(curve: Array, shift: Array) -> Array:
@@ -661,7 +662,7 @@ def draw_sketch() -> Figure:
     axes = figure.subplots()
     s = np.linspace(0, wide, 61)
     gap = 0.28 * np.maximum(s - front, 0) ** 2
-    axes.fill([*s, wide, 0], [*gap, high, high], facecolor=RAMPS["stress"][0], edgecolor=BLACK, linewidth=0.8)
+    axes.fill([*s, wide, 0], [*gap, high, high], facecolor=ramp("stress")(0), edgecolor=BLACK, linewidth=0.8)
     axes.add_patch(Rectangle((0, high), wide, 0.05, facecolor="none", edgecolor=DARK, linewidth=0, hatch="/////"))
     axes.plot([0, wide], [high, high], color=DARK, lw=1.6)
     axes.plot(s, gap, color=BLUE, lw=1.6)

@@ -223,7 +223,7 @@ def order_differences(rates: DataFrame, expected: Orders, refinements: int = 2) 
     """
     points = [
         (case, family, expected[case], order)
-        for (_, case), rows in rates.groupby(["scheme", "case"], sort=False)
+        for case, rows in rates.groupby("case", sort=False)
         for family, order in finest_orders(rows, refinements).items()
         if family != "graded"
     ]

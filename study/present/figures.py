@@ -141,11 +141,6 @@ def _table(data: Sequence[Any]) -> DataFrame | None:
     return None
 
 
-def _suffix(rates: DataFrame, scheme: str) -> str:
-    """Return the end of the names of figures of a time scheme, which is empty if the run has a single scheme."""
-    return f"-{scheme}" * (rates.scheme.nunique() > 1)
-
-
 def drawings(directory: Path) -> list[Drawing]:
     """Return all figures of a result directory without drawing them: figures over all cases, and of each case.
 
@@ -159,9 +154,8 @@ def drawings(directory: Path) -> list[Drawing]:
     figures = overview(directory)
     rates = read_rates(directory)
     orders = expected_orders(directory, rates)
-    for (scheme, case), rows in rates.groupby(["scheme", "case"], sort=False):
-        name = f"convergence-{case}{_suffix(rates, scheme)}"
-        figures.append(figure("convergence", rows, orders[case], name=name, case=case))
+    for case, rows in rates.groupby("case", sort=False):
+        figures.append(figure("convergence", rows, orders[case], name=f"convergence-{case}", case=case))
     columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
     for case, rows, title in enclosed_series(read_csv(directory, "enclosures.csv", columns)):
         figures.append(figure("enclosure", rows, title, name=f"enclosure-{case}", case=case))
@@ -209,18 +203,15 @@ def overview(directory: Path) -> list[Drawing]:
     figures = []
     rates = read_rates(directory)
     orders = expected_orders(directory, rates)
-    for scheme, rows in rates.groupby("scheme", sort=False):
-        suffix = _suffix(rates, scheme)
-        # The largest figure comes first, because it takes longest to draw and would otherwise delay the end.
-        for claim, of_claim in sorted(rows.groupby("claim"), key=lambda group: -len(group[1])):
-            name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", claim.lower()).strip("-")
-            many = of_claim.case.nunique() > SHEET
-            figures.append(figure("overview", of_claim, orders, name=f"convergence{name}{suffix}", sheet=many))
-        smooth = rows[rows.claim == "Prop. 5.4"]
-        if len(smooth):
-            figures.append(figure("collapsed", smooth, name=f"collapsed{suffix}"))
-        if len(order_differences(rows, orders)):
-            figures.append(figure("orders", rows, orders, name=f"orders{suffix}"))
+    # The largest figure comes first, because it takes longest to draw and would otherwise delay the end.
+    for claim, rows in sorted(rates.groupby("claim"), key=lambda group: -len(group[1])):
+        name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", claim.lower()).strip("-")
+        figures.append(figure("overview", rows, orders, name=f"convergence{name}", sheet=rows.case.nunique() > SHEET))
+    smooth = rates[rates.claim == "Prop. 5.4"]
+    if len(smooth):
+        figures.append(figure("collapsed", smooth))
+    if len(order_differences(rates, orders)):
+        figures.append(figure("orders", rates, orders))
     data = directory / "data"
     tables: dict[str, DataFrame] = {}
     # Runs of a user's own cases have no statements.csv.

@@ -43,17 +43,13 @@ def rates_text(directory: Path) -> str:
     """
     rates = read_rates(directory)
     predicted = expected_orders(directory, rates)
-    schemes = rates.scheme.nunique() > 1
     predicted_head, words = ("pred.", (11, 12, 14)) if is_narrow() else ("predicted", (22, 13, 25))
-    if schemes and not is_narrow():
-        words = (20, 21, 21)
     head = ("case", "meshes", "n", "error", "disc. order", "time %", predicted_head, "orders level by level")
     widths = (*words[:2], 5, 9, 5, 5, len(predicted_head), words[2])
     lines: list[str] = []
     for claim, of_claim in rates.groupby("claim", sort=False):
         rows = [
-            _rates_row(series, predicted, schemes, (words[2] + 1) // 5)
-            for _, series in of_claim.groupby(SERIES, sort=False)
+            _rates_row(series, predicted, (words[2] + 1) // 5) for _, series in of_claim.groupby(SERIES, sort=False)
         ]
         lines += [claim, _aligned(head, rows, widths, numbers=slice(2, 7)), ""]
     return "\n".join(lines)
@@ -147,20 +143,19 @@ def observed_text(observed: float, low: float, high: float) -> str:
     return f"at least {cell(low)}" if isinf(high) else f"{cell(observed)} in [{cell(low)}, {cell(high)}]"
 
 
-def _rates_row(series: DataFrame, predicted: Mapping[str, float], schemes: bool, shown: int) -> list[object]:
+def _rates_row(series: DataFrame, predicted: Mapping[str, float], shown: int) -> list[object]:
     """Return the cells of a row of ``rates_text``.
 
     Parameters:
         series: the rows of ``rates.csv`` of one case and mesh family, from coarse to fine.
         predicted: case ↦ predicted order.
-        schemes: whether the time scheme is named.
         shown: the largest number of orders.
     """
     finest = series.iloc[-1]
     orders = [f"{order:.2f}" for order in series.order.dropna()]
     return [
         finest.case,
-        f"{finest.family}, {finest.scheme}" if schemes else finest.family,
+        finest.family,
         finest.level,
         significant(finest.error),
         "" if pd.isna(finest.discrete_order) else f"{finest.discrete_order:.2f}",
@@ -293,9 +288,8 @@ def aligned(columns: Mapping[str, Iterable[object]]) -> list[str]:
     Args:
         columns: the cells of each column, by its head; blanks in front of a head make the column wider.
     """
-    widths = [len(head) for head in columns]
-    lines = [columns, *zip(*columns.values(), strict=True)]
-    return [" ".join(f"{cell:>{k}}" for k, cell in zip(widths, line, strict=True)).rstrip() for line in lines]
+    table = DataFrame({head: [*cells] for head, cells in columns.items()})
+    return [line.rstrip() for line in table.to_string(index=False).splitlines()]
 
 
 def _over_time(over_time: DataFrame, name: str) -> list[str]:

@@ -300,6 +300,24 @@ def read_record(path: Path) -> Json:
     return record
 
 
+def read_picture(directory: Path, case: str) -> Picture:
+    """Return the data for figures of a case from the file in ``data/pictures`` of a result directory.
+
+    Raises:
+        DataError: the file is missing or damaged, or an older version wrote it without displacements over time.
+    """
+    path = picture_path(directory, case)
+    if not path.is_file():
+        raise DataError(f"{path} is missing: make it with `{made_by(directory)}`")
+    try:
+        return Picture(read_record(path))
+    except (KeyError, TypeError, ValueError) as error:
+        raise DataError(
+            f"{path} is not a picture with displacement and von_mises over time ({error!r}): if an older version wrote "
+            "it, make it again with the same `study run`"
+        ) from error
+
+
 def read_pictures(directory: Path) -> list[Picture]:
     """Return the data for figures of all cases of a result directory, in the order of ``cases.csv``.
 
@@ -308,18 +326,11 @@ def read_pictures(directory: Path) -> list[Picture]:
     Raises:
         DataError: the folder ``data/pictures`` is missing, or a file in it is damaged.
     """
-    folder = directory / "data" / "pictures"
+    folder = picture_path(directory, "").parent
     if not folder.is_dir():
         raise DataError(f"{folder} is missing: make it with `{made_by(directory)}`")
     names = read_csv(directory, "cases.csv", ["case"])["case"]
-    pictures = []
-    for path in (picture_path(directory, name) for name in names):
-        if path.is_file():
-            try:
-                pictures.append(Picture(read_record(path)))
-            except (KeyError, TypeError, ValueError) as error:
-                raise DataError(f"{path} is not a picture ({error!r}): make it again with `study run`") from error
-    return pictures
+    return [read_picture(directory, name) for name in names if picture_path(directory, name).is_file()]
 
 
 def misplaced_length(face: Segment) -> Array:

@@ -30,8 +30,9 @@ from study.present.body import (
     draw_map,
     draw_profile,
     draw_shapes,
+    ramp,
 )
-from study.present.drawing import RAMPS, RIM, column_width, dots, entry, in_style, page_width
+from study.present.drawing import RIM, column_width, dots, entry, in_style, page_width
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment
 
 MOMENTS = 6
@@ -241,7 +242,7 @@ def _pressure_handles(picture: Picture) -> list[Artist]:
             dots("computed pressure", color=VERMILLION, **NODES),
             Patch(color=SKY, alpha=0.35, lw=0, label="exact contact zone"),
         ]
-    colour = RAMPS["pressure"][3]
+    colour = ramp("pressure", 9)(3)
     return [
         Patch(color=colour, lw=0, label="exact pressure"),
         dots("computed pressure, same colours", mfc=colour, mec=RIM, mew=0.4, ms=3.4),

@@ -189,7 +189,7 @@ def test_missing_data_are_named_with_the_command_that_makes_them(data, name):
 @pytest.mark.parametrize(
     ("displacement", "complaint"),
     [
-        (None, r"corner\.json\.gz holds no displacement .*older version .*study run"),
+        (None, r"corner\.json\.gz is not a picture with displacement .*older version .*study run"),
         (Packed.of(np.zeros((17, 2, 3))).record(), r"shape \(17, 2, 3\), expected"),
     ],
     ids=["older version", "other cells"],

@@ -165,7 +165,7 @@ def test_a_problem_is_drawn_as_it_is_stated(tmp_path, monkeypatch):
     """Numbers of sides, largest loads, and arrows: those that push end at their side, those that pull start there."""
     figures = []
     draw = problem.draw_problem
-    monkeypatch.setattr(problem, "draw_problem", lambda picture: figures.append(draw(picture)) or figures[-1])
+    monkeypatch.setattr(problem, "draw_problem", lambda *shown: figures.append(draw(*shown)) or figures[-1])
     (tmp_path / "clip.py").write_text(CLIP)
     assert study(f"show {tmp_path}/clip.py:clip --out {tmp_path}") == 0
     assert {"problem.png", "problem.svg", "problem.txt"} <= {path.name for path in (tmp_path / "clip").iterdir()}
