@@ -190,7 +190,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--minutes", type=float, default=60.0, metavar="M",
                within=Range(0, "0 or more (0 prints the record)"),
                help="time for new seeds (default 60; 0: only print the record)"),
-        whole("--seeds", within=FROM_1, help="largest number of new seeds"),
+        whole("--seeds", within=FROM_1, default=sys.maxsize, help="largest number of new seeds"),
         whole("--seed", within=FROM_0,
               help="measure this seed again and compare with the record"),
         JOBS,

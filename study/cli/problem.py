@@ -50,7 +50,12 @@ TRACTION_TIMES = 5
 
 
 def problem_drawing(name: str, data: Data, solved: MeshInTime | None = None) -> Drawing:
-    """Return the figure ``problem``: a problem, and perhaps a mesh with its largest displacement.
+    """Return the figure ``problem``: a problem as it is stated, and perhaps a mesh with its largest displacement.
+
+    Parameters:
+        name, data: the name and the data of the problem.
+        solved: a mesh and a displacement over time, which is drawn at the time of its largest value. Without it, the
+            loads are drawn at the time of the largest traction.
 
     Raises:
         UsageError: the body is not plane.
@@ -86,7 +91,9 @@ def _traction(data: Data, part: Part, time: float) -> tuple[Array, Array]:
 
 
 def error_map(name: str, vertices: Array, cells: Array, squares: Sequence[float]) -> Drawing:
-    """Return the figure ``cells``: a map of ‖ũ − u_h‖², per area, on the cells of a mesh.
+    """Return the figure ``cells``: a map of ‖ũ − u_h‖ per root of the area on the cells of a mesh.
+
+    This is the distance of the computed displacement u_h from a more accurate displacement ũ.
 
     Parameters:
         name: the name of the problem.

@@ -62,7 +62,7 @@ GAP_STYLE: Style = dict(facecolor=(BLUE, 0.3), edgecolor=BLUE, linewidth=0.5)
 
 
 def ramp(name: str, shades: int = 256) -> Colormap:
-    """Return the colour map of a quantity of ``RAMPS``, with ``shades`` colours from zero to the largest value."""
+    """Return the colour map of a quantity, "stress" or "pressure", with ``shades`` colours from zero upwards."""
     return colormaps[RAMPS[name]].resampled(shades)
 
 
@@ -381,7 +381,7 @@ def draw_zone(picture: Picture) -> Figure:
     """Draw the contact zone of each face in 2D, exact and computed, with the position s to the right and time upwards.
 
     The filled region is the exact zone. Dots are nodes in contact; they are hollow outside the exact zone. The last
-    panel shows the error of the computed zone, as ``misplaced_length`` returns it.
+    panel shows the error of the computed zone: the length on which exact and computed zone differ, in cells.
     """
     count = len(picture.segments)
     figure = Figure(figsize=(column_width() + 0.8 * (count - 1), 3.2))
@@ -529,7 +529,15 @@ def draw_profiles(picture: Picture) -> Figure:
 
 
 def draw_profile(axes: Axes, face: Segment, exact: Array, computed: Array, colour: str) -> None:
-    """Draw exact and computed values along a face in 2D."""
+    """Draw the exact and computed gap, or the exact and computed pressure, along a contact face in 2D.
+
+    Parameters:
+        axes: the axes.
+        face: the contact face.
+        exact: the exact values at the positions ``face.line``, drawn as a black line.
+        computed: the computed values at the nodes ``face.s``, drawn as markers.
+        colour: the colour of the markers.
+    """
     axes.plot(face.line, exact, color=BLACK, lw=0.9)
     axes.plot(face.s, computed, "o", color=colour, clip_on=False, zorder=3, **NODES)
     axes.set_xlim(face.line.min(), face.line.max())
@@ -562,8 +570,8 @@ def draw_fronts(picture: Picture) -> Figure:
 
     There is a row for each face and a column for each time.
 
-    The filled region is the exact zone, where the level function is not negative; dots are nodes in contact. Below, the
-    numbers of nodes in contact are shown over time, exact and computed.
+    The filled region is the exact zone, where the level function ψ of the solution is not negative; dots are nodes in
+    contact. The lowest axes show the numbers of nodes in contact over time, exact and computed.
     """
     rows = len(picture.polygons)
     figure = Figure(figsize=(column_width(), 2.2 + 1.25 * rows))

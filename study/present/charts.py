@@ -73,7 +73,9 @@ def stacked_axes(*heights: int) -> tuple[Figure, list[Axes]]:
 
 
 def draw_cases(rows: DataFrame, quantities: Lines, slopes: Orders, columns: int) -> Figure:
-    """Draw quantities against the mesh size in small axes in a grid, one for each case; a row has common limits.
+    """Draw quantities against the mesh size in a grid of small axes, one for each case.
+
+    The axes in a row of the grid have the same limits.
 
     Parameters:
         rows: a table with the columns ``case``, ``family``, ``h`` and the quantities.
@@ -132,12 +134,25 @@ def complete(figure: Figure, *columns: Sequence[Artist]) -> Figure:
 
 
 def families(styles: Mapping[str, Style], **more: Any) -> list[Line2D]:
-    """Return the legend entries of mesh families below a heading; ``more`` are further properties of the lines."""
+    """Return the legend entries of mesh families: a heading, then an entry for each family.
+
+    Parameters:
+        styles: mesh family ↦ style of its line.
+        more: further properties of all lines.
+    """
     return [entry("mesh family", ls=""), *(entry(family, **style, **more) for family, style in styles.items())]
 
 
 def plot_families(axes: Axes, rows: DataFrame, column: str, styles: Mapping[str, Style], more: Style) -> None:
-    """Plot a column of a table over the mesh size, both logarithmic, with a line for each mesh family."""
+    """Plot a column of a table over the mesh size, both logarithmic, with a line for each mesh family.
+
+    Parameters:
+        axes: the axes.
+        rows: a table with the columns ``family``, ``h`` and ``column``.
+        column: the name of the column that is plotted.
+        styles: mesh family ↦ style of its line.
+        more: further properties of all lines.
+    """
     for family, of_family in by_family(rows).items():
         axes.loglog(of_family.h, of_family[column], **styles[family] | more)
 
@@ -253,7 +268,8 @@ MOST_COLUMNS = 5
 def draw_convergence(rates: DataFrame, order: float) -> Figure:
     """Draw the errors of one case against the mesh size, on all mesh families.
 
-    The lines are the error, the discrete error and the part of the error that is due to time discretisation.
+    The lines are the error ‖u − u^h‖_V, the discrete error ‖Π^h u − u^h‖_V, where Π^h u is the interpolant of u, and
+    the part of the error that is due to time discretisation.
 
     Parameters:
         rates: the rows of one case in ``rates.csv``.
@@ -338,7 +354,7 @@ def caption_orders(rates: DataFrame, expected: Orders) -> str:
 
 
 def over_constants(rates: DataFrame) -> DataFrame:
-    """Return the rows of ``rates.csv`` with the columns ``scaled``, error / C, and ``relative``, error / (C h).
+    """Return the rows of ``rates.csv`` with two more columns: ``scaled`` is error / C, ``relative`` is error / (C h).
 
     C h is the leading term of the interpolation error ‖u − Π^h u‖_V on the finest mesh. C follows from second
     derivatives of u, (5.23), not from the measured errors, so nothing is fitted.
@@ -352,7 +368,8 @@ def over_constants(rates: DataFrame) -> DataFrame:
 def draw_collapsed(rates: DataFrame) -> Figure:
     """Draw the errors of all smooth cases, each divided by its constant C, so that the lines coincide.
 
-    The upper axes show error / C, the lower axes error / (C h), both against the mesh size h.
+    The upper axes show error / C, the lower axes error / (C h), both against the mesh size h. C h is the leading term
+    of the interpolation error on the finest mesh, as in ``over_constants``.
     """
     styles = family_styles(rates.family)
     figure, (errors, ratios) = stacked_axes(3, 2)
@@ -398,7 +415,12 @@ def enclosed_series(series: DataFrame) -> Iterator[tuple[str, DataFrame, str]]:
 
 
 def enclosure_ends(series: DataFrame) -> DataFrame:
-    """Return a series of bounds with the columns ``lower`` and ``upper``, the ends of the enclosure."""
+    """Return a table of error bounds with two more columns, ``lower`` and ``upper``: the error lies between them.
+
+    Parameters:
+        series: a table with ``distance``, the distance of u_h from a more accurate displacement ũ, and ``bound``, the
+            bound of the error of ũ. The ends are their difference, at least 0, and their sum.
+    """
     lower = (series.distance - series.bound).clip(lower=0)
     return series.assign(lower=lower, upper=series.distance + series.bound)
 
@@ -546,14 +568,20 @@ def caption_work(rows: DataFrame) -> str:
 
 
 def roller_rows(statements: DataFrame) -> DataFrame:
-    """Return the rows of ``statements.csv`` for ``draw_rollers``; all shaken meshes are one mesh family."""
+    """Return the rows of ``statements.csv`` with the additional error that ``draw_rollers`` shows.
+
+    The families of all shaken meshes, which have different random seeds, become one mesh family.
+    """
     chosen = statements.label.eq("beyond: rollers") & statements.quantity.eq("excess")
     rows = statements[chosen & statements.case.str.fullmatch(r"roller-\d+")]
     return rows.replace({"family": {"^shaken.*": "shaken"}}, regex=True)
 
 
 def roller_means(rows: DataFrame) -> Iterator[tuple[str, DataFrame]]:
-    """Yield mesh family and a table of ``h`` and the ``mean``, ``min`` and ``max`` of the excess, coarse to fine."""
+    """Yield each mesh family with a table that has a row for each level, from coarse to fine.
+
+    The table has the mesh size ``h`` and the ``mean``, ``min`` and ``max`` of the values of ``roller_rows``.
+    """
     for family, of_family in rows.groupby("family", sort=False):
         levels = of_family.groupby("level")
         yield family, levels["value"].agg(["mean", "min", "max"]).assign(h=levels["h"].mean())
@@ -601,8 +629,8 @@ def draw_codes(codes: Codes) -> Figure:
     """Draw the results of other people's contact codes.
 
     Each point is a code with its parameters on one case and mesh family. The upper axes show the observed order of the
-    error in V, the lower axes the distance from the solution in K^h, both against the error of the contact pressure on
-    the finest mesh.
+    error in V. The lower axes show the distance from the discrete solution without penetration at the vertices, which
+    is the solution in the convex set K^h. The horizontal axis is the error of the contact pressure on the finest mesh.
     """
     rows = _complete(codes)
     figure, (order, share) = stacked_axes(3, 2)
@@ -646,7 +674,9 @@ FAULT_SHADES = (
 
 
 def draw_faults(matrix: DataFrame) -> Figure:
-    """Draw the matrix of faults: rows are faults by equation, columns are cases, the shade says what notices the fault.
+    """Draw the matrix of deliberate faults, with a row for each fault and a column for each case.
+
+    The shade of a cell says which checks notice the fault in this case.
 
     Parameters:
         matrix: the table ``faults.csv``.

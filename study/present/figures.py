@@ -113,19 +113,18 @@ Both functions have the same parameters.
 """
 
 
-def figure(kind: str, *data: Any, name: str = "", case: str = "", about: str = "", sheet: bool = False) -> Drawing:
+def figure(kind: str, *data: Any, name: str = "", case: str = "", sheet: bool = False) -> Drawing:
     """Return a figure without drawing it.
 
     Parameters:
         kind: the kind of the figure, a key of ``FIGURES``.
         data: the arguments of the functions that draw the figure and return its caption.
         name: the name of the files of the figure; by default the kind.
-        case: the case that the figure shows; empty for figures over several cases.
-        about: the case or the problem that the figure is about, if there is one; by default the case.
+        case: the case or the problem that the figure shows; empty for figures over several cases.
         sheet: whether the figure has more axes than can be read on a slide.
     """
     draw, describe, summary = FIGURES[kind]
-    title = ": ".join(filter(None, (summary, about or case)))
+    title = ": ".join(filter(None, (summary, case)))
     return Drawing(name or kind, partial(draw, *data), describe(*data), title, case, sheet, partial(_table, data))
 
 

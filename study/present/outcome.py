@@ -213,8 +213,8 @@ def bounds_text(
 
     Args:
         name: the name of the problem.
-        table: the result of ``levels``.
-        over_time: the results of ``series`` for all levels.
+        table: the table ``levels.csv``, a row for each mesh.
+        over_time: the table ``enclosure.csv``, a row for each time on the finest mesh.
         sentences: texts that say whether the bounds are guaranteed.
         in_time: whether the problem is in time, and not static.
         names: for each row of the table, the name of the file with its displacement; empty if rows are named by their
@@ -236,6 +236,8 @@ def bounds_text(
 
 def worst_tenth(squares: Sequence[float]) -> str:
     """Return a sentence on how much the worst tenth of the triangles contributes to ‖ũ − u_h‖².
+
+    This is the squared distance of the computed displacement u_h from a more accurate displacement ũ.
 
     Args:
         squares: ‖ũ − u_h‖² on every triangle.
@@ -294,8 +296,7 @@ def aligned(columns: Mapping[str, Iterable[object]]) -> list[str]:
 
 def _over_time(over_time: DataFrame, name: str) -> list[str]:
     """Return lines with the interval of the error on the finest level, at up to ``SHOWN_TIMES`` times."""
-    finest = over_time[over_time.level == over_time.level.max()]
-    rows = finest.iloc[np.unique(np.linspace(0, len(finest) - 1, SHOWN_TIMES).round().astype(int))]
+    rows = over_time.iloc[np.unique(np.linspace(0, len(over_time) - 1, SHOWN_TIMES).round().astype(int))]
     ratios = rows.upper / rows.lower.where(rows.lower > 0)
     columns = {
         "      t": rows.time.map("{:.4f}".format),
@@ -306,7 +307,7 @@ def _over_time(over_time: DataFrame, name: str) -> list[str]:
         "upper/lower": _texts(ratios, "{:.3f}".format, "∞"),
         "from u_h alone": _plain(rows),
     }
-    return [name or f"level {finest.level.iloc[0]}", *aligned(columns)]
+    return [name or f"level {rows.level.iloc[0]}", *aligned(columns)]
 
 
 def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Sequence[str] = ()) -> list[str]:

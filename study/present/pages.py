@@ -67,9 +67,8 @@ def main() -> None:
     data = FullRun.read(directory)
     if data is None:
         raise DataError(f"{directory} has no full run: `make full`, `study faults` and `make seeds` make it")
-    picture = read_picture(directory, README_FILM)
     # Every second time is enough, and keeps the file below 120 kB.
-    picture = picture.showing(range(0, len(picture.times), 2))
+    picture = read_picture(directory, README_FILM).at_every(2)
     with in_style():
         write_gif(directory / "figures" / f"{README_FILM}.gif", picture, lambda: None, README_DPI, README_COLOURS)
     for name, svg in badges(data, Path("pyproject.toml")).items():

@@ -123,7 +123,12 @@ class Segment(FaceHistory):
     def depth(self, zones: Iterable[Sequence[Interval]], s: Array) -> Array:
         """Return how far positions lie inside contact zones, (zones, positions); outside, values are negative.
 
-        Ends of a zone that are ends of the face do not count. If a zone is empty, its values are minus infinity.
+        The depth is the distance to the nearest end of the zone. Ends of a zone that are ends of the face do not count.
+        If a zone is empty, its values are minus infinity.
+
+        Parameters:
+            zones: the intervals of each zone.
+            s: positions along the face, (positions,).
         """
         depths = []
         for zone in zones:
@@ -186,9 +191,9 @@ class Picture:
         self.case = str(record["case"])
         self.family = str(record["family"])
         self.level = int(record["level"])
-        self.times, self.vertices = (np.array(record[name], dtype=float) for name in ("times", "vertices"))
+        names = ("times", "vertices", "displacement", "von_mises")
+        self.times, self.vertices, self.displacement, self.von_mises = (read_values(record[name]) for name in names)
         self.cells = np.array(record["cells"], dtype=np.int64)
-        self.displacement, self.von_mises = (Packed.read(record[name]).values for name in ("displacement", "von_mises"))
         count = len(self.times)
         sizes = (self.displacement, (count, *self.vertices.shape)), (self.von_mises, (count, self.cells.shape[1]))
         for values, expected in sizes:
@@ -229,9 +234,9 @@ class Picture:
         found.shown = instants
         return found
 
-    def at_all_times(self) -> Picture:
-        """Return the data for figures that show the body at all times."""
-        return self.showing(range(len(self.times)))
+    def at_every(self, step: int) -> Picture:
+        """Return the data for figures that show the body at every ``step``-th time, from the first time on."""
+        return self.showing(range(0, len(self.times), step))
 
     def clock(self, instant: int) -> str:
         """Return the time with the index ``instant`` as a title, with TeX formulas."""
@@ -281,11 +286,11 @@ def _face(record: Json, times: Array, cells: Numbers, plane: bool) -> FaceHistor
     line = record["line"]
     return Segment(
         **common,
-        zone_times=np.array(zone["times"], dtype=float),
+        zone_times=read_values(zone["times"]),
         zone=[[(float(a), float(b)) for a, b in intervals] for intervals in zone["intervals"]],
-        line=np.array(line["s"], dtype=float),
-        line_gap=Packed.read(line["gap"]).values,
-        line_pressure=Packed.read(line["pressure"]).values,
+        line=read_values(line["s"]),
+        line_gap=read_values(line["gap"]),
+        line_pressure=read_values(line["pressure"]),
     )
 
 

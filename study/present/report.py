@@ -72,7 +72,7 @@ def write_report(directory: Path, provenance: Json, run_map: RunMap = map) -> Pa
             judges=statements.get(label, {"code": []})["code"],
             rows=rows[CHECKS].to_numpy().tolist(),
         )
-        for label, says, rows in by_claim(all_rows(directory))
+        for label, says, rows in by_claim(tables.all_checks(directory).map(cell))
     ]
     cases = case_pages(directory, claims, rates, run_map)
     counts = count_verdicts(claims)
@@ -93,11 +93,6 @@ def write_report(directory: Path, provenance: Json, run_map: RunMap = map) -> Pa
         files=_files(directory),
     )
     return write_text(directory / "report.html", f"{page}\n")
-
-
-def all_rows(directory: Path) -> DataFrame:
-    """Return the texts of all cells of the ledger."""
-    return tables.all_checks(directory).map(cell)
 
 
 def _files(directory: Path) -> Table:
@@ -170,7 +165,7 @@ def draw_case(directory: Path, case: str, charts: Sequence[Drawing]) -> Json:
             time.
     """
     picture = read_picture(directory, case)
-    film = picture.showing(range(0, len(picture.times), FRAME_STEP))
+    film = picture.at_every(FRAME_STEP)
     drawing = figure("zone" if picture.segments else "fronts", picture)
     with in_style(WEB):
         images = film_images(film, FRAME_DPI, upright=True)

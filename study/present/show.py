@@ -68,7 +68,7 @@ def draw_show(
     Raises:
         StoreError: the directory cannot be written.
     """
-    picture = Picture(record).at_all_times()
+    picture = Picture(record).at_every(1)
     with in_style():
         storyboard = draw_storyboard(picture)
         storyboard.set_dpi(STORYBOARD_DPI)

@@ -17,9 +17,10 @@ from places import DATA, ROOT
 from study.ledger.datafiles import DataError
 from study.ledger.files import write_packed
 from study.ledger.pictures import Packed
+from study.ledger.text import cell
 from study.present.picture import Picture, picture_path, read_record
-from study.present.report import PAGE_TEXTS, all_rows, draw_case, write_report
-from study.present.tables import bounds, columns_of, equivalence, rates, stresses
+from study.present.report import PAGE_TEXTS, draw_case, write_report
+from study.present.tables import all_checks, bounds, columns_of, equivalence, rates, stresses
 from study.present.templates import typeset
 from study.run.plan import full
 from study.run.provenance import read_provenance, sources
@@ -94,7 +95,7 @@ def data(directory, tmp_path):
 def test_every_row_of_the_ledger_is_on_the_page_in_its_order_below_its_statement(directory, page):
     columns = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
     expected = []
-    for (label, claim), rows in all_rows(directory).groupby(["label", "statement"], sort=False):
+    for (label, claim), rows in all_checks(directory).map(cell).groupby(["label", "statement"], sort=False):
         expected += [[f"{label} {claim}"], *rows[columns].to_numpy().tolist()]
     start = page.rows.index(columns) + 1
     rows = [[cell.split(" study/")[0] for cell in row] for row in page.rows[start : start + len(expected)]]

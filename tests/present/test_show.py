@@ -31,7 +31,7 @@ def motion():
 
 
 def picture_of(motion):
-    return Picture(pictures.record("any", motion, SHOWN_EVERY)).at_all_times()
+    return Picture(pictures.record("any", motion, SHOWN_EVERY)).at_every(1)
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def shown(tmp_path_factory):
     directory, case, notified = tmp_path_factory.mktemp("shows"), resolve(CASE), []
     (directory / "animation.mp4").touch()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("study.cli.present.SHOWN_STEPS", 8)
+        patch.setattr("study.cli.present.PICTURE_STEPS", 8)
         patch.setattr("study.present.show.find_ffmpeg", lambda: None)
         record, series = solve_showcase(case, affordable_family(case, 6), 6, lambda: notified.append("frame"))
         files = draw_show(record, series, directory, lambda: notified.append("image"))
