@@ -93,7 +93,11 @@ class Segment(FaceHistory):
     @property
     def inside(self) -> Bools:
         """Whether each node is in the exact contact zone at each time, (times, nodes)."""
-        return self.depth(map(self.exact_zone, self.times), self.s) >= 0
+        return self.in_exact_zone(self.s)
+
+    def in_exact_zone(self, s: Array) -> Bools:
+        """Return whether positions along the face are in the exact contact zone at each time, (times, positions)."""
+        return self.depth(map(self.exact_zone, self.times), s) >= 0
 
     def computed_zone(self, instant: int) -> list[Interval]:
         """Return the computed contact zone at the time with the index ``instant``, as intervals.
@@ -347,7 +351,6 @@ def misplaced_length(face: Segment) -> Array:
     sampled at ``ZONE_SAMPLES`` positions.
     """
     s = np.linspace(face.s.min(), face.s.max(), ZONE_SAMPLES)
-    exact = face.depth(map(face.exact_zone, face.times), s) >= 0
     nearest = abs(s[:, None] - face.s).argmin(axis=1)
-    wrong = exact != face.touching[:, nearest]
+    wrong = face.in_exact_zone(s) != face.touching[:, nearest]
     return wrong[1:].mean(axis=1) * (len(face.s) - 1)

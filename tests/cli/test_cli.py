@@ -189,7 +189,7 @@ def bar(monkeypatch):
 
 def left_after(bar, seconds):
     bar._time = lambda: seconds
-    return str(bar.format_dict["left"])
+    return str(bar).rpartition("<")[2]
 
 
 def test_the_remaining_time_follows_from_the_mean_speed_although_the_last_job_was_slow(bar):
