@@ -129,7 +129,7 @@ def _axes(points: Array) -> tuple[Figure, Axes]:
     """Return a figure whose shape fits points of the plane, (2, n), and its axes."""
     wide, high = np.ptp(points, axis=1)
     shape = np.clip(high / wide, 0.4, 1.4)
-    figure = Figure(figsize=(1.4 * column_width(), 1.4 * column_width() * shape + 0.5), layout="constrained")
+    figure = Figure(figsize=(1.4 * column_width(), 1.4 * column_width() * shape + 0.5))
     axes = figure.subplots()
     axes.set_aspect("equal")
     axes.set(xlabel="$x_1$", ylabel="$x_2$")

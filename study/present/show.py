@@ -51,7 +51,7 @@ NO_FFMPEG = "ffmpeg is missing: install it, or `python -m pip install imageio-ff
 
 
 def draw_show(
-    record: Json, series: MeshSeries, directory: Path, notify: Callable[[], object] = lambda: None
+    record: Json, series: MeshSeries, directory: Path, notify: Callable[[], object]
 ) -> tuple[Paths, list[str]]:
     """Write ``storyboard.png``, ``animation.gif``, ``animation.mp4`` and ``vtk/`` into a directory.
 
@@ -88,8 +88,7 @@ def draw_show(
 
 def draw_storyboard(picture: Picture) -> Figure:
     """Draw the deformed body with stress and contact at ``MOMENTS`` times, evenly spaced from the first to the last."""
-    chosen = np.linspace(0, len(picture.shown) - 1, MOMENTS).round().astype(int)
-    picture = picture.showing([picture.shown[n] for n in chosen])
+    picture = picture.showing(np.linspace(0, len(picture.times) - 1, MOMENTS).round().astype(int).tolist())
     rows = MOMENTS // COLUMNS
     width = (page_width() - 0.8) / COLUMNS
     figure = Figure(figsize=(page_width(), 0.8 + rows * (0.2 + width * BodyScale(picture).aspect)))
