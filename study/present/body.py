@@ -154,7 +154,7 @@ class BodyScale:
     def __init__(self, picture: Picture) -> None:
         at = picture.shown
         faces = picture.faces
-        stresses = picture.von_mises[picture.shown]
+        stresses = picture.von_mises[at]
         self.view = view_of(picture)
         self.size = picture.size
         self.magnification = magnification(picture.vertices, picture.displacement[at])

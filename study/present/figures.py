@@ -155,8 +155,8 @@ def drawings(directory: Path) -> list[Drawing]:
     orders = expected_orders(directory, rates)
     for case, rows in rates.groupby("case", sort=False):
         figures.append(figure("convergence", rows, orders[case], name=f"convergence-{case}", case=case))
-    columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
-    for case, rows, title in enclosed_series(read_csv(directory, "enclosures.csv", columns)):
+    enclosures = read_csv(directory, "enclosures.csv", ("error", "distance", "bound"))
+    for case, rows, title in enclosed_series(enclosures):
         figures.append(figure("enclosure", rows, title, name=f"enclosure-{case}", case=case))
     for picture in read_pictures(directory):
         # Contact faces are lines in 2D and surfaces in 3D.
@@ -215,8 +215,7 @@ def overview(directory: Path) -> list[Drawing]:
     tables: dict[str, DataFrame] = {}
     # Runs of a user's own cases have no statements.csv.
     if (data / "statements.csv").is_file():
-        columns = ("label", "case", "family", "level", "h", "quantity", "value")
-        statements = read_csv(directory, "statements.csv", columns)
+        statements = read_csv(directory, "statements.csv", ("h", "value"))
         tables |= {"contact-work": work_rows(statements), "rollers": roller_rows(statements)}
     if (data / "faults.csv").is_file():
         tables["faults"] = read_csv(directory, "faults.csv")

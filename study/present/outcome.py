@@ -290,7 +290,7 @@ def aligned(columns: Mapping[str, Iterable[object]]) -> list[str]:
     Args:
         columns: the cells of each column, by its head; blanks in front of a head make the column wider.
     """
-    table = DataFrame({head: [*cells] for head, cells in columns.items()})
+    table = DataFrame({head: [*map(str, cells)] for head, cells in columns.items()})
     return [line.rstrip() for line in table.to_string(index=False).splitlines()]
 
 

@@ -338,7 +338,7 @@ def read_pictures(directory: Path) -> list[Picture]:
     folder = picture_path(directory, "").parent
     if not folder.is_dir():
         raise DataError(f"{folder} is missing: make it with `{made_by(directory)}`")
-    names = read_csv(directory, "cases.csv", ["case"])["case"]
+    names = read_csv(directory, "cases.csv")["case"]
     return [read_picture(directory, name) for name in names if picture_path(directory, name).is_file()]
 
 
