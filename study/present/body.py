@@ -22,6 +22,7 @@ from matplotlib.tri import Triangulation
 from numpy.linalg import norm
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, PURPLE, SKY, VERMILLION
+from study.ledger.files import Json
 from study.ledger.pictures import Numbers
 from study.present.drawing import (
     FOUNDATION,
@@ -30,7 +31,6 @@ from study.present.drawing import (
     RAMPS,
     RIM,
     Style,
-    caption,
     column_width,
     dots,
     entry,
@@ -339,14 +339,13 @@ def draw_body(picture: Picture) -> Figure:
     return figure
 
 
-def caption_body(picture: Picture) -> str:
-    """Return the caption of ``draw_body``."""
+def values_of_body(picture: Picture) -> Json:
+    """Return the values in the caption of ``draw_body``: name in the template ↦ value."""
     scale = BodyScale(picture)
     stresses = picture.von_mises.max(axis=1)
     worst = max(picture.shown, key=stresses.__getitem__)
     touching = np.sum([face.touching[picture.shown].sum(axis=1) for face in picture.faces], axis=0)
-    return caption(
-        "body",
+    return dict(
         picture=picture,
         scale=scale,
         gap=scale.gap if scale.gap > NEGLIGIBLE_CONTACT else 0.0,
@@ -473,12 +472,11 @@ def _worst(picture: Picture, errors: Sequence[Array]) -> tuple[FaceHistory, floa
     return face, error.max(), f"on {picture.name(face)} at t = {when:.3g}"
 
 
-def caption_zone(picture: Picture) -> str:
-    """Return the caption of ``draw_zone``."""
+def values_of_zone(picture: Picture) -> Json:
+    """Return the values in the caption of ``draw_zone``: name in the template ↦ value."""
     errors = [misplaced_length(face) for face in picture.segments]
     _, worst, where = _worst(picture, errors)
-    return caption(
-        "zone",
+    return dict(
         picture=picture,
         mean=np.mean(errors),
         worst=worst,
@@ -545,10 +543,10 @@ def draw_profile(axes: Axes, face: Segment, exact: Array, computed: Array, colou
     axes.grid(True)
 
 
-def caption_profiles(picture: Picture) -> str:
-    """Return the caption of ``draw_profiles``."""
+def values_of_profiles(picture: Picture) -> Json:
+    """Return the values in the caption of ``draw_profiles``: name in the template ↦ value."""
     differences = {name: _largest_difference(picture, name) for name in QUANTITY_LABELS}
-    return caption("profiles", picture=picture, **differences)
+    return dict(picture=picture, **differences)
 
 
 def _largest_difference(picture: Picture, name: str) -> str:
@@ -600,13 +598,12 @@ def draw_fronts(picture: Picture) -> Figure:
     return figure
 
 
-def caption_fronts(picture: Picture) -> str:
-    """Return the caption of ``draw_fronts``."""
+def values_of_fronts(picture: Picture) -> Json:
+    """Return the values in the caption of ``draw_fronts``: name in the template ↦ value."""
     # Nodes in contact outside the exact zone, and nodes in the exact zone that are not in contact.
     wrong = [(face.touching != face.inside)[1:].sum(axis=1) for face in picture.polygons]
     face, worst, where = _worst(picture, wrong)
-    return caption(
-        "fronts",
+    return dict(
         picture=picture,
         mean=np.mean(wrong),
         worst=worst,
@@ -705,9 +702,9 @@ def draw_sketch() -> Figure:
     return figure
 
 
-def caption_sketch() -> str:
-    """Return the caption of ``draw_sketch``."""
-    return caption("problem")
+def values_of_sketch() -> Json:
+    """Return the values in the caption of ``draw_sketch``: name in the template ↦ value."""
+    return dict()
 
 
 def arrow(axes: Axes, start: Any, end: Any, colour: str, head: float = 6, **more: Any) -> None:

@@ -25,6 +25,7 @@ from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, ORANGE, SKY, VE
 from study.ledger.check import by_family
 from study.ledger.codes import GRADES, Codes
 from study.ledger.controls import INVISIBLE_SHARE
+from study.ledger.files import Json
 from study.ledger.quantities import Array, RatesError, fit, orders
 from study.ledger.text import interval, outwards
 from study.present.drawing import (
@@ -32,7 +33,6 @@ from study.present.drawing import (
     OUTLINE,
     TRIANGLE,
     Style,
-    caption,
     column_width,
     dots,
     entry,
@@ -288,13 +288,12 @@ def draw_convergence(rates: DataFrame, order: float) -> Figure:
     return complete(figure, families(styles), kinds)
 
 
-def caption_convergence(rates: DataFrame, order: float) -> str:
-    """Return the caption of ``draw_convergence``."""
+def values_of_convergence(rates: DataFrame, order: float) -> Json:
+    """Return the values in the caption of ``draw_convergence``: name in the template ↦ value."""
     last, graded = last_orders(rates)
     finest = rates.groupby("family").tail(1).query("discrete_error > 0")
     closer = finest.error / finest.discrete_error
-    return caption(
-        "convergence",
+    return dict(
         rates=rates,
         order=order,
         last=last,
@@ -317,11 +316,11 @@ def draw_overview(rates: DataFrame, expected: Orders) -> Figure:
     return figure
 
 
-def caption_overview(rates: DataFrame, expected: Orders) -> str:
-    """Return the caption of ``draw_overview``."""
+def values_of_overview(rates: DataFrame, expected: Orders) -> Json:
+    """Return the values in the caption of ``draw_overview``: name in the template ↦ value."""
     differences = order_differences(rates, expected, refinements=1).set_index("case")["difference"]
     graded = [order for _, rows in rates.groupby("case") for order in last_orders(rows)[1]]
-    return caption("overview", rates=rates, cases=_all_cases(rates), differences=differences, graded=graded)
+    return dict(rates=rates, cases=_all_cases(rates), differences=differences, graded=graded)
 
 
 def draw_orders(rates: DataFrame, expected: Orders) -> Figure:
@@ -346,11 +345,11 @@ def draw_orders(rates: DataFrame, expected: Orders) -> Figure:
     return complete(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
 
 
-def caption_orders(rates: DataFrame, expected: Orders) -> str:
-    """Return the caption of ``draw_orders``."""
+def values_of_orders(rates: DataFrame, expected: Orders) -> Json:
+    """Return the values in the caption of ``draw_orders``: name in the template ↦ value."""
     differences = order_differences(rates, expected)["difference"]
     ends = outwards(differences.min(), differences.max())
-    return caption("orders", cases=_all_cases(rates), sequences=len(differences), ends=ends)
+    return dict(cases=_all_cases(rates), sequences=len(differences), ends=ends)
 
 
 def over_constants(rates: DataFrame) -> DataFrame:
@@ -385,12 +384,12 @@ def draw_collapsed(rates: DataFrame) -> Figure:
     return complete(figure, families(styles), [entry("C h, not fitted", color=GREY)])
 
 
-def caption_collapsed(rates: DataFrame) -> str:
-    """Return the caption of ``draw_collapsed``."""
+def values_of_collapsed(rates: DataFrame) -> Json:
+    """Return the values in the caption of ``draw_collapsed``: name in the template ↦ value."""
     table = over_constants(rates)
     finest = table.groupby(["case", "family"], sort=False)["relative"].last().groupby("family", sort=False)
     orders = order_in_words(rates)
-    return caption("collapsed", cases=_all_cases(rates), relative=table.relative, finest=finest, orders=orders)
+    return dict(cases=_all_cases(rates), relative=table.relative, finest=finest, orders=orders)
 
 
 def order_in_words(rates: DataFrame) -> str:
@@ -463,13 +462,13 @@ def draw_enclosure(series: DataFrame, title: str) -> Figure:
     return complete(figure, levels, lines)
 
 
-def caption_enclosure(series: DataFrame, title: str) -> str:
-    """Return the caption of ``draw_enclosure``."""
+def values_of_enclosure(series: DataFrame, title: str) -> Json:
+    """Return the values in the caption of ``draw_enclosure``: name in the template ↦ value."""
     known = series.error.notna().all()
     ends = enclosure_ends(series)
     inside = ends[(ends.error - ends.distance).abs() <= ends.bound]
     final = ends.loc[ends.groupby("level")["time"].idxmax()]
-    return caption("enclosure", title=title, interval=interval, known=known, ends=ends, inside=inside, final=final)
+    return dict(title=title, interval=interval, known=known, ends=ends, inside=inside, final=final)
 
 
 @dataclass(frozen=True, eq=False)
@@ -523,9 +522,9 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
     return figure
 
 
-def caption_adapted(result: AdaptiveRefinement) -> str:
-    """Return the caption of ``draw_adapted``."""
-    return caption("adaptive", result=result)
+def values_of_adapted(result: AdaptiveRefinement) -> Json:
+    """Return the values in the caption of ``draw_adapted``: name in the template ↦ value."""
+    return dict(result=result)
 
 
 # Contact.
@@ -557,14 +556,14 @@ def draw_work(rows: DataFrame) -> Figure:
     return draw_cases(rows, CONTACT_TERMS, dict.fromkeys(rows.case, 1.0), columns=2)
 
 
-def caption_work(rows: DataFrame) -> str:
-    """Return the caption of ``draw_work``."""
+def values_of_work(rows: DataFrame) -> Json:
+    """Return the values in the caption of ``draw_work``: name in the template ↦ value."""
     by_term: dict[str, list[float]] = {"work": [], "error": []}
     for _, of_case in rows[rows.family == "one-diagonal"].groupby("case"):
         last = of_case.sort_values("level").tail(3)
         for term, of_term in by_term.items():
             of_term += orders(last.h.to_numpy(), last[term].to_numpy()).tolist()
-    return caption("contact-work", **by_term)
+    return dict(**by_term)
 
 
 def roller_rows(statements: DataFrame) -> DataFrame:
@@ -610,11 +609,11 @@ def draw_rollers(rows: DataFrame) -> Figure:
     return complete(figure, families(styles), [entry("slope 1", color=GREY, **DOTTED)])
 
 
-def caption_rollers(rows: DataFrame) -> str:
-    """Return the caption of ``draw_rollers``."""
+def values_of_rollers(rows: DataFrame) -> Json:
+    """Return the values in the caption of ``draw_rollers``: name in the template ↦ value."""
     means = roller_means(rows)
     fits = {family: fit(table.h.to_numpy(), table["mean"].to_numpy()) for family, table in means if len(table) > 1}
-    return caption("rollers", fits=fits)
+    return dict(fits=fits)
 
 
 # Other codes, cost, and deliberate faults.
@@ -654,13 +653,13 @@ def _complete(codes: Codes) -> DataFrame:
     return codes.series().dropna(subset=["order_in_v", "share", "excess"])
 
 
-def caption_codes(codes: Codes) -> str:
-    """Return the caption of ``draw_codes``."""
+def values_of_codes(codes: Codes) -> Json:
+    """Return the values in the caption of ``draw_codes``: name in the template ↦ value."""
     rows = _complete(codes)
     tolerance = 0.15
     passing = rows[abs(rows.order_in_v - 1) <= tolerance]
     bad = passing[passing["class"].isin(["stagnates", "wrong"])]
-    return caption("codes", rows=rows, bad=bad, tolerance=tolerance)
+    return dict(rows=rows, bad=bad, tolerance=tolerance)
 
 
 FAULT_SHADES = (
@@ -715,8 +714,8 @@ def draw_faults(matrix: DataFrame) -> Figure:
     return figure
 
 
-def caption_faults(matrix: DataFrame) -> str:
-    """Return the caption of the matrix of faults."""
+def values_of_faults(matrix: DataFrame) -> Json:
+    """Return the values in the caption of ``draw_faults``: name in the template ↦ value."""
     by_fault = matrix[matrix.by_error != ""].groupby("fault")["case"].nunique()
     never = [fault for fault in matrix.fault.unique() if fault not in by_fault]
-    return caption("faults", never=never, fewest=by_fault.min())
+    return dict(never=never, fewest=by_fault.min())

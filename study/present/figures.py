@@ -11,30 +11,20 @@ from pandas import DataFrame
 
 from study.ledger.codes import Codes
 from study.ledger.datafiles import expected_orders, read_csv, read_rates
-from study.ledger.files import UsageError
+from study.ledger.files import Json, UsageError
 from study.present.body import (
-    caption_body,
-    caption_fronts,
-    caption_profiles,
-    caption_sketch,
-    caption_zone,
     draw_body,
     draw_fronts,
     draw_profiles,
     draw_sketch,
     draw_zone,
+    values_of_body,
+    values_of_fronts,
+    values_of_profiles,
+    values_of_sketch,
+    values_of_zone,
 )
 from study.present.charts import (
-    caption_adapted,
-    caption_codes,
-    caption_collapsed,
-    caption_convergence,
-    caption_enclosure,
-    caption_faults,
-    caption_orders,
-    caption_overview,
-    caption_rollers,
-    caption_work,
     draw_adapted,
     draw_codes,
     draw_collapsed,
@@ -48,68 +38,78 @@ from study.present.charts import (
     enclosed_series,
     order_differences,
     roller_rows,
+    values_of_adapted,
+    values_of_codes,
+    values_of_collapsed,
+    values_of_convergence,
+    values_of_enclosure,
+    values_of_faults,
+    values_of_orders,
+    values_of_overview,
+    values_of_rollers,
+    values_of_work,
     work_rows,
 )
-from study.present.drawing import SHEET, Drawing
+from study.present.drawing import SHEET, Drawing, caption
 from study.present.picture import Picture, read_pictures
 
-FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., str], str]] = {
-    "problem": (draw_sketch, caption_sketch, "Sketch of a body on a rigid foundation"),
+FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., Json], str]] = {
+    "problem": (draw_sketch, values_of_sketch, "Sketch of a body on a rigid foundation"),
     "convergence": (
         draw_convergence,
-        caption_convergence,
+        values_of_convergence,
         "errors against the mesh size, both logarithmic",
     ),
     "overview": (
         draw_overview,
-        caption_overview,
+        values_of_overview,
         "error of every case against the mesh size, both logarithmic",
     ),
     "orders": (
         draw_orders,
-        caption_orders,
+        values_of_orders,
         "observed order of convergence over the last two refinements against the predicted order, a point for each "
         "case and mesh family",
     ),
     "collapsed": (
         draw_collapsed,
-        caption_collapsed,
+        values_of_collapsed,
         "errors of all cases over their constants against the mesh size",
     ),
     "enclosure": (
         draw_enclosure,
-        caption_enclosure,
+        values_of_enclosure,
         "error over time between its bounds, logarithmic",
     ),
     "adaptive": (
         draw_adapted,
-        caption_adapted,
+        values_of_adapted,
         "An adapted mesh, and the bound of the error over the unknowns",
     ),
     "contact-work": (
         draw_work,
-        caption_work,
+        values_of_work,
         "work of contact, error and excess against the mesh size, all logarithmic",
     ),
     "rollers": (
         draw_rollers,
-        caption_rollers,
+        values_of_rollers,
         "excess of contact over the linear problem against the mesh size, both logarithmic",
     ),
     "codes": (
         draw_codes,
-        caption_codes,
+        values_of_codes,
         "order in V and distance from the right solution against the error of the pressure, for all contact codes",
     ),
-    "faults": (draw_faults, caption_faults, "The matrix of deliberate faults"),
-    "body": (draw_body, caption_body, "The deformed body on its foundation, with stresses and contact"),
-    "zone": (draw_zone, caption_zone, "The contact zone in space and time, exact and computed"),
-    "fronts": (draw_fronts, caption_fronts, "Maps of the contact zone, exact and computed"),
-    "profiles": (draw_profiles, caption_profiles, "Gap and pressure along the contact boundary"),
+    "faults": (draw_faults, values_of_faults, "The matrix of deliberate faults"),
+    "body": (draw_body, values_of_body, "The deformed body on its foundation, with stresses and contact"),
+    "zone": (draw_zone, values_of_zone, "The contact zone in space and time, exact and computed"),
+    "fronts": (draw_fronts, values_of_fronts, "Maps of the contact zone, exact and computed"),
+    "profiles": (draw_profiles, values_of_profiles, "Gap and pressure along the contact boundary"),
 }
-"""Kind of figure ↦ the function that draws it, the function that returns its caption, and what it shows in a few words.
+"""Kind of figure ↦ the function that draws it, the function that returns the values in its caption, and what it shows.
 
-Both functions have the same parameters.
+Both functions have the same parameters. The kind is also the name of the template of the caption.
 """
 
 
@@ -118,14 +118,15 @@ def figure(kind: str, *data: Any, name: str = "", case: str = "", sheet: bool = 
 
     Parameters:
         kind: the kind of the figure, a key of ``FIGURES``.
-        data: the arguments of the functions that draw the figure and return its caption.
+        data: the arguments of the functions that draw the figure and return the values in its caption.
         name: the name of the files of the figure; by default the kind.
         case: the case or the problem that the figure shows; empty for figures over several cases.
         sheet: whether the figure has more axes than can be read on a slide.
     """
-    draw, describe, summary = FIGURES[kind]
+    draw, values, summary = FIGURES[kind]
+    text = caption(kind, **values(*data))
     title = ": ".join(filter(None, (summary, case)))
-    return Drawing(name or kind, partial(draw, *data), describe(*data), title, case, sheet, partial(_table, data))
+    return Drawing(name or kind, partial(draw, *data), text, title, case, sheet, partial(_table, data))
 
 
 def _table(data: Sequence[Any]) -> DataFrame | None:
