@@ -94,9 +94,8 @@ def draw(directory: Path, processes: Processes, chosen: Sequence[Drawing], outpu
     """
     written: Paths = []
     drawn = processes.map(partial(draw_one, output.folder(directory), output=output), chosen)
-    with progress_bar(0) as bar:
+    with progress_bar(len(chosen)) as bar:
         for drawing, paths in zip(chosen, drawn, strict=True):
-            bar.total = len(chosen)
             bar.set_description(f"figure {drawing.name}", refresh=False)
             bar.update()
             written += paths
