@@ -148,7 +148,7 @@ def numbers_of_others(rows: DataFrame) -> list[int]:
 def accounts(data: FullRun) -> Rows:
     """Return the numbers of all checks, of checks that hold, and of checks that fail or are undecided.
 
-    There is a row for each kind of evidence, such as a theorem, and a row for all checks.
+    There is a row for each kind of evidence, whose titles are ``EVIDENCE_TITLES``, and a row for all checks.
     """
     kinds = data.claims.apply(evidence, axis=1).map(EVIDENCE_TITLES)
     body: Rows = []
