@@ -95,7 +95,8 @@ def data(directory, tmp_path):
 def test_every_row_of_the_ledger_is_on_the_page_in_its_order_below_its_statement(directory, page):
     columns = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
     expected = []
-    for (label, claim), rows in all_checks(directory).map(cell).groupby(["label", "statement"], sort=False):
+    texts = all_checks(directory).map(cell)
+    for (label, claim), rows in texts.groupby(["label", "statement"], sort=False):
         expected += [[f"{label} {claim}"], *rows[columns].to_numpy().tolist()]
     start = page.rows.index(columns) + 1
     rows = [[cell.split(" study/")[0] for cell in row] for row in page.rows[start : start + len(expected)]]
