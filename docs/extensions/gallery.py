@@ -55,7 +55,7 @@ def drawn_once(data: Path, suffix: str, draw: Callable[[Path, Picture], object])
     if not image.exists():
         image.parent.mkdir(parents=True, exist_ok=True)
         with in_style():
-            draw(image, Picture(read_record(data)).at_all_times())
+            draw(image, Picture(read_record(data)).at_every(1))
     return image.name
 
 

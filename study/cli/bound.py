@@ -277,7 +277,7 @@ def adapt(options: Namespace) -> int:
         result = AdaptiveRefinement(
             name, "max " * data.in_time + NORM[data.in_time], shown, edges, closed, rows, uniform
         )
-        drawn = draw_one(directory, figure("adaptive", result, about=name))
+        drawn = draw_one(directory, figure("adaptive", result, case=name))
         solved = (stage.mesh.p, stage.mesh.t), at_vertices
         drawn += draw_one(directory, problem_drawing(name, data, solved), PROBLEM_OUTPUT)
     tell_written([table, *paths, *drawn])
@@ -314,7 +314,7 @@ def _limit(stage: Stage, cells: int) -> str:
 
 
 def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, Array]:
-    """Find out which edges of the contact boundary Γ3 are in contact.
+    """Return the edges of the contact boundary Γ3, and which of them are in contact.
 
     Args:
         data: the problem.

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import BrokenExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import pandas as pd
 from tqdm import tqdm
@@ -33,9 +33,7 @@ if TYPE_CHECKING:
     from study.run.plan import Job, Jobs
 
 Result = TypeVar("Result")
-BAR = "{l_bar}{bar}| {elapsed}<{left}"
-SURE_SHARE = 0.1
-"""The remaining time is estimated after this fraction of the work is done."""
+BAR = "{l_bar}{bar}| {elapsed}<{remaining}"
 
 
 def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
@@ -83,12 +81,7 @@ def code_of(verdicts: Verdicts, file: Path | None) -> int:
 
 
 class ProgressBar(tqdm):  # type: ignore[misc]
-    """A progress bar that estimates the remaining time from the mean speed since the start.
-
-    An estimate is shown once ``SURE_SHARE`` of the work is done. The estimates of tqdm follow from the speed of the
-    last few
-    measurements. This speed varies by a factor of ten, so that the estimates of tqdm jump.
-    """
+    """A progress bar for measurements (jobs), which moves by their expected times."""
 
     monitor_interval = 0  # without tqdm's thread, because a process with threads should not be forked
 
@@ -96,21 +89,16 @@ class ProgressBar(tqdm):  # type: ignore[misc]
         """Move the bar by the expected time of a finished measurement."""
         self.update(round(job.cost))
 
-    @property
-    def format_dict(self) -> dict[str, Any]:
-        """The values for the text of the bar, with the estimated remaining time as ``left``."""
-        values: dict[str, Any] = super().format_dict
-        done = values["n"]
-        total = values["total"] or 0
-        known = total > 0 and done >= SURE_SHARE * total
-        values["left"] = tqdm.format_interval(values["elapsed"] * (total - done) / done) if known else "?"
-        return values
-
 
 def progress_bar(total: int, name: str = "") -> ProgressBar:
-    """Return a progress bar with a name on standard error. If this is not a terminal, it is updated less often."""
+    """Return a progress bar with a name on standard error, which estimates the remaining time.
+
+    If standard error is not a terminal, the bar is updated less often.
+    """
     pause = 0.5 if sys.stderr.isatty() else 10
-    return ProgressBar(desc=name, total=total, unit="", bar_format=BAR, mininterval=pause, miniters=1)
+    # Without smoothing, the remaining time follows from the mean speed since the start. The speed of the last few
+    # measurements varies by a factor of ten.
+    return ProgressBar(desc=name, total=total, unit="", bar_format=BAR, mininterval=pause, miniters=1, smoothing=0)
 
 
 def job_progress(jobs: Jobs, name: str = "") -> ProgressBar:
@@ -144,9 +132,22 @@ def tell_written(paths: Sequence[Path], more: str = "") -> None:
 
 # Errors that end a command: exit code and message, without a traceback.
 
-OF_CASES = (BodyError, CaseError, FormulaError, LawError, LoadError, SelfProofError)
-OF_FILES = (DataError, OrderError, RatesError, StoreError)
-REFUSALS = (*OF_CASES, *OF_FILES, BoundError, MeshError, NormError, UsageError)
+REFUSALS = (
+    BodyError,
+    BoundError,
+    CaseError,
+    DataError,
+    FormulaError,
+    LawError,
+    LoadError,
+    MeshError,
+    NormError,
+    OrderError,
+    RatesError,
+    SelfProofError,
+    StoreError,
+    UsageError,
+)
 """Errors whose message states the given input, the expected input and the remedy."""
 
 KILLED = (

@@ -7,7 +7,6 @@ judged that the study claims to hold there. The results are added to the record 
 import shutil
 import time
 from argparse import Namespace
-from collections.abc import Callable
 from pathlib import Path
 from secrets import randbits
 
@@ -15,7 +14,7 @@ from pandas import DataFrame
 from tabulate import tabulate
 
 from manufactured.self_proof import prove
-from study.cli.common import ProgressBar, job_progress, progress_bar
+from study.cli.common import job_progress, progress_bar
 from study.cli.options import FAILED, OK, SEED_BITS, UNCLEAR
 from study.controls.faults import FAULTS
 from study.controls.matrix import measure_case
@@ -73,24 +72,6 @@ class TimeIsUpError(Exception):
     """Raised when the time of ``--minutes`` is over; finished measurements are stored."""
 
 
-def watch(bar: ProgressBar, end: float) -> Callable[[Job], None]:
-    """Return a function, called after each measurement, that shows the progress and stops the run when time is over.
-
-    Its argument is the job of the measurement. It raises TimeIsUpError if the time is over.
-
-    Parameters:
-        bar: the progress bar.
-        end: when the run must stop, on the clock ``time.monotonic()``.
-    """
-
-    def notify(job: Job) -> None:
-        bar.add(job)
-        if time.monotonic() >= end:
-            raise TimeIsUpError
-
-    return notify
-
-
 def do_seeds(options: Namespace) -> int:
     """Judge checks on new random meshes as long as time permits, and count the seeds with a false alarm.
 
@@ -108,8 +89,7 @@ def do_seeds(options: Namespace) -> int:
         if options.seed is not None:
             return _again(options.seed, options.out, pool)
         with Store(options.out).locked():
-            most = float("inf") if options.seeds is None else options.seeds
-            _fill(options.out, pool, time.monotonic() + 60 * options.minutes, most)
+            _fill(options.out, pool, time.monotonic() + 60 * options.minutes, options.seeds)
     record = SeedRecord.read(options.out)
     if not any(row.judged >= 0 for row in record.rows):
         begun = "; the next call continues the seed that was begun" if record.pending() else ""
@@ -147,7 +127,7 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
 
 
 def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tuple[Verdicts, str]:
-    """Measure on the random meshes with one seed, and delete the measurements afterwards.
+    """Measure on the random meshes with one seed, judge the results, and delete the measurements afterwards.
 
     Measurements of an interrupted call are used.
 
@@ -164,8 +144,14 @@ def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tup
     """
     store = Store(directory / "seeds" / str(seed))
     plan = seeded(seed)
+
+    def notify(job: Job) -> None:
+        bar.add(job)
+        if time.monotonic() >= end:
+            raise TimeIsUpError
+
     with job_progress(unfinished(plan.jobs, store), name) as bar:
-        execute(plan.jobs, store, pool, watch(bar, end))
+        execute(plan.jobs, store, pool, notify)
         collect(plan, store)
     measured = {job.statement.label for job in plan.jobs}
     claimed = [v for v in judge(store.directory) if v.verdict not in UNCLAIMED and v.label in measured]

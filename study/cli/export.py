@@ -7,7 +7,7 @@ import lzma
 from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from json import dumps
 from math import inf
@@ -61,7 +61,7 @@ def do_export(options: Namespace) -> int:
     with TaskStore(options.out).locked():
         for task in wanted:
             # A ``Task`` keeps its mesh and factorisations. A new one for each file frees the memory of the one before.
-            fresh = Task(task.case, task.family, task.level)
+            fresh = replace(task)
             if marches:
                 data = march(fresh, options.steps or task.level, options.scale)
             else:

@@ -17,7 +17,6 @@ OK, FAILED, BAD_USAGE, UNCLEAR, INTERRUPTED, BROKEN_PIPE = 0, 1, 2, 3, 130, 141
 """Exit codes: success; a check or a job fails; bad usage or input; undecided; Ctrl-C; broken pipe."""
 SCHEME_NAMES = ("backward-euler", "midpoint", "bdf2")
 FAMILY_NAMES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded", "alternating")
-TASK_MODES = ("frozen", "march")
 COMPARE_TOLERANCE = 1e-12
 """Default relative difference that ``study compare`` permits."""
 AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
@@ -190,7 +189,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--minutes", type=float, default=60.0, metavar="M",
                within=Range(0, "0 or more (0 prints the record)"),
                help="time for new seeds (default 60; 0: only print the record)"),
-        whole("--seeds", within=FROM_1, help="largest number of new seeds"),
+        whole("--seeds", within=FROM_1, default=sys.maxsize, help="largest number of new seeds"),
         whole("--seed", within=FROM_0,
               help="measure this seed again and compare with the record"),
         JOBS,
@@ -228,7 +227,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--family", nargs="+", metavar="NAME",
                help=f"meshes: {', '.join(FAMILY_NAMES)} (default: those on which `study run --quick` measures the "
                "case)"),
-        option("--mode", choices=TASK_MODES, default="frozen",
+        option("--mode", choices=("frozen", "march"), default="frozen",
                help="frozen: static problems (default); march: a problem with time steps"),
         option("--instants", nargs="+", type=float, within=ANY, metavar="T",
                help="times of the static problems (default: three times)"),

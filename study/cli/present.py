@@ -94,9 +94,8 @@ def draw(directory: Path, processes: Processes, chosen: Sequence[Drawing], outpu
     """
     written: Paths = []
     drawn = processes.map(partial(draw_one, output.folder(directory), output=output), chosen)
-    with progress_bar(0) as bar:
+    with progress_bar(len(chosen)) as bar:
         for drawing, paths in zip(chosen, drawn, strict=True):
-            bar.total = len(chosen)
             bar.set_description(f"figure {drawing.name}", refresh=False)
             bar.update()
             written += paths
@@ -107,7 +106,6 @@ def draw(directory: Path, processes: Processes, chosen: Sequence[Drawing], outpu
 
 SHOWN_EVERY = 2
 """Every second time step is shown."""
-SHOWN_STEPS = PICTURE_STEPS
 SHOWN_LEVELS = {2: LEVEL, 3: 9}
 """Dimension ↦ default level (cells along a side). In 3D it is a multiple of the number of parts into which a
 face of the cube is divided."""
@@ -119,7 +117,7 @@ def solve_showcase(case: Case, family: MeshFamily, level: int, notify: Callable[
     Parameters:
         case: the case.
         family, level: the mesh family, and the number of cells of the mesh along a side.
-        notify: called after each of the SHOWN_STEPS + 1 times.
+        notify: called after each of the PICTURE_STEPS + 1 times.
 
     Returns:
         The data of a picture, in the format of ``pictures/CASE.json.gz``; and fields on the whole mesh over time.
@@ -127,7 +125,7 @@ def solve_showcase(case: Case, family: MeshFamily, level: int, notify: Callable[
     Raises:
         MeshError: the mesh of this level does not fit the body.
     """
-    motion = Motion.of(case.solution, family, level, SHOWN_STEPS, notify)
+    motion = Motion.of(case.solution, family, level, PICTURE_STEPS, notify)
     return pictures.record(case.name, motion, SHOWN_EVERY), mesh_series(motion, SHOWN_EVERY)
 
 
@@ -196,7 +194,7 @@ def do_show(options: Namespace) -> int:
     family = affordable_family(case, level)
     directory = options.out / case.name
     with Store(directory, written=(".",)).locked():
-        with progress_bar(SHOWN_STEPS + 1, case.name) as bar:
+        with progress_bar(PICTURE_STEPS + 1, case.name) as bar:
             record, series = solve_showcase(case, family, level, bar.update)
         # There are a storyboard and a frame for each time.
         with progress_bar(1 + len(record["times"]), "images") as bar:

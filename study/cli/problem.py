@@ -1,7 +1,6 @@
 """Pictures of a stated problem with supports and loads, and of the error on the cells of its mesh."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -50,36 +49,13 @@ TRACTION_TIMES = 5
 """Number of times of which the one with the largest tractions is shown, if no displacement is given."""
 
 
-@dataclass(frozen=True, eq=False)
-class ProblemPicture:
-    """What the picture of a problem shows.
-
-    Attributes:
-        name, data: the name and the data of the problem.
-        time: the time of the loads and of the displacement.
-        mesh: the mesh; None if no mesh is drawn.
-        displacement: the displacements of its vertices, (2, vertices).
-    """
-
-    name: str
-    data: Data
-    time: float
-    mesh: Triangulation | None
-    displacement: Array
-
-    @property
-    def when(self) -> str:
-        """The time of the loads, as text; empty for static problems."""
-        return f", t = {self.time:.3g}" if self.data.in_time else ""
-
-    @property
-    def factor(self) -> float:
-        """The factor by which the displacement is drawn too large."""
-        return magnification(self.data.body.vertices, self.displacement[None])
-
-
 def problem_drawing(name: str, data: Data, solved: MeshInTime | None = None) -> Drawing:
-    """Return the figure ``problem``: a problem, and perhaps a mesh with its largest displacement.
+    """Return the figure ``problem``: a problem as it is stated, and perhaps a mesh with its largest displacement.
+
+    Parameters:
+        name, data: the name and the data of the problem.
+        solved: a mesh and a displacement over time, which is drawn at the time of its largest value. Without it, the
+            loads are drawn at the time of the largest traction.
 
     Raises:
         UsageError: the body is not plane.
@@ -87,18 +63,23 @@ def problem_drawing(name: str, data: Data, solved: MeshInTime | None = None) -> 
     body = data.body
     if body.dim != 2:
         raise UsageError(f"{name} has a body in {body.dim} dimensions; pictures of problems show plane bodies")
+    meshes: list[Triangulation] = []
+    factor = 1.0
+    moved = ""
     if solved is None:
         times = np.linspace(0.0, body.T, TRACTION_TIMES if data.in_time else 1)
-        largest = max(times, key=lambda time: max(abs(_traction(data, part, time)[1]).max() for part in body.parts))
-        picture = ProblemPicture(name, data, float(largest), None, np.zeros_like(body.vertices))
-        moved = ""
+        time = max(times, key=lambda time: max(abs(_traction(data, part, time)[1]).max() for part in body.parts))
     else:
         (vertices, cells), (times, displacements) = solved
         at = int(abs(displacements).max(axis=(1, 2)).argmax())
-        picture = ProblemPicture(name, data, float(times[at]), Triangulation(*vertices, cells.T), displacements[at])
-        moved = f", and the mesh moved by {picture.factor:g} times its displacement"
-    text = caption("problem_picture", name=name, moved=moved, when=picture.when)
-    return Drawing("problem", partial(draw_problem, picture), text, f"The problem {name}")
+        time = times[at]
+        factor = magnification(body.vertices, displacements[at : at + 1])
+        meshes = [Triangulation(*x, cells.T) for x in (vertices, vertices + factor * displacements[at])]
+        moved = f", and the mesh moved by {factor:g} times its displacement"
+    when = f", t = {time:.3g}" if data.in_time else ""
+    text = caption("problem_picture", name=name, moved=moved, when=when)
+    draw = partial(draw_problem, f"{name}{when}", data, float(time), meshes, factor)
+    return Drawing("problem", draw, text, f"The problem {name}")
 
 
 def _traction(data: Data, part: Part, time: float) -> tuple[Array, Array]:
@@ -110,7 +91,9 @@ def _traction(data: Data, part: Part, time: float) -> tuple[Array, Array]:
 
 
 def error_map(name: str, vertices: Array, cells: Array, squares: Sequence[float]) -> Drawing:
-    """Return the figure ``cells``: a map of ‖ũ − u_h‖², per area, on the cells of a mesh.
+    """Return the figure ``cells``: a map of ‖ũ − u_h‖ per root of the area on the cells of a mesh.
+
+    This is the distance of the computed displacement u_h from a more accurate displacement ũ.
 
     Parameters:
         name: the name of the problem.
@@ -146,31 +129,38 @@ def _axes(points: Array) -> tuple[Figure, Axes]:
     """Return a figure whose shape fits points of the plane, (2, n), and its axes."""
     wide, high = np.ptp(points, axis=1)
     shape = np.clip(high / wide, 0.4, 1.4)
-    figure = Figure(figsize=(1.4 * column_width(), 1.4 * column_width() * shape + 0.5), layout="constrained")
+    figure = Figure(figsize=(1.4 * column_width(), 1.4 * column_width() * shape + 0.5))
     axes = figure.subplots()
     axes.set_aspect("equal")
     axes.set(xlabel="$x_1$", ylabel="$x_2$")
     return figure, axes
 
 
-def draw_problem(picture: ProblemPicture) -> Figure:
-    """Draw outline, supports, loads, the mesh and its displacement, if there is one."""
-    body = picture.data.body
+def draw_problem(title: str, data: Data, time: float, meshes: Sequence[Triangulation], factor: float) -> Figure:
+    """Draw the outline of the body with supports and loads, and perhaps a mesh with its displacement.
+
+    Parameters:
+        title: the title of the figure.
+        data: the problem.
+        time: the time of the loads.
+        meshes: the mesh at rest and the displaced mesh; empty if no mesh is drawn.
+        factor: the factor by which the drawn displacement of the second mesh is larger than the computed one.
+    """
+    body = data.body
     figure, axes = _axes(body.vertices)
     handles: list[Artist] = []
-    if picture.mesh:
+    for zorder, (mesh, colour) in enumerate(zip(meshes, ("0.8", BLUE), strict=False), start=1):
         # On fine meshes lines are thin, so that their cells can be seen.
-        thin = min(0.4, LINE_WIDTHS / np.sqrt(len(picture.mesh.triangles)))
-        axes.triplot(picture.mesh, color="0.8", lw=thin, zorder=1)
-        moved = [picture.mesh.x, picture.mesh.y] + picture.factor * picture.displacement
-        axes.triplot(Triangulation(*moved, picture.mesh.triangles), color=BLUE, lw=thin, zorder=2)
-        handles.append(entry(f"displacement × {picture.factor:g}", color=BLUE, lw=0.8))
+        thin = min(0.4, LINE_WIDTHS / np.sqrt(len(mesh.triangles)))
+        axes.triplot(mesh, color=colour, lw=thin, zorder=zorder)
+    if meshes:
+        handles.append(entry(f"displacement × {factor:g}", color=BLUE, lw=0.8))
     for number, part in enumerate(body.parts):
         _draw_side(axes, part, number, body.extent)
-    loaded = _draw_loads(axes, picture.data, picture.time)
+    loaded = _draw_loads(axes, data, time)
     axes.margins(0.06)
     axes.tick_params(length=2)
-    axes.set_title(f"{picture.name}{picture.when}")
+    axes.set_title(title)
     present = {part.kind.name for part in body.parts}
     handles += [Patch(label=kind, **style) for kind, style in SUPPORT_STYLES.items() if kind in present]
     if loaded:

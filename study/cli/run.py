@@ -125,10 +125,10 @@ def with_levels_of(directory: Path, scope: Scope) -> Scope:
         if had - given:
             old, new = (" ".join(map(str, sorted(levels))) for levels in (had, given - had))
             print(f"study: {directory} has {case.name} on the levels {old}: {new} added", file=sys.stderr)
-        scope = replace(scope, own=(*scope.own, (case.name, Levels(tuple(sorted(had | given))))))
+        own = (*scope.own, (case.name, Levels(tuple(sorted(had | given)))))
         equivalence = "equivalence" if case.solution.body.dim == 2 else "solid_equivalence"
         both: dict[str, Any] = {equivalence: tuple(sorted(compared | {*getattr(scope, equivalence)}))}
-        scope = replace(scope, **both)
+        scope = replace(scope, own=own, **both)
     return scope
 
 

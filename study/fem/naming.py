@@ -9,6 +9,7 @@ from difflib import get_close_matches
 from functools import lru_cache
 from inspect import isfunction
 from pathlib import Path
+from traceback import extract_tb
 from types import ModuleType
 from typing import Any
 
@@ -190,11 +191,21 @@ def _from_file(reference: str) -> Any:
         raise
     except (Exception, SystemExit) as error:
         raise UsageError(
-            f"the case {reference} cannot be read: running {file} raises {type(error).__name__}: {error}; correct "
-            "the file"
+            f"the case {reference} cannot be read: running {file} raises {type(error).__name__}: {error}"
+            f"{raised_at(error, path)}; correct the file"
         ) from error
     finally:
         sys.dont_write_bytecode = writes_none
+
+
+def raised_at(error: BaseException, file: Path) -> str:
+    """Return the line of a user's file at which an error was raised, as text such as " (FILE, line 3)".
+
+    If the line calls a function of another file that raises the error, it is the line with this call. The text is empty
+    if no line of the file had a part in the error.
+    """
+    lines = [frame.lineno for frame in extract_tb(error.__traceback__) if frame.filename == str(file)]
+    return f" ({file}, line {lines[-1]})" if lines else ""
 
 
 def _none_named(file: str, name: str, module: ModuleType) -> str:

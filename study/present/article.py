@@ -4,7 +4,7 @@ The tables and macros are made from the data files of a full run and written to 
 plain text, which ``encode`` turns into LaTeX.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from pandas import DataFrame, Series
@@ -51,8 +51,8 @@ DISCRETE = ("time-in-k", "time-in-h", "error-in-h")
 """Suffixes of the keys of the checks of each fully discrete scheme."""
 MARKS = {"met": "", "undecided": "*", "wrong": "†"}
 """Whether a prediction was met ↦ its mark in the table of fully discrete errors."""
-PlainRows = list[list[str]]
-"""The cells of a table, row by row, as plain text."""
+Rows = list[list[object]]
+"""The cells of a table, row by row."""
 
 
 def write_tables(directory: Path) -> Paths:
@@ -89,17 +89,18 @@ def article(directory: Path) -> dict[Path, str]:
     return {directory / "article" / f"{name}.tex": text for name, text in by_name.items()}
 
 
-def latex(name: str, rows: DataFrame | PlainRows) -> str:
-    """Return a LaTeX table with the headings and columns of ``page/article.toml`` and the given cells.
+def latex(name: str, rows: DataFrame | Sequence[Sequence[object]]) -> str:
+    """Return a table of a paper as LaTeX, which needs the packages booktabs and array.
 
-    Empty cells get a dash. The table needs the packages booktabs and array.
+    Parameters:
+        name: the name of the table in ``page/article.toml``, where its headings and columns are.
+        rows: its cells; empty cells (NaN) get a dash.
     """
-    if isinstance(rows, DataFrame):
-        rows = rows.fillna("–").astype(str).to_numpy().tolist()
+    texts = DataFrame(rows).fillna("–").astype(str).to_numpy().tolist()
     layout = ARTICLE_TEXTS["tables"][name]
     columns = [folding(column) if isinstance(column, float) else column for column in layout["columns"]]
-    cells = DataFrame([map(encode, row) for row in rows], columns=layout["headings"])
-    if rows and rows[-1][0] == TOTAL:
+    cells = DataFrame([map(encode, row) for row in texts], columns=layout["headings"])
+    if texts and texts[-1][0] == TOTAL:
         cells.iloc[-1, 0] = rf"\midrule {TOTAL}"
     return cells.style.hide().to_latex(column_format=rf"@{{}}{''.join(columns)}@{{}}", hrules=True)
 
@@ -116,35 +117,45 @@ def group_of(label: str) -> str:
     return max(matches)[1] if matches else BEYOND
 
 
-def verdicts(data: FullRun) -> PlainRows:
+def by_group(claims: DataFrame, groups: Series, titles: Iterable[str]) -> Iterator[tuple[str, DataFrame]]:
+    """Yield title and checks of each group, and at the end ``TOTAL`` and all checks.
+
+    Parameters:
+        claims: the table ``claims.csv``.
+        groups: the title of the group of each check.
+        titles: the titles of all groups.
+    """
+    for title in titles:
+        yield title, claims[groups == title]
+    yield TOTAL, claims
+
+
+def verdicts(data: FullRun) -> Rows:
     """Return the numbers of checks with each verdict, a row for each group of statements and for all.
 
     The checks that hold are counted by the kind of their evidence.
     """
-    groups = data.claims.label.map(group_of)
-    body = []
-    for title in (*GROUPS, BEYOND, TOTAL):
-        rows = data.claims if title == TOTAL else data.claims[groups == title]
-        body.append([title, *map(str, count_kinds(rows).values()), *numbers_of_others(rows)])
-    return body
+    groups = by_group(data.claims, data.claims.label.map(group_of), [*GROUPS, BEYOND])
+    return [[title, *count_kinds(rows).values(), *numbers_of_others(rows)] for title, rows in groups]
 
 
-def numbers_of_others(rows: DataFrame) -> list[str]:
+def numbers_of_others(rows: DataFrame) -> list[int]:
     """Return the numbers of checks that fail or are undecided, of wrong predictions, and of reported numbers."""
     count = count_verdicts(rows)
-    return [str(number) for number in (count[FAILS] + count[UNDECIDED], count[MISSED], count[REPORTED])]
+    return [count[FAILS] + count[UNDECIDED], count[MISSED], count[REPORTED]]
 
 
-def accounts(data: FullRun) -> PlainRows:
-    """Return the numbers of checks, of checks that hold, and of those that fail or are undecided, by evidence."""
-    names = data.claims.apply(evidence, axis=1)
-    body = []
-    for name, title in (EVIDENCE_TITLES | {TOTAL: TOTAL}).items():
-        rows = data.claims if name == TOTAL else data.claims[names == name]
+def accounts(data: FullRun) -> Rows:
+    """Return the numbers of all checks, of checks that hold, and of checks that fail or are undecided.
+
+    There is a row for each kind of evidence, whose titles are ``EVIDENCE_TITLES``, and a row for all checks.
+    """
+    kinds = data.claims.apply(evidence, axis=1).map(EVIDENCE_TITLES)
+    body: Rows = []
+    for title, rows in by_group(data.claims, kinds, EVIDENCE_TITLES.values()):
         count = count_verdicts(rows)
-        judged = [str(count[HOLDS]), str(count[FAILS] + count[UNDECIDED])]
-        is_judged = not rows.verdict.isin(UNCLAIMED).all()
-        body.append([title, str(len(rows)), *(judged if is_judged else ["–", "–"])])
+        judged = [count[HOLDS], count[FAILS] + count[UNDECIDED]]
+        body.append([title, len(rows), *(["–", "–"] if rows.verdict.isin(UNCLAIMED).all() else judged)])
     return body
 
 
@@ -154,7 +165,7 @@ def ledger(data: FullRun) -> str:
     This is the check whose value uses the largest share of its tolerance window. Each group of statements has a
     separate table, which is not broken over pages.
     """
-    bodies: dict[str, PlainRows] = {title: [] for title in (*GROUPS, BEYOND)}
+    bodies: dict[str, Rows] = {title: [] for title in (*GROUPS, BEYOND)}
     for label, claim, rows in by_claim(data.claims):
         judged = rows[~rows.verdict.isin(UNCLAIMED)]
         nearest = ["–", ""]
@@ -162,7 +173,7 @@ def ledger(data: FullRun) -> str:
         if len(shares):
             row = judged.loc[shares.idxmax()]
             nearest = [f"{row.quantity} ({row.case})", f"{three_digits(worst_value(row))}; {window_ends(row)}"]
-        holds = str((rows.verdict == HOLDS).sum())
+        holds = (rows.verdict == HOLDS).sum()
         bodies[group_of(label)].append([label, claim, holds, *numbers_of_others(rows), *nearest])
     heading = r"\par\medskip\noindent\textbf{{{}}}\par\nobreak\smallskip\noindent" + "\n"
     return "".join(heading.format(encode(title)) + latex("ledger", body) for title, body in bodies.items())
@@ -177,7 +188,7 @@ def window_ends(row: Series) -> str:
     return f"≥ {low}" if high == "inf" else f"[{low}, {high}]"
 
 
-def slips(data: FullRun) -> PlainRows:
+def slips(data: FullRun) -> list[list[str]]:
     """Return the misprints in the source: place, printed text, corrected text."""
     rows = data.labelled(MISPRINTS)[["case", "quantity", "expected"]]
     return rows.replace("^read: ", "", regex=True).to_numpy().tolist()
@@ -201,14 +212,26 @@ def catalogue(data: FullRun) -> DataFrame:
 
 
 def cases_of(data: FullRun, label: str) -> DataFrame:
-    """Return a table of the cases of a proposition with their names and regularities; the index has their names."""
+    """Return the names and regularities of all cases that measure a proposition, indexed by the names.
+
+    Parameters:
+        data: the data of the run.
+        label: the label of the proposition, such as "Prop. 5.4".
+    """
     names = data.rates.loc[data.rates.claim == label, "case"].unique()
     shorter = {"strain with a jump inside cells": "jump inside cells", " front, ": ", "}
     return data.cases.loc[names, ["case", "regularity"]].replace({"regularity": shorter}, regex=True)
 
 
 def measured(data: FullRun, label: str, key: str, *columns: str, scale: float = 1) -> Series:
-    """Return case ↦ the values of a check in some columns, times a scale, with two decimals."""
+    """Return case ↦ the results of one check as text with two decimals.
+
+    Parameters:
+        data: the data of the run.
+        label, key: the label of the statement, and the short name of its check.
+        columns: the columns of ``claims.csv`` with the results, such as "low" and "high".
+        scale: factor of the results.
+    """
     rows = data.labelled(label)
     rows = rows[rows.key == key].drop_duplicates("case").set_index("case")
     values = scale * rows[[*columns]].to_numpy()
@@ -258,7 +281,7 @@ def rough(data: FullRun) -> DataFrame:
     return cells
 
 
-def stresses(data: FullRun) -> PlainRows:
+def stresses(data: FullRun) -> Rows:
     """Return the checks of Theorem 4.2 with a separate finite element space for stresses.
 
     There is a row for each case and mesh family, except shaken meshes.
@@ -302,12 +325,12 @@ def discrete(data: FullRun) -> DataFrame:
     return table[[*DISCRETE]].reset_index()
 
 
-def codes(data: FullRun) -> PlainRows:
+def codes(data: FullRun) -> list[list[str]]:
     """Return other people's contact codes without the effect of scaling; no rows if their results are missing."""
     return [row[:-1] for row in contact_codes(data.codes)] if data.codes else []
 
 
-def contact_codes(results: Codes) -> PlainRows:
+def contact_codes(results: Codes) -> list[list[str]]:
     """Return other people's contact codes, a row for each code and its parameters.
 
     A row says how the errors behave on finer meshes (the class, and the number of series of meshes with this class),

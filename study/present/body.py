@@ -9,11 +9,12 @@ from math import floor, log10, sqrt
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import BoundaryNorm, Colormap, LinearSegmentedColormap, Normalize, PowerNorm
+from matplotlib.colors import BoundaryNorm, Colormap, Normalize, PowerNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
@@ -21,6 +22,7 @@ from matplotlib.tri import Triangulation
 from numpy.linalg import norm
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, PURPLE, SKY, VERMILLION
+from study.ledger.files import Json
 from study.ledger.pictures import Numbers
 from study.present.drawing import (
     FOUNDATION,
@@ -29,7 +31,6 @@ from study.present.drawing import (
     RAMPS,
     RIM,
     Style,
-    caption,
     column_width,
     dots,
     entry,
@@ -61,8 +62,8 @@ GAP_STYLE: Style = dict(facecolor=(BLUE, 0.3), edgecolor=BLUE, linewidth=0.5)
 
 
 def ramp(name: str, shades: int = 256) -> Colormap:
-    """Return the colour map of a quantity of ``RAMPS``, with ``shades`` colours from zero to the largest value."""
-    return LinearSegmentedColormap.from_list(name, RAMPS[name], shades)
+    """Return the colour map of a quantity, "stress" or "pressure", with ``shades`` colours from zero upwards."""
+    return colormaps[RAMPS[name]].resampled(shades)
 
 
 def band(curve: Array, shift: Array) -> Array:
@@ -153,7 +154,7 @@ class BodyScale:
     def __init__(self, picture: Picture) -> None:
         at = picture.shown
         faces = picture.faces
-        stresses = picture.von_mises[picture.shown]
+        stresses = picture.von_mises[at]
         self.view = view_of(picture)
         self.size = picture.size
         self.magnification = magnification(picture.vertices, picture.displacement[at])
@@ -338,14 +339,13 @@ def draw_body(picture: Picture) -> Figure:
     return figure
 
 
-def caption_body(picture: Picture) -> str:
-    """Return the caption of ``draw_body``."""
+def values_of_body(picture: Picture) -> Json:
+    """Return the values in the caption of ``draw_body``: name in the template ↦ value."""
     scale = BodyScale(picture)
     stresses = picture.von_mises.max(axis=1)
     worst = max(picture.shown, key=stresses.__getitem__)
     touching = np.sum([face.touching[picture.shown].sum(axis=1) for face in picture.faces], axis=0)
-    return caption(
-        "body",
+    return dict(
         picture=picture,
         scale=scale,
         gap=scale.gap if scale.gap > NEGLIGIBLE_CONTACT else 0.0,
@@ -380,7 +380,7 @@ def draw_zone(picture: Picture) -> Figure:
     """Draw the contact zone of each face in 2D, exact and computed, with the position s to the right and time upwards.
 
     The filled region is the exact zone. Dots are nodes in contact; they are hollow outside the exact zone. The last
-    panel shows the error of the computed zone, as ``misplaced_length`` returns it.
+    panel shows the error of the computed zone: the length on which exact and computed zone differ, in cells.
     """
     count = len(picture.segments)
     figure = Figure(figsize=(column_width() + 0.8 * (count - 1), 3.2))
@@ -472,12 +472,11 @@ def _worst(picture: Picture, errors: Sequence[Array]) -> tuple[FaceHistory, floa
     return face, error.max(), f"on {picture.name(face)} at t = {when:.3g}"
 
 
-def caption_zone(picture: Picture) -> str:
-    """Return the caption of ``draw_zone``."""
+def values_of_zone(picture: Picture) -> Json:
+    """Return the values in the caption of ``draw_zone``: name in the template ↦ value."""
     errors = [misplaced_length(face) for face in picture.segments]
     _, worst, where = _worst(picture, errors)
-    return caption(
-        "zone",
+    return dict(
         picture=picture,
         mean=np.mean(errors),
         worst=worst,
@@ -528,7 +527,15 @@ def draw_profiles(picture: Picture) -> Figure:
 
 
 def draw_profile(axes: Axes, face: Segment, exact: Array, computed: Array, colour: str) -> None:
-    """Draw exact and computed values along a face in 2D."""
+    """Draw the exact and computed gap, or the exact and computed pressure, along a contact face in 2D.
+
+    Parameters:
+        axes: the axes.
+        face: the contact face.
+        exact: the exact values at the positions ``face.line``, drawn as a black line.
+        computed: the computed values at the nodes ``face.s``, drawn as markers.
+        colour: the colour of the markers.
+    """
     axes.plot(face.line, exact, color=BLACK, lw=0.9)
     axes.plot(face.s, computed, "o", color=colour, clip_on=False, zorder=3, **NODES)
     axes.set_xlim(face.line.min(), face.line.max())
@@ -536,10 +543,10 @@ def draw_profile(axes: Axes, face: Segment, exact: Array, computed: Array, colou
     axes.grid(True)
 
 
-def caption_profiles(picture: Picture) -> str:
-    """Return the caption of ``draw_profiles``."""
+def values_of_profiles(picture: Picture) -> Json:
+    """Return the values in the caption of ``draw_profiles``: name in the template ↦ value."""
     differences = {name: _largest_difference(picture, name) for name in QUANTITY_LABELS}
-    return caption("profiles", picture=picture, **differences)
+    return dict(picture=picture, **differences)
 
 
 def _largest_difference(picture: Picture, name: str) -> str:
@@ -561,8 +568,8 @@ def draw_fronts(picture: Picture) -> Figure:
 
     There is a row for each face and a column for each time.
 
-    The filled region is the exact zone, where the level function is not negative; dots are nodes in contact. Below, the
-    numbers of nodes in contact are shown over time, exact and computed.
+    The filled region is the exact zone, where the level function ψ of the solution is not negative; dots are nodes in
+    contact. The lowest axes show the numbers of nodes in contact over time, exact and computed.
     """
     rows = len(picture.polygons)
     figure = Figure(figsize=(column_width(), 2.2 + 1.25 * rows))
@@ -591,13 +598,12 @@ def draw_fronts(picture: Picture) -> Figure:
     return figure
 
 
-def caption_fronts(picture: Picture) -> str:
-    """Return the caption of ``draw_fronts``."""
+def values_of_fronts(picture: Picture) -> Json:
+    """Return the values in the caption of ``draw_fronts``: name in the template ↦ value."""
     # Nodes in contact outside the exact zone, and nodes in the exact zone that are not in contact.
     wrong = [(face.touching != face.inside)[1:].sum(axis=1) for face in picture.polygons]
     face, worst, where = _worst(picture, wrong)
-    return caption(
-        "fronts",
+    return dict(
         picture=picture,
         mean=np.mean(wrong),
         worst=worst,
@@ -661,7 +667,7 @@ def draw_sketch() -> Figure:
     axes = figure.subplots()
     s = np.linspace(0, wide, 61)
     gap = 0.28 * np.maximum(s - front, 0) ** 2
-    axes.fill([*s, wide, 0], [*gap, high, high], facecolor=RAMPS["stress"][0], edgecolor=BLACK, linewidth=0.8)
+    axes.fill([*s, wide, 0], [*gap, high, high], facecolor=ramp("stress")(0), edgecolor=BLACK, linewidth=0.8)
     axes.add_patch(Rectangle((0, high), wide, 0.05, facecolor="none", edgecolor=DARK, linewidth=0, hatch="/////"))
     axes.plot([0, wide], [high, high], color=DARK, lw=1.6)
     axes.plot(s, gap, color=BLUE, lw=1.6)
@@ -696,9 +702,9 @@ def draw_sketch() -> Figure:
     return figure
 
 
-def caption_sketch() -> str:
-    """Return the caption of ``draw_sketch``."""
-    return caption("problem")
+def values_of_sketch() -> Json:
+    """Return the values in the caption of ``draw_sketch``: name in the template ↦ value."""
+    return dict()
 
 
 def arrow(axes: Axes, start: Any, end: Any, colour: str, head: float = 6, **more: Any) -> None:

@@ -25,6 +25,7 @@ from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, ORANGE, SKY, VE
 from study.ledger.check import by_family
 from study.ledger.codes import GRADES, Codes
 from study.ledger.controls import INVISIBLE_SHARE
+from study.ledger.files import Json
 from study.ledger.quantities import Array, RatesError, fit, orders
 from study.ledger.text import interval, outwards
 from study.present.drawing import (
@@ -32,7 +33,6 @@ from study.present.drawing import (
     OUTLINE,
     TRIANGLE,
     Style,
-    caption,
     column_width,
     dots,
     entry,
@@ -73,7 +73,9 @@ def stacked_axes(*heights: int) -> tuple[Figure, list[Axes]]:
 
 
 def draw_cases(rows: DataFrame, quantities: Lines, slopes: Orders, columns: int) -> Figure:
-    """Draw quantities against the mesh size in small axes in a grid, one for each case; a row has common limits.
+    """Draw quantities against the mesh size in a grid of small axes, one for each case.
+
+    The axes in a row of the grid have the same limits.
 
     Parameters:
         rows: a table with the columns ``case``, ``family``, ``h`` and the quantities.
@@ -132,12 +134,25 @@ def complete(figure: Figure, *columns: Sequence[Artist]) -> Figure:
 
 
 def families(styles: Mapping[str, Style], **more: Any) -> list[Line2D]:
-    """Return the legend entries of mesh families below a heading; ``more`` are further properties of the lines."""
+    """Return the legend entries of mesh families: a heading, then an entry for each family.
+
+    Parameters:
+        styles: mesh family ↦ style of its line.
+        more: further properties of all lines.
+    """
     return [entry("mesh family", ls=""), *(entry(family, **style, **more) for family, style in styles.items())]
 
 
 def plot_families(axes: Axes, rows: DataFrame, column: str, styles: Mapping[str, Style], more: Style) -> None:
-    """Plot a column of a table over the mesh size, both logarithmic, with a line for each mesh family."""
+    """Plot a column of a table over the mesh size, both logarithmic, with a line for each mesh family.
+
+    Parameters:
+        axes: the axes.
+        rows: a table with the columns ``family``, ``h`` and ``column``.
+        column: the name of the column that is plotted.
+        styles: mesh family ↦ style of its line.
+        more: further properties of all lines.
+    """
     for family, of_family in by_family(rows).items():
         axes.loglog(of_family.h, of_family[column], **styles[family] | more)
 
@@ -223,7 +238,7 @@ def order_differences(rates: DataFrame, expected: Orders, refinements: int = 2) 
     """
     points = [
         (case, family, expected[case], order)
-        for (_, case), rows in rates.groupby(["scheme", "case"], sort=False)
+        for case, rows in rates.groupby("case", sort=False)
         for family, order in finest_orders(rows, refinements).items()
         if family != "graded"
     ]
@@ -253,7 +268,8 @@ MOST_COLUMNS = 5
 def draw_convergence(rates: DataFrame, order: float) -> Figure:
     """Draw the errors of one case against the mesh size, on all mesh families.
 
-    The lines are the error, the discrete error and the part of the error that is due to time discretisation.
+    The lines are the error ‖u − u^h‖_V, the discrete error ‖Π^h u − u^h‖_V, where Π^h u is the interpolant of u, and
+    the part of the error that is due to time discretisation.
 
     Parameters:
         rates: the rows of one case in ``rates.csv``.
@@ -272,13 +288,12 @@ def draw_convergence(rates: DataFrame, order: float) -> Figure:
     return complete(figure, families(styles), kinds)
 
 
-def caption_convergence(rates: DataFrame, order: float) -> str:
-    """Return the caption of ``draw_convergence``."""
+def values_of_convergence(rates: DataFrame, order: float) -> Json:
+    """Return the values in the caption of ``draw_convergence``: name in the template ↦ value."""
     last, graded = last_orders(rates)
     finest = rates.groupby("family").tail(1).query("discrete_error > 0")
     closer = finest.error / finest.discrete_error
-    return caption(
-        "convergence",
+    return dict(
         rates=rates,
         order=order,
         last=last,
@@ -301,11 +316,11 @@ def draw_overview(rates: DataFrame, expected: Orders) -> Figure:
     return figure
 
 
-def caption_overview(rates: DataFrame, expected: Orders) -> str:
-    """Return the caption of ``draw_overview``."""
+def values_of_overview(rates: DataFrame, expected: Orders) -> Json:
+    """Return the values in the caption of ``draw_overview``: name in the template ↦ value."""
     differences = order_differences(rates, expected, refinements=1).set_index("case")["difference"]
     graded = [order for _, rows in rates.groupby("case") for order in last_orders(rows)[1]]
-    return caption("overview", rates=rates, cases=_all_cases(rates), differences=differences, graded=graded)
+    return dict(rates=rates, cases=_all_cases(rates), differences=differences, graded=graded)
 
 
 def draw_orders(rates: DataFrame, expected: Orders) -> Figure:
@@ -330,15 +345,15 @@ def draw_orders(rates: DataFrame, expected: Orders) -> Figure:
     return complete(figure, families(styles, ls=""), [entry("observed = predicted", color=GREY)])
 
 
-def caption_orders(rates: DataFrame, expected: Orders) -> str:
-    """Return the caption of ``draw_orders``."""
+def values_of_orders(rates: DataFrame, expected: Orders) -> Json:
+    """Return the values in the caption of ``draw_orders``: name in the template ↦ value."""
     differences = order_differences(rates, expected)["difference"]
     ends = outwards(differences.min(), differences.max())
-    return caption("orders", cases=_all_cases(rates), sequences=len(differences), ends=ends)
+    return dict(cases=_all_cases(rates), sequences=len(differences), ends=ends)
 
 
 def over_constants(rates: DataFrame) -> DataFrame:
-    """Return the rows of ``rates.csv`` with the columns ``scaled``, error / C, and ``relative``, error / (C h).
+    """Return the rows of ``rates.csv`` with two more columns: ``scaled`` is error / C, ``relative`` is error / (C h).
 
     C h is the leading term of the interpolation error ‖u − Π^h u‖_V on the finest mesh. C follows from second
     derivatives of u, (5.23), not from the measured errors, so nothing is fitted.
@@ -352,7 +367,8 @@ def over_constants(rates: DataFrame) -> DataFrame:
 def draw_collapsed(rates: DataFrame) -> Figure:
     """Draw the errors of all smooth cases, each divided by its constant C, so that the lines coincide.
 
-    The upper axes show error / C, the lower axes error / (C h), both against the mesh size h.
+    The upper axes show error / C, the lower axes error / (C h), both against the mesh size h. C h is the leading term
+    of the interpolation error on the finest mesh, as in ``over_constants``.
     """
     styles = family_styles(rates.family)
     figure, (errors, ratios) = stacked_axes(3, 2)
@@ -368,12 +384,12 @@ def draw_collapsed(rates: DataFrame) -> Figure:
     return complete(figure, families(styles), [entry("C h, not fitted", color=GREY)])
 
 
-def caption_collapsed(rates: DataFrame) -> str:
-    """Return the caption of ``draw_collapsed``."""
+def values_of_collapsed(rates: DataFrame) -> Json:
+    """Return the values in the caption of ``draw_collapsed``: name in the template ↦ value."""
     table = over_constants(rates)
     finest = table.groupby(["case", "family"], sort=False)["relative"].last().groupby("family", sort=False)
     orders = order_in_words(rates)
-    return caption("collapsed", cases=_all_cases(rates), relative=table.relative, finest=finest, orders=orders)
+    return dict(cases=_all_cases(rates), relative=table.relative, finest=finest, orders=orders)
 
 
 def order_in_words(rates: DataFrame) -> str:
@@ -398,7 +414,12 @@ def enclosed_series(series: DataFrame) -> Iterator[tuple[str, DataFrame, str]]:
 
 
 def enclosure_ends(series: DataFrame) -> DataFrame:
-    """Return a series of bounds with the columns ``lower`` and ``upper``, the ends of the enclosure."""
+    """Return a table of error bounds with two more columns, ``lower`` and ``upper``: the error lies between them.
+
+    Parameters:
+        series: a table with ``distance``, the distance of u_h from a more accurate displacement ũ, and ``bound``, the
+            bound of the error of ũ. The ends are their difference, at least 0, and their sum.
+    """
     lower = (series.distance - series.bound).clip(lower=0)
     return series.assign(lower=lower, upper=series.distance + series.bound)
 
@@ -441,13 +462,13 @@ def draw_enclosure(series: DataFrame, title: str) -> Figure:
     return complete(figure, levels, lines)
 
 
-def caption_enclosure(series: DataFrame, title: str) -> str:
-    """Return the caption of ``draw_enclosure``."""
+def values_of_enclosure(series: DataFrame, title: str) -> Json:
+    """Return the values in the caption of ``draw_enclosure``: name in the template ↦ value."""
     known = series.error.notna().all()
     ends = enclosure_ends(series)
     inside = ends[(ends.error - ends.distance).abs() <= ends.bound]
     final = ends.loc[ends.groupby("level")["time"].idxmax()]
-    return caption("enclosure", title=title, interval=interval, known=known, ends=ends, inside=inside, final=final)
+    return dict(title=title, interval=interval, known=known, ends=ends, inside=inside, final=final)
 
 
 @dataclass(frozen=True, eq=False)
@@ -501,9 +522,9 @@ def draw_adapted(result: AdaptiveRefinement) -> Figure:
     return figure
 
 
-def caption_adapted(result: AdaptiveRefinement) -> str:
-    """Return the caption of ``draw_adapted``."""
-    return caption("adaptive", result=result)
+def values_of_adapted(result: AdaptiveRefinement) -> Json:
+    """Return the values in the caption of ``draw_adapted``: name in the template ↦ value."""
+    return dict(result=result)
 
 
 # Contact.
@@ -535,25 +556,31 @@ def draw_work(rows: DataFrame) -> Figure:
     return draw_cases(rows, CONTACT_TERMS, dict.fromkeys(rows.case, 1.0), columns=2)
 
 
-def caption_work(rows: DataFrame) -> str:
-    """Return the caption of ``draw_work``."""
+def values_of_work(rows: DataFrame) -> Json:
+    """Return the values in the caption of ``draw_work``: name in the template ↦ value."""
     by_term: dict[str, list[float]] = {"work": [], "error": []}
     for _, of_case in rows[rows.family == "one-diagonal"].groupby("case"):
         last = of_case.sort_values("level").tail(3)
         for term, of_term in by_term.items():
             of_term += orders(last.h.to_numpy(), last[term].to_numpy()).tolist()
-    return caption("contact-work", **by_term)
+    return dict(**by_term)
 
 
 def roller_rows(statements: DataFrame) -> DataFrame:
-    """Return the rows of ``statements.csv`` for ``draw_rollers``; all shaken meshes are one mesh family."""
+    """Return the rows of ``statements.csv`` with the additional error that ``draw_rollers`` shows.
+
+    The families of all shaken meshes, which have different random seeds, become one mesh family.
+    """
     chosen = statements.label.eq("beyond: rollers") & statements.quantity.eq("excess")
     rows = statements[chosen & statements.case.str.fullmatch(r"roller-\d+")]
     return rows.replace({"family": {"^shaken.*": "shaken"}}, regex=True)
 
 
 def roller_means(rows: DataFrame) -> Iterator[tuple[str, DataFrame]]:
-    """Yield mesh family and a table of ``h`` and the ``mean``, ``min`` and ``max`` of the excess, coarse to fine."""
+    """Yield each mesh family with a table that has a row for each level, from coarse to fine.
+
+    The table has the mesh size ``h`` and the ``mean``, ``min`` and ``max`` of the values of ``roller_rows``.
+    """
     for family, of_family in rows.groupby("family", sort=False):
         levels = of_family.groupby("level")
         yield family, levels["value"].agg(["mean", "min", "max"]).assign(h=levels["h"].mean())
@@ -582,11 +609,11 @@ def draw_rollers(rows: DataFrame) -> Figure:
     return complete(figure, families(styles), [entry("slope 1", color=GREY, **DOTTED)])
 
 
-def caption_rollers(rows: DataFrame) -> str:
-    """Return the caption of ``draw_rollers``."""
+def values_of_rollers(rows: DataFrame) -> Json:
+    """Return the values in the caption of ``draw_rollers``: name in the template ↦ value."""
     means = roller_means(rows)
     fits = {family: fit(table.h.to_numpy(), table["mean"].to_numpy()) for family, table in means if len(table) > 1}
-    return caption("rollers", fits=fits)
+    return dict(fits=fits)
 
 
 # Other codes, cost, and deliberate faults.
@@ -601,8 +628,8 @@ def draw_codes(codes: Codes) -> Figure:
     """Draw the results of other people's contact codes.
 
     Each point is a code with its parameters on one case and mesh family. The upper axes show the observed order of the
-    error in V, the lower axes the distance from the solution in K^h, both against the error of the contact pressure on
-    the finest mesh.
+    error in V. The lower axes show the distance from the discrete solution without penetration at the vertices, which
+    is the solution in the convex set K^h. The horizontal axis is the error of the contact pressure on the finest mesh.
     """
     rows = _complete(codes)
     figure, (order, share) = stacked_axes(3, 2)
@@ -626,13 +653,13 @@ def _complete(codes: Codes) -> DataFrame:
     return codes.series().dropna(subset=["order_in_v", "share", "excess"])
 
 
-def caption_codes(codes: Codes) -> str:
-    """Return the caption of ``draw_codes``."""
+def values_of_codes(codes: Codes) -> Json:
+    """Return the values in the caption of ``draw_codes``: name in the template ↦ value."""
     rows = _complete(codes)
     tolerance = 0.15
     passing = rows[abs(rows.order_in_v - 1) <= tolerance]
     bad = passing[passing["class"].isin(["stagnates", "wrong"])]
-    return caption("codes", rows=rows, bad=bad, tolerance=tolerance)
+    return dict(rows=rows, bad=bad, tolerance=tolerance)
 
 
 FAULT_SHADES = (
@@ -646,7 +673,9 @@ FAULT_SHADES = (
 
 
 def draw_faults(matrix: DataFrame) -> Figure:
-    """Draw the matrix of faults: rows are faults by equation, columns are cases, the shade says what notices the fault.
+    """Draw the matrix of deliberate faults, with a row for each fault and a column for each case.
+
+    The shade of a cell says which checks notice the fault in this case.
 
     Parameters:
         matrix: the table ``faults.csv``.
@@ -685,8 +714,8 @@ def draw_faults(matrix: DataFrame) -> Figure:
     return figure
 
 
-def caption_faults(matrix: DataFrame) -> str:
-    """Return the caption of the matrix of faults."""
+def values_of_faults(matrix: DataFrame) -> Json:
+    """Return the values in the caption of ``draw_faults``: name in the template ↦ value."""
     by_fault = matrix[matrix.by_error != ""].groupby("fault")["case"].nunique()
     never = [fault for fault in matrix.fault.unique() if fault not in by_fault]
-    return caption("faults", never=never, fewest=by_fault.min())
+    return dict(never=never, fewest=by_fault.min())

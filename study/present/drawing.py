@@ -28,11 +28,8 @@ OUTLINE, RIM = "0.35", "0.4"
 FOUNDATION, FOUNDATION_EDGE, TRIANGLE = "0.82", "0.25", "0.93"
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 """Colours of the first, second, … line in a figure. The colours of the report page are in ``page/page.css``."""
-RAMPS = {
-    "stress": ("#ffffd9", "#edf8b1", "#c7e9b4", "#7fcdbb", "#41b6c4", "#1d91c0", "#225ea8", "#253494", "#081d58"),
-    "pressure": ("#fff7ec", "#fee8c8", "#fdd49e", "#fdbb84", "#fc8d59", "#ef6548", "#d7301f", "#b30000", "#7f0000"),
-}
-"""Quantity ↦ colours from zero to the largest value: YlGnBu and OrRd of ColorBrewer (Harrower and Brewer 2003).
+RAMPS = {"stress": "YlGnBu", "pressure": "OrRd"}
+"""Quantity ↦ colour map of Matplotlib, from zero to the largest value, of ColorBrewer (Harrower and Brewer 2003).
 
 Larger values have darker colours, so that figures can be read in grey; small values leave the mesh visible.
 """

@@ -11,30 +11,20 @@ from pandas import DataFrame
 
 from study.ledger.codes import Codes
 from study.ledger.datafiles import expected_orders, read_csv, read_rates
-from study.ledger.files import UsageError
+from study.ledger.files import Json, UsageError
 from study.present.body import (
-    caption_body,
-    caption_fronts,
-    caption_profiles,
-    caption_sketch,
-    caption_zone,
     draw_body,
     draw_fronts,
     draw_profiles,
     draw_sketch,
     draw_zone,
+    values_of_body,
+    values_of_fronts,
+    values_of_profiles,
+    values_of_sketch,
+    values_of_zone,
 )
 from study.present.charts import (
-    caption_adapted,
-    caption_codes,
-    caption_collapsed,
-    caption_convergence,
-    caption_enclosure,
-    caption_faults,
-    caption_orders,
-    caption_overview,
-    caption_rollers,
-    caption_work,
     draw_adapted,
     draw_codes,
     draw_collapsed,
@@ -48,85 +38,95 @@ from study.present.charts import (
     enclosed_series,
     order_differences,
     roller_rows,
+    values_of_adapted,
+    values_of_codes,
+    values_of_collapsed,
+    values_of_convergence,
+    values_of_enclosure,
+    values_of_faults,
+    values_of_orders,
+    values_of_overview,
+    values_of_rollers,
+    values_of_work,
     work_rows,
 )
-from study.present.drawing import SHEET, Drawing
+from study.present.drawing import SHEET, Drawing, caption
 from study.present.picture import Picture, read_pictures
 
-FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., str], str]] = {
-    "problem": (draw_sketch, caption_sketch, "Sketch of a body on a rigid foundation"),
+FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., Json], str]] = {
+    "problem": (draw_sketch, values_of_sketch, "Sketch of a body on a rigid foundation"),
     "convergence": (
         draw_convergence,
-        caption_convergence,
+        values_of_convergence,
         "errors against the mesh size, both logarithmic",
     ),
     "overview": (
         draw_overview,
-        caption_overview,
+        values_of_overview,
         "error of every case against the mesh size, both logarithmic",
     ),
     "orders": (
         draw_orders,
-        caption_orders,
+        values_of_orders,
         "observed order of convergence over the last two refinements against the predicted order, a point for each "
         "case and mesh family",
     ),
     "collapsed": (
         draw_collapsed,
-        caption_collapsed,
+        values_of_collapsed,
         "errors of all cases over their constants against the mesh size",
     ),
     "enclosure": (
         draw_enclosure,
-        caption_enclosure,
+        values_of_enclosure,
         "error over time between its bounds, logarithmic",
     ),
     "adaptive": (
         draw_adapted,
-        caption_adapted,
+        values_of_adapted,
         "An adapted mesh, and the bound of the error over the unknowns",
     ),
     "contact-work": (
         draw_work,
-        caption_work,
+        values_of_work,
         "work of contact, error and excess against the mesh size, all logarithmic",
     ),
     "rollers": (
         draw_rollers,
-        caption_rollers,
+        values_of_rollers,
         "excess of contact over the linear problem against the mesh size, both logarithmic",
     ),
     "codes": (
         draw_codes,
-        caption_codes,
+        values_of_codes,
         "order in V and distance from the right solution against the error of the pressure, for all contact codes",
     ),
-    "faults": (draw_faults, caption_faults, "The matrix of deliberate faults"),
-    "body": (draw_body, caption_body, "The deformed body on its foundation, with stresses and contact"),
-    "zone": (draw_zone, caption_zone, "The contact zone in space and time, exact and computed"),
-    "fronts": (draw_fronts, caption_fronts, "Maps of the contact zone, exact and computed"),
-    "profiles": (draw_profiles, caption_profiles, "Gap and pressure along the contact boundary"),
+    "faults": (draw_faults, values_of_faults, "The matrix of deliberate faults"),
+    "body": (draw_body, values_of_body, "The deformed body on its foundation, with stresses and contact"),
+    "zone": (draw_zone, values_of_zone, "The contact zone in space and time, exact and computed"),
+    "fronts": (draw_fronts, values_of_fronts, "Maps of the contact zone, exact and computed"),
+    "profiles": (draw_profiles, values_of_profiles, "Gap and pressure along the contact boundary"),
 }
-"""Kind of figure ↦ the function that draws it, the function that returns its caption, and what it shows in a few words.
+"""Kind of figure ↦ the function that draws it, the function that returns the values in its caption, and what it shows.
 
-Both functions have the same parameters.
+Both functions have the same parameters. The kind is also the name of the template of the caption.
 """
 
 
-def figure(kind: str, *data: Any, name: str = "", case: str = "", about: str = "", sheet: bool = False) -> Drawing:
+def figure(kind: str, *data: Any, name: str = "", case: str = "", sheet: bool = False) -> Drawing:
     """Return a figure without drawing it.
 
     Parameters:
         kind: the kind of the figure, a key of ``FIGURES``.
-        data: the arguments of the functions that draw the figure and return its caption.
+        data: the arguments of the functions that draw the figure and return the values in its caption.
         name: the name of the files of the figure; by default the kind.
-        case: the case that the figure shows; empty for figures over several cases.
-        about: the case or the problem that the figure is about, if there is one; by default the case.
+        case: the case or the problem that the figure shows; empty for figures over several cases.
         sheet: whether the figure has more axes than can be read on a slide.
     """
-    draw, describe, summary = FIGURES[kind]
-    title = ": ".join(filter(None, (summary, about or case)))
-    return Drawing(name or kind, partial(draw, *data), describe(*data), title, case, sheet, partial(_table, data))
+    draw, values, summary = FIGURES[kind]
+    text = caption(kind, **values(*data))
+    title = ": ".join(filter(None, (summary, case)))
+    return Drawing(name or kind, partial(draw, *data), text, title, case, sheet, partial(_table, data))
 
 
 def _table(data: Sequence[Any]) -> DataFrame | None:
@@ -139,11 +139,6 @@ def _table(data: Sequence[Any]) -> DataFrame | None:
         if isinstance(shown, Picture):
             return shown.on_faces
     return None
-
-
-def _suffix(rates: DataFrame, scheme: str) -> str:
-    """Return the end of the names of figures of a time scheme, which is empty if the run has a single scheme."""
-    return f"-{scheme}" * (rates.scheme.nunique() > 1)
 
 
 def drawings(directory: Path) -> list[Drawing]:
@@ -159,11 +154,10 @@ def drawings(directory: Path) -> list[Drawing]:
     figures = overview(directory)
     rates = read_rates(directory)
     orders = expected_orders(directory, rates)
-    for (scheme, case), rows in rates.groupby(["scheme", "case"], sort=False):
-        name = f"convergence-{case}{_suffix(rates, scheme)}"
-        figures.append(figure("convergence", rows, orders[case], name=name, case=case))
-    columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
-    for case, rows, title in enclosed_series(read_csv(directory, "enclosures.csv", columns)):
+    for case, rows in rates.groupby("case", sort=False):
+        figures.append(figure("convergence", rows, orders[case], name=f"convergence-{case}", case=case))
+    enclosures = read_csv(directory, "enclosures.csv", ("error", "distance", "bound"))
+    for case, rows, title in enclosed_series(enclosures):
         figures.append(figure("enclosure", rows, title, name=f"enclosure-{case}", case=case))
     for picture in read_pictures(directory):
         # Contact faces are lines in 2D and surfaces in 3D.
@@ -209,24 +203,20 @@ def overview(directory: Path) -> list[Drawing]:
     figures = []
     rates = read_rates(directory)
     orders = expected_orders(directory, rates)
-    for scheme, rows in rates.groupby("scheme", sort=False):
-        suffix = _suffix(rates, scheme)
-        # The largest figure comes first, because it takes longest to draw and would otherwise delay the end.
-        for claim, of_claim in sorted(rows.groupby("claim"), key=lambda group: -len(group[1])):
-            name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", claim.lower()).strip("-")
-            many = of_claim.case.nunique() > SHEET
-            figures.append(figure("overview", of_claim, orders, name=f"convergence{name}{suffix}", sheet=many))
-        smooth = rows[rows.claim == "Prop. 5.4"]
-        if len(smooth):
-            figures.append(figure("collapsed", smooth, name=f"collapsed{suffix}"))
-        if len(order_differences(rows, orders)):
-            figures.append(figure("orders", rows, orders, name=f"orders{suffix}"))
+    # The largest figure comes first, because it takes longest to draw and would otherwise delay the end.
+    for claim, rows in sorted(rates.groupby("claim"), key=lambda group: -len(group[1])):
+        name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", claim.lower()).strip("-")
+        figures.append(figure("overview", rows, orders, name=f"convergence{name}", sheet=rows.case.nunique() > SHEET))
+    smooth = rates[rates.claim == "Prop. 5.4"]
+    if len(smooth):
+        figures.append(figure("collapsed", smooth))
+    if len(order_differences(rates, orders)):
+        figures.append(figure("orders", rates, orders))
     data = directory / "data"
     tables: dict[str, DataFrame] = {}
     # Runs of a user's own cases have no statements.csv.
     if (data / "statements.csv").is_file():
-        columns = ("label", "case", "family", "level", "h", "quantity", "value")
-        statements = read_csv(directory, "statements.csv", columns)
+        statements = read_csv(directory, "statements.csv", ("h", "value"))
         tables |= {"contact-work": work_rows(statements), "rollers": roller_rows(statements)}
     if (data / "faults.csv").is_file():
         tables["faults"] = read_csv(directory, "faults.csv")

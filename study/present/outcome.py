@@ -43,17 +43,13 @@ def rates_text(directory: Path) -> str:
     """
     rates = read_rates(directory)
     predicted = expected_orders(directory, rates)
-    schemes = rates.scheme.nunique() > 1
     predicted_head, words = ("pred.", (11, 12, 14)) if is_narrow() else ("predicted", (22, 13, 25))
-    if schemes and not is_narrow():
-        words = (20, 21, 21)
     head = ("case", "meshes", "n", "error", "disc. order", "time %", predicted_head, "orders level by level")
     widths = (*words[:2], 5, 9, 5, 5, len(predicted_head), words[2])
     lines: list[str] = []
     for claim, of_claim in rates.groupby("claim", sort=False):
         rows = [
-            _rates_row(series, predicted, schemes, (words[2] + 1) // 5)
-            for _, series in of_claim.groupby(SERIES, sort=False)
+            _rates_row(series, predicted, (words[2] + 1) // 5) for _, series in of_claim.groupby(SERIES, sort=False)
         ]
         lines += [claim, _aligned(head, rows, widths, numbers=slice(2, 7)), ""]
     return "\n".join(lines)
@@ -147,20 +143,19 @@ def observed_text(observed: float, low: float, high: float) -> str:
     return f"at least {cell(low)}" if isinf(high) else f"{cell(observed)} in [{cell(low)}, {cell(high)}]"
 
 
-def _rates_row(series: DataFrame, predicted: Mapping[str, float], schemes: bool, shown: int) -> list[object]:
+def _rates_row(series: DataFrame, predicted: Mapping[str, float], shown: int) -> list[object]:
     """Return the cells of a row of ``rates_text``.
 
     Parameters:
         series: the rows of ``rates.csv`` of one case and mesh family, from coarse to fine.
         predicted: case ↦ predicted order.
-        schemes: whether the time scheme is named.
         shown: the largest number of orders.
     """
     finest = series.iloc[-1]
     orders = [f"{order:.2f}" for order in series.order.dropna()]
     return [
         finest.case,
-        f"{finest.family}, {finest.scheme}" if schemes else finest.family,
+        finest.family,
         finest.level,
         significant(finest.error),
         "" if pd.isna(finest.discrete_order) else f"{finest.discrete_order:.2f}",
@@ -218,8 +213,8 @@ def bounds_text(
 
     Args:
         name: the name of the problem.
-        table: the result of ``levels``.
-        over_time: the results of ``series`` for all levels.
+        table: the table ``levels.csv``, a row for each mesh.
+        over_time: the table ``enclosure.csv``, a row for each time on the finest mesh.
         sentences: texts that say whether the bounds are guaranteed.
         in_time: whether the problem is in time, and not static.
         names: for each row of the table, the name of the file with its displacement; empty if rows are named by their
@@ -241,6 +236,8 @@ def bounds_text(
 
 def worst_tenth(squares: Sequence[float]) -> str:
     """Return a sentence on how much the worst tenth of the triangles contributes to ‖ũ − u_h‖².
+
+    This is the squared distance of the computed displacement u_h from a more accurate displacement ũ.
 
     Args:
         squares: ‖ũ − u_h‖² on every triangle.
@@ -293,15 +290,13 @@ def aligned(columns: Mapping[str, Iterable[object]]) -> list[str]:
     Args:
         columns: the cells of each column, by its head; blanks in front of a head make the column wider.
     """
-    widths = [len(head) for head in columns]
-    lines = [columns, *zip(*columns.values(), strict=True)]
-    return [" ".join(f"{cell:>{k}}" for k, cell in zip(widths, line, strict=True)).rstrip() for line in lines]
+    table = DataFrame({head: [*map(str, cells)] for head, cells in columns.items()})
+    return [line.rstrip() for line in table.to_string(index=False).splitlines()]
 
 
 def _over_time(over_time: DataFrame, name: str) -> list[str]:
     """Return lines with the interval of the error on the finest level, at up to ``SHOWN_TIMES`` times."""
-    finest = over_time[over_time.level == over_time.level.max()]
-    rows = finest.iloc[np.unique(np.linspace(0, len(finest) - 1, SHOWN_TIMES).round().astype(int))]
+    rows = over_time.iloc[np.unique(np.linspace(0, len(over_time) - 1, SHOWN_TIMES).round().astype(int))]
     ratios = rows.upper / rows.lower.where(rows.lower > 0)
     columns = {
         "      t": rows.time.map("{:.4f}".format),
@@ -312,7 +307,7 @@ def _over_time(over_time: DataFrame, name: str) -> list[str]:
         "upper/lower": _texts(ratios, "{:.3f}".format, "∞"),
         "from u_h alone": _plain(rows),
     }
-    return [name or f"level {finest.level.iloc[0]}", *aligned(columns)]
+    return [name or f"level {rows.level.iloc[0]}", *aligned(columns)]
 
 
 def _intervals(table: DataFrame, known: bool, in_time: bool = True, names: Sequence[str] = ()) -> list[str]:

@@ -34,7 +34,7 @@ from study.ledger.verdict import (
 from study.present.article import contact_codes, slips, texts
 from study.present.drawing import caption_text, in_style
 from study.present.figures import drawings
-from study.present.picture import Picture, picture_path, read_record
+from study.present.picture import read_picture
 from study.present.show import write_gif
 from study.present.templates import ENVIRONMENT, MISPRINTS, FullRun, context, read_page, render, typeset
 
@@ -67,9 +67,8 @@ def main() -> None:
     data = FullRun.read(directory)
     if data is None:
         raise DataError(f"{directory} has no full run: `make full`, `study faults` and `make seeds` make it")
-    picture = Picture(read_record(picture_path(directory, README_FILM)))
     # Every second time is enough, and keeps the file below 120 kB.
-    picture = picture.showing(range(0, len(picture.times), 2))
+    picture = read_picture(directory, README_FILM).at_every(2)
     with in_style():
         write_gif(directory / "figures" / f"{README_FILM}.gif", picture, lambda: None, README_DPI, README_COLOURS)
     for name, svg in badges(data, Path("pyproject.toml")).items():
@@ -323,18 +322,15 @@ def _literal(text: str) -> str:
 # Badges
 
 
-def badge(name: str, says: str, colour: str) -> str:
-    """Return a badge as SVG, a small picture at the top of the README: a name, and a text on a colour.
-
-    The width follows from the number of letters.
-    """
-    return render("badge.svg", name=name, says=says, colour=colour, dark=DARK) + "\n"
-
-
 def badges(data: FullRun, project: Path) -> dict[str, str]:
-    """Return the badges by their file names: the verdicts, the noticed defects, the Python version and the licence.
+    """Return file name ↦ SVG text of the badges: the verdicts, the noticed faults, the Python version and the licence.
 
-    ``project`` is the path of ``pyproject.toml``.
+    A badge is a small picture at the top of the README with a name and a text on a colour. Its width follows from the
+    number of letters.
+
+    Parameters:
+        data: the contents of the data files.
+        project: the path of ``pyproject.toml``, which states the Python version and the licence.
     """
     stated = tomllib.loads(project.read_text(encoding="utf-8"))["project"]
     count = count_verdicts(data.claims)
@@ -343,11 +339,15 @@ def badges(data: FullRun, project: Path) -> dict[str, str]:
     ledger = VERMILLION if count[FAILS] else ORANGE if count[UNDECIDED] else GREEN
     rows = f"{count[HOLDS]} rows hold, {count[UNDECIDED]} undecided, {count[FAILS]} fail"
     defects = GREEN if noticed == injected else VERMILLION
+    shown = {
+        "ledger.svg": ("ledger", rows, ledger),
+        "defects.svg": ("deliberate faults", f"{noticed} of {injected} noticed", defects),
+        "python.svg": ("Python", stated["requires-python"].replace(">=", "≥ "), BLUE),
+        "licence.svg": ("licence", stated["license"], BLUE),
+    }
     return {
-        "ledger.svg": badge("ledger", rows, ledger),
-        "defects.svg": badge("deliberate faults", f"{noticed} of {injected} noticed", defects),
-        "python.svg": badge("Python", stated["requires-python"].replace(">=", "≥ "), BLUE),
-        "licence.svg": badge("licence", stated["license"], BLUE),
+        file: render("badge.svg", name=name, says=says, colour=colour, dark=DARK) + "\n"
+        for file, (name, says, colour) in shown.items()
     }
 
 

@@ -93,7 +93,11 @@ class Segment(FaceHistory):
     @property
     def inside(self) -> Bools:
         """Whether each node is in the exact contact zone at each time, (times, nodes)."""
-        return self.depth(map(self.exact_zone, self.times), self.s) >= 0
+        return self.in_exact_zone(self.s)
+
+    def in_exact_zone(self, s: Array) -> Bools:
+        """Return whether positions along the face are in the exact contact zone at each time, (times, positions)."""
+        return self.depth(map(self.exact_zone, self.times), s) >= 0
 
     def computed_zone(self, instant: int) -> list[Interval]:
         """Return the computed contact zone at the time with the index ``instant``, as intervals.
@@ -123,7 +127,12 @@ class Segment(FaceHistory):
     def depth(self, zones: Iterable[Sequence[Interval]], s: Array) -> Array:
         """Return how far positions lie inside contact zones, (zones, positions); outside, values are negative.
 
-        Ends of a zone that are ends of the face do not count. If a zone is empty, its values are minus infinity.
+        The depth is the distance to the nearest end of the zone. Ends of a zone that are ends of the face do not count.
+        If a zone is empty, its values are minus infinity.
+
+        Parameters:
+            zones: the intervals of each zone.
+            s: positions along the face, (positions,).
         """
         depths = []
         for zone in zones:
@@ -186,9 +195,9 @@ class Picture:
         self.case = str(record["case"])
         self.family = str(record["family"])
         self.level = int(record["level"])
-        self.times, self.vertices = (np.array(record[name], dtype=float) for name in ("times", "vertices"))
+        names = ("times", "vertices", "displacement", "von_mises")
+        self.times, self.vertices, self.displacement, self.von_mises = (read_values(record[name]) for name in names)
         self.cells = np.array(record["cells"], dtype=np.int64)
-        self.displacement, self.von_mises = (Packed.read(record[name]).values for name in ("displacement", "von_mises"))
         count = len(self.times)
         sizes = (self.displacement, (count, *self.vertices.shape)), (self.von_mises, (count, self.cells.shape[1]))
         for values, expected in sizes:
@@ -229,9 +238,9 @@ class Picture:
         found.shown = instants
         return found
 
-    def at_all_times(self) -> Picture:
-        """Return the data for figures that show the body at all times."""
-        return self.showing(range(len(self.times)))
+    def at_every(self, step: int) -> Picture:
+        """Return the data for figures that show the body at every ``step``-th time, from the first time on."""
+        return self.showing(range(0, len(self.times), step))
 
     def clock(self, instant: int) -> str:
         """Return the time with the index ``instant`` as a title, with TeX formulas."""
@@ -281,11 +290,11 @@ def _face(record: Json, times: Array, cells: Numbers, plane: bool) -> FaceHistor
     line = record["line"]
     return Segment(
         **common,
-        zone_times=np.array(zone["times"], dtype=float),
+        zone_times=read_values(zone["times"]),
         zone=[[(float(a), float(b)) for a, b in intervals] for intervals in zone["intervals"]],
-        line=np.array(line["s"], dtype=float),
-        line_gap=Packed.read(line["gap"]).values,
-        line_pressure=Packed.read(line["pressure"]).values,
+        line=read_values(line["s"]),
+        line_gap=read_values(line["gap"]),
+        line_pressure=read_values(line["pressure"]),
     )
 
 
@@ -300,6 +309,24 @@ def read_record(path: Path) -> Json:
     return record
 
 
+def read_picture(directory: Path, case: str) -> Picture:
+    """Return the data for figures of a case from the file in ``data/pictures`` of a result directory.
+
+    Raises:
+        DataError: the file is missing or damaged, or an older version wrote it without displacements over time.
+    """
+    path = picture_path(directory, case)
+    if not path.is_file():
+        raise DataError(f"{path} is missing: make it with `{made_by(directory)}`")
+    try:
+        return Picture(read_record(path))
+    except (KeyError, TypeError, ValueError) as error:
+        raise DataError(
+            f"{path} is not a picture with displacement and von_mises over time ({error!r}): if an older version wrote "
+            "it, make it again with the same `study run`"
+        ) from error
+
+
 def read_pictures(directory: Path) -> list[Picture]:
     """Return the data for figures of all cases of a result directory, in the order of ``cases.csv``.
 
@@ -308,18 +335,11 @@ def read_pictures(directory: Path) -> list[Picture]:
     Raises:
         DataError: the folder ``data/pictures`` is missing, or a file in it is damaged.
     """
-    folder = directory / "data" / "pictures"
+    folder = picture_path(directory, "").parent
     if not folder.is_dir():
         raise DataError(f"{folder} is missing: make it with `{made_by(directory)}`")
-    names = read_csv(directory, "cases.csv", ["case"])["case"]
-    pictures = []
-    for path in (picture_path(directory, name) for name in names):
-        if path.is_file():
-            try:
-                pictures.append(Picture(read_record(path)))
-            except (KeyError, TypeError, ValueError) as error:
-                raise DataError(f"{path} is not a picture ({error!r}): make it again with `study run`") from error
-    return pictures
+    names = read_csv(directory, "cases.csv")["case"]
+    return [read_picture(directory, name) for name in names if picture_path(directory, name).is_file()]
 
 
 def misplaced_length(face: Segment) -> Array:
@@ -331,7 +351,6 @@ def misplaced_length(face: Segment) -> Array:
     sampled at ``ZONE_SAMPLES`` positions.
     """
     s = np.linspace(face.s.min(), face.s.max(), ZONE_SAMPLES)
-    exact = face.depth(map(face.exact_zone, face.times), s) >= 0
     nearest = abs(s[:, None] - face.s).argmin(axis=1)
-    wrong = exact != face.touching[:, nearest]
+    wrong = face.in_exact_zone(s) != face.touching[:, nearest]
     return wrong[1:].mean(axis=1) * (len(face.s) - 1)

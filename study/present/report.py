@@ -15,11 +15,9 @@ from pandas import DataFrame
 from PIL import Image
 
 from study.ledger.datafiles import (
-    DataError,
     by_claim,
     count_verdicts,
     expected_orders,
-    made_by,
     read_claims,
     read_csv,
     read_rates,
@@ -31,7 +29,7 @@ from study.present.charts import enclosed_series, finest_orders, order_differenc
 from study.present.drawing import Drawing, Output, RunMap, in_style
 from study.present.figures import figure
 from study.present.outcome import orders_text, printed
-from study.present.picture import Picture, picture_path, read_record
+from study.present.picture import Picture, read_picture
 from study.present.show import film_images, image_of
 from study.present.tables import Table
 from study.present.templates import counted, read_page, render, typeset
@@ -74,7 +72,7 @@ def write_report(directory: Path, provenance: Json, run_map: RunMap = map) -> Pa
             judges=statements.get(label, {"code": []})["code"],
             rows=rows[CHECKS].to_numpy().tolist(),
         )
-        for label, says, rows in by_claim(all_rows(directory))
+        for label, says, rows in by_claim(tables.all_checks(directory).map(cell))
     ]
     cases = case_pages(directory, claims, rates, run_map)
     counts = count_verdicts(claims)
@@ -95,11 +93,6 @@ def write_report(directory: Path, provenance: Json, run_map: RunMap = map) -> Pa
         files=_files(directory),
     )
     return write_text(directory / "report.html", f"{page}\n")
-
-
-def all_rows(directory: Path) -> DataFrame:
-    """Return the texts of all cells of the ledger."""
-    return tables.all_checks(directory).map(cell)
 
 
 def _files(directory: Path) -> Table:
@@ -171,17 +164,8 @@ def draw_case(directory: Path, case: str, charts: Sequence[Drawing]) -> Json:
         DataError: the file of the case is missing or damaged, or an older version wrote it without displacements over
             time.
     """
-    path = picture_path(directory, case)
-    if not path.is_file():
-        raise DataError(f"{path} is missing: make it with `{made_by(directory)}`")
-    try:
-        picture = Picture(read_record(path))
-    except (KeyError, TypeError, ValueError) as error:
-        raise DataError(
-            f"{path} holds no displacement and von_mises over time ({error!r}), which the report shows: if an older "
-            "version wrote it, make it anew with the same `study run`"
-        ) from error
-    film = picture.showing(range(0, len(picture.times), FRAME_STEP))
+    picture = read_picture(directory, case)
+    film = picture.at_every(FRAME_STEP)
     drawing = figure("zone" if picture.segments else "fronts", picture)
     with in_style(WEB):
         images = film_images(film, FRAME_DPI, upright=True)

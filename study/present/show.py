@@ -30,8 +30,9 @@ from study.present.body import (
     draw_map,
     draw_profile,
     draw_shapes,
+    ramp,
 )
-from study.present.drawing import RAMPS, RIM, column_width, dots, entry, in_style, page_width
+from study.present.drawing import RIM, column_width, dots, entry, in_style, page_width
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment
 
 MOMENTS = 6
@@ -50,7 +51,7 @@ NO_FFMPEG = "ffmpeg is missing: install it, or `python -m pip install imageio-ff
 
 
 def draw_show(
-    record: Json, series: MeshSeries, directory: Path, notify: Callable[[], object] = lambda: None
+    record: Json, series: MeshSeries, directory: Path, notify: Callable[[], object]
 ) -> tuple[Paths, list[str]]:
     """Write ``storyboard.png``, ``animation.gif``, ``animation.mp4`` and ``vtk/`` into a directory.
 
@@ -67,7 +68,7 @@ def draw_show(
     Raises:
         StoreError: the directory cannot be written.
     """
-    picture = Picture(record).at_all_times()
+    picture = Picture(record).at_every(1)
     with in_style():
         storyboard = draw_storyboard(picture)
         storyboard.set_dpi(STORYBOARD_DPI)
@@ -87,8 +88,7 @@ def draw_show(
 
 def draw_storyboard(picture: Picture) -> Figure:
     """Draw the deformed body with stress and contact at ``MOMENTS`` times, evenly spaced from the first to the last."""
-    chosen = np.linspace(0, len(picture.shown) - 1, MOMENTS).round().astype(int)
-    picture = picture.showing([picture.shown[n] for n in chosen])
+    picture = picture.showing(np.linspace(0, len(picture.times) - 1, MOMENTS).round().astype(int).tolist())
     rows = MOMENTS // COLUMNS
     width = (page_width() - 0.8) / COLUMNS
     figure = Figure(figsize=(page_width(), 0.8 + rows * (0.2 + width * BodyScale(picture).aspect)))
@@ -241,7 +241,7 @@ def _pressure_handles(picture: Picture) -> list[Artist]:
             dots("computed pressure", color=VERMILLION, **NODES),
             Patch(color=SKY, alpha=0.35, lw=0, label="exact contact zone"),
         ]
-    colour = RAMPS["pressure"][3]
+    colour = ramp("pressure", 9)(3)
     return [
         Patch(color=colour, lw=0, label="exact pressure"),
         dots("computed pressure, same colours", mfc=colour, mec=RIM, mew=0.4, ms=3.4),

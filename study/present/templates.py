@@ -74,7 +74,10 @@ _LITERALS = {"Γ": "Γ_{{{}}}", "L": "L^{}", "e": "e_{}"}
 _SCRIPT = re.compile(
     r"(?:^|[^A-Za-z])(?:[A-Za-z][\u0300-\u036f]?|max|min|sup|inf|lim)[\^_]|\d\^|[)\]}][\^_]|^O\(|^[=<>]$|^\[-?[\d.]|^-[\d.]+[,;]?$"
 )
-_SHORT = re.compile(r"(?:\(?[B-HJ-Zb-z][)\]]?|[+/|]|\(?[-+]?[\d./]+[)\]]?|[A-Z]?\((?!.*[a-z]{2})[^()]*\))[,;]?")
+# A reference such as (2.5) is no part of a formula.
+_SHORT = re.compile(
+    r"(?!\(\d\.\d+\))(?:\(?[B-HJ-Zb-z][)\]]?|[+/|]|\(?[-+]?[\d./]+[)\]]?|[A-Z]?\((?!.*[a-z]{2})[^()]*\))[,;]?"
+)
 _TAIL = re.compile(r"[.,;:]+$")
 _SIGNED_NUMBER = re.compile(r"(-?)(?:[\d.]+|(inf))")
 # The subscript of u_lin is a word; elsewhere a script without braces is one character, as in P_hu.
@@ -244,22 +247,22 @@ ENVIRONMENT = Environment(
 
 
 def least(rows: DataFrame, decimals: int = 2, scale: float = 1) -> str:
-    """Return the smallest low end of checks, times a scale, rounded down."""
+    """Return the smallest value in the column ``low`` of rows of ``claims.csv``, times a scale, rounded down."""
     return below(scale * rows.low.min(), decimals)
 
 
 def most(rows: DataFrame, decimals: int = 2, scale: float = 1) -> str:
-    """Return the largest high end of checks, times a scale, rounded up."""
+    """Return the largest value in the column ``high`` of rows of ``claims.csv``, times a scale, rounded up."""
     return above(scale * rows.high.max(), decimals)
 
 
 def span(rows: DataFrame, decimals: int = 2) -> str:
-    """Return the range of checks as text, such as "0.92 to 1.00"."""
+    """Return the range of the results in rows of ``claims.csv`` as text, such as "0.92 to 1.00", rounded outwards."""
     return outwards(rows.low.min(), rows.high.max(), decimals)
 
 
 def spans(rows: DataFrame) -> str:
-    """Return the ranges of checks of each case as text."""
+    """Return the name of each case in rows of ``claims.csv`` and the range of its results, as text."""
     return "; ".join(f"{case}: {span(part)}" for case, part in rows.groupby("case", sort=False))
 
 
@@ -274,7 +277,7 @@ def digits(value: float, count: int = 3) -> str:
 
 
 def deviation(rows: DataFrame) -> float:
-    """Return the largest distance of the ends of checks from 1."""
+    """Return the largest difference of the results in rows of ``claims.csv`` (columns ``low`` and ``high``) from 1."""
     return (rows[["low", "high"]] - 1).abs().max(axis=None)
 
 

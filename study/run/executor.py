@@ -30,7 +30,7 @@ import psutil
 from threadpoolctl import threadpool_limits
 
 from manufactured.self_proof import Finding, SelfProofError, examine
-from study.fem.naming import name_of, resolve
+from study.fem.naming import name_of, raised_at, resolve
 from study.ledger.files import JobsError, UsageError
 from study.run.fingerprint import ALL_CODE, code_hash, of_solution, problem, versions
 from study.run.plan import Job, Jobs, Result
@@ -219,7 +219,8 @@ def _run_together(waiting: list[Job], store: Store, pool: Pool, notify: Notify, 
                 elif isinstance(error := future.exception(), BrokenExecutor):
                     killed.append(job)
                 elif error:
-                    failures.append(f"{job.key}: {type(error).__name__}: {error}")
+                    notes = "".join(getattr(error, "__notes__", []))
+                    failures.append(f"{job.key}: {type(error).__name__}: {error}{notes}")
                 else:
                     store.save(job.key, job.fingerprint(), future.result())
                     notify(job)
@@ -248,6 +249,10 @@ def run_job(job: Job) -> Result:
     try:
         with threadpool_limits(1):
             return job.run()
+    except Exception as error:
+        # The traceback is lost on the way to the main process, but a note is not.
+        error.add_note(raised_at(error, Path(job.case.rpartition(":")[0])))
+        raise
     finally:
         if psutil.Process().memory_info().rss > CROWDED:
             gc.collect()

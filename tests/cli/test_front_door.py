@@ -83,7 +83,8 @@ RIGHT = OWN.format(face=LINEAR.format("pos(-z, 4)", "pos(z, 3)", "z"), of="")
 )
 def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(face, kink, instead, refusal_of_case):
     said = refusal_of_case(OWN.format(face=face, of=", dim=3"))
-    assert said.endswith(f"instead of {kink} write {instead}; correct the file\n")
+    assert f"instead of {kink} write {instead} (" in said
+    assert said.endswith("mine.py, line 8); correct the file\n")
     assert "label" not in said
     assert len(said.splitlines()) == 1
 

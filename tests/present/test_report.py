@@ -14,9 +14,10 @@ from places import DATA, ROOT
 from study.ledger.datafiles import DataError
 from study.ledger.files import write_packed
 from study.ledger.pictures import Packed
+from study.ledger.text import cell
 from study.present.picture import Picture, picture_path, read_record
-from study.present.report import PAGE_TEXTS, all_rows, draw_case, write_report
-from study.present.tables import bounds, columns_of, equivalence, rates, stresses
+from study.present.report import PAGE_TEXTS, draw_case, write_report
+from study.present.tables import all_checks, bounds, columns_of, equivalence, rates, stresses
 from study.present.templates import typeset
 from study.run.plan import full
 from study.run.provenance import read_provenance, sources
@@ -91,7 +92,8 @@ def data(directory, tmp_path):
 def test_every_row_of_the_ledger_is_on_the_page_in_its_order_below_its_statement(directory, page):
     columns = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
     expected = []
-    for (label, claim), rows in all_rows(directory).groupby(["label", "statement"], sort=False):
+    texts = all_checks(directory).map(cell)
+    for (label, claim), rows in texts.groupby(["label", "statement"], sort=False):
         expected += [[f"{label} {claim}"], *rows[columns].to_numpy().tolist()]
     start = page.rows.index(columns) + 1
     rows = [[cell.split(" study/")[0] for cell in row] for row in page.rows[start : start + len(expected)]]
@@ -183,7 +185,7 @@ def test_missing_data_are_named_with_the_command_that_makes_them(data, name):
 @pytest.mark.parametrize(
     ("displacement", "complaint"),
     [
-        (None, r"corner\.json\.gz holds no displacement .*older version .*study run"),
+        (None, r"corner\.json\.gz is not a picture with displacement .*older version .*study run"),
         (Packed.of(np.zeros((17, 2, 3))).record(), r"shape \(17, 2, 3\), expected"),
     ],
     ids=["older version", "other cells"],

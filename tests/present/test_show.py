@@ -31,7 +31,7 @@ def motion():
 
 
 def picture_of(motion):
-    return Picture(pictures.record("any", motion, SHOWN_EVERY)).at_all_times()
+    return Picture(pictures.record("any", motion, SHOWN_EVERY)).at_every(1)
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def shown(tmp_path_factory):
     directory, case, notified = tmp_path_factory.mktemp("shows"), resolve(CASE), []
     (directory / "animation.mp4").touch()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("study.cli.present.SHOWN_STEPS", 8)
+        patch.setattr("study.cli.present.PICTURE_STEPS", 8)
         patch.setattr("study.present.show.find_ffmpeg", lambda: None)
         record, series = solve_showcase(case, affordable_family(case, 6), 6, lambda: notified.append("frame"))
         files = draw_show(record, series, directory, lambda: notified.append("image"))
@@ -159,7 +159,7 @@ def test_a_problem_is_drawn_as_it_is_stated(tmp_path, monkeypatch):
     """Numbers of sides, largest loads, and arrows: those that push end at their side, those that pull start there."""
     figures = []
     draw = problem.draw_problem
-    monkeypatch.setattr(problem, "draw_problem", lambda picture: figures.append(draw(picture)) or figures[-1])
+    monkeypatch.setattr(problem, "draw_problem", lambda *shown: figures.append(draw(*shown)) or figures[-1])
     (tmp_path / "clip.py").write_text(CLIP)
     assert study(f"show {tmp_path}/clip.py:clip --out {tmp_path}") == 0
     assert {"problem.png", "problem.svg", "problem.txt"} <= {path.name for path in (tmp_path / "clip").iterdir()}

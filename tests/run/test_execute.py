@@ -210,8 +210,9 @@ def test_a_violated_condition_is_raised_and_not_stored(tmp_path, monkeypatch):
 
 def test_a_job_that_raises_is_named_and_the_others_are_kept(tmp_path):
     store = Store(tmp_path)
-    with pytest.raises(JobsError, match=r"1 job\(s\) failed.*\nbad: ZeroDivisionError"):
-        execute([Toy("bad", 2, deed=lambda: 1 / 0), Toy("good")], store, pool(AtOnce()), ignore)
+    bad = Toy("bad", 2, deed=lambda: 1 / 0, case=f"{__file__}:toy")
+    with pytest.raises(JobsError, match=r"1 job\(s\) failed.*\nbad: ZeroDivisionError: .*test_execute.py, line \d+\)"):
+        execute([bad, Toy("good")], store, pool(AtOnce()), ignore)
     assert store.load("good", "good") == {"done": False}
     assert store.load("bad", "bad") is None
 
