@@ -67,6 +67,9 @@ def test_tables_are_printed_with_the_error_between_its_ends_and_all_ends_rounded
     assert {directory / "problem.png", directory / "problem.svg"} < files <= {*directory.iterdir()}
 
 
+NO_TOLERANCES = "0", "nan", "inf", "'5 percent'"
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -80,6 +83,11 @@ def test_tables_are_printed_with_the_error_between_its_ends_and_all_ends_rounded
         ("{}:number", "is a int, expected manufactured.Data or a manufactured.Case"),
         ("{}:wrong_part", "f2 is given on part 0, but the LOADED parts have the numbers"),
         ("{}:missing", "defines no 'missing'"),
+        ("full-contact --nearest", "--nearest need a file"),
+        ("full-contact --displacement none.npz", "there is no file none.npz"),
+        ("full-contact --displacement .", r"\. is a directory: give the file in it"),
+        ("full-contact --displacement none.npz --adapt 1", "not both"),
+        *((f"full-contact --adapt {text}", "a tolerance that is a positive number") for text in NO_TOLERANCES),
     ],
 )
 def test_what_cannot_be_bounded_is_refused_with_the_reason(told, tmp_path, out, arguments, message):
@@ -145,20 +153,6 @@ def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_pat
     # On coarse meshes the rule of ErrorNorm is 0.15 % off; with six degrees more it gives the error found here.
     assert np.allclose(found["error"], before["error"], rtol=2e-3)
     assert found["error"].between(found["lowest"], found["highest"]).all()
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ("--nearest", "--nearest need a file"),
-        ("--displacement none.npz", "there is no file none.npz"),
-        ("--displacement .", ". is a directory: give the file in it"),
-        ("--displacement none.npz --adapt 1", "not both"),
-        *((f"--adapt {text}", "a tolerance that is a positive number") for text in ("0", "nan", "inf", "'5 percent'")),
-    ],
-)
-def test_options_that_make_no_sense_are_refused(told, out, options, message):
-    assert message in told(f"bound full-contact {options} --out {out}")
 
 
 def test_a_mesh_too_large_for_the_memory_is_refused(finished, out, told, monkeypatch):
