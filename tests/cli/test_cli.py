@@ -30,15 +30,15 @@ def changed(**c): return replace(case, name="mine", solution=replace(case.soluti
 
 @pytest.mark.parametrize(
     ("line", "message"),
-    [
-        ("mine = changed(gap=-face.gap)", r"u_ν ≤ g.*violated.*at x = .*t = "),
-        ("mine = changed(gap=face.gap * sympy.nan)", r"FormulaError.*complex or not finite"),
-        ("mine = replace(case, order=2)", r"CaseError.*gives min"),
-        ("mine = isotropic(1, -5)", r"LawError.*not elliptic"),
-        ("mine = 3", r"is a int, expected"),
-        ("raise SystemExit(0)", r"SystemExit"),
-        ("other = case", r"defines no 'mine'"),
-    ],
+    {
+        "mine = changed(gap=-face.gap)": r"u_ν ≤ g.*violated.*at x = .*t = ",
+        "mine = changed(gap=face.gap * sympy.nan)": r"FormulaError.*complex or not finite",
+        "mine = replace(case, order=2)": r"CaseError.*gives min",
+        "mine = isotropic(1, -5)": r"LawError.*not elliptic",
+        "mine = 3": r"is a int, expected",
+        "raise SystemExit(0)": r"SystemExit",
+        "other = case": r"defines no 'mine'",
+    }.items(),
 )
 def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(refusal_of_case, line, message):
     assert re.search(message, refusal_of_case(HEAD + line), re.DOTALL)

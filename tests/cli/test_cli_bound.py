@@ -72,23 +72,23 @@ NO_TOLERANCES = "0", "nan", "inf", "'5 percent'"
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
-    [
-        ("nonsense", "unknown problem 'nonsense'; known: .*advance-recede.*ramp, bracket"),
-        ("full-contact --levels 1 4", "levels must be 2 or more and increase, got 1 4"),
-        ("full-contact --scheme rk4", "unknown scheme 'rk4'; known: backward-euler, bdf2, midpoint"),
-        ("full-contact --family x", "unknown mesh family 'x'; known: one-diagonal"),
-        ("bracket --family one-diagonal", "does not mesh this body; take one of unstructured"),
-        ("corner --family one-diagonal --levels 3", "not a vertex of the mesh"),
-        ("{}:infinite", "f_0 is not finite at x = .* at t = 0"),
-        ("{}:number", "is a int, expected manufactured.Data or a manufactured.Case"),
-        ("{}:wrong_part", "f2 is given on part 0, but the LOADED parts have the numbers"),
-        ("{}:missing", "defines no 'missing'"),
-        ("full-contact --nearest", "--nearest need a file"),
-        ("full-contact --displacement none.npz", "there is no file none.npz"),
-        ("full-contact --displacement .", r"\. is a directory: give the file in it"),
-        ("full-contact --displacement none.npz --adapt 1", "not both"),
-        *((f"full-contact --adapt {text}", "a tolerance that is a positive number") for text in NO_TOLERANCES),
-    ],
+    {
+        "nonsense": "unknown problem 'nonsense'; known: .*advance-recede.*ramp, bracket",
+        "full-contact --levels 1 4": "levels must be 2 or more and increase, got 1 4",
+        "full-contact --scheme rk4": "unknown scheme 'rk4'; known: backward-euler, bdf2, midpoint",
+        "full-contact --family x": "unknown mesh family 'x'; known: one-diagonal",
+        "bracket --family one-diagonal": "does not mesh this body; take one of unstructured",
+        "corner --family one-diagonal --levels 3": "not a vertex of the mesh",
+        "{}:infinite": "f_0 is not finite at x = .* at t = 0",
+        "{}:number": "is a int, expected manufactured.Data or a manufactured.Case",
+        "{}:wrong_part": "f2 is given on part 0, but the LOADED parts have the numbers",
+        "{}:missing": "defines no 'missing'",
+        "full-contact --nearest": "--nearest need a file",
+        "full-contact --displacement none.npz": "there is no file none.npz",
+        "full-contact --displacement .": r"\. is a directory: give the file in it",
+        "full-contact --displacement none.npz --adapt 1": "not both",
+        **{f"full-contact --adapt {text}": "a tolerance that is a positive number" for text in NO_TOLERANCES},
+    }.items(),
 )
 def test_what_cannot_be_bounded_is_refused_with_the_reason(told, tmp_path, out, arguments, message):
     resolve_data.cache_clear()

@@ -138,23 +138,23 @@ def test_names_of_the_package_are_found_when_they_are_asked_for():
 
 @pytest.mark.parametrize(
     ("command", "words"),
-    [
-        ("run --jobs 0", "1 to 1024"),
-        ("figures --dpi 1", "10 to 2400"),
-        ("check --again 0", "1 or more rows"),
-        ("check --again 1 --seed -1", "0 or more"),
-        ("check --again 1 --tolerance nan", "a number, 0 or more"),
-        ("compare a b --absolute inf", "a number, 0 or more"),
-        ("export corner --levels 1", "2 or more"),
-        ("export corner --mode march --steps 0", "1 or more"),
-        ("export corner --levels 4 --foundation 0", "1 or more"),
-        ("export corner --scale 1e-320", "1e-100 to 1e100"),
-        ("show hexagon --level 1", "2 or more"),
-        ("bound ramp --adapt 5% --cells 0", "1 or more"),
-        ("seeds --minutes -1", "0 or more (0 prints the record)"),
-        ("seeds --seeds 0", "1 or more"),
-        ("bound ramp --refine 99999", "0 to 20"),
-    ],
+    {
+        "run --jobs 0": "1 to 1024",
+        "figures --dpi 1": "10 to 2400",
+        "check --again 0": "1 or more rows",
+        "check --again 1 --seed -1": "0 or more",
+        "check --again 1 --tolerance nan": "a number, 0 or more",
+        "compare a b --absolute inf": "a number, 0 or more",
+        "export corner --levels 1": "2 or more",
+        "export corner --mode march --steps 0": "1 or more",
+        "export corner --levels 4 --foundation 0": "1 or more",
+        "export corner --scale 1e-320": "1e-100 to 1e100",
+        "show hexagon --level 1": "2 or more",
+        "bound ramp --adapt 5% --cells 0": "1 or more",
+        "seeds --minutes -1": "0 or more (0 prints the record)",
+        "seeds --seeds 0": "1 or more",
+        "bound ramp --refine 99999": "0 to 20",
+    }.items(),
 )
 def test_a_number_that_is_not_permitted_is_refused_before_a_module_is_imported(command, words, told, monkeypatch):
     monkeypatch.setattr("importlib.import_module", None)

@@ -65,18 +65,18 @@ def test_latex_is_well_formed(tables, name):
 
 @pytest.mark.parametrize(
     ("text", "latex"),
-    [
-        ("‖u − u^h‖_{L∞(0,T;V)} = O(h)", r"\(\|u - u^{h}\|_{L^{\infty}(0,T;V)} = O(h)\)"),
-        ("‖u^h − u^h_lin‖_V of P_hu", r"\(\|u^{h} - u^{h}_{\mathrm{lin}}\|_{V}\) of \(P_{h}u\)"),
-        ("order on Γ3,i, 5 % & more", r"order on \(\Gamma_{3,i}\), 5 \% \& more"),
-        ("max_n ‖δu_n‖_V over (h,k)", r"\(\max_{n} \|\delta u_{n}\|_{V}\) over \((h,k)\)"),
-        ("≤ 1 + 1e-7; u̇^h and h", r"\(\leq 1 + 10^{-7}\); \(\dot{u}^{h}\) and \(h\)"),
-        ("-0.05–1.2", r"\(-0.05\)--1.2"),
-        ("σ̃ ∈ Σ(t), u̇ in H²", r"\(\tilde{\sigma} \in \Sigma(t), \dot{u}\) in \(H^{2}\)"),
-        ("a gap of νh and snake_case", r"a gap of \(\nu h\) and snake\_case"),
-        ("-1.234e-09", r"\(-1.234\cdot 10^{-9}\)"),
-        ("☃ é", r"\texttt{U+2603} é"),
-    ],
+    {
+        "‖u − u^h‖_{L∞(0,T;V)} = O(h)": r"\(\|u - u^{h}\|_{L^{\infty}(0,T;V)} = O(h)\)",
+        "‖u^h − u^h_lin‖_V of P_hu": r"\(\|u^{h} - u^{h}_{\mathrm{lin}}\|_{V}\) of \(P_{h}u\)",
+        "order on Γ3,i, 5 % & more": r"order on \(\Gamma_{3,i}\), 5 \% \& more",
+        "max_n ‖δu_n‖_V over (h,k)": r"\(\max_{n} \|\delta u_{n}\|_{V}\) over \((h,k)\)",
+        "≤ 1 + 1e-7; u̇^h and h": r"\(\leq 1 + 10^{-7}\); \(\dot{u}^{h}\) and \(h\)",
+        "-0.05–1.2": r"\(-0.05\)--1.2",
+        "σ̃ ∈ Σ(t), u̇ in H²": r"\(\tilde{\sigma} \in \Sigma(t), \dot{u}\) in \(H^{2}\)",
+        "a gap of νh and snake_case": r"a gap of \(\nu h\) and snake\_case",
+        "-1.234e-09": r"\(-1.234\cdot 10^{-9}\)",
+        "☃ é": r"\texttt{U+2603} é",
+    }.items(),
 )
 def test_unicode_becomes_mathematics(text, latex):
     assert encode(text) == latex

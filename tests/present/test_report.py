@@ -203,14 +203,14 @@ def test_every_statement_names_the_files_that_judge_it():
 
 @pytest.mark.parametrize(
     ("plain_text", "html"),
-    [
-        ("‖u − u^h‖_V", "‖u − u<sup>h</sup>‖<sub>V</sub>"),
-        ("‖v‖_{L∞(0,T;V)}", "‖v‖<sub>L∞(0,T;V)</sub>"),
-        ("L^∞(0,T;H²) ∋ u^1", "L<sup>∞</sup>(0,T;H²) ∋ u<sup>1</sup>"),
-        ("‖v‖_{H_{1}}", "‖v‖<sub>H<sub>1</sub></sub>"),
-        ("w ~ r^1.75, H^(1+s)", "w ~ r<sup>1.75</sup>, H<sup>(1+s)</sup>"),
-        ("a < b & c ^ d", "a &lt; b &amp; c ^ d"),
-    ],
+    {
+        "‖u − u^h‖_V": "‖u − u<sup>h</sup>‖<sub>V</sub>",
+        "‖v‖_{L∞(0,T;V)}": "‖v‖<sub>L∞(0,T;V)</sub>",
+        "L^∞(0,T;H²) ∋ u^1": "L<sup>∞</sup>(0,T;H²) ∋ u<sup>1</sup>",
+        "‖v‖_{H_{1}}": "‖v‖<sub>H<sub>1</sub></sub>",
+        "w ~ r^1.75, H^(1+s)": "w ~ r<sup>1.75</sup>, H<sup>(1+s)</sup>",
+        "a < b & c ^ d": "a &lt; b &amp; c ^ d",
+    }.items(),
 )
 def test_scripts_are_raised_and_lowered_and_the_rest_is_escaped(plain_text, html):
     assert typeset(plain_text) == html
