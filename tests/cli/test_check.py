@@ -54,7 +54,7 @@ def twice(name):
 
 def recorded(change):
     def change_it(directory):
-        path = directory / "data" / "provenance.json"
+        path = directory / "data/provenance.json"
         made = json.loads(path.read_text(encoding="utf-8"))
         change(made)
         path.write_text(json.dumps(made), encoding="utf-8")
@@ -187,7 +187,7 @@ def test_tables_writes_what_check_asks_for_and_check_writes_nothing(own, refusal
     written = {path: path.stat().st_mtime_ns for path in own.rglob("*.*") if path.name != ".lock"}
     refusal(own, code=0)
     assert {path: path.stat().st_mtime_ns for path in own.rglob("*.*") if path.name != ".lock"} == written
-    (own / "data" / "claims.csv").unlink()
+    (own / "data/claims.csv").unlink()
     assert "claims.csv is missing: `study tables" in refusal(own)
 
 

@@ -121,13 +121,13 @@ def test_a_static_problem_is_bounded_and_its_own_displacement_again_from_a_file(
     printed = " ".join(told(f"bound {static}:supported --levels 2 4 --out {out}", code=0).split())
     assert "supported: ‖u − u_h‖_G enclosed, solution unknown guaranteed" in printed
     assert "The 2 CONTACT sides do not lie on one line" in printed
-    computed = pd.read_csv(out / "supported" / "levels.csv").set_index("level").loc[4]
+    computed = pd.read_csv(out / "supported/levels.csv").set_index("level").loc[4]
     assert 0 < computed["percent_low"] < computed["percent_high"]
-    with np.load(out / "supported" / "trajectory-4.npz") as found:
+    with np.load(out / "supported/trajectory-4.npz") as found:
         np.savez(tmp_path / "mine.npz", points=found["p"].T, triangles=found["t"].T, u=found["u"][0].T)
     printed = told(f"bound {static}:supported --displacement {tmp_path}/mine.npz --out {out}", code=0)
     assert "weighted by the elasticity G" in printed
-    again = pd.read_csv(out / "supported-mine" / "levels.csv").iloc[0]
+    again = pd.read_csv(out / "supported-mine/levels.csv").iloc[0]
     names = ["h", "lowest", "highest", "plain", "percent_low", "percent_high"]
     assert again[names].tolist() == pytest.approx(computed[names].tolist(), rel=1e-6)
 
@@ -135,7 +135,7 @@ def test_a_static_problem_is_bounded_and_its_own_displacement_again_from_a_file(
 def test_a_static_body_without_contact_is_adapted(static, out, told):
     printed = told(f"bound {static}:hanging --levels 2 --adapt 40% --out {out}", code=0)
     assert "≤ 40 %, the tolerance is reached" in " ".join(printed.split())
-    rows = pd.read_csv(out / "hanging" / "adaptive.csv")
+    rows = pd.read_csv(out / "hanging/adaptive.csv")
     assert rows["percent"].iloc[-1] <= 40 < rows["percent"].iloc[-2]
 
 
@@ -146,7 +146,7 @@ def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_pat
     options = f"--refine 0 --shorter 2 --out {tmp_path}"
     printed = told(f"bound advance-recede --displacement {files} {options}", code=0)
     assert "trajectory-4.npz: degree 1," in " ".join(printed.split())
-    found = pd.read_csv(tmp_path / "advance-recede-trajectory-3-trajectory-4" / "levels.csv")
+    found = pd.read_csv(tmp_path / "advance-recede-trajectory-3-trajectory-4/levels.csv")
     before = pd.read_csv(directory / "levels.csv")
     names = ["h", "steps", "lowest", "highest", "plain", "order_low", "order_high"]
     assert np.allclose(found[names], before[names], rtol=1e-6, equal_nan=True)

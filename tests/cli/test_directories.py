@@ -34,8 +34,8 @@ COMMANDS += ["faults --case full-contact", "seeds --seeds 1"]
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_files_that_the_study_did_not_write_are_never_overwritten(command, tmp_path, told):
-    write_text(tmp_path / "data" / "rates.csv", "mine")
-    write_text(tmp_path / "figures" / "convergence.png", "mine")
+    write_text(tmp_path / "data/rates.csv", "mine")
+    write_text(tmp_path / "figures/convergence.png", "mine")
     before = everything(tmp_path)
     said = told(f"{command} --out {tmp_path}")
     assert "no finished run" in said or f"{tmp_path}/data/rates.csv was not written by a study" in said
@@ -74,15 +74,15 @@ def test_a_bound_resumes_with_the_levels_that_are_not_done_and_removes_those_of_
     monkeypatch.setattr("study.cli.bound.draw_one", lambda *_: [])
     command = f"bound ramp {COARSE} --out {tmp_path} --levels 2"
     for file, content in ((".lock", ""), ("problem.txt", "another problem"), ("../trajectory-9.npz", "")):
-        write_text(tmp_path / "ramp" / "data" / file, content)
+        write_text(tmp_path / "ramp/data" / file, content)
     assert study(command) == study(f"{command} 4") == 0
     (printed, removed), whole = capsys.readouterr(), everything(tmp_path)
     assert f"removed from {tmp_path}/ramp: results of other data" in removed
-    assert tmp_path / "ramp" / "trajectory-9.npz" not in whole
+    assert tmp_path / "ramp/trajectory-9.npz" not in whole
     assert study(f"{command} 4") == 0
     assert capsys.readouterr().out.split("enclosed")[-1] == printed.split("enclosed")[-1]
     assert (asked, everything(tmp_path)) == ([2, 4], whole)
-    (tmp_path / "ramp" / "trajectory-4.npz").unlink()
+    (tmp_path / "ramp/trajectory-4.npz").unlink()
     assert study(f"{command} 4 --scheme bdf2") == 0
     assert asked == [2, 4, 2, 4]
 
@@ -118,14 +118,14 @@ def test_two_commands_on_one_directory_are_refused_by_name_until_the_first_one_e
 def test_the_record_of_a_run_names_the_commit_and_whether_the_code_was_changed_since(tmp_path, monkeypatch):
     monkeypatch.setattr("study.run.provenance.ROOT", tmp_path)
     assert commit() == {"commit": "", "clean": False}
-    write_text(tmp_path / "study" / "a.py", "")
+    write_text(tmp_path / "study/a.py", "")
     git = ["git", "-C", str(tmp_path), "-c", "user.name=a", "-c", "user.email=a@b"]
     for words in (["init", "-q"], ["add", "."], ["commit", "-qm", "first"]):
         subprocess.run([*git, *words], check=True)
     head = subprocess.run([*git, "rev-parse", "HEAD"], check=True, capture_output=True, text=True).stdout.strip()
-    write_text(tmp_path / "results" / "rates.csv", "")
+    write_text(tmp_path / "results/rates.csv", "")
     assert commit() == {"commit": head, "clean": True}
-    write_text(tmp_path / "study" / "a.py", "changed")
+    write_text(tmp_path / "study/a.py", "changed")
     assert commit() == {"commit": head, "clean": False}
 
 
@@ -211,7 +211,7 @@ def planned(tmp_path, *arguments):
     """The scope of a run, whose provenance is written as if it were finished."""
     options = parser().parse_args(["run", *arguments])
     scope = run.with_levels_of(tmp_path, run.scope_from_options(options))
-    write_text(tmp_path / "data" / "provenance.json", json.dumps(provenance(Plan.of(scope), tmp_path)))
+    write_text(tmp_path / "data/provenance.json", json.dumps(provenance(Plan.of(scope), tmp_path)))
     return scope
 
 
@@ -234,7 +234,7 @@ def test_levels_can_be_added_to_a_directory(tmp_path, capsys):
     ],
 )
 def test_a_word_in_place_of_a_number_is_named_by_file_line_and_column(command, column, word, own, told):
-    path = own / "data" / "rates.csv"
+    path = own / "data/rates.csv"
     table = texts(path)
     table.loc[2, column] = word
     table.to_csv(path, index=False)
@@ -247,13 +247,13 @@ def test_a_plain_run_in_a_fresh_clone_leaves_the_committed_results_alone(tmp_pat
     def measured(plan, store, pool):
         raise UsageError(f"it would write in {store.directory}")
 
-    write_text(tmp_path / "results" / "data" / "provenance.json", "{}")
+    write_text(tmp_path / "results/data/provenance.json", "{}")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("study.cli.run.measure", measured)
     monkeypatch.setattr("study.run.plan.Plan.check", lambda *_: None)
     monkeypatch.setattr("study.cli.run.prove", lambda *_: [])
     assert told("run") == "study: it would write in results/quick\n"
-    assert (tmp_path / "results" / "data" / "provenance.json").read_text() == "{}"
+    assert (tmp_path / "results/data/provenance.json").read_text() == "{}"
 
 
 SLIVER = """

@@ -199,7 +199,7 @@ def test_the_command_writes_the_matrix_and_continues(monkeypatch, tmp_path, out,
     case = f"{tmp_path}/own.py:own" if own else "full-contact"
     command = f"faults --case {case} --fault 'no contact' --jobs 1 --out {out}"
     assert study(command) == 0
-    table = pd.read_csv(out / "data" / "faults.csv")
+    table = pd.read_csv(out / "data/faults.csv")
     assert table[["fault", "case"]].to_numpy().tolist() == [["no contact", "own" if own else "full-contact"]]
     assert "noticed by errors" in capsys.readouterr().out
     monkeypatch.setattr("study.controls.matrix.rows_of", None)  # nothing is measured again

@@ -49,7 +49,7 @@ def test_a_pipe_receives_the_content_and_remains(write, tmp_path):
 @pytest.mark.parametrize("exists", [True, False])
 def test_a_link_is_followed_and_remains(exists, tmp_path):
     (tmp_path / "there").mkdir()
-    target, link, second = tmp_path / "there" / "a.csv", tmp_path / "link", tmp_path / "second"
+    target, link, second = tmp_path / "there/a.csv", tmp_path / "link", tmp_path / "second"
     if exists:
         target.write_text("old")
     link.symlink_to(Path("there") / "a.csv")
@@ -74,7 +74,7 @@ def test_what_cannot_be_written_is_refused_and_left_alone(tmp_path, monkeypatch)
     nowhere = tmp_path / "nowhere"
     nowhere.symlink_to("absent")
     with pytest.raises(StoreError, match="nowhere is a symbolic link to absent, which does not exist; make"):
-        write_text(nowhere / "data" / "a.csv", "new")
+        write_text(nowhere / "data/a.csv", "new")
     nowhere.unlink()
     assert (loop.is_symlink(), folder.is_dir(), kept.read_text()) == (True, True, "old")
     assert len([*tmp_path.iterdir()]) == 3

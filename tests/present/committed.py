@@ -43,10 +43,10 @@ def copy_results(directory, cases=CASES, pictures=(CORNER, SOLID)):
         chosen = (*cases, *pictures) if name == "cases" else cases
         committed(name, chosen).to_csv(data / f"{name}.csv", index=False)
     for case in pictures:
-        shutil.copy(DATA / "pictures" / f"{case}.json.gz", data / "pictures")
+        shutil.copy(DATA / f"pictures/{case}.json.gz", data / "pictures")
     return directory
 
 
 def write_ledger(directory):
     """Replaces the ledger by ``LEDGER``."""
-    pd.DataFrame(LEDGER, columns=LEDGER_COLUMNS).to_csv(directory / "data" / "claims.csv", index=False)
+    pd.DataFrame(LEDGER, columns=LEDGER_COLUMNS).to_csv(directory / "data/claims.csv", index=False)

@@ -122,7 +122,7 @@ def test_random_meshes_of_rollers_are_one_curve_with_their_range():
 # Colours: every variable has one, and every text is readable.
 
 
-CSS = (ROOT / "study" / "present" / "page" / "page.css").read_text(encoding="utf-8")
+CSS = (ROOT / "study/present/page/page.css").read_text(encoding="utf-8")
 THEMES = [dict(re.findall(r"--(\w+): ([^;]+);", line)) for line in CSS.splitlines() if ":root" in line]
 TEXTS = ("ink", "soft", "link", "good", "bad", "warn")
 

@@ -53,7 +53,7 @@ def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over
 
 @pytest.mark.parametrize("name", NAMES)
 def test_latex_is_well_formed(tables, name):
-    text = (tables / "tables" / f"{name}.tex").read_text(encoding="utf-8")
+    text = (tables / f"tables/{name}.tex").read_text(encoding="utf-8")
     bare = re.sub(r"\\[{}&%]", "", text.partition("\n")[2])
     assert text.isascii()
     assert not {"$", "%"} & set(bare)

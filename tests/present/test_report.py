@@ -99,7 +99,7 @@ def test_every_row_of_the_ledger_is_on_the_page_in_its_order_below_its_statement
 
 
 def test_the_numbers_of_verdicts_are_those_of_the_ledger(directory, page):
-    claims = pd.read_csv(directory / "data" / "claims.csv")
+    claims = pd.read_csv(directory / "data/claims.csv")
     for verdict, count in claims["verdict"].value_counts().items():
         assert f"{count} {verdict}" in page.text
     totals = claims.groupby(["label", "statement"], sort=False).size().tolist()
@@ -114,7 +114,7 @@ def test_every_row_of_the_other_tables_is_on_the_page(directory, page):
         cells = table(directory).cells.drop(columns=left_out, errors="ignore").to_numpy().tolist()
         assert cells
         assert [row for row in cells if list(map(plain, row)) not in rows] == []
-    faults = pd.read_csv(directory / "data" / "faults.csv")["fault"]
+    faults = pd.read_csv(directory / "data/faults.csv")["fault"]
     assert set(map(plain, faults)) <= {row[1] for row in page.rows if len(row) > 1}
 
 
@@ -166,7 +166,7 @@ def test_every_case_is_shown_in_motion(directory, page):
 
 
 def test_a_second_run_gives_the_same_page_and_says_how_to_measure_missing_faults(data, page):
-    (data / "data" / "faults.csv").unlink()
+    (data / "data/faults.csv").unlink()
     again = report(data).read_text(encoding="utf-8")
     assert "study faults" in again
     assert again.partition('id="defects"')[:2] == page.content.partition('id="defects"')[:2]

@@ -95,4 +95,4 @@ def words(line):
 
 SITE = [Page(path) for path in sorted((ROOT / "docs").rglob("*.md")) if "generated" not in path.parts]
 README = Page(ROOT / "README.md")
-PAGES = [README, Page(ROOT / "examples" / "README.md"), *SITE]
+PAGES = [README, Page(ROOT / "examples/README.md"), *SITE]

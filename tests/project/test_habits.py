@@ -26,8 +26,8 @@ from study.controls.matrix import distance_of_solutions
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import Experiment, Setting
 
-WORKFLOWS = [*sorted((ROOT / ".github" / "workflows").glob("*.yml")), EXAMPLES / "convergence-check.yml"]
-RUN_THE_STUDY = ROOT / "docs" / "how-to" / "run-the-study.md"
+WORKFLOWS = [*sorted((ROOT / ".github/workflows").glob("*.yml")), EXAMPLES / "convergence-check.yml"]
+RUN_THE_STUDY = ROOT / "docs/how-to/run-the-study.md"
 TYPED = [ROOT / "README.md", RUN_THE_STUDY, ROOT / "CONTRIBUTING.md", EXAMPLES / "README.md"]
 """Pages whose commands have no words in capitals in place of a name."""
 TARGETS = set(re.findall(r"^([a-z][a-z-]*):", (ROOT / "Makefile").read_text(), re.MULTILINE))
@@ -144,7 +144,7 @@ def test_every_public_name_is_documented():
 
 
 def test_a_tree_that_is_heavier_than_recorded_fails_and_limits_only_go_down(tmp_path):
-    module = runpy.run_path(str(ROOT / ".ci" / "weight.py"))
+    module = runpy.run_path(str(ROOT / ".ci/weight.py"))
     texts = {
         "study/fem/a.py": '"""A docstring."""\nSMALL = [1, 2]  # four expressions\n',
         "study/fem/b.py": "SMALL = 3\n",

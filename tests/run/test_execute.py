@@ -340,7 +340,7 @@ def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_on
     """Neither a digit that is no number nor a folder belongs to a process."""
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
-    jobs = tmp_path / "data" / "jobs"
+    jobs = tmp_path / "data/jobs"
     (jobs / ".folder.0.part").mkdir(parents=True)
     for owner in (dead.pid, 2**31, "9" * 30, "²", os.getpid()):
         for place in (jobs, tmp_path):
@@ -587,7 +587,7 @@ def command(out):
 
 def written(out):
     """The data of a command that came to verdicts: levels as coarse as these do not carry every one of them."""
-    assert (out / "data" / "claims.csv").exists()
+    assert (out / "data/claims.csv").exists()
     return {str(path.relative_to(out)): path.read_bytes() for path in out.glob("data/**/*") if path.is_file()}
 
 
