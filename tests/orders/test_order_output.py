@@ -12,8 +12,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from commands import study
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 from places import EXAMPLES
 from schemas import schema
 from table_forms import FORMS, joined, markdown
@@ -113,14 +114,8 @@ def test_a_plot_is_drawn_whatever_the_errors_do(ending, start, tmp_path, rates):
 
 
 NUMBER = st.floats(1e-12, 1e3).map(lambda value: float(f"{value:.6g}"))
-TABLES = st.integers(3, 6).flatmap(
-    lambda n: st.tuples(
-        st.lists(NUMBER, min_size=n, max_size=n, unique=True)
-        .filter(lambda h: all(b > 1.0001 * a for a, b in itertools.pairwise(sorted(h))))
-        .map(sorted),
-        st.lists(st.lists(NUMBER, min_size=n, max_size=n), min_size=1, max_size=3),
-    )
-)
+TABLES = arrays(float, st.tuples(st.integers(3, 6), st.integers(2, 4)), elements=NUMBER)
+"""A mesh in each row, with its size in the first column and errors in the others."""
 
 
 def decimal_commas(cells):
@@ -137,10 +132,12 @@ def with_orders(cells):
 @pytest.mark.parametrize("form", [*FORMS, decimal_commas, with_orders])
 @given(drawn=TABLES)
 def test_a_table_that_is_written_reads_back_the_same(form, drawn):
-    h, errors = drawn
+    drawn[:, 0].sort()
+    h, *errors = drawn.T
+    assume((h[1:] > 1.0001 * h[:-1]).all())
     names = ["h", *(f"err{k}" for k in range(len(errors)))]
     # 1.234e3 as 1.234 and three digits would be read as thousands with decimal commas: an exponent tells.
-    cells = [[f"{value:.5e}" for value in row] for row in zip(h, *errors, strict=True)]
+    cells = [[f"{value:.5e}" for value in row] for row in drawn]
     (series,) = read_series(form([names, *cells]), Options())
     assert series.h == pytest.approx(h)
     assert list(series.errors) == names[1:]
@@ -213,16 +210,16 @@ def test_a_broken_solver_fails_the_assertion():
 @pytest.mark.parametrize(
     ("orders", "wish", "verdict"),
     [
-        ([0.19] * 3, {"expected": 0.25}, "holds"),
-        ([0.19] * 3, {"expected": 1}, "fails"),
-        ([0.1, -0.01, -0.01, -0.01], {"expected": 0.1}, "fails"),
-        ([-2, 0.19, 0.19, 0.19], {"expected": 0.25}, "fails"),
-        ([0.19] * 3, {}, None),
+        ([0.19] * 3, 0.25, "holds"),
+        ([0.19] * 3, 1, "fails"),
+        ([0.1, -0.01, -0.01, -0.01], 0.1, "fails"),
+        ([-2, 0.19, 0.19, 0.19], 0.25, "fails"),
+        ([0.19] * 3, None, None),
     ],
 )
 def test_errors_with_a_small_order_stagnate_unless_it_is_expected(orders, wish, verdict):
     errors = 2.0 ** -np.cumsum([0, *orders])
-    found = observed_orders(2.0 ** -np.arange(len(errors)), errors, **wish)
+    found = observed_orders(2.0 ** -np.arange(len(errors)), errors, wish)
     assert found.verdict == verdict
     assert (found.kind in ("stagnates", "grows")) == (verdict != "holds")
 

@@ -35,6 +35,7 @@ def verdicts(statement, rows):
     return {verdict.key: verdict.verdict for verdict in statement.judge(rows)}
 
 
-def wrong_values(rows, quantity, change):
-    """The rows with other values of a quantity, a function of value and level."""
-    return rows.assign(value=rows["value"].where(rows["quantity"] != quantity, change(rows["value"], rows["level"])))
+def wrong_values(rows, quantity, factor):
+    """The rows with the values of a quantity multiplied by a factor, or by the level."""
+    wrong = rows["value"] * (rows["level"] if factor == "level" else factor)
+    return rows.assign(value=rows["value"].where(rows["quantity"] != quantity, wrong))
