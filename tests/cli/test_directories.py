@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from commands import study
-from places import CERTIFICATES
+from places import CERTIFICATES, EXAMPLES
 from tables import everything, texts
 
 from study.bound import bounded
@@ -189,22 +189,32 @@ def test_an_empty_name_is_refused(command, tmp_path, monkeypatch, told):
     assert [*tmp_path.iterdir()] == []
 
 
+ORDERS = f"convergence_orders {EXAMPLES}/errors.csv"
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no /dev/full")
-def test_a_full_disk_behind_the_output_is_said_in_words():
+@pytest.mark.parametrize(
+    ("command", "said"),
+    {
+        "study cases": r"study: cannot write the output: the disk is full \(No space left on device\); free space",
+        ORDERS: "convergence-orders: cannot write the output: ",
+        f"{ORDERS} --expected 1 --junit /dev/full": "convergence-orders: /dev/full: ",
+    }.items(),
+)
+def test_a_full_disk_behind_the_output_is_said_in_words(command, said):
+    words = [sys.executable, "-m", *command.split()]
     with open("/dev/full", "w") as full:
-        done = subprocess.run(CASES, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
-    said = "study: cannot write the output: the disk is full (No space left on device); free space there"
-    assert (done.returncode, done.stderr.startswith(said), len(done.stderr.splitlines())) == (2, True, 1)
+        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2
+    assert re.fullmatch(f"{said}.*\n", done.stderr)
 
 
 def test_a_reader_who_has_seen_enough_ends_the_command_without_a_word():
-    with subprocess.Popen(CASES, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as command:
+    words = [sys.executable, "-m", "study", "cases"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as command:
         command.stdout.close()
         assert command.stderr.read() == ""
     assert command.returncode == BROKEN_PIPE
-
-
-CASES = [sys.executable, "-m", "study", "cases"]
 
 
 def planned(tmp_path, *arguments):

@@ -121,20 +121,16 @@ def test_wrong_faces_and_bodies_are_refused(make, message):
 
 
 def test_shaken_vertices_slide_along_edges_and_along_lines_where_the_condition_or_the_material_changes():
-    def moved(body, n):
+    for body, n in ((HALF, 4), (LAYERED["level"], 8)):
         plain = OneDiagonal()(body, n).p
-        return plain, abs(Shaken()(body, n).p - plain)
-
-    (x, y, z), off = moved(HALF, 4)
-    inner = (y > 0) & (y < 1)
-    change = (x == 0.5) & (z == 0)
-    edge = (y == 0) & (z == 1) & (x > 0) & (x < 1)
-    assert min(off[1, change & inner].min(), off[0, edge].min()) > 1e-3
-    assert max(off[:, change & ~inner].max(), off[::2, change].max(), off[1:, edge].max()) <= 1e-15
-    (x, y), off = moved(LAYERED["level"], 8)
-    interface = (y == 0.25) & (x > 0) & (x < 1)
-    assert off[0, interface].min() > 0
-    assert off[1, interface].max() <= 1e-15
+        held = np.isin(plain, (0, 1))
+        if body is HALF:
+            held[0] |= (plain[0] == 0.5) & (plain[2] == 0)
+        else:
+            held[1] |= np.isin(plain[1], (0.25, 0.5))
+        off = abs(Shaken()(body, n).p - plain)
+        assert off[held].max() <= 1e-15
+        assert off[~held].min() > 1e-6
 
 
 CHANGE_OFF_THE_GRID = polygon([(0, 0), (0.3, 0), (1, 0), (1, 1), (0, 1)], [CONTACT, LOADED, LOADED, CLAMPED, LOADED])
@@ -181,10 +177,7 @@ def test_families_serve_the_bodies_that_they_can_mesh():
     # At the level 20 both ends of the contact side at 0.3 and interfaces at 1/4 are on the grid.
     for body, family in product((PENTAGON, CHANGE_OFF_THE_GRID, *LAYERED.values()), FAMILIES):
         if family.serves(body):
-            space = Space(family(body, 20), body)
-            for interface in body.interfaces:
-                sides = interface.coordinates(space.mesh.p[:, space.mesh.t])[1]
-                assert (sides.max(axis=0) * sides.min(axis=0) > -1e-9 * space.volumes).all(), family.name
+            Space(family(body, 20), body)  # which refuses a mesh whose edges do not follow the interfaces
 
 
 def test_graded_meshes_shrink_towards_their_points_and_change_nothing_elsewhere():
@@ -318,7 +311,7 @@ def test_the_leading_term_is_the_interpolation_error_on_fine_meshes(family, name
 
 
 @pytest.mark.parametrize(("body", "n"), [(unit_square(), 24), (box(), 9)], ids=["square", "cube"])
-def test_vertices_are_moved_evenly_up_to_the_amplitude_and_stay_on_the_boundary(body, n):
+def test_vertices_are_moved_evenly_up_to_the_amplitude(body, n):
     """Uniform on ± a in each direction: the largest is close to a, the mean square a²/3, directions are independent."""
     plain, shaken = OneDiagonal()(body, n).p, Shaken()(body, n).p
     inside = ((plain > 0) & (plain < 1)).all(axis=0)
@@ -327,7 +320,6 @@ def test_vertices_are_moved_evenly_up_to_the_amplitude_and_stay_on_the_boundary(
     assert abs(moved).max() <= 1 + 1e-12
     # Mean squares and means of products.
     assert moved @ moved.T / moved.shape[1] == pytest.approx(np.eye(body.dim) / 3, abs=3 / np.sqrt(moved.shape[1]))
-    assert (shaken[plain == 0], shaken[plain == 1]) == (pytest.approx(0), pytest.approx(1))
 
 
 SHAPES = (*(case.name for case in first_with_each(body_of)), "layered")

@@ -3,8 +3,6 @@
 import itertools
 import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -15,7 +13,6 @@ from commands import study
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from places import EXAMPLES
 from schemas import schema
 from table_forms import FORMS, joined, markdown
 
@@ -189,16 +186,6 @@ def test_names_with_terminal_escapes_are_printed_without_them(tmp_path, rates):
         assert not set(printed) & set("\x1b\u202e")
     ElementTree.parse(tmp_path / "j")
     assert "\x1b" not in (tmp_path / "m").read_text()
-
-
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no /dev/full")
-@pytest.mark.parametrize("options", [[], ["--expected", "1", "--junit", "/dev/full"]])
-def test_a_full_disk_behind_the_output_is_said_in_words(options):
-    command = [sys.executable, "-m", "convergence_orders", str(EXAMPLES / "errors.csv")]
-    with open("/dev/full", "w") as full:
-        done = subprocess.run([*command, *options], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
-    assert done.returncode == 2
-    assert re.fullmatch("convergence-orders: (cannot write the output|/dev/full): .*\n", done.stderr)
 
 
 def test_a_broken_solver_fails_the_assertion():

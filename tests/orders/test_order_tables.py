@@ -1,6 +1,7 @@
 """The command on tables from public issue threads, regression files and documentation, as people pasted them."""
 
 import json
+import re
 import shlex
 import time
 from pathlib import Path
@@ -14,63 +15,63 @@ CASES = Path(__file__).parent / "cases"
 
 
 VERDICTS = {
-    "01-pytools-eoc.txt --expected 2": ["fails"],
-    "01-pytools-eoc.txt --expected 1": ["holds"],
-    "02-trixi-three-columns.txt --expected 2": ["holds"] * 3,
-    "03-trixi-zero-column.txt --expected 4": ["undecided", "undecided", "skipped", "undecided"],
-    "04-dispersive-n-repeated.txt --expected 2": ["fails", "fails", "skipped"],
-    "05-dealii-step7-global.txt --expected H1=1,L2=2": ["undecided", "undecided"],
-    "08-moose-pandas-index.csv --expected 1": ["holds"],
-    "10-markdown-nlfem.txt --expected 2": ["holds"],
-    "11-benchphaseflow-blowup.csv --expected 2": ["fails", "fails", "fails", "skipped"],
-    "14-matlab-no-h.txt --ratio 2 --expected '||u-u_h||=3,||Du-Du_h||=2'": ["holds", "holds", None, None],
-    "15-castro-transposed.txt --expected 4": ["holds", "holds", "undecided", "holds"],
-    "17-pygbe-elements-3d-surface.txt --dim 2 --expected 2": ["holds"],
-    "18-fd-points-not-cells.txt --expected '2nd order=2,6th order=6'": ["undecided", None, "fails"],
-    "21-semicolon-decimal-comma.csv --expected 1": ["holds"],
-    "23-rates-not-errors.txt --ratio 2 --expected 2": ["undecided"] * 3,
-    "24-firedrake-keyvalue.txt --expected 2": ["holds"],
-    "25-superconvergence.csv --expected L2=2,H1=1": ["holds", "higher"],
-    "25-superconvergence.csv --at-least 0.9": ["holds", "holds"],
-    "26-nan-row.txt --expected 4": ["undecided", "skipped", "undecided", "undecided"],
-    "28-roundoff-after-good-orders.csv --expected 8": ["holds"],
-    "29-comment-header-gnuplot.dat --expected 1": ["holds"],
-    "30-latex-body.tex --expected 2": ["holds"],
-    "31-h-dt-error-three-columns.csv --expected 2": ["holds"],
-    "34-one-sided.csv --expected 2": ["holds"],
-    "37-drifts-down.csv --expected 4": ["holds"],
-    "37-floor.csv --expected 1": ["fails"],
-    "37-floor.csv --expected 1 --floor 1e-3": ["holds"],
+    "01-pytools-eoc.txt --expected 2": "fails",
+    "01-pytools-eoc.txt --expected 1": "holds",
+    "02-trixi-three-columns.txt --expected 2": "holds, holds, holds",
+    "03-trixi-zero-column.txt --expected 4": "undecided, undecided, skipped, undecided",
+    "04-dispersive-n-repeated.txt --expected 2": "fails, fails, skipped",
+    "05-dealii-step7-global.txt --expected H1=1,L2=2": "undecided, undecided",
+    "08-moose-pandas-index.csv --expected 1": "holds",
+    "10-markdown-nlfem.txt --expected 2": "holds",
+    "11-benchphaseflow-blowup.csv --expected 2": "fails, fails, fails, skipped",
+    "14-matlab-no-h.txt --ratio 2 --expected '||u-u_h||=3,||Du-Du_h||=2'": "holds, holds, None, None",
+    "15-castro-transposed.txt --expected 4": "holds, holds, undecided, holds",
+    "17-pygbe-elements-3d-surface.txt --dim 2 --expected 2": "holds",
+    "18-fd-points-not-cells.txt --expected '2nd order=2,6th order=6'": "undecided, None, fails",
+    "21-semicolon-decimal-comma.csv --expected 1": "holds",
+    "23-rates-not-errors.txt --ratio 2 --expected 2": "undecided, undecided, undecided",
+    "24-firedrake-keyvalue.txt --expected 2": "holds",
+    "25-superconvergence.csv --expected L2=2,H1=1": "holds, higher",
+    "25-superconvergence.csv --at-least 0.9": "holds, holds",
+    "26-nan-row.txt --expected 4": "undecided, skipped, undecided, undecided",
+    "28-roundoff-after-good-orders.csv --expected 8": "holds",
+    "29-comment-header-gnuplot.dat --expected 1": "holds",
+    "30-latex-body.tex --expected 2": "holds",
+    "31-h-dt-error-three-columns.csv --expected 2": "holds",
+    "34-one-sided.csv --expected 2": "holds",
+    "37-drifts-down.csv --expected 4": "holds",
+    "37-floor.csv --expected 1": "fails",
+    "37-floor.csv --expected 1 --floor 1e-3": "holds",
     # Further public tables; where each one comes from stands in cases/README.md.
-    "ferrite.txt --expected Linf=2,L2=2,H1=1": ["holds"] * 3,
-    "lethe.rst --dim 2 --expected error_velocity=1": ["holds", None],
-    "dealii_results.md --expected 2 --tolerance 0.2": ["holds"],
-    "codegallery.tex --dim 2 --at-least 0.95": ["holds"] * 3,
-    "trixiatmo.txt --expected h_vcon1=2": [None, "undecided", None, None, "undecided", None],
-    "step78.dox --dim 1 --expected L2=2,H1=1,Linfty=2": ["holds"] * 3,
-    "step7adaptive.txt --dim 2 --expected L2=2,H1=1": ["undecided", "undecided", None],
-    "math471.m --in n --expected 2": ["holds"],
-    "test2b.m --expected 2": ["holds"],
-    "gadopt.txt --ratio 2 --expected 2": ["fails"] * 3,
-    "multirow-unreadable-sizes.tex --expected 2": ["fails", "fails", "holds", "holds"],
-    "times-in-sizes.tex --expected 2": ["fails"],
-    "levels-repeated-ratio.md --expected 2": ["fails", "holds"],
-    "levels-repeated-ratio.md --expected 2 --ratio 2": ["fails", "holds"],
-    "names-with-blanks.txt --expected 'val L2=2,grad L2=2,val L2-post=3'": [*["fails"] * 2, "undecided", *["holds"] * 3]
-    + ["higher"] * 3,
-    "unknown-unit-in-cells.md --expected 1": ["undecided"] * 2,
-    "one-name-per-line-in-prose.txt --ratio 2 --expected 2": ["holds"],
-    "tecplot.dat --expected 1": ["undecided"] * 5,
-    "sfrac.tex --expected '$H^1(\\Omega)$=1,$L^2(\\Omega)$=2,$L^\\infty(\\Omega)$=1.5'": ["higher", "holds", "holds"],
-    "comment-block-fitted-row.txt --expected 'N 1=2,N 2=3'": ["undecided"] * 4,
-    "error-against-finest-run.csv --expected 1": ["undecided"] * 2,
-    "r-matrix.txt --expected L2=2,H1=1": ["holds"] * 2,
-    "dealii-cycle-cells-dofs.txt --expected L2=3,H1=2,Linfty=3": ["holds"] * 3,
-    "rates-of-one-list.txt --expected 'L2 errors=2,H1 errors=1'": ["holds"] * 2,
-    "matlab-table.txt --expected errL2=2,errH1=1": ["holds"] * 2,
-    "inverse-h-two-degrees.tex --at-least 1.9": ["holds"] * 2,
-    "quotients-first-cell-left-out.txt --expected 2": ["holds"],
-    "mfem-ref-dofs.txt --dim 3 --expected 1": ["holds"] * 2,
+    "ferrite.txt --expected Linf=2,L2=2,H1=1": "holds, holds, holds",
+    "lethe.rst --dim 2 --expected error_velocity=1": "holds, None",
+    "dealii_results.md --expected 2 --tolerance 0.2": "holds",
+    "codegallery.tex --dim 2 --at-least 0.95": "holds, holds, holds",
+    "trixiatmo.txt --expected h_vcon1=2": "None, undecided, None, None, undecided, None",
+    "step78.dox --dim 1 --expected L2=2,H1=1,Linfty=2": "holds, holds, holds",
+    "step7adaptive.txt --dim 2 --expected L2=2,H1=1": "undecided, undecided, None",
+    "math471.m --in n --expected 2": "holds",
+    "test2b.m --expected 2": "holds",
+    "gadopt.txt --ratio 2 --expected 2": "fails, fails, fails",
+    "multirow-unreadable-sizes.tex --expected 2": "fails, fails, holds, holds",
+    "times-in-sizes.tex --expected 2": "fails",
+    "levels-repeated-ratio.md --expected 2": "fails, holds",
+    "levels-repeated-ratio.md --expected 2 --ratio 2": "fails, holds",
+    "names-with-blanks.txt --expected 'val L2=2,grad L2=2,val L2-post=3'": "fails, fails, undecided, "
+    "holds, holds, holds, higher, higher, higher",
+    "unknown-unit-in-cells.md --expected 1": "undecided, undecided",
+    "one-name-per-line-in-prose.txt --ratio 2 --expected 2": "holds",
+    "tecplot.dat --expected 1": "undecided, undecided, undecided, undecided, undecided",
+    "sfrac.tex --expected '$H^1(\\Omega)$=1,$L^2(\\Omega)$=2,$L^\\infty(\\Omega)$=1.5'": "higher, holds, holds",
+    "comment-block-fitted-row.txt --expected 'N 1=2,N 2=3'": "undecided, undecided, undecided, undecided",
+    "error-against-finest-run.csv --expected 1": "undecided, undecided",
+    "r-matrix.txt --expected L2=2,H1=1": "holds, holds",
+    "dealii-cycle-cells-dofs.txt --expected L2=3,H1=2,Linfty=3": "holds, holds, holds",
+    "rates-of-one-list.txt --expected 'L2 errors=2,H1 errors=1'": "holds, holds",
+    "matlab-table.txt --expected errL2=2,errH1=1": "holds, holds",
+    "inverse-h-two-degrees.tex --at-least 1.9": "holds, holds",
+    "quotients-first-cell-left-out.txt --expected 2": "holds",
+    "mfem-ref-dofs.txt --dim 3 --expected 1": "holds, holds",
 }
 REFUSED = {
     "14-matlab-no-h.txt": "Give --ratio 2",
@@ -94,9 +95,9 @@ REFUSED = {
 def test_a_public_table_has_the_verdict_of_an_analyst(command, rates):
     file, _, options = command.partition(" ")
     verdicts = VERDICTS[command]
-    red = {"fails", "higher"} & set(verdicts)
-    found = json.loads(rates(CASES / file, f"--json {options}", 1 if red else 3 if "undecided" in verdicts else 0))
-    assert [column["verdict"] for column in found] == verdicts
+    code = 1 if re.search("fails|higher", verdicts) else 3 if "undecided" in verdicts else 0
+    found = json.loads(rates(CASES / file, f"--json {options}", code))
+    assert ", ".join(str(column["verdict"]) for column in found) == verdicts
 
 
 @pytest.mark.parametrize("file", REFUSED)
@@ -107,8 +108,8 @@ def test_a_table_with_two_readings_is_refused_with_the_edit(file, rates):
 @pytest.mark.parametrize(
     ("command", "sentence"),
     {
-        "04-dispersive-n-repeated.txt": "eta: the error grows as h decreases: orders -0.38, -0.12, -1.19, -0.97; it does "
-        "not converge v: stagnates at about 1.1e-06 from h = 0.0039062 on",
+        "04-dispersive-n-repeated.txt": "eta: the error grows as h decreases: orders -0.38, -0.12, -1.19, -0.97; it "
+        "does not converge v: stagnates at about 1.1e-06 from h = 0.0039062 on",
         "05-dealii-step7-global.txt --dim 2": "H1: pre-asymptotic",
         "18-fd-points-not-cells.txt": "orders fall on the finest meshes: 1.99, 2.00, 1.08",
         "25-superconvergence.csv --expected H1=1": "higher than expected",
@@ -122,7 +123,7 @@ def test_a_table_with_two_readings_is_refused_with_the_edit(file, rates):
         "values-past-an-extremum.csv --dim 3 --values": "szz: not monotone",
         "error-against-finest-run.csv --expected 1": "solution computed with h = 15.1? Take a finer reference",
         "computed-and-analytical.txt --dim 2": "errors rise and fall: orders -3.73, 6.02",
-        "comment-block-fitted-row.txt": "the printed orders 0.56, 0.87, 1.11 are not the computed ones 1.12, 1.74, 2.22",
+        "comment-block-fitted-row.txt": "printed orders 0.56, 0.87, 1.11 are not the computed ones 1.12, 1.74, 2.22",
         "names-with-blanks.txt": "h = cells^(-1/2) from column cells, which the printed orders confirm",
         "quotients-first-cell-left-out.txt": "ignored: ratio (quotients)",
         "rates-of-one-list.txt": "H1 errors: converges with order 1.00 (orders 1.00, 1.00, 1.00) read as lists",
@@ -367,11 +368,12 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form, rates):
         b"|1" * 20_000: "no table was recognised",
         b"h: 1 " * 10_000: "no column of errors among h (size)",
         b"elements,error\n32,.16\n128,.04\n512,.01\n": "column elements is a count",
-        "h,Größe\n.4,32\n.2,128\n.1,512\n": "column Größe has whole numbers: numbers of cells, iterations or seconds, or errors? Name",
+        "h,Größe\n.4,32\n.2,128\n.1,512\n": "column Größe has whole numbers: numbers of cells, iterations or "
+        "seconds, or errors? Name",
         b"Weite;Fehler;EOC\n.4;.16;\n.2;.04;2.0\n.1;.01;2.0\n": "no column is a mesh size; seen: Weite, Fehler, EOC",
         b"h,order\n1,-\n.5,2\n": "no column of errors among h (size), order (order)",
-        b"h,L2,H1\n1,.1,.2\n.5,.05,\n": "line 3: H1 is '', expected a number that is not negative: write a number there, "
-        "delete the line, or name the columns of errors with --columns",
+        b"h,L2,H1\n1,.1,.2\n.5,.05,\n": "line 3: H1 is '', expected a number that is not negative: write a number "
+        "there, delete the line, or name the columns of errors with --columns",
         "degree,L2\n1,1e-1\n2,1e-2\n3,1e-3\n": "(p-refinement)",
         "p,L2\n1,1e-1\n2,1e-2\n3,1e-3\n": "(p-refinement)",
         "polynomial degree,L2\n1,1e-1\n2,1e-2\n3,1e-3\n": "(p-refinement)",
