@@ -28,8 +28,15 @@ from study.run.provenance import commit, provenance, read_provenance
 from study.run.store import Store
 
 COARSE = "--steps 2 --refine 0 --shorter 1"
-COMMANDS = ["run --case full-contact --levels 2 4 8", "check", "tables", "figures", "report"]
-COMMANDS += ["faults --case full-contact", "seeds --seeds 1"]
+COMMANDS = [
+    "run --case full-contact --levels 2 4 8",
+    "check",
+    "tables",
+    "figures",
+    "report",
+    "faults --case full-contact",
+    "seeds --seeds 1",
+]
 
 
 @pytest.mark.parametrize("command", COMMANDS)

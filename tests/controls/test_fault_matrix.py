@@ -116,7 +116,9 @@ FORCE = ["Prop. 5.4", "contact force", "Thm 4.2"]
 @pytest.mark.parametrize(
     ("case", "labels", "coarsest"),
     [
-        *(("full-contact", FORCE, 4), ("cube-disc", FORCE, 3), ("parabolic-gap", ["beyond: initial gap"], 8)),
+        ("full-contact", FORCE, 4),
+        ("cube-disc", FORCE, 3),
+        ("parabolic-gap", ["beyond: initial gap"], 8),
         ("junction", ["Prop. 5.3", "Thm 4.2"], 4),
     ],
 )

@@ -149,8 +149,14 @@ def test_changed_verdicts_come_first_in_words_and_in_json(old, new, capsys):
 
 @pytest.mark.parametrize(
     ("column", "name", "differs"),
-    [("twin", "cases.csv", True), ("zone", "cases.csv", True), ("by_error", "faults.csv", True)]
-    + [("summary", "cases.csv", False), ("equation", "faults.csv", False), ("statement", "claims.csv", False)],
+    [
+        ("twin", "cases.csv", True),
+        ("zone", "cases.csv", True),
+        ("by_error", "faults.csv", True),
+        ("summary", "cases.csv", False),
+        ("equation", "faults.csv", False),
+        ("statement", "claims.csv", False),
+    ],
 )
 def test_words_that_name_or_judge_differ_and_words_for_readers_do_not(old, new, name, column, differs):
     write(new, name, column, 2, "other words")

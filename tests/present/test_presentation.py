@@ -6,7 +6,7 @@ import shutil
 import numpy as np
 import pandas as pd
 import pytest
-from committed import CASES, CORNER, ROUGH, SMOOTH, copy_results, write_ledger
+from committed import CASES, CORNER, LEDGER, ROUGH, SMOOTH, copy_results
 from matplotlib.mathtext import MathTextParser
 
 from study.ledger.datafiles import DataError, read_claims, read_rates, read_uncompressed
@@ -25,7 +25,7 @@ NAMES = ("bounds", "equivalence", "ledger", "rates", "stresses")
 def tables(tmp_path_factory):
     """A directory with data and tables; tests only read it."""
     directory = copy_results(tmp_path_factory.mktemp("results"), pictures=(CORNER,))
-    write_ledger(directory)
+    write_text(directory / "data/claims.csv", LEDGER)
     write_tables(directory)
     return directory
 
