@@ -59,7 +59,7 @@ OWNED = [
 """Commands whose directory is theirs alone, and its name below ``--out``."""
 
 
-@pytest.mark.parametrize(("command", "folder"), OWNED, ids=["bound", "show", "export", "certify"])
+@pytest.mark.parametrize(("command", "folder"), OWNED)
 def test_a_folder_of_somebody_else_is_left_alone(command, folder, tmp_path, told):
     write_text(tmp_path / folder / "notes.txt", "mine")
     mine = tmp_path / folder / "notes.txt"
@@ -106,7 +106,6 @@ def hold(store):
 @pytest.mark.parametrize(
     ("store", "command", "folder"),
     [(Store, *OWNED[0]), (TaskStore, *OWNED[2]), (Store, "run --case full-contact --levels 2 4", "")],
-    ids=["bound", "export", "run"],
 )
 def test_two_commands_on_one_directory_are_refused_by_name_until_the_first_one_ends(
     store, command, folder, tmp_path, told

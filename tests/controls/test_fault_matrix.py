@@ -43,7 +43,7 @@ def test_no_two_faults_have_one_name_and_sizes_fall():
     assert all(list(fault.sizes) == sorted(fault.sizes, reverse=True) for fault in FAULTS)
 
 
-@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
+@pytest.mark.parametrize("fault", FAULTS)
 def test_a_fault_changes_what_is_solved_in_some_case_and_leaves_the_norm_alone(fault):
     for case in SEVERAL_KINDS:
         right = experiment(case)

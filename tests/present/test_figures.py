@@ -77,7 +77,7 @@ def cut_off_or_tiny(figure):
     return beyond + [text.get_text() for text in shown if text.get_fontsize() < SMALLEST]
 
 
-@pytest.mark.parametrize("every", [False, slow(True)], ids=["some", "all"])
+@pytest.mark.parametrize("every", [False, slow(True)])
 def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(figures, every):
     with in_style():
         narrowest, widest = column_width(), page_width()

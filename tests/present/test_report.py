@@ -186,7 +186,6 @@ def test_missing_data_are_named_with_the_command_that_makes_them(data, name):
         (None, r"corner\.json\.gz holds no displacement .*older version .*study run"),
         (Packed.of(np.zeros((17, 2, 3))).record(), r"shape \(17, 2, 3\), expected"),
     ],
-    ids=["older version", "other cells"],
 )
 def test_a_picture_that_cannot_be_drawn_is_refused(data, displacement, complaint):
     path = picture_path(data, "corner")

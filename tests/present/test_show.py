@@ -136,7 +136,6 @@ wrong = replace(case, solution=solution)
         ("{file}:wrong", "violated"),
         ("full-contact --out {file}", "cannot write {file}/full-contact/data/.lock: "),
     ],
-    ids=["no ffmpeg", "no solution", "not a directory"],
 )
 def test_what_cannot_be_shown_is_refused(arguments, complaint, tmp_path, monkeypatch, out, told):
     monkeypatch.setattr("study.cli.present.find_ffmpeg", lambda: None)

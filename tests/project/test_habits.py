@@ -84,7 +84,7 @@ def test_every_make_target_and_study_command_of_workflows_and_pages_exists():
                 parser().parse_args(words[1:])
 
 
-@pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.name)
+@pytest.mark.parametrize("workflow", WORKFLOWS)
 def test_workflows_use_actions_of_a_fixed_commit_and_may_write_nothing(workflow):
     assert yaml.safe_load(workflow.read_text())["permissions"] == {"contents": "read"}
     used = re.findall(r"uses: (.+)", workflow.read_text())

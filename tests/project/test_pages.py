@@ -124,7 +124,6 @@ def test_the_commands_of_the_table_are_those_of_the_program():
         ("prose", r"\]\((?![a-z]+:)([^)#\s]+)(?:#[^)]*)?\)|^\[[^]]+\]: (?![a-z]+:)([^#\s]+)"),
         ("text", r"`((?:study|manufactured|tests|paper|results|examples)/(?!quick)[\w./-]*)`"),
     ],
-    ids=["links", "names"],
 )
 def test_files_that_a_page_links_to_or_names_are_there(part, pattern):
     found = [(page, match) for page in PAGES for match in re.finditer(pattern, getattr(page, part), re.MULTILINE)]

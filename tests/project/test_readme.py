@@ -29,7 +29,7 @@ def full():
     return data
 
 
-@pytest.mark.parametrize("path", [page for page in SITE if "<!-- end -->" in page.text], ids=lambda p: p.name)
+@pytest.mark.parametrize("path", [page for page in SITE if "<!-- end -->" in page.text])
 def test_the_tables_of_a_page_come_from_the_committed_data(path, full, tmp_path):
     copy = tmp_path / "page.md"
     copy.write_text(path.text, encoding="utf-8")

@@ -245,7 +245,7 @@ def test_a_job_that_kills_its_process_again_when_it_is_alone_is_refused_by_name(
     assert all(store.load(job.key, job.key) for job in OTHERS)
 
 
-@pytest.mark.parametrize("cancels", [True, False], ids=["cancels its jobs", "is silent"])
+@pytest.mark.parametrize("cancels", [True, False])
 def test_a_run_ends_when_its_executor(cancels, tmp_path, monkeypatch):
     class Gone(AtOnce):
         def submit(self, function, /, *args, **kwargs):
@@ -296,7 +296,6 @@ EVERY = [
 @pytest.mark.parametrize(
     "job",
     [full_contact(48), *(slow(job) for job in EVERY)],
-    ids=lambda job: job.key,
 )
 def test_no_job_takes_more_memory_than_estimated_nor_much_less(job):
     """The base is most of a small estimate. What grows with the level is compared over the same job at n = 2."""
@@ -606,7 +605,7 @@ def gone(process):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3), ids="seed {}".format)
+@pytest.mark.parametrize("seed", range(3))
 def test_killed_workers_and_runs_change_no_byte_of_what_is_written_in_the_end(seed, undisturbed, tmp_path):
     """Nothing of the run may live on when it is killed, and what was finished is not done again."""
     total, moment = sum("jobs" in name for name in undisturbed), random.Random(seed)

@@ -24,7 +24,7 @@ from study.statements.shared.base import Experiment, Setting
 from study.statements.thm_4_2 import StressExperiment
 
 K = 0.1
-with_every_scheme = pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+with_every_scheme = pytest.mark.parametrize("scheme", SCHEMES)
 
 
 @with_every_scheme
@@ -93,7 +93,7 @@ def least(problem, scheme, k):
     return float(np.linalg.eigvalsh(S.toarray())[0])
 
 
-@pytest.mark.parametrize("scheme", [BACKWARD_EULER, MIDPOINT], ids=lambda scheme: scheme.name)
+@pytest.mark.parametrize("scheme", [BACKWARD_EULER, MIDPOINT])
 def test_where_g_is_a_multiple_of_a_no_longer_step_would_do(scheme):
     problem, longest = unloaded(EVEN), scheme.longest(EVEN.growth)
     assert longest == pytest.approx(scheme.newest / scheme.theta / 2)

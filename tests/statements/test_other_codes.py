@@ -98,13 +98,13 @@ def test_errors_of_other_codes_are_ours(others):
 
 
 @pytest.mark.parametrize("mode", [FROZEN, MARCH])
-@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)
+@pytest.mark.parametrize("peer", PEERS)
 def test_an_error_that_is_another_turns_the_row_of_its_code_to_fails(peer, mode, others):
     others.loc[one(others, peer, mode), "error"] *= 1 + 3 * peer.window.high
     assert verdicts(others) == EVERY | {peer.key: FAILS}
 
 
-@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)
+@pytest.mark.parametrize("peer", PEERS)
 def test_a_column_that_was_copied_is_noticed(peer, others):
     """From this study to the code, on all meshes that both have."""
     place = [*MESH_KEY, "mode"]
@@ -115,7 +115,7 @@ def test_a_column_that_was_copied_is_noticed(peer, others):
     assert verdicts(others) == EVERY | {"own-digits": FAILS}
 
 
-@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)
+@pytest.mark.parametrize("peer", PEERS)
 def test_a_mesh_or_a_code_that_is_left_out_without_a_reason_leaves_its_row_undecided(peer, others):
     without = judged(others.drop(index=one(others, peer)))[peer.key]
     assert without.verdict == UNDECIDED
