@@ -1,6 +1,8 @@
 """The command ``study bound``: what it prints, writes and refuses."""
 
 import re
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -31,11 +33,9 @@ def wrong_part():
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
     out = tmp_path_factory.mktemp("bounds")
-    with pytest.MonkeyPatch.context() as patch:
-        printed = []
-        patch.setattr("builtins.print", lambda *text, **_: printed.append(" ".join(map(str, text))))
+    with redirect_stdout(StringIO()) as printed:
         assert study(f"bound advance-recede --levels 3 4 --refine 0 --shorter 2 --out {out}") == 0
-    return out / "advance-recede", "\n".join(printed)
+    return out / "advance-recede", printed.getvalue()
 
 
 def test_tables_are_printed_with_the_error_between_its_ends_and_all_ends_rounded_outwards(finished):
@@ -50,7 +50,7 @@ def test_tables_are_printed_with_the_error_between_its_ends_and_all_ends_rounded
     levels, series = (pd.read_csv(directory / name) for name in ("levels.csv", "enclosure.csv"))
     assert series["error"].between(series["lower"] - 1e-9, series["upper"] + 1e-9).all()
     finest = series[series["level"] == 4]
-    there = finest.iloc[[abs(finest["time"] - time).argmin() for time in times]]
+    there = finest.set_index("time").reindex(times, method="nearest")
     assert ((low <= there["lower"]) & (there["upper"] <= high) & (there["plain"] <= alone)).all()
     lines = re.findall(r"^ +[34] +\[[\d.]+, [\d.]+\] +\[[\d.]+, [\d.]+\].*", printed, re.MULTILINE)
     assert [*levels["level"], *levels["steps"]] == [3, 4, 17, 21]

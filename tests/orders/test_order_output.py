@@ -18,7 +18,8 @@ from table_forms import FORMS, joined, markdown
 
 from convergence_orders import OrderError, assert_order, check_orders, observed_orders
 from convergence_orders.columns import Options, read_series
-from convergence_orders.orders import grid_convergence
+from convergence_orders.orders import consecutive_orders, grid_convergence
+from study.bound.enclosing import order_interval
 
 H = np.array([0.5, 0.25, 0.125, 0.0625])
 SQUARES = H**2
@@ -284,6 +285,18 @@ def test_the_order_of_values_is_found_for_every_ratio_of_meshes(p):
             found = grid_convergence(h, limit + factor * np.array(h) ** p)
             assert (found.kind, found.order) == ("monotone", pytest.approx(p, rel=1e-4))
             assert found.extrapolated == pytest.approx(limit, rel=1e-6)
+
+
+@given(order=st.floats(0.1, 6), digits=st.integers(1, 6))
+def test_the_order_of_rounded_errors_is_known_as_an_interval_with_the_exact_order(order, digits):
+    """An error of some digits is known up to half a unit of the last one."""
+    h = FINE[:2]
+    rounded = np.array([float(f"{error:.{digits}e}") for error in h**order])
+    half = 0.5 * 10.0 ** (np.floor(np.log10(rounded)) - digits)
+    low, high = order_interval(*zip(rounded - half, rounded + half, strict=True), np.log(2))
+    (found,) = consecutive_orders(h, rounded)
+    assert low - 1e-9 <= order <= high + 1e-9
+    assert low < found < high < low + 4 * 10.0**-digits
 
 
 @pytest.mark.parametrize("term", [0.5, 1.0, 2.0])

@@ -135,21 +135,23 @@ LARGE, LARGER, SMALL, TINY = Toy("large", 9, 6), Toy("larger", 8, 7), Toy("small
 HEX, DISC = replace(SMALL, case="hexagon"), replace(TINY, case="cube-disc")
 
 
-@pytest.mark.parametrize(
-    ("waiting", "running", "suspects", "starting"),
-    [
-        pytest.param([LARGE, LARGER, SMALL], [], "", LARGE, id="the most expensive one"),
-        pytest.param([LARGER, SMALL, TINY], [LARGE], "", SMALL, id="one for which there is memory"),
-        pytest.param([LARGER], [SMALL], "", LARGER, id="all memory"),
-        pytest.param([LARGER], [SMALL, TINY], "", None, id="none while memory is taken"),
-        pytest.param([LARGE, HEX, DISC], [], "", HEX, id="one of the case whose formulas are compiled"),
-        pytest.param([LARGE, SMALL], [], "large", SMALL, id="a suspect waits for others"),
-        pytest.param([LARGE, TINY], [], "large tiny", LARGE, id="a suspect runs alone"),
-        pytest.param([SMALL, TINY], [LARGE], "large", None, id="nothing runs beside a suspect"),
-        pytest.param([TINY], [SMALL], "tiny", None, id="a suspect starts beside nothing"),
-    ],
-)
-def test_an_idle_worker_takes_the_job_that_memory_and_its_last_case_suggest(waiting, running, suspects, starting):
+STARTING = {
+    "the most expensive one": ([LARGE, LARGER, SMALL], [], "", LARGE),
+    "one for which there is memory": ([LARGER, SMALL, TINY], [LARGE], "", SMALL),
+    "all memory": ([LARGER], [SMALL], "", LARGER),
+    "none while memory is taken": ([LARGER], [SMALL, TINY], "", None),
+    "one of the case whose formulas are compiled": ([LARGE, HEX, DISC], [], "", HEX),
+    "a suspect waits for others": ([LARGE, SMALL], [], "large", SMALL),
+    "a suspect runs alone": ([LARGE, TINY], [], "large tiny", LARGE),
+    "nothing runs beside a suspect": ([SMALL, TINY], [LARGE], "large", None),
+    "a suspect starts beside nothing": ([TINY], [SMALL], "tiny", None),
+}
+"""Which job starts ↦ the waiting jobs, the running ones, the names of suspects, and the job that starts."""
+
+
+@pytest.mark.parametrize("which", STARTING)
+def test_an_idle_worker_takes_the_job_that_memory_and_its_last_case_suggest(which):
+    waiting, running, suspects, starting = STARTING[which]
     assert next_job(waiting, running, set(suspects.split()), "hexagon", 10) == starting
 
 

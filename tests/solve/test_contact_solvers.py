@@ -206,14 +206,13 @@ def problems(draw):
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     n = d * vertices
     root = sps.random_array((n, n), density=draw(st.floats(0, 1)) * min(1, 4 / n), rng=rng)
-    rows = []
-    for vertex in rng.choice(vertices, draw(st.integers(0, vertices)), replace=False):
-        directions = np.linalg.qr(rng.standard_normal((d, d)))[0][: rng.integers(1, d + 1)]
-        for direction in directions @ (np.eye(d) + 0.4 * np.triu(rng.random((d, d)), 1)):
-            row = np.zeros(n)
-            row[d * vertex : d * vertex + d] = rng.uniform(0.1, 10) * direction
-            rows.append(row)
-    N = sps.csr_array(np.array(rows).reshape(-1, n))
+    share, rows_at = draw(st.floats(0, 1)), []
+    for held in rng.random(vertices) < share:
+        rows = held * rng.integers(1, d + 1)
+        directions = np.linalg.qr(rng.standard_normal((d, d)))[0][:rows]
+        oblique = directions @ (np.eye(d) + 0.4 * np.triu(rng.random((d, d)), 1))
+        rows_at.append(sps.csr_array(rng.uniform(0.1, 10, (rows, 1)) * oblique))
+    N = sps.block_diag(rows_at, format="csr")
     return sps.csc_array(root @ root.T + 0.1 * sps.eye_array(n)), N, rng.standard_normal((d, vertices)), rng
 
 

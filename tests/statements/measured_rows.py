@@ -2,7 +2,6 @@
 
 from functools import cache
 
-import numpy as np
 import pandas as pd
 
 
@@ -20,14 +19,9 @@ def quick_rows(statement):
 
 def invented(quantities, levels=(8, 16, 32), **where):
     """Rows of one case: one value, or one for each level, of each quantity."""
-    place = {"case": "a", "family": "one-diagonal", **where}
-    return pd.DataFrame(
-        [
-            {**place, "level": n, "h": 1 / n, "quantity": name, "value": float(value)}
-            for name, values in quantities.items()
-            for n, value in zip(levels, np.broadcast_to(np.asarray(values, dtype=float), len(levels)), strict=True)
-        ]
-    )
+    values = pd.DataFrame(quantities, index=pd.Index(levels, name="level"), dtype=float)
+    rows = values.reset_index().melt("level", var_name="quantity")
+    return rows.assign(h=1 / rows["level"], **{"case": "a", "family": "one-diagonal"} | where)
 
 
 def verdicts(statement, rows):
