@@ -17,7 +17,7 @@ from study.ledger.compare import difference
 from study.ledger.datafiles import DataError, read_checked, read_table
 from study.ledger.files import StoreError, write_packed, write_text, write_whole
 from study.ledger.quantities import RatesError, limit, orders
-from study.ledger.text import cell, down, interval, power_of_ten, up
+from study.ledger.text import down, interval, power_of_ten, up
 from study.ledger.verdict import named
 
 
@@ -78,10 +78,6 @@ def test_what_cannot_be_written_is_refused_and_left_alone(tmp_path, monkeypatch)
     nowhere.unlink()
     assert (loop.is_symlink(), folder.is_dir(), kept.read_text()) == (True, True, "old")
     assert len([*tmp_path.iterdir()]) == 3
-
-
-def test_cells_of_tables_are_words_whole_numbers_or_four_digits():
-    assert [cell(value) for value in ("ũ", "-12345", 2.0, None)] == ["ũ", "-12345", "2.000", ""]
 
 
 def test_the_words_na_and_none_are_text_and_not_empty_cells(tmp_path):

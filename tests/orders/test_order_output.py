@@ -289,14 +289,13 @@ def test_the_order_of_values_is_found_for_every_ratio_of_meshes(p):
 
 @given(order=st.floats(0.1, 6), digits=st.integers(1, 6))
 def test_the_order_of_rounded_errors_is_known_as_an_interval_with_the_exact_order(order, digits):
-    """An error of some digits is known up to half a unit of the last one."""
-    h = FINE[:2]
-    rounded = np.array([float(f"{error:.{digits}e}") for error in h**order])
-    half = 0.5 * 10.0 ** (np.floor(np.log10(rounded)) - digits)
-    low, high = order_interval(*zip(rounded - half, rounded + half, strict=True), np.log(2))
+    """An error with some decimals is known up to half a unit of the last one."""
+    h, unit = np.array([4.0, 2.0]), 10.0**-digits
+    rounded = np.round(h**order, digits)
+    low, high = order_interval(*np.transpose([rounded - unit / 2, rounded + unit / 2]), np.log(2))
     (found,) = consecutive_orders(h, rounded)
     assert low - 1e-9 <= order <= high + 1e-9
-    assert low < found < high < low + 4 * 10.0**-digits
+    assert low < found < high < low + 3 * unit
 
 
 @pytest.mark.parametrize("term", [0.5, 1.0, 2.0])

@@ -214,39 +214,44 @@ def test_columns_of_errors_are_told_from_orders_counts_and_remarks(table, orders
 
 
 TWO_ROWS = {
-    "velocity L2, velocity H1, velocity Linf, pressure L2, pressure H1, pressure Linf": [
-        "          velocity              pressure",
-        "  h     L2      H1     Linf     L2      H1     Linf",
-        "1/8  1.00e-2 1.00e-1 2.00e-1 1.00e-1 2.00e-1 3.00e-1",
-        "1/16 2.50e-3 5.00e-2 1.00e-1 5.00e-2 1.00e-1 1.50e-1",
-    ],
+    "velocity L2, velocity H1, velocity Linf, pressure L2, pressure H1, pressure Linf": """
+          velocity              pressure
+  h     L2      H1     Linf     L2      H1     Linf
+1/8  1.00e-2 1.00e-1 2.00e-1 1.00e-1 2.00e-1 3.00e-1
+1/16 2.50e-3 5.00e-2 1.00e-1 5.00e-2 1.00e-1 1.50e-1
+""",
     # Nothing shows where the second group begins: a number is better than a wrong name.
-    "L2 (2), H1, L2 (4)": [
-        "     velocity        pressure",
-        " h     L2          H1        L2",
-        "1/8  1.00e-2     1.00e-1   1.00e-1",
-        "1/16 2.50e-3     5.00e-2   5.00e-2",
-    ],
-    "velocity L2, pressure L2": [",velocity,,pressure,", "h,L2,EOC,L2,EOC", "1/8,1e-2,,1e-1,", "1/16,2.5e-3,2,5e-2,1"],
-    r"$\|u-u_h\|_{L^2}$, $|u-u_h|_{H^{1}}$": [
-        r"& \multicolumn{2}{c}{$\|u-u_h\|_{L^2}$} & \multicolumn{2}{@{}c|}{$|u-u_h|_{H^{1}}$} \\ \cmidrule{2-5}",
-        r"$h$ & error & EOC & error & EOC \\",
-        r"1/8 & 1e-2 & & 1e-1 & \\",
-        r"1/16 & 2.5e-3 & 2 & 5e-2 & 1 \\",
-    ],
-    "$k=1$, $k=2$": [
-        r"\multirow{2}{*}{$h$} & \multicolumn{2}{c|}{$k=1$} & \multicolumn{2}{c}{$k=2$} \\",
-        r" & error & rate & error & rate \\ \hline",
-        r"1/8 & 1e-2 & & 1e-3 & \\",
-        r"1/16 & 2.5e-3 & 2 & 1.25e-4 & 3 \\",
-    ],
+    "L2 (2), H1, L2 (4)": """
+     velocity        pressure
+ h     L2          H1        L2
+1/8  1.00e-2     1.00e-1   1.00e-1
+1/16 2.50e-3     5.00e-2   5.00e-2
+""",
+    "velocity L2, pressure L2": """
+,velocity,,pressure,
+h,L2,EOC,L2,EOC
+1/8,1e-2,,1e-1,
+1/16,2.5e-3,2,5e-2,1
+""",
+    r"$\|u-u_h\|_{L^2}$, $|u-u_h|_{H^{1}}$": r"""
+& \multicolumn{2}{c}{$\|u-u_h\|_{L^2}$} & \multicolumn{2}{@{}c|}{$|u-u_h|_{H^{1}}$} \\ \cmidrule{2-5}
+$h$ & error & EOC & error & EOC \\
+1/8 & 1e-2 & & 1e-1 & \\
+1/16 & 2.5e-3 & 2 & 5e-2 & 1 \\
+""",
+    "$k=1$, $k=2$": r"""
+\multirow{2}{*}{$h$} & \multicolumn{2}{c|}{$k=1$} & \multicolumn{2}{c}{$k=2$} \\
+ & error & rate & error & rate \\ \hline
+1/8 & 1e-2 & & 1e-3 & \\
+1/16 & 2.5e-3 & 2 & 1.25e-4 & 3 \\
+""",
 }
-"""Names of the errors ↦ lines of a table whose header has two rows."""
+"""Names of the errors ↦ a table whose header has two rows."""
 
 
 @pytest.mark.parametrize("names", TWO_ROWS)
 def test_names_in_two_rows_belong_together(names):
-    (series,) = read_series("\n".join(TWO_ROWS[names]), Options())
+    (series,) = read_series(TWO_ROWS[names], Options())
     assert ", ".join(series.errors) == names
     assert series.h == [1 / 8, 1 / 16]
 
@@ -285,21 +290,21 @@ ORDERS_OF_TWO = ["-", "0.48", "0.13", "0.03", "- ok", "1.98", "2.00", "2.00"]
 
 def two_series(header, first, between=""):
     """A table in which a scheme of order 2 stands below a scheme that does not converge; its first column is given."""
-    rows = [f"{cell},{error}" for cell, error in zip(first, ERRORS_OF_TWO, strict=True)]
+    rows = [f"{cell},{error}" for cell, error in zip(first.split(","), ERRORS_OF_TWO, strict=True)]
     return "\n".join([header, *rows[:4], *([between] if between != "none" else []), *rows[4:]])
 
 
-SPANNED = [r"\multirow{4}{*}{central}", "", "", "", r"\multirow{4}{*}{upwind}", "", "", ""]
+SPANNED = r"\multirow{4}{*}{central},,,,\multirow{4}{*}{upwind},,,"
 SIGNS_OF_A_NEW_SERIES = {
     "printed orders begin again": "L2;order\n"
     + "\n".join(map(";".join, zip(ERRORS_OF_TWO, ORDERS_OF_TWO, strict=True))),
-    "levels": two_series("level,error", ["1", "2", "3", "4"] * 2, "none"),
-    "a blank line": two_series("cpu,error", ["1"] * 8),
-    "a rule": two_series("cpu,error", ["1"] * 8, "-----------"),
-    "a word": two_series("flux,error", ["central"] * 4 + ["upwind"] * 4, "none"),
+    "levels": two_series("level,error", "1,2,3,4,1,2,3,4", "none"),
+    "a blank line": two_series("cpu,error", "1,1,1,1,1,1,1,1"),
+    "a rule": two_series("cpu,error", "1,1,1,1,1,1,1,1", "-----------"),
+    "a word": two_series("flux,error", "central,central,central,central,upwind,upwind,upwind,upwind", "none"),
     "a spanned word": two_series("flux,error", SPANNED, "none").replace(",", " & ").replace("\n", " \\\\\n"),
-    "sizes": two_series("n,error", ["10", "20", "40", "80", "15", "30", "60", "120"], "none"),
-    "equal sizes": two_series("n,error", ["10", "20", "40", "80"] * 2, "none"),
+    "sizes": two_series("n,error", "10,20,40,80,15,30,60,120", "none"),
+    "equal sizes": two_series("n,error", "10,20,40,80,10,20,40,80", "none"),
 }
 """How a table shows that a series ends ↦ the table."""
 
