@@ -99,10 +99,8 @@ EDITS = {
     ),
     "a verdict": cell("claims.csv", "verdict", to("reported"), "found 'reported', expected 'holds': `study ta", rows=1),
     "what was observed": cell("claims.csv", "observed", times(1.001), "found", "observed != '0'", 1),
-    **{
-        f"{name} times 1.01": (edit(name, column, times(1.01), rows=1), f"{name} was changed after the run")
-        for name, column in ((RATES, "error"), (EQUIVALENCE, "h"))
-    },
+    "an error": (edit(RATES, "error", times(1.01), rows=1), "rates.csv was changed after the run"),
+    "a size": (edit(EQUIVALENCE, "h", times(1.01), rows=1), "equivalence.csv was changed after the run"),
 }
 
 

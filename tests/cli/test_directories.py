@@ -306,11 +306,11 @@ def test_what_would_take_for_ever_is_refused_at_once(tmp_path, out, told):
 @pytest.mark.parametrize("command", ["run --case full-contact --levels 2 4 8", "export corner --levels 4", "tables"])
 @pytest.mark.parametrize(
     ("code", "said"),
-    [
-        (errno.ENOSPC, "the disk is full ({}); free space there, or give a directory on another disk with --out"),
-        (errno.EDQUOT, "the disk is full ({}); free space there, or give a directory on another disk with --out"),
-        (errno.EROFS, "{}; give a directory you may write with --out"),
-    ],
+    {
+        errno.ENOSPC: "the disk is full ({}); free space there, or give a directory on another disk with --out",
+        errno.EDQUOT: "the disk is full ({}); free space there, or give a directory on another disk with --out",
+        errno.EROFS: "{}; give a directory you may write with --out",
+    }.items(),
 )
 def test_a_disk_that_cannot_be_written_is_named_by_every_command(command, code, said, own, out, told, monkeypatch):
     def unwritable(*_):

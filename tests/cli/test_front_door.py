@@ -88,22 +88,17 @@ def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(face, ki
 
 @pytest.mark.parametrize(
     ("lines", "said"),
-    [
-        (
-            "def mine():\n    named('hexagon')",
-            "mine returned None, expected a manufactured.Case: add a return statement",
-        ),
-        (RIGHT.replace("pos(z, 3)", "I*pos(z, 3)"), "has a number that is complex or not"),
-        (
-            RIGHT.replace("Solution(body", "Solution(other"),
-            "got 1 contact faces, of which face 1 is on no part Γ3 of this body",
-        ),
-        (
-            RIGHT.replace('isotropic(1, 1), "solid', 'skew, "solid'),
-            "G is not symmetric, so Problem 3.2 and the stored energy are not defined",
-        ),
-        (RIGHT.replace("unit_square()", "low"), "`profile=cutoff(depth)` of ContactFace lets it end above Γ1"),
-    ],
+    {
+        "def mine():\n    named('hexagon')": "mine returned None, expected a manufactured.Case: add a return statement",
+        RIGHT.replace("pos(z, 3)", "I*pos(z, 3)"): "has a number that is complex or not",
+        RIGHT.replace(
+            "Solution(body", "Solution(other"
+        ): "got 1 contact faces, of which face 1 is on no part Γ3 of this body",
+        RIGHT.replace(
+            'isotropic(1, 1), "solid', 'skew, "solid'
+        ): "G is not symmetric, so Problem 3.2 and the stored energy are not defined",
+        RIGHT.replace("unit_square()", "low"): "`profile=cutoff(depth)` of ContactFace lets it end above Γ1",
+    }.items(),
     ids=["no return", "complex", "another body", "no potential", "a low body"],
 )
 def test_a_case_that_cannot_be_measured_is_refused_with_what_to_change(lines, said, refusal_of_case):

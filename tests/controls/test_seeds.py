@@ -127,7 +127,7 @@ class Toy(ListedNumbers):
 
 @pytest.mark.parametrize(
     ("statement", "levels"),
-    [(BoundedVelocity(), {8, 16}), (Toy(), {4, 8}), (FullyDiscrete(), set()), (OwnSpace(), {8, 16, 32})],
+    {BoundedVelocity(): {8, 16}, Toy(): {4, 8}, FullyDiscrete(): set(), OwnSpace(): {8, 16, 32}}.items(),
 )
 def test_statements_have_their_settings_on_random_meshes(statement, levels):
     """Of the quick study; if it has none, of the full study, but on no finer level."""

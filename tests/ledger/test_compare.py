@@ -126,7 +126,7 @@ def test_small_numbers_have_an_absolute_tolerance_and_whole_numbers_none(old, ne
     assert told(compared(old, new, relative=0.9, absolute=10), "rates.csv") == {"steps": rows}
 
 
-@pytest.mark.parametrize(("now", "differs"), [("1e-07", False), ("1e-06", True), ("-1e-09", True)])
+@pytest.mark.parametrize(("now", "differs"), {"1e-07": False, "1e-06": True, "-1e-09": True}.items())
 def test_numbers_decided_by_the_tolerance_of_a_solver_are_compared_by_magnitude(old, new, now, differs):
     for directory, value in ((old, "1e-09"), (new, now)):
         write(directory, "equivalence.csv", "displacement_gap", 0, value)

@@ -87,13 +87,13 @@ def test_the_words_na_and_none_are_text_and_not_empty_cells(tmp_path):
 
 @pytest.mark.parametrize(
     ("row", "said"),
-    [
-        ("1,8,,0.5,x", "column h: found '', expected a number"),
-        ("1,8,small,0.5,x", "column h: found 'small', expected a number"),
-        ("1,8,0.125,,x", ""),
-        ("1,8,0.125,0.5,", ""),
-        ("1,4,0.25,1,x", "the row series 1, level 4 is also in line 2"),
-    ],
+    {
+        "1,8,,0.5,x": "column h: found '', expected a number",
+        "1,8,small,0.5,x": "column h: found 'small', expected a number",
+        "1,8,0.125,,x": "",
+        "1,8,0.125,0.5,": "",
+        "1,4,0.25,1,x": "the row series 1, level 4 is also in line 2",
+    }.items(),
 )
 def test_a_table_is_read_with_the_units_and_the_empty_cells_of_its_columns(row, said, tmp_path, monkeypatch):
     columns = schema.columns(

@@ -60,7 +60,7 @@ def test_exit_codes_are_ordered_2_1_3_0(columns, options, code, tmp_path, told):
 
 @pytest.mark.parametrize(
     ("expected", "code"),
-    [("e, max=1,L2(0,T;H1)=2", 0), ("L2(0,T;H1)=2,e, max=1", 0), ("L2(0,T;H1) = 1", 1), ("p = 1=2", 0)],
+    {"e, max=1,L2(0,T;H1)=2": 0, "L2(0,T;H1)=2,e, max=1": 0, "L2(0,T;H1) = 1": 1, "p = 1=2": 0}.items(),
 )
 def test_names_with_commas_and_equal_signs_can_be_expected(expected, code, rates):
     numbers = "\n.4,.4,.4,.4\n.2,.1,.2,.1\n.1,.025,.1,.025\n"
@@ -101,7 +101,7 @@ def test_junit_and_markdown_say_what_the_terminal_says(tmp_path, rates):
     assert "|low|: fails: converges with order 1.00" in said
 
 
-@pytest.mark.parametrize(("ending", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
+@pytest.mark.parametrize(("ending", "start"), {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}.items())
 def test_a_plot_is_drawn_whatever_the_errors_do(ending, start, tmp_path, rates):
     columns = {"L2": GOOD, "$\\rho^{": LOW, "inf": ZERO, "some": [1, 0.1, 0, 0], "nan": [1, "nan", 0.1, 0.2]}
     path = tmp_path / f"p.{ending}"

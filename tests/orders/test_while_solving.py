@@ -74,7 +74,7 @@ def test_python_judges_the_columns_that_the_command_judges(tmp_path, rates):
         assert {name: result.verdict for name, result in check_orders("h", table, at_least=0.9).items()} == told
 
 
-@pytest.mark.parametrize(("bound", "code"), [("2e-2", 0), ("1e-2", 1), ("L2=2e-2", 0)])
+@pytest.mark.parametrize(("bound", "code"), {"2e-2": 0, "1e-2": 1, "L2=2e-2": 0}.items())
 def test_the_error_on_the_finest_mesh_is_bounded(bound, code, rates):
     for order in ("", "--expected 2"):
         rates("h,L2\n.5,1\n.25,.25\n.125,.0625\n.0625,.0156\n", f"--max-error {bound} {order}", code)

@@ -84,7 +84,7 @@ def test_the_slope_triangle_has_its_slope_and_keeps_clear_of_the_curves(slope):
         assert (start[1] + slope * (at - start[0]) - np.interp(at, x, y)).min() > 0.1
 
 
-@pytest.mark.parametrize(("ends", "least"), [((0.011, 0.13), 3), ((0.21, 0.34), 3), ((1e-9, 1.0), 3), ((2.0, 3e4), 2)])
+@pytest.mark.parametrize(("ends", "least"), {(0.011, 0.13): 3, (0.21, 0.34): 3, (1e-9, 1.0): 3, (2.0, 3e4): 2}.items())
 def test_a_logarithmic_axis_has_enough_labels_and_not_too_many(ends, least):
     axes = Figure().subplots()
     axes.loglog(ends, ends)

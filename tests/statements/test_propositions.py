@@ -219,15 +219,15 @@ def test_what_an_own_case_leaves_undecided_is_told_with_its_reason_and_what_to_d
 
 @pytest.mark.parametrize(
     ("ends", "reason"),
-    [
-        ((0.5, 0.6), "not asymptotic yet"),
-        ((0.5, 0.59), ""),
-        ((1.5, 1.41), ""),
-        ((0.5, 1.5), "values scatter"),
-        ((0.85, 0.9), "not asymptotic yet"),
-        ((0.84, 0.86), "not asymptotic yet"),
-        ((0.95, 0.8), "values scatter"),
-    ],
+    {
+        (0.5, 0.6): "not asymptotic yet",
+        (0.5, 0.59): "",
+        (1.5, 1.41): "",
+        (0.5, 1.5): "values scatter",
+        (0.85, 0.9): "not asymptotic yet",
+        (0.84, 0.86): "not asymptotic yet",
+        (0.95, 0.8): "values scatter",
+    }.items(),
 )
 def test_a_missed_order_is_explained_unless_two_values_stay_on_one_side_and_hardly_approach(ends, reason):
     """The order 1 with the tolerance 0.15; an approach takes off a fifth of the distance or more."""
