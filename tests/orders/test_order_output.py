@@ -35,26 +35,29 @@ CONTRADICTING = "--expected 2 --at-least 1", "--values --expected 1", "--values 
 MEANINGLESS = "--expected -2", "--tolerance 0", "--dim 4", "--ratio 1", "--ratio 2", "--columns z", "--plot p.bmp"
 
 
-@pytest.mark.parametrize(
-    ("columns", "options", "code"),
-    [
-        ({"a": GOOD}, "", 0),
-        ({"a": GOOD}, "--expected 1", 1),
-        ({"a": BENT}, "--expected 2", 3),
-        ({"a": LOW, "b": BENT}, "--expected 2", 1),
-        ({"a": LOW, "b": BENT}, "--expected a=1", 0),
-        ({"a": GOOD, "b": ZERO}, "--expected 2", 0),
-        ({"b": ZERO}, "--expected 2", 3),
-        ({"a": LOW, "b": BENT}, "--expected c=1", 2),
-        ({"a": [1, -1, 1, 1]}, "--expected 2", 2),
-        ({"a": [1, -1, 1, 1]}, "--values", 0),
-        *(({"a": LOW}, options, 2) for options in (*CONTRADICTING, *MEANINGLESS)),
-    ],
-)
-def test_exit_codes_are_ordered_2_1_3_0(columns, options, code, tmp_path, told):
+SERIES = {"good": GOOD, "low": LOW, "bent": BENT, "zero": ZERO, "negative": [1, -1, 1, 1]}
+CODES = {
+    "good": 0,
+    "good --expected 1": 1,
+    "bent --expected 2": 3,
+    "low,bent --expected 2": 1,
+    "low,bent --expected low=1": 0,
+    "good,zero --expected 2": 0,
+    "zero --expected 2": 3,
+    "low,bent --expected other=1": 2,
+    "negative --expected 2": 2,
+    "negative --values": 0,
+    **{f"low {options}": 2 for options in (*CONTRADICTING, *MEANINGLESS)},
+}
+"""Series of errors in a table and options ↦ the exit code."""
+
+
+@pytest.mark.parametrize("command", CODES)
+def test_exit_codes_are_ordered_2_1_3_0(command, tmp_path, told):
     """Options that contradict each other or have no meaning are errors of use, as those of ``study rates`` show."""
-    path = tmp_path / "t.csv"
-    path.write_text(table(**columns))
+    names, _, options = command.partition(" ")
+    path, code = tmp_path / "t.csv", CODES[command]
+    path.write_text(table(**{name: SERIES[name] for name in names.split(",")}))
     assert told(f"rates {path} {options}", code).startswith("study rates: ") == (code == 2)
 
 

@@ -174,7 +174,7 @@ def random_problem(seed):
     B *= kappa / np.linalg.norm(B, 2)
     gamma = float(max(0.0, -np.linalg.eigvalsh(B + B.T)[0] / 2))
     C = L @ B @ L.T
-    symmetric = (C + C.T) / 2
+    symmetric, N = (C + C.T) / 2, -sps.eye_array(3, format="csr")
     amplitude = rng.standard_normal((3, 3))
     frequency = rng.uniform(0, 12)
     jump = rng.uniform(0.1, 0.9)
@@ -184,9 +184,8 @@ def random_problem(seed):
 
     u0 = np.where(rng.random(3) < 0.5, 0.0, rng.random(3))
     problem = SemiDiscrete(
-        sps.csc_array(M), sps.csc_array(symmetric), (C - symmetric).__matmul__, sps.csr_array(-np.eye(3)), load, u0, 1.0,
-        growth=gamma,
-    )  # fmt: skip
+        sps.csc_array(M), sps.csc_array(symmetric), (C - symmetric).__matmul__, N, load, u0, 1.0, growth=gamma
+    )
     return problem, kappa, gamma
 
 
