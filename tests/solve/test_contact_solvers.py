@@ -50,10 +50,6 @@ def require_optimal(S, N, b, solution, rest, exact=None, gap=0.0):
     assert abs(multipliers * open_by).max(initial=0.0) <= exact * size * force
 
 
-def name_of(setting):
-    return f"{setting[0]}-{setting[1].name}"
-
-
 @cache
 def matrices(name, family, n):
     """S of a time step, N, and the free vertices."""
@@ -118,10 +114,10 @@ def disturbed(S, N):
     return [smooth + k * forces for k in range(3)]
 
 
-@pytest.mark.parametrize("setting", LARGE, ids=name_of)
-def test_the_optimality_conditions_hold_to_rounding_or_the_tolerance_from_any_start(setting):
+@pytest.mark.parametrize(("name", "family", "level"), LARGE)
+def test_the_optimality_conditions_hold_to_rounding_or_the_tolerance_from_any_start(name, family, level):
     """Multigrid starts from the solution for the load before."""
-    S, N, x = matrices(*setting)
+    S, N, x = matrices(name, family, level)
     assert S.shape[0] > COARSEST * len(x)
     iterative = [(Multigrid(S, N, x, tolerance), 1.001 * tolerance, 1e-14) for tolerance in (1e-3, EXACT)]
     for solve, rest, exact in ((Signorini(S, N), 1e-12, 1e-11), *iterative):
