@@ -283,9 +283,7 @@ def test_what_is_said_of_small_tables(table, options, said, rates):
     assert said in rates(table, options, code)
 
 
-STAGNATING = ["4.12E-02", "2.96E-02", "2.70E-02", "2.65E-02"]
-ERRORS_OF_TWO = [*STAGNATING, "1.23E-02", "3.11E-03", "7.80E-04", "1.95E-04"]
-ORDERS_OF_TWO = ["-", "0.48", "0.13", "0.03", "- ok", "1.98", "2.00", "2.00"]
+ERRORS_OF_TWO = ["4.12E-02", "2.96E-02", "2.70E-02", "2.65E-02", "1.23E-02", "3.11E-03", "7.80E-04", "1.95E-04"]
 
 
 def two_series(header, first, between=""):
@@ -296,8 +294,17 @@ def two_series(header, first, between=""):
 
 SPANNED = r"\multirow{4}{*}{central},,,,\multirow{4}{*}{upwind},,,"
 SIGNS_OF_A_NEW_SERIES = {
-    "printed orders begin again": "L2;order\n"
-    + "\n".join(map(";".join, zip(ERRORS_OF_TWO, ORDERS_OF_TWO, strict=True))),
+    "printed orders begin again": """
+L2;order
+4.12E-02;-
+2.96E-02;0.48
+2.70E-02;0.13
+2.65E-02;0.03
+1.23E-02;- ok
+3.11E-03;1.98
+7.80E-04;2.00
+1.95E-04;2.00
+""",
     "levels": two_series("level,error", "1,2,3,4,1,2,3,4", "none"),
     "a blank line": two_series("cpu,error", "1,1,1,1,1,1,1,1"),
     "a rule": two_series("cpu,error", "1,1,1,1,1,1,1,1", "-----------"),
@@ -315,30 +322,90 @@ def test_two_series_in_one_table_never_hold_as_one(sign, rates):
         rates(SIGNS_OF_A_NEW_SERIES[sign], options, 1, 2)
 
 
-ERRORS = {1: {8: "4e-2", 16: "1e-2", 32: "2.5e-3"}, 2: {8: "8e-3", 16: "1e-3", 32: "1.25e-4"}}
-"""degree ↦ n ↦ error, of the orders 2 and 3."""
-
-
-def in_rows(row, once="{k}", other="{k}"):
-    """A row for each degree k, n and error e; the first row of a degree may write it otherwise than the others."""
-    return "\n".join(
-        row.format(k=(other if j else once).format(k=k), n=n, e=e)
-        for k, column in ERRORS.items()
-        for j, (n, e) in enumerate(column.items())
-    )
-
-
 CASE_TABLES = {
-    "degree": "degree,n,L2\n" + in_rows("{k},{n},{e}"),
-    "degree once for a case": "| p | n | L2 |\n|--|--|--|\n" + in_rows("| {k} | {n} | {e} |", other=""),
-    "multirow": "$k$ & $N$ & error \\\\\n" + in_rows("{k} & {n} & {e} \\\\", "\\multirow{{3}}{{*}}{{{k}}}", ""),
-    "method": "scheme,n,err\n" + in_rows("BDF{k},{n},{e}"),
-    "name = value": in_rows("Pk = {k}\nNx = {n}\nerror = {e}"),
-    "headings": "\n".join(f"### P{k}\n\n|n|e|\n|-|-|\n" + "\n".join(f"|{n}|{e}|" for n, e in column.items()) + "\n"
-                          for k, column in ERRORS.items()),
+    "degree": """
+degree,n,L2
+1,8,4e-2
+1,16,1e-2
+1,32,2.5e-3
+2,8,8e-3
+2,16,1e-3
+2,32,1.25e-4
+""",
+    "degree once for a case": """
+| p | n | L2 |
+|--|--|--|
+| 1 | 8 | 4e-2 |
+|  | 16 | 1e-2 |
+|  | 32 | 2.5e-3 |
+| 2 | 8 | 8e-3 |
+|  | 16 | 1e-3 |
+|  | 32 | 1.25e-4 |
+""",
+    "multirow": r"""
+$k$ & $N$ & error \\
+\multirow{3}{*}{1} & 8 & 4e-2 \\
+ & 16 & 1e-2 \\
+ & 32 & 2.5e-3 \\
+\multirow{3}{*}{2} & 8 & 8e-3 \\
+ & 16 & 1e-3 \\
+ & 32 & 1.25e-4 \\
+""",
+    "method": """
+scheme,n,err
+BDF1,8,4e-2
+BDF1,16,1e-2
+BDF1,32,2.5e-3
+BDF2,8,8e-3
+BDF2,16,1e-3
+BDF2,32,1.25e-4
+""",
+    "name = value": """
+Pk = 1
+Nx = 8
+error = 4e-2
+Pk = 1
+Nx = 16
+error = 1e-2
+Pk = 1
+Nx = 32
+error = 2.5e-3
+Pk = 2
+Nx = 8
+error = 8e-3
+Pk = 2
+Nx = 16
+error = 1e-3
+Pk = 2
+Nx = 32
+error = 1.25e-4
+""",
+    "headings": """
+### P1
+
+|n|e|
+|-|-|
+|8|4e-2|
+|16|1e-2|
+|32|2.5e-3|
+
+### P2
+
+|n|e|
+|-|-|
+|8|8e-3|
+|16|1e-3|
+|32|1.25e-4|
+""",
     "JSON": '{"P1": {"n": [8, 16, 32], "L2": [4e-2, 1e-2, 2.5e-3]}, "P2": {"n": [8, 16, 32], "L2": [8, 1, 0.125]}}',
-    "lists": "\n".join(f"n = {list(column)}\nerr = [{', '.join(column.values())}]" for column in ERRORS.values()),
-}  # fmt: skip
+    "lists": """
+n = [8, 16, 32]
+err = [4e-2, 1e-2, 2.5e-3]
+n = [8, 16, 32]
+err = [8e-3, 1e-3, 1.25e-4]
+""",
+}
+"""How a table shows that it has two cases ↦ the table, of the orders 2 and 3."""
 
 
 @pytest.mark.parametrize("form", CASE_TABLES)
