@@ -8,8 +8,11 @@ from study.cli.main import main
 
 
 def study(line):
-    """Run a command that is given without the word ``study``; return its exit code."""
-    return main(shlex.split(line))
+    """Run a command that is given without the word ``study``; return its exit code, also where it ends the program."""
+    try:
+        return main(shlex.split(line))
+    except SystemExit as end:
+        return end.code
 
 
 def python(code, *arguments, **options):

@@ -30,6 +30,14 @@ def pytest_collection_finish():
     gc.enable()
 
 
+def pytest_make_parametrize_id(val):
+    """Parameters with a name, a key or a label are known by it."""
+    for attribute in ("key", "name", "label"):
+        if isinstance(known := getattr(val, attribute, None), str):
+            return known
+    return None
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
     """A process gets whole files, so that what they share is made once, and takes tests from others when it has none.

@@ -4,8 +4,18 @@ import pytest
 
 BEYOND_THE_CATALOGUE = ("trains", "breathing-trains", "natural-motion", "roller-8", "standing-8")
 DEAR = (
-    *("cube-two-faces", "cube-bowl", "cube-disc", "hexagon", "merging-patches", "corner"),
-    *("parabolic-gap", "travelling-patch", "trains", "breathing-trains", "roller-8", "standing-8"),
+    "cube-two-faces",
+    "cube-bowl",
+    "cube-disc",
+    "hexagon",
+    "merging-patches",
+    "corner",
+    "parabolic-gap",
+    "travelling-patch",
+    "trains",
+    "breathing-trains",
+    "roller-8",
+    "standing-8",
 )
 
 

@@ -7,5 +7,5 @@ from places import ROOT
 
 
 def schema(name):
-    path = ROOT / "docs" / "reference" / f"{name}.schema.json"
+    path = ROOT / f"docs/reference/{name}.schema.json"
     return Draft202012Validator(json.loads(path.read_text(encoding="utf-8")))

@@ -19,7 +19,7 @@ from study.present.figures import drawings
 from study.run.executor import GIB, Pool
 from study.statements.shared.scope import Scope
 
-TUTORIAL = ROOT / "docs" / "tutorials" / "own-case.md"
+TUTORIAL = ROOT / "docs/tutorials/own-case.md"
 FAMILIES_OF = Scope.families_of
 
 

@@ -54,7 +54,7 @@ def twice(name):
 
 def recorded(change):
     def change_it(directory):
-        path = directory / "data" / "provenance.json"
+        path = directory / "data/provenance.json"
         made = json.loads(path.read_text(encoding="utf-8"))
         change(made)
         path.write_text(json.dumps(made), encoding="utf-8")
@@ -99,10 +99,8 @@ EDITS = {
     ),
     "a verdict": cell("claims.csv", "verdict", to("reported"), "found 'reported', expected 'holds': `study ta", rows=1),
     "what was observed": cell("claims.csv", "observed", times(1.001), "found", "observed != '0'", 1),
-    **{
-        f"{name} times 1.01": (edit(name, column, times(1.01), rows=1), f"{name} was changed after the run")
-        for name, column in ((RATES, "error"), (EQUIVALENCE, "h"))
-    },
+    "an error": (edit(RATES, "error", times(1.01), rows=1), "rates.csv was changed after the run"),
+    "a size": (edit(EQUIVALENCE, "h", times(1.01), rows=1), "equivalence.csv was changed after the run"),
 }
 
 
@@ -111,18 +109,14 @@ def verdicts_as_written(directory):
     check.as_written(directory, verdicts(directory))
 
 
-def assert_refused(part, directory, message):
-    with pytest.raises(DataError) as told:
-        part(directory)
-    assert re.search(message, str(told.value)), str(told.value)
-
-
 @pytest.mark.parametrize("name", EDITS)
 def test_an_edit_is_refused_by_file_line_and_column(name, own):
     change, message = EDITS[name]
     change(own)
     parts = {"claims.csv": verdicts_as_written, "was changed after": compare_sums}
-    assert_refused(next((part for words, part in parts.items() if words in message), verify), own, message)
+    part = next((part for words, part in parts.items() if words in message), verify)
+    with pytest.raises(DataError, match=message):
+        part(own)
 
 
 @pytest.mark.parametrize("part", ["verify", "verdicts", "compare_sums", "SeedRecord.read", "as_written"])
@@ -187,7 +181,7 @@ def test_tables_writes_what_check_asks_for_and_check_writes_nothing(own, refusal
     written = {path: path.stat().st_mtime_ns for path in own.rglob("*.*") if path.name != ".lock"}
     refusal(own, code=0)
     assert {path: path.stat().st_mtime_ns for path in own.rglob("*.*") if path.name != ".lock"} == written
-    (own / "data" / "claims.csv").unlink()
+    (own / "data/claims.csv").unlink()
     assert "claims.csv is missing: `study tables" in refusal(own)
 
 

@@ -30,15 +30,15 @@ def changed(**c): return replace(case, name="mine", solution=replace(case.soluti
 
 @pytest.mark.parametrize(
     ("line", "message"),
-    [
-        ("mine = changed(gap=-face.gap)", r"u_ν ≤ g.*violated.*at x = .*t = "),
-        ("mine = changed(gap=face.gap * sympy.nan)", r"FormulaError.*complex or not finite"),
-        ("mine = replace(case, order=2)", r"CaseError.*gives min"),
-        ("mine = isotropic(1, -5)", r"LawError.*not elliptic"),
-        ("mine = 3", r"is a int, expected"),
-        ("raise SystemExit(0)", r"SystemExit"),
-        ("other = case", r"defines no 'mine'"),
-    ],
+    {
+        "mine = changed(gap=-face.gap)": r"u_ν ≤ g.*violated.*at x = .*t = ",
+        "mine = changed(gap=face.gap * sympy.nan)": r"FormulaError.*complex or not finite",
+        "mine = replace(case, order=2)": r"CaseError.*gives min",
+        "mine = isotropic(1, -5)": r"LawError.*not elliptic",
+        "mine = 3": r"is a int, expected",
+        "raise SystemExit(0)": r"SystemExit",
+        "other = case": r"defines no 'mine'",
+    }.items(),
 )
 def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(refusal_of_case, line, message):
     assert re.search(message, refusal_of_case(HEAD + line), re.DOTALL)
@@ -46,7 +46,7 @@ def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(refus
 
 def test_data_of_another_version_are_refused_by_name_and_no_data_with_the_command(told, tmp_path):
     assert "study run" in told(f"check --out {tmp_path}")
-    write_text(tmp_path / "data" / "provenance.json", json.dumps({"format": STORE_FORMAT + 1}))
+    write_text(tmp_path / "data/provenance.json", json.dumps({"format": STORE_FORMAT + 1}))
     for command in ("run --case full-contact", "check"):
         said = told(f"{command} --out {tmp_path}")
         assert re.search(rf"provenance.json.*format {STORE_FORMAT + 1}", said, re.DOTALL)
@@ -87,7 +87,7 @@ print(sorted(set(made)))
 
 def test_a_users_case_goes_through_the_same_line_to_a_judged_table(made):
     finished = made / "results"
-    claims = pd.read_csv(finished / "data" / "claims.csv")
+    claims = pd.read_csv(finished / "data/claims.csv")
     # Its largest error comes at t = 0, and its shaken meshes are coarse.
     unclaimed = {"start-share", "order-dual-superclose", "order-pressure-irregular"}
     assert set(claims.loc[claims["verdict"] != "holds", "key"]) == unclaimed
@@ -105,7 +105,7 @@ def test_a_run_that_would_drop_rows_of_a_finished_one_is_refused(told, made):
 
 
 def test_a_second_run_computes_only_what_is_missing_and_gives_the_same_data(made, told, monkeypatch):
-    data = made / "results" / "data"
+    data = made / "results/data"
     before = everything(data)
     jobs = sorted((data / "jobs").glob("rates__*__00008.json"))
     jobs[0].unlink()

@@ -46,7 +46,7 @@ def test_the_interval_has_the_tails_that_clopper_and_pearson_ask_for():
 
 @pytest.mark.parametrize(
     ("red", "quiet", "verdict"),
-    [(0, 0, UNDECIDED), (0, seeds_needed() - 1, UNDECIDED), (0, seeds_needed(), HOLDS)] + [(5, 95, FAILS)],
+    [(0, 0, UNDECIDED), (0, seeds_needed() - 1, UNDECIDED), (0, seeds_needed(), HOLDS), (5, 95, FAILS)],
 )
 def test_the_count_of_seeds_alone_decides(red, quiet, verdict):
     alarms = FalseAlarms(after([3] * red + [0] * quiet))
@@ -127,7 +127,7 @@ class Toy(ListedNumbers):
 
 @pytest.mark.parametrize(
     ("statement", "levels"),
-    [(BoundedVelocity(), {8, 16}), (Toy(), {4, 8}), (FullyDiscrete(), set()), (OwnSpace(), {8, 16, 32})],
+    {BoundedVelocity(): {8, 16}, Toy(): {4, 8}, FullyDiscrete(): set(), OwnSpace(): {8, 16, 32}}.items(),
 )
 def test_statements_have_their_settings_on_random_meshes(statement, levels):
     """Of the quick study; if it has none, of the full study, but on no finer level."""

@@ -7,13 +7,14 @@ import pytest
 from bodies import CLAMPED, CONTACT, LOADED, SQUARE
 from hypothesis import given
 from hypothesis import strategies as st
+from measures import close
+from skfem import Basis, ElementTriP2, ElementVector
 
 from manufactured import named, polygon, unit_square
 from manufactured.cases.materials import anisotropic_law
 from manufactured.problems import problems
 from manufactured.tensors import mandel
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured
-from study.fem.quadrature import simplex_rule
 from study.fem.space import Quadratic
 from study.stresses.stress_space import bernstein
 
@@ -56,23 +57,8 @@ def test_the_constraints_are_the_bernstein_coefficients_of_the_normal_trace(body
 # ---- values and strains
 
 
-class Polynomial:
-    """A random polynomial of degree 2 with values in the plane: u = c + B x + (H x)·x."""
-
-    def __init__(self, rng):
-        self.c, self.B, self.H = (rng.normal(size=shape) for shape in ((2, 1), (2, 2), (2, 2, 2)))
-
-    def __call__(self, x):
-        x_ = x.reshape(2, -1)
-        values = self.c + self.B @ x_ + np.einsum("ijk,jn,kn->in", self.H, x_, x_)
-        return values.reshape(x.shape)
-
-    def gradient(self, x):
-        return self.B.reshape(2, 2, *(1,) * (x.ndim - 1)) + np.tensordot(self.H + self.H.swapaxes(1, 2), x, axes=1)
-
-
 class Unclamped(Quadratic):
-    """Fixed nowhere, so that every polynomial belongs to it."""
+    """Fixed nowhere, as the displacements of scikit-fem."""
 
     @property
     def free(self):  # type: ignore[override]
@@ -81,26 +67,25 @@ class Unclamped(Quadratic):
 
 @pytest.mark.parametrize("body", BODIES)
 @given(st.integers(0, 10**6))
-def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body, seed):
+def test_displacements_of_degree_2_have_the_values_strains_and_energies_of_scikit_fem(body, seed):
     rng, plain = np.random.default_rng(seed), quadratic(body)
     space = Unclamped(plain.mesh, plain.body)
-    u = Polynomial(rng)
+    basis = Basis(space.mesh, ElementVector(ElementTriP2()))
+    nodal = rng.normal(size=basis.N)
+    u, at_vertices = basis.interpolate(nodal), nodal[basis.nodal_dofs]
     # The coefficient of an edge follows from the values at its ends and its midpoint.
-    ends = space.mesh.p[:, space.mesh.facets]
-    on_edges = 2 * u(ends.mean(axis=1)) - u(ends).mean(axis=1)
-    v = np.hstack([u(space.mesh.p), on_edges]).T.ravel()
-    barycentric = rng.dirichlet(np.ones(3), 5).T
-    x = np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], barycentric)
+    on_edges = 2 * nodal[basis.facet_dofs] - at_vertices[:, space.mesh.facets].mean(axis=1)
+    v = np.hstack([at_vertices, on_edges]).T.ravel()
+    barycentric = np.vstack([1 - basis.X.sum(axis=0), basis.X])
     values = np.einsum("aq,acd->dcq", space.shapes(barycentric), space.coefficients(v)[space.numbers])
-    assert np.allclose(values, u(x), atol=1e-11)
-    expected = mandel(u.gradient(x))
-    assert np.allclose((space.strains(barycentric) @ v).reshape(expected.shape), expected, atol=1e-10)
+    assert close(values, np.asarray(u), 1e-12)
+    expected = mandel(u.grad)
+    assert close((space.strains(barycentric) @ v).reshape(expected.shape), expected, 1e-12)
+    some = rng.permutation(space.cells)[:3]
+    x = basis.mapping.F(basis.X)
+    assert close(space.strain_at(v, some, x[:, some]), expected[:, some], 1e-10)
     # The form is the integral of the products of strains.
-    rule, weights = simplex_rule(2, 2)
-    e = mandel(u.gradient(np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], rule)))
     A = anisotropic_law().A.matrix
-    energy = np.einsum("IJ,Jcq,Icq,q,c->", A, e, e, weights, space.volumes)
+    energy = np.einsum("IJ,Jcq,Icq,cq->", A, expected, expected, basis.dx)
     assert v @ space.form(A) @ v == pytest.approx(energy, rel=1e-10)
     assert v @ space.functional(np.einsum("IJ,Jcq->Icq", A, space.strain(v))) == pytest.approx(energy, rel=1e-10)
-    some = rng.permutation(space.cells)[:3]
-    assert np.allclose(space.strain_at(v, some, x[:, some]), expected[:, some], atol=1e-10)

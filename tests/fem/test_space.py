@@ -8,8 +8,8 @@ import pytest
 from bodies import ANGLE, CLAMPED, CONTACT, LOADED, SQUARE, TURNED
 from costly_cases import slow
 from measures import close, smallest_angle
-from skfem import Basis, BilinearForm, ElementTetP1, ElementTriP1, ElementVector, MeshTri
-from skfem.helpers import ddot, sym_grad, trace
+from skfem import Basis, ElementTetP1, ElementTriP1, ElementVector, MeshTri
+from skfem.models import linear_elasticity
 
 from manufactured import Body, BodyError, Kind, Part, box, isotropic, named, polygon, unit_square
 from study.fem.error_norm import ErrorNorm
@@ -121,20 +121,16 @@ def test_wrong_faces_and_bodies_are_refused(make, message):
 
 
 def test_shaken_vertices_slide_along_edges_and_along_lines_where_the_condition_or_the_material_changes():
-    def moved(body, n):
+    for body, n in ((HALF, 4), (LAYERED["level"], 8)):
         plain = OneDiagonal()(body, n).p
-        return plain, abs(Shaken()(body, n).p - plain)
-
-    (x, y, z), off = moved(HALF, 4)
-    inner = (y > 0) & (y < 1)
-    change = (x == 0.5) & (z == 0)
-    edge = (y == 0) & (z == 1) & (x > 0) & (x < 1)
-    assert min(off[1, change & inner].min(), off[0, edge].min()) > 1e-3
-    assert max(off[:, change & ~inner].max(), off[::2, change].max(), off[1:, edge].max()) <= 1e-15
-    (x, y), off = moved(LAYERED["level"], 8)
-    interface = (y == 0.25) & (x > 0) & (x < 1)
-    assert off[0, interface].min() > 0
-    assert off[1, interface].max() <= 1e-15
+        held = np.isin(plain, (0, 1))
+        if body is HALF:
+            held[0] |= (plain[0] == 0.5) & (plain[2] == 0)
+        else:
+            held[1] |= np.isin(plain[1], (0.25, 0.5))
+        off = abs(Shaken()(body, n).p - plain)
+        assert off[held].max() <= 1e-15
+        assert off[~held].min() > 1e-6
 
 
 CHANGE_OFF_THE_GRID = polygon([(0, 0), (0.3, 0), (1, 0), (1, 1), (0, 1)], [CONTACT, LOADED, LOADED, CLAMPED, LOADED])
@@ -181,10 +177,7 @@ def test_families_serve_the_bodies_that_they_can_mesh():
     # At the level 20 both ends of the contact side at 0.3 and interfaces at 1/4 are on the grid.
     for body, family in product((PENTAGON, CHANGE_OFF_THE_GRID, *LAYERED.values()), FAMILIES):
         if family.serves(body):
-            space = Space(family(body, 20), body)
-            for interface in body.interfaces:
-                sides = interface.coordinates(space.mesh.p[:, space.mesh.t])[1]
-                assert (sides.max(axis=0) * sides.min(axis=0) > -1e-9 * space.volumes).all(), family.name
+            Space(family(body, 20), body)  # which refuses a mesh whose edges do not follow the interfaces
 
 
 def test_graded_meshes_shrink_towards_their_points_and_change_nothing_elsewhere():
@@ -269,13 +262,7 @@ def test_the_matrix_of_a_form_is_the_one_that_scikit_fem_assembles(family, body)
     mu, lam = 1.3, 0.7
     space = Space(family(body, 5 if body.dim == 2 else 3), body)
     basis = Basis(space.mesh, ElementVector(ElementTriP1() if body.dim == 2 else ElementTetP1()))
-
-    @BilinearForm
-    def form(u, v, _):
-        e, d = sym_grad(u), sym_grad(v)
-        return 2 * mu * ddot(e, d) + lam * trace(e) * trace(d)
-
-    expected = form.assemble(basis)[space.free][:, space.free]
+    expected = linear_elasticity(lam, mu).assemble(basis)[space.free][:, space.free]
     C, v = isotropic(mu, lam, body.dim).matrix, np.random.default_rng(0).standard_normal(space.dofs)
     assert close(space.form(C), expected, 1e-12)
     assert close(space.functional(C @ space.strain(v)), expected @ v, 1e-12)
@@ -294,7 +281,7 @@ def test_constraints_are_v_dot_nu_on_every_face_and_twice_where_two_faces_meet(f
 # ---- loads and the leading term of the interpolation error, by independent formulas
 
 
-@pytest.mark.parametrize("family", [OneDiagonal(), Shaken(), Unstructured()], ids=lambda f: f.name)
+@pytest.mark.parametrize("family", [OneDiagonal(), Shaken(), Unstructured()])
 @pytest.mark.parametrize("name", ["full-contact", "no-contact"])
 def test_the_load_from_stresses_is_the_load_from_forces_if_the_force_is_smooth(name, family):
     """By (2.14)."""
@@ -323,8 +310,8 @@ def test_the_leading_term_is_the_interpolation_error_on_fine_meshes(family, name
 # ---- random meshes
 
 
-@pytest.mark.parametrize(("body", "n"), [(unit_square(), 24), (box(), 9)], ids=["square", "cube"])
-def test_vertices_are_moved_evenly_up_to_the_amplitude_and_stay_on_the_boundary(body, n):
+@pytest.mark.parametrize(("body", "n"), [(unit_square(), 24), (box(), 9)])
+def test_vertices_are_moved_evenly_up_to_the_amplitude(body, n):
     """Uniform on ± a in each direction: the largest is close to a, the mean square a²/3, directions are independent."""
     plain, shaken = OneDiagonal()(body, n).p, Shaken()(body, n).p
     inside = ((plain > 0) & (plain < 1)).all(axis=0)
@@ -333,7 +320,6 @@ def test_vertices_are_moved_evenly_up_to_the_amplitude_and_stay_on_the_boundary(
     assert abs(moved).max() <= 1 + 1e-12
     # Mean squares and means of products.
     assert moved @ moved.T / moved.shape[1] == pytest.approx(np.eye(body.dim) / 3, abs=3 / np.sqrt(moved.shape[1]))
-    assert (shaken[plain == 0], shaken[plain == 1]) == (pytest.approx(0), pytest.approx(1))
 
 
 SHAPES = (*(case.name for case in first_with_each(body_of)), "layered")

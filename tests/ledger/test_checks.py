@@ -151,7 +151,7 @@ def test_a_prediction_without_a_claim_is_reported_and_missed_if_it_was_wrong():
 
 @pytest.mark.parametrize(
     ("verdicts", "code"),
-    [((HOLDS, REPORTED, MISSED), 0), ((HOLDS, UNDECIDED), 3), ((FAILS, UNDECIDED, HOLDS), 1), ((), 3)],
+    {(HOLDS, REPORTED, MISSED): 0, (HOLDS, UNDECIDED): 3, (FAILS, UNDECIDED, HOLDS): 1, (): 3}.items(),
 )
 def test_a_failure_goes_before_an_undecided_row_a_missed_prediction_is_none_and_junit_says_the_same(
     verdicts, code, tmp_path

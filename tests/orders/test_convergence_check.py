@@ -166,7 +166,7 @@ def test_orders_are_judged(convergence_orders):
 
 def test_a_project_with_a_package_study_uses_the_plugin(tmp_path):
     (tmp_path / "study").mkdir()
-    (tmp_path / "study" / "__init__.py").write_text("value = 3\n")
+    (tmp_path / "study/__init__.py").write_text("value = 3\n")
     (tmp_path / "test_own.py").write_text(OWN_STUDY)
     code = (
         "import sys, pytest, convergence_orders.plugin; "

@@ -10,16 +10,9 @@ EXPECTED = 2.0
 WRONG = (0.0, 0.5, 1.0, 1.4, 2.6, 3.0)
 
 
-SIZES = {
-    "h": lambda n, level: f"{1 / n:.6g}",
-    "dt": lambda n, level: f"{1 / n:.6g}",
-    "n": lambda n, level: str(n),
-    "$n \\times n$": lambda n, level: f"${n} \\times {n}$",
-    "cells": lambda n, level: str(n**2),
-    "dofs": lambda n, level: str((n + 1) ** 2),
-    "level": lambda n, level: str(level),
-}
-"""Name of a column of sizes ↦ its cell for n cells along a side and a level."""
+SIZES = {"h": "{h:.6g}", "dt": "{h:.6g}", "n": "{n}", "$n \\times n$": "${n} \\times {n}$", "cells": "{cells}"}
+SIZES |= {"dofs": "{dofs}", "level": "{level}"}
+"""Name of a column of sizes ↦ the form of its cells."""
 
 
 def table(draw, orders):
@@ -34,7 +27,8 @@ def table(draw, orders):
         for level in range(levels):
             n = start * 2**level
             row = {label: f"scheme{series}" if label == "scheme" else str(series)}
-            row |= {name: cell(n, level) for name, cell in SIZES.items()}
+            numbers = {"h": 1 / n, "n": n, "cells": n**2, "dofs": (n + 1) ** 2, "level": level}
+            row |= {name: form.format(**numbers) for name, form in SIZES.items()}
             row["L2"] = f"{3.7 * n**-order * draw.uniform(0.99, 1.01):.3e}"
             row["eoc"] = f"{order + draw.uniform(-0.02, 0.02):.2f}" if level else "-"
             rows.append([row[name] for name in names])

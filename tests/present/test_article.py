@@ -59,7 +59,7 @@ def macros(content):
     return {match[1]: match[2] for line in content.splitlines() if (match := MACRO.fullmatch(line))}
 
 
-NUMBERS = macros((RESULTS / "article" / "numbers.tex").read_text(encoding="utf-8"))
+NUMBERS = macros((RESULTS / "article/numbers.tex").read_text(encoding="utf-8"))
 """The macros in the committed file: name ↦ number."""
 
 

@@ -84,7 +84,7 @@ def test_the_slope_triangle_has_its_slope_and_keeps_clear_of_the_curves(slope):
         assert (start[1] + slope * (at - start[0]) - np.interp(at, x, y)).min() > 0.1
 
 
-@pytest.mark.parametrize(("ends", "least"), [((0.011, 0.13), 3), ((0.21, 0.34), 3), ((1e-9, 1.0), 3), ((2.0, 3e4), 2)])
+@pytest.mark.parametrize(("ends", "least"), {(0.011, 0.13): 3, (0.21, 0.34): 3, (1e-9, 1.0): 3, (2.0, 3e4): 2}.items())
 def test_a_logarithmic_axis_has_enough_labels_and_not_too_many(ends, least):
     axes = Figure().subplots()
     axes.loglog(ends, ends)
@@ -122,7 +122,7 @@ def test_random_meshes_of_rollers_are_one_curve_with_their_range():
 # Colours: every variable has one, and every text is readable.
 
 
-CSS = (ROOT / "study" / "present" / "page" / "page.css").read_text(encoding="utf-8")
+CSS = (ROOT / "study/present/page/page.css").read_text(encoding="utf-8")
 THEMES = [dict(re.findall(r"--(\w+): ([^;]+);", line)) for line in CSS.splitlines() if ":root" in line]
 TEXTS = ("ink", "soft", "link", "good", "bad", "warn")
 
@@ -143,8 +143,7 @@ def test_every_colour_of_the_page_is_defined_for_light_and_dark_pages_and_texts_
     assert "warn" in used
     assert len(THEMES) == 2
     assert all(used <= set(theme) for theme in THEMES)
-    # A contrast of at least 4.5, as criterion 1.4.3 of the guidelines demands; #767676 on white is their example.
-    assert contrast("#767676", "#fff") == pytest.approx(4.54, abs=0.005)
+    # A contrast of at least 4.5, as criterion 1.4.3 of the guidelines demands.
     for name, theme, ground in product(TEXTS, THEMES, ("paper", "shade")):
         assert contrast(theme[name], theme[ground]) >= 4.5, (name, ground)
 

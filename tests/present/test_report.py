@@ -101,7 +101,7 @@ def test_every_row_of_the_ledger_is_on_the_page_in_its_order_below_its_statement
 
 
 def test_the_numbers_of_verdicts_are_those_of_the_ledger(directory, page):
-    claims = pd.read_csv(directory / "data" / "claims.csv")
+    claims = pd.read_csv(directory / "data/claims.csv")
     for verdict, count in claims["verdict"].value_counts().items():
         assert f"{count} {verdict}" in page.text
     totals = claims.groupby(["label", "statement"], sort=False).size().tolist()
@@ -116,7 +116,7 @@ def test_every_row_of_the_other_tables_is_on_the_page(directory, page):
         cells = table(directory).cells.drop(columns=left_out, errors="ignore").to_numpy().tolist()
         assert cells
         assert [row for row in cells if list(map(plain, row)) not in rows] == []
-    faults = pd.read_csv(directory / "data" / "faults.csv")["fault"]
+    faults = pd.read_csv(directory / "data/faults.csv")["fault"]
     assert set(map(plain, faults)) <= {row[1] for row in page.rows if len(row) > 1}
 
 
@@ -168,7 +168,7 @@ def test_every_case_is_shown_in_motion(directory, page):
 
 
 def test_a_second_run_gives_the_same_page_and_says_how_to_measure_missing_faults(data, page):
-    (data / "data" / "faults.csv").unlink()
+    (data / "data/faults.csv").unlink()
     again = report(data).read_text(encoding="utf-8")
     assert "study faults" in again
     assert again.partition('id="defects"')[:2] == page.content.partition('id="defects"')[:2]
@@ -188,7 +188,6 @@ def test_missing_data_are_named_with_the_command_that_makes_them(data, name):
         (None, r"corner\.json\.gz is not a picture with displacement .*older version .*study run"),
         (Packed.of(np.zeros((17, 2, 3))).record(), r"shape \(17, 2, 3\), expected"),
     ],
-    ids=["older version", "other cells"],
 )
 def test_a_picture_that_cannot_be_drawn_is_refused(data, displacement, complaint):
     path = picture_path(data, "corner")
@@ -205,14 +204,14 @@ def test_every_statement_names_the_files_that_judge_it():
 
 @pytest.mark.parametrize(
     ("plain_text", "html"),
-    [
-        ("‖u − u^h‖_V", "‖u − u<sup>h</sup>‖<sub>V</sub>"),
-        ("‖v‖_{L∞(0,T;V)}", "‖v‖<sub>L∞(0,T;V)</sub>"),
-        ("L^∞(0,T;H²) ∋ u^1", "L<sup>∞</sup>(0,T;H²) ∋ u<sup>1</sup>"),
-        ("‖v‖_{H_{1}}", "‖v‖<sub>H<sub>1</sub></sub>"),
-        ("w ~ r^1.75, H^(1+s)", "w ~ r<sup>1.75</sup>, H<sup>(1+s)</sup>"),
-        ("a < b & c ^ d", "a &lt; b &amp; c ^ d"),
-    ],
+    {
+        "‖u − u^h‖_V": "‖u − u<sup>h</sup>‖<sub>V</sub>",
+        "‖v‖_{L∞(0,T;V)}": "‖v‖<sub>L∞(0,T;V)</sub>",
+        "L^∞(0,T;H²) ∋ u^1": "L<sup>∞</sup>(0,T;H²) ∋ u<sup>1</sup>",
+        "‖v‖_{H_{1}}": "‖v‖<sub>H<sub>1</sub></sub>",
+        "w ~ r^1.75, H^(1+s)": "w ~ r<sup>1.75</sup>, H<sup>(1+s)</sup>",
+        "a < b & c ^ d": "a &lt; b &amp; c ^ d",
+    }.items(),
 )
 def test_scripts_are_raised_and_lowered_and_the_rest_is_escaped(plain_text, html):
     assert typeset(plain_text) == html

@@ -79,7 +79,7 @@ def page(chromium, directory):
 
 @pytest.fixture(scope="module")
 def claims(directory):
-    return texts(directory / "data" / "claims.csv")
+    return texts(directory / "data/claims.csv")
 
 
 def shown_rows(browser):

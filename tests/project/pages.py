@@ -4,6 +4,7 @@ import re
 import shlex
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import takewhile
 from pathlib import Path
 
 from places import ROOT
@@ -37,12 +38,20 @@ class Page:
     def prose(self):
         return re.sub(r"^\|.*?$", "", BLOCK.sub("", self.text), flags=re.MULTILINE)
 
+    @cached_property
+    def blocks(self):
+        """Language, name and text of all blocks; those with a name are files to save."""
+        found = []
+        for block in BLOCK.finditer(self.text):
+            language, _, name = block["language"].strip().partition(" ")
+            saved = block["name"] or (name if language == "python" else "")
+            found.append((language, saved, block["text"]))
+        return found
+
     @property
     def files(self):
         """Name ↦ content of what the page tells to save."""
-        named = {block["language"].partition(" ")[2]: block["text"] for block in BLOCK.finditer(self.text)}
-        python = {name: text for name, text in named.items() if name.endswith(".py")}
-        return python | {block["name"]: block["text"] for block in BLOCK.finditer(self.text) if block["name"]}
+        return {name: text for _, name, text in self.blocks if name}
 
     @property
     def downloads(self):
@@ -50,42 +59,33 @@ class Page:
 
     @property
     def session(self):
-        return "\n".join(self._blocks(self.text, "python"))
+        return "\n".join(text for language, name, text in self.blocks if language == "python" and not name)
 
     def printed(self, by):
         """What the page says that its Python, or its shell, prints: blocks of text after one of these."""
         found, last = [], ""
-        for block in BLOCK.finditer(self.text):
-            language = block["language"].strip()
+        for language, name, text in self.blocks:
             if language == "text" and last == by:
-                found.append(block["text"])
-            elif language in ("python", "sh") and not block["name"]:
+                found.append(text)
+            elif language in ("python", "sh") and not name:
                 last = language
         return found
 
     @property
     def prepared(self):
         """The commands of the study that are typed before the Python is run."""
-        before = self.text.partition("\n```python\n")[0]
-        return [line for line in self._lines(before) if words(line)[0] == "study"]
+        before = takewhile(lambda block: block[:2] != ("python", ""), self.blocks)
+        return [line for line in typed_in(before) if words(line)[0] == "study"]
 
     @property
     def typed(self):
-        return self._lines(self.text)
+        return typed_in(self.blocks)
 
-    @classmethod
-    def _lines(cls, text):
-        return [
-            line
-            for block in cls._blocks(text, "sh")
-            for line in block.replace("\\\n", " ").splitlines()
-            if line.strip()
-        ]
 
-    @staticmethod
-    def _blocks(text, language):
-        found = BLOCK.finditer(text)
-        return [block["text"] for block in found if block["language"].strip() == language and not block["name"]]
+def typed_in(blocks):
+    """The lines of the blocks of the shell."""
+    shell = "".join(text for language, _, text in blocks if language == "sh").replace("\\\n", " ")
+    return [line for line in shell.splitlines() if line.strip()]
 
 
 def words(line):
@@ -95,4 +95,4 @@ def words(line):
 
 SITE = [Page(path) for path in sorted((ROOT / "docs").rglob("*.md")) if "generated" not in path.parts]
 README = Page(ROOT / "README.md")
-PAGES = [README, Page(ROOT / "examples" / "README.md"), *SITE]
+PAGES = [README, Page(ROOT / "examples/README.md"), *SITE]

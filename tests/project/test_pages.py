@@ -20,7 +20,7 @@ from study.cli.main import main, parser
 from study.fem.naming import resolve, resolve_data
 from study.statements.enclosure import resolve_problem
 
-CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
+CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci/run").read_text(encoding="utf-8"), re.MULTILINE)
 LONG_PYTHON = {"docs/how-to/verify-a-contact-code.md", "docs/tutorials/own-case.md"}
 """Pages whose Python takes longer than three seconds."""
 LONG = {"README.md", "docs/how-to/figures.md", "docs/tutorials/bound.md", *LONG_PYTHON}
@@ -124,7 +124,6 @@ def test_the_commands_of_the_table_are_those_of_the_program():
         ("prose", r"\]\((?![a-z]+:)([^)#\s]+)(?:#[^)]*)?\)|^\[[^]]+\]: (?![a-z]+:)([^#\s]+)"),
         ("text", r"`((?:study|manufactured|tests|paper|results|examples)/(?!quick)[\w./-]*)`"),
     ],
-    ids=["links", "names"],
 )
 def test_files_that_a_page_links_to_or_names_are_there(part, pattern):
     found = [(page, match) for page in PAGES for match in re.finditer(pattern, getattr(page, part), re.MULTILINE)]
@@ -146,7 +145,7 @@ def test_the_page_on_exact_solutions_says_why_each_case_is_there():
 # Notebooks are committed with the outputs of a run from top to bottom.
 
 
-NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
+NOTEBOOKS = sorted((ROOT / "docs/notebooks").glob("*.ipynb"))
 
 
 def code_cells(notebook):

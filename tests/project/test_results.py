@@ -92,7 +92,7 @@ def test_stresses_measured_again_agree_with_the_committed_ones():
         )
 
 
-@pytest.mark.parametrize("statement", BOUNDS, ids=lambda statement: statement.label)
+@pytest.mark.parametrize("statement", BOUNDS)
 def test_bounds_measured_again_agree_with_the_committed_ones(statement):
     """One of those that cost least, and one with a law that is not linear."""
     committed = pd.read_csv(DATA / "bounds.csv").set_index(list(BOUNDS_FILE.key))

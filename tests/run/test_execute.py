@@ -265,7 +265,7 @@ def test_a_job_that_kills_its_process_again_when_it_is_alone_is_refused_by_name(
     assert all(store.load(job.key, job.key) for job in OTHERS)
 
 
-@pytest.mark.parametrize("cancels", [True, False], ids=["cancels its jobs", "is silent"])
+@pytest.mark.parametrize("cancels", [True, False])
 def test_a_run_ends_when_its_executor(cancels, tmp_path, monkeypatch):
     class Gone(AtOnce):
         def submit(self, function, /, *args, **kwargs):
@@ -316,7 +316,6 @@ EVERY = [
 @pytest.mark.parametrize(
     "job",
     [full_contact(48), *(slow(job) for job in EVERY)],
-    ids=lambda job: job.key,
 )
 def test_no_job_takes_more_memory_than_estimated_nor_much_less(job):
     """The base is most of a small estimate. What grows with the level is compared over the same job at n = 2."""
@@ -360,7 +359,7 @@ def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_on
     """Neither a digit that is no number nor a folder belongs to a process."""
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
-    jobs = tmp_path / "data" / "jobs"
+    jobs = tmp_path / "data/jobs"
     (jobs / ".folder.0.part").mkdir(parents=True)
     for owner in (dead.pid, 2**31, "9" * 30, "²", os.getpid()):
         for place in (jobs, tmp_path):
@@ -607,7 +606,7 @@ def command(out):
 
 def written(out):
     """The data of a command that came to verdicts: levels as coarse as these do not carry every one of them."""
-    assert (out / "data" / "claims.csv").exists()
+    assert (out / "data/claims.csv").exists()
     return {str(path.relative_to(out)): path.read_bytes() for path in out.glob("data/**/*") if path.is_file()}
 
 
@@ -626,7 +625,7 @@ def gone(process):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3), ids="seed {}".format)
+@pytest.mark.parametrize("seed", range(3))
 def test_killed_workers_and_runs_change_no_byte_of_what_is_written_in_the_end(seed, undisturbed, tmp_path):
     """Nothing of the run may live on when it is killed, and what was finished is not done again."""
     total, moment = sum("jobs" in name for name in undisturbed), random.Random(seed)

@@ -57,8 +57,7 @@ def test_displacement_gap_and_pressure_are_those_of_the_motion_at_the_vertices(c
         start += len(vertices)
         np.testing.assert_allclose(face.normal, part.normal)
         np.testing.assert_allclose(part.point(face.s), shown, atol=1e-3)
-        gap = np.array([-frame.normal[rows] for frame in frames])
-        pressure = np.array([(frame.multipliers / weights)[rows] for frame in frames])
+        gap, pressure = np.moveaxis([(-frame.normal, frame.multipliers / weights) for frame in frames], 1, 0)[..., rows]
         for found, expected in ((face.gap, gap), (face.pressure, pressure)):
             np.testing.assert_allclose(found, expected, atol=0.51 * abs(found).max() / FINE_UNITS)
         np.testing.assert_array_equal(face.touching, pressure > 0)

@@ -180,15 +180,23 @@ SETTING = RateSetting("full-contact", "shaken", 4, "midpoint", 8)
 
 
 COMPUTE = (
-    *("study/fem/space.py", "study/solve/steps.py", "manufactured/case.py", "study/statements/prop_5_4.py"),
-    *("manufactured/cases/shared.py", "study/statements/shared/norms.py"),
+    "study/fem/space.py",
+    "study/solve/steps.py",
+    "manufactured/case.py",
+    "study/statements/prop_5_4.py",
+    "manufactured/cases/shared.py",
+    "study/statements/shared/norms.py",
     "study/ledger/text.py",
     "manufactured/face_strain.py",
 )
 """Modules on which the order of convergence for the case *full-contact* depends."""
 REST = (
-    *("study/run/executor.py", "study/cli/run.py", "manufactured/catalogue.py"),
-    *("manufactured/cases/plane.py", "study/statements/wellposed.py", "study/statements/__init__.py"),
+    "study/run/executor.py",
+    "study/cli/run.py",
+    "manufactured/catalogue.py",
+    "manufactured/cases/plane.py",
+    "study/statements/wellposed.py",
+    "study/statements/__init__.py",
 )
 """Other modules, among them another statement, the lists of cases and statements, and the functions that make cases."""
 CACHED = ("code_hash", "measuring_code", "_common", "_modules", "_parsed")

@@ -1,7 +1,6 @@
 """The forces of a motion are in equilibrium; Problem 3.2 on the strains of V^h has the stresses of the motion."""
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -24,18 +23,12 @@ CASES = ("advance-recede", "yield-and-release", "heterogeneous", "cube-disc")
 RNG = np.random.default_rng(2002)
 
 
-@lru_cache
-def moved(case):
-    """A case on a coarse mesh."""
-    solution = resolve(case).solution
-    family = Unstructured() if solution.body.dim == 2 else FAMILIES[0]
-    return Motion.of(solution, family, 6 if solution.body.dim == 2 else 3, 8)
-
-
 @pytest.mark.parametrize("case", CASES)
 def test_stress_and_contact_forces_are_in_equilibrium_with_the_load(case):
     """To round-off or the tolerance of the fixed point."""
-    motion = moved(case)
+    solution = resolve(case).solution
+    family, level = (Unstructured(), 6) if solution.body.dim == 2 else (FAMILIES[0], 3)
+    motion = Motion.of(solution, family, level, 8)
     space, load = motion.space, ErrorNorm(motion.solution, motion.space).load
     for frame in motion.frames[1:]:
         force = load(frame.time)
@@ -44,14 +37,14 @@ def test_stress_and_contact_forces_are_in_equilibrium_with_the_load(case):
 
 
 def test_von_mises_is_that_of_principal_stresses_and_least_in_the_plane():
-    """In the plane it is the smallest value for any stress across the plane."""
-    stress = np.repeat(RNG.normal(size=(3, 3, 1)), 2001, axis=2)
-    stress = stress + stress.swapaxes(0, 1)
-    a, b, c = np.linalg.eigvalsh(stress[..., 0])
+    """In the plane it is the smallest value for any stress across the plane, which is that for half of the trace."""
+    stress = RNG.normal(size=(3, 3))
+    stress += stress.T
+    a, b, c = np.linalg.eigvalsh(stress)
     assert von_mises(mandel(stress)) == pytest.approx(np.sqrt(((a - b) ** 2 + (b - c) ** 2 + (c - a) ** 2) / 2))
     stress[2, :2] = stress[:2, 2] = 0.0
-    stress[2, 2] = np.linspace(-5, 5, 2001)
-    assert float(von_mises(mandel(stress[:2, :2, 0]))) == pytest.approx(von_mises(mandel(stress)).min(), abs=1e-4)
+    stress[2, 2] = np.trace(stress[:2, :2]) / 2
+    assert von_mises(mandel(stress[:2, :2])) == pytest.approx(von_mises(mandel(stress)))
 
 
 @pytest.mark.parametrize("name", ["advance-recede", slow("yield-and-release")])
@@ -91,7 +84,7 @@ def test_a_law_without_a_known_potential_and_a_run_without_steps_are_refused():
         list(strange.march(2))
 
 
-@pytest.mark.parametrize(("law", "u", "stress", "gap"), [(1, 4, 4, 16), (4, 1, 4, 4)], ids=["loads", "all forces"])
+@pytest.mark.parametrize(("law", "u", "stress", "gap"), [(1, 4, 4, 16), (4, 1, 4, 4)])
 def test_four_times_the_loads_or_all_forces_change_the_solution_and_its_duality_gap_in_their_units(law, u, stress, gap):
     """Powers of two change no digit."""
     _, one = problems(named("full-contact").solution, OneDiagonal(), 4)

@@ -2,7 +2,6 @@
 
 from functools import cache
 
-import numpy as np
 import pandas as pd
 
 
@@ -20,14 +19,9 @@ def quick_rows(statement):
 
 def invented(quantities, levels=(8, 16, 32), **where):
     """Rows of one case: one value, or one for each level, of each quantity."""
-    place = {"case": "a", "family": "one-diagonal", **where}
-    return pd.DataFrame(
-        [
-            {**place, "level": n, "h": 1 / n, "quantity": name, "value": float(value)}
-            for name, values in quantities.items()
-            for n, value in zip(levels, np.broadcast_to(np.asarray(values, dtype=float), len(levels)), strict=True)
-        ]
-    )
+    values = pd.DataFrame(quantities, index=pd.Index(levels, name="level"), dtype=float)
+    rows = values.reset_index().melt("level", var_name="quantity")
+    return rows.assign(h=1 / rows["level"], **{"case": "a", "family": "one-diagonal"} | where)
 
 
 def verdicts(statement, rows):
@@ -35,6 +29,7 @@ def verdicts(statement, rows):
     return {verdict.key: verdict.verdict for verdict in statement.judge(rows)}
 
 
-def wrong_values(rows, quantity, change):
-    """The rows with other values of a quantity, a function of value and level."""
-    return rows.assign(value=rows["value"].where(rows["quantity"] != quantity, change(rows["value"], rows["level"])))
+def wrong_values(rows, quantity, factor):
+    """The rows with the values of a quantity multiplied by a factor, or by the level."""
+    wrong = rows["value"] * (rows["level"] if factor == "level" else factor)
+    return rows.assign(value=rows["value"].where(rows["quantity"] != quantity, wrong))

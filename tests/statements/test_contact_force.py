@@ -16,10 +16,10 @@ STATEMENT = ContactForce()
 
 def table(case="a", family="one-diagonal", **changes):
     h = 1 / LEVELS
-    rows = {"case": case, "family": family, "level": LEVELS, "h": h, "penetration": 1e-16, "pulling": 0.0, "clamped": 0}
-    rows |= {"pressure": h**1.3, "dual": h**1.7, "resultant": h**2}
-    rows |= dict.fromkeys(["pressure_time_share", "dual_time_share", "resultant_time_share"], 0.1)
-    return pd.DataFrame(rows).assign(**changes)
+    place = {"case": case, "family": family, "level": LEVELS, "h": h}
+    sizes = {"pressure": h**1.3, "dual": h**1.7, "resultant": h**2, "penetration": 1e-16, "pulling": 0.0, "clamped": 0}
+    shares = {f"{force}_time_share": 0.1 for force in ("pressure", "dual", "resultant")}
+    return pd.DataFrame({**place, **sizes, **shares, **changes})
 
 
 def test_the_predicted_behaviour_holds_in_every_row_and_two_levels_leave_orders_undecided():

@@ -14,10 +14,11 @@ from study.statements.enclosure import BoundedError, EnclosedError
 def bounds(trajectory, levels=(8, 16), case="a", **changes):
     """Rows of ``bounds.csv`` with errors of order 1, which the ends miss by one per cent."""
     h = 1 / np.array(levels)
-    rows = {"trajectory": trajectory, "case": case, "family": "shaken", "scheme": "midpoint", "level": levels, "h": h}
-    rows |= {"known": True, "expected_order": 1.0, "error": h, "lowest": 0.99 * h, "highest": 1.01 * h}
-    rows |= {"above": 0.99, "below": 0.99, "upper": 1.01, "lower": 0.99}
-    return pd.DataFrame(rows).assign(**changes)
+    rows = pd.DataFrame({"level": levels, "h": h, "error": h, "lowest": 0.99 * h, "highest": 1.01 * h})
+    place = rows.assign(trajectory=trajectory, case=case, family="shaken", scheme="midpoint")
+    return place.assign(known=True, expected_order=1.0, above=0.99, below=0.99, upper=1.01, lower=0.99).assign(
+        **changes
+    )
 
 
 UNKNOWN = bounds("enclosure", known=False, error=math.nan, above=math.nan, below=math.nan)

@@ -66,7 +66,7 @@ ONE = replace(quick(), cases=("full-contact",))
 SOFT = replace(quick(), cases=("full-contact", "softening"), scheme="backward-euler")
 
 
-@pytest.mark.parametrize("scope", [ONE, SOFT, replace(ONE, k=1.0), replace(SOFT, k=0.25)], ids=["1", "2", "3", "4"])
+@pytest.mark.parametrize("scope", [ONE, SOFT, replace(ONE, k=1.0), replace(SOFT, k=0.25)])
 def test_steps_up_to_the_final_time_and_short_enough_for_a_softening_law_are_accepted(scope):
     scope.check()
 

@@ -26,8 +26,14 @@ from study.statements.shared.base import Experiment
 from study.statements.shared.scope import serving
 
 TIED = {
-    *("yield-and-release", "yield-on-a-part", "natural-front", "rough-trace", "rough-1.75"),
-    *("re-entrant", "junction", "double-well"),
+    "yield-and-release",
+    "yield-on-a-part",
+    "natural-front",
+    "rough-trace",
+    "rough-1.75",
+    "re-entrant",
+    "junction",
+    "double-well",
 }
 """Cases whose formulas are tied to the law or to smooth factors."""
 CASES = [name for name in NAMES if name not in {*TIED, "closing-gap", "parabolic-gap", "cube-bowl"}]

@@ -106,7 +106,6 @@ def test_the_predicted_behaviour_holds_in_every_row():
             {(own.ROLLER, "order-equal"), (own.STANDING, "order-standing")},
         ),
     ],
-    ids=["bound", "time", "step", "first order everywhere", "half the order everywhere"],
 )
 def test_every_row_about_rollers_can_fail(wrong, places):
     found = verdicts(data(**wrong))

@@ -40,7 +40,7 @@ def test_the_bounds_are_those_of_the_proof_for_the_duality_gaps_of_the_steps(nam
     size_u = max(norm(displacements, state.u) for state in states)
     size_s = max(np.linalg.norm(np.sqrt(honest.space.volumes) * state.stress) for state in states)
     for left in ((1e-6, 0.0, 0.0, 0.0), (1e-8, 4e-8, 9e-8, 1.6e-7)):
-        R = sum(q ** (STEPS - n) * np.sqrt(gap) for n, gap in enumerate(left, start=1))
+        R = np.polyval(np.sqrt(left), q)
         now = found(lambda n, state, left=left: replace(state, gap=left[n - 1] if n else 0.0), name)
         assert now.displacement_bound == pytest.approx(np.sqrt(q * k) * R / size_u, rel=1e-6)
         assert now.stress_bound == pytest.approx(np.sqrt(law.A.lipschitz / k + law.G.lipschitz) * R / size_s, rel=1e-6)

@@ -19,7 +19,7 @@ SPACE = Space(Shaken()(BODY, 4), BODY)
 LAWS = [named(name).solution.law for name in ("softening", "double-well")]
 
 
-@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+@pytest.mark.parametrize("law", LAWS)
 def test_a_law_is_scaled_to_any_omega_and_multiples_of_other_laws_are_not_known(law):
     strain = np.array([[0.3], [-2.0], [1.0]])
     np.testing.assert_allclose(divergence.scaled(law, 10.0).G(strain), 10.0 / law.kappa * law.G(strain))
@@ -27,7 +27,7 @@ def test_a_law_is_scaled_to_any_omega_and_multiples_of_other_laws_are_not_known(
         divergence.scaled(named("yield-on-a-part").solution.law, 2.0)
 
 
-@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+@pytest.mark.parametrize("law", LAWS)
 def test_the_softest_mode_stays_in_contact_and_grows_no_faster_than_proved(law):
     c, v, force = divergence.softest_mode(SPACE, law)
     assert 0 < c <= law.growth * (1 + 1e-12)

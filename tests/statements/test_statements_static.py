@@ -26,9 +26,7 @@ def test_eigenvalues_that_rise_or_tend_to_zero_fail():
 
 
 @pytest.mark.parametrize(("family", "scatter"), [("one-diagonal", 1.0), ("shaken", 1.05)])
-@pytest.mark.parametrize(
-    ("order", "verdict"), [(1.0, HOLDS), (0.8, FAILS), (1.2, FAILS), (2.0, FAILS), (np.nan, FAILS)]
-)
+@pytest.mark.parametrize(("order", "verdict"), {1.0: HOLDS, 0.8: FAILS, 1.2: FAILS, 2.0: FAILS, np.nan: FAILS}.items())
 def test_the_order_in_v_is_judged_from_both_sides(order, verdict, family, scatter):
     """On random meshes the scatter of the coarsest one hardly counts."""
     errors = dict.fromkeys(error_estimate.INTERPOLATED.values(), H**order * [scatter, 1, 1])
