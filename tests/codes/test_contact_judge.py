@@ -46,7 +46,7 @@ def test_tasks_read_back_give_our_own_errors(tasks):
 @pytest.mark.parametrize("case", ["corner", "rotated", "anisotropic", "layered", "parabolic-gap", "cube-disc"])
 def test_our_own_solver_is_exact_with_two_faces_other_laws_layers_an_initial_gap_and_in_space(case):
     level, family = (3, "one-diagonal") if case == "cube-disc" else (4, "shaken")
-    found = judged(ours.make, exported(case, level, family, times=(0.15, 0.9)))
+    found = judged(ours.make, exported(case, level, family=family, times=(0.15, 0.9)))
     assert found.verdict == "exact for P1"
     (one,) = found.errors
     assert one.distance / one.best < 1e-10
