@@ -40,6 +40,7 @@ from study.bound.trajectory import Parabola, SmoothedInTime, compute
 from study.fem.mesh import OneDiagonal
 from study.solve.tableau import MIDPOINT
 from study.stresses.loads import LeftOut
+from study.stresses.stress_space import bernstein
 
 LAW = KelvinVoigt(isotropic(1, 0), isotropic(1, 0), "without contraction")
 BODY = polygon(SQUARE, [CONTACT, LOADED, LOADED, CLAMPED])
@@ -53,9 +54,9 @@ def discretised(f0=(0, 0), f2=None, u0=(0, 0), law=LAW):
     return Discretisation(Data.formulas(BODY, law, f0, f2 or {}, u0), OneDiagonal()(BODY, N))
 
 
-def quadratic(d, polar, component):
-    """A displacement of degree 2 in one component, by its polar form in x_1, (dofs,)."""
-    x = d.mesh.p[0]
+def quadratic(d, polar, component, variable=0):
+    """A displacement of degree 2 in one component, by its polar form in one variable, x_1 or x_2, (dofs,)."""
+    x = d.mesh.p[variable]
     values = polar(*np.hstack([[x, x], x[d.mesh.facets]]))
     return np.outer(values, np.eye(2)[component]).ravel()[d.displacements.free]
 
@@ -171,7 +172,7 @@ def contact(which):
     ]
     (edges,) = (edges for _, edges in d.stresses.on(CONTACT))
     s, w = gauss(6)
-    shapes = np.array([(1 - s) ** 3, 3 * s * (1 - s) ** 2, 3 * s**2 * (1 - s), s**3])
+    shapes = bernstein(3, np.array([1 - s, s]))
     ends = d.mesh.p[0, d.mesh.facets[:, edges]]
     x = ends[0, :, None] + np.outer(ends[1] - ends[0], s)
     works = [np.sum(-d.equilibrium.pressure(stress) @ shapes * -x * (2 - x) * w) * EDGE for stress in nearest]
@@ -254,9 +255,8 @@ def test_between_knots_g_leaves_its_parabola_by_no_more_than_the_curvature_and_w
     control, (curvature,) = Majorant(d)._elastic([piece], piece.control[None], ends)
     compliance, missed = np.linalg.inv(YIELDING.A.matrix), 0.0
     for x, weight in zip(*gauss(20), strict=True):
-        shapes = (1 - x) ** 2, 2 * x * (1 - x), x**2
-        parts = ends[:, 0], control[:, 0], ends[:, 1]
-        off = d.elastic(piece.at(x)) - sum(shape * part for shape, part in zip(shapes, parts, strict=True))
+        parts = np.array([ends[:, 0], control[:, 0], ends[:, 1]])
+        off = d.elastic(piece.at(x)) - np.tensordot(bernstein(2, np.array([1 - x, x])), parts, axes=1)
         missed += weight * np.sqrt(np.einsum("Icq,IJ,Jcq,cq->", off, compliance, off, weights))
     assert missed <= curvature
     assert (curvature > 0) == (missed > 0) == (size > 0.1)
