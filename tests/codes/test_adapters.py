@@ -142,18 +142,19 @@ def change_answer(place, change):
     np.savetxt(path, change(np.loadtxt(path, ndmin=2)))
 
 
-def change_task(place, change):
-    """Replace the task by changed data, packed as JSON."""
-    (path,) = place.glob("tasks/*.json.xz")
-    data = json.loads(lzma.decompress(path.read_bytes()))
-    result = change(data)
-    (place / "tasks" / "SHA256SUMS").unlink()
-    path.unlink()
-    path.with_suffix("").write_text(json.dumps(data if result is None else result))
+def task_with(without="", **changes):
+    """Replace the task by changed data, without one key, as JSON that is not packed."""
 
+    def damage(place):
+        unpacked_as_well(place)
+        for path in (*place.glob("tasks/*.xz"), place / "tasks" / "SHA256SUMS"):
+            path.unlink()
+        (path,) = place.glob("tasks/*")
+        data = json.loads(path.read_text()) | changes
+        data.pop(without, None)
+        path.write_text(json.dumps(data))
 
-def task_with(**changes):
-    return lambda place: change_task(place, lambda data: data | changes)
+    return damage
 
 
 def put(name, text, mode="w"):
@@ -183,7 +184,7 @@ DAMAGE = {
         "unpacks to more than",
     ),
     "two files of one task": (unpacked_as_well, "same name"),
-    "key missing": (lambda place: change_task(place, lambda data: data.pop("clamped") and None), "lacks the key 'clam"),
+    "key missing": (task_with(without="clamped"), "lacks the key 'clam"),
     "other version": (task_with(version=3), "contact-task 3, expected contact-task 1 or 2"),
     "vertex that is not there": (task_with(cells=[[0, 1, 999]]), "is no task"),
     "no steps": (task_with(steps=[], judge=[]), "0 steps"),
