@@ -408,30 +408,29 @@ def unusable(tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    ("name", "field_name", "message"),
+    ("name", "message"),
     [
-        ("missing.npz", None, "there is no file"),
-        ("mine.pvd", "stress", "does not have stress: its vector fields at points are .*velocity"),
-        ("noise.vtu", None, "noise.vtu is broken, incomplete or no .*: write it again"),
-        ("noise.npz", None, "noise.npz is no .npz file: write it by numpy.savez, with the arrays points, triangles"),
-        ("noise.frd", None, "a format that cannot be read: expected .npz, .*; docs/tutorials/bound.md converts .frd"),
-        ("lost.pvd", None, "there is no file .*lost.vtu"),
-        ("untimed.pvd", None, "DataSet without timestep or file"),
-        ("short.npz", None, "lacks triangles, u; expected the arrays points, triangles, times, u"),
-        ("bomb.npz", None, "bomb.npz has .* bytes and unpacks to 100000776 bytes, .* write it without compression"),
-        ("bomb.vtu", None, "bomb.vtu has .* bytes and unpacks to 80.* bytes, more than 100 times as many"),
-        *((name, None, "bomb.h5 has .* unpacks to 160000000 bytes") for name in ("bomb.pvd", "bomb.xmf")),
-        ("bomb.med", None, "bomb.med has .* unpacks to 160000000 bytes"),
-        ("bomb.xdmf", None, "bomb.h5 has .* bytes and unpacks to 160000000 bytes, more than 100 times as many"),
-        ("locked.npz", None, "locked.npz is encrypted: write it by numpy.savez"),
-        ("broken.npz", None, "broken.npz cannot be read"),
-        ("strange.xdmf", None, "strange.xdmf cannot be read: ReadError"),
-        ("moved.xdmf", None, r"moved.xdmf has another mesh at t = 1.0 than before"),
+        ("missing.npz", "there is no file"),
+        ("noise.vtu", "noise.vtu is broken, incomplete or no .*: write it again"),
+        ("noise.npz", "noise.npz is no .npz file: write it by numpy.savez, with the arrays points, triangles"),
+        ("noise.frd", "a format that cannot be read: expected .npz, .*; docs/tutorials/bound.md converts .frd"),
+        ("lost.pvd", "there is no file .*lost.vtu"),
+        ("untimed.pvd", "DataSet without timestep or file"),
+        ("short.npz", "lacks triangles, u; expected the arrays points, triangles, times, u"),
+        ("bomb.npz", "bomb.npz has .* bytes and unpacks to 100000776 bytes, .* write it without compression"),
+        ("bomb.vtu", "bomb.vtu has .* bytes and unpacks to 80.* bytes, more than 100 times as many"),
+        *((name, "bomb.h5 has .* unpacks to 160000000 bytes") for name in ("bomb.pvd", "bomb.xmf")),
+        ("bomb.med", "bomb.med has .* unpacks to 160000000 bytes"),
+        ("bomb.xdmf", "bomb.h5 has .* bytes and unpacks to 160000000 bytes, more than 100 times as many"),
+        ("locked.npz", "locked.npz is encrypted: write it by numpy.savez"),
+        ("broken.npz", "broken.npz cannot be read"),
+        ("strange.xdmf", "strange.xdmf cannot be read: ReadError"),
+        ("moved.xdmf", r"moved.xdmf has another mesh at t = 1.0 than before"),
     ],
 )
-def test_files_without_a_displacement_are_refused(unusable, name, field_name, message):
+def test_files_without_a_displacement_are_refused(unusable, name, message):
     with pytest.raises(BoundError, match=message):
-        read(unusable / name, field_name)
+        read(unusable / name)
 
 
 @pytest.mark.parametrize("series", [True, False])
@@ -470,11 +469,13 @@ def test_a_mesh_or_a_field_that_changes_between_two_times_is_refused(later, mess
         _together(Path("u.pvd"), [(0.0, mesh()), (1.0, later)], None)
 
 
-def test_of_several_fields_of_other_names_the_displacement_has_to_be_named():
+def test_of_several_fields_of_other_names_the_displacement_has_to_be_named(unusable):
     several = mesh(name="velocity")
     several.point_data["depl"] = 1 + several.points
     with pytest.raises(BoundError, match="fields at points are velocity, depl; choose one with --field NAME"):
         _together(Path("u.vtu"), [(None, several)], None)
+    with pytest.raises(BoundError, match="does not have stress: its vector fields at points are .*velocity"):
+        read(unusable / "mine.pvd", "stress")
     assert _together(Path("u.vtu"), [(None, several)], "depl").u.min() == 1
     del several.point_data["velocity"]
     assert _together(Path("u.vtu"), [(None, several)], None).u.min() == 1

@@ -1,10 +1,12 @@
 """Every fault is seen by the covering set of cases, and the judge names its cause; right answers have none."""
 
 import re
+from io import StringIO
 
 import contact_judge as judge
 import faults
 import numpy as np
+import pandas as pd
 import pytest
 import this_study
 from judged_codes import answers, assessed, exported, judged
@@ -15,31 +17,25 @@ FAULTS = {fault.name: fault for fault in faults.FAULTS}
 
 
 def in_page():
-    """Rows of the table of the page: fault ↦ cases that show it, in the order of the columns."""
-    rows = [line.strip("| \n").split(" | ") for line in PAGE.splitlines() if " | " in line]
-    (cases,) = ([cell.strip("*") for cell in row[1:]] for row in rows if row[0] == "fault")
-    return {
-        row[0]: [case for case, cell in zip(cases, row[1:], strict=True) if cell != "–"]
-        for row in rows
-        if row[0] in FAULTS
-    }
+    """The table of the page: whether a case, in a column, shows a fault, in a row."""
+    rows = [line.strip("| ") for line in PAGE.splitlines() if " | " in line]
+    table = pd.read_csv(StringIO("\n".join(rows)), sep=r" \| ", engine="python", index_col=0)
+    return table.drop("---").rename(columns=lambda name: name.strip("*")) != "–"
 
 
-def covering():
-    """The covering set that the page names, computed again from its table."""
-    table = in_page()
-    cases = sorted({case for shown in table.values() for case in shown}, key=faults.CASES.index)
-    return faults.covering({case: {name for name, shown in table.items() if case in shown} for case in cases})
+SHOWN = in_page()
+COVERING = faults.covering({case: set(SHOWN.index[SHOWN[case]]) for case in faults.CASES})
+"""The covering set that the page names, computed again from its table."""
 
 
 def test_the_page_names_every_fault_and_the_smallest_set_of_cases_that_shows_all():
-    assert set(in_page()) == set(FAULTS)
-    assert f"Smallest set of cases that shows every fault: {', '.join(covering())}." in PAGE
+    assert set(SHOWN.index) == set(FAULTS)
+    assert f"Smallest set of cases that shows every fault: {', '.join(COVERING)}." in PAGE
 
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_the_covering_set_shows_a_fault_and_the_judge_names_its_cause(name):
-    fault, case = FAULTS[name], next(case for case in covering() if case in in_page()[name])
+    fault, case = FAULTS[name], next(case for case in COVERING if SHOWN.at[name, case])
     found = judged(fault.make, exported(case))
     assert found.verdict != "exact for P1"
     assert found.outcome() != "holds"
