@@ -10,12 +10,11 @@ import meshio
 import numpy as np
 import pandas as pd
 import pytest
+from bodies import CLAMPED, CONTACT, LAW, LOADED, SIDES
 from skfem import MeshTri
 
 from manufactured import (
     Data,
-    KelvinVoigt,
-    Kind,
     isotropic,
     named,
     plane_strain,
@@ -38,8 +37,6 @@ from study.fem.naming import resolve_data
 from study.fem.space import Space, form, nodes_of
 from study.ledger.files import write_text
 from study.solve.tableau import MIDPOINT
-
-KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
 
 def of_degree_2(points, triangles):
@@ -69,7 +66,7 @@ def test_the_known_error_of_any_displacement_on_an_irregular_mesh_with_unequal_s
     points, triangles = mesh.p.T, np.roll(mesh.t.T, 1, axis=1)  # corners in another order than the one of MeshTri
     if degree == 2:
         points, triangles = of_degree_2(points, triangles)
-    fields, (foundation,) = case.solution.at(points.T), case.solution.body.of(Kind.CONTACT)
+    fields, (foundation,) = case.solution.at(points.T), case.solution.body.of(CONTACT)
     u = np.array([fields.displacement(time).T for time in times])
     moves = (abs(u).max(axis=(0, 2)) > 1e-12)[:, None]
     field = CHANGES[change](u, moves * foundation.normal)
@@ -83,14 +80,12 @@ def test_the_known_error_of_any_displacement_on_an_irregular_mesh_with_unequal_s
 
 
 def test_contact_sides_that_do_not_lie_on_one_line_are_called_a_curved_foundation():
-    contact, loaded, clamped = KINDS[:3]
-    (sentence,) = contact_sentences(polygon([(0, 0), (1, -0.01), (2, 0), (1, 1)], [contact, contact, loaded, clamped]))
+    (sentence,) = contact_sentences(polygon([(0, 0), (1, -0.01), (2, 0), (1, 1)], [CONTACT, CONTACT, LOADED, CLAMPED]))
     assert re.search("^The 2 CONTACT sides do not lie on one line.*a curved one", sentence)
-    in_one_line = polygon([(0, 0), (1, 0), (2, 0), (1, 1)], [contact, contact, loaded, clamped])
+    in_one_line = polygon([(0, 0), (1, 0), (2, 0), (1, 1)], [CONTACT, CONTACT, LOADED, CLAMPED])
     assert contact_sentences(in_one_line) == []
 
 
-LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(1, 1), "linear")
 PROBLEM = Data.formulas(unit_square(), LAW, (0, -t), {1: (t * x2, 0)})
 
 
@@ -191,7 +186,7 @@ def test_triangles_too_thin_for_double_precision_are_refused_with_their_place(as
 
 @pytest.mark.parametrize("size", [0.01, 1, 100])
 def test_vertices_are_moved_to_a_side_from_a_distance_relative_to_the_size_of_the_body(size):
-    body = polygon([(0, 0), (size, 0), (size, size), (0, size)], KINDS)
+    body = polygon([(0, 0), (size, 0), (size, size), (0, size)], SIDES)
     p = size * np.array([[0.4, 0.6], [0.5 * SINGLE, 2 * SINGLE]])
     assert np.abs(_on_boundary(body, p)[1] / (size * SINGLE)).tolist() == pytest.approx([0, 2], abs=1e-6)
 
@@ -225,7 +220,7 @@ def test_values_on_the_clamped_part_are_replaced_and_the_change_is_added_to_the_
     bounded = bound_displacement(PROBLEM, **bent, nearest=True, refine=0, shorter=1, steps=2)
     change = bent["u"][-1] - bounded.computed.nodes[-1].reshape(-1, 2)
     assert change == pytest.approx(0.01 * bent["points"][:, :1] * (bent["points"][:, 1:] == [1, 1]))
-    held_below = Space(bounded.computed.mesh, polygon(CORNERS, [Kind.CLAMPED, *3 * [Kind.LOADED]]))
+    held_below = Space(bounded.computed.mesh, polygon(CORNERS, [CLAMPED, *3 * [LOADED]]))
     v, offset = change.ravel()[held_below.free], bounded.computed.offset
     assert offset == pytest.approx(np.sqrt(v @ form(held_below, LAW.A) @ v), rel=1e-9)
     assert any("u_h is changed by up to 0.01 on side 2 (CLAMPED)" in remark for remark in bounded.remarks)
@@ -474,7 +469,7 @@ def test_of_several_fields_of_other_names_the_displacement_has_to_be_named(unusa
     several.point_data["depl"] = 1 + several.points
     with pytest.raises(BoundError, match="fields at points are velocity, depl; choose one with --field NAME"):
         _together(Path("u.vtu"), [(None, several)], None)
-    with pytest.raises(BoundError, match="does not have stress: its vector fields at points are .*velocity"):
+    with pytest.raises(BoundError, match=r"does not have stress: its vector fields at points are .*velocity"):
         read(unusable / "mine.pvd", "stress")
     assert _together(Path("u.vtu"), [(None, several)], "depl").u.min() == 1
     del several.point_data["velocity"]

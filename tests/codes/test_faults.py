@@ -185,32 +185,28 @@ CAUSES = [
     (
         "not a number in step 1; the matrix is probably singular: the body is not held, or one",
         faults.changed(lambda task, u, _: np.nan * u),
-        ("corner", 4)
+        ("corner", 4),
     ),
     ("perhaps u is not held, or the vertices are in", faults.changed(lambda task, u, _: u[::-1]), FLAT),
     ("^Not explained", two_faults, FLAT),
     ("Most likely: λ and μ are exchanged", of_law(exchanged), FLAT),
     (SHEARS, faults.other_stress(lambda s: s[:, [0, 1, 2, 5, 3, 4]]), ("cube-two-faces", 3)),
     ("Most likely: the displacements are written with 4 digits", faults.changed(four_digits), FLAT),
-    (
-        "Most likely: the mesh is mirrored in x",
-        lambda task: this_study.make(task.moved(task.vertices * [-1, 1])),
-        FLAT
-    ),
+    ("Most likely: the mesh is mirrored in x", lambda task: this_study.make(task.moved(task.vertices * [-1, 1])), FLAT),
     (
         "Most likely: the vertices of the answer are in another order: sorted",
         faults.changed(lambda task, u, _: u[np.lexsort(task.vertices.T)]),
-        ("rotated", 4)
+        ("rotated", 4),
     ),
     (
         "Most likely: the load at 8 vertices",
         faults.balance_with(lambda task, b: b * (task.vertices[:, :1] < 0.9)),
-        ("corner", 8)
+        ("corner", 8),
     ),
     (
         r"Most likely: the stiffness of 1 cell \(5 at",
         of_law(lambda C, normal: np.where(np.arange(len(C))[:, None, None] == 5, 3 * C, C)),
-        FLAT
+        FLAT,
     ),
 ]
 

@@ -7,16 +7,16 @@ import numpy as np
 import pandas as pd
 import pytest
 import sympy as sp
+from bodies import LAW
 from costly_cases import slow, slow_unless
 from loads import loads, stress
 from measures import close, gauss
 from skfem import Basis, DiscreteField, ElementTriP4, ElementVector, FacetBasis, LinearForm
 from skfem.helpers import ddot, dot, grad
 
-from manufactured import isotropic, t, unit_square, x2
+from manufactured import t, unit_square, x2
 from manufactured.body import Kind
 from manufactured.data import Data, no_fronts
-from manufactured.law import KelvinVoigt
 from manufactured.regularity import Regularity
 from manufactured.tensors import full
 from study.fem.mesh import FAMILIES, MeshError, OneDiagonal, Shaken, Unstructured, cell_volumes
@@ -52,7 +52,6 @@ MESHED = [
     for n, (one, degree) in enumerate(product(SERVED, DEGREES))
 ]
 """A fifth of all, with the degrees in turn; the nightly job takes both degrees everywhere."""
-LAW = KelvinVoigt(isotropic(2, 3), isotropic(1, 0.5), "linear")
 
 
 def stress_at(solution, family, degree):
@@ -263,7 +262,6 @@ def test_predicted_orders_follow_the_regularity(regularity, family, quantity, lo
         (Kind.CLAMPED, (10.0, 10.0), 0.0),
         (Kind.LOADED, (-10.0, 0.0), 1.0),
     ],
-    ids=["pull", "friction", "pressure", "clamped", "load"],
 )
 def test_a_traction_that_no_admissible_stress_has_is_measured(kind, traction, violation):
     """All other tractions are at most 1."""
