@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from bodies import CLAMPED, CONTACT, LOADED, SQUARE
+from bodies import CLAMPED, CONTACT, LOADED, SQUARE, YIELDS
 from bodies import LAW as ISOTROPIC
 from hypothesis import given
 from hypothesis import strategies as st
@@ -349,7 +349,7 @@ def test_squares_of_a_parabola_are_bounded_by_three_norms(seed):
 LAWS = [
     ISOTROPIC,
     KelvinVoigt(isotropic(1, 1e4), Linear(np.diag([1.0, 2.0, 3.0])), "anisotropic"),
-    KelvinVoigt(isotropic(1, 0.5), Yield(2.0, FrobeniusBall(0.1)), "(3.3)"),
+    YIELDS,
     KelvinVoigt(isotropic(1, 10), Combined(np.zeros(3), isotropic(1, 0), Yield(0.1, FrobeniusBall(1))), "combined"),
     *(named(name).solution.law for name in ("anisotropic", "softening", "double-well")),
 ]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bodies import CLAMPED, CONTACT, LAW, LOADED
+from bodies import CLAMPED, CONTACT, LAW, LOADED, YIELDS
 from commands import study
 from costly_cases import slow, slow_unless
 from places import CERTIFICATES, ROOT
@@ -16,9 +16,7 @@ from sympy import Rational, sin, sqrt
 
 from manufactured import (
     Data,
-    FrobeniusBall,
     KelvinVoigt,
-    Yield,
     isotropic,
     polygon,
     pos,
@@ -121,7 +119,6 @@ def loaded(f2):
     return formulas(f2={1: (f2, 0)})
 
 
-YIELDS = KelvinVoigt(isotropic(1, 0.5), Yield(2.0, FrobeniusBall(0.1)), "yields")
 LAYERS = KelvinVoigt(isotropic(1, 0.5, factor=layers((0, 1), 0.5, 2)), isotropic(1, 1), "layers")
 REFUSED = [
     (formulas((0, sin(x1))), "f_0 has .*support polynomials"),

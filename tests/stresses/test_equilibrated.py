@@ -201,34 +201,31 @@ def test_what_cannot_be_posed_is_refused():
 SMOOTH = {"stress": 2, "strain": 2, "pressure": 2, "displacement": 2, "primal_stress": 1, "primal_displacement": 2}
 
 
-def table(orders, levels=3, **changed):
-    n = 2 ** np.arange(3, 3 + levels)
+def judged(orders, levels=3, **changed):
+    """Verdicts about errors 2 h^p on one-diagonal meshes, for a smooth solution."""
+    n, family = 2 ** np.arange(3, 3 + levels), "one-diagonal"
     h = 1 / n
-    row = {"case": "a", "family": "one-diagonal", "level": n, "h": h, "best": h**2, "stress_sup": h**2}
+    row = {"case": "a", "family": family, "level": n, "h": h, "best": h**2, "stress_sup": h**2}
     row |= {"admissibility": 1e-13, "time_share": 0.1} | {name: 2 * h**p for name, p in orders.items()}
-    return pd.DataFrame(row | changed)
-
-
-def judged(orders, regularity, levels=3, family="one-diagonal", **changed):
-    rows = table(orders, levels, family=family, **changed)
+    rows = pd.DataFrame(row | changed)
     groups = {family: rows.assign(ratio=rows["stress"] / rows["best"])}
-    found = [rule.verdict(OwnSpace(), "a", groups, family) for rule in checks_of(regularity, family)]
+    found = [rule.verdict(OwnSpace(), "a", groups, family) for rule in checks_of(Regularity(), family)]
     return {v.key: v.verdict for v in found if v.verdict != REPORTED}
 
 
 def test_predicted_orders_hold_and_every_other_one_fails():
-    assert set(judged(SMOOTH, Regularity()).values()) == {HOLDS}
+    assert set(judged(SMOOTH).values()) == {HOLDS}
     for name in ERROR_TEXTS:
         for order in (0.5 * SMOOTH[name], SMOOTH[name] + 1.3):
-            assert judged(SMOOTH | {name: order}, Regularity())[f"order-{name}"] == FAILS, (name, order)
+            assert judged(SMOOTH | {name: order})[f"order-{name}"] == FAILS, (name, order)
     for orders, changed, key in [
         (SMOOTH, {"admissibility": 1e-6}, "admissible"),
         (SMOOTH, {"time_share": 2.0}, "time-share"),
         (SMOOTH | {"stress": 1.8}, {}, "growth"),
     ]:
-        found = judged(orders, Regularity(), **changed)
+        found = judged(orders, **changed)
         assert [failed for failed, verdict in found.items() if verdict == FAILS] == [key]
-    alone = judged(SMOOTH, Regularity(), levels=1)
+    alone = judged(SMOOTH, levels=1)
     assert {verdict for key, verdict in alone.items() if key.startswith("order")} == {UNDECIDED}
 
 
