@@ -50,17 +50,22 @@ PROBLEMS = {
 }
 
 
+def enclosed(name, trajectory):
+    """The moduli of the law, and the enclosure."""
+    data = wedge(**PROBLEMS[name])
+    discretisation = Discretisation(data, Unstructured()(data.body, 2))
+    return discretisation.moduli, enclose(discretisation, compute(discretisation, MIDPOINT, 3), trajectory)
+
+
 @pytest.mark.parametrize("name", PROBLEMS)
 @pytest.mark.parametrize("trajectory", [SmoothedInTime(), Refined(0, 2)], ids=["u_h alone", "enclosure"])
 def test_shares_are_not_negative_and_add_up_to_the_bound(name, trajectory):
-    data = wedge(**PROBLEMS[name])
-    discretisation = Discretisation(data, Unstructured()(data.body, 2))
-    enclosure = enclose(discretisation, compute(discretisation, MIDPOINT, 3), trajectory)
-    shares = enclosure.shares(discretisation.moduli)
+    moduli, enclosure = enclosed(name, trajectory)
+    shares = enclosure.shares(moduli)
     assert shares.total == pytest.approx(enclosure.highest, abs=1e-12)
     assert min(shares.cells.min(), shares.time) >= -1e-12
     for one in enclosure.intervals:
-        left = one.at_b - discretisation.moduli.decay(one.b - one.a) * one.at_a
+        left = one.at_b - moduli.decay(one.b - one.a) * one.at_a
         assert one.shares.total == pytest.approx(left, abs=1e-12)
 
 
@@ -74,15 +79,13 @@ def test_shares_of_a_static_bound_belong_to_cells_alone_and_add_up_to_the_bound(
 
 
 def test_what_comes_after_the_largest_bound_has_no_share_in_it():
-    data = wedge(**PROBLEMS["rolling"])
-    discretisation = Discretisation(data, Unstructured()(data.body, 2))
-    found = enclose(discretisation, compute(discretisation, MIDPOINT, 3), SmoothedInTime())
+    moduli, found = enclosed("rolling", SmoothedInTime())
     between = found.between.copy()
     between[0] = 2 * found.highest
     first, *others = found.intervals
     louder = first, *(replace(one, shares=10 * one.shares) for one in others)
     early = [replace(found, between=between, intervals=intervals) for intervals in (found.intervals, louder)]
-    one, same = (enclosure.shares(discretisation.moduli) for enclosure in early)
+    one, same = (enclosure.shares(moduli) for enclosure in early)
     assert one.total == pytest.approx(2 * found.highest)
     assert same.time == pytest.approx(one.time)
     assert same.cells == pytest.approx(one.cells)

@@ -10,12 +10,11 @@ import meshio
 import numpy as np
 import pandas as pd
 import pytest
+from bodies import CLAMPED, CONTACT, LAW, LOADED, SIDES
 from skfem import MeshTri
 
 from manufactured import (
     Data,
-    KelvinVoigt,
-    Kind,
     isotropic,
     named,
     plane_strain,
@@ -38,8 +37,6 @@ from study.fem.naming import resolve_data
 from study.fem.space import Space, form, nodes_of
 from study.ledger.files import write_text
 from study.solve.tableau import MIDPOINT
-
-KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
 
 def of_degree_2(points, triangles):
@@ -69,7 +66,7 @@ def test_the_known_error_of_any_displacement_on_an_irregular_mesh_with_unequal_s
     points, triangles = mesh.p.T, np.roll(mesh.t.T, 1, axis=1)  # corners in another order than the one of MeshTri
     if degree == 2:
         points, triangles = of_degree_2(points, triangles)
-    fields, (foundation,) = case.solution.at(points.T), case.solution.body.of(Kind.CONTACT)
+    fields, (foundation,) = case.solution.at(points.T), case.solution.body.of(CONTACT)
     u = np.array([fields.displacement(time).T for time in times])
     moves = (abs(u).max(axis=(0, 2)) > 1e-12)[:, None]
     field = CHANGES[change](u, moves * foundation.normal)
@@ -83,14 +80,12 @@ def test_the_known_error_of_any_displacement_on_an_irregular_mesh_with_unequal_s
 
 
 def test_contact_sides_that_do_not_lie_on_one_line_are_called_a_curved_foundation():
-    contact, loaded, clamped = KINDS[:3]
-    (sentence,) = contact_sentences(polygon([(0, 0), (1, -0.01), (2, 0), (1, 1)], [contact, contact, loaded, clamped]))
+    (sentence,) = contact_sentences(polygon([(0, 0), (1, -0.01), (2, 0), (1, 1)], [CONTACT, CONTACT, LOADED, CLAMPED]))
     assert re.search("^The 2 CONTACT sides do not lie on one line.*a curved one", sentence)
-    in_one_line = polygon([(0, 0), (1, 0), (2, 0), (1, 1)], [contact, contact, loaded, clamped])
+    in_one_line = polygon([(0, 0), (1, 0), (2, 0), (1, 1)], [CONTACT, CONTACT, LOADED, CLAMPED])
     assert contact_sentences(in_one_line) == []
 
 
-LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(1, 1), "linear")
 PROBLEM = Data.formulas(unit_square(), LAW, (0, -t), {1: (t * x2, 0)})
 
 
@@ -144,40 +139,39 @@ def with_value(array, place, value):
     return changed
 
 
-FAULTS = {
-    "hole": ("triangles", lambda c: c[1:], r"does not cover the body: . sides .* near x = \("),
-    "other body": ("points", lambda p: p * [1.0, 2.0], r"\(0, 0\) to \(1, 2\).* the mesh of another body"),
-    "metres": ("points", lambda p: p / 1000, "mesh is smaller than the body by the factor 1000: give both"),
-    "shifted": ("points", lambda p: p + [0.0, -0.5], r"is shifted by \(0, -0.5\): give both"),
-    "other boundary": ("points", lambda p: with_value(p, 1, [0.5, 0.2]), r"cover the body: .* near x = \(0.25, 0.1\)"),
-    "NaN": ("u", lambda u: with_value(u, (1, 3, 0), np.nan), r"1 numbers .* not finite, the first at t = 0.5, x = \("),
-    "twice": ("triangles", lambda c: np.vstack([c, c[:1]]), "overlap or are listed twice|share a side n"),
-    "flat": ("triangles", lambda c: np.vstack([c, c[:1][:, [0, 0, 1]]]), r"1 triangles have no area, .* near x = \("),
-    "not clamped": (
+FAULTS = [
+    ("triangles", lambda c: c[1:], r"does not cover the body: . sides .* near x = \("),
+    ("points", lambda p: p * [1.0, 2.0], r"\(0, 0\) to \(1, 2\).* the mesh of another body"),
+    ("points", lambda p: p / 1000, "mesh is smaller than the body by the factor 1000: give both"),
+    ("points", lambda p: p + [0.0, -0.5], r"is shifted by \(0, -0.5\): give both"),
+    ("points", lambda p: with_value(p, 1, [0.5, 0.2]), r"cover the body: .* near x = \(0.25, 0.1\)"),
+    ("u", lambda u: with_value(u, (1, 3, 0), np.nan), r"1 numbers .* not finite, the first at t = 0.5, x = \("),
+    ("triangles", lambda c: np.vstack([c, c[:1]]), "overlap or are listed twice|share a side n"),
+    ("triangles", lambda c: np.vstack([c, c[:1][:, [0, 0, 1]]]), r"1 triangles have no area, .* near x = \("),
+    (
         "u",
         lambda u: u + 0.01,
         r"u_h is 0.01 in the direction x1 at x = \(0, 1\) on side 2 \(CLAMPED\), and has to be 0 there.* --nearest",
     ),
-    "no start": ("times", lambda at: at + 0.5, "initial time is missing: the first time is 0.5"),
-    "too short": ("times", lambda at: at / 2, "the last time is 0.5, the problem ends at T = 1"),
-    "no times": ("times", lambda at: at[:0], r"times has the shape \(0,\) .* expected real numbers, at least one"),
-    "texts": ("u", lambda u: u.astype(str), "u has the shape .* and the type <U.*, expected real numbers"),
-    "mask": ("triangles", lambda c: np.ma.masked_equal(c, 0), "triangles has masked entries"),
-    "rows": ("points", lambda p: [[0, 0], [1]], "rows of different lengths"),
-    "huge": ("points", lambda p: 1e200 * p, "larger than the body by the factor 1e"),
-    "backwards": ("times", lambda at: at[::-1], "increase strictly, got 0.5 after 1; the parts of a parallel run"),
-    "times in rows": ("times", lambda at: np.column_stack([at, -at]), "strictly, got an array of the shape"),
-    "shape": ("u", lambda u: u[:, 1:], r"u has the shape .* expected \(3, 9, 2\)"),
-    "quads": ("triangles", lambda c: c[:, [0, 1, 2, 2]], "expected integers"),
-    "from 1": ("triangles", lambda c: c + 1, "numbers start at 0"),
-    "space": ("points", lambda p: np.column_stack([p, p[:, 0]]), "the third component of points is not constant"),
-}
+    ("times", lambda at: at + 0.5, "initial time is missing: the first time is 0.5"),
+    ("times", lambda at: at / 2, "the last time is 0.5, the problem ends at T = 1"),
+    ("times", lambda at: at[:0], r"times has the shape \(0,\) .* expected real numbers, at least one"),
+    ("u", lambda u: u.astype(str), "u has the shape .* and the type <U.*, expected real numbers"),
+    ("triangles", lambda c: np.ma.masked_equal(c, 0), "triangles has masked entries"),
+    ("points", lambda p: [[0, 0], [1]], "rows of different lengths"),
+    ("points", lambda p: 1e200 * p, "larger than the body by the factor 1e"),
+    ("times", lambda at: at[::-1], "increase strictly, got 0.5 after 1; the parts of a parallel run"),
+    ("times", lambda at: np.column_stack([at, -at]), "strictly, got an array of the shape"),
+    ("u", lambda u: u[:, 1:], r"u has the shape .* expected \(3, 9, 2\)"),
+    ("triangles", lambda c: c[:, [0, 1, 2, 2]], "expected integers"),
+    ("triangles", lambda c: c + 1, "numbers start at 0"),
+    ("points", lambda p: np.column_stack([p, p[:, 0]]), "the third component of points is not constant"),
+]
 """An array of ``field``, its change, and why it is refused."""
 
 
-@pytest.mark.parametrize("name", FAULTS)
-def test_what_does_not_fit_is_refused_by_name(name):
-    array, change, message = FAULTS[name]
+@pytest.mark.parametrize(("array", "change", "message"), FAULTS)
+def test_what_does_not_fit_is_refused_by_name(array, change, message):
     with pytest.raises(BoundError, match=message):
         given(PROBLEM, **(field() | {array: change(field()[array])}))
 
@@ -192,7 +186,7 @@ def test_triangles_too_thin_for_double_precision_are_refused_with_their_place(as
 
 @pytest.mark.parametrize("size", [0.01, 1, 100])
 def test_vertices_are_moved_to_a_side_from_a_distance_relative_to_the_size_of_the_body(size):
-    body = polygon([(0, 0), (size, 0), (size, size), (0, size)], KINDS)
+    body = polygon([(0, 0), (size, 0), (size, size), (0, size)], SIDES)
     p = size * np.array([[0.4, 0.6], [0.5 * SINGLE, 2 * SINGLE]])
     assert np.abs(_on_boundary(body, p)[1] / (size * SINGLE)).tolist() == pytest.approx([0, 2], abs=1e-6)
 
@@ -226,7 +220,7 @@ def test_values_on_the_clamped_part_are_replaced_and_the_change_is_added_to_the_
     bounded = bound_displacement(PROBLEM, **bent, nearest=True, refine=0, shorter=1, steps=2)
     change = bent["u"][-1] - bounded.computed.nodes[-1].reshape(-1, 2)
     assert change == pytest.approx(0.01 * bent["points"][:, :1] * (bent["points"][:, 1:] == [1, 1]))
-    held_below = Space(bounded.computed.mesh, polygon(CORNERS, [Kind.CLAMPED, *3 * [Kind.LOADED]]))
+    held_below = Space(bounded.computed.mesh, polygon(CORNERS, [CLAMPED, *3 * [LOADED]]))
     v, offset = change.ravel()[held_below.free], bounded.computed.offset
     assert offset == pytest.approx(np.sqrt(v @ form(held_below, LAW.A) @ v), rel=1e-9)
     assert any("u_h is changed by up to 0.01 on side 2 (CLAMPED)" in remark for remark in bounded.remarks)
@@ -409,30 +403,29 @@ def unusable(tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    ("name", "field_name", "message"),
+    ("name", "message"),
     [
-        ("missing.npz", None, "there is no file"),
-        ("mine.pvd", "stress", "does not have stress: its vector fields at points are .*velocity"),
-        ("noise.vtu", None, "noise.vtu is broken, incomplete or no .*: write it again"),
-        ("noise.npz", None, "noise.npz is no .npz file: write it by numpy.savez, with the arrays points, triangles"),
-        ("noise.frd", None, "a format that cannot be read: expected .npz, .*; docs/tutorials/bound.md converts .frd"),
-        ("lost.pvd", None, "there is no file .*lost.vtu"),
-        ("untimed.pvd", None, "DataSet without timestep or file"),
-        ("short.npz", None, "lacks triangles, u; expected the arrays points, triangles, times, u"),
-        ("bomb.npz", None, "bomb.npz has .* bytes and unpacks to 100000776 bytes, .* write it without compression"),
-        ("bomb.vtu", None, "bomb.vtu has .* bytes and unpacks to 80.* bytes, more than 100 times as many"),
-        *((name, None, "bomb.h5 has .* unpacks to 160000000 bytes") for name in ("bomb.pvd", "bomb.xmf")),
-        ("bomb.med", None, "bomb.med has .* unpacks to 160000000 bytes"),
-        ("bomb.xdmf", None, "bomb.h5 has .* bytes and unpacks to 160000000 bytes, more than 100 times as many"),
-        ("locked.npz", None, "locked.npz is encrypted: write it by numpy.savez"),
-        ("broken.npz", None, "broken.npz cannot be read"),
-        ("strange.xdmf", None, "strange.xdmf cannot be read: ReadError"),
-        ("moved.xdmf", None, r"moved.xdmf has another mesh at t = 1.0 than before"),
+        ("missing.npz", "there is no file"),
+        ("noise.vtu", "noise.vtu is broken, incomplete or no .*: write it again"),
+        ("noise.npz", "noise.npz is no .npz file: write it by numpy.savez, with the arrays points, triangles"),
+        ("noise.frd", "a format that cannot be read: expected .npz, .*; docs/tutorials/bound.md converts .frd"),
+        ("lost.pvd", "there is no file .*lost.vtu"),
+        ("untimed.pvd", "DataSet without timestep or file"),
+        ("short.npz", "lacks triangles, u; expected the arrays points, triangles, times, u"),
+        ("bomb.npz", "bomb.npz has .* bytes and unpacks to 100000776 bytes, .* write it without compression"),
+        ("bomb.vtu", "bomb.vtu has .* bytes and unpacks to 80.* bytes, more than 100 times as many"),
+        *((name, "bomb.h5 has .* unpacks to 160000000 bytes") for name in ("bomb.pvd", "bomb.xmf")),
+        ("bomb.med", "bomb.med has .* unpacks to 160000000 bytes"),
+        ("bomb.xdmf", "bomb.h5 has .* bytes and unpacks to 160000000 bytes, more than 100 times as many"),
+        ("locked.npz", "locked.npz is encrypted: write it by numpy.savez"),
+        ("broken.npz", "broken.npz cannot be read"),
+        ("strange.xdmf", "strange.xdmf cannot be read: ReadError"),
+        ("moved.xdmf", r"moved.xdmf has another mesh at t = 1.0 than before"),
     ],
 )
-def test_files_without_a_displacement_are_refused(unusable, name, field_name, message):
+def test_files_without_a_displacement_are_refused(unusable, name, message):
     with pytest.raises(BoundError, match=message):
-        read(unusable / name, field_name)
+        read(unusable / name)
 
 
 @pytest.mark.parametrize("series", [True, False])
@@ -471,11 +464,13 @@ def test_a_mesh_or_a_field_that_changes_between_two_times_is_refused(later, mess
         _together(Path("u.pvd"), [(0.0, mesh()), (1.0, later)], None)
 
 
-def test_of_several_fields_of_other_names_the_displacement_has_to_be_named():
+def test_of_several_fields_of_other_names_the_displacement_has_to_be_named(unusable):
     several = mesh(name="velocity")
     several.point_data["depl"] = 1 + several.points
     with pytest.raises(BoundError, match="fields at points are velocity, depl; choose one with --field NAME"):
         _together(Path("u.vtu"), [(None, several)], None)
+    with pytest.raises(BoundError, match=r"does not have stress: its vector fields at points are .*velocity"):
+        read(unusable / "mine.pvd", "stress")
     assert _together(Path("u.vtu"), [(None, several)], "depl").u.min() == 1
     del several.point_data["velocity"]
     assert _together(Path("u.vtu"), [(None, several)], None).u.min() == 1

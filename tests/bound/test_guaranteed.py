@@ -67,7 +67,6 @@ def spike(width):
         (spike(Rational(5, 1000)), 4, 1.4, "near x = (0.4"),
         (Data.formulas(unit_square(), LAW, f0=(0, -100 * sin(64 * pi * t) ** 2)), 8, 3.2, ""),
     ],
-    ids=["within a two-hundredth of a cell", "zero at all nodes in time"],
 )
 def test_a_load_that_samples_do_not_see_is_enclosed_and_its_place_is_named(data, steps, least, place):
     enclosure = enclosed(data, 4, steps)
@@ -107,14 +106,13 @@ def of_law(A, G):
         (of_law(ISOTROPIC, LAYERS), "varies in x"),
         (Data.formulas(SQUARE, LAW, f0=(0, pos(x1 - 0.4, 1)), lines=(((1.0, 0.0), 0.4),)), "graded rules"),
     ],
-    ids=["values", "atan", "nonlinear", "layers", "layers of G", "lines"],
 )
 def test_what_is_sampled_is_called_estimated_with_the_reason(data, reason):
     evidence = Discretisation(data, OneDiagonal()(data.body, 4)).sampling
     assert any(reason in one for one in evidence.reasons)
 
 
-@pytest.mark.parametrize(("load", "missed"), [(pos(x1 - x2 - t / 3, 1), True), (t * x2, False)], ids=["kink", "cubic"])
+@pytest.mark.parametrize(("load", "missed"), [(pos(x1 - x2 - t / 3, 1), True), (t * x2, False)])
 def test_a_kink_without_lines_is_guaranteed_by_a_lower_order_and_nothing_is_missed_of_polynomials(load, missed):
     enclosure = enclosed(Data.formulas(SQUARE, LAW, f0=(0, -5 * load)), 2, 2)
     assert enclosure.evidence.kind == GUARANTEED != ESTIMATED

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from bodies import CLAMPED, CONTACT, LAW, LOADED, SQUARE
+from loads import loads, strain, stress
 
 from manufactured import BodyError, ExactSolution, plane_stress, polygon, static
 from manufactured.factor import x1, x2
@@ -44,23 +45,6 @@ def body(shape):
     return polygon(corners, [bottom, LOADED, CLAMPED, LOADED])
 
 
-def strain(w):
-    """Return ε(w) in Mandel's order."""
-    return [sp.diff(w[0], x1), sp.diff(w[1], x2), (sp.diff(w[0], x2) + sp.diff(w[1], x1)) / sp.sqrt(2)]
-
-
-def stress(C, w):
-    s = sp.Matrix(C.matrix) * sp.Matrix(strain(w))
-    return sp.Matrix([[s[0], s[2] / sp.sqrt(2)], [s[2] / sp.sqrt(2), s[1]]])
-
-
-def loads(sigma, shape):
-    """Return f_0 = −Div σ and f_2 = σν on the loaded sides."""
-    f0 = [-sp.diff(sigma[i, 0], x1) - sp.diff(sigma[i, 1], x2) for i in range(2)]
-    parts = enumerate(body(shape).parts)
-    return f0, {i: list(sigma * sp.Matrix(part.normal)) for i, part in parts if part.kind is LOADED}
-
-
 def strain_at(w, factor=1.0):
     """Return the function from points (2, ...) to ε(w), (3, ...)."""
     function = sp.lambdify((x1, x2), strain(w), "numpy")
@@ -69,7 +53,7 @@ def strain_at(w, factor=1.0):
 
 def elastic(shape):
     G = plane_stress(E=2.0, nu=0.3)
-    return static(body(shape), G, *loads(stress(G, PROBLEMS[shape][2]), shape))
+    return static(body(shape), G, *loads(stress(G, PROBLEMS[shape][2]), body(shape)))
 
 
 def check_static(data, w, found, least):

@@ -3,10 +3,12 @@
 import math
 
 import pytest
+from bodies import CLAMPED, ROLLER
+from bodies import LOADED as FREE
 from places import ROOT
 from scipy.integrate import quad
 
-from manufactured import Kind, plane_strain, plane_stress, polygon, static
+from manufactured import plane_strain, plane_stress, polygon, static
 from study.bound.bounded import bounded_solution
 from study.bound.trajectory import Refined
 from study.fem.naming import family_named
@@ -14,7 +16,6 @@ from study.ledger.text import interval
 from study.solve.tableau import MIDPOINT
 
 pytestmark = pytest.mark.slow
-CLAMPED, FREE, ROLLER = Kind.CLAMPED, Kind.LOADED, Kind.ROLLER
 PAGE = (ROOT / "docs" / "explanation" / "bounds.md").read_text(encoding="utf-8")
 LENGTHS = 0.3, 0.6
 

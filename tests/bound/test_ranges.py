@@ -1,6 +1,6 @@
 """Every formula of the data is served, or refused by a sentence: never a traceback, never a range that is too small."""
 
-from fractions import Fraction
+import math
 
 import numpy as np
 import pytest
@@ -60,15 +60,6 @@ def test_any_function_is_served_or_refused_by_a_sentence(outer):
         assert not (refused and {outer, inner} <= set(SERVED)) or "is not finite at" in refused
 
 
-def random_boxes(variables, order, count):
-    """Boxes for formulas of x1, x2 and t, and a function that gives random points (3, boxes) in them."""
-    rng = np.random.default_rng(0)
-    low = rng.random((3, count))
-    high = low + np.geomspace(1e-3, 0.3, count)
-    boxes = Boxes(dict(zip((x1, x2, t), zip(low, high, strict=True), strict=True)), variables, order)
-    return boxes, lambda: low + rng.random((3, count)) * (high - low)
-
-
 @pytest.mark.parametrize("known", RANGE_OF_FUNCTION, ids=lambda known: known.__name__)
 def test_ranges_of_taylor_coefficients_are_those_that_sampling_finds(known):
     """Neither too small nor too large: scaled by 0.9, or with the smaller end for the larger, they would differ."""
@@ -95,7 +86,6 @@ def test_ranges_of_taylor_coefficients_are_those_that_sampling_finds(known):
         (Integer(10) ** 400 * x1, "1.00E+400"),
         (Float("1e-330") * (1 + x1) ** 1000, "1.00E-330"),
     ],
-    ids=["DiracDelta", "complex", "infinite", "huge", "tiny"],
 )
 def test_what_cannot_be_evaluated_is_refused_before_time_is_spent(formula, names):
     start = 0, sp.sympify(formula).subs(t, 0)
@@ -114,7 +104,6 @@ def test_what_cannot_be_evaluated_is_refused_before_time_is_spent(formula, names
         (sp.Integer(0) ** sp.Max(x1, 0), "zoo is no real number"),
         (sp.Integer(-2) ** x1, r"log\(2\) \+ I\*pi is no real number"),
     ],
-    ids=["condition", "atan", "exponent", "base 0", "negative base"],
 )
 def test_the_part_of_a_formula_that_has_no_range_is_named(formula, message):
     with pytest.raises(RangeError, match=message):
@@ -148,9 +137,7 @@ def places_in(low, high, rng):
 
 def exact_at(formula, places):
     """The exact values of a formula, (places, 3, boxes) → (places, boxes)."""
-    points = np.moveaxis(places, 1, 2)
-    values = [exact(formula, dict(zip(NAMES, map(Fraction, point), strict=True))) for point in points.reshape(-1, 3)]
-    return np.array(values, dtype=object).reshape(points.shape[:2])
+    return np.apply_along_axis(exact(formula), 1, places.astype(object))
 
 
 def assert_random_formulas_agree(seed, count, depths=DEPTHS):
@@ -189,14 +176,14 @@ def test_ranges_contain_the_exact_values_of_thousands_of_nested_formulas(seed):
 
 
 LARGE = Float("1e17")
-SAME_UNDER_ROUNDING = {
-    "absorbed": sp.Piecewise((1, sp.Max(x1 + LARGE, 0) > LARGE), (0, True)),
-    "tenths": sp.Piecewise((1, 3 * sp.Max(x1 / 8, Rational(1, 10)) <= Rational(3, 10)), (0, True)),
-    "sine": sp.Piecewise((1, sin(sp.Max(x1, 0) - sp.Max(x1, 0.5)) >= 0), (0, True)),
-}
+SAME_UNDER_ROUNDING = [
+    sp.Piecewise((1, sp.Max(x1 + LARGE, 0) > LARGE), (0, True)),
+    sp.Piecewise((1, 3 * sp.Max(x1 / 8, Rational(1, 10)) <= Rational(3, 10)), (0, True)),
+    sp.Piecewise((1, sin(sp.Max(x1, 0) - sp.Max(x1, 0.5)) >= 0), (0, True)),
+]
 
 
-@pytest.mark.parametrize("formula", SAME_UNDER_ROUNDING.values(), ids=SAME_UNDER_ROUNDING)
+@pytest.mark.parametrize("formula", SAME_UNDER_ROUNDING, ids=str)
 def test_no_condition_is_decided_by_rounding(formula):
     """On [1/2, 3/4] each condition holds in exact arithmetic."""
     found = Boxes({x1: (np.array([0.5]), np.array([0.75]))}, (x1,), 0)(own_formula(formula))
@@ -215,7 +202,6 @@ def test_numbers_that_cancel_do_not_change_what_numpy_computes():
         (sp.Min(x1, 0.5) + sp.Abs(sp.Max(x1, 0.5) - 0.5), (1, 1)),
         (sp.Heaviside(x1 - 0.5) * (x1 - 0.5) + x1 * sp.sign(x1 - 0.5), (-1, 2)),
     ],
-    ids=["equal on a set", "Min and Abs", "continuous product"],
 )
 def test_the_derivative_of_a_formula_with_kinks_is_that_of_the_branch(formula, slopes):
     """At x1 = 1/4 and x1 = 5/8."""
@@ -240,17 +226,18 @@ FORMULAS = [
 @pytest.mark.parametrize("formula", FORMULAS, ids=str)
 @pytest.mark.parametrize("variables", [(x1, x2), (t,)], ids=["space", "time"])
 def test_taylor_coefficients_lie_in_their_ranges(formula, variables):
-    boxes, random_points = random_boxes(variables, 4, 40)
+    rng = np.random.default_rng(0)
+    low_sides = rng.random((3, 40))
+    sizes = np.geomspace(1e-3, 0.3, 40)
+    boxes = Boxes(dict(zip(NAMES, zip(low_sides, low_sides + sizes, strict=True), strict=True)), variables, 4)
     found = boxes(formula)
     modules = [{"pos": lambda x, a: np.where(x > 0, np.maximum(x, 1e-300) ** a, 0.0)}, "numpy"]
     for key, low, high in zip(boxes.keys, *found.ends, strict=True):
-        derivative = formula
-        for variable, times in zip(variables, key, strict=True):
-            derivative = sp.diff(derivative, variable, times) / sp.factorial(times)
-        values = sp.lambdify((x1, x2, t), derivative, modules)
+        derivative = sp.diff(formula, *zip(variables, key, strict=True))
+        values = sp.lambdify((x1, x2, t), derivative / math.prod(map(math.factorial, key)), modules)
         for _ in range(10):
             with np.errstate(over="ignore"):
-                found_here = values(*random_points()) * np.ones(40)
+                found_here = values(*low_sides + rng.random((3, 40)) * sizes) * np.ones(40)
             slack = 1e-9 * abs(found_here) + 1e-12
             assert (low - slack <= found_here).all(), key
             assert (found_here <= high + slack).all(), key

@@ -6,9 +6,10 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from bodies import SIDES
 from sympy import Float, Rational, exp
 
-from manufactured import Data, KelvinVoigt, Kind, Linear, isotropic_matrix, named, polygon, t
+from manufactured import Data, KelvinVoigt, Linear, isotropic_matrix, named, polygon, t
 from manufactured.factor import x1, x2
 from study.bound.bounded import BoundedSolution, bounded_solution, check_bound
 from study.bound.problem import BoundError
@@ -19,12 +20,10 @@ from study.fem.mesh import OneDiagonal
 from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
 
-KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
-
 
 def problem(length=1.0, time=1.0, A=1.0, G=1.0, f0=1.0, f2=1.0, u0=1.0):
     """The same formulas in x/length and t/time, with data and moduli multiplied by numbers."""
-    body = polygon([(0, 0), (length, 0), (length, length), (0, length)], KINDS, T=time)
+    body = polygon([(0, 0), (length, 0), (length, length), (0, length)], SIDES, T=time)
     law = KelvinVoigt(Linear(A * isotropic_matrix(1, 0.5)), Linear(G * isotropic_matrix(2, 3)), "scaled")
     X1, X2, T = (x / Float(scale) for x, scale in ((x1, length), (x2, length), (t, time)))
     force = 0, Float(f0) * (X1 - T) * (1 + exp(X2))

@@ -4,9 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from bodies import CLAMPED, CONTACT, ROLLER
+from bodies import LOADED as FREE
 
 from benchmarks.trials.supports import row
-from manufactured import BodyError, Data, KelvinVoigt, Kind, isotropic, plane_stress, polygon, static, t
+from manufactured import BodyError, Data, KelvinVoigt, isotropic, plane_stress, polygon, static, t
 from manufactured.factor import Factor, x1, x2
 from manufactured.symbols import FormulaError
 from study.bound.bounded import bounded_solution
@@ -19,10 +21,10 @@ from study.certify.statement import statement
 from study.fem.mesh import Shaken, Unstructured, cell_volumes
 from study.solve.tableau import MIDPOINT
 
-CLAMPED, CONTACT, FREE, ROLLER = Kind.CLAMPED, Kind.CONTACT, Kind.LOADED, Kind.ROLLER
 OUTLINE = [(0, 0), (2, 0), (2, 1), (0, 1)]
 HOLE = [(0.7, 0.3), (0.8, 0.7), (1.2, 0.6), (1.1, 0.3)]
 G = plane_stress(E=2.0, nu=0.25)
+LAW = KelvinVoigt(G, G, "G")
 
 
 def pierced(hole, outline=OUTLINE):
@@ -41,7 +43,7 @@ def test_a_uniform_stress_around_a_hole_is_exact_up_to_rounding(how):
     tension = 0.02 * (1 + t) if how == "in time" else 0.02
     tractions = {i: (tension * part.normal[0], 0) for i, part in enumerate(body.parts) if part.kind is FREE}
     if how == "in time":
-        data = Data.formulas(body, KelvinVoigt(G, G, "G"), (0, 0), tractions)
+        data = Data.formulas(body, LAW, (0, 0), tractions)
     else:
         data = static(body, G, f2=tractions, u={1: (0.02, 7)} if how == "prescribed" else None)
     found = bounded_solution(data, None, Unstructured(), 5, MIDPOINT, 2, Refined(1, 1))
@@ -102,10 +104,10 @@ def test_rollers_that_do_not_hold_a_body_or_are_slanted_and_holes_that_are_none_
 def test_certificates_refuse_what_the_checker_does_not_know():
     for body in (polygon(OUTLINE, [CONTACT, ROLLER, FREE, CLAMPED]), pierced(HOLE)):
         with pytest.raises(BoundError, match="neither ROLLER sides nor holes"):
-            statement(Data.formulas(body, KelvinVoigt(G, G, "G"), (0, 0)))
+            statement(Data.formulas(body, LAW, (0, 0)))
     moved = static(polygon(OUTLINE, [CLAMPED, FREE, FREE, FREE]), G, u={0: (1, 0)})
     with pytest.raises(BoundError, match="only `static` problems"):
-        refuse_unserved(Data.formulas(moved.body, KelvinVoigt(G, G, "G"), (0, 0)))
+        refuse_unserved(Data.formulas(moved.body, LAW, (0, 0)))
 
 
 def test_one_of_several_load_steps_is_read(tmp_path):

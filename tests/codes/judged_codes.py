@@ -23,9 +23,9 @@ def read(data):
 def exported(
     case,
     level=8,
+    steps=0,
     family="one-diagonal",
     times=(0.15, 0.55, 0.9),
-    steps=0,
     scale=1.0,
 ):
     """The static problems of a case at some times, or a march of some steps, as the judge reads them from a file."""

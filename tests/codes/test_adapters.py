@@ -142,18 +142,19 @@ def change_answer(place, change):
     np.savetxt(path, change(np.loadtxt(path, ndmin=2)))
 
 
-def change_task(place, change):
-    """Replace the task by changed data, packed as JSON."""
-    (path,) = place.glob("tasks/*.json.xz")
-    data = json.loads(lzma.decompress(path.read_bytes()))
-    result = change(data)
-    (place / "tasks" / "SHA256SUMS").unlink()
-    path.unlink()
-    path.with_suffix("").write_text(json.dumps(data if result is None else result))
+def task_with(without="", **changes):
+    """Replace the task by changed data, without one key, as JSON that is not packed."""
 
+    def damage(place):
+        unpacked_as_well(place)
+        for path in (*place.glob("tasks/*.xz"), place / "tasks" / "SHA256SUMS"):
+            path.unlink()
+        (path,) = place.glob("tasks/*")
+        data = json.loads(path.read_text()) | changes
+        data.pop(without, None)
+        path.write_text(json.dumps(data))
 
-def task_with(**changes):
-    return lambda place: change_task(place, lambda data: data | changes)
+    return damage
 
 
 def put(name, text, mode="w"):
@@ -172,36 +173,35 @@ def unpacked_as_well(place):
 
 
 ANSWER = "answers/full-contact-one-diagonal-frozen-4"
-DAMAGE = {
-    "word in the sums": (put("SHA256SUMS", "mine\n", "a"), "SHA256SUMS has 'mine'"),
-    "deleted task": (lambda place: next(place.glob("tasks/*.xz")).unlink(), "expected a sum and a file that is here"),
-    "no tasks": (lambda place: [path.unlink() for path in place.glob("tasks/*")], "holds no *.json.xz"),
-    "JSON list": (put("a.json", "[1, 2]"), "a holds a JSON list"),
-    "no JSON": (put("a.json", "{"), "a.json is no JSON"),
-    "task that unpacks to 300 MiB": (
+DAMAGE = [
+    (put("SHA256SUMS", "mine\n", "a"), "SHA256SUMS has 'mine'"),
+    (lambda place: next(place.glob("tasks/*.xz")).unlink(), "expected a sum and a file that is here"),
+    (lambda place: [path.unlink() for path in place.glob("tasks/*")], "holds no *.json.xz"),
+    (put("a.json", "[1, 2]"), "a holds a JSON list"),
+    (put("a.json", "{"), "a.json is no JSON"),
+    (
         lambda place: (place / "tasks" / "a.json.xz").write_bytes(lzma.compress(bytes(300 << 20), preset=0)),
         "unpacks to more than",
     ),
-    "two files of one task": (unpacked_as_well, "same name"),
-    "key missing": (lambda place: change_task(place, lambda data: data.pop("clamped") and None), "lacks the key 'clam"),
-    "other version": (task_with(version=3), "contact-task 3, expected contact-task 1 or 2"),
-    "vertex that is not there": (task_with(cells=[[0, 1, 999]]), "is no task"),
-    "no steps": (task_with(steps=[], judge=[]), "0 steps"),
-    "scale of zero": (task_with(scale=0), "the scale 0.0"),
-    "no contact": (task_with(contact=[]), "is no task"),
-    "law of another shape": (task_with(law={"A": {"matrix": [[1.0]], "factor": 1}}), "lacks the key 'G'"),
-    "no answer": (lambda place: next(place.glob("answers/*/u.txt")).unlink(), "u.txt is missing or cannot be read"),
-    "short answer": (
+    (unpacked_as_well, "same name"),
+    (task_with(without="clamped"), "lacks the key 'clam"),
+    (task_with(version=3), "contact-task 3, expected contact-task 1 or 2"),
+    (task_with(cells=[[0, 1, 999]]), "is no task"),
+    (task_with(steps=[], judge=[]), "0 steps"),
+    (task_with(scale=0), "the scale 0.0"),
+    (task_with(contact=[]), "is no task"),
+    (task_with(law={"A": {"matrix": [[1.0]], "factor": 1}}), "lacks the key 'G'"),
+    (lambda place: next(place.glob("answers/*/u.txt")).unlink(), "u.txt is missing or cannot be read"),
+    (
         put(f"{ANSWER}/u.txt", "1 2 3"),
         "u.txt, line 1, has 3 numbers, expected plain text: for each step (1 in all)",
     ),
-    "short report": (put(f"{ANSWER}/forces.txt", "1"), "forces.txt, line 1, has 1 numbers, expected"),
-}
+    (put(f"{ANSWER}/forces.txt", "1"), "forces.txt, line 1, has 1 numbers, expected"),
+]
 
 
-@pytest.mark.parametrize("name", DAMAGE)
-def test_what_cannot_be_read_is_named_and_the_exit_code_is_2(name, place, capsys):
-    damage, message = DAMAGE[name]
+@pytest.mark.parametrize(("damage", "message"), DAMAGE)
+def test_what_cannot_be_read_is_named_and_the_exit_code_is_2(damage, message, place, capsys):
     damage(place)
     assert run(place) == 2
     told = capsys.readouterr()
@@ -321,18 +321,18 @@ def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tm
     assert "give each case once" in told(f"export full-contact full-contact --out {tmp_path}")
 
 
-WRONG_ARRAYS = {
-    "transposed": (lambda u: np.swapaxes(u, 1, 2), "(1, 2, 25), expected (1, 25, 2): steps, vertices, components"),
-    "without the steps": (lambda u: u[0], "has the shape (25, 2), expected (1, 25, 2)"),
-    "words": (lambda u: "many", "is no array of numbers"),
-    "lists of other lengths": (lambda u: [[1.0], [1.0, 2.0]], "is no array of numbers"),
-    "nothing": (lambda u: None, "expected (1, 25, 2)"),
-}
+WRONG_ARRAYS = [
+    (lambda u: np.swapaxes(u, 1, 2), "(1, 2, 25), expected (1, 25, 2): steps, vertices, components"),
+    (lambda u: u[0], "has the shape (25, 2), expected (1, 25, 2)"),
+    (lambda u: "many", "is no array of numbers"),
+    (lambda u: [[1.0], [1.0, 2.0]], "is no array of numbers"),
+    (lambda u: None, "expected (1, 25, 2)"),
+]
 
 
-@pytest.mark.parametrize("name", WRONG_ARRAYS)
-def test_arrays_of_another_shape_are_refused_in_words(name, packed):
-    (task,), (change, words) = judge.read_tasks(packed), WRONG_ARRAYS[name]
+@pytest.mark.parametrize(("change", "words"), WRONG_ARRAYS)
+def test_arrays_of_another_shape_are_refused_in_words(change, words, packed):
+    (task,) = judge.read_tasks(packed)
     u = judge.answer(task, this_study.make)
     with pytest.raises(judge.TaskError) as refused:
         judge.assess([task], {task.name: change(u)})

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bodies import CLAMPED, CONTACT, LAW, LOADED, SQUARE
+from bodies import LAW, LOADED, SIDES, SQUARE
 from on_floor import on_floor
 from sympy import pi, sin
 
@@ -23,7 +23,6 @@ from manufactured.body import Part
 from manufactured.face_strain import front
 
 PARTS = unit_square().parts
-SIDES = [CONTACT, LOADED, CLAMPED, LOADED]
 
 
 def square(**options):

@@ -46,18 +46,6 @@ def data(f0=(0, 0), **others):
     return Data.formulas(SQUARE, LAW, f0=f0, **others)
 
 
-def test_data_of_formulas_are_their_values():
-    made = data((x1 * t, x2), f2={RIGHT: (x2 * t, x1)}, u0=(0, x1 * (1 - x2**2)))
-    x = np.random.default_rng(1).random((2, 30))
-    zero, one = np.zeros(30), np.ones(30)
-    right = np.array([one, x[1]])
-    assert made.body_force(x)(0.4) == pytest.approx(np.array([0.4 * x[0], x[1]]))
-    assert made.surface_load(SQUARE.parts[RIGHT], right)(0.4) == pytest.approx(np.array([0.4 * x[1], one]))
-    assert made.start(x) == pytest.approx(np.array([zero, x[0] * (1 - x[1] ** 2)]))
-    shear = (1 - x[1] ** 2) / np.sqrt(2)
-    assert made.initial(x) == pytest.approx(np.array([zero, -2 * x[0] * x[1], shear]))
-
-
 def test_symbols_of_the_same_name_and_texts_are_the_coordinates():
     """A derivative of x2² in another symbol that is called x2 would be 0."""
     expected, y = data((x1, x2 * t), u0=(0, x2 * (1 - x2))), Symbol("x2")

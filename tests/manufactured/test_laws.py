@@ -27,7 +27,7 @@ from manufactured.law import (
 )
 from manufactured.static import plane_strain, plane_stress
 from manufactured.symbols import pos, s, t
-from manufactured.tensors import dyad, full, identity, mandel, rotation
+from manufactured.tensors import dyad
 from study.fem.naming import resolve
 
 SOFT = Indefinite(isotropic_matrix(0.5, -1.5))
@@ -41,17 +41,6 @@ COMBINED = Combined(S, Indefinite(isotropic_matrix(-1, 0.25)), Yield(6.0, Froben
 SHEARED = Combined(S, Indefinite(isotropic_matrix(-1, 0.25)), Yield(6.0, DeviatoricBall(2.0)))
 YIELDING = [Yield(3.0, ball(2.0)) for ball in (FrobeniusBall, DeviatoricBall)]
 strains = st.lists(st.floats(-20, 20), min_size=3, max_size=3).map(np.array)
-
-
-def test_a_mandel_vector_keeps_inner_products_and_turns_by_an_orthogonal_matrix():
-    rng = np.random.default_rng(1)
-    for dim in (2, 3):
-        a, b = (x + x.T for x in rng.normal(size=(2, dim, dim)))
-        frame, _ = np.linalg.qr(rng.normal(size=(dim, dim)))
-        assert np.isclose(mandel(a) @ mandel(b), np.sum(a * b))
-        assert np.allclose(full(mandel(a)), a)
-        assert np.allclose(rotation(frame) @ mandel(a), mandel(frame @ a @ frame.T))
-        assert np.isclose(identity(dim) @ mandel(a), np.trace(a))
 
 
 def test_the_constants_of_an_elliptic_operator_are_its_extreme_eigenvalues():

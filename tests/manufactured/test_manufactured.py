@@ -2,15 +2,17 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
+from bodies import LAW
 from costly_cases import by_cost, slow
 from hypothesis import given
 from hypothesis import strategies as st
 from on_floor import on_floor
 from random_examples import COSTLY
-from sympy import Heaviside, Integer, Rational, Symbol, floor, log, sin, sqrt, tan, tanh
+from sympy import Abs, Heaviside, Integer, Rational, Symbol, floor, log, sin, sqrt, tan, tanh
 
 from manufactured import (
     PARABOLA,
@@ -28,6 +30,7 @@ from manufactured import (
     cutoff,
     examine,
     isotropic,
+    layered,
     named,
     pos,
     prove,
@@ -215,6 +218,7 @@ def with_gap(g, name="parabolic-gap"):
     return replace(named(name), solution=with_face(name, initial_gap=g))
 
 
+NATURAL = r"natural-front of the catalogue.*SingularFace.*on_contact=1\.5"
 NONLINEAR = KelvinVoigt(isotropic(1, 1), Yield(1.0, FrobeniusBall(1)), "(3.3)")
 
 
@@ -238,9 +242,15 @@ NONLINEAR = KelvinVoigt(isotropic(1, 1), Yield(1.0, FrobeniusBall(1)), "(3.3)")
         (lambda: with_gap(pos(s - HALF, Rational(9, 4))), CaseError, r"a front that stays with α = 2\.25"),
         (lambda: with_gap(sqrt(s)), CaseError, "not known to be smooth"),
         (lambda: labelled(Integer(0), Regularity(), 1 + s**s), CaseError, r"s\*\*s in .*not known to be smooth"),
+        (lambda: on_floor(LAW, 0, 3 + s, slip=(s, s)), FormulaError, "has 2 components"),
+        (lambda: on_floor(LAW, 0, 3 + s, slip=(Abs(s),)), FormulaError, "write fronts with pos"),
+        (lambda: layered(1.0, 2.0, 1.0), ValueError, "to increase"),
+        (lambda: Regularity(corner=0.0), ValueError, "λ > 0"),
+        (lambda: Regularity(gap=1.5), ValueError, "α > 3/2"),
+        *((partial(Regularity, gap=gap, pressure=0.5), ValueError, NATURAL) for gap in (2, 1.5)),
     ],
 )
-def test_contact_data_and_initial_gaps_that_define_no_solution_are_refused(make, error, message):
+def test_contact_data_initial_gaps_and_exponents_that_define_no_solution_are_refused(make, error, message):
     with pytest.raises(error, match=message):
         make()
 

@@ -7,7 +7,7 @@ import pytest
 from bodies import CLAMPED, CONTACT, LOADED
 from costly_cases import by_cost, slow
 from on_floor import on_floor
-from sympy import Abs, Integer, Rational, cos, expand, sin
+from sympy import Integer, Rational, cos, expand, sin
 
 from manufactured import (
     ContactFace,
@@ -146,25 +146,6 @@ def test_under_the_law_3_3_the_whole_face_can_slip_while_it_is_pressed(convex, b
     first = VARIABLES[body.dim][0]
     strain = Prescribed(((1.0, -5 * t * (2 + t + first)),), VARIABLES[body.dim])
     prove(ExactSolution(body, law, (ContactFace(floor, Integer(0), strain, Integer(1), slip=SLIP[body.dim]),)), "(3.3)")
-
-
-NATURAL = r"natural-front of the catalogue.*SingularFace.*on_contact=1\.5"
-
-
-@pytest.mark.parametrize(
-    ("make", "error", "told"),
-    [
-        (lambda: on_floor(not_proportional(), 0, 3 + s, slip=(s, s)), FormulaError, "has 2 components"),
-        (lambda: on_floor(not_proportional(), 0, 3 + s, slip=(Abs(s),)), FormulaError, "write fronts with pos"),
-        (lambda: layered(1.0, 2.0, 1.0), ValueError, "to increase"),
-        (lambda: Regularity(corner=0.0), ValueError, "λ > 0"),
-        (lambda: Regularity(gap=1.5), ValueError, "α > 3/2"),
-        *((lambda gap=gap: Regularity(gap=gap, pressure=0.5), ValueError, NATURAL) for gap in (2, 1.5)),
-    ],
-)
-def test_slips_depths_and_exponents_of_no_solution_in_h_1_are_refused(make, error, told):
-    with pytest.raises(error, match=told):
-        make()
 
 
 def test_a_lifting_without_a_kink_at_an_interface_is_refused():
