@@ -145,7 +145,8 @@ def bench_quick_study(benchmark: Any, tmp_path: Path) -> None:
 def bench_fixed_work(benchmark: Any) -> None:
     """Work of NumPy and SciPy that no change of this study makes slower: small arrays, a factorisation and solves."""
     describe(benchmark, "fixed work", WHOLE, 0)
-    S, x = sps.csc_array(-LaplacianNd((150, 150)).tosparse() + sps.eye_array(150**2)), np.linspace(0.0, 1.0, 1000)
+    S = sps.csc_array(-LaplacianNd((150, 150)).tosparse() + sps.eye_array(150**2))
+    x = np.linspace(0.0, 1.0, 1000)
     right = np.ones(150**2)
 
     def work() -> None:
