@@ -107,7 +107,8 @@ def table(benchmarks: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
         counted = timings.get("nonlinear", {})
         rows += [{**place, **count.row(counted[count.of])} for count in COUNTS if count.of in counted]
     found = pd.DataFrame(rows).sort_values(KEY, kind="stable", ignore_index=True)
-    return found[[*KEY, *found.columns.difference(KEY, sort=False)]]
+    columns = [*KEY, *found.columns.difference(KEY, sort=False)]
+    return found[columns]
 
 
 def _by_place(benchmarks: Sequence[Mapping[str, Any]]) -> Iterator[tuple[dict[str, Any], dict[str, dict[str, Any]]]]:

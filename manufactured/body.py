@@ -202,7 +202,8 @@ class Part:
                 along this axis.
         """
         low, high = self.outline.min(axis=1), self.outline.max(axis=1)
-        axes = low[:, None] + np.multiply.outer(high - low, shares)
+        # Both ends are exact, so that no end of the grid lies beyond the part by rounding.
+        axes = np.multiply.outer(low, 1 - shares) + np.multiply.outer(high, shares)
         points = np.array([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")])
         return points[:, self.covers(points, 0.0)]
 

@@ -57,7 +57,7 @@ class Codes:
         errors, classes = (read_checked(place / name, f"codes/{name}", MADE) for name in ("errors.csv", "classes.csv"))
         refuse_repeated(place / "classes.csv", classes, CODE_SERIES, AGAIN)
         if (unknown := ~errors.series.isin(classes.series)).any():
-            row = unknown.idxmax()
+            row = int(unknown.to_numpy().argmax())
             where = f"{place / 'errors.csv'}, line {line(row)}, column series"
             found = f"found {errors.series.iloc[row]}, expected a series of classes.csv"
             raise DataError(f"{where}: {found}; {AGAIN}")

@@ -74,7 +74,7 @@ def read_checked(path: Path, name: str, command: str, columns: Collection[str] =
             if table.columns[column].empty:
                 wrong &= frame[column].notna()
             if wrong.any():
-                row = wrong.idxmax()
+                row = int(wrong.to_numpy().argmax())
                 cell = frame[column].astype(object).fillna("").iloc[row]
                 raise DataError(f"{path}, line {line(row)}, column {column}: found {cell!r}, expected a number; {mend}")
     refuse_repeated(path, frame, key, mend)
@@ -184,9 +184,9 @@ def refuse_repeated(path: Path, table: DataFrame, key: Sequence[str], mend: str)
     """
     keys = table[[*key]]
     if (again := keys.duplicated()).any():
-        row = again.idxmax()
-        first = (keys == keys.loc[row]).all(axis=1).idxmax()
-        names = ", ".join(f"{name} {cell}" for name, cell in keys.loc[row].items())
+        row = int(again.to_numpy().argmax())
+        first = int((keys == keys.iloc[row]).all(axis=1).to_numpy().argmax())
+        names = ", ".join(f"{name} {cell}" for name, cell in keys.iloc[row].items())
         raise DataError(
             f"{path}, line {line(row)}: the row {names} is also in line {line(first)}, expected once; {mend}"
         )
@@ -283,7 +283,7 @@ def read_rates(directory: Path) -> DataFrame:
     # Figures cannot show infinite errors.
     numbers = [name for name in SCHEMA["rates.csv"].filled if name in rates]
     if (infinite := np.isinf(rates[numbers])).any(axis=None):
-        row = infinite.any(axis=1).idxmax()
+        row = int(infinite.any(axis=1).to_numpy().argmax())
         raise DataError(
             f"{directory / 'data' / 'rates.csv'}, line {line(row)}: found an infinite number, expected a finite one; "
             f"make it again with `{made_by(directory)}`"

@@ -13,6 +13,7 @@ the value, because the file of a user may replace functions of this program or o
 
 import ast
 import platform
+import re
 import uuid
 from ast import Constant, Expr, Import, ImportFrom, NodeTransformer
 from collections.abc import Iterable, Set
@@ -59,6 +60,8 @@ No result depends on them, except through the value of its case.
 """
 HASHED_TYPES = (bool, int, float, complex, str, type(None), tuple, list, np.ndarray)
 """Types outside this project that are hashed by value, besides numbers of NumPy and formulas of SymPy."""
+LONG_NUMBER = re.compile(r"\d+\.\d{10,}(e[-+]\d+)?")
+"""A decimal number with many digits, as ``repr`` and SymPy write it."""
 PROJECT = ("manufactured", "study")
 """The packages of this project. Their code is part of every cache key."""
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "pyamg", "clarabel", "sympy")
@@ -125,8 +128,12 @@ def problem(reference: str) -> str:
 
 @cache
 def _value_of_case(name: str) -> str:
-    """Return a hash of the name and the value of a case of this project, for cache keys."""
-    return _digest([name, by_value(resolve(name))])
+    """Return a hash of the name and the value of a case of this project, for cache keys.
+
+    Numbers are rounded to 12 digits, because the last digits of computed numbers differ between processors.
+    """
+    value = repr(by_value(resolve(name)))
+    return _digest([name, LONG_NUMBER.sub(lambda number: f"{float(number[0]):.12g}", value)])
 
 
 @cache

@@ -145,7 +145,7 @@ def _accelerated(residual: Array, memory: Sequence[tuple[Array, Array]]) -> Arra
     changes, of_images = (np.array(parts) for parts in zip(*memory, strict=True))
     gram = changes[:, 0] @ changes[:, 1].T
     # The differences become much smaller from step to step, so the system is scaled to avoid ill-conditioning.
-    sizes = np.sqrt(np.maximum(gram.diagonal(), SMALLEST_DIVISOR))
+    sizes = np.sqrt(np.maximum(gram.diagonal(), SMALLEST_DIVISOR**2))
     slopes = changes[:, 1] @ residual[0] / sizes
     gamma = np.linalg.lstsq(gram / np.outer(sizes, sizes), slopes, rcond=CUTOFF)[0] / sizes
     return np.asarray(residual - np.tensordot(gamma, of_images, axes=1))

@@ -21,7 +21,7 @@ from study.ledger.verdict import (
     agreement,
     exit_code,
 )
-from study.ledger.window import Window, around, at_least, at_most, position
+from study.ledger.window import Window, around, at_least, at_most, between, position
 from study.present.outcome import write_junit
 
 LEVELS = (8, 16, 32, 64)
@@ -92,6 +92,8 @@ def test_the_extrapolated_order_is_free_of_corrections_of_first_order(correction
         ("e", around(3, 2), 1.0),
         ("e", at_least(0), 1.0),
         (quantities.change("e"), at_most(5), 0.5),
+        (quantities.change("e", since=-2), at_most(5), 2 / 3),
+        (quantities.finest_quotient("e", "h"), at_most(128), 128.0),
         ("e", Window(), 4.0),
     ],
 )
@@ -134,6 +136,11 @@ def in_window(window, value, low, high):
 )
 def test_a_window_distinguishes_wrong_from_unclear(value, low, high, verdict):
     assert in_window(around(1, 0.1), value, low, high).verdict == verdict
+
+
+def test_a_window_writes_its_own_text():
+    assert between(1.5, 2, 0.15, 0.2).text == "1.35 … 2.2, predicted 1.5 … 2"
+    assert around(0.5444837, 0.15, "reason").text == "0.544 ± 0.15: reason"
 
 
 def observed(window, value):

@@ -109,6 +109,16 @@ def test_a_table_is_read_with_the_units_and_the_empty_cells_of_its_columns(row, 
         assert len(read_checked(path, "a.csv", "study run")) == 2
 
 
+def test_rows_with_one_cell_too_many_are_refused_with_their_line(tmp_path, monkeypatch):
+    """pandas takes their first cells for the names of the rows."""
+    monkeypatch.setitem(
+        schema.SCHEMA, "a.csv", schema.Table(("level",), schema.columns("level | count | n\nh | 1 | s"))
+    )
+    (tmp_path / "a.csv").write_text("level,h\n4,0.25,\n8,0.125,\n", encoding="utf-8")
+    with pytest.raises(DataError, match="line 2, column h: found '', expected a number"):
+        read_checked(tmp_path / "a.csv", "a.csv", "study run")
+
+
 def test_the_first_difference_between_a_table_and_its_expected_text_is_told(tmp_path):
     path, close = tmp_path / "a.csv", frozenset({"x"})
     path.write_text("name,x\na,1.0000001\nb,2\n", encoding="utf-8")

@@ -93,3 +93,11 @@ def test_an_initial_gap_is_negative_nowhere_on_its_face_but_for_rounding():
     assert with_gap(-1e-14).has_initial_gap
     with pytest.raises(FormulaError, match=r"initial gap .* is -1e-09 at s = 0\.5"):
         with_gap(-1e-9)
+
+
+def test_both_ends_of_the_grid_on_a_part_lie_on_it_although_sums_are_rounded():
+    """−1.9 + (0.1 − (−1.9)) is larger than 0.1."""
+    part = Part(LOADED, np.array([[0, -1.9, -1.9, 0.1, 0.1], [0, 0.9, 1.1, 1.1, 0], [0] * 5]))
+    places = part.grid(np.linspace(0, 1, 5))
+    assert places.min(axis=1).tolist() == part.outline.min(axis=1).tolist()
+    assert places.max(axis=1).tolist() == part.outline.max(axis=1).tolist()

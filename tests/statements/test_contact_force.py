@@ -58,6 +58,11 @@ def test_a_wrong_force_fails(column, value, key):
     assert verdicts(STATEMENT, table(**{column: value}))[key] == FAILS
 
 
+@pytest.mark.parametrize(("name", "pieces"), [("hexagon", 2), ("contact-at-clamp", 1), ("layered", 0), ("corner", 0)])
+def test_the_pieces_of_the_contact_side_that_meet_the_clamped_side_are_counted(name, pieces):
+    assert Forces(Experiment.at(Setting(name, "unstructured", 4), MIDPOINT, 2)).clamped == pieces
+
+
 def test_no_order_of_the_resultant_is_claimed_if_a_face_meets_the_clamped_side():
     found = verdicts(STATEMENT, table(clamped=1, resultant=1 / LEVELS**0.5))
     assert found["order-resultant"] == MISSED
