@@ -301,7 +301,11 @@ def components(space: Space, directions: Callable[[Part], Array], left_out: Arra
 
 
 def contact_vertices(space: Space) -> Array:
-    """Return the numbers of the vertices of all contact parts, in the order of the rows of N, (m,)."""
+    """Return the vertex to which each of the m contact constraints belongs, (m,).
+
+    A constraint is a row of the matrix N that maps displacements to normal displacements. A vertex on two contact faces
+    occurs twice.
+    """
     return np.concatenate([numbers for _, numbers in space.contact])
 
 

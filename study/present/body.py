@@ -490,8 +490,8 @@ def draw_profiles(picture: Picture) -> Figure:
     """Draw gap and pressure along each contact face in 2D at the times of ``picture.shown``.
 
     There is a row for each face and quantity, and a column for each time. Lines are exact values, markers are computed
-    values at the nodes. If there are several faces, a slide has a column for each face, at the time of the largest
-    pressure.
+    values at the nodes. In the format for slides, a figure with several faces has a column for each
+    face instead, at the time at which the pressure is largest.
     """
     faces = picture.segments
     shown = picture.shown

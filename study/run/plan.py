@@ -143,11 +143,11 @@ class Plan:
         return sorted(job.identity for job in self.jobs if isinstance(job.statement.file, CsvFile))
 
     def check(self) -> None:
-        """Check before a run that the plan can be measured and that every mesh fits its body.
+        """Check before a run that all cases can be measured on all levels, and that every mesh fits its body.
 
         Raises:
-            UsageError: the scope cannot be run, or a user's case cannot be measured.
-            MeshError: a mesh does not fit the boundary parts of a body. Or there is no quadrature rule for a cell in
+            UsageError: the levels or the time scheme cannot be used, or a case of a user cannot be measured.
+            MeshError: a mesh does not fit the boundary parts of a body, or there is no quadrature rule for a cell in
                 which the solution is not smooth.
         """
         self.scope.check()
