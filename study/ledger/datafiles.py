@@ -74,7 +74,7 @@ def read_checked(path: Path, name: str, command: str, columns: Collection[str] =
             if table.columns[column].empty:
                 wrong &= frame[column].notna()
             if wrong.any():
-                row = int(wrong.to_numpy().argmax())
+                row = first_row(wrong)
                 cell = frame[column].astype(object).fillna("").iloc[row]
                 raise DataError(f"{path}, line {line(row)}, column {column}: found {cell!r}, expected a number; {mend}")
     refuse_repeated(path, frame, key, mend)
@@ -170,6 +170,15 @@ def line(row: int) -> int:
     return row + 2
 
 
+def first_row(chosen: Series) -> int:
+    """Return the number of the first row of a table, counted from 0, for which ``chosen`` is true.
+
+    The label of a row is not its number if rows have a cell more than there are columns: pandas takes their first cells
+    for labels.
+    """
+    return int(chosen.to_numpy().argmax())
+
+
 def refuse_repeated(path: Path, table: DataFrame, key: Sequence[str], mend: str) -> None:
     """Raise an error if two rows of a table have the same key.
 
@@ -184,8 +193,8 @@ def refuse_repeated(path: Path, table: DataFrame, key: Sequence[str], mend: str)
     """
     keys = table[[*key]]
     if (again := keys.duplicated()).any():
-        row = int(again.to_numpy().argmax())
-        first = int((keys == keys.iloc[row]).all(axis=1).to_numpy().argmax())
+        row = first_row(again)
+        first = first_row((keys == keys.iloc[row]).all(axis=1))
         names = ", ".join(f"{name} {cell}" for name, cell in keys.iloc[row].items())
         raise DataError(
             f"{path}, line {line(row)}: the row {names} is also in line {line(first)}, expected once; {mend}"
@@ -283,7 +292,7 @@ def read_rates(directory: Path) -> DataFrame:
     # Figures cannot show infinite errors.
     numbers = [name for name in SCHEMA["rates.csv"].filled if name in rates]
     if (infinite := np.isinf(rates[numbers])).any(axis=None):
-        row = int(infinite.any(axis=1).to_numpy().argmax())
+        row = first_row(infinite.any(axis=1))
         raise DataError(
             f"{directory / 'data' / 'rates.csv'}, line {line(row)}: found an infinite number, expected a finite one; "
             f"make it again with `{made_by(directory)}`"
