@@ -219,9 +219,10 @@ def judge_statement(statement: Statement, rows: DataFrame) -> Verdicts:
 
 def _refuse_gaps(directory: Path, tables: dict[CsvFile, DataFrame]) -> None:
     """Raise DataError if ``cases.csv`` lacks a measured case, or an error bound has no values over time."""
-    for statement in STATEMENTS:
-        if statement.of_every_case and statement.file in tables:
-            expected_orders(directory, tables[statement.file])
+    of_every_case = [statement.file for statement in STATEMENTS if statement.of_every_case]
+    for file, table in tables.items():
+        if file in of_every_case:
+            expected_orders(directory, table)
     bounds, courses = ({key[1:] for key in file.keys(tables[file])} for file in (BOUNDS, ENCLOSURES))
     if without := bounds - courses:
         path = f"{directory}/data/enclosures.csv"
