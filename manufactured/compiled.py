@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from inspect import signature
 
 import numpy as np
@@ -59,6 +59,10 @@ def truncated_power(x: Array, exponent: float) -> Array:
 WITHOUT_DOCSTRING = {"docstring_limit": 0} if "docstring_limit" in signature(sp.lambdify).parameters else {}
 
 
+# SymPy orders the terms of sums by default, which takes a third of the time.
+common_subexpressions = partial(sp.cse, list=False, order="none")
+
+
 def function(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> Callable[..., list[Array]]:
     """Return a NumPy function that evaluates SymPy expressions and returns the list of their values.
 
@@ -70,7 +74,7 @@ def function(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> 
     """
     modules = [{"pos": truncated_power}, "numpy"]
     return sp.lambdify(  # type: ignore[no-any-return]
-        [*arguments], [*map(sp.sympify, expressions)], modules=modules, cse=True, **WITHOUT_DOCSTRING
+        [*arguments], [*map(sp.sympify, expressions)], modules=modules, cse=common_subexpressions, **WITHOUT_DOCSTRING
     )
 
 

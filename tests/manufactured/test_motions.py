@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from random_examples import COSTLY
 from scipy.integrate import solve_ivp
-from sympy import Rational, cos, exp, gamma, lambdify, pi, sin
+from sympy import Rational, besselj, cos, exp, gamma, lambdify, pi, simplify, sin
 
 from manufactured import (
     FormulaError,
@@ -16,6 +16,7 @@ from manufactured import (
     t,
 )
 from manufactured.compiled import Jet
+from manufactured.symbols import differentiate
 
 PLACES = np.linspace(0.01, 0.99, 41)[None]
 QUARTER = Rational(1, 4)
@@ -75,3 +76,11 @@ def test_derivatives_of_functions_of_a_front_are_those_of_the_formula_in_place_a
     for k in range(3):
         exact = lambdify((s, t), formula.diff(t, s, k), [plain, "numpy"])(places, time)
         np.testing.assert_allclose(found[k,], exact, rtol=1e-11, atol=1e-11 * abs(exact).max())
+
+
+@pytest.mark.parametrize(
+    "formula",
+    [3 * s**2 * t - s, exp(s * t) / (2 + s), pos(s * t - 1, Rational(5, 2)) * sin(s), (2 + t) ** s, t * besselj(1, s)],
+)
+def test_derivatives_of_formulas_are_those_of_sympy(formula):
+    assert simplify(differentiate(formula, (s, t), (2, 1)) - formula.diff(s, 2, t)) == 0
