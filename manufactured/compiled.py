@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from inspect import signature
 
 import numpy as np
 import sympy as sp
+from sympy.simplify.cse_main import tree_cse
 
 from manufactured.symbols import (
     NOT_REAL,
@@ -59,8 +60,13 @@ def truncated_power(x: Array, exponent: float) -> Array:
 WITHOUT_DOCSTRING = {"docstring_limit": 0} if "docstring_limit" in signature(sp.lambdify).parameters else {}
 
 
-# SymPy orders the terms of sums by default, which takes a third of the time.
-common_subexpressions = partial(sp.cse, list=False, order="none")
+def common_subexpressions(expressions: list[sp.Expr]) -> tuple[list[tuple[sp.Symbol, sp.Expr]], list[sp.Expr]]:
+    """Return names for subexpressions that occur several times, and the expressions with these names.
+
+    ``sympy.cse`` also orders the terms of sums and finds common parts of products. This takes twice as long, and the
+    functions are only a fifth faster.
+    """
+    return tree_cse(expressions, sp.numbered_symbols(), order="none")  # type: ignore[no-any-return]
 
 
 def function(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> Callable[..., list[Array]]:

@@ -1,7 +1,6 @@
 """The charts of the study and their captions, made from the data files. Each figure has a function for its caption."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain, cycle, zip_longest
 from math import ceil, inf, isnan
@@ -26,7 +25,7 @@ from study.ledger.check import by_family
 from study.ledger.codes import GRADES, Codes
 from study.ledger.controls import INVISIBLE_SHARE
 from study.ledger.files import Json
-from study.ledger.quantities import Array, RatesError, fit, orders
+from study.ledger.quantities import Array, fit, orders
 from study.ledger.text import interval, outwards
 from study.present.drawing import (
     COLOURS,
@@ -40,6 +39,7 @@ from study.present.drawing import (
     legend,
     page_width,
 )
+from study.present.outcome import finest_orders, order_differences
 from study.present.picture import Bools
 from study.present.templates import counted
 
@@ -196,54 +196,11 @@ ROOM_BELOW = 0.15
 """Observed orders may be smaller than the proved order by this number, as in the checks of Proposition 5.4."""
 
 
-def finest_orders(rates: DataFrame, refinements: int) -> dict[str, float]:
-    """Return mesh family ↦ observed order of the error between the finest mesh and a coarser mesh.
-
-    With two refinements, a fixed front or jump of the material at 1/3 (the cases rough-1.75 and layered-unmet) has the
-    same position in the cells of both meshes, because 4 − 1 is a multiple of 3.
-
-    Parameters:
-        rates: rows of ``rates.csv`` of one case. Families with a single level, or with errors that have no order, are
-            left out.
-        refinements: the number of refinements between the two meshes; less if there are fewer levels.
-    """
-    by_name = {}
-    for family, rows in by_family(rates).items():
-        ends = rows.tail(refinements + 1).iloc[[0, -1]]
-        if len(rows) > 1:
-            with suppress(RatesError):
-                by_name[family] = orders(ends.h.to_numpy(), ends.error.to_numpy())[0]
-    return by_name
-
-
 def last_orders(rates: DataFrame) -> tuple[list[float], list[float]]:
     """Return the observed orders over the last refinement in two lists: graded meshes are in the second list."""
     by_name = finest_orders(rates, refinements=1)
     graded = [by_name.pop("graded")] if "graded" in by_name else []
     return list(by_name.values()), graded
-
-
-def order_differences(rates: DataFrame, expected: Orders, refinements: int = 2) -> DataFrame:
-    """Return the predicted and observed orders of the error and their differences, a row for each case and mesh family.
-
-    Meshes that are graded towards a singularity are left out, because the predictions are for quasi-uniform meshes.
-
-    Parameters:
-        rates: rows of ``rates.csv``.
-        expected: case ↦ predicted order.
-        refinements: the number of refinements over which orders are observed, as for ``finest_orders``.
-
-    Returns:
-        A table with the columns ``case``, ``family``, ``predicted``, ``observed`` and ``difference``.
-    """
-    points = [
-        (case, family, expected[case], order)
-        for case, rows in rates.groupby("case", sort=False)
-        for family, order in finest_orders(rows, refinements).items()
-        if family != "graded"
-    ]
-    table = DataFrame(points, columns=["case", "family", "predicted", "observed"])
-    return table.assign(difference=table.observed - table.predicted)
 
 
 def _all_cases(rates: DataFrame) -> str:

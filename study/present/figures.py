@@ -36,7 +36,6 @@ from study.present.charts import (
     draw_rollers,
     draw_work,
     enclosed_series,
-    order_differences,
     roller_rows,
     values_of_adapted,
     values_of_codes,
@@ -51,6 +50,7 @@ from study.present.charts import (
     work_rows,
 )
 from study.present.drawing import SHEET, Drawing, caption
+from study.present.outcome import order_differences
 from study.present.picture import Picture, read_pictures
 
 FIGURES: dict[str, tuple[Callable[..., Figure], Callable[..., Json], str]] = {

@@ -1,6 +1,7 @@
 """The printed texts of the commands: results of a run, bounds of errors, and verdicts as JUnit XML."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from math import ceil, inf, isinf, isnan
 from pathlib import Path
@@ -13,8 +14,10 @@ from pandas import DataFrame, Series
 from tabulate import tabulate
 
 from convergence_orders.printing import printable
+from study.ledger.check import by_family
 from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, expected_orders, read_rates
 from study.ledger.files import write_text
+from study.ledger.quantities import RatesError, orders
 from study.ledger.text import cell, down, interval, is_narrow, outwards, significant, up, width
 from study.ledger.verdict import (
     BECAUSE,
@@ -55,14 +58,54 @@ def rates_text(directory: Path) -> str:
     return "\n".join(lines)
 
 
+def finest_orders(rates: DataFrame, refinements: int) -> dict[str, float]:
+    """Return mesh family ↦ observed order of the error between the finest mesh and a coarser mesh.
+
+    With two refinements, a fixed front or jump of the material at 1/3 (the cases rough-1.75 and layered-unmet) has the
+    same position in the cells of both meshes, because 4 − 1 is a multiple of 3.
+
+    Parameters:
+        rates: rows of ``rates.csv`` of one case. Families with a single level, or with errors that have no order, are
+            left out.
+        refinements: the number of refinements between the two meshes; less if there are fewer levels.
+    """
+    by_name = {}
+    for family, rows in by_family(rates).items():
+        ends = rows.tail(refinements + 1).iloc[[0, -1]]
+        if len(rows) > 1:
+            with suppress(RatesError):
+                by_name[family] = orders(ends.h.to_numpy(), ends.error.to_numpy())[0]
+    return by_name
+
+
+def order_differences(rates: DataFrame, expected: Mapping[str, float], refinements: int = 2) -> DataFrame:
+    """Return the predicted and observed orders of the error and their differences, a row for each case and mesh family.
+
+    Meshes that are graded towards a singularity are left out, because the predictions are for quasi-uniform meshes.
+
+    Parameters:
+        rates: rows of ``rates.csv``.
+        expected: case ↦ predicted order.
+        refinements: the number of refinements over which orders are observed, as for ``finest_orders``.
+
+    Returns:
+        A table with the columns ``case``, ``family``, ``predicted``, ``observed`` and ``difference``.
+    """
+    points = [
+        (case, family, expected[case], order)
+        for case, rows in rates.groupby("case", sort=False)
+        for family, order in finest_orders(rows, refinements).items()
+        if family != "graded"
+    ]
+    table = DataFrame(points, columns=["case", "family", "predicted", "observed"])
+    return table.assign(difference=table.observed - table.predicted)
+
+
 def orders_text(directory: Path) -> str:
     """Return a text on the differences between the observed and the predicted orders of the error in all cases.
 
     The differences are those of ``order_differences``. Without observed orders the text is empty.
     """
-    # Imported here, because Matplotlib takes half a second, and most commands draw nothing.
-    from study.present.charts import order_differences
-
     rates = read_rates(directory)
     differences = order_differences(rates, expected_orders(directory, rates))["difference"]
     if differences.empty:

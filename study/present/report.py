@@ -25,10 +25,10 @@ from study.ledger.datafiles import (
 from study.ledger.files import Json, write_text
 from study.ledger.text import cell, significant
 from study.present import tables
-from study.present.charts import enclosed_series, finest_orders, order_differences
+from study.present.charts import enclosed_series
 from study.present.drawing import Drawing, Output, RunMap, in_style
 from study.present.figures import figure
-from study.present.outcome import orders_text, printed
+from study.present.outcome import finest_orders, order_differences, orders_text, printed
 from study.present.picture import Picture, read_picture
 from study.present.show import film_images, image_of
 from study.present.tables import Table

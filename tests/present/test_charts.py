@@ -14,9 +14,10 @@ from places import DATA, RESULTS, ROOT
 
 from study.fem.mesh import FAMILIES
 from study.ledger.datafiles import read_rates
-from study.present.charts import draw_slope, finest_orders, label_ticks, last_orders, roller_rows
+from study.present.charts import draw_slope, label_ticks, last_orders, roller_rows
 from study.present.drawing import family_styles, in_style
 from study.present.figures import figure
+from study.present.outcome import finest_orders
 from study.present.report import svg_chart
 
 
