@@ -259,29 +259,13 @@ def _formula(value: Any) -> Any:
 
     from manufactured.symbols import NOT_REAL, extreme_numbers
 
-    if isinstance(value, str):
-        formula = _read_formula(value)
-    else:
-        formula = sp.sympify(value if isinstance(value, sp.Basic) else _scalar(value), strict=True)
+    formula = sp.sympify(value if isinstance(value, sp.Basic) else _scalar(value), strict=True)
     _require(isinstance(formula, sp.Expr) and not formula.is_Matrix)
     if formula.has(*NOT_REAL):
         raise _ReasonError("it is not a real number everywhere, as it has a number that is complex or not finite")
     for number in extreme_numbers(formula):
         raise _ReasonError(f"double precision cannot represent its number {sp.N(number, 3)}")
     return formula
-
-
-def _read_formula(text: str) -> Any:
-    """Return the formula that a text stands for, in which x1, x2, x3, s, s1, s2, t and pos have their meaning here."""
-    import sympy as sp
-
-    from manufactured.symbols import pos
-
-    names = {name: sp.Symbol(name, real=True) for name in ("x1", "x2", "x3", "s", "s1", "s2", "t")}
-    try:
-        return sp.sympify(text, locals={"pos": pos, **names})
-    except Exception as error:  # SymPy evaluates the text, which can raise anything.
-        raise _ReasonError(f"SymPy cannot read this text ({error})") from error
 
 
 def _member(value: Any, kind: Any) -> Any:

@@ -193,8 +193,7 @@ EXCEPTIONS = {
         Data.formulas: ("f2", "u0"),
         static: ("f0", "f2"),
     },
-    # A formula is one of the texts.
-    "a list of texts": {Case: ("families",), Data.formulas: ("f0", "u0"), static: ("f0",)},
+    "a list of texts": {Case: ("families",)},
     "infinity": {Regularity: ("gap", "pressure", "corner", "on_contact")},
 }
 """Kind of value ↦ the arguments of functions that may have it."""
