@@ -73,10 +73,11 @@ class Case:
     families: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", self.name):
-            raise CaseError(f"case name {self.name!r}: use letters, digits, '.', '-' and '_' only")
-        if fault := file_name_fault(self.name):
-            raise CaseError(f"case name {self.name!r} cannot be part of a file name, as {fault}: give another name")
+        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{,99}", self.name):
+            raise CaseError(
+                f"case name {self.name!r}: begin with a letter or digit, and use at most 100 letters, digits, '.', '-' "
+                "and '_'"
+            )
         if self.order is None or not self.reason:
             raise CaseError(
                 f"case {self.name}: a case needs an order predicted before it is measured, and the reason for it; got "
@@ -217,34 +218,3 @@ def proved_order(case: Case) -> float:
     inverse_p = max(0.5, 1 + regularity.moving - regularity.on_contact)
     half_derivative = min(max(0.6 * s, r), (s + 1 - inverse_p) / 2)
     return max(source, half_derivative, r if r > 0.5 else 0.0)
-
-
-MOST_BYTES = 100
-"""Largest number of bytes of a name in UTF-8.
-
-File systems allow 255 for a file name, which also contains the mesh family, the level and a suffix.
-"""
-RESERVED = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|com[0-9¹²³]|lpt[0-9¹²³]) *(\..*)?", re.IGNORECASE | re.DOTALL)
-"""Names of devices in Windows, with any suffix. Windows opens the device instead of a file of this name."""
-FORBIDDEN = re.compile(r'[/\\:*?"<>|\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]')
-"""Characters that must not be in file names.
-
-They are path separators, control characters, characters that Windows refuses, and text that UTF-8 cannot encode.
-"""
-
-
-def file_name_fault(name: str) -> str:
-    """Return the reason why a name cannot be part of a file name, as words for a message; "" if it can."""
-    if not name:
-        return "it is empty"
-    if found := FORBIDDEN.search(name):
-        return f"it contains {found[0]!r}"
-    if name.startswith("."):
-        return "it begins with a dot"
-    if name.endswith((".", " ")) or name.startswith(" "):
-        return "it begins or ends with a space, or ends with a dot"
-    if (size := len(name.encode())) > MOST_BYTES:
-        return f"it takes {size} bytes, at most {MOST_BYTES} are allowed"
-    if RESERVED.fullmatch(name):
-        return "Windows reserves it for a device"
-    return ""

@@ -2,7 +2,6 @@
 
 import importlib.util
 import re
-import reprlib
 import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
@@ -13,13 +12,13 @@ from traceback import extract_tb
 from types import ModuleType
 from typing import Any
 
-from manufactured.case import Case, file_name_fault, proved_order
+from manufactured.case import Case, proved_order
 from manufactured.cases.materials import no_potential
 from manufactured.cases.rough import natural_motion
 from manufactured.catalogue import NAMES, OTHER_NAMES, SUCCESSORS, advice, named
 from manufactured.data import Data
 from manufactured.multiscale import COARSEST_ROLLER, ROLLERS, multiscale, rollers
-from manufactured.problems import OpenProblem, problems
+from manufactured.problems import problems
 from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
 from study.ledger.files import Json, UsageError
 
@@ -99,24 +98,18 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
             ``manufactured.Data``, a Case, or a function that returns one.
 
     Raises:
-        UsageError: there is no such problem, the file cannot be run, or the name cannot be part of a file name.
+        UsageError: there is no such problem, or the file cannot be run.
     """
     found = _lookup(reference)
     if found is None:
-        found = next((problem for problem in problems() if problem.name == reference), None)
+        found = next((problem.data for problem in problems() if problem.name == reference), None)
     if found is None:
         raise unknown("problem", reference, [*_case_names(), *(problem.name for problem in problems())])
     if isinstance(found, Case):
         return found.name, Data.of(found.solution), found
-    data = found.data if isinstance(found, OpenProblem) else found
-    if not isinstance(data, Data):
+    if not isinstance(found, Data):
         raise UsageError(f"{reference} is a {type(found).__name__}, expected manufactured.Data or a manufactured.Case")
-    name = found.name if isinstance(found, OpenProblem) else reference.rpartition(":")[2]
-    if fault := file_name_fault(name):
-        raise UsageError(
-            f"the problem {reprlib.repr(name)} cannot be part of a file name, as {fault}: give it another name"
-        )
-    return name, data, None
+    return reference.rpartition(":")[2], found, None
 
 
 def _lookup(reference: str) -> Any:

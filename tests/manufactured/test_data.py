@@ -24,7 +24,6 @@ from manufactured import (
     x1,
     x2,
 )
-from manufactured.case import file_name_fault
 from manufactured.cases.shared import not_proportional
 from manufactured.catalogue import NAMES
 from manufactured.data import Data, LoadError
@@ -154,40 +153,20 @@ def test_names_stand_for_cases_problems_and_users_data(tmp_path):
         assert (case is not None and found.formulas_of is case.solution and case.name == name) == known
 
 
-# Names that cannot be part of a file name are refused wherever a user can give one.
+# Names that cannot be part of a file name are refused.
 
 
-UNUSABLE = {
-    "../evil": r"it contains '/'",
-    "a\\b": r"it contains '\\\\'",
-    "C:evil": r"it contains ':'",
-    "a\x00b": r"it contains '\\x00'",
-    "a\x1b[2Jb": r"it contains '\\x1b'",
-    "a\ud800b": r"it contains '\\ud800'",
-    ".hidden": "it begins with a dot",
-    "ends.": "ends with a dot",
-    "x" * 101: "it takes 101 bytes, at most 100 are allowed",
-    "ü" * 51: "it takes 102 bytes, at most 100 are allowed",
-    "nul.txt": "Windows reserves it",
-    "": "it is empty",
-}
+UNUSABLE = ["../evil", "a\\b", "C:evil", "a\x00b", "a\x1b[2Jb", "a\ud800b", ".hidden", "x" * 101, "a b", "würfel", ""]
 
 
-def test_usable_names_and_an_endless_name_of_a_mesh_family():
-    names = ["front", "rough-1.75", "a b", "würfel", "_own", "console", "com10", "x" * 100]
-    assert {name: fault for name in names if (fault := file_name_fault(name))} == {}
+def test_an_endless_name_of_a_mesh_family_is_refused():
     assert family_named("shaken-7").name == "shaken-7"
     with pytest.raises(UsageError, match="has 1000 digits, at most 20 are allowed"):
         family_named("shaken-" + "9" * 1000)
 
 
 @pytest.mark.parametrize("name", UNUSABLE, ids=ascii)
-def test_unusable_names_of_problems_and_cases_are_refused(name, tmp_path):
-    path = tmp_path / "own.py"
-    head = "from dataclasses import replace\nfrom manufactured.problems import problems\n"
-    path.write_text(head + f"mine = replace(problems()[0], name={name!a})", encoding="utf-8")
-    with pytest.raises(UsageError, match=UNUSABLE[name]) as refused:
-        resolve_data(f"{path}:mine")
-    assert str(refused.value).isprintable()
-    with pytest.raises(CaseError, match="case name"):
+def test_unusable_names_of_cases_are_refused(name):
+    with pytest.raises(CaseError, match="case name") as refused:
         replace(named("corner"), name=name)
+    assert str(refused.value).isprintable()
