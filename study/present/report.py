@@ -3,7 +3,6 @@
 import re
 from base64 import b64encode
 from collections.abc import Sequence
-from hashlib import sha256
 from io import BytesIO, StringIO
 from itertools import repeat
 from math import nan
@@ -23,7 +22,7 @@ from study.ledger.datafiles import (
     read_rates,
 )
 from study.ledger.files import Json, write_text
-from study.ledger.text import cell, significant
+from study.ledger.text import cell
 from study.present import tables
 from study.present.charts import enclosed_series
 from study.present.drawing import Drawing, Output, RunMap, in_style
@@ -31,7 +30,6 @@ from study.present.figures import figure
 from study.present.outcome import finest_orders, order_differences, orders_text, printed
 from study.present.picture import Picture, read_picture
 from study.present.show import film_images, image_of
-from study.present.tables import Table
 from study.present.templates import counted, read_page, render, typeset
 
 CHECKS = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
@@ -90,20 +88,8 @@ def write_report(directory: Path, provenance: Json, run_map: RunMap = map) -> Pa
         bounds=tables.bounds(directory),
         faults=tables.faults(directory),
         provenance=provenance,
-        files=_files(directory),
     )
     return write_text(directory / "report.html", f"{page}\n")
-
-
-def _files(directory: Path) -> Table:
-    """Return the table of the data files from which the page is made, with their sizes and SHA-256 checksums."""
-    data = directory / "data"
-    rows = []
-    for path in sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json.gz")]):
-        name = path.relative_to(data).as_posix()
-        content = path.read_bytes()
-        rows.append(dict(file=name, size=significant(len(content) / 1000), sha=sha256(content).hexdigest()))
-    return Table.of("files", DataFrame(rows), grouped=0)
 
 
 def case_pages(directory: Path, claims: DataFrame, rates: DataFrame, run_map: RunMap) -> list[Json]:
