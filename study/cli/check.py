@@ -15,6 +15,7 @@ from pandas import DataFrame
 
 from study.cli.common import code_of, job_progress, known_undecided
 from study.cli.options import FAILED, OK, SEED_BITS
+from study.fem.naming import describe
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.compare import Comparison, Tolerance, as_text, compare, difference
 from study.ledger.controls import SEEDS_FILE, SeedRecord
@@ -35,8 +36,8 @@ from study.run.judgement import (
     stored_rows,
     verdicts,
 )
-from study.run.plan import Job, Jobs
-from study.run.provenance import Expectation, commit, compare_sums, read_provenance
+from study.run.plan import Job, Jobs, Plan
+from study.run.provenance import commit, compare_sums, read_provenance, recorded_plan
 from study.run.store import Store
 from study.statements.enclosure import BOUNDS, ENCLOSURES
 
@@ -153,40 +154,37 @@ def verify(directory: Path) -> str:
     """Compare the data of a run with its plan and with the predictions for its cases.
 
     Returns:
-        A sentence with the numbers of rows, files, planned measurements and cases that were compared, and the cases
-        that were not compared because their files no longer exist.
+        A sentence with the numbers of rows, files, planned measurements and cases that were compared.
 
     Raises:
-        UsageError: the directory has no data.
+        UsageError: the directory has no data, or the file of a user's case no longer exists.
         StoreError, DataError: data are of another format, missing, damaged or edited; the message names file, line and
             column, the value and the expected value.
     """
     record = read_provenance(directory)
     again = f"make them again with `{made_by(directory)}`; finished measurements are kept"
-    expectation = Expectation(record, directory)
-    planned = _plan(directory, record, expectation, again)
+    plan = recorded_plan(record, directory)
+    planned = _recorded_keys(directory, record, plan, again)
     tables = read_tables(directory)
     for file, table in tables.items():
         _refuse_unplanned(directory, file, table, planned, again)
-    # Predicted orders come from the catalogue, or from the file of a user's case. If this file no longer exists, the
-    # predictions in the provenance of the run are used.
+    # Predicted orders come from the catalogue, or from the file of a user's case.
     path = directory / "data" / "cases.csv"
     read_csv(directory, path.name, PREDICTED)
-    if differs := difference(path, table_text(DataFrame(expectation.lines))):
+    cases = DataFrame(map(describe, plan.scope.resolved()))
+    if differs := difference(path, table_text(cases)):
         raise DataError(f"{differs} from the catalogue or from the file of the case: {again}")
     for folder in (FOLDER, MARCHES):
         Codes.read(directory, folder)
     rows = sum(map(len, tables.values()))
-    gone = ", ".join(sorted(expectation.gone))
     return (
         f"measured with the catalogue of commit {record.get('commit') or 'unknown'}: "
         f"{rows} rows in {len(tables)} files belong to the {len(planned)} planned measurements; "
-        f"the predictions of {len(expectation.cases)} cases agree with the definitions of the cases"
-        f"{'; not compared, because their files no longer exist: ' if gone else ''}{gone}"
+        f"the predictions of {len(cases)} cases agree with the definitions of the cases"
     )
 
 
-def _plan(directory: Path, record: Json, expectation: Expectation, again: str) -> set[Key]:
+def _recorded_keys(directory: Path, record: Json, plan: Plan, again: str) -> set[Key]:
     """Return the keys of all measurements in the recorded plan of a run.
 
     Raises:
@@ -198,7 +196,7 @@ def _plan(directory: Path, record: Json, expectation: Expectation, again: str) -
     if not recorded or len({*recorded}) < len(recorded):
         raise DataError(f"{where} has an empty plan, or plans a measurement twice: {again}")
     # A newer program may plan more. What an older one has measured stands.
-    differing = set(recorded) ^ set(expectation.plan.keys() if expectation.plan else recorded)
+    differing = set(recorded) ^ set(plan.keys())
     if differing and record.get("commit") == commit()["commit"]:
         first = min(differing)
         plans = "plans" if first in recorded else "does not plan"
@@ -235,11 +233,8 @@ def planned_jobs(directory: Path) -> tuple[Job, ...]:
         UsageError: there are no data, or the file of a user's case no longer exists.
     """
     record = read_provenance(directory)
-    expectation = Expectation(record, directory)
-    if expectation.plan is None:
-        gone = ", ".join(sorted(expectation.gone))
-        raise UsageError(f"--again needs the files of all cases; the files of {gone} no longer exist: put them back")
-    return tuple(job for job in expectation.plan.jobs if job.identity in set(record["planned"]))
+    jobs = recorded_plan(record, directory).jobs
+    return tuple(job for job in jobs if job.identity in set(record["planned"]))
 
 
 def draw_jobs(jobs: Jobs, count: int, seed: int) -> list[Job]:

@@ -2,8 +2,7 @@
 
 The file has the scope and the plan of the run, the commit of the code, the versions of Python and of the libraries, the
 code and data files of each statement, and checksums of the data files. The plan and the predictions can also be
-computed again from the scope, the catalogue of cases and the files of users' cases (``Expectation``). If the file of a
-user's case no longer exists, the recorded values are used.
+computed again from the scope, the catalogue of cases and the files of users' cases (``recorded_plan``).
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ from pathlib import Path
 
 from pandas import DataFrame
 
-from study.fem.naming import describe, resolve
 from study.ledger.datafiles import DataError, Key, made_by, nested_keys, planned_keys, read_uncompressed
 from study.ledger.files import Json, StoreError, UsageError
 from study.ledger.verdict import HOLDS, UNDECIDED, CheckKind, Verdict, row
@@ -50,14 +48,12 @@ def provenance(plan: Plan, directory: Path) -> Json:
     for reference in scope.cases:
         file, colon, name = reference.rpartition(":")
         names.append(f"{Path(os.path.relpath(file, directory)).as_posix()}:{name}" if colon else reference)
-    own = {name: describe(case) for name, case in zip(names, scope.resolved(), strict=True) if ":" in name}
     return dict(
         format=STORE_FORMAT,
         study=version("signorini-study"),
         **commit(),
         plan=scope.name,
         scope={**asdict(scope), "cases": names},
-        own_cases=own,
         planned=nested_keys(plan.keys()),
         statements=sources(),
         python=platform.python_version(),
@@ -168,46 +164,32 @@ class Complete:
         )
 
 
-class Expectation:
-    """The data of a run that follow from its recorded scope without a measurement.
+def recorded_plan(record: Json, directory: Path) -> Plan:
+    """Return the plan that follows from the recorded scope of a run, without a measurement.
 
     Parameters:
         record: the content of ``provenance.json``.
-        directory: the result directory.
-
-    Attributes:
-        plan: the plan; None if the file of a user's case no longer exists.
-        cases: name ↦ case, for the cases whose definition still exists.
-        lines: the rows of ``cases.csv``.
-        gone: the names of users' cases whose files no longer exist.
+        directory: the result directory, to which the paths of users' cases are relative.
 
     Raises:
         DataError: the provenance was written by an older version and lacks the scope.
         StoreError: the scope is damaged.
-        UsageError: the file of a user's case exists, but no longer defines the case.
+        UsageError: the file of a user's case does not exist, or does not define the case.
     """
-
-    def __init__(self, record: Json, directory: Path) -> None:
-        if not {"scope", "own_cases"} <= set(record):
-            raise DataError(
-                f"{directory}/data/provenance.json has no scope, because an older version wrote it: "
-                f"`{made_by(directory)}` with the same options writes it again; finished measurements are kept"
-            )
-        own = record["own_cases"]
-        try:
-            scope = read_scope(record["scope"])
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise damaged(directory, error) from error
-        references: list[str | None] = []
-        for reference in scope.cases:
-            file, colon, name = reference.rpartition(":")
-            path = (directory / file).resolve()
-            references.append(reference if not colon else f"{path}:{name}" if path.is_file() else None)
-        cases = [resolve(reference) if reference else None for reference in references]
-        self.lines = [describe(case) if case else own[name] for case, name in zip(cases, scope.cases, strict=True)]
-        self.plan = None if None in references else Plan.of(replace(scope, cases=tuple(filter(None, references))))
-        self.cases = {case.name: case for case in cases if case}
-        self.gone = {str(line["case"]) for line in self.lines} - set(self.cases)
+    if "scope" not in record:
+        raise DataError(
+            f"{directory}/data/provenance.json has no scope, because an older version wrote it: "
+            f"`{made_by(directory)}` with the same options writes it again; finished measurements are kept"
+        )
+    try:
+        scope = read_scope(record["scope"])
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise damaged(directory, error) from error
+    cases = []
+    for reference in scope.cases:
+        file, colon, name = reference.rpartition(":")
+        cases.append(f"{(directory / file).resolve()}:{name}" if colon else reference)
+    return Plan.of(replace(scope, cases=tuple(cases)))
 
 
 def read_scope(values: Json) -> Scope:

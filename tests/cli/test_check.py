@@ -160,11 +160,9 @@ def test_a_record_of_another_form_is_called_damaged(damage, own, refusal):
     assert "provenance.json is damaged" in refusal(own)
 
 
-def test_a_case_whose_file_is_gone_is_judged_by_the_record_of_its_run(own, refusal):
+def test_a_case_whose_file_is_gone_is_refused(own, refusal):
     (own.parent / "pocket.py").unlink()
-    assert "not compared, because their files no longer exist: pocket" in " ".join(refusal(own, code=0).split())
-    edit(CASES, "expected_order", to("0.9"))(own)
-    assert "column expected_order: found '0.9', expected '1'" in refusal(own)
+    assert "there is no file" in refusal(own)
 
 
 def test_a_case_whose_file_predicts_something_else_now_is_refused(own, refusal):
