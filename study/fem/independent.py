@@ -58,6 +58,12 @@ def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> A
 
     There is one entry for each basis function v. On the loaded boundary Γ2 it is (f_2, v)_{L²(Γ2)}. On the contact
     boundary Γ3 it is ∫ σ_ν v_ν, because σ_τ = 0.
+
+    Args:
+        kind: the kind of the boundary parts.
+        solution: the exact solution, which gives σν.
+        space: the space V^h.
+        time: the time.
     """
     nodal = np.zeros_like(space.mesh.p)
     for part in space.body.of(kind):

@@ -99,10 +99,10 @@ def half_quotient(problem: SemiDiscrete, states: Array) -> float:
 
 
 def euler_quotient(flow: EulerBounds, states: Array) -> float:
-    """Return Σ_n ‖δ_n − δ_{n−1}‖² for the velocities δ_n of backward Euler, divided by its bound in ``HalfDerivative``.
+    """Return Σ_n ‖δ_n − δ_{n−1}‖_V² for velocities δ_n of backward Euler, divided by its bound in ``HalfDerivative``.
 
     δ_n = (U_n − U_{n−1})/k are difference quotients of the displacements U_n with the step k, and δ_0 is the initial
-    velocity.
+    velocity u̇^h(0+) of the semi-discrete solution.
 
     Args:
         flow: the problem, with its loads at the time nodes t_0, …, t_N and the Lipschitz constant κ = L_G/m_A.
@@ -259,6 +259,11 @@ def cut_solution(solution: ExactSolution, time: float, x: Points) -> Vectors:
     """Return the displacement near the front, u_s(x) = (1 − r²/R²)_+^4 u(x), at points, (2, points).
 
     u is the exact displacement, r the distance of x from the contact front, and R = ``CUT_RADIUS``.
+
+    Args:
+        solution: the exact solution, with one contact face and one front.
+        time: the time.
+        x: the points, (2, points).
     """
     place = solution.faces[0].part.point(np.array([[front_at(solution, time)]]))
     cut = np.maximum(1 - np.sum((x - place) ** 2, axis=0) / CUT_RADIUS**2, 0.0) ** 4

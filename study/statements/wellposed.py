@@ -480,6 +480,11 @@ def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
     all times; v(0) is a multiple of the displacement that ``softest_mode`` returns, which grows at the rate c. The load
     presses both solutions onto the foundation with twice the force that the mode needs, and balances the stress at zero
     strain.
+
+    Args:
+        space: the space V^h.
+        law: the material law, which softens.
+        T: the final time.
     """
     c, v, force = softest_mode(space, law)
     strain = abs(space.strain(v)).max()
@@ -503,6 +508,11 @@ def over_bound(setup: Experiment, law: KelvinVoigt, T: float) -> float:
     ‖f_j − g_j‖_V). The number g is max(−m, 0)/m_A ≤ ω with the monotonicity constant m of G; f_j and g_j are the loads
     of u and v. The solution u has the load of the experiment, with time scaled to T; v has another load or another
     initial value.
+
+    Args:
+        setup: the experiment, which has the mesh, the load and the initial value of u.
+        law: the material law of both solutions.
+        T: the final time.
     """
     space = setup.space
     steps = steps_for(law, T)
@@ -796,9 +806,11 @@ def last_increments(levels: pd.DataFrame) -> float:
 
 
 class TractionInTime(ListedNumbers):
-    """Measures the largest norm of the traction, max_t ‖σν‖_{L²(Γ)}.
+    """Measures the largest norm over time of the exact traction, max_t ‖σν‖_{L²(Γ)}, computed on several meshes.
 
-    It must converge for the cases of Proposition 5.4, and must grow for one case with an unbounded traction.
+    Nothing is solved: a mesh only gives the quadrature points on Γ, and its level n the 2n + 1 times. So the computed
+    norm converges as n grows if σν ∈ L^∞(0,T;L²(Γ)), and grows without a bound otherwise. It must converge for the
+    cases of Proposition 5.4. It must grow for ``UNBOUNDED``, whose traction is not square integrable on Γ.
     """
 
     label = "(4.12)"

@@ -47,7 +47,13 @@ def cells(family: str) -> int:
 
 
 def unknowns(dim: int, n: int, family: str) -> int:
-    """Return the number of unknowns of a P1 displacement on the mesh of level n."""
+    """Return the number of unknowns of a P1 displacement on a mesh.
+
+    Args:
+        dim: the dimension of the body.
+        n: the level of the mesh.
+        family: the name of the mesh family.
+    """
     return dim * (n + 1) ** dim * (cells(family) if dim == 2 else 1)
 
 
