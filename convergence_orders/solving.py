@@ -123,7 +123,7 @@ def refine_until_settled(
     solve: Callable[[int], Mapping[str, float]], table: ConvergenceTable | None = None, most: int = 8,
     seconds: float = math.inf, **wishes: Any,
 ) -> dict[str, OrderResult]:  # fmt: skip
-    """Solve on finer and finer meshes until all verdicts are settled or the budget is used.
+    """Solve on finer and finer meshes until all verdicts are settled or the limit of meshes or time is reached.
 
     A verdict is settled if it is not *undecided*; *fails* is settled on four meshes or more.
 

@@ -548,10 +548,11 @@ class ErrorBounds(ListedNumbers):
     overestimates, because one constant serves several terms, and because L combines the largest slope of G with the
     smallest eigenvalue of A.
 
-    **The ratio under refinement.** The error has the order min(1, s). The right side has the order of its term of
-    lowest order (``manufactured.regularity``): min(1, s') from η̇ in both bounds, and in (5.42) min(1, τ/2) from
-    ‖η_ν‖^{1/2}. Only the cell of the front contributes to ∫ σ_ν η_ν, which is of order λ and more. Let γ be the order
-    of the error minus the order of the term:
+    **The ratio under refinement.** Let u(t) ∈ H^{1+s}, u̇(t) ∈ H^{1+s'} and u_ν ∈ H^τ(Γ3) (``manufactured.regularity``).
+    The error has the order min(1, s). The right side has the order of its term of lowest order: min(1, s') from η̇ in
+    both bounds, and in (5.42) also min(1, τ/2) from ‖η_ν‖^{1/2}. In (5.21) the contact term has at least the order of
+    η̇, because only cells with a front contribute to ∫ σ_ν η_ν: elsewhere σ_ν = 0 or η_ν = 0. Let γ be the order of the
+    error minus the order of the term:
 
     * γ = 0: the ratio does not change like a power of h.
     * γ > 0: the bound is of lower order than the error, and the ratio is **not** bounded. The term over the error grows

@@ -934,7 +934,7 @@ class Rollers(ListedNumbers):
       vertices, whose contributions are nearly independent. So the excess has the relative standard deviation ~ ½
       N^{-1/2}, and single orders scatter;
     * ½ ± 0.3 on unstructured meshes;
-    * ½ with alternating diagonals also if the pressure (Q) or the gap (ω) is doubled;
+    * ½ with alternating diagonals also if the factor Q of the pressure or the factor ω of the gap is doubled;
     * 1 ± 0.25 for patches that do not move, because displacements remain at few vertices only. The bound does not show
       this.
 
