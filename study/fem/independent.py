@@ -42,7 +42,13 @@ def load_from_forces(solution: ExactSolution, space: Space, time: float, degree:
 def work_of_body_force(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
     """Return the load vector of the body force f_0 alone, with the entry (f_0, v)_H for each basis function v, (dofs,).
 
-    The parameters are those of ``load_from_forces``, which adds the surface load.
+    The load vector of both loads is ``load_from_forces``.
+
+    Args:
+        solution: the exact solution.
+        space: the space V^h.
+        time: the time.
+        degree: degree of the quadrature rule for f_0.
     """
     mesh = space.mesh
     nodal = np.zeros_like(mesh.p)

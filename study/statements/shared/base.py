@@ -340,5 +340,11 @@ class Experiment:
 
     @classmethod
     def at(cls, setting: Setting, scheme: Tableau, steps: int) -> Experiment:
-        """Return the discretisation of the paper for the case and the mesh of a setting."""
+        """Return the discretisation of the paper for the case and the mesh of a setting.
+
+        Args:
+            setting: the case, the mesh family and the level.
+            scheme: the time scheme.
+            steps: the number of time steps.
+        """
         return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, scheme, steps)
