@@ -21,7 +21,12 @@ Judged = list[tuple[Series, list[OrderResult]]]
 def names_of(series: Series, name: str) -> tuple[str, ...]:
     """Return the names by which an expectation of a column is looked up.
 
-    They are the name with the case, the name alone, and the case alone. The empty text stands for all columns.
+    The label of a series, such as "degree 2", distinguishes several series in one table. The names are the name of the
+    column with the label in brackets, the name alone, and the label alone. The empty text stands for all columns.
+
+    Parameters:
+        series: the series.
+        name: the name of the column.
     """
     return f"{name} ({series.label})" if series.label else name, name, series.label, ""
 
@@ -29,7 +34,8 @@ def names_of(series: Series, name: str) -> tuple[str, ...]:
 def judge(tables: list[Series], **wishes: Wish) -> Judged:
     """Compute the observed orders of every column of errors, and compare them with the expected orders.
 
-    An expectation is looked up by the name of a column and its case, then by the name, then by the case.
+    An expectation is looked up by the names in the order of ``names_of``: by the name of the column with the label of
+    the series, such as "L2 (degree 2)", then by the name alone, then by the label alone.
 
     Parameters:
         tables: the series of meshes.

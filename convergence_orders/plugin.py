@@ -45,6 +45,8 @@ class OrderChecks:
     ) -> dict[str, OrderResult]:
         """Return the observed orders of the columns of a table, for example ``table(errors, "P1", L2=2, H1=1)``.
 
+        The test fails as for a single column of errors (``__call__``).
+
         Parameters:
             table: the sizes and errors.
             title: what is written before the names of the columns.
@@ -71,9 +73,11 @@ class OrderChecks:
 
 @pytest.fixture
 def convergence_orders(request: pytest.FixtureRequest) -> OrderChecks:
-    """Return a function ``check(name, h, errors, expected=None, at_least=None, tolerance=0.15)``.
+    """Return a function ``check(name, h, errors, expected=None, at_least=None, tolerance=0.15)`` that judges errors.
 
-    Its attribute ``table`` is a function that judges a ``ConvergenceTable``.
+    The test fails if the errors do not have the expected order. The arguments are the name of the errors, the mesh
+    sizes, the errors, and what is expected, as in ``observed_orders``. The attribute ``table`` of the function judges
+    the columns of a ``ConvergenceTable`` (``OrderChecks.table``).
     """
     return OrderChecks(request.node.user_properties)
 

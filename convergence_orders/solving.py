@@ -48,9 +48,26 @@ class ConvergenceTable:
                      **expected: float) -> dict[str, OrderResult]:  # fmt: skip
         """Assert, in a test, that columns have the expected orders, for example ``assert_order(L2=2, H1=1)``.
 
+        Observed orders are computed from mesh to mesh. The last three of them must be as expected; two suffice if the
+        order extrapolated to h → 0 is as expected, too.
+
+        Parameters:
+            at_least: name of a column ↦ the smallest accepted order. All higher orders are accepted, too. Give it
+                instead of ``expected``, not in addition, for a column. The tolerance is not subtracted.
+            tolerance: the observed orders may be lower or higher than the expected order by this number.
+            floor: errors on fine meshes may stagnate at values up to this number, for example because of another error.
+                Then only coarser meshes are judged. By default, stagnation fails, unless its cause is round-off.
+            max_error: name of a column ↦ the largest accepted error on the finest mesh.
+            columns: the names of the columns of errors, separated by commas; by default they are recognised.
+            expected: the expected order of each column, as a keyword.
+
+        Returns:
+            Name of a column ↦ observed orders and verdict, for all columns of errors.
+
         Raises:
-            AssertionError: an order is not as expected; the message has the table.
-            OrderError: no order is expected, or a name is no column.
+            AssertionError: a column is not as expected, or there are too few meshes to decide; the message has the
+                table.
+            OrderError: nothing is expected, or a name is no column.
         """
         results = self.check(
             expected or None, at_least=at_least, tolerance=tolerance, floor=floor, max_error=max_error, columns=columns
@@ -106,7 +123,7 @@ def refine_until_settled(
     solve: Callable[[int], Mapping[str, float]], table: ConvergenceTable | None = None, most: int = 8,
     seconds: float = math.inf, **wishes: Any,
 ) -> dict[str, OrderResult]:  # fmt: skip
-    """Solve on finer and finer meshes until all verdicts are settled or the budget is used.
+    """Solve on finer and finer meshes until all verdicts are settled or the limit of meshes or time is reached.
 
     A verdict is settled if it is not *undecided*; *fails* is settled on four meshes or more.
 

@@ -613,6 +613,11 @@ def box(
     By default it is clamped on top and loaded on its sides, with contact at the bottom. The faces left and right are
     x = 0 and x = X, front and back y = 0 and y = Y, bottom and top z = 0 and z = Z. The coordinates (s1, s2) along a
     face are (x, y) on the bottom, (y, z) on the left, (z, x) on the front, and in reverse order on the opposite faces.
+
+    Args:
+        lengths: the lengths (X, Y, Z) of the sides.
+        T: the final time.
+        left, right, front, back, bottom, top: the boundary condition on each face.
     """
     parts = []
     for face, kind in enumerate((left, right, front, back, bottom, top)):

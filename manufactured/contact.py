@@ -477,8 +477,16 @@ class Lifting:
         """Return the data of the contact face at the coordinates s of every point, with derivatives along the face.
 
         The data are the normal displacement u_n, with derivatives up to ``order`` + 1, and the normal strain q, shear
-        strain r and slip z, with derivatives up to ``order``. If ``rate`` is true, the data are replaced by their time
-        derivatives.
+        strain r and slip z, with derivatives up to ``order``.
+
+        Args:
+            time: a time, or n times (n,).
+            rate: whether the time derivatives of the data are returned instead of the data.
+            order: the highest order of the derivatives of q, r and z along the face.
+
+        Returns:
+            u_n, and the tuple of q, the components of r if there is shear, and the components of z. Each is a dict from
+            multi-indices of derivatives to values at the points.
         """
         w, strain = self.on_face(time, rate, order)
         return self._spread(w), tuple(self._spread(values) for values in strain)

@@ -41,6 +41,11 @@ DOMAIN_ROUNDING = 1e-9
 def coordinates(values: ArrayLike, count: int, what: str) -> Array:
     """Return the coordinates of points as an array, (count, ...), after a check.
 
+    Args:
+        values: the coordinates, an array or lists of numbers.
+        count: the number of coordinates of a point.
+        what: the name of the points in the message of an error.
+
     Raises:
         ValueError: the array has another shape. The message names the points by ``what``.
     """

@@ -76,7 +76,13 @@ class Factor:
 
 @checked(FormulaError)
 def layers(direction: tuple[float, ...], offset: float, ratio: float) -> Factor:
-    """Return the factor of a body of two layers: 1 where direction·x < offset, and ``ratio`` elsewhere."""
+    """Return the material factor α(x) of a body of two layers, which is 1 in the one and ``ratio`` in the other layer.
+
+    Args:
+        direction: the unit normal of the line or plane between the layers, d numbers.
+        offset: the first layer is {x : direction·x < offset}.
+        ratio: the positive value of the factor in the second layer.
+    """
     beyond = pos(sum(c * x for c, x in zip(direction, COORDINATES, strict=False)) - offset, 0)
     return Factor(1 + (ratio - 1) * beyond, min(1.0, ratio), max(1.0, ratio), ((direction, offset),))
 

@@ -318,6 +318,11 @@ def isotropic(mu: float, lam: float, dim: Dimension = 2, factor: Factor = UNIFOR
     >>> isotropic(1, 0.5).at(np.zeros((2, 1)))(np.array([[1.0], [0.0], [0.0]])).ravel().tolist()  # τ = e₁ ⊗ e₁
     [2.5, 0.5, 0.0]
 
+    Args:
+        mu, lam: the Lamé constants μ and λ.
+        dim: the dimension d of the body, 2 or 3.
+        factor: the material factor α(x), by default 1.
+
     Raises:
         LawError: the operator is not elliptic, that is, 2μ ≤ 0 or 2μ + dλ ≤ 0.
     """

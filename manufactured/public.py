@@ -85,6 +85,11 @@ def evaluate(of: Case | ExactSolution, x: ArrayLike, time: float) -> Evaluation:
     >>> bool(abs(evaluate(case, [[0.6], [0.0]], 0.5).surface_load(floor)[0]).max() < 1e-12)  # no friction
     True
 
+    Args:
+        of: the case or the exact solution.
+        x: the points, (d, ...): first the list of all x1, then the list of all x2, in 3D then the list of all x3.
+        time: the time, from 0 to T.
+
     Raises:
         ValueError: x has a wrong shape, a point lies outside the body, or the time lies outside [0, T].
     """

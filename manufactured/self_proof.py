@@ -250,7 +250,13 @@ def _switches(solution: ExactSolution) -> list[float]:
 
 
 def equilibrium(solution: ExactSolution, x: Points, instants: Array) -> Finding:
-    """Check that the stress balances the body force, Div σ + f_0 = 0."""
+    """Check that the stress balances the body force, Div σ + f_0 = 0.
+
+    Args:
+        solution: the exact solution.
+        x: points inside the body, (d, points).
+        instants: the times, (times,).
+    """
     fields, shifted = solution.at(x), shifted_fields(solution, x)
     force = at_times(fields.body_force, instants, x.shape[1])
     slopes = at_times(lambda t: gradient(shifted, Fields.stress, t), instants, x.shape[1])
@@ -263,11 +269,17 @@ def equilibrium(solution: ExactSolution, x: Points, instants: Array) -> Finding:
 
 
 def on_boundary(solution: ExactSolution, rng: np.random.Generator, inside: Points, instants: Array) -> list[Finding]:
-    """Check the boundary conditions at random points of each part and at the times ``instants``.
+    """Check the boundary conditions at random points of each part of the boundary.
 
     They are u = 0 on Γ1, σν = f_2 on Γ2, and u_ν = g − w, σ_ν = −p, σ_τ = 0 on Γ3, with the initial gap g, the gap w
-    and the pressure p that the contact faces state. Defects are relative to the sizes of u and σ at the points
-    ``inside`` of the body. The number of random points on each part equals the number of points ``inside``.
+    and the pressure p that the contact faces state.
+
+    Args:
+        solution: the exact solution.
+        rng: draws the random points.
+        inside: points inside the body, (d, points). The sizes of u and σ at these points are the scales of the defects.
+            As many random points are drawn on each part.
+        instants: the times, (times,).
     """
     fields, count = solution.at(inside), inside.shape[1]
     scale_u = norms(at_times(fields.displacement, instants, count))
@@ -405,7 +417,11 @@ def continuity(solution: ExactSolution, rng: np.random.Generator) -> list[Findin
 def traction_at_jumps(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
     """Check that the traction is continuous where a material factor jumps; otherwise Div σ would not be a function.
 
-    This is checked at random points of each line or plane with a jump and at the times ``instants``.
+    Args:
+        solution: the exact solution.
+        rng: draws the random points.
+        count: the largest number of points on each line or plane with a jump.
+        instants: the times, (times,).
     """
     findings = []
     inside = solution.body.sample(rng, 50 * count)
@@ -426,6 +442,11 @@ def bounds_of_factors(solution: ExactSolution, rng: np.random.Generator, count: 
     """Check at random points that the factors of A and G lie between their stated bounds.
 
     The constants m_A and L_G are computed from these bounds.
+
+    Args:
+        solution: the exact solution.
+        rng: draws the random points.
+        count: a fiftieth of the number of points.
     """
     x = solution.body.sample(rng, 50 * count)
     findings = []
@@ -443,6 +464,11 @@ def prove(solution: ExactSolution, name: str, seed: Natural = 0) -> list[Finding
     >>> from manufactured import named
     >>> all(finding.passes for finding in prove(named("full-contact").solution, "full-contact"))
     True
+
+    Args:
+        solution: the exact solution.
+        name: the name of the solution in the message of an error.
+        seed: the seed of the random points and times.
 
     Raises:
         SelfProofError: a condition is violated by more than its tolerance; the message lists all violated conditions

@@ -93,7 +93,13 @@ def indices(variables: int, order: int) -> tuple[Index, ...]:
 
 @lru_cache(maxsize=4096)
 def differentiate(expression: sp.Expr, variables: Symbols, index: Index) -> sp.Expr:
-    """Return a derivative of an expression, given by a multi-index in the variables; lower derivatives are cached."""
+    """Return a derivative of an expression; derivatives of lower order are cached.
+
+    Args:
+        expression: the expression.
+        variables: the variables.
+        index: the order of the derivative with respect to each variable, such as (1, 2) for ∂_1 ∂_2².
+    """
     for position, times in enumerate(index):
         if times:
             lower = (*index[:position], times - 1, *index[position + 1 :])

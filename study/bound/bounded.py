@@ -103,6 +103,13 @@ def steps_on(data: Data, level: int, wanted: int | None) -> int:
 def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: int | None, refined: Refined) -> None:
     """Refuse a problem or options for which no error bound can be computed, before time is spent.
 
+    Args:
+        data: the data of the problem.
+        family: the mesh family.
+        levels: the levels of the meshes, which must increase.
+        steps: the number of time steps of u_h; None if it follows from the level.
+        refined: how the mesh and the time steps are refined for the bound.
+
     Raises:
         BoundError: there are invalid levels, steps or refinements; T, a body or a law of extreme size; a mesh family
             that cannot mesh the body; a body in 3D; or a law without a usable monotonicity constant.
@@ -121,6 +128,11 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
 
 def check_problem(data: Data, steps: int | None, refined: Refined) -> None:
     """Refuse a problem or a number of time steps for which no error bound can be computed on any mesh.
+
+    Args:
+        data: the data of the problem.
+        steps: the number of time steps of u_h; None if it follows from the level.
+        refined: how the mesh and the time steps are refined for the bound.
 
     Raises:
         BoundError: no bound can be computed; the message names the reason.
@@ -300,7 +312,13 @@ def contact_sentences(body: Body) -> list[str]:
 
 
 def write(directory: Path, table: pd.DataFrame, over_time: pd.DataFrame) -> list[Path]:
-    """Write the tables ``levels.csv`` and ``enclosure.csv`` to a directory, and return their paths."""
+    """Write the tables ``levels.csv`` and ``enclosure.csv`` to a directory, and return their paths.
+
+    Args:
+        directory: the directory.
+        table: the table ``levels.csv`` with one row for each level, from ``levels``.
+        over_time: the table ``enclosure.csv`` with one row for each level and time.
+    """
     files = {"levels.csv": table, "enclosure.csv": over_time}
     return [write_text(directory / name, rows.to_csv(index=False)) for name, rows in files.items()]
 

@@ -526,12 +526,15 @@ condition.
 
 
 def require_continuous_start(data: Data) -> None:
-    """Refuse an initial displacement that jumps, is unbounded, or violates a boundary condition.
+    """Refuse an initial displacement u_0 that jumps, is unbounded, or violates a boundary condition.
 
-    Exact solutions are not checked, because their proofs include their initial displacement.
+    If u_0 is given by formulas, all three are checked: u_0 must be continuous and bounded in the body, zero on clamped
+    sides, and must not penetrate the foundation on contact sides. If u_0 is a Python function, only jumps at sample
+    points are noticed. Exact solutions are skipped: ``manufactured.self_proof.prove`` checks the displacement of an
+    exact solution.
 
     Raises:
-        LoadError: the message names the place and the size of the jump.
+        LoadError: u_0 is refused. The message names the place and the size of the jump or of the violation.
     """
     if isinstance(data.formulas_of, ExactSolution):
         return

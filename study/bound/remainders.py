@@ -213,8 +213,11 @@ class Sampling:
         """Return bounds of the loads f_0 and f_2 minus their samples in the time interval a ≤ t ≤ b.
 
         If the error bound is only estimated, the bounds are zero. They are zero for cubic polynomials, too, and
-        ``constants`` are then not computed. ``oscillation`` computes the oscillation of a load on each cell from norms
-        of the load.
+        ``constants`` are then not computed.
+
+        Args:
+            oscillation: the function that computes the oscillation of a load on each cell from norms of the load.
+            a, b: the ends of the time interval.
         """
         nothing = Missed(np.zeros(self.space.cells), 0.0, np.zeros(self.space.cells))
         if self.reasons:

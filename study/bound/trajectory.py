@@ -115,6 +115,14 @@ def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Compu
     """Solve the semi-discrete problem (Problem 5.1) by a time scheme, from the data alone.
 
     The load is projected onto piecewise polynomials, and the initial value is the nodal interpolant of u_0.
+
+    Args:
+        discretisation: the data of the problem and the mesh.
+        scheme: the time scheme.
+        steps: the number of time steps.
+
+    Returns:
+        The piecewise linear displacement u_h at the time nodes.
     """
     data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
     J, start = prolongation(space, discretisation), space.interpolate(data.start(space.mesh.p))

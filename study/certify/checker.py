@@ -431,7 +431,8 @@ def polynomial(data: Any) -> Poly:
     """Read a polynomial from a certificate.
 
     Args:
-        data: a list of terms [coefficient, exponent of x1, exponent of x2], each perhaps with an exponent of t.
+        data: a list of terms [coefficient, exponent of x1, exponent of x2] or [coefficient, exponent of x1, exponent of
+            x2, exponent of t]. A coefficient is a whole number or a text such as "3/4".
     """
     return Poly.of(((*key, 0)[:3], Q(x)) for x, *key in data)
 
@@ -791,6 +792,10 @@ def tractions(stress: Sequence[Sequence[Any]], a: Vector, b: Vector) -> list[Pol
     """Return the traction σN of a stress on the segment from a to b, as two polynomials in X.
 
     N is the normal to the right of the segment, with the length of the segment.
+
+    Args:
+        stress: the components 11, 22, 12 of the stress, each as the ten coefficients of a cubic polynomial in x1, x2.
+        a, b: the ends of the segment.
     """
     (n, m), (x, y, z) = (b[1] - a[1], a[0] - b[0]), (combination(on_segment(a, b), values) for values in stress)
     return [x * n + z * m, z * n + y * m]
@@ -959,6 +964,11 @@ class Stresses:
         """Compute the stress on every cell from its tractions, its nine inner numbers and the body force.
 
         The inner numbers are the nine free numbers among the degrees of freedom of ``Element``.
+
+        Args:
+            edges: the tractions on all edges, from ``tractions``.
+            numbers: the inner numbers of all cells, nine for each cell, from the certificate.
+            force: twelve numbers of the body force for each cell; empty if there is no body force.
 
         Returns:
             The stress σ̂ on the reference triangle, with σ̃ = F σ̂ Fᵀ h/(unit (det F)²), and an upper bound of the norm
@@ -1324,7 +1334,11 @@ class Certificate:
 
 
 def voigt(a: int, b: int, c: int, d: int) -> list[list[int]]:
-    """Return the matrix of σ ↦ F σ Fᵀ in Voigt's components (11, 22, 12) of stresses, for F = (a b; c d)."""
+    """Return the matrix of σ ↦ F σ Fᵀ in Voigt's components (11, 22, 12) of stresses.
+
+    Args:
+        a, b, c, d: the entries of the matrix F, row by row.
+    """
     return [[a * a, b * b, 2 * a * b], [c * c, d * d, 2 * c * d], [a * c, b * d, a * d + b * c]]
 
 
@@ -1348,7 +1362,13 @@ def order(coarse: Enclosure, fine: Enclosure) -> tuple[Q, Q] | None:
 
 
 def decimal(x: Q, above: bool, digits: int = 8) -> str:
-    """Write a fraction with the given number of decimals, rounded up or down."""
+    """Write a fraction as a decimal number, rounded up or down.
+
+    Args:
+        x: the fraction.
+        above: whether it is rounded up.
+        digits: the number of decimals.
+    """
     whole = math.ceil(x * 10**digits) if above else math.floor(x * 10**digits)
     return f"{'-' if whole < 0 else ''}{abs(whole) // 10**digits}.{abs(whole) % 10**digits:0{digits}d}"
 

@@ -181,7 +181,13 @@ def computed_displacements(
 def check_levels(options: Namespace, data: Data, family: MeshFamily, refined: Refined) -> None:
     """Refuse levels whose meshes are too large or do not fit the body, and problems that cannot be bounded.
 
-    The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
+    The memory is checked first, because ``check_bound`` makes meshes, which may need more memory than the machine has.
+
+    Parameters:
+        options: the options of the command, with ``levels`` and ``steps``.
+        data: the data of the problem.
+        family: the mesh family.
+        refined: how the mesh and the time steps are refined for the bound.
     """
     finest = max(options.levels)
     require_bound(f"level {finest}", triangles(finest, family.name), refined.refinements)

@@ -300,6 +300,12 @@ def parser() -> argparse.ArgumentParser:
 
 
 def refuse_unknown(command: argparse.ArgumentParser, known: Sequence[str], words: Sequence[str]) -> None:
-    """Print how to use a command and its option that is nearest to an unknown word, and end the program with 2."""
+    """Print the usage of a command and its option that is most similar to an unknown word; end the program with 2.
+
+    Parameters:
+        command: the parser of the command.
+        known: the options that the command has.
+        words: the unknown words of the command line. A similar option is suggested for the first of them.
+    """
     near = get_close_matches(words[0], known, n=1, cutoff=0.8)
     command.error(f"unrecognized arguments: {' '.join(words)}{f'; did you mean {near[0]}?' if near else ''}")

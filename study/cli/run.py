@@ -73,7 +73,13 @@ def do_run(options: Namespace) -> int:
 
 
 def measure(plan: Plan, store: Store, pool: Pool) -> None:
-    """Make the measurements (jobs) of a plan whose results are not stored, and write the data files."""
+    """Make the measurements (jobs) of a plan whose results are not stored, and write the data files.
+
+    Parameters:
+        plan: the scope of the study and its jobs.
+        store: the result directory with the stored results.
+        pool: the processes that make the measurements.
+    """
     refuse_to_replace(plan, store.directory)
     store.check()
     left = unfinished(plan.jobs, store)
@@ -89,6 +95,11 @@ def verdict_printer(jobs: Jobs, store: Store, bar: ProgressBar) -> Callable[[Job
 
     The function is called with each finished job. The verdicts on a statement for a case are printed when all its
     measurements are finished. Statements that are judged from several files are left out.
+
+    Parameters:
+        jobs: all jobs of the stage.
+        store: the result directory, from which the measurements are read.
+        bar: the progress bar.
     """
     left = Counter((job.statement, job.case) for job in unfinished(jobs, store))
 
@@ -133,7 +144,13 @@ def with_levels_of(directory: Path, scope: Scope) -> Scope:
 
 
 def on_finer_meshes(options: Namespace, scope: Scope, directory: Path) -> str:
-    """Return a command line that repeats this run on finer meshes and writes into another directory."""
+    """Return a command line that repeats this run on finer meshes and writes into another directory.
+
+    Parameters:
+        options: the options of this run.
+        scope: what this run measured.
+        directory: its result directory; the other directory gets its name with "-finer" appended.
+    """
     cases = scope.resolved()
     dim = max(case.solution.body.dim for case in cases)
     levels = finer(sorted({level for case in cases for level in scope.levels_of(case).all}), dim)

@@ -203,6 +203,11 @@ def traction_load(setup: Experiment, time: float, kind: Kind = Kind.LOADED) -> A
     """Return the load vector of the exact traction σν at a time on the boundary parts of one kind, (dofs,).
 
     On the loaded parts, the default, σν = f_2.
+
+    Args:
+        setup: the experiment, which has the exact solution and the mesh.
+        time: the time.
+        kind: the kind of the boundary parts.
     """
     return work_on(kind, setup.solution, setup.space, time)
 
@@ -394,7 +399,14 @@ def with_matrix(solver: Signorini, W: Array, gap: Array) -> Array:
 
 
 def bounded(W: Array, free: Array, bound: Array, start: Array) -> Array:
-    """Return the forces λ with |λ| ≤ bound that minimise ½ λᵀWλ − free·λ, by a primal–dual active set method."""
+    """Return the forces λ with |λ_i| ≤ bound_i that minimise ½ λᵀWλ − free·λ, by a primal–dual active set method.
+
+    Args:
+        W: the symmetric positive definite matrix from forces to the displacements that they cause, (k, k).
+        free: the displacements without these forces, (k,), with the sign for which Wλ = free at a free minimum.
+        bound: the largest absolute values of the forces, (k,).
+        start: the forces with which the iteration starts, (k,).
+    """
     forces = np.clip(start, -bound, bound)
     sides = np.full(len(forces), np.nan)
     for _ in range(50):
@@ -567,7 +579,13 @@ def start_scaled(setup: Experiment, size: float) -> Faulty:
 def in_both_tensors(
     name: str, change: Callable[[Array, float], Array], sizes: tuple[float, ...] = (1.0,)
 ) -> list[Fault]:
-    """Return two faults that change the constant tensors of A and of G in the same way."""
+    """Return two faults: the first changes the constant tensor of A, the second the constant tensor of G.
+
+    Args:
+        name: what is changed; it becomes the name of the faults, with "in A" or "in G".
+        change: the function from the right tensor, (D, D), and the size δ of the fault to the wrong tensor.
+        sizes: the sizes δ that are tried.
+    """
     return [Fault(f"{name} in {of}", "(2.1)", tensor_fault(of, change), sizes) for of in ("A", "G")]
 
 

@@ -152,7 +152,17 @@ def measure_case(name: str, faults: Collection[str]) -> list[Numbers]:
 
 
 def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: float) -> Numbers | None:
-    """Return the row of the matrix for one fault, size and case; None if the fault cannot occur in this case."""
+    """Return the row of the matrix for one fault, size and case; None if the fault cannot occur in this case.
+
+    Args:
+        rates: the measurements of the error in this case, on the meshes from coarse to fine.
+        others: the measurements of the other statements in this case.
+        fault: the fault.
+        size: its size δ.
+
+    Returns:
+        The row of ``faults.csv``, by the names of its columns.
+    """
     case = resolve(rates.settings[0].case)
     right = rates.setups[-1]
     faulty = fault.change(right, size)

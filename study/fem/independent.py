@@ -42,7 +42,13 @@ def load_from_forces(solution: ExactSolution, space: Space, time: float, degree:
 def work_of_body_force(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
     """Return the load vector of the body force f_0 alone, with the entry (f_0, v)_H for each basis function v, (dofs,).
 
-    The parameters are those of ``load_from_forces``, which adds the surface load.
+    The load vector of both loads is ``load_from_forces``.
+
+    Args:
+        solution: the exact solution.
+        space: the space V^h.
+        time: the time.
+        degree: degree of the quadrature rule for f_0.
     """
     mesh = space.mesh
     nodal = np.zeros_like(mesh.p)
@@ -58,6 +64,12 @@ def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> A
 
     There is one entry for each basis function v. On the loaded boundary Γ2 it is (f_2, v)_{L²(Γ2)}. On the contact
     boundary Γ3 it is ∫ σ_ν v_ν, because σ_τ = 0.
+
+    Args:
+        kind: the kind of the boundary parts.
+        solution: the exact solution, which gives σν.
+        space: the space V^h.
+        time: the time.
     """
     nodal = np.zeros_like(space.mesh.p)
     for part in space.body.of(kind):

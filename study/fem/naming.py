@@ -44,7 +44,13 @@ def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
 
 
 def unknown(kind: str, name: str, names: Sequence[str]) -> UsageError:
-    """Return the error for an unknown name; it suggests the nearest name and lists all names."""
+    """Return the error for an unknown name; it suggests the most similar name and lists all names.
+
+    Args:
+        kind: what is named, for example "case".
+        name: the unknown name.
+        names: all known names.
+    """
     near = get_close_matches(name, names, n=1)
     meant = f"did you mean {near[0]}? All" if near else "known"
     return UsageError(f"unknown {kind} {name!r}; {meant}: {', '.join(names)}")

@@ -259,6 +259,14 @@ class Line:
 def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> list[Array]:
     """Return the cells that each of the lines and points meets, as arrays of cell numbers, (n,) each.
 
+    Args:
+        mesh: the mesh.
+        lines: lines across which the solution is not smooth.
+        points: points at which the solution is singular; each must be a vertex of the mesh.
+
+    Returns:
+        One array for each line, then one for each point. No cell occurs twice.
+
     Raises:
         MeshError: two lines or points meet the same cell, a point is not a vertex of the mesh, or lines or points are
             given in 3D.
@@ -306,6 +314,12 @@ def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
 
     The rule is accurate for powers of the distance to the point. The substitution of ``duffy`` makes them smooth along
     the rays from the point.
+
+    Args:
+        mesh: the mesh.
+        cells: the numbers of the cells, (n,).
+        point: the point.
+        degree: the degree of the polynomials for which the rule is exact.
     """
     simplices = mesh.t[:, cells]
     vertex = np.linalg.norm(mesh.p[:, simplices] - np.array(point)[:, None, None], axis=0).argmin(axis=0)
@@ -320,6 +334,12 @@ def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
     The cells are cut into slabs by the line and by its parallels through the vertices. In each slab, the rule across
     the line is a Gauss rule in ξ on (0, 1) after the substitution s = c + L ξ^8. Here s is the signed distance from the
     line, c its value at the side of the slab that is nearer to the line, and |L| the width of the slab.
+
+    Args:
+        mesh: the mesh.
+        cells: the numbers of the cells, (n,).
+        line: the line.
+        degree: the degree of the polynomials for which the rule is exact.
     """
 
     def towards_line(left: Array, right: Array) -> PointsAndWeights:
@@ -604,6 +624,14 @@ class QuadraturePoints:
 
         The sum of a vertex is the integral of a function times the hat function of the vertex. The weights contain the
         hat function, so a point of a facet occurs once for each of the d vertices of the facet.
+
+        Args:
+            rule: the quadrature rule on facets of a boundary part.
+            part: the boundary part.
+            mesh: the mesh to which the facets belong.
+
+        Returns:
+            The points, and the numbers of the vertices in the order of the sums, (count,).
         """
         vertices, sums = np.unique(mesh.facets[:, rule.facets], return_inverse=True)
         x = part.point(rule.s)

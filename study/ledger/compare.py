@@ -100,6 +100,10 @@ class Comparison:
 def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
     """Compare two result directories and return the differences.
 
+    Parameters:
+        old, new: the directories. Files that are in one of them only are differences.
+        tolerance: the differences of numbers that are accepted.
+
     Raises:
         DataError: a directory has no data, or a file is damaged.
     """

@@ -57,8 +57,13 @@ def read_csv(directory: Path, name: str, columns: Collection[str] = ()) -> DataF
 def read_checked(path: Path, name: str, command: str, columns: Collection[str] = ()) -> DataFrame:
     """Return a table whose cells have the units of ``SCHEMA``: text, numbers, or empty cells where they are allowed.
 
-    Columns that the file lacks are not read, so that files of an older program can be read. The parameters are those of
-    ``read_table``, and the key in ``SCHEMA``.
+    Columns of ``SCHEMA`` that the file lacks are skipped, so that files of an older program can be read.
+
+    Parameters:
+        path: the file.
+        name: the name of the table in ``SCHEMA``.
+        command: the command that wrote the file, for messages.
+        columns: the columns that the file must have in addition to the key of the table.
 
     Raises:
         DataError: the file is missing or damaged, a number is missing or is no number, or a row is repeated; the

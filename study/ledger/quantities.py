@@ -41,6 +41,11 @@ def fit(h: Array, error: Array, power: float = 0) -> float:
 
     The weights are optimal if the variance of the logarithm of an error is proportional to h^power.
 
+    Parameters:
+        h: the mesh sizes, which must decrease, (levels,).
+        error: the errors, (levels,).
+        power: the exponent in the weights; 0 for equal weights.
+
     Raises:
         RatesError: mesh sizes do not decrease, or errors are not positive and finite.
     """

@@ -73,8 +73,8 @@ class CheckKind(StrEnum):
     """What a check tests.
 
     CLAIM: a claim of the paper. CONSEQUENCE: a prediction that follows from the theory of the paper or of this study.
-    ACCURACY: other errors are small. IDENTITY: a relation that is proved for every mesh, so that it
-    fails only if the program or the proof is wrong.
+    ACCURACY: errors that are not the subject of a claim, such as errors of time steps or quadrature, are small.
+    IDENTITY: a relation that is proved for every mesh, so that it fails only if the program or the proof is wrong.
     """
 
     CLAIM = "claim"

@@ -83,7 +83,12 @@ def is_two_sided(low: float, high: float) -> bool:
 def position(value: float, low: float, high: float) -> float:
     """Return the position of a value in the window [low, high], whose ends have the positions −1 and 1.
 
-    If only one end can be reached, it has the position 1, and the position is the share of the window that is used.
+    If only one end of the window is a limit (``is_two_sided`` is false), this end has the position 1. Then the position
+    is the value divided by the upper end or, if the upper end is ∞, the lower end divided by the value.
+
+    Parameters:
+        value: the value.
+        low, high: the ends of the window; ``high`` may be ∞.
     """
     if isinf(high):
         return low / value if value > 0 else inf
@@ -93,7 +98,10 @@ def position(value: float, low: float, high: float) -> float:
 def at_most(high: float, why: str = "", low: float = 0.0) -> Window:
     """Return the tolerance window of values up to ``high``.
 
-    The lower end is 0; quantities that may be negative need ``low=-inf``.
+    Parameters:
+        high: the upper end.
+        why: the reason for the end.
+        low: the lower end. Quantities that may be negative need −∞.
     """
     return Window(low, high, why)
 
@@ -109,12 +117,24 @@ def at_least(low: float, why: str = "") -> Window:
 
 
 def around(predicted: float, room: float, why: str = "") -> Window:
-    """Return the tolerance window from ``predicted`` − ``room`` to ``predicted`` + ``room``."""
+    """Return the tolerance window from ``predicted`` − ``room`` to ``predicted`` + ``room``.
+
+    Parameters:
+        predicted: the predicted value.
+        room: the largest accepted difference from it.
+        why: the reason for the window.
+    """
     return between(predicted, predicted, room, room, why)
 
 
 def between(least: float, largest: float, below: float, above: float, why: str = "") -> Window:
-    """Return the tolerance window around an interval of predictions, from least − below to largest + above."""
+    """Return the tolerance window around an interval of predictions, from least − below to largest + above.
+
+    Parameters:
+        least, largest: the smallest and the largest predicted value.
+        below, above: the accepted differences below and above this interval.
+        why: the reason for the window.
+    """
     return Window(least - below, largest + above, why, (least, largest))
 
 

@@ -213,6 +213,11 @@ def cell_colours(picture: Picture, instant: int, scale: BodyScale) -> Array:
 
     In 3D, the colour of a triangle on a contact face shows the mean pressure at its corners; the colours of all other
     triangles show their von Mises stress.
+
+    Parameters:
+        picture: the data of the picture.
+        instant: the index of the time.
+        scale: the colour scales of the stress and of the pressure.
     """
     colours = scale.stress_colours.to_rgba(picture.von_mises[instant])
     for face in picture.polygons:
@@ -708,6 +713,14 @@ def values_of_sketch() -> Json:
 
 
 def arrow(axes: Axes, start: Any, end: Any, colour: str, head: float = 6, **more: Any) -> None:
-    """Draw an arrow between two points; ``head`` is the size of its head in points."""
+    """Draw an arrow between two points.
+
+    Parameters:
+        axes: the axes.
+        start, end: the two points in the coordinates of the axes; the head is at ``end``.
+        colour: the colour.
+        head: the size of the head in typographic points.
+        more: further arguments of Matplotlib's ``annotate``.
+    """
     style = dict(arrowstyle="-|>", color=colour, lw=0.9, shrinkA=0, shrinkB=0, mutation_scale=head)
     axes.annotate("", tuple(end), tuple(start), arrowprops=style, **more)

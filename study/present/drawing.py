@@ -222,6 +222,11 @@ def drawn_for_use(drawing: Drawing) -> Figure:
 def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> Paths:
     """Draw one figure, save it in each format, its caption in a txt file, and its data in a csv file.
 
+    Parameters:
+        directory: the directory of the files.
+        drawing: the figure.
+        output: the file formats and the style, for example for the article.
+
     Returns:
         The paths of the files.
 

@@ -176,7 +176,12 @@ def write_junit(path: Path, verdicts: Verdicts) -> None:
 
 
 def observed_text(observed: float, low: float, high: float) -> str:
-    """Return an observed value with its range as text; if one end is infinite, the other end as a bound."""
+    """Return an observed value with its range as text, for example "0.98 in [0.93, 1.06]" or "at most 0.3".
+
+    Parameters:
+        observed: the value; NaN if nothing was measured.
+        low, high: the smallest and the largest of the judged values. If one is infinite, only the other one is given.
+    """
     if isnan(observed):
         return "no number"
     if isinf(low) and isinf(high):

@@ -146,6 +146,11 @@ def draw_case(directory: Path, case: str, charts: Sequence[Drawing]) -> Json:
     ``frames`` are the images of the animation, each as its text and its address, which contains the image. ``zone`` is
     the picture of the contact zone, as its caption and address.
 
+    Parameters:
+        directory: the directory of a run.
+        case: the name of the case.
+        charts: the charts of the case, not drawn yet.
+
     Raises:
         DataError: the file of the case is missing or damaged, or an older version wrote it without displacements over
             time.

@@ -268,7 +268,16 @@ def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int
 
 
 def write_vtk(directory: Path, name: str, series: MeshSeries) -> Paths:
-    """Write the files ``name-000.vtu``, ``name-001.vtu``, …, one for each time, and ``name.pvd``, which lists them."""
+    """Write the files ``name-000.vtu``, ``name-001.vtu``, …, one for each time, and ``name.pvd``, which lists them.
+
+    Parameters:
+        directory: the directory of the files.
+        name: the beginning of the file names.
+        series: a mesh, and fields on it at several times.
+
+    Returns:
+        The paths of the files, with ``name.pvd`` first.
+    """
     root = Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     collection = SubElement(root, "Collection")
     files = []

@@ -30,8 +30,10 @@ class Column:
 
     Attributes:
         name: name in the CSV file.
-        heading: heading in the other files.
-        kind: "words", "names", "numbers" or "orders".
+        heading: heading in the Markdown and LaTeX files.
+        kind: what the cells contain: "words" are texts, in which formulas are recognised and set as LaTeX formulas;
+            "names" are identifiers such as the name of a case, in which nothing is a formula; "numbers" have four
+            significant digits, "orders" three decimals.
         width: the fraction of the line at which LaTeX folds the text; None if it is not folded.
     """
 
@@ -77,7 +79,13 @@ class Table:
 
     @classmethod
     def of(cls, name: str, values: DataFrame, grouped: int = 2) -> Table:
-        """Return the table with the columns of ``page/tables.toml`` and these values."""
+        """Return a table whose columns are described in ``page/tables.toml``.
+
+        Parameters:
+            name: the name of the table in that file.
+            values: the values, with at least these columns.
+            grouped: the number of columns, from the first, whose cells are headings of groups of rows.
+        """
         columns = columns_of(name)
         cells = {column.name: [column.text(value) for value in values[column.name]] for column in columns}
         return cls(name, columns, DataFrame(cells, dtype=str), grouped)

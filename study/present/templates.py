@@ -247,12 +247,24 @@ ENVIRONMENT = Environment(
 
 
 def least(rows: DataFrame, decimals: int = 2, scale: float = 1) -> str:
-    """Return the smallest value in the column ``low`` of rows of ``claims.csv``, times a scale, rounded down."""
+    """Return the smallest value in the column ``low`` of rows of ``claims.csv`` as text, rounded down.
+
+    Parameters:
+        rows: the rows.
+        decimals: the number of decimals.
+        scale: a factor, for example 100 for per cent.
+    """
     return below(scale * rows.low.min(), decimals)
 
 
 def most(rows: DataFrame, decimals: int = 2, scale: float = 1) -> str:
-    """Return the largest value in the column ``high`` of rows of ``claims.csv``, times a scale, rounded up."""
+    """Return the largest value in the column ``high`` of rows of ``claims.csv`` as text, rounded up.
+
+    Parameters:
+        rows: the rows.
+        decimals: the number of decimals.
+        scale: a factor, for example 100 for per cent.
+    """
     return above(scale * rows.high.max(), decimals)
 
 

@@ -283,8 +283,13 @@ def remainder(space: Displacements, G: Elasticity, factor: Array) -> VectorFunct
 def velocities(problem: SemiDiscrete, scheme: Tableau, steps: int) -> Iterator[tuple[State, Array]]:
     """Solve the problem and yield pairs of the state at t_n and the velocity δu_n, n = 0, …, steps.
 
-    The velocity δu_n is the difference quotient of the time scheme. The scheme does not define δu_0, so δu_1 is used
-    for it.
+    The velocity δu_n, (dofs,), is the difference quotient of the time scheme. The scheme does not define δu_0, so δu_1
+    is used for it.
+
+    Args:
+        problem: the semi-discrete problem.
+        scheme: the time scheme.
+        steps: the number of time steps.
     """
     k = step_size(problem.T, steps)
     states = scheme.march(problem, steps)

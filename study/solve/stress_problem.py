@@ -194,11 +194,11 @@ class StressState:
         strain: the strain ε_n, computed by the law from σ_n and ε_{n−1}, (D, cells).
         u: the displacement u_n, which is the Lagrange multiplier of the equation of equilibrium, (dofs,).
         multipliers: the nodal contact forces λ_n ≥ 0, (m,); NaN at t_0.
-        gap: the duality gap at which the solver stopped; 0 at t_0. It bounds the error of this step: for the same
-            ε_{n−1} and the exact σ* and ε*, the gap is at least ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in the
-            norm of C, where C is the tensor A/k + G of a step of length k. The reason: for the difference of the
-            computed and the exact point, the quadratic part of the potential is −(λ_n − λ*)·N(u_n − u*), which is at
-            most −λ_n·N u_n; N u ≤ 0 is the constraint of contact.
+        gap: the duality gap at which the solver stopped; 0 at t_0. For linear G it is −λ_n·N u_n ≥ 0, where N u ≤ 0 is
+            the constraint of contact. It bounds the error of this step. Let C = A/k + G for a step of length k, and let
+            σ*, ε*, λ*, u* solve the step exactly for the same ε_{n−1}. Then ‖σ_n − σ*‖² in the norm of C⁻¹ and
+            ‖ε_n − ε*‖² in the norm of C are equal to −(λ_n − λ*)·N(u_n − u*). This is at most the gap, because
+            λ*·N u* = 0, λ_n·N u* ≤ 0 and λ*·N u_n ≤ 0. For the law (3.3) the gap has a further term ≥ 0 on each cell.
     """
 
     time: float

@@ -168,6 +168,11 @@ class Forces:
 def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array, float, float]:
     """Solve a problem, and return errors of the contact force and violations of both sign conditions of contact.
 
+    Args:
+        setup: the problem with its exact solution.
+        forces: computes the errors of contact forces.
+        steps: the number of time steps, which replaces the number of ``setup``.
+
     Returns:
         The relative errors over (0, T) of the pressure in L²(Γ3), of the contact force in the dual norm, and of the
         total force on each face, (3,); the largest relative penetration; and the largest relative tensile force.

@@ -365,7 +365,13 @@ def induced_size(space: Space, part: Part) -> float:
 def on_face(solution: ExactSolution, space: Space, face: Face) -> Numbers:
     """Return interpolation errors in L² of normal traces on one contact face, by the names of the functions.
 
-    Functions with a linear trace are left out.
+    The functions are the exact displacement at the times in ``FUNCTIONS``, and a smooth field. Functions with a linear
+    trace are left out, because they have no interpolation error.
+
+    Args:
+        solution: the exact solution.
+        space: the space V^h, whose mesh gives the interpolant.
+        face: the contact face.
     """
     rule = rule_on(space, face.part, FACET_POINTS + RAISED_FOR_KINKS, face.rough)
     fields = {v: displacement(solution, fraction * solution.body.T) for v, fraction in FUNCTIONS.items()}
@@ -452,6 +458,12 @@ def share_of_bound(energies: Energies, v_norm: ErrorNorm, problem: SemiDiscrete,
 
     The residual R(t; v) = (σ, ε(v))_Q − (f, v)_V of an exact solution, the work of the contact force, is taken as a
     functional on V^h.
+
+    Args:
+        energies: gives the exact solution and integrates over the body.
+        v_norm: computes the load.
+        problem: the semi-discrete problem, which has the matrix of the norm of V.
+        law: the material law, which has the constants of the bound.
     """
     riesz = Cholesky(problem.M)
     exact = energies.exact
@@ -473,6 +485,11 @@ def prestress(space: Space, problem: SemiDiscrete, law: KelvinVoigt) -> Tensors:
     """Return the stress on the cells that random contact forces cause by the viscosity, (D, cells).
 
     It is A ε(z) with z = −M⁻¹Nᵀμ for random forces μ > 0, the constraint matrix N and the matrix M of (·,·)_V.
+
+    Args:
+        space: the space V^h.
+        problem: the semi-discrete problem, which has M and N.
+        law: the material law, which has A.
     """
     multipliers = np.random.default_rng(SEED).uniform(size=problem.N.shape[0])
     return on_cells(space, law).A(space.strain(-Cholesky(problem.M)(problem.N.T @ multipliers)))
@@ -531,10 +548,11 @@ class ErrorBounds(ListedNumbers):
     overestimates, because one constant serves several terms, and because L combines the largest slope of G with the
     smallest eigenvalue of A.
 
-    **The ratio under refinement.** The error has the order min(1, s). The right side has the order of its term of
-    lowest order (``manufactured.regularity``): min(1, s') from η̇ in both bounds, and in (5.42) min(1, τ/2) from
-    ‖η_ν‖^{1/2}. Only the cell of the front contributes to ∫ σ_ν η_ν, which is of order λ and more. Let γ be the order
-    of the error minus the order of the term:
+    **The ratio under refinement.** Let u(t) ∈ H^{1+s}, u̇(t) ∈ H^{1+s'} and u_ν ∈ H^τ(Γ3) (``manufactured.regularity``).
+    The error has the order min(1, s). The right side has the order of its term of lowest order: min(1, s') from η̇ in
+    both bounds, and in (5.42) also min(1, τ/2) from ‖η_ν‖^{1/2}. In (5.21) the contact term has at least the order of
+    η̇, because only cells with a front contribute to ∫ σ_ν η_ν: elsewhere σ_ν = 0 or η_ν = 0. Let γ be the order of the
+    error minus the order of the term:
 
     * γ = 0: the ratio does not change like a power of h.
     * γ > 0: the bound is of lower order than the error, and the ratio is **not** bounded. The term over the error grows

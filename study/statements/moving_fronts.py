@@ -99,10 +99,10 @@ def half_quotient(problem: SemiDiscrete, states: Array) -> float:
 
 
 def euler_quotient(flow: EulerBounds, states: Array) -> float:
-    """Return Σ_n ‖δ_n − δ_{n−1}‖² for the velocities δ_n of backward Euler, divided by its bound in ``HalfDerivative``.
+    """Return Σ_n ‖δ_n − δ_{n−1}‖_V² for velocities δ_n of backward Euler, divided by its bound in ``HalfDerivative``.
 
     δ_n = (U_n − U_{n−1})/k are difference quotients of the displacements U_n with the step k, and δ_0 is the initial
-    velocity.
+    velocity u̇^h(0+) of the semi-discrete solution.
 
     Args:
         flow: the problem, with its loads at the time nodes t_0, …, t_N and the Lipschitz constant κ = L_G/m_A.
@@ -118,43 +118,26 @@ def euler_quotient(flow: EulerBounds, states: Array) -> float:
 class HalfDerivative(ListedNumbers):
     """Measures half a derivative in time of the discrete velocity u̇^h, divided by its bound.
 
-    Beyond the paper: u̇^h has half a derivative in time, and the nodal errors of the projection P_h onto V^h in (·,·)_V
-    have a bound.
+    Beyond the paper: u̇^h has half a derivative in time. This is a lemma in the proof of the order of the error at
+    moving fronts (paper/velocity.tex).
 
-    Both statements are lemmas with which the order of the error at moving fronts is proved (paper/velocity.tex,
-    paper/fronts.tex). Here they are measured themselves.
-
-    **Half a derivative.** Let g = P_h(f − Bu^h) and C_2 = 2MW + M²/2 + MΞ with M = max ‖u̇^h‖, W = Var g and Ξ = max ‖g
-    − u̇^h‖ in the norm of V. The lemma says for 0 < δ < T/2
+    Let f be the load, B the operator of (4.2), P_h the projection onto V^h in (·,·)_V, and g = P_h(f − Bu^h). In the
+    norm of V let M = max ‖u̇^h‖, W = Var g, Ξ = max ‖g − u̇^h‖ and C_2 = 2MW + M²/2 + MΞ. The lemma says for 0 < δ < T/2
 
         1/δ ∫_0^δ ∫_0^{T−δ} ‖u̇^h(t + τ) − u̇^h(t)‖² dt dτ ≤ C_2 δ.
 
-    Measured is the largest quotient of both sides over δ = 2k, 4k, 8k, … up to T/4, for the midpoint rule with k =
-    T/(4n). Backward Euler has an exact counterpart for every step: with δ_0 = u̇^h(0+) and the difference quotients
-    δ_n,
+    For the midpoint rule with the time step k = T/(4n), the left side is divided by the right side; the largest
+    quotient over δ = 2k, 4k, 8k, … up to T/4 is measured. For backward Euler a similar inequality holds for every time
+    step k. With the difference quotients δ_n = (U_n − U_{n−1})/k of its values U_n, δ_0 = u̇^h(0+) and κ = L_G/m_A,
 
         Σ_n ‖δ_n − δ_{n−1}‖² ≤ ‖δ_0‖² + 2 max_n ‖δ_n‖ (Var f + κ Σ_n k ‖δ_n‖).
 
-    **Nodal errors.** The solution u is an advancing natural front (``manufactured.cases.rough.natural_motion``). Its
-    part near the front is u_s = ζ u with the cut-off ζ = (1 − r²/R²)_+^4, R = 1/5. The lemma says, with L = |log h|,
-    for all vertices a of Γ3
+    The quotient of both sides is measured as well.
 
-        |(P_hu_s − Π^hu_s)_ν(a)| ≤ C h² L (h + |a − x(t)|)^{−1/2}.
-
-    θ(t) is the factor of the singular field. Two numbers are measured over eight places of the front in an edge. The
-    first is the largest C/θ, with the least C for which the inequality holds. The second is the largest signed error
-    (P_hu_s)_ν(a)/(θ h^{3/2}) at vertices in contact, at most three edges behind the front. There u_ν = 0, so P_hu_s
-    violates the constraint where it is positive.
-
-    **Predicted** before these programs existed, from prototypes:
-
-    * Both quotients are at most 1, as proved. The first is about 0.13 (largest of 84 small systems) and does not grow
-      with n: finest / coarsest ≤ 1.25. If u̇^h had no bound in this norm, it would grow like n.
-    * C ≤ 1.5 on all mesh families: 0.3 to 0.9 for n ≤ 128, but 0.9 to 2.2 for a cut-off that keeps more of u. It may
-      still rise slowly.
-    * The largest signed nodal error over eight shaken meshes is at least 0.01: in the prototype, which did not cut u
-      off, single shaken meshes had −0.2 to 0.09. So an estimate by the sign, which fine meshes with one diagonal
-      suggest, is false in general. It is a maximum over random meshes: on a single one either sign may occur.
+    **Predicted** before these programs existed, from prototypes: both quotients are at most 1, as proved. The quotient
+    for the midpoint rule is about 0.13, the largest value of 84 small systems. It does not grow with n: its value on
+    the finest mesh is at most 1.25 times its value on the coarsest mesh. If u̇^h did not have half a derivative in time
+    uniformly in h, the quotient would grow like n.
     """
 
     label = "beyond: half a derivative"
@@ -192,7 +175,29 @@ SIGN = consequence(
 class NodalErrors(ListedNumbers):
     """Measures nodal errors of the projection P_hu of the exact displacement u near an advancing natural front.
 
-    P_h is the projection onto V^h in (·,·)_V. Errors are measured at the vertices of the contact boundary.
+    Beyond the paper: a bound of these errors at the vertices of Γ3. It is a lemma in the proof of the order of the
+    error at moving fronts (paper/fronts.tex).
+
+    P_h is the projection onto V^h in (·,·)_V. The exact displacement u is an advancing natural front
+    (``manufactured.cases.rough.natural_motion``): at the time t it is θ(t) times a field that is singular at the point
+    x(t) of Γ3, the front. Only its part near the front is projected, u_s = ζ u with the cut-off ζ = (1 − r²/R²)_+^4,
+    where r is the distance from the front and R = 1/5. The lemma says, with L = |log h|, for all vertices a of Γ3
+
+        |(P_hu_s − Π^hu_s)_ν(a)| ≤ C h² L (h + |a − x(t)|)^{−1/2}.
+
+    Two numbers are measured, each over eight positions of the front within an edge:
+
+    * the largest C/θ, where C is the least number for which the inequality holds;
+    * the largest signed error (P_hu_s)_ν(a)/(θ h^{3/2}) at vertices in contact, at most three edges behind the front.
+      There u_ν = 0, so P_hu_s violates the contact constraint at a if the number is positive.
+
+    **Predicted** before these programs existed, from prototypes:
+
+    * C/θ ≤ 1.5 on all mesh families. The prototypes had 0.3 to 0.9 for n ≤ 128, and 0.9 to 2.2 for another cut-off that
+      leaves more of u. C/θ may still rise slowly on finer meshes.
+    * The signed error is at least 0.01 on at least one of eight shaken meshes. In a prototype without a cut-off it was
+      −0.2 to 0.09 on single shaken meshes. So it is false in general that P_hu_s satisfies the contact constraint
+      behind the front, which fine one-diagonal meshes suggest.
     """
 
     label = "beyond: nodal errors"
@@ -230,8 +235,8 @@ class NodalErrors(ListedNumbers):
     def checks_of(self, case: str, groups: Groups) -> Judged:
         """Yield two checks of nodal errors of the projection P_hu onto V^h near the front.
 
-        The first bounds the constant C of ``HalfDerivative``, on all meshes. The second checks the sign of the error,
-        on all random meshes together.
+        The first bounds the constant C/θ on all meshes. The second checks the sign of the error, on all random meshes
+        together.
         """
         yield (
             consequence(
@@ -259,6 +264,11 @@ def cut_solution(solution: ExactSolution, time: float, x: Points) -> Vectors:
     """Return the displacement near the front, u_s(x) = (1 − r²/R²)_+^4 u(x), at points, (2, points).
 
     u is the exact displacement, r the distance of x from the contact front, and R = ``CUT_RADIUS``.
+
+    Args:
+        solution: the exact solution, with one contact face and one front.
+        time: the time.
+        x: the points, (2, points).
     """
     place = solution.faces[0].part.point(np.array([[front_at(solution, time)]]))
     cut = np.maximum(1 - np.sum((x - place) ** 2, axis=0) / CUT_RADIUS**2, 0.0) ** 4

@@ -204,6 +204,11 @@ def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
 
     In the plane 32 is appended to 8, 16, and 15 to 9, 12. In 3D 12 is appended to 8, because 16 would cost 2⁵ times
     more.
+
+    Args:
+        levels: the given levels, from coarse to fine.
+        needed: the smallest number of levels of the result.
+        dim: the dimension of the body.
     """
     extended = list(levels)
     while len(extended) < needed:

@@ -157,6 +157,16 @@ def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: A
 
     The zone is given at evenly spaced times and at times near which its connected parts appear, merge or vanish. The
     curves end at the first and the last contact vertex, because the pressure may be unbounded where Γ3 meets Γ1.
+
+    Args:
+        solution: the exact solution.
+        face: the contact face.
+        s: the coordinates of the contact vertices along the face, an array of any shape.
+        times: the times of the curves, (times,).
+
+    Returns:
+        The entries "zone_exact", with times and for each time the intervals of contact, and "line", with coordinates s
+        and the values of gap and pressure there at each time.
     """
     fine = np.linspace(0, face.part.measure, FACE_INTERVALS + 1)
     line = np.linspace(s.min(), s.max(), LINE + 1)

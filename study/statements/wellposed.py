@@ -480,6 +480,11 @@ def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
     all times; v(0) is a multiple of the displacement that ``softest_mode`` returns, which grows at the rate c. The load
     presses both solutions onto the foundation with twice the force that the mode needs, and balances the stress at zero
     strain.
+
+    Args:
+        space: the space V^h.
+        law: the material law, which softens.
+        T: the final time.
     """
     c, v, force = softest_mode(space, law)
     strain = abs(space.strain(v)).max()
@@ -503,6 +508,11 @@ def over_bound(setup: Experiment, law: KelvinVoigt, T: float) -> float:
     ‖f_j − g_j‖_V). The number g is max(−m, 0)/m_A ≤ ω with the monotonicity constant m of G; f_j and g_j are the loads
     of u and v. The solution u has the load of the experiment, with time scaled to T; v has another load or another
     initial value.
+
+    Args:
+        setup: the experiment, which has the mesh, the load and the initial value of u.
+        law: the material law of both solutions.
+        T: the final time.
     """
     space = setup.space
     steps = steps_for(law, T)
@@ -697,14 +707,12 @@ UNBOUNDED_VARIATION = "ε(ü) ~ (s − c)^{α−4} with α = 13/4 is not square 
 class LoadInTime(ListedNumbers):
     """Measures the variation in time, the largest increment and the norm of the discrete load f^h.
 
-    Norms in time that must be finite: of the load, (3.8) and (5.9), and of the traction, (4.12).
+    The statement is f ∈ W^{1,1}(0,T;V) for the load f, (3.8) and (5.9). It is tested by computing the norm of f^h on
+    finer and finer grids in time and space: a finite norm converges, an infinite norm grows.
 
-    The statements are f ∈ W^{1,1}(0,T;V) for the load f, and σν ∈ L^∞(0,T;L²(Γ)) for the traction on the whole
-    boundary. They are tested by computing the norm on finer and finer grids: a finite norm converges, an infinite norm
-    grows.
-
-    **(3.8).** By (5.9) f^h(t) = M⁻¹F(t) is the projection of the load f(t) onto V^h. Its *variation* on a time grid is
-    Σ_i ‖f^h(t_i) − f^h(t_{i−1})‖_V. The variation grows if the grid is refined, by the triangle inequality. Predicted:
+    By (5.9) f^h(t) = M⁻¹F(t) is the projection of the load f(t) onto V^h. Its *variation* on a time grid is
+    Σ_i ‖f^h(t_i) − f^h(t_{i−1})‖_V. The variation grows if the grid is refined, by the triangle inequality.
+    **Predicted**:
 
     * The variation grows by at most 1 % from a grid to the next finer one, if the load changes its direction finitely
       often. If the variation were not bounded, it would grow by a power of 2.
@@ -721,15 +729,6 @@ class LoadInTime(ListedNumbers):
     increments of the size k^{3/4} in V, whose sum is not bounded, and so has f, which contains u̇. The case was judged
     at first: its variation grew by 0.8, 1 and 1.3 % at n = 8, 16 and 32. Now it is only reported. Theorem 4.1 does not
     apply to this load; u ∈ W^{1,∞}(0,T;V) is known because u was constructed.
-
-    **(4.12).** The norm of the exact traction on Γ is computed on finer and finer meshes, by quadrature rules that are
-    not adapted to singularities. Its maximum is taken over twice as many times as there are cells along a side.
-    Predicted:
-
-    * The maximum converges for every case of Proposition 5.4.
-    * In ``junction`` the traction behaves like r^{−1/2} at the point where Γ1 meets Γ3. There the square of the norm
-      grows like log 1/h, that is, by the same amount from mesh to mesh. (4.12) does not hold, and the paper does not
-      claim it.
     """
 
     label = "(3.8), (5.9)"
@@ -796,9 +795,17 @@ def last_increments(levels: pd.DataFrame) -> float:
 
 
 class TractionInTime(ListedNumbers):
-    """Measures the largest norm of the traction, max_t ‖σν‖_{L²(Γ)}.
+    """Measures the largest norm over time of the exact traction, max_t ‖σν‖_{L²(Γ)}, computed on several meshes.
 
-    It must converge for the cases of Proposition 5.4, and must grow for one case with an unbounded traction.
+    The statement is σν ∈ L^∞(0,T;L²(Γ)), (4.12), for the traction on the whole boundary. Nothing is solved: a mesh only
+    gives the quadrature points on Γ, and its level n the 2n + 1 times. The quadrature rules are not adapted to
+    singularities. If the norm is finite, the computed norm converges as n grows; otherwise it grows without a bound.
+    **Predicted**:
+
+    * The computed norm converges for every case of Proposition 5.4.
+    * In ``junction`` the traction behaves like r^{−1/2} at the point where Γ1 meets Γ3. There the square of the norm
+      grows like log 1/h, that is, by the same amount from mesh to mesh. (4.12) does not hold, and the paper does not
+      claim it.
     """
 
     label = "(4.12)"

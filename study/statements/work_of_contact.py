@@ -489,7 +489,15 @@ COARSEST_LEVEL = 32
 
 
 def from_32(key: str, quantity: str, column: str, window: Window, if_missed: str = "") -> Check:
-    """Return the check of the observed orders of a column from level to level, without levels below n = 32."""
+    """Return the check of the observed orders of a column from level to level, without levels below n = 32.
+
+    Args:
+        key: the short name of the check.
+        quantity: the judged quantity in words.
+        column: the name of the column with the errors.
+        window: the window in which all orders must lie.
+        if_missed: if an order outside the window contradicts no claim, the reason for that.
+    """
     orders = level_by_level(column)
     return consequence(
         key,
@@ -831,6 +839,11 @@ def interpolation_error(solution: ExactSolution, space: Space, time: float) -> f
     """Return the largest interpolation error on Γ3 at one time, max |u − Π^h u|.
 
     It equals max |w − Π^h w| for the gap w, because u has no tangential component on Γ3.
+
+    Args:
+        solution: the exact solution, with one contact face.
+        space: the space V^h, which gives the interpolation Π^h.
+        time: the time.
     """
     (face,) = solution.faces
     rule = rule_on(space, face.part, FACET_POINTS)
@@ -921,7 +934,7 @@ class Rollers(ListedNumbers):
       vertices, whose contributions are nearly independent. So the excess has the relative standard deviation ~ ½
       N^{-1/2}, and single orders scatter;
     * ½ ± 0.3 on unstructured meshes;
-    * ½ with alternating diagonals also if the pressure (Q) or the gap (ω) is doubled;
+    * ½ with alternating diagonals also if the factor Q of the pressure or the factor ω of the gap is doubled;
     * 1 ± 0.25 for patches that do not move, because displacements remain at few vertices only. The bound does not show
       this.
 

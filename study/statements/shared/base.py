@@ -327,6 +327,12 @@ class Experiment:
         """Return the discretisation of the paper for an exact solution, on one mesh with a time scheme.
 
         ``SemiDiscrete.of_exact`` describes the discretisation in space.
+
+        Args:
+            solution: the exact solution.
+            family, level: the mesh family and the level of the mesh.
+            scheme: the time scheme.
+            steps: the number of time steps.
         """
         space = Space(family(solution.body, level), solution.body)
         v_norm = ErrorNorm(solution, space)
@@ -334,5 +340,11 @@ class Experiment:
 
     @classmethod
     def at(cls, setting: Setting, scheme: Tableau, steps: int) -> Experiment:
-        """Return the discretisation of the paper for the case and the mesh of a setting."""
+        """Return the discretisation of the paper for the case and the mesh of a setting.
+
+        Args:
+            setting: the case, the mesh family and the level.
+            scheme: the time scheme.
+            steps: the number of time steps.
+        """
         return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, scheme, steps)

@@ -47,7 +47,13 @@ def cells(family: str) -> int:
 
 
 def unknowns(dim: int, n: int, family: str) -> int:
-    """Return the number of unknowns of a P1 displacement on the mesh of level n."""
+    """Return the number of unknowns of a P1 displacement on a mesh.
+
+    Args:
+        dim: the dimension of the body.
+        n: the level of the mesh.
+        family: the name of the mesh family.
+    """
     return dim * (n + 1) ** dim * (cells(family) if dim == 2 else 1)
 
 
@@ -55,6 +61,11 @@ def displacement(dim: int, n: int, family: str) -> float:
     """Return the memory in bytes for solving the displacement problem (Problem 5.1) on the mesh of level n of a family.
 
     The stress problem (Problem 3.2) on the strains of P1 displacements needs as much memory.
+
+    Args:
+        dim: the dimension of the body.
+        n: the level of the mesh.
+        family: the name of the mesh family.
     """
     return BASE + PER_UNKNOWN[dim] * unknowns(dim, n, family)
 
@@ -102,5 +113,12 @@ def require_factorisation(cells: int, refinements: int) -> None:
 
 
 def task(dim: int, n: int, family: str, steps: int) -> float:
-    """Return the memory in bytes for writing a task: a contact problem with time steps, for other codes."""
+    """Return the memory in bytes for writing a task: a contact problem with time steps, for other codes.
+
+    Args:
+        dim: the dimension of the body.
+        n: the level of the mesh.
+        family: the name of the mesh family.
+        steps: the number of time steps.
+    """
     return displacement(dim, n, family) + TEXT_PER_UNKNOWN[dim] * unknowns(dim, n, family) * steps
