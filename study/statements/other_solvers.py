@@ -20,7 +20,7 @@ from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors, mandel
 from study.fem.error_norm import rules
 from study.fem.naming import family_named, resolve
-from study.fem.quadrature import facet_rule
+from study.fem.quadrature import blocks, facet_rule
 from study.ledger.check import accuracy
 from study.ledger.codes import FROZEN, MADE, MARCH, NOT_EXPRESSED, OtherErrors
 from study.ledger.datafiles import CsvFile
@@ -38,9 +38,9 @@ from study.statements.shared.norms import hat_functions, maximum
 from study.statements.shared.scope import Scope
 from study.statements.shared.tasks import FROZEN_TIMES, Task
 
-FINE_DEGREE, FINE_SOLID_DEGREE = 10, 6
+FINE_DEGREE = {2: 10, 3: 6}
 """Degrees of the quadrature rule on cells in 2D and in 3D. The first solver uses the degrees 4 and 2."""
-FINE_POINTS, FINE_SOLID_POINTS = 20, 6
+FINE_POINTS = {2: 20, 3: 6}
 """Number of Gauss points on a contact facet in 2D, and in each direction of a facet in 3D."""
 SETTLED, MOST_ITERATIONS = 1e-12, 100
 """Relative change at which the fixed-point iteration of a time step stops, and its largest number of iterations."""
@@ -96,8 +96,7 @@ class PlainProblem:
             touching = face.part.contains(mesh.p, tolerance)
             boundary = mesh.boundary_facets()
             facets = boundary[touching[mesh.facets[:, boundary]].all(axis=0)]
-            count = FINE_POINTS if self.dim == 2 else FINE_SOLID_POINTS
-            rule = facet_rule(mesh, facets, face.part, face.rough, count)
+            rule = facet_rule(mesh, facets, face.part, face.rough, FINE_POINTS[self.dim])
             nodal = hat_functions(mesh, rule).T * rule.weights.ravel()
             load = sps.csr_array(sps.kron(nodal, face.part.normal[:, None]))[self.free]
             self.faces.append((load, solution.on(face, rule.s)))
@@ -118,7 +117,7 @@ class PlainProblem:
 
     def _set_strains(self, mesh: Mesh) -> None:
         """Set the quadrature points in the cells, with the law and the exact solution there, and the strain matrix."""
-        on_cells = rules(self.solution, mesh, FINE_DEGREE if self.dim == 2 else FINE_SOLID_DEGREE)
+        on_cells = rules(self.solution, mesh, FINE_DEGREE[self.dim])
         self.cell = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in on_cells])
         self.weights = np.concatenate([rule.weights.ravel() for rule in on_cells])
         self.sums = sps.csr_array((self.weights, (self.cell, np.arange(self.cell.size))))
@@ -142,25 +141,25 @@ class PlainProblem:
         return sps.csc_array(self.E.T @ tensor @ self.E)
 
     def work(self, stress: Tensors) -> Array:
-        """Return the work (σ, ε(φ_i))_Q of a stress σ on the strains of all basis functions φ_i, (n,).
+        """Return the work (σ, ε(φ_i))_Q of a stress σ on the strains of all basis functions φ_i, (n, ...).
 
         Args:
-            stress: σ at the quadrature points in the cells, (D, points).
+            stress: σ at the quadrature points in the cells, (D, points), or at several times, (D, points, times).
         """
-        return self.E.T @ (self.sums @ stress.T).T.ravel()
+        return self.E.T @ np.concatenate([self.sums @ component for component in stress])
 
     def strain(self, v: Array) -> Tensors:
         """Return the strain ε(v) at the quadrature points in the cells, (D, points)."""
         return np.take((self.E @ v).reshape(-1, self.sums.shape[0]), self.cell, axis=1)
 
-    def load(self, time: float) -> Array:
-        """Return the load vector at one time, from the exact stress and pressure, (n,).
+    def load(self, times: Array) -> Array:
+        """Return the load vectors at several times, from the exact stress and pressure, (n, times).
 
-        Its entries are (σ, ε(v))_Q + ∫_{Γ3} p v_ν for the basis functions v, with the stress σ and the contact pressure
-        p.
+        Their entries are (σ, ε(v))_Q + ∫_{Γ3} p v_ν for the basis functions v, with the stress σ and the contact
+        pressure p.
         """
-        on_faces = [load @ exact.pressure(time).ravel() for load, exact in self.faces]
-        return self.work(self.exact.stress(time)) + np.sum(on_faces, axis=0)
+        on_faces = [load @ exact.pressure(times).reshape(-1, times.size) for load, exact in self.faces]
+        return self.work(self.exact.stress(times)) + np.sum(on_faces, axis=0)
 
     def interpolant(self, time: float) -> Array:
         """Return the nodal interpolant Π^h u(t) of the exact displacement, (n,)."""
@@ -183,12 +182,12 @@ class PlainProblem:
         multipliers, _ = nnls(self._root, solve_triangular(self._root, self.N @ free, trans="T"))
         return k * (free - self._response @ multipliers), multipliers
 
-    def trajectory(self, steps: int, load: Callable[[float], Array]) -> Trajectory:
+    def trajectory(self, steps: int, load: Callable[[Array], Array]) -> Trajectory:
         """Solve the problem by the midpoint rule from the initial value Π^h u_0, the nodal interpolant.
 
         Args:
             steps: the number of time steps.
-            load: the function from a time t to the load vector F(t), (n,).
+            load: the function from several times to the load vectors F, (n, times).
 
         Returns:
             The displacements and the contact forces at the time nodes. The contact forces at t = 0 are set to 0.
@@ -198,9 +197,10 @@ class PlainProblem:
         guess = u
         displacements = [u]
         forces = [np.zeros(self.N.shape[0])]
-        for n in range(steps):
+        loads = [load(times) for times in blocks((np.arange(steps) + 0.5) * k, self.cell.size)]
+        for at_midpoint in np.hstack(loads).T:
             before = u
-            b = load((n + 0.5) * k) + self.M @ u / k
+            b = at_midpoint + self.M @ u / k
             for _ in range(MOST_ITERATIONS):
                 u, multipliers = self.contact(b - self.elastic((guess + before) / 2), k)
                 if self.norm(u - guess) <= SETTLED * self.norm(u):

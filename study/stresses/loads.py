@@ -128,6 +128,7 @@ class ProjectedLoads:
         self._degree = max(LEAST_FORCE_DEGREE, 2 * space.degree) + raised
         self._lines = [Line(*line) for line in data.lines]
         self._cut = np.concatenate([*rough_cells(self._thirds, self._lines, data.points), np.empty(0, dtype=int)])
+        self._inverse_mass = np.linalg.inv(triangle_mass(space.degree))
         self._parts = [_Edges(data, space, part, edges) for part, edges in space.on(Kind.LOADED)]
 
     def __call__(self, time: float) -> Loads:
@@ -169,20 +170,18 @@ class ProjectedLoads:
         """Return the projected loads at a time, and norms of the part of the loads that the projection leaves out."""
         space = self.space
         thirds = 3 * space.cells
-        lower, more = (degree * (degree + 1) // 2 for degree in (space.degree, space.degree + 1))
-        force = np.empty((thirds, lower, 2))
+        force = np.empty((thirds, len(space.force_shapes), 2))
         squares = np.empty(thirds)
-        moments = np.empty((thirds, more, 2))
+        moments = np.empty((thirds, len(self._inverse_mass), 2))
         for block, values in self._evaluated(time):
             here = block.rule.cells
             force[here], squares[here], moments[here] = block.split(values)
-        surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
-        on_edges = np.zeros(len(surface))
+        surface = np.zeros((len(space.lengths), space.degree + 1, 2))
+        on_edges = np.zeros_like(space.lengths)
         for loaded in self._parts:
             surface[loaded.edges], on_edges[loaded.edges] = loaded.split(time)
         of_cells = moments.reshape(space.cells, 3, -1, 2).sum(axis=1)
-        inverse = np.linalg.inv(triangle_mass(space.degree))
-        low_order = (of_cells * (inverse @ of_cells)).sum(axis=(1, 2)) / space.volumes
+        low_order = (of_cells * (self._inverse_mass @ of_cells)).sum(axis=(1, 2)) / space.volumes
         high_order = squares.reshape(-1, 3).sum(axis=1) - low_order
         low, high = (np.sqrt(np.maximum(square, 0.0)) for square in (low_order, high_order))
         return Snapshot(Loads(force.reshape(space.cells, 3, -1, 2), surface), LeftOut(low, high, on_edges))
