@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from manufactured.arguments import checked
-from manufactured.html import picture
 from manufactured.tensors import Array, Hyperplane, Points, mapped
 
 # A flat part of the boundary of a body, or an interface inside it.
@@ -388,13 +387,6 @@ class Body:
     def sample(self, rng: np.random.Generator, count: int) -> Points:
         """Return uniformly distributed random points of the body, (d, count)."""
         return scattered(rng, self.vertices, self.contains, count)
-
-    def _repr_html_(self) -> str:
-        """Return HTML for notebooks: a picture with the boundary parts, and the final time."""
-        parts = (*self.parts, *self.interfaces)
-        kinds = [part.kind.value for part in parts]
-        corners = np.array([part.corners.T for part in parts if self.dim == 2])
-        return f"{picture(kinds, corners)}<p>T = {self.T:g}</p>"
 
 
 def _check_parts(body: Body) -> None:

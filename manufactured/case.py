@@ -14,7 +14,6 @@ from manufactured.contact import ContactFace, Face
 from manufactured.exact import ExactSolution
 from manufactured.face_formula import FaceFormula, read_off
 from manufactured.face_strain import Memory, Prescribed
-from manufactured.html import table
 from manufactured.profile import ZERO
 from manufactured.regularity import Regularity
 from manufactured.self_proof import INITIAL_GAP_ADVICE
@@ -148,11 +147,6 @@ class Case:
         treat.
         """
         return INITIAL_GAP if self.solution.has_initial_gap else self.regularity.proposition
-
-    def _repr_html_(self) -> str:
-        """Return HTML for notebooks: name, summary, predicted order with its reason, and the solution."""
-        rows = [("case", self.name), ("contact zone", self.summary), ("predicted order", f"{self.order:g}")]
-        return table([*rows, ("reason", self.reason)]) + self.solution._repr_html_()
 
 
 def _gap_formulas(face: Face, T: float) -> list[FaceFormula]:

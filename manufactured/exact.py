@@ -23,7 +23,6 @@ from manufactured.contact import (
     first_indices,
     plus,
 )
-from manufactured.html import table
 from manufactured.law import AtPoints, KelvinVoigt, LawError, PointLaw, Scaled
 from manufactured.modes import Modes, at_each, pointwise
 from manufactured.symbols import Values
@@ -325,16 +324,6 @@ class ExactSolution:
                 times outside [0, T].
         """
         return FaceFields(self, face, coordinates(s, self.body.dim - 1, "points of a face"))
-
-    def _repr_html_(self) -> str:
-        """Return HTML for notebooks, with the body, the law and the contact data of every piece of Γ3."""
-        rows: list[tuple[str, object]] = [("law", self.law.name)]
-        for number, face in enumerate(self.faces, start=1):
-            pressure = getattr(getattr(face, "strain", face), "pressure", None)
-            formulas = {"gap w": face.gap, "pressure p": pressure, "level ψ, contact where ψ ≥ 0": face.level}
-            formulas |= {"slip z": getattr(face, "slip", ()) or None}
-            rows += [(f"piece {number}: {name}", value) for name, value in formulas.items() if value is not None]
-        return self.body._repr_html_() + table(rows)
 
 
 class Fields:

@@ -51,10 +51,9 @@ SINGLE_MODULES = ("study/statements/*.py",)
 EXCLUDED_MODULES = (
     "manufactured/catalogue.py",
     "manufactured/colours.py",
-    "manufactured/html.py",
     *sorted({f"manufactured/cases/{module}.py" for module in MODULES.values()}),
 )
-"""Modules that list the cases, name colours, draw pictures in notebooks, or make cases.
+"""Modules that list the cases, name colours, or make cases.
 
 No result depends on them, except through the value of its case.
 """
