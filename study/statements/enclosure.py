@@ -238,7 +238,16 @@ class Bounds(Statement):
         return {"row": row, "times": times}
 
     def records(self, setting: BoundSetting, found: Row) -> Records:
-        """Yield one row of ``bounds.csv``, and one row of ``enclosures.csv`` for every time."""
+        """Yield the rows of one measurement as pairs (data file, row).
+
+        First comes the row of ``bounds.csv``, then one row of ``enclosures.csv`` for every saved time, which repeats
+        the key of the first row.
+
+        Args:
+            setting: the setting, which is not used because the measured row contains it.
+            found: the result of ``measure``: "row", the row of ``bounds.csv``, and "times", the columns of
+                ``enclosures.csv`` with their values at the saved times.
+        """
         yield BOUNDS, found["row"]
         common = {name: found["row"][name] for name in BOUNDS.key}
         for line in zip(*found["times"].values(), strict=True):
