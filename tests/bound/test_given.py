@@ -2,8 +2,6 @@
 
 import re
 import sys
-from pathlib import Path
-from types import SimpleNamespace
 
 import h5py
 import meshio
@@ -28,7 +26,7 @@ from manufactured import (
 from study.bound.bounded import contact_sentences
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import compute_static
-from study.bound.fields import _together, read
+from study.bound.fields import read
 from study.bound.given import SINGLE, _check_cells, _on_boundary, bound_displacement, given
 from study.bound.problem import BoundError
 from study.bound.trajectory import compute, on_refinement
@@ -358,10 +356,14 @@ FIELD = """
 <DataItem DataType="Float" Dimensions="3 2" Format="XML">0 0 0 0 0 0</DataItem>
 </Attribute>
 """
-SERIES = """
+
+
+def series(mesh, field=FIELD):
+    """A file in the form XDMF, with another mesh or another field at the second of two times."""
+    return f"""
 <Xdmf Version="3.0"><Domain><Grid GridType="Collection" CollectionType="Temporal">
-<Grid GridType="Uniform"><Time Value="0"/>{mesh}{u}</Grid>
-<Grid GridType="Uniform"><Time Value="1"/>{later}{u}</Grid>
+<Grid GridType="Uniform"><Time Value="0"/>{MESH}{FIELD}</Grid>
+<Grid GridType="Uniform"><Time Value="1"/>{mesh}{field}</Grid>
 </Grid></Domain></Xdmf>
 """
 
@@ -379,8 +381,10 @@ def unusable(tmp_path_factory):
         "untimed.pvd": step.format('file="mine-0.vtu"'),
         "bomb.pvd": step.format('timestep="0" file="bomb.xdmf"'),
         **dict.fromkeys(("bomb.xdmf", "bomb.xmf"), '<Xdmf><DataItem Format="HDF">bomb.h5:/u</DataItem></Xdmf>'),
-        "moved.xdmf": SERIES.format(mesh=MESH, later=MESH.replace("0 0 1 0 0 1", "0 0 1 0 0 2"), u=FIELD),
-        "strange.xdmf": SERIES.format(mesh=MESH, later="<Geometry/>", u=FIELD),
+        "moved.xdmf": series(MESH.replace("0 0 1 0 0 1", "0 0 1 0 0 2")),
+        "turned.xdmf": series(MESH.replace("0 1 2", "1 2 0")),
+        "other.xdmf": series(MESH, FIELD.replace('"u"', '"w"')),
+        "strange.xdmf": series("<Geometry/>"),
     }
     for name, text in texts.items():
         (directory / name).write_text(text)
@@ -404,24 +408,26 @@ def unusable(tmp_path_factory):
 
 @pytest.mark.parametrize(
     ("name", "message"),
-    [
-        ("missing.npz", "there is no file"),
-        ("noise.vtu", "noise.vtu is broken, incomplete or no .*: write it again"),
-        ("noise.npz", "noise.npz is no .npz file: write it by numpy.savez, with the arrays points, triangles"),
-        ("noise.frd", "a format that cannot be read: expected .npz, .*; docs/tutorials/bound.md converts .frd"),
-        ("lost.pvd", "there is no file .*lost.vtu"),
-        ("untimed.pvd", "DataSet without timestep or file"),
-        ("short.npz", "lacks triangles, u; expected the arrays points, triangles, times, u"),
-        ("bomb.npz", "bomb.npz has .* bytes and unpacks to 100000776 bytes, .* write it without compression"),
-        ("bomb.vtu", "bomb.vtu has .* bytes and unpacks to 80.* bytes, more than 100 times as many"),
-        *((name, "bomb.h5 has .* unpacks to 160000000 bytes") for name in ("bomb.pvd", "bomb.xmf")),
-        ("bomb.med", "bomb.med has .* unpacks to 160000000 bytes"),
-        ("bomb.xdmf", "bomb.h5 has .* bytes and unpacks to 160000000 bytes, more than 100 times as many"),
-        ("locked.npz", "locked.npz is encrypted: write it by numpy.savez"),
-        ("broken.npz", "broken.npz cannot be read"),
-        ("strange.xdmf", "strange.xdmf cannot be read: ReadError"),
-        ("moved.xdmf", r"moved.xdmf has another mesh at t = 1.0 than before"),
-    ],
+    {
+        "missing.npz": "there is no file",
+        "noise.vtu": "noise.vtu is broken, incomplete or no .*: write it again",
+        "noise.npz": "noise.npz is no .npz file: write it by numpy.savez, with the arrays points, triangles",
+        "noise.frd": "a format that cannot be read: expected .npz, .*; docs/tutorials/bound.md converts .frd",
+        "lost.pvd": "there is no file .*lost.vtu",
+        "untimed.pvd": "DataSet without timestep or file",
+        "short.npz": "lacks triangles, u; expected the arrays points, triangles, times, u",
+        "bomb.npz": "bomb.npz has .* bytes and unpacks to 100000776 bytes, .* write it without compression",
+        "bomb.vtu": "bomb.vtu has .* bytes and unpacks to 80.* bytes, more than 100 times as many",
+        **dict.fromkeys(("bomb.pvd", "bomb.xmf"), "bomb.h5 has .* unpacks to 160000000 bytes"),
+        "bomb.med": "bomb.med has .* unpacks to 160000000 bytes",
+        "bomb.xdmf": "bomb.h5 has .* bytes and unpacks to 160000000 bytes, more than 100 times as many",
+        "locked.npz": "locked.npz is encrypted: write it by numpy.savez",
+        "broken.npz": "broken.npz cannot be read",
+        "strange.xdmf": "strange.xdmf cannot be read: ReadError",
+        "moved.xdmf": "moved.xdmf has another mesh at t = 1.0 than before",
+        "turned.xdmf": "with other points or other triangles",
+        "other.xdmf": "has no field 'u' at t = 1.0: give the same field at all times",
+    }.items(),
 )
 def test_files_without_a_displacement_are_refused(unusable, name, message):
     with pytest.raises(BoundError, match=message):
@@ -445,35 +451,18 @@ CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 HALVES = [[0, 1, 2], [0, 2, 3]]
 
 
-def mesh(points=CORNERS, triangles=HALVES, name="u"):
-    """A mesh as meshio reads it, with a field of vectors at its points."""
-    cells = [SimpleNamespace(type="triangle", data=np.array(triangles))]
-    return SimpleNamespace(points=points, cells=cells, point_data={name: 0 * points}, cell_data={})
-
-
-@pytest.mark.parametrize(
-    ("later", "message"),
-    [
-        (mesh(CORNERS + 1), r"another mesh at t = 1\.0 than before, with other points or other triangles"),
-        (mesh(triangles=[[0, 1, 3], [1, 2, 3]]), "with other points or other triangles"),
-        (mesh(name="w"), r"has no field 'u' at t = 1\.0: give the same field at all times"),
-    ],
-)
-def test_a_mesh_or_a_field_that_changes_between_two_times_is_refused(later, message):
-    with pytest.raises(BoundError, match=message):
-        _together(Path("u.pvd"), [(0.0, mesh()), (1.0, later)], None)
-
-
-def test_of_several_fields_of_other_names_the_displacement_has_to_be_named(unusable):
-    several = mesh(name="velocity")
-    several.point_data["depl"] = 1 + several.points
+def test_of_several_fields_of_other_names_the_displacement_has_to_be_named(tmp_path):
+    path, mesh = tmp_path / "several.vtu", meshio.Mesh(np.insert(CORNERS, 2, 0.0, axis=1), [("triangle", HALVES)])
+    mesh.point_data = {"velocity": 0 * mesh.points, "depl": 1 + mesh.points}
+    mesh.write(path)
     with pytest.raises(BoundError, match="fields at points are velocity, depl; choose one with --field NAME"):
-        _together(Path("u.vtu"), [(None, several)], None)
+        read(path)
     with pytest.raises(BoundError, match=r"does not have stress: its vector fields at points are .*velocity"):
-        read(unusable / "mine.pvd", "stress")
-    assert _together(Path("u.vtu"), [(None, several)], "depl").u.min() == 1
-    del several.point_data["velocity"]
-    assert _together(Path("u.vtu"), [(None, several)], None).u.min() == 1
+        read(path, "stress")
+    assert read(path, "depl").u.min() == 1
+    del mesh.point_data["velocity"]
+    mesh.write(path)
+    assert read(path).u.min() == 1
 
 
 @pytest.mark.parametrize("kind", ["triangle", "triangle6", "VTK_LAGRANGE_TRIANGLE"])

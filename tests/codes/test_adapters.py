@@ -173,34 +173,30 @@ def unpacked_as_well(place):
 
 
 ANSWER = "answers/full-contact-one-diagonal-frozen-4"
-DAMAGE = [
-    (put("SHA256SUMS", "mine\n", "a"), "SHA256SUMS has 'mine'"),
-    (lambda place: next(place.glob("tasks/*.xz")).unlink(), "expected a sum and a file that is here"),
-    (lambda place: [path.unlink() for path in place.glob("tasks/*")], "holds no *.json.xz"),
-    (put("a.json", "[1, 2]"), "a holds a JSON list"),
-    (put("a.json", "{"), "a.json is no JSON"),
-    (
-        lambda place: (place / "tasks" / "a.json.xz").write_bytes(lzma.compress(bytes(300 << 20), preset=0)),
-        "unpacks to more than",
+DAMAGE = {
+    "SHA256SUMS has 'mine'": put("SHA256SUMS", "mine\n", "a"),
+    "expected a sum and a file that is here": lambda place: next(place.glob("tasks/*.xz")).unlink(),
+    "holds no *.json.xz": lambda place: [path.unlink() for path in place.glob("tasks/*")],
+    "a holds a JSON list": put("a.json", "[1, 2]"),
+    "a.json is no JSON": put("a.json", "{"),
+    "unpacks to more than": lambda place: (place / "tasks" / "a.json.xz").write_bytes(
+        lzma.compress(bytes(300 << 20), preset=0)
     ),
-    (unpacked_as_well, "same name"),
-    (task_with(without="clamped"), "lacks the key 'clam"),
-    (task_with(version=3), "contact-task 3, expected contact-task 1 or 2"),
-    (task_with(cells=[[0, 1, 999]]), "is no task"),
-    (task_with(steps=[], judge=[]), "0 steps"),
-    (task_with(scale=0), "the scale 0.0"),
-    (task_with(contact=[]), "is no task"),
-    (task_with(law={"A": {"matrix": [[1.0]], "factor": 1}}), "lacks the key 'G'"),
-    (lambda place: next(place.glob("answers/*/u.txt")).unlink(), "u.txt is missing or cannot be read"),
-    (
-        put(f"{ANSWER}/u.txt", "1 2 3"),
-        "u.txt, line 1, has 3 numbers, expected plain text: for each step (1 in all)",
-    ),
-    (put(f"{ANSWER}/forces.txt", "1"), "forces.txt, line 1, has 1 numbers, expected"),
-]
+    "same name": unpacked_as_well,
+    "lacks the key 'clam": task_with(without="clamped"),
+    "contact-task 3, expected contact-task 1 or 2": task_with(version=3),
+    "is no task of contact-task": task_with(cells=[[0, 1, 999]]),
+    "0 steps": task_with(steps=[], judge=[]),
+    "the scale 0.0": task_with(scale=0),
+    "is no task": task_with(contact=[]),
+    "lacks the key 'G'": task_with(law={"A": {"matrix": [[1.0]], "factor": 1}}),
+    "u.txt is missing or cannot be read": lambda place: next(place.glob("answers/*/u.txt")).unlink(),
+    "u.txt, line 1, has 3 numbers, expected plain text: for each step (1 in all)": put(f"{ANSWER}/u.txt", "1 2 3"),
+    "forces.txt, line 1, has 1 numbers, expected": put(f"{ANSWER}/forces.txt", "1"),
+}
 
 
-@pytest.mark.parametrize(("damage", "message"), DAMAGE)
+@pytest.mark.parametrize(("message", "damage"), DAMAGE.items())
 def test_what_cannot_be_read_is_named_and_the_exit_code_is_2(damage, message, place, capsys):
     damage(place)
     assert run(place) == 2
@@ -321,16 +317,16 @@ def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tm
     assert "give each case once" in told(f"export full-contact full-contact --out {tmp_path}")
 
 
-WRONG_ARRAYS = [
-    (lambda u: np.swapaxes(u, 1, 2), "(1, 2, 25), expected (1, 25, 2): steps, vertices, components"),
-    (lambda u: u[0], "has the shape (25, 2), expected (1, 25, 2)"),
-    (lambda u: "many", "is no array of numbers"),
-    (lambda u: [[1.0], [1.0, 2.0]], "is no array of numbers"),
-    (lambda u: None, "expected (1, 25, 2)"),
-]
+WRONG_ARRAYS = {
+    "(1, 2, 25), expected (1, 25, 2): steps, vertices, components": lambda u: np.swapaxes(u, 1, 2),
+    "has the shape (25, 2), expected (1, 25, 2)": lambda u: u[0],
+    "is no array of numbers": lambda u: "many",
+    "is no array of numbers (setting": lambda u: [[1.0], [1.0, 2.0]],
+    "expected (1, 25, 2)": lambda u: None,
+}
 
 
-@pytest.mark.parametrize(("change", "words"), WRONG_ARRAYS)
+@pytest.mark.parametrize(("words", "change"), WRONG_ARRAYS.items())
 def test_arrays_of_another_shape_are_refused_in_words(change, words, packed):
     (task,) = judge.read_tasks(packed)
     u = judge.answer(task, this_study.make)

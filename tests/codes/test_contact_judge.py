@@ -234,21 +234,21 @@ def test_a_task_has_the_gap_in_the_units_of_its_loads(scale):
 
 # Files and commands
 
-FILES = [
-    (lambda text: "", "has no numbers"),
-    (lambda text: text.split(" ", 1)[1], "line 1, has 49 numbers"),
-    (lambda text: text.replace(" ", ","), "has commas or semicolons between the numbers"),
-    (lambda text: text.replace(".", ","), "has a comma"),
-    (lambda text: f"ux uy\n{text}", "line 1: 'ux' is not a number"),
-    (lambda text: text.replace("\n", " ****\n"), "'****' stands for a number that needs more room"),
-    (lambda text: text.splitlines()[0] + "\n" + text, "has 4 lines"),
-    (lambda text: text.encode("utf-16"), "is text in UTF-16"),
-    (lambda text: b"\x93NUMPY\x01\x00", "is a file of numpy.save"),
-    (lambda text: lzma.compress(text.encode()), "is packed with xz"),
-]
+FILES = {
+    "has no numbers": lambda text: "",
+    "line 1, has 49 numbers": lambda text: text.split(" ", 1)[1],
+    "has commas or semicolons between the numbers": lambda text: text.replace(" ", ","),
+    "has a comma": lambda text: text.replace(".", ","),
+    "line 1: 'ux' is not a number": lambda text: f"ux uy\n{text}",
+    "'****' stands for a number that needs more room": lambda text: text.replace("\n", " ****\n"),
+    "has 4 lines": lambda text: text.splitlines()[0] + "\n" + text,
+    "is text in UTF-16": lambda text: text.encode("utf-16"),
+    "is a file of numpy.save": lambda text: b"\x93NUMPY\x01\x00",
+    "is packed with xz": lambda text: lzma.compress(text.encode()),
+}
 
 
-@pytest.mark.parametrize(("change", "found"), FILES)
+@pytest.mark.parametrize(("found", "change"), FILES.items())
 def test_a_file_that_is_no_text_of_numbers_is_refused_with_what_was_found_and_expected(change, found, tmp_path):
     one = exported("layered", 4)
     judge.write_answer(tmp_path, one, 0.5 + np.zeros((3, *one.vertices.shape)))
