@@ -3,6 +3,7 @@
 import gc
 import os
 
+import numpy as np
 import pytest
 from commands import study
 from hypothesis import settings
@@ -54,6 +55,12 @@ def one_thread():
     """Tests run in parallel: the processes share the cores already."""
     with threadpool_limits(1):
         yield
+
+
+@pytest.fixture
+def rng():
+    """Random numbers, which are the same for every test and in every run."""
+    return np.random.default_rng(0)
 
 
 @pytest.fixture

@@ -153,9 +153,9 @@ def test_the_shares_of_cells_and_of_time_are_linear_in_the_part_that_changes(mon
 # ---- meshes and steps
 
 
-def test_parts_of_the_boundary_stay_and_angles_do_not_degenerate():
+def test_parts_of_the_boundary_stay_and_angles_do_not_degenerate(rng):
     """By marks at random, concentrated at one end of the slanted foundation, many times."""
-    data, rng = wedge(f0=(0, 0)), np.random.default_rng(0)
+    data = wedge(f0=(0, 0))
     stage = first = first_stage(data)
     for _ in range(14):
         middles = stage.mesh.p[:, stage.mesh.t].mean(axis=1)

@@ -244,10 +244,9 @@ YIELDING = KelvinVoigt(isotropic(1, 0), Yield(3.0, FrobeniusBall(0.5)), "(3.3)")
 
 
 @pytest.mark.parametrize("size", [0.01, 1.0, 10.0], ids=["within K", "partly beyond", "beyond"])
-def test_between_knots_g_leaves_its_parabola_by_no_more_than_the_curvature_and_within_k_by_nothing(size):
+def test_between_knots_g_leaves_its_parabola_by_no_more_than_the_curvature_and_within_k_by_nothing(size, rng):
     d = discretised(law=YIELDING)
     weights = d.stresses.weights
-    rng = np.random.default_rng(7)
     piece = Parabola(0.0, 1.0, *size * rng.standard_normal((3, len(d.displacements.free))))
     ends = d.elastic(np.array([piece.start, piece.end]))
     control, (curvature,) = Majorant(d)._elastic([piece], piece.control[None], ends)
@@ -356,8 +355,8 @@ LAWS = [
 
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
-def test_moduli_bound_the_work_of_differences_from_below(law):
-    found, rng = moduli(law), np.random.default_rng(0)
+def test_moduli_bound_the_work_of_differences_from_below(law, rng):
+    found = moduli(law)
     one, other = rng.normal(size=(2, 3, 200))
     parts = found.directions.T @ law.A.matrix @ (one - other)
     work = np.einsum("In,In->n", law.G(one) - law.G(other), one - other)
@@ -367,11 +366,11 @@ def test_moduli_bound_the_work_of_differences_from_below(law):
         assert work == pytest.approx(found.values @ parts**2)
 
 
-def test_moduli_of_a_material_that_varies_take_the_worst_of_both_factors():
+def test_moduli_of_a_material_that_varies_take_the_worst_of_both_factors(rng):
     """Stiff directions by the least G over the largest A, those that soften by the largest G over the least A."""
     A = isotropic(1, 0.5, factor=Factor(1 + x1, 1.0, 2.0))
     law = KelvinVoigt(A, Indefinite(isotropic_matrix(0.5, -1.5), Factor(4 - x1, 3.0, 4.0)), "varies")
-    found, rng, x = moduli(law), np.random.default_rng(0), np.linspace(0, 1, 9)[None]
+    found, x = moduli(law), np.linspace(0, 1, 9)[None]
     for strain in rng.normal(size=(50, 3, 1)):
         parts = found.directions.T @ A.matrix @ strain
         local = np.sum(law.G.at(x)(np.broadcast_to(strain, (3, 9))) * strain, axis=0)

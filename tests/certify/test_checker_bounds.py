@@ -278,8 +278,8 @@ def test_u_h_has_the_size_of_its_mesh_and_vanishes_on_the_wall():
         checker.Computed([[0.0] * 5, [0.0] * 6], mesh, 0, problem)
 
 
-def test_pieces_are_those_of_the_quadratic_spline_of_the_bound():
-    nodes = np.random.default_rng(0).integers(-99, 99, (5, 3))
+def test_pieces_are_those_of_the_quadratic_spline_of_the_bound(rng):
+    nodes = rng.integers(-99, 99, (5, 3))
     splines = spline(zip(np.linspace(0, 2, 5), nodes, strict=True))
     for piece, wanted in zip(checker.pieces(nodes.tolist(), Q(2)), splines, strict=True):
         assert (piece.a, piece.b) == (wanted.a, wanted.b)
@@ -295,10 +295,10 @@ def test_displacements_that_are_not_admissible_are_refused(time):
     mesh = certificate.mesh = posed(QUADRANGLE, MIXED, 2)[1]
     walls = {n for edge in ((0, 1), (3, 0)) for n in mesh.nodes_of(edge)}
     slide = set(mesh.nodes_of((2, 3))) - walls
-    for n, (x, y) in product(range(mesh.nodes), ((3, -1), (-3, 1), (4, -1), (-4, 1), (1, 0), (-1, 0), (0, 1), (0, -1))):
+    for n, (x, y) in product(range(mesh.nodes), product(range(-4, 5), (-1, 0, 1))):
         certificate.nodes = [[0] * 2 * mesh.nodes for _ in range(3)]
         certificate.nodes[time][2 * n : 2 * n + 2] = [x, y]
-        if n in walls or (n in slide and x + 3 * y > 0):
+        if (n in walls and (x or y)) or (n in slide and x + 3 * y > 0):
             with pytest.raises(RefusedError, match=r"Γ1|Γ3" if n in walls else "ũ_ν > 0 on Γ3"):
                 certificate._check_membership()
         else:
@@ -323,9 +323,12 @@ def exact_growth(A, G, m, y, k, M, contact, loads):
     return np.min(found, axis=0)
 
 
+def fractions(matrix):
+    return [list(map(Q, row)) for row in matrix.tolist()]
+
+
 def growth(m):
-    problem, _ = posed(TRIANGLE, "clamped loaded clamped", A=[[str(Q(x)) for x in row] for row in VISCOSITY.tolist()])
-    problem.G = [[Q(x) for x in row] for row in ELASTICITY.tolist()]
+    problem, _ = posed(TRIANGLE, "clamped loaded clamped", A=fractions(VISCOSITY), G=fractions(ELASTICITY))
     return checker.Growth(problem, m)
 
 
@@ -344,7 +347,7 @@ def test_bounds_are_no_less_than_the_best_ones_on_any_grid(grid, monkeypatch):
         y, contact, loads = (rng.integers(0, 128, 3) / 64).tolist()
         k = float(rng.choice([0.125, 1.0, 4.0]))
         M = rho @ rho.T
-        found = growth(Q(3, 2))(Q(y), Q(k), [[Q(x) for x in row] for row in M.tolist()], Q(contact), Q(loads))
+        found = growth(Q(3, 2))(Q(y), Q(k), fractions(M), Q(contact), Q(loads))
         least = exact_growth(VISCOSITY, ELASTICITY, 1.5, y, k, M, contact, loads)
         found = np.array(found, dtype=float)
         assert (least * (1 - 1e-6) - 1e-12 <= found).all()
@@ -452,10 +455,10 @@ def test_the_distance_of_the_start_is_an_integral_rounded_up(monkeypatch):
     assert fine < coarse <= fine + Q(len(mesh.cells), 4)
 
 
-def test_the_work_of_contact_is_the_integral_of_its_bernstein_polynomials_and_not_negative():
+def test_the_work_of_contact_is_the_integral_of_its_bernstein_polynomials_and_not_negative(rng):
     """∫∫ σ̃_ν ũ_ν on a slanted foundation, by Gauss's rule."""
     wedge = checker.Certificate(checker.load(CERTIFICATES / "wedge-4.json.gz"))
-    rng, edges, mesh = np.random.default_rng(7), wedge.stresses.contact, wedge.mesh
+    edges, mesh = wedge.stresses.contact, wedge.mesh
     x, y = mesh.along(edges[0])
     depths, slides = rng.integers(0, 2**20, (2, 3, mesh.nodes, 1))
     values = slides * [x, y] - depths * [y, -x]

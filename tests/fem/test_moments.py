@@ -33,10 +33,10 @@ def summed(modes, times, rate):
 
 
 @pytest.mark.parametrize("name", by_cost([*NAMES, *BEYOND_THE_CATALOGUE]))
-def test_modes_sum_to_the_strain_its_rate_and_the_force(name):
+def test_modes_sum_to_the_strain_its_rate_and_the_force(name, rng):
     solution = resolve(name).solution
     times = solution.body.T * np.array([0.37, 0.8])
-    fields = solution.at(solution.body.sample(np.random.default_rng(1), POINTS))
+    fields = solution.at(solution.body.sample(rng, POINTS))
     strain, rate, stress = (np.moveaxis(of(times), -1, 0) for of in (fields.strain, fields.strain_rate, fields.stress))
     assert close(summed(fields.modes(), times, False), strain, 1e-13)
     assert close(summed(fields.modes(), times, True), rate, 1e-13)

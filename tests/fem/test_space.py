@@ -87,8 +87,8 @@ def test_the_volume_follows_from_the_divergence_theorem(body, volume):
     assert np.allclose(sum(part.measure * part.normal for part in body.parts), 0)
 
 
-def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed():
-    rng, body = np.random.default_rng(1), prism()
+def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed(rng):
+    body = prism()
     x = rng.uniform(-0.5, 2.5, (3, 40, 100))
     low, high = np.sort(x[:2], axis=0)
     inside = (low > 0) & (low < 1) & (high < 2) & (abs(x[2] - 0.5) < 0.5)
@@ -264,20 +264,20 @@ def test_cells_at_a_singular_point_integrate_powers_of_the_distance_to_it(expone
 
 
 @pytest.mark.parametrize(("family", "body"), [*((f, TURNED) for f in FOR_SQUARES), (Shaken(), skewed())])
-def test_the_matrix_of_a_form_is_the_one_that_scikit_fem_assembles(family, body):
+def test_the_matrix_of_a_form_is_the_one_that_scikit_fem_assembles(family, body, rng):
     mu, lam = 1.3, 0.7
     space = Space(family(body, 5 if body.dim == 2 else 3), body)
     basis = Basis(space.mesh, ElementVector(ElementTriP1() if body.dim == 2 else ElementTetP1()))
     expected = linear_elasticity(lam, mu).assemble(basis)[space.free][:, space.free]
-    C, v = isotropic(mu, lam, body.dim).matrix, np.random.default_rng(0).standard_normal(space.dofs)
+    C, v = isotropic(mu, lam, body.dim).matrix, rng.standard_normal(space.dofs)
     assert close(space.form(C), expected, 1e-12)
     assert close(space.functional(C @ space.strain(v)), expected @ v, 1e-12)
 
 
 @pytest.mark.parametrize(("family", "body", "both"), [*((f, TURNED, 1) for f in FOR_SQUARES), (Shaken(), SLAB, 5)])
-def test_constraints_are_v_dot_nu_on_every_face_and_twice_where_two_faces_meet(family, body, both):
+def test_constraints_are_v_dot_nu_on_every_face_and_twice_where_two_faces_meet(family, body, both, rng):
     space = Space(family(body, 4), body)
-    v = np.random.default_rng(3).normal(size=space.dofs)
+    v = rng.normal(size=space.dofs)
     nodal = space.nodal(v)
     expected = np.concatenate([part.normal @ nodal[:, vertices] for part, vertices in space.contact])
     assert np.allclose(space.N @ v, expected)
