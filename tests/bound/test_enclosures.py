@@ -137,7 +137,7 @@ ORTHOTROPIC = KelvinVoigt(
 )
 
 
-@pytest.mark.parametrize("law", [not_proportional(), ORTHOTROPIC], ids=lambda law: law.name)
+@pytest.mark.parametrize("law", [not_proportional(), ORTHOTROPIC])
 @pytest.mark.parametrize("coefficients", [(0, -1, 1), (1, 0, -1)], ids=["full contact", "no contact"])
 def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(coefficients, law):
     """u = g(t) (0, w(x2)) with w(1) = 0, by the polar forms of g and of w, which has the coefficients of 1, x2, x2²."""

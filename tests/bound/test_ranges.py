@@ -60,7 +60,7 @@ def test_any_function_is_served_or_refused_by_a_sentence(outer):
         assert not (refused and {outer, inner} <= set(SERVED)) or "is not finite at" in refused
 
 
-@pytest.mark.parametrize("known", RANGE_OF_FUNCTION, ids=lambda known: known.__name__)
+@pytest.mark.parametrize("known", RANGE_OF_FUNCTION)
 def test_ranges_of_taylor_coefficients_are_those_that_sampling_finds(known):
     """Neither too small nor too large: scaled by 0.9, or with the smaller end for the larger, they would differ."""
     x = sp.Symbol("x", real=True)

@@ -468,9 +468,8 @@ def test_the_work_of_contact_is_the_integral_of_its_bernstein_polynomials_and_no
     squares, cubes = (bernstein(n, np.array([1 - points, points])) for n in (2, 3))
     nodes = np.array([mesh.nodes_of(edge) for edge in edges])
     outward = np.einsum("reqd,ed->req", values[:, nodes], [[b, -a] for a, b in map(mesh.along, edges)])
-    u_normal = np.einsum("req,rt,qx->etx", outward, squares, squares)
-    stress = np.einsum("sep,st,px->etx", normals, squares, cubes)
-    work = np.einsum("etx,etx,t,x->", stress, u_normal, weights, weights)
+    factors = 1.0 * outward, normals, squares, squares, squares, cubes, weights, weights
+    work = np.einsum("req,sep,rt,st,qx,px,t,x->", *factors, optimize=True)
     scale = (piece.b - piece.a) / (mesh.h << wedge.stresses.bits + wedge.bits + 2)
     assert float(wedge._contact(piece, normals.tolist()) / scale) == pytest.approx(work, rel=1e-12)
     with pytest.raises(RefusedError, match="work of contact is negative"):

@@ -130,8 +130,8 @@ def pressed_square():
 
 
 @pytest.mark.parametrize("degree", DEGREES)
-@pytest.mark.parametrize("scheme", [BACKWARD_EULER, BDF2], ids=lambda s: s.name)
-@pytest.mark.parametrize("family", [f for f in FAMILIES if f.serves(unit_square())], ids=lambda f: f.name)
+@pytest.mark.parametrize("scheme", [BACKWARD_EULER, BDF2])
+@pytest.mark.parametrize("family", [f for f in FAMILIES if f.serves(unit_square())])
 def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme, degree):
     """Stress, strains, multipliers and pressure at every time, to round-off: nothing is approximated."""
     data = pressed_square()
@@ -158,7 +158,6 @@ def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme, d
         *(("layered", Shaken(), 2), ("advance-recede", Shaken(), 2)),
         *(slow(*one) for one in (("corner", Shaken(), 1), ("hexagon", Unstructured(), 1))),
     ],
-    ids=lambda value: getattr(value, "name", str(value)),
 )
 def test_a_stress_of_least_energy_satisfies_the_variational_inequality(name, family, degree, rng):
     """(C⁻¹σ + ε*, τ − σ)_Q ≥ 0 for random admissible stresses τ, which are stresses of least energy for other ε*.
