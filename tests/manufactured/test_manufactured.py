@@ -103,12 +103,10 @@ def test_a_strain_that_jumps_and_jumps_back_is_refused():
     ("name", "label"),
     [
         # These labels promise more than the formulas.
-        ("advance-recede", Regularity(gap=4, pressure=2)),
         ("re-entrant", Regularity(gap=4, pressure=2, moving=True)),
         ("junction", Regularity(on_contact=1.0)),
         ("layered-unmet", Regularity()),
         # These labels promise less, so that a case of Prop. 5.4 could escape its rows and speak of (5.36).
-        ("full-contact", Regularity(gap=4, pressure=2)),
         ("full-contact", Regularity(on_contact=1.5)),
         ("advance-recede", Regularity(gap=4, pressure=2, moving=True, corner=1.5)),
         ("natural-front", Regularity(on_contact=1.25)),
@@ -258,7 +256,6 @@ def test_contact_data_initial_gaps_and_exponents_that_define_no_solution_are_ref
 @pytest.mark.parametrize(
     ("stated", "message"),
     [
-        ({}, "got order=None, reason=''; derive"),
         ({"order": 0.5}, "got order=0.5, reason=''; derive"),
         ({"reason": "s < 1/2"}, "got order=None, reason='s < 1/2'; derive"),
         ({"order": 1.0, "reason": "s < 1/2"}, r"gives min\(1, s\) = 0.25"),

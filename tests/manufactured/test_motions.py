@@ -62,7 +62,6 @@ FRONT = Rational(1, 2) + t * (1 - t) / 3 - s**2
 @pytest.mark.parametrize(
     "formula",
     [
-        (1 + t) * pos(FRONT, 4) / (2 - FRONT) ** 2 + t * pos(-FRONT, 3),
         pos(FRONT - Rational(1, 8), 5) * exp(-FRONT) + pos(1 - pos(FRONT, 2), 3) * s,
         pos(sin(3 * s) - t, 4) * (sin(3 * s) - t),
     ],

@@ -41,10 +41,8 @@ def test_on_irregular_meshes_a_low_order_of_the_pressure_is_a_missed_prediction_
 @pytest.mark.parametrize(
     ("column", "value", "key"),
     [
-        ("pressure", 0.2, "order-pressure"),
         ("pressure", LEVELS**-0.8, "order-pressure"),
         ("pressure", LEVELS**-2.3, "order-pressure"),
-        ("dual", 0.2, "order-dual-superclose"),
         ("dual", LEVELS**-1.2, "order-dual-superclose"),
         ("resultant", LEVELS**-0.9, "order-resultant"),
         ("resultant", 0.06, "resultant"),
