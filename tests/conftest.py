@@ -81,3 +81,15 @@ def told(capsys):
         return printed.out + printed.err
 
     return run
+
+
+@pytest.fixture
+def refused(told, out):
+    """Runs a command that must be refused before anything is written; returns what it says."""
+
+    def run(line):
+        said = told(f"{line} --out {out}")
+        assert not out.exists()
+        return said
+
+    return run

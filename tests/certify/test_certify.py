@@ -141,8 +141,8 @@ def test_what_is_not_served_is_refused_in_words_before_it_is_computed(data, mess
         check_certifiable(data)
 
 
-def test_cases_are_refused_by_the_command(told, tmp_path):
-    assert "certificates support data that are formulas" in told(f"certify full-contact --out {tmp_path}")
+def test_cases_are_refused_by_the_command(refused):
+    assert "certificates support data that are formulas" in refused("certify full-contact")
 
 
 @pytest.mark.parametrize("name", ["bracket", slow("wedge")])
@@ -158,8 +158,8 @@ def test_the_command_writes_certificates_checks_them_and_keeps_none_of_another_p
     assert {path.name for path in out.glob("*.gz")} == {"certificate-2.json.gz", "certificate-3.json.gz"}
 
 
-def test_more_refinements_than_the_checker_accepts_are_refused(told, tmp_path):
-    said = told(f"certify {CERTIFICATES}/problems.py:square --refine 9 --out {tmp_path}")
+def test_more_refinements_than_the_checker_accepts_are_refused(refused):
+    said = refused(f"certify {CERTIFICATES}/problems.py:square --refine 9")
     assert "--refine 9: a certificate allows at most 8 refinements" in said
 
 

@@ -462,20 +462,16 @@ def test_another_executor_gives_the_same_files_byte_for_byte(executor, tmp_path,
     assert any(name.startswith("data/jobs/rates__advance-recede") for name in files)
 
 
-def test_a_cluster_is_refused_with_the_mend_where_there_is_none(out, told, monkeypatch):
-    def refusal(address):
-        said = told(f"run --case full-contact --cluster {address} --out {out}")
-        assert not out.exists()
-        return said
-
+def test_a_cluster_is_refused_with_the_mend_where_there_is_none(refused, monkeypatch):
+    command = "run --case full-contact --cluster"
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
-        assert f"no Dask scheduler answers at {address}" in refusal(address)
-    assert "known schemes" in refusal("http://127.0.0.1:8786")
-    assert "missing port" in refusal("nonsense")
+        assert f"no Dask scheduler answers at {address}" in refused(f"{command} {address}")
+    assert "known schemes" in refused(f"{command} http://127.0.0.1:8786")
+    assert "missing port" in refused(f"{command} nonsense")
     monkeypatch.setitem(sys.modules, "distributed", None)
-    assert "pip install '.[study,cluster]' in a clone" in refusal("tcp://127.0.0.1:8786")
+    assert "pip install '.[study,cluster]' in a clone" in refused(f"{command} tcp://127.0.0.1:8786")
 
 
 def test_a_cluster_without_workers_is_refused_with_how_to_start_some(monkeypatch):
