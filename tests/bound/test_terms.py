@@ -11,8 +11,8 @@ import pytest
 from bodies import CLAMPED, CONTACT, LOADED, SQUARE, YIELDS
 from bodies import LAW as ISOTROPIC
 from hypothesis import given
-from hypothesis import strategies as st
 from measures import gauss
+from random_examples import SEEDS
 from scipy.integrate import solve_ivp
 from sympy import Rational
 
@@ -244,9 +244,6 @@ def test_g_leaves_its_parabola_unless_all_of_the_piece_stays_in_k(multiples):
     assert (step.mean.rest > 0) == (step.largest.rest > 0) == (max(multiples) > 0.5)
 
 
-seeds = st.integers(0, 10**6)
-
-
 def constant(k, residual, contact=0.0, rest=0.0):
     """A step in which nothing changes, of a residual (directions,) on one cell."""
     sizes = Sizes(residual[:, None] ** 2, np.zeros(1), contact, rest)
@@ -272,7 +269,7 @@ def worst(g, r, e, step):
     return np.linalg.norm(solved.y, axis=0)
 
 
-@given(seeds)
+@given(SEEDS)
 def test_a_step_bounds_the_error_at_its_end_and_within(seed):
     g, r, e, step = random_step(seed)
     sizes = worst(g, r, e, step)
@@ -318,7 +315,7 @@ def test_negative_moduli_let_the_error_grow():
     assert kernel(1e-9, 0.25) == pytest.approx(0.25)
 
 
-@given(seeds)
+@given(SEEDS)
 def test_squares_of_a_parabola_are_bounded_by_three_norms(seed):
     parts = np.random.default_rng(seed).normal(size=(3, 4))
     x, w = gauss(5)

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bodies import CLAMPED, CONTACT, LAW, LOADED, YIELDS
-from commands import study
 from costly_cases import slow, slow_unless
 from places import CERTIFICATES, ROOT
 from sympy import Rational, sin, sqrt
@@ -146,15 +145,14 @@ def test_cases_are_refused_by_the_command(refused):
 
 
 @pytest.mark.parametrize("name", ["bracket", slow("wedge")])
-def test_the_command_writes_certificates_checks_them_and_keeps_none_of_another_problem(name, capsys, tmp_path):
+def test_the_command_writes_certificates_checks_them_and_keeps_none_of_another_problem(name, told, tmp_path):
     out = tmp_path / name
     for file, content in ((".lock", ""), ("problem.txt", "another problem"), ("../certificate-9.json.gz", "")):
         write_text(out / "data" / file, content)
     options = f"--levels 2 3 --steps 2 --refine 0 --shorter 1 --out {tmp_path}"
-    assert study(f"certify {CERTIFICATES}/problems.py:{name} {options}") == 0
-    told = capsys.readouterr()
-    assert told.out.count("cells, h = ") == 2
-    assert f"removed from {out}: results of other data" in told.err
+    said = told(f"certify {CERTIFICATES}/problems.py:{name} {options}", 0)
+    assert said.count("cells, h = ") == 2
+    assert f"removed from {out}: results of other data" in said
     assert {path.name for path in out.glob("*.gz")} == {"certificate-2.json.gz", "certificate-3.json.gz"}
 
 

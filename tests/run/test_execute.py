@@ -141,17 +141,18 @@ LARGE, LARGER, SMALL, TINY = Toy("large", 9, 6), Toy("larger", 8, 7), Toy("small
 HEX, DISC = replace(SMALL, case="hexagon"), replace(TINY, case="cube-disc")
 
 
-@pytest.mark.parametrize(
-    ("waiting", "running", "starting"),
-    [
-        pytest.param([LARGE, LARGER, SMALL], [], LARGE, id="the most expensive one"),
-        pytest.param([LARGER, SMALL, TINY], [LARGE], SMALL, id="one for which there is memory"),
-        pytest.param([LARGER], [SMALL], LARGER, id="all memory"),
-        pytest.param([LARGER], [SMALL, TINY], None, id="none while memory is taken"),
-        pytest.param([LARGE, HEX, DISC], [], HEX, id="one of the case whose formulas are compiled"),
-    ],
-)
-def test_an_idle_worker_takes_the_job_that_memory_and_its_last_case_suggest(waiting, running, starting):
+TAKEN = {
+    "the most expensive one": ([LARGE, LARGER, SMALL], [], LARGE),
+    "one for which there is memory": ([LARGER, SMALL, TINY], [LARGE], SMALL),
+    "all memory": ([LARGER], [SMALL], LARGER),
+    "none while memory is taken": ([LARGER], [SMALL, TINY], None),
+    "one of the case whose formulas are compiled": ([LARGE, HEX, DISC], [], HEX),
+}
+
+
+@pytest.mark.parametrize("taken", TAKEN)
+def test_an_idle_worker_takes_the_job_that_memory_and_its_last_case_suggest(taken):
+    waiting, running, starting = TAKEN[taken]
     assert next_job(waiting, running, "hexagon", 10) == starting
 
 
