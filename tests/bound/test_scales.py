@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from bodies import SIDES
+from bodies import SIDES, space_on
 from sympy import Float, Rational, exp
 
 from manufactured import Data, KelvinVoigt, Linear, isotropic_matrix, named, polygon, t
@@ -17,7 +17,6 @@ from study.bound.trajectory import Refined
 from study.cli.common import REFUSALS
 from study.fem.error_norm import ErrorNorm, NormError
 from study.fem.mesh import OneDiagonal
-from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
 
 
@@ -122,7 +121,7 @@ def test_no_interval_has_crossed_ends():
 @pytest.mark.parametrize("value", [math.nan, math.inf, 1e200])
 def test_an_error_that_is_no_number_is_not_measured(value):
     solution = named("full-contact").solution
-    v_norm = ErrorNorm(solution, Space(OneDiagonal()(solution.body, 2), solution.body))
+    v_norm = ErrorNorm(solution, space_on(solution.body, 2))
     with pytest.raises(NormError, match="moderate size"), np.errstate(all="ignore"):
         v_norm.distance(v_norm.sample(0.5), np.full(v_norm.space.dofs, value))
     assert issubclass(NormError, REFUSALS)

@@ -19,7 +19,7 @@ import pytest
 import run_codes
 import this_study
 from commands import study
-from judged_codes import exported, judged, read, task
+from judged_codes import at_one_time, exported, judged, read, task
 from places import CODES, RESULTS
 from schemas import schema
 
@@ -120,7 +120,7 @@ def test_results_without_other_codes_have_none_and_half_a_table_is_refused(tmp_p
 def packed(tmp_path_factory):
     """A directory with one task and SHA256SUMS."""
     place = tmp_path_factory.mktemp("packed")
-    write_task(place, frozen(task("full-contact", 4), (0.55,)))
+    write_task(place, at_one_time("full-contact"))
     return place
 
 
@@ -213,7 +213,7 @@ def test_options_that_cannot_be_used_are_refused(options, place, capsys):
 
 
 def test_one_missing_answer_does_not_stop_the_judge_and_a_subset_leaves_it_out(place, capsys):
-    write_task(place / "tasks", frozen(task("layered", 4), (0.55,)))
+    write_task(place / "tasks", at_one_time("layered"))
     assert run(place) == 2
     told = capsys.readouterr()
     assert "layered-one-diagonal-frozen-4/u.txt is missing" in told.err
@@ -256,7 +256,7 @@ def test_exit_codes_and_tolerance(place, capsys):
 
 
 def test_a_series_that_fails_counts_more_than_one_that_is_undecided(place):
-    write_task(place / "tasks", frozen(task("full-contact", 4, "criss-cross"), (0.55,)))
+    write_task(place / "tasks", at_one_time("full-contact", family="criss-cross"))
     for one in judge.read_tasks(place / "tasks"):
         u = judge.answer(one, this_study.make)
         judge.write_answer(place / "answers", one, 1.001 * u if one.data["family"] == "criss-cross" else u + 1)
@@ -294,7 +294,7 @@ def test_the_json_is_valid_and_fits_its_schema_even_without_numbers(place, capsy
 
 @pytest.mark.parametrize("kind", ["frozen", "march", "foundation"])
 def test_tasks_fit_their_schema(kind):
-    data = march(task("corner", 4), 2) if kind == "march" else frozen(task("corner", 4), (0.55,))
+    data = march(task("corner", 4), 2) if kind == "march" else at_one_time("corner")
     data = read(with_foundation(data, 3) if kind == "foundation" else data).data
     assert data["version"] == 2
     schema("contact-task").validate(data)

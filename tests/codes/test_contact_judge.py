@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import this_study as ours
 from commands import study
-from judged_codes import answers, exported, judged, read, task
+from judged_codes import answers, at_one_time, exported, judged, read, task
 from places import CODES
 from tables import everything
 
@@ -214,7 +214,7 @@ def test_each_load_scale_has_its_own_class_and_its_line_names_it():
 
 @pytest.mark.parametrize("case", ["rotated", "corner"])
 def test_the_foundation_lies_under_the_face_and_covers_it(case):
-    data = with_foundation(frozen(task(case), (0.55,)), 5)
+    data = with_foundation(at_one_time(case, 8), 5)
     for piece, slab in zip(data["contact"], data["foundation"], strict=True):
         face, points = data["vertices"][np.unique(piece["facets"])], slab["vertices"]
         assert ((points - face[0]) @ piece["normal"]).min() == pytest.approx(0, abs=1e-12)
@@ -225,11 +225,11 @@ def test_the_foundation_lies_under_the_face_and_covers_it(case):
 
 @pytest.mark.parametrize("scale", [1.0, 10.0])
 def test_a_task_has_the_gap_in_the_units_of_its_loads(scale):
-    data = frozen(task("parabolic-gap", 4), (0.5,), scale)
+    data = at_one_time("parabolic-gap", scale=scale)
     (piece,), (again,) = data["contact"], read(data).scaled(3).gaps()
     x = np.array(data["vertices"])[piece["vertices"], 0]
     assert [piece["gap"], again / 3] == [pytest.approx(scale * 6 * (x - 0.4) ** 2)] * 2
-    assert "gap" not in frozen(task("full-contact", 4), (0.5,))["contact"][0]
+    assert "gap" not in at_one_time("full-contact")["contact"][0]
 
 
 # Files and commands
@@ -332,7 +332,7 @@ ALONE = (
 
 def test_the_judge_runs_as_a_command_with_numpy_alone(tmp_path):
     """Nothing but NumPy can be imported: every other package of the environment is refused."""
-    write_task(tmp_path / "tasks", frozen(task("advance-recede", 4), (0.55,)))
+    write_task(tmp_path / "tasks", at_one_time("advance-recede"))
     (one,) = judge.read_tasks(tmp_path / "tasks")
     u = judge.answer(one, ours.make)
     command = [sys.executable, "-c", ALONE, str(CODES), str(tmp_path / "tasks"), str(tmp_path / "answers")]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from bodies import space_on
 from costly_cases import BEYOND_THE_CATALOGUE, by_cost
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,7 +16,6 @@ from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, ru
 from study.fem.mesh import FAMILIES, barycentric, barycentric_gradients
 from study.fem.naming import resolve
 from study.fem.quadrature import Line, facet_rule, shared, simplex_rule
-from study.fem.space import Space
 
 POINTS = 200
 
@@ -64,7 +64,7 @@ def test_error_and_load_are_integrals_over_the_points_of_the_rules(case):
     """The load is (σ, ε(v))_Q + ∫_{Γ3} p v_ν. Strain, stress and pressure are evaluated point by point."""
     solution = resolve(case).solution
     family = next(family for family in FAMILIES if family.serves(solution.body) and family.name != "one-diagonal")
-    space = Space(family(solution.body, 8 if solution.body.dim == 2 else 4), solution.body)
+    space = space_on(solution.body, 8 if solution.body.dim == 2 else 4, family)
     v_norm, time = ErrorNorm(solution, space), 0.61 * solution.body.T
     sample, square = v_norm.sample(time), 0.0
     of_interpolant = space.strain(sample.interpolant)

@@ -5,7 +5,7 @@ from math import factorial
 
 import numpy as np
 import pytest
-from bodies import ANGLE, CLAMPED, CONTACT, LOADED, SQUARE, TURNED
+from bodies import ANGLE, CLAMPED, CONTACT, LOADED, SQUARE, TURNED, space_on
 from costly_cases import slow
 from measures import close, smallest_angle
 from skfem import Basis, ElementTetP1, ElementTriP1, ElementVector, MeshTri
@@ -48,17 +48,20 @@ O, X, Y, Z = np.zeros(3), *np.eye(3)
 XY = X + Y
 
 
+FACES = box().parts
+
+
 def face(kind, *corners):
     return Part(kind, np.array(corners).T)
 
 
 def skewed():
-    return Body(tuple(Part(part.kind, SKEW @ part.corners + [[3.0], [-1.0], [0.5]]) for part in box().parts))
+    return Body(tuple(Part(part.kind, SKEW @ part.corners + [[3.0], [-1.0], [0.5]]) for part in FACES))
 
 
 def split_bottom(*halves):
     """Return the unit cube with other parts as its bottom, such that the boundary condition changes inside a face."""
-    return Body((*(part for part in box().parts if part.kind is not CONTACT), *halves))
+    return Body((*(part for part in FACES if part.kind is not CONTACT), *halves))
 
 
 HALF = split_bottom(face(CONTACT, O, Y, Y + X / 2, X / 2), face(LOADED, X / 2, X / 2 + Y, XY, X))
@@ -105,11 +108,11 @@ def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed(
         "not convex": lambda: face(LOADED, O, 2 * X, XY / 2, 2 * Y),
         "area 0": lambda: face(LOADED, O, X, 2 * X),
         "edge of length 0": lambda: face(LOADED, O, O, X),
-        r"do not enclose the body: ∫ν .* is \[1.0, 0.0, 0.0\]": lambda: Body(box().parts[1:]),
-        "counter-clockwise": lambda: Body(tuple(Part(p.kind, p.corners[:, ::-1]) for p in box().parts)),
-        "do not enclose": lambda: Body((Part(LOADED, box().parts[0].corners + 0.1), *box().parts[1:])),
-        "dimensions": lambda: Body((*box().parts, *unit_square().parts)),
-        "in a 2D body": lambda: Body(box().parts, interfaces=(Part(Kind.INTERFACE, box().parts[0].corners),)),
+        r"do not enclose the body: ∫ν .* is \[1.0, 0.0, 0.0\]": lambda: Body(FACES[1:]),
+        "counter-clockwise": lambda: Body(tuple(Part(p.kind, p.corners[:, ::-1]) for p in FACES)),
+        "do not enclose": lambda: Body((Part(LOADED, FACES[0].corners + 0.1), *FACES[1:])),
+        "dimensions": lambda: Body((*FACES, *unit_square().parts)),
+        "in a 2D body": lambda: Body(FACES, interfaces=(Part(Kind.INTERFACE, FACES[0].corners),)),
     }.items(),
 )
 def test_wrong_faces_and_bodies_are_refused(make, message):
@@ -142,12 +145,12 @@ CUT = split_bottom(face(CONTACT, O, Y, X), face(LOADED, X, Y, XY))
 @pytest.mark.parametrize(
     ("message", "make"),
     {
-        r"\[0.5, 1.0, 0.0\], which is not a vertex of the mesh": lambda: Space(OneDiagonal()(HALF, 3), HALF),
+        r"\[0.5, 1.0, 0.0\], which is not a vertex of the mesh": lambda: space_on(HALF, 3),
         "not a vertex of .*take a level at which it is, or the unstr": lambda: Space(
             OneDiagonal()(CHANGE_OFF_THE_GRID, 8), CHANGE_OFF_THE_GRID
         ),
-        "edges of the mesh follow it": lambda: Space(OneDiagonal()(LAYERED["level"], 6), LAYERED["level"]),
-        "facets of total area": lambda: Space(OneDiagonal()(CUT, 4), CUT),
+        "edges of the mesh follow it": lambda: space_on(LAYERED["level"], 6),
+        "facets of total area": lambda: space_on(CUT, 4),
         "dimension 2 was given for a body of dimension 3": lambda: Space(OneDiagonal()(unit_square(), 3), box()),
         "parallelepiped": lambda: OneDiagonal()(prism(), 3),
         "5 corners": lambda: OneDiagonal()(PENTAGON, 8),
@@ -161,7 +164,7 @@ CUT = split_bottom(face(CONTACT, O, Y, X), face(LOADED, X, Y, XY))
         ),
         "cells are cut and graded in 2D only": lambda: cell_rules(MESH, 4, (Line((1.0,), 0.3),)),
         "facets are divided in 2D only": lambda: facet_rule(
-            SOLID_MESH, boundary_parts(SOLID_MESH, box())[4], box().parts[4], (0.3,), 4
+            SOLID_MESH, boundary_parts(SOLID_MESH, box())[4], FACES[4], (0.3,), 4
         ),
     }.items(),
 )
@@ -183,7 +186,7 @@ def test_families_serve_the_bodies_that_they_can_mesh():
     # At the level 20 both ends of the contact side at 0.3 and interfaces at 1/4 are on the grid.
     for body, family in product((PENTAGON, CHANGE_OFF_THE_GRID, *LAYERED.values()), FAMILIES):
         if family.serves(body):
-            Space(family(body, 20), body)  # which refuses a mesh whose edges do not follow the interfaces
+            space_on(body, 20, family)  # which refuses a mesh whose edges do not follow the interfaces
 
 
 def test_graded_meshes_shrink_towards_their_points_and_change_nothing_elsewhere():
@@ -266,7 +269,7 @@ def test_cells_at_a_singular_point_integrate_powers_of_the_distance_to_it(expone
 @pytest.mark.parametrize(("family", "body"), [*((f, TURNED) for f in FOR_SQUARES), (Shaken(), skewed())])
 def test_the_matrix_of_a_form_is_the_one_that_scikit_fem_assembles(family, body, rng):
     mu, lam = 1.3, 0.7
-    space = Space(family(body, 5 if body.dim == 2 else 3), body)
+    space = space_on(body, 5 if body.dim == 2 else 3, family)
     basis = Basis(space.mesh, ElementVector(ElementTriP1() if body.dim == 2 else ElementTetP1()))
     expected = linear_elasticity(lam, mu).assemble(basis)[space.free][:, space.free]
     C, v = isotropic(mu, lam, body.dim).matrix, rng.standard_normal(space.dofs)
@@ -276,7 +279,7 @@ def test_the_matrix_of_a_form_is_the_one_that_scikit_fem_assembles(family, body,
 
 @pytest.mark.parametrize(("family", "body", "both"), [*((f, TURNED, 1) for f in FOR_SQUARES), (Shaken(), SLAB, 5)])
 def test_constraints_are_v_dot_nu_on_every_face_and_twice_where_two_faces_meet(family, body, both, rng):
-    space = Space(family(body, 4), body)
+    space = space_on(body, 4, family)
     v = rng.normal(size=space.dofs)
     nodal = space.nodal(v)
     expected = np.concatenate([part.normal @ nodal[:, vertices] for part, vertices in space.contact])
@@ -292,7 +295,7 @@ def test_constraints_are_v_dot_nu_on_every_face_and_twice_where_two_faces_meet(f
 def test_the_load_from_stresses_is_the_load_from_forces_if_the_force_is_smooth(name, family):
     """By (2.14)."""
     solution = named(name).solution
-    v_norm = ErrorNorm(solution, Space(family(solution.body, 8), solution.body), raised=4)
+    v_norm = ErrorNorm(solution, space_on(solution.body, 8, family), raised=4)
     load = v_norm.load(0.7)
     difference = load - load_from_forces(solution, v_norm.space, 0.7, v_norm.degree)
     assert np.linalg.norm(difference) < 1e-9 * np.linalg.norm(load)
@@ -307,7 +310,7 @@ def test_the_load_from_stresses_is_the_load_from_forces_if_the_force_is_smooth(n
 )
 def test_the_leading_term_is_the_interpolation_error_on_fine_meshes(family, name, n, tolerance):
     solution = named(name).solution
-    v_norm = ErrorNorm(solution, Space(family(solution.body, n), solution.body))
+    v_norm = ErrorNorm(solution, space_on(solution.body, n, family))
     sample = v_norm.sample(0.7)
     (leading,) = LeadingTerm(solution, v_norm.space)(np.array([0.7]))
     assert v_norm.distance(sample, sample.interpolant) == pytest.approx(leading, rel=tolerance)

@@ -8,7 +8,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 import scipy.sparse as sps
-from bodies import TURNED
+from bodies import TURNED, space_on
 from costly_cases import slow
 from hypothesis import given
 from hypothesis import strategies as st
@@ -19,7 +19,7 @@ from scipy.sparse.linalg import LinearOperator, cg
 from manufactured import named, s
 from study.fem.error_norm import gaps_at_vertices
 from study.fem.mesh import Graded, OneDiagonal, Shaken, Unstructured
-from study.fem.space import Space, form
+from study.fem.space import form
 from study.solve import factorisation, signorini
 from study.solve.evolution import furthest, path
 from study.solve.factorisation import Cholesky
@@ -54,7 +54,7 @@ def require_optimal(S, N, b, solution, rest, exact=None, gap=0.0):
 def matrices(name, family, n):
     """S of a time step, N, and the free vertices."""
     body = TURNED if name == "turned" else named(name).solution.body
-    space = Space(family(body, n), body)
+    space = space_on(body, n, family)
     return step_matrix("full-contact" if name == "turned" else name, space), space.N, space.free_points
 
 
@@ -87,7 +87,7 @@ def test_a_cycling_active_set_is_finished_by_the_finite_method(monkeypatch):
 def test_every_face_has_its_own_gap_in_the_order_of_the_constraints():
     solution = named("hexagon").solution
     faces = tuple(replace(face, initial_gap=(i + 1) * s**2) for i, face in enumerate(solution.faces))
-    space = Space(Unstructured()(solution.body, 8), solution.body)
+    space = space_on(solution.body, 8, Unstructured())
     wanted = [
         i * np.linalg.norm(space.mesh.p[:, vertices].T - part.start, axis=1) ** 2
         for i, (part, vertices) in enumerate(space.contact, start=1)
@@ -154,7 +154,7 @@ def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(name
 def iterations(name, n, every):
     """Return the number of conjugate gradient iterations from 1 to 1e-8 if one in ``every`` constraints is active."""
     body = named(name).solution.body
-    space = Space(OneDiagonal()(body, n), body)
+    space = space_on(body, n)
     solve = Multigrid(step_matrix(name, space), space.N, space.free_points, EXACT)
     solve.hold(np.arange(space.N.shape[0]) % every == 0 if every else np.zeros(space.N.shape[0], dtype=bool))
     b, count = solve.free * np.random.default_rng(2).standard_normal(space.dofs), []
@@ -249,7 +249,7 @@ def test_a_tolerance_below_rounding_is_refused():
 
 def test_the_solver_is_chosen_by_size(monkeypatch):
     body = named("cube-disc").solution.body
-    space = Space(OneDiagonal()(body, 4), body)
+    space = space_on(body, 4)
     S = step_matrix("cube-disc", space)
     assert isinstance(contact_solver(space)(S, space.N), Signorini)
     monkeypatch.setitem(FACTORED, 3, space.dofs - 1)

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse as sps
+from bodies import space_on
 from changed import problems
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -16,7 +17,6 @@ from manufactured import named, unit_square
 from manufactured.law import Indefinite, KelvinVoigt, isotropic, isotropic_matrix
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
-from study.fem.space import Space
 from study.solve.evolution import EvolutionError, FixedPointError, SemiDiscrete, fixed_point, furthest, path
 from study.solve.gradient_flow import EulerBounds, backward_euler
 from study.solve.steps import StepsError, rate_steps, stress_steps
@@ -80,7 +80,7 @@ def test_every_step_balances_forces_as_its_scheme_says(scheme, case):
 
 
 BODY = unit_square()
-SPACE = Space(OneDiagonal()(BODY, 4), BODY)
+SPACE = space_on(BODY, 4)
 EVEN = KelvinVoigt(isotropic(1, 0), Indefinite(isotropic_matrix(-2, 0)), "G = −2A")
 
 

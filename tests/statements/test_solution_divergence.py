@@ -4,18 +4,18 @@ import math
 
 import numpy as np
 import pytest
+from bodies import space_on
 
 from manufactured import named
 from manufactured.body import unit_square
 from manufactured.law import KelvinVoigt, isotropic
 from study.fem.mesh import Shaken
-from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
 from study.statements import wellposed as divergence
 from study.statements.shared.base import Experiment, Setting
 
 BODY = unit_square()
-SPACE = Space(Shaken()(BODY, 4), BODY)
+SPACE = space_on(BODY, 4, Shaken())
 LAWS = [named(name).solution.law for name in ("softening", "double-well")]
 
 
