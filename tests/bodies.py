@@ -1,8 +1,6 @@
-"""Bodies in the plane, laws and spaces, for tests that need any."""
+"""Bodies in the plane and laws, for tests that need any."""
 
 from manufactured import FrobeniusBall, KelvinVoigt, Kind, Yield, isotropic, polygon
-from study.fem.mesh import OneDiagonal
-from study.fem.space import Space
 
 CONTACT, LOADED, CLAMPED, ROLLER = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.ROLLER
 SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
@@ -13,9 +11,3 @@ TURNED = polygon([(0, 0), (0.8, 0.6), (0.2, 1.4), (-0.6, 0.8)], [CONTACT, LOADED
 """A square with two slanted pieces of Γ3, which share a vertex and so the two unknowns there."""
 LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
 YIELDS = KelvinVoigt(isotropic(1, 0.5), Yield(2.0, FrobeniusBall(0.1)), "yields")
-GRID = OneDiagonal()
-
-
-def space_on(body, n, family=GRID):
-    """The space V^h of displacements on the mesh of a family."""
-    return Space(family(body, n), body)

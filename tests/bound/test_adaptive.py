@@ -10,6 +10,7 @@ from bodies import ANGLE, CLAMPED, CONTACT, LAW, LOADED
 from hypothesis import given
 from hypothesis import strategies as st
 from measures import smallest_angle
+from on_meshes import discretised_on
 from places import CERTIFICATES
 from sympy import Rational, exp
 from test_terms import discretised, terms_of
@@ -18,7 +19,6 @@ from manufactured import Data, isotropic, named, polygon, pos, static, t
 from manufactured.factor import x1, x2
 from study.bound import adaptive
 from study.bound.adaptive import Stage, adapted, marked, next_stage
-from study.bound.discretisation import Discretisation
 from study.bound.enclosing import compute_static, enclose, enclose_static
 from study.bound.remainders import GUARANTEED
 from study.bound.terms import Majorant, part_that_changes
@@ -53,7 +53,7 @@ PROBLEMS = {
 def enclosed(name, trajectory):
     """The moduli of the law, and the enclosure."""
     data = wedge(**PROBLEMS[name])
-    discretisation = Discretisation(data, Unstructured()(data.body, 2))
+    discretisation = discretised_on(data, 2, Unstructured())
     return discretisation.moduli, enclose(discretisation, compute(discretisation, MIDPOINT, 3), trajectory)
 
 
@@ -71,7 +71,7 @@ def test_shares_are_not_negative_and_add_up_to_the_bound(name, trajectory):
 
 def test_shares_of_a_static_bound_belong_to_cells_alone_and_add_up_to_the_bound():
     data = static(wedge(f0=(0, 0)).body, isotropic(2.0, 3.0), (0, -1))
-    discretisation = Discretisation(data, Unstructured()(data.body, 2))
+    discretisation = discretised_on(data, 2, Unstructured())
     enclosure, shares = enclose_static(discretisation, compute_static(discretisation), None)
     assert shares.time == 0
     assert shares.cells.sum() == pytest.approx(enclosure.highest)

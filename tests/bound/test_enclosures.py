@@ -15,6 +15,7 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 from loads import loads, stress
+from on_meshes import discretised_on
 from random_examples import SEEDS
 from test_terms import quadratic
 
@@ -154,7 +155,7 @@ def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(coeffic
     sigma = stress(law.A, u.diff(t)) + stress(law.G, u)
     data = Data.formulas(body, law, *loads(sigma, body), tuple(u.subs(t, 0)))
     data.check()
-    discretisation = Discretisation(data, Unstructured()(body, 3))
+    discretisation = discretised_on(data, 3, Unstructured())
     v = quadratic(discretisation, w, 1, variable=1)
     knots = pairwise([0.0, 0.1, 0.15, 0.5, 1.0])
     pieces = [Parabola(a, b, g(a, a) * v, g(a, b) * v, g(b, b) * v) for a, b in knots]
@@ -183,8 +184,7 @@ def test_a_spline_is_continuous_with_its_velocity_and_starts_and_ends_in_its_nod
 
 
 def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_their_nodes():
-    case = named("travelling-patch")
-    discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 3))
+    discretisation = discretised_on(Data.of(named("travelling-patch").solution), 3, Shaken())
     for scheme in SCHEMES:
         computed = compute(discretisation, scheme, 4)
         N = Space(computed.mesh, computed.body).N
@@ -193,11 +193,11 @@ def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_
 
 
 def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by_one(monkeypatch):
-    case, found = named("yield-and-release"), []
+    data, found = Data.of(named("yield-and-release").solution), []
     for most in (1, 4):
         monkeypatch.setattr(terms, "LEAST_INTERVALS", 1)
         monkeypatch.setattr(terms, "MOST_INTERVALS", most)
-        discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 2))
+        discretisation = discretised_on(data, 2, Shaken())
         found.append(enclose(discretisation, compute(discretisation, MIDPOINT, 5), SmoothedInTime()))
     one_by_one, together = found
     assert together.bound == pytest.approx(one_by_one.bound, rel=1e-9)
@@ -225,8 +225,8 @@ def test_what_cannot_be_bounded_is_refused():
     with pytest.raises(BoundError, match=r"rough-1.75: .* f_0 ∉ L²"):
         measure(resolve_problem("rough-1.75"), OneDiagonal(), 4, MIDPOINT, 4, SmoothedInTime())
     with pytest.raises(BoundError, match="runs through cells of the mesh; list it as an interface"):
-        Discretisation(Data.of(named("layered-unmet").solution), OneDiagonal()(unit_square(), 4))
-    discretisation = Discretisation(Data.of(named("no-contact").solution), OneDiagonal()(unit_square(), 2))
+        discretised_on(Data.of(named("layered-unmet").solution), 4)
+    discretisation = discretised_on(Data.of(named("no-contact").solution), 2)
     nodes = [(time, (1 + time) * np.ones(discretisation.displacements.dofs)) for time in (0.0, 0.25, 0.5)]
     nodes.append((1.0, 3 * nodes[-1][1]))
     with pytest.raises(BoundError, match="equally spaced in time"):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from bodies import LAW
+from numpy.testing import assert_allclose
 from random_formulas import RandomFormula, exact
 from scipy.interpolate import BarycentricInterpolator
 from sympy import Float, Integer, Rational, exp, log, sin, sqrt, tanh
@@ -270,7 +271,7 @@ def test_polynomials_of_degree_three_have_no_remainder_and_others_have_that_of_t
 def test_the_remainder_of_a_vector_is_the_euclidean_norm_of_the_remainders_of_its_components():
     single = in_space(BOX, [x1**4], 0.0, 1.0), *in_time(BOX, [t**4], 0.0, 1.0)
     double = in_space(BOX, [3 * x1**4, 4 * x1**4], 0.0, 1.0), *in_time(BOX, [3 * t**4, 4 * t**4], 0.0, 1.0)
-    np.testing.assert_allclose(double, 5 * np.array(single))
+    assert_allclose(double, 5 * np.array(single))
 
 
 @pytest.mark.parametrize(

@@ -6,18 +6,18 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from bodies import SIDES, space_on
+from bodies import SIDES
+from on_meshes import bounded_on, space_on
 from sympy import Float, Rational, exp
 
 from manufactured import Data, KelvinVoigt, Linear, isotropic_matrix, named, polygon, t
 from manufactured.factor import x1, x2
-from study.bound.bounded import BoundedSolution, bounded_solution, check_bound
+from study.bound.bounded import BoundedSolution, check_bound
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.cli.common import REFUSALS
 from study.fem.error_norm import ErrorNorm, NormError
 from study.fem.mesh import OneDiagonal
-from study.solve.tableau import MIDPOINT
 
 
 def problem(length=1.0, time=1.0, A=1.0, G=1.0, f0=1.0, f2=1.0, u0=1.0):
@@ -32,7 +32,7 @@ def problem(length=1.0, time=1.0, A=1.0, G=1.0, f0=1.0, f2=1.0, u0=1.0):
 
 def bounded(data):
     check_bound(data, OneDiagonal(), [2], 2, Refined(0, 1))
-    return bounded_solution(data, None, OneDiagonal(), 2, MIDPOINT, 2, Refined(0, 1)).enclosure
+    return bounded_on(data, 2, trajectory=Refined(0, 1)).enclosure
 
 
 @lru_cache

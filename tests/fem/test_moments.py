@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from bodies import space_on
 from costly_cases import BEYOND_THE_CATALOGUE, by_cost
 from hypothesis import given
 from hypothesis import strategies as st
 from measures import close
+from numpy.testing import assert_allclose
+from on_meshes import space_on
 from random_examples import SEEDS
 from skfem import MeshTri
 
@@ -26,7 +27,7 @@ def summed(modes, times, rate):
     for part in modes:
         amplitudes = part.amplitudes(times, rate)[:, part.places]
         each = np.stack([part.amplitudes(time, rate)[:, part.places] for time in times.tolist()], axis=-1)
-        np.testing.assert_allclose(amplitudes, each, rtol=1e-13, atol=1e-14 * abs(each).max(initial=0.0))
+        assert_allclose(amplitudes, each, rtol=1e-13, atol=1e-14 * abs(each).max(initial=0.0))
         values = np.zeros((len(times), part.tensors.shape[1], POINTS))
         values[..., part.points] = np.einsum("kD,kn,knt->tDn", part.tensors, part.shapes, amplitudes)
         found = found + values

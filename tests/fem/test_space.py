@@ -5,9 +5,10 @@ from math import factorial
 
 import numpy as np
 import pytest
-from bodies import ANGLE, CLAMPED, CONTACT, LOADED, SQUARE, TURNED, space_on
+from bodies import ANGLE, CLAMPED, CONTACT, LOADED, SQUARE, TURNED
 from costly_cases import slow
 from measures import close, smallest_angle
+from on_meshes import space_on
 from skfem import Basis, ElementTetP1, ElementTriP1, ElementVector, MeshTri
 from skfem.models import linear_elasticity
 

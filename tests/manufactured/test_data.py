@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from costly_cases import by_cost
+from on_meshes import discretised_on
 from sympy import Rational, Symbol, log, sqrt
 
 from manufactured import (
@@ -30,7 +31,6 @@ from manufactured.catalogue import NAMES
 from manufactured.data import Data, LoadError
 from manufactured.problems import problems
 from study.bound.bounded import check_bound
-from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.fem.mesh import OneDiagonal, Unstructured
@@ -122,7 +122,7 @@ def test_a_law_without_a_usable_monotonicity_constant_is_refused_before_time_is_
     stating = type("Stating", (Yield,), {"monotonicity": constant})
     plain = Data.formulas(SQUARE, KelvinVoigt(isotropic(1, 1), stating(1.0, FrobeniusBall(1.0)), "my law"), f0=(0, 0))
     with pytest.raises(BoundError, match=r"my law: G has the monotonicity constant .*a finite one, −L_G"):
-        Discretisation(plain, OneDiagonal()(SQUARE, 2))
+        discretised_on(plain, 2)
     with pytest.raises(BoundError, match="my law"):
         check_bound(plain, OneDiagonal(), [4], None, Refined())
 
@@ -133,7 +133,7 @@ def test_a_solid_is_refused_whatever_the_meshes():
         with pytest.raises(BoundError, match="dimension 3; give a plane body"):
             check_bound(solid, family, [4], None, Refined())
     with pytest.raises(BoundError, match="dimension 3"):
-        Discretisation(solid, OneDiagonal()(solid.body, 2))
+        discretised_on(solid, 2)
 
 
 def test_names_stand_for_cases_problems_and_users_data(tmp_path):

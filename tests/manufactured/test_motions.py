@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose
 from random_examples import COSTLY
 from scipy.integrate import solve_ivp
 from sympy import Rational, cos, exp, gamma, lambdify, pi, sin
@@ -73,4 +74,4 @@ def test_derivatives_of_functions_of_a_front_are_those_of_the_formula_in_place_a
     plain = {"pos": lambda x, a: np.where(x > 0, abs(x) ** float(a), 0.0)}
     for k in range(3):
         exact = lambdify((s, t), formula.diff(t, s, k), [plain, "numpy"])(places, time)
-        np.testing.assert_allclose(found[k,], exact, rtol=1e-11, atol=1e-11 * abs(exact).max())
+        assert_allclose(found[k,], exact, rtol=1e-11, atol=1e-11 * abs(exact).max())

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from bodies import CLAMPED, CONTACT, LOADED
 from costly_cases import by_cost, slow
+from numpy.testing import assert_allclose
 from on_floor import on_floor
 from sympy import Integer, Rational, cos, expand, sin
 
@@ -77,7 +78,7 @@ def test_fields_at_many_times_are_those_at_each(name, rng):
     fields, times = case.solution.at(grid[:, body.contains(grid)]), body.T * np.array([0.0, 0.31, 0.64, 1.0])
     for of in (getattr(fields, quantity) for quantity in (FIELDS if name in VARIABLE_DEPTH else WITH_FORCES)):
         each, together = np.array([of(float(time)) for time in times]), np.moveaxis(of(times), -1, 0)
-        np.testing.assert_allclose(together, each, rtol=1e-12, atol=1e-12 * abs(each).max(), err_msg=of.__name__)
+        assert_allclose(together, each, rtol=1e-12, atol=1e-12 * abs(each).max(), err_msg=of.__name__)
 
 
 @pytest.mark.parametrize("name", ["junction", "natural-front"])
@@ -134,7 +135,7 @@ def test_a_face_slips_without_friction_under_laws_that_no_case_has(name, rng):
     place = face.part.sample(rng, 9)
     u = face.part.frame[:, :-1].T @ slipping.at(place).displacement(0.7)
     z = [jet(face.part.coordinates(place)[0], 0.7)[(0,) * len(u)] for jet in face.jets[1:]]
-    np.testing.assert_allclose(u, z, atol=1e-12)
+    assert_allclose(u, z, atol=1e-12)
 
 
 @pytest.mark.parametrize("convex", [FrobeniusBall, DeviatoricBall])

@@ -8,11 +8,13 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 import scipy.sparse as sps
-from bodies import TURNED, space_on
+from bodies import TURNED
 from costly_cases import slow
 from hypothesis import given
 from hypothesis import strategies as st
 from measures import close
+from numpy.testing import assert_allclose
+from on_meshes import space_on
 from random_examples import COSTLY, SEEDS
 from scipy.sparse.linalg import LinearOperator, cg
 
@@ -223,7 +225,7 @@ def test_any_positive_definite_matrix_with_any_normals_and_gaps_is_served_by_bot
     require_optimal(S, N, b, condensed(b), 1e-8, gap=gap)
     assert close(S @ condensed.factor(b), b, 1e-9)
     expected = N @ np.linalg.solve(S.toarray(), N.T.toarray())
-    np.testing.assert_allclose(condensed.W, expected, rtol=0, atol=1e-9 * abs(expected).max(initial=0))
+    assert_allclose(condensed.W, expected, rtol=0, atol=1e-9 * abs(expected).max(initial=0))
 
 
 @pytest.mark.parametrize(

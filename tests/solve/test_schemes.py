@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse as sps
-from bodies import space_on
 from changed import problems
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from measures import close
+from on_meshes import space_on
 from random_examples import SEEDS
 
 from manufactured import named, unit_square

@@ -40,12 +40,8 @@ def prop_5_3(rows, order=0.5):
     return Convergence().judge(rows.assign(expected_order=order))
 
 
-def pairs(found):
-    return [(verdict.key, verdict.verdict) for verdict in found]
-
-
 def verdicts(found):
-    return dict(pairs(found))
+    return {verdict.key: verdict.verdict for verdict in found}
 
 
 def claimed(found):

@@ -72,8 +72,11 @@ EVERY = [
 """Every triangle with one tensor; the nightly job takes every tensor."""
 
 
+on_every_triangle = pytest.mark.parametrize(("shape", "tensor"), EVERY)
+
+
 @pytest.mark.parametrize("q", [1, 2, 3])
-@pytest.mark.parametrize(("shape", "tensor"), EVERY)
+@on_every_triangle
 def test_the_constant_of_a_cell_bounds_what_loads_can_do_and_not_by_much(shape, tensor, q):
     F, C = TRIANGLES[shape], TENSORS[tensor]
     (found,), least = cell_constants(F[None], np.linalg.inv(C), q), largest(F, C, q)
@@ -81,7 +84,7 @@ def test_the_constant_of_a_cell_bounds_what_loads_can_do_and_not_by_much(shape, 
 
 
 @pytest.mark.parametrize("side", range(3))
-@pytest.mark.parametrize(("shape", "tensor"), EVERY)
+@on_every_triangle
 def test_the_constant_of_a_side_bounds_what_loads_can_do_and_not_by_much(shape, tensor, side):
     F, C = TRIANGLES[shape], TENSORS[tensor]
     (found,), least = side_constants(F[None], np.linalg.inv(C), side), largest(F, C, 1, side)
