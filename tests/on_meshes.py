@@ -1,5 +1,6 @@
 """Spaces, discretisations and bounds for a body or data on the mesh of a family."""
 
+from manufactured import Data, named
 from study.bound.bounded import bounded_solution
 from study.bound.discretisation import Discretisation
 from study.bound.trajectory import Refined
@@ -23,3 +24,8 @@ def discretised_on(data, n, family=GRID):
 def bounded_on(data, n, family=GRID, steps=2, trajectory=USUAL):
     """The displacement on the mesh of a family, computed by the midpoint rule, and its bounds."""
     return bounded_solution(data, None, family, n, MIDPOINT, steps, trajectory)
+
+
+def data_of(name):
+    """The data of a case of the catalogue."""
+    return Data.of(named(name).solution)

@@ -15,7 +15,7 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 from loads import loads, stress
-from on_meshes import discretised_on
+from on_meshes import data_of, discretised_on
 from random_examples import SEEDS
 from test_terms import quadratic
 
@@ -184,7 +184,7 @@ def test_a_spline_is_continuous_with_its_velocity_and_starts_and_ends_in_its_nod
 
 
 def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_their_nodes():
-    discretisation = discretised_on(Data.of(named("travelling-patch").solution), 3, Shaken())
+    discretisation = discretised_on(data_of("travelling-patch"), 3, Shaken())
     for scheme in SCHEMES:
         computed = compute(discretisation, scheme, 4)
         N = Space(computed.mesh, computed.body).N
@@ -193,7 +193,7 @@ def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_
 
 
 def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by_one(monkeypatch):
-    data, found = Data.of(named("yield-and-release").solution), []
+    data, found = data_of("yield-and-release"), []
     for most in (1, 4):
         monkeypatch.setattr(terms, "LEAST_INTERVALS", 1)
         monkeypatch.setattr(terms, "MOST_INTERVALS", most)
@@ -221,12 +221,12 @@ def test_a_row_says_how_close_the_ends_came():
 
 def test_what_cannot_be_bounded_is_refused():
     with pytest.raises(BoundError, match="initial gap, and the bound serves CONTACT sides"):
-        check_problem(Data.of(named("closing-gap").solution), None, Refined(0, 1))
+        check_problem(data_of("closing-gap"), None, Refined(0, 1))
     with pytest.raises(BoundError, match=r"rough-1.75: .* f_0 ∉ L²"):
         measure(resolve_problem("rough-1.75"), OneDiagonal(), 4, MIDPOINT, 4, SmoothedInTime())
     with pytest.raises(BoundError, match="runs through cells of the mesh; list it as an interface"):
-        discretised_on(Data.of(named("layered-unmet").solution), 4)
-    discretisation = discretised_on(Data.of(named("no-contact").solution), 2)
+        discretised_on(data_of("layered-unmet"), 4)
+    discretisation = discretised_on(data_of("no-contact"), 2)
     nodes = [(time, (1 + time) * np.ones(discretisation.displacements.dofs)) for time in (0.0, 0.25, 0.5)]
     nodes.append((1.0, 3 * nodes[-1][1]))
     with pytest.raises(BoundError, match="equally spaced in time"):

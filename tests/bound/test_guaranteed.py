@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 from bodies import LAW
 from costly_cases import slow
-from on_meshes import bounded_on, discretised_on
+from on_meshes import bounded_on, data_of, discretised_on
 from sympy import Rational, exp, pi, sin
 
 from benchmarks.trials.known import random_trial
@@ -18,7 +18,6 @@ from manufactured import (
     Linear,
     Yield,
     isotropic,
-    named,
     polygon,
     pos,
     static,
@@ -96,7 +95,7 @@ def of_law(A, G):
 @pytest.mark.parametrize(
     ("data", "reason"),
     [
-        (Data.of(named("full-contact").solution), "known at points and times only"),
+        (data_of("full-contact"), "known at points and times only"),
         (Data.formulas(SQUARE, LAW, f0=(sp.atan(1 + x1), 0)), "atan"),
         (of_law(ISOTROPIC, Yield(1.0, FrobeniusBall(1.0))), "nonlinear G"),
         (of_law(LAYERS, ISOTROPIC), "varies in x"),

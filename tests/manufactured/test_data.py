@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from costly_cases import by_cost
-from on_meshes import discretised_on
+from on_meshes import data_of, discretised_on
 from sympy import Rational, Symbol, log, sqrt
 
 from manufactured import (
@@ -57,7 +57,7 @@ def test_symbols_of_the_same_name_and_texts_are_the_coordinates():
 
 @pytest.mark.parametrize("name", [*by_cost(name for name in NAMES if not name.startswith("cube")), "problems"])
 def test_no_exact_solution_of_a_plane_body_and_no_problem_is_refused(name):
-    for found in [problem.data for problem in problems()] if name == "problems" else [Data.of(named(name).solution)]:
+    for found in [problem.data for problem in problems()] if name == "problems" else [data_of(name)]:
         found.check()
 
 

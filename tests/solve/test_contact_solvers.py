@@ -1,6 +1,5 @@
 """The contact solve: by condensation on a factorisation, and by multigrid, against dense linear algebra."""
 
-from contextlib import nullcontext
 from dataclasses import replace
 from functools import cache
 from unittest.mock import Mock
@@ -261,7 +260,7 @@ def test_the_solver_is_chosen_by_size(monkeypatch):
 def test_a_matrix_with_more_entries_than_superlu_counts_is_refused(monkeypatch):
     """30 times the entries must be less than 2^31."""
     assert 30 * factorisation.MOST_ENTRIES < 2**31 <= 30 * (factorisation.MOST_ENTRIES + 1)
-    for most, refused in ((3, False), (2, True)):
-        monkeypatch.setattr(factorisation, "MOST_ENTRIES", most)
-        with pytest.raises(MemoryError) if refused else nullcontext():
-            Cholesky(sps.csc_array(np.eye(3)))
+    monkeypatch.setattr(factorisation, "MOST_ENTRIES", 3)
+    Cholesky(sps.csc_array(np.eye(3)))
+    with pytest.raises(MemoryError):
+        Cholesky(sps.csc_array(np.eye(4)))
