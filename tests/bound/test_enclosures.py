@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from loads import loads, stress
 from on_meshes import data_of, discretised_on
-from random_examples import SEEDS
+from random_examples import RANDOM
 from test_terms import quadratic
 
 from manufactured import KelvinVoigt, Linear, named, t, unit_square, x2
@@ -170,10 +170,10 @@ def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(coeffic
 # ---- the spline and u_h
 
 
-@given(st.lists(st.floats(0.1, 2), min_size=1, max_size=6), SEEDS)
-def test_a_spline_is_continuous_with_its_velocity_and_starts_and_ends_in_its_nodes(lengths, seed):
+@given(st.lists(st.floats(0.1, 2), min_size=1, max_size=6), RANDOM)
+def test_a_spline_is_continuous_with_its_velocity_and_starts_and_ends_in_its_nodes(lengths, rng):
     times = np.concatenate([[0.0], np.cumsum(lengths)])
-    values = np.random.default_rng(seed).normal(size=(len(times), 4))
+    values = rng.normal(size=(len(times), 4))
     pieces = list(spline(zip(times, values, strict=True)))
     knots, points = (np.array([a[0], *(a[:-1] + a[1:]) / 2, a[-1]]) for a in (times, values))
     assert np.array_equal([(piece.a, piece.b) for piece in pieces], list(pairwise(knots)))

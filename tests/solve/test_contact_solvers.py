@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from measures import close
 from numpy.testing import assert_allclose
 from on_meshes import space_on
-from random_examples import COSTLY, SEEDS
+from random_examples import COSTLY, RANDOM
 from scipy.sparse.linalg import LinearOperator, cg
 
 from manufactured import named, s
@@ -200,7 +200,7 @@ def test_active_sets_that_go_in_circles_are_broken_up(seed, monkeypatch):
 def problems(draw):
     """Any positive definite S, and some rows at some vertices in any directions."""
     d, vertices = draw(st.integers(2, 3)), draw(st.integers(1, 2 * COARSEST))
-    rng = np.random.default_rng(draw(SEEDS))
+    rng = draw(RANDOM)
     n = d * vertices
     root = sps.random_array((n, n), density=draw(st.floats(0, 1)) * min(1, 4 / n), rng=rng)
     share, rows_at = draw(st.floats(0, 1)), []
