@@ -58,7 +58,7 @@ def enclosed(name, trajectory):
 
 
 @pytest.mark.parametrize("name", PROBLEMS)
-@pytest.mark.parametrize("trajectory", [SmoothedInTime(), Refined(0, 2)], ids=["u_h alone", "enclosure"])
+@pytest.mark.parametrize("trajectory", [SmoothedInTime(), Refined(0, 2)])
 def test_shares_are_not_negative_and_add_up_to_the_bound(name, trajectory):
     moduli, enclosure = enclosed(name, trajectory)
     shares = enclosure.shares(moduli)

@@ -133,8 +133,8 @@ def test_a_refined_mesh_encloses_the_error_more_tightly():
 
 
 ORTHOTROPIC = KelvinVoigt(
-    Linear(np.array([[4.0, 0.5, 0.0], [0.5, 2.0, 0.0], [0.0, 0.0, 1.5]])),
-    Linear(np.array([[3.0, 1.0, 0.0], [1.0, 6.0, 0.0], [0.0, 0.0, 2.0]])),
+    Linear([[4.0, 0.5, 0.0], [0.5, 2.0, 0.0], [0.0, 0.0, 1.5]]),
+    Linear([[3.0, 1.0, 0.0], [1.0, 6.0, 0.0], [0.0, 0.0, 2.0]]),
     "orthotropic",
 )
 

@@ -141,11 +141,10 @@ def with_value(array, place, value):
 
 
 FAULTS = [
-    ("triangles", lambda c: c[1:], r"does not cover the body: . sides .* near x = \("),
     ("points", lambda p: p * [1.0, 2.0], r"\(0, 0\) to \(1, 2\).* the mesh of another body"),
     ("points", lambda p: p / 1000, "mesh is smaller than the body by the factor 1000: give both"),
     ("points", lambda p: p + [0.0, -0.5], r"is shifted by \(0, -0.5\): give both"),
-    ("points", lambda p: with_value(p, 1, [0.5, 0.2]), r"cover the body: .* near x = \(0.25, 0.1\)"),
+    ("points", lambda p: with_value(p, 1, [0.5, 0.2]), r"does not cover the body: . sides .* near x = \(0.25, 0.1\)"),
     ("u", lambda u: with_value(u, (1, 3, 0), np.nan), r"1 numbers .* not finite, the first at t = 0.5, x = \("),
     ("triangles", lambda c: np.vstack([c, c[:1]]), "overlap or are listed twice|share a side n"),
     ("triangles", lambda c: np.vstack([c, c[:1][:, [0, 0, 1]]]), r"1 triangles have no area, .* near x = \("),
@@ -177,7 +176,7 @@ def test_what_does_not_fit_is_refused_by_name(array, change, message):
         given(PROBLEM, **(field() | {array: change(field()[array])}))
 
 
-@pytest.mark.parametrize("aspect", [5e3, 1e5, 1e7])
+@pytest.mark.parametrize("aspect", [5e3, 1e7])
 def test_triangles_too_thin_for_double_precision_are_refused_with_their_place(aspect):
     data = static(unit_square(), isotropic(1, 1), (0, -1))
     mesh = MeshTri.init_tensor(np.array([0, 0.5, 0.5 + 0.5 / aspect, 1]), np.linspace(0, 1, 3))

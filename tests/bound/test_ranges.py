@@ -177,14 +177,17 @@ def test_ranges_contain_the_exact_values_of_thousands_of_nested_formulas(seed):
 
 
 LARGE = Float("1e17")
-SAME_UNDER_ROUNDING = [
-    sp.Piecewise((1, sp.Max(x1 + LARGE, 0) > LARGE), (0, True)),
-    sp.Piecewise((1, 3 * sp.Max(x1 / 8, Rational(1, 10)) <= Rational(3, 10)), (0, True)),
-    sp.Piecewise((1, sin(sp.Max(x1, 0) - sp.Max(x1, 0.5)) >= 0), (0, True)),
-]
 
 
-@pytest.mark.parametrize("formula", SAME_UNDER_ROUNDING, ids=str)
+@pytest.mark.parametrize(
+    "formula",
+    [
+        sp.Piecewise((1, sp.Max(x1 + LARGE, 0) > LARGE), (0, True)),
+        sp.Piecewise((1, 3 * sp.Max(x1 / 8, Rational(1, 10)) <= Rational(3, 10)), (0, True)),
+        sp.Piecewise((1, sin(sp.Max(x1, 0) - sp.Max(x1, 0.5)) >= 0), (0, True)),
+    ],
+    ids=str,
+)
 def test_no_condition_is_decided_by_rounding(formula):
     """On [1/2, 3/4] each condition holds in exact arithmetic."""
     found = Boxes({x1: (np.array([0.5]), np.array([0.75]))}, (x1,), 0)(own_formula(formula))
@@ -213,18 +216,19 @@ def test_the_derivative_of_a_formula_with_kinks_is_that_of_the_branch(formula, s
 # ---- ranges of series
 
 
-FORMULAS = [
-    t * exp(-4 * (x1 - 0.3) ** 2 - 4 * (x2 - 0.4) ** 2),
-    pos(x1 - x2, Rational(5, 2)) - pos(t - x2, 0),
-    sqrt(1 + x1 * x2) + (1 + x2) ** Rational(-3, 2),
-    tanh(x1 - 2 * t) + x1 ** (1 + x2),
-    x2**5 * log(2 + x1) + (x1 - Rational(1, 2)) ** 4,
-    sp.sinh(x1 * t) - sp.cosh(x2) * sp.tan(x1 - x2 * t) + sp.cot(1 + x2),
-    (1 + x1**2) ** (x2 - t) / (2 + x1 * t),
-]
-
-
-@pytest.mark.parametrize("formula", FORMULAS, ids=str)
+@pytest.mark.parametrize(
+    "formula",
+    [
+        t * exp(-4 * (x1 - 0.3) ** 2 - 4 * (x2 - 0.4) ** 2),
+        pos(x1 - x2, Rational(5, 2)) - pos(t - x2, 0),
+        sqrt(1 + x1 * x2) + (1 + x2) ** Rational(-3, 2),
+        tanh(x1 - 2 * t) + x1 ** (1 + x2),
+        x2**5 * log(2 + x1) + (x1 - Rational(1, 2)) ** 4,
+        sp.sinh(x1 * t) - sp.cosh(x2) * sp.tan(x1 - x2 * t) + sp.cot(1 + x2),
+        (1 + x1**2) ** (x2 - t) / (2 + x1 * t),
+    ],
+    ids=str,
+)
 @pytest.mark.parametrize("variables", [(x1, x2), (t,)], ids=["space", "time"])
 def test_taylor_coefficients_lie_in_their_ranges(formula, variables, rng):
     low_sides = rng.random((3, 40))

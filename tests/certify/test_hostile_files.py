@@ -220,17 +220,17 @@ def test_what_is_tampered_with_is_refused(change, message, certificate):
     assert re.search(message, refusal(certificate))
 
 
-CLAIMS = [
-    edit("problem/loads/1/0/0/0/0/0", to="-3"),
-    edit("problem/force/1/0/0/0/0", by=twice),
-    edit("problem/start/1", to=[["1/10", 0, 0], ["-1/10", 0, 1]]),
-    edit("stress/tractions/3/40", by=lambda x: x + 2**34),
-    edit("stress/inner/3/40", by=lambda x: x + 2**12),
-    edit("displacement/nodes/1/8", by=lambda x: x + 2**36),
-]
-
-
-@pytest.mark.parametrize("claim", CLAIMS)
+@pytest.mark.parametrize(
+    "claim",
+    [
+        edit("problem/loads/1/0/0/0/0/0", to="-3"),
+        edit("problem/force/1/0/0/0/0", by=twice),
+        edit("problem/start/1", to=[["1/10", 0, 0], ["-1/10", 0, 1]]),
+        edit("stress/tractions/3/40", by=lambda x: x + 2**34),
+        edit("stress/inner/3/40", by=lambda x: x + 2**12),
+        edit("displacement/nodes/1/8", by=lambda x: x + 2**36),
+    ],
+)
 def test_witnesses_of_something_else_prove_less(claim, certificate, plain):
     """They stay true: an interval is wider, by what they do not fit."""
     claim(certificate)

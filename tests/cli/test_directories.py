@@ -28,18 +28,20 @@ from study.run.provenance import commit, provenance, read_provenance
 from study.run.store import Store
 
 COARSE = "--steps 2 --refine 0 --shorter 1"
-COMMANDS = [
-    "run --case full-contact --levels 2 4 8",
-    "check",
-    "tables",
-    "figures",
-    "report",
-    "faults --case full-contact",
-    "seeds --seeds 1",
-]
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    "command",
+    [
+        "run --case full-contact --levels 2 4 8",
+        "check",
+        "tables",
+        "figures",
+        "report",
+        "faults --case full-contact",
+        "seeds --seeds 1",
+    ],
+)
 def test_files_that_the_study_did_not_write_are_never_overwritten(command, tmp_path, told):
     write_text(tmp_path / "data/rates.csv", "mine")
     write_text(tmp_path / "figures/convergence.png", "mine")

@@ -98,7 +98,6 @@ def test_committed_files_are_what_their_rows_are_written_as(folder, tmp_path):
 )
 def test_committed_classes_are_those_of_the_committed_errors(folder, grades):
     codes, seen = Codes.read(RESULTS, folder), set()
-    assert codes is not None
     classes = codes.classes.set_index(KEY)["class"]
     columns = [field.name for field in fields(judge.Errors) if field.name in codes.errors]
     for name, rows in codes.errors.sort_values("level").groupby(KEY):
@@ -317,16 +316,16 @@ def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tm
     assert "give each case once" in refused("export full-contact full-contact")
 
 
-WRONG_ARRAYS = {
-    "(1, 2, 25), expected (1, 25, 2): steps, vertices, components": lambda u: np.swapaxes(u, 1, 2),
-    "has the shape (25, 2), expected (1, 25, 2)": lambda u: u[0],
-    "is no array of numbers": lambda u: "many",
-    "is no array of numbers (setting": lambda u: [[1.0], [1.0, 2.0]],
-    "expected (1, 25, 2)": lambda u: None,
-}
-
-
-@pytest.mark.parametrize(("words", "change"), WRONG_ARRAYS.items())
+@pytest.mark.parametrize(
+    ("words", "change"),
+    {
+        "(1, 2, 25), expected (1, 25, 2): steps, vertices, components": lambda u: np.swapaxes(u, 1, 2),
+        "has the shape (25, 2), expected (1, 25, 2)": lambda u: u[0],
+        "is no array of numbers": lambda u: "many",
+        "is no array of numbers (setting": lambda u: [[1.0], [1.0, 2.0]],
+        "expected (1, 25, 2)": lambda u: None,
+    }.items(),
+)
 def test_arrays_of_another_shape_are_refused_in_words(change, words, packed):
     (task,) = judge.read_tasks(packed)
     u = judge.answer(task, this_study.make)

@@ -119,7 +119,7 @@ def coupled(dim):
 
 def not_symmetric():
     """A law whose G has A_nnss ≠ A_ssnn, which does not couple normal strains with shear."""
-    G = NonSymmetric(np.array([[3.0, 1.0, 0.0], [2.0, 5.0, 0.0], [0.0, 0.0, 2.0]]))
+    G = NonSymmetric([[3.0, 1.0, 0.0], [2.0, 5.0, 0.0], [0.0, 0.0, 2.0]])
     return KelvinVoigt(isotropic(1, 0.5), G, "not symmetric")
 
 

@@ -531,7 +531,6 @@ def dask_command(*words, count=1):
     command = [sys.executable, "-m", f"distributed.cli.{words[0]}", *words[1:], "--no-dashboard"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
         try:
-            assert process.stderr is not None
             told = (line for line in process.stderr if re.search(r"(Scheduler at|Registered to): +tcp", line))
             said = [next(told) for _ in range(count)]
             Thread(target=process.stderr.read, daemon=True).start()

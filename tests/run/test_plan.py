@@ -325,10 +325,7 @@ def key_of(tmp_path, monkeypatch):
     return key_of
 
 
-PROBLEMS = ("data", "still", "gap")
-
-
-@pytest.mark.parametrize("name", PROBLEMS)
+@pytest.mark.parametrize("name", ["data", "still", "gap"])
 def test_the_key_of_a_problem_of_formulas_does_not_depend_on_words_or_on_other_problems_in_its_file(name, key_of):
     before = key_of(name)
     words = MINE.replace("of a user", "of another user").replace("\nclass", "\n# A comment.\nclass", 1)
