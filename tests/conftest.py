@@ -3,6 +3,7 @@
 import gc
 import os
 
+import numpy as np
 import pytest
 from commands import study
 from hypothesis import settings
@@ -57,6 +58,12 @@ def one_thread():
 
 
 @pytest.fixture
+def rng():
+    """Random numbers, which are the same for every test and in every run."""
+    return np.random.default_rng(0)
+
+
+@pytest.fixture
 def out(tmp_path):
     """A directory that is not there."""
     return tmp_path / "out"
@@ -72,5 +79,17 @@ def told(capsys):
         printed = capsys.readouterr()
         assert "Traceback" not in printed.err
         return printed.out + printed.err
+
+    return run
+
+
+@pytest.fixture
+def refused(told, out):
+    """Runs a command that must be refused before anything is written; returns what it says."""
+
+    def run(line):
+        said = told(f"{line} --out {out}")
+        assert not out.exists()
+        return said
 
     return run

@@ -10,6 +10,7 @@ from bodies import ANGLE, CLAMPED, CONTACT, LAW, LOADED
 from hypothesis import given
 from hypothesis import strategies as st
 from measures import smallest_angle
+from on_meshes import discretised_on
 from places import CERTIFICATES
 from sympy import Rational, exp
 from test_terms import discretised, terms_of
@@ -18,7 +19,6 @@ from manufactured import Data, isotropic, named, polygon, pos, static, t
 from manufactured.factor import x1, x2
 from study.bound import adaptive
 from study.bound.adaptive import Stage, adapted, marked, next_stage
-from study.bound.discretisation import Discretisation
 from study.bound.enclosing import compute_static, enclose, enclose_static
 from study.bound.remainders import GUARANTEED
 from study.bound.terms import Majorant, part_that_changes
@@ -53,12 +53,12 @@ PROBLEMS = {
 def enclosed(name, trajectory):
     """The moduli of the law, and the enclosure."""
     data = wedge(**PROBLEMS[name])
-    discretisation = Discretisation(data, Unstructured()(data.body, 2))
+    discretisation = discretised_on(data, 2, Unstructured())
     return discretisation.moduli, enclose(discretisation, compute(discretisation, MIDPOINT, 3), trajectory)
 
 
 @pytest.mark.parametrize("name", PROBLEMS)
-@pytest.mark.parametrize("trajectory", [SmoothedInTime(), Refined(0, 2)], ids=["u_h alone", "enclosure"])
+@pytest.mark.parametrize("trajectory", [SmoothedInTime(), Refined(0, 2)])
 def test_shares_are_not_negative_and_add_up_to_the_bound(name, trajectory):
     moduli, enclosure = enclosed(name, trajectory)
     shares = enclosure.shares(moduli)
@@ -71,7 +71,7 @@ def test_shares_are_not_negative_and_add_up_to_the_bound(name, trajectory):
 
 def test_shares_of_a_static_bound_belong_to_cells_alone_and_add_up_to_the_bound():
     data = static(wedge(f0=(0, 0)).body, isotropic(2.0, 3.0), (0, -1))
-    discretisation = Discretisation(data, Unstructured()(data.body, 2))
+    discretisation = discretised_on(data, 2, Unstructured())
     enclosure, shares = enclose_static(discretisation, compute_static(discretisation), None)
     assert shares.time == 0
     assert shares.cells.sum() == pytest.approx(enclosure.highest)
@@ -153,9 +153,9 @@ def test_the_shares_of_cells_and_of_time_are_linear_in_the_part_that_changes(mon
 # ---- meshes and steps
 
 
-def test_parts_of_the_boundary_stay_and_angles_do_not_degenerate():
+def test_parts_of_the_boundary_stay_and_angles_do_not_degenerate(rng):
     """By marks at random, concentrated at one end of the slanted foundation, many times."""
-    data, rng = wedge(f0=(0, 0)), np.random.default_rng(0)
+    data = wedge(f0=(0, 0))
     stage = first = first_stage(data)
     for _ in range(14):
         middles = stage.mesh.p[:, stage.mesh.t].mean(axis=1)

@@ -54,7 +54,6 @@ def suprema(body, mesh):
 @pytest.mark.parametrize(
     ("body", "most"),
     [(BODY, 13 / 12), (unit_square(), 1.5), *((problem.data.body, 1.5) for problem in problems())],
-    ids=lambda value: getattr(value, "name", None),
 )
 def test_load_constants_are_above_the_suprema_on_a_fine_mesh_and_close(body, most):
     """On the square held at its left side by less than a twelfth, so that a constant scaled by 0.9 lies below."""

@@ -45,32 +45,36 @@ def problem(start):
     return Data.formulas(unit_square(), LAW, f0=(0, 0), u0=((1 - x2) * start, 0))
 
 
+def check(data):
+    check_problem(data, None, Refined(0, 1))
+
+
 @pytest.mark.parametrize("start", JUMPS, ids=str)
 def test_an_initial_displacement_that_jumps_or_is_unbounded_is_refused_with_its_place(start):
     with pytest.raises((LoadError, FormulaError), match=r"u_0 jumps by|∇u0 (= .*floor|is nan)"):
-        check_problem(problem(start), None, Refined(0, 1))
+        check(problem(start))
 
 
 def test_a_jump_across_an_arm_that_is_thinner_than_the_boxes_is_found():
     arms = polygon([(0, 0), (1, 0), (1, 0.003), (0.003, 0.003), (0.003, 1), (0, 1)], ["clamped"] + 5 * ["loaded"])
     with pytest.raises(LoadError, match=r"u_0 jumps by about 0\.51"):
-        check_problem(Data.formulas(arms, LAW, (0, 0), u0=(x2 * Heaviside(x2 - 0.51), 0)), None, Refined(0, 1))
+        check(Data.formulas(arms, LAW, (0, 0), u0=(x2 * Heaviside(x2 - 0.51), 0)))
 
 
 @pytest.mark.parametrize(("start", "kind"), [((BAND, 0), "CLAMPED"), ((0, (x2 - 1) * BAND), "CONTACT")])
 def test_a_narrow_band_that_violates_a_boundary_condition_is_found(start, kind):
     with pytest.raises(LoadError, match=f"u_0 violates the condition of a {kind} part by 0.0005 at"):
-        check_problem(Data.formulas(unit_square(), LAW, (0, 0), u0=start), None, Refined(0, 1))
+        check(Data.formulas(unit_square(), LAW, (0, 0), u0=start))
 
 
 @pytest.mark.parametrize("start", CONTINUOUS, ids=str)
 def test_an_initial_displacement_with_kinks_is_permitted(start):
-    check_problem(problem(start), None, Refined(0, 1))
+    check(problem(start))
 
 
 def test_a_jump_of_a_function_of_python_is_found_by_samples():
     data = replace(problem(sp.Integer(0)))
-    check_problem(data, None, Refined(0, 1))
+    check(data)
     jump = replace(data, start=lambda x: np.array([(1 - x[1]) * (x[0] > x[1]), 0 * x[0]]))
     with pytest.raises(LoadError, match=r"u_0 jumps by about (0\.98|1)"):
-        check_problem(jump, None, Refined(0, 1))
+        check(jump)

@@ -15,6 +15,8 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 from loads import loads, stress
+from on_meshes import data_of, discretised_on
+from random_examples import RANDOM
 from test_terms import quadratic
 
 from manufactured import KelvinVoigt, Linear, named, t, unit_square, x2
@@ -131,13 +133,13 @@ def test_a_refined_mesh_encloses_the_error_more_tightly():
 
 
 ORTHOTROPIC = KelvinVoigt(
-    Linear(np.array([[4.0, 0.5, 0.0], [0.5, 2.0, 0.0], [0.0, 0.0, 1.5]])),
-    Linear(np.array([[3.0, 1.0, 0.0], [1.0, 6.0, 0.0], [0.0, 0.0, 2.0]])),
+    Linear([[4.0, 0.5, 0.0], [0.5, 2.0, 0.0], [0.0, 0.0, 1.5]]),
+    Linear([[3.0, 1.0, 0.0], [1.0, 6.0, 0.0], [0.0, 0.0, 2.0]]),
     "orthotropic",
 )
 
 
-@pytest.mark.parametrize("law", [not_proportional(), ORTHOTROPIC], ids=lambda law: law.name)
+@pytest.mark.parametrize("law", [not_proportional(), ORTHOTROPIC])
 @pytest.mark.parametrize("coefficients", [(0, -1, 1), (1, 0, -1)], ids=["full contact", "no contact"])
 def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(coefficients, law):
     """u = g(t) (0, w(x2)) with w(1) = 0, by the polar forms of g and of w, which has the coefficients of 1, x2, x2²."""
@@ -153,7 +155,7 @@ def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(coeffic
     sigma = stress(law.A, u.diff(t)) + stress(law.G, u)
     data = Data.formulas(body, law, *loads(sigma, body), tuple(u.subs(t, 0)))
     data.check()
-    discretisation = Discretisation(data, Unstructured()(body, 3))
+    discretisation = discretised_on(data, 3, Unstructured())
     v = quadratic(discretisation, w, 1, variable=1)
     knots = pairwise([0.0, 0.1, 0.15, 0.5, 1.0])
     pieces = [Parabola(a, b, g(a, a) * v, g(a, b) * v, g(b, b) * v) for a, b in knots]
@@ -168,10 +170,10 @@ def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(coeffic
 # ---- the spline and u_h
 
 
-@given(st.lists(st.floats(0.1, 2), min_size=1, max_size=6), st.integers(0, 999))
-def test_a_spline_is_continuous_with_its_velocity_and_starts_and_ends_in_its_nodes(lengths, seed):
+@given(st.lists(st.floats(0.1, 2), min_size=1, max_size=6), RANDOM)
+def test_a_spline_is_continuous_with_its_velocity_and_starts_and_ends_in_its_nodes(lengths, rng):
     times = np.concatenate([[0.0], np.cumsum(lengths)])
-    values = np.random.default_rng(seed).normal(size=(len(times), 4))
+    values = rng.normal(size=(len(times), 4))
     pieces = list(spline(zip(times, values, strict=True)))
     knots, points = (np.array([a[0], *(a[:-1] + a[1:]) / 2, a[-1]]) for a in (times, values))
     assert np.array_equal([(piece.a, piece.b) for piece in pieces], list(pairwise(knots)))
@@ -182,8 +184,7 @@ def test_a_spline_is_continuous_with_its_velocity_and_starts_and_ends_in_its_nod
 
 
 def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_their_nodes():
-    case = named("travelling-patch")
-    discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 3))
+    discretisation = discretised_on(data_of("travelling-patch"), 3, Shaken())
     for scheme in SCHEMES:
         computed = compute(discretisation, scheme, 4)
         N = Space(computed.mesh, computed.body).N
@@ -192,11 +193,11 @@ def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_
 
 
 def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by_one(monkeypatch):
-    case, found = named("yield-and-release"), []
+    data, found = data_of("yield-and-release"), []
     for most in (1, 4):
         monkeypatch.setattr(terms, "LEAST_INTERVALS", 1)
         monkeypatch.setattr(terms, "MOST_INTERVALS", most)
-        discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 2))
+        discretisation = discretised_on(data, 2, Shaken())
         found.append(enclose(discretisation, compute(discretisation, MIDPOINT, 5), SmoothedInTime()))
     one_by_one, together = found
     assert together.bound == pytest.approx(one_by_one.bound, rel=1e-9)
@@ -220,12 +221,12 @@ def test_a_row_says_how_close_the_ends_came():
 
 def test_what_cannot_be_bounded_is_refused():
     with pytest.raises(BoundError, match="initial gap, and the bound serves CONTACT sides"):
-        check_problem(Data.of(named("closing-gap").solution), None, Refined(0, 1))
+        check_problem(data_of("closing-gap"), None, Refined(0, 1))
     with pytest.raises(BoundError, match=r"rough-1.75: .* f_0 ∉ L²"):
         measure(resolve_problem("rough-1.75"), OneDiagonal(), 4, MIDPOINT, 4, SmoothedInTime())
     with pytest.raises(BoundError, match="runs through cells of the mesh; list it as an interface"):
-        Discretisation(Data.of(named("layered-unmet").solution), OneDiagonal()(unit_square(), 4))
-    discretisation = Discretisation(Data.of(named("no-contact").solution), OneDiagonal()(unit_square(), 2))
+        discretised_on(data_of("layered-unmet"), 4)
+    discretisation = discretised_on(data_of("no-contact"), 2)
     nodes = [(time, (1 + time) * np.ones(discretisation.displacements.dofs)) for time in (0.0, 0.25, 0.5)]
     nodes.append((1.0, 3 * nodes[-1][1]))
     with pytest.raises(BoundError, match="equally spaced in time"):

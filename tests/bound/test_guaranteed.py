@@ -7,6 +7,7 @@ import pytest
 import sympy as sp
 from bodies import LAW
 from costly_cases import slow
+from on_meshes import bounded_on, data_of, discretised_on
 from sympy import Rational, exp, pi, sin
 
 from benchmarks.trials.known import random_trial
@@ -17,7 +18,6 @@ from manufactured import (
     Linear,
     Yield,
     isotropic,
-    named,
     polygon,
     pos,
     static,
@@ -26,25 +26,18 @@ from manufactured import (
 )
 from manufactured.data import Data
 from manufactured.factor import layers, x1, x2
-from study.bound.bounded import bounded_solution
-from study.bound.discretisation import Discretisation
 from study.bound.enclosing import order_interval
 from study.bound.remainders import ESTIMATED, GUARANTEED
 from study.bound.trajectory import Refined
-from study.fem.mesh import OneDiagonal
-from study.solve.tableau import MIDPOINT
 
 # ---- problems whose solutions are known and whose data are as rough as one likes
 
 
 def enclosed(problem, level, steps):
-    return bounded_solution(problem, None, OneDiagonal(), level, MIDPOINT, steps, Refined(0, 1)).enclosure
+    return bounded_on(problem, level, steps=steps, trajectory=Refined(0, 1)).enclosure
 
 
-SEEDS = [1003, *(slow(seed) for seed in (4, 8, 11, *range(1000, 1010)) if seed != 1003)]
-
-
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", [1003, *(slow(seed) for seed in (4, 8, 11, *range(1000, 1010)) if seed != 1003)])
 def test_no_error_lies_outside_for_random_data_that_samples_do_not_see(seed):
     trial = random_trial(seed)
     found = trial.bounded()
@@ -99,7 +92,7 @@ def of_law(A, G):
 @pytest.mark.parametrize(
     ("data", "reason"),
     [
-        (Data.of(named("full-contact").solution), "known at points and times only"),
+        (data_of("full-contact"), "known at points and times only"),
         (Data.formulas(SQUARE, LAW, f0=(sp.atan(1 + x1), 0)), "atan"),
         (of_law(ISOTROPIC, Yield(1.0, FrobeniusBall(1.0))), "nonlinear G"),
         (of_law(LAYERS, ISOTROPIC), "varies in x"),
@@ -108,7 +101,7 @@ def of_law(A, G):
     ],
 )
 def test_what_is_sampled_is_called_estimated_with_the_reason(data, reason):
-    evidence = Discretisation(data, OneDiagonal()(data.body, 4)).sampling
+    evidence = discretised_on(data, 4).sampling
     assert any(reason in one for one in evidence.reasons)
 
 

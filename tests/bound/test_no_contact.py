@@ -16,16 +16,14 @@ import pytest
 import sympy as sp
 from bodies import CLAMPED, CONTACT, LAW, LOADED, SQUARE
 from loads import loads, strain, stress
+from on_meshes import bounded_on, discretised_on
 
 from manufactured import BodyError, ExactSolution, plane_stress, polygon, static
 from manufactured.factor import x1, x2
-from study.bound.bounded import bounded_solution, series
-from study.bound.discretisation import Discretisation
+from study.bound.bounded import series
 from study.bound.enclosing import squared_distances
 from study.bound.given import bound_displacement
-from study.bound.trajectory import Refined
 from study.fem.mesh import Shaken
-from study.solve.tableau import MIDPOINT
 
 SLANTED = [(0.2, -0.1), (1.3, 0.2), (1, 1), (0, 1)]
 FREE = ((1 - x2) * (x1 * x2 + x1), (1 - x2) * (x1**2 - 2 * x2))
@@ -58,7 +56,7 @@ def elastic(shape):
 
 def check_static(data, w, found, least):
     """Assert that the error is the upper bound from u_h alone, and above the lower bound, which has a least part."""
-    coarse = Discretisation(data, Shaken()(data.body, 2))
+    coarse = discretised_on(data, 2, Shaken())
     error = math.sqrt(squared_distances(coarse, strain_at(w), found.computed.on(coarse)(0.0), ()).sum())
     assert found.plain.highest == pytest.approx(error, rel=1e-8)
     assert least * error <= found.enclosure.lowest <= error <= found.enclosure.highest
@@ -73,7 +71,7 @@ def check_static(data, w, found, least):
 @pytest.mark.parametrize("shape", PROBLEMS)
 def test_the_upper_bound_of_a_static_displacement_equals_its_error(shape):
     data = elastic(shape)
-    found = bounded_solution(data, None, Shaken(), 2, MIDPOINT, 1, Refined(1, 1))
+    found = bounded_on(data, 2, Shaken())
     check_static(data, PROBLEMS[shape][2], found, 0.3)
     assert found.remarks == ()
 

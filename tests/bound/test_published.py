@@ -5,15 +5,13 @@ import math
 import pytest
 from bodies import CLAMPED, ROLLER
 from bodies import LOADED as FREE
+from on_meshes import bounded_on
 from places import ROOT
 from scipy.integrate import quad
 
 from manufactured import plane_strain, plane_stress, polygon, static
-from study.bound.bounded import bounded_solution
-from study.bound.trajectory import Refined
 from study.fem.naming import family_named
 from study.ledger.text import interval
-from study.solve.tableau import MIDPOINT
 
 pytestmark = pytest.mark.slow
 PAGE = (ROOT / "docs" / "explanation" / "bounds.md").read_text(encoding="utf-8")
@@ -22,9 +20,7 @@ LENGTHS = 0.3, 0.6
 
 def energy(data, level):
     """Return the interval of ‖u‖²."""
-    found = bounded_solution(
-        data, None, family_named("graded" if data.body.refine else "unstructured"), level, MIDPOINT, 1, Refined(1, 1)
-    )
+    found = bounded_on(data, level, family_named("graded" if data.body.refine else "unstructured"))
     assert found.enclosure.evidence.kind == "guaranteed"
     low, high = found.norm
     return low**2, high**2

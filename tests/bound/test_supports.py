@@ -6,20 +6,18 @@ import numpy as np
 import pytest
 from bodies import CLAMPED, CONTACT, ROLLER
 from bodies import LOADED as FREE
+from on_meshes import bounded_on
 
 from benchmarks.trials.supports import row
 from manufactured import BodyError, Data, KelvinVoigt, isotropic, plane_stress, polygon, static, t
 from manufactured.factor import Factor, x1, x2
 from manufactured.symbols import FormulaError
-from study.bound.bounded import bounded_solution
 from study.bound.discretisation import refuse_unserved
 from study.bound.fields import read
 from study.bound.given import bound_displacement
 from study.bound.problem import BoundError
-from study.bound.trajectory import Refined
 from study.certify.statement import statement
 from study.fem.mesh import Shaken, Unstructured, cell_volumes
-from study.solve.tableau import MIDPOINT
 
 OUTLINE = [(0, 0), (2, 0), (2, 1), (0, 1)]
 HOLE = [(0.7, 0.3), (0.8, 0.7), (1.2, 0.6), (1.1, 0.3)]
@@ -46,7 +44,7 @@ def test_a_uniform_stress_around_a_hole_is_exact_up_to_rounding(how):
         data = Data.formulas(body, LAW, (0, 0), tractions)
     else:
         data = static(body, G, f2=tractions, u={1: (0.02, 7)} if how == "prescribed" else None)
-    found = bounded_solution(data, None, Unstructured(), 5, MIDPOINT, 2, Refined(1, 1))
+    found = bounded_on(data, 5, Unstructured())
     energy = math.sqrt(0.02 * 0.01 * body.measure)
     assert found.enclosure.evidence.kind == "guaranteed"
     assert found.error[1] <= 1e-9 * energy
@@ -63,7 +61,7 @@ def test_a_bar_of_varying_stiffness_has_hand_values_on_every_cell_of_an_irregula
     found = bound_displacement(data, mesh.p.T, mesh.t.T, None, 0 * mesh.p.T)
     assert found.enclosure.on_cells == pytest.approx(cell_volumes(mesh) * (1 + middles), rel=1e-9)
     assert found.error == pytest.approx((2, 2), rel=1e-9)
-    found = bounded_solution(static(pulled, bar, u={1: (4, 0)}), None, Shaken(), 4, MIDPOINT, 1, Refined(1, 1))
+    found = bounded_on(static(pulled, bar, u={1: (4, 0)}), 4, Shaken())
     assert found.norm == pytest.approx((2, 2), rel=1e-9)
 
 

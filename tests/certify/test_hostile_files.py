@@ -168,82 +168,69 @@ def plus(changes):
     return lambda column: [x + changes.get(n, 0) for n, x in enumerate(column)]
 
 
-def stated(data):
-    return checker.Mesh.of(data["mesh"], checker.Problem(data["problem"]))
-
-
 def squeezed(column):
     """A stress of the element that is 0 on its sides, and not in balance: X Y (1 − X − Y) in the third component."""
     bubble = {(1, 1, 0): 1, (2, 1, 0): -1, (1, 2, 0): -1}
     return [0] * 60 + [bubble.get(key, 0) for key in checker.CUBIC] * 3
 
 
-TAMPERED = [
-    (edit("mesh/cells", by=last), "a boundary inside or outside|does not fit side"),
-    (edit("mesh/cells", by=lambda x: [*x, x[0]]), "two cells lie on the same side"),
-    (edit("mesh/cells/0", by=lambda x: x[::-1]), "not counter-clockwise"),
-    (edit("mesh/points/1/1", by=lambda y: y - 1), "does not fit|boundary inside"),
-    (edit("problem/kinds/2", to="loaded"), "no part is clamped"),
-    (edit("problem/A/0/1", to="1/3"), "A is not symmetric and positive definite"),
-    (edit("problem/G/2/2", to="-1"), "G is not symmetric and positive semidefinite"),
-    (edit("constants/volume", by=twice), "constant of forces"),
-    (edit("constants/volume", to="0"), "a constant of the body is not positive"),
-    (edit("constants/field/3/0", by=lambda x: x + 2**28), "the tensor field does not"),
-    (edit("stress/tractions/3/20", to=math.nan), "is nan, but must be an integer"),
-    (edit("element/columns/7", by=plus({31: 1})), "tractions of the ref"),
+TAMPERED = {
+    edit("mesh/cells", by=last): "a boundary inside or outside|does not fit side",
+    edit("mesh/cells", by=lambda x: [*x, x[0]]): "two cells lie on the same side",
+    edit("mesh/cells/0", by=lambda x: x[::-1]): "not counter-clockwise",
+    edit("mesh/points/1/1", by=lambda y: y - 1): "does not fit|boundary inside",
+    edit("problem/kinds/2", to="loaded"): "no part is clamped",
+    edit("problem/A/0/1", to="1/3"): "A is not symmetric and positive definite",
+    edit("problem/G/2/2", to="-1"): "G is not symmetric and positive semidefinite",
+    edit("constants/volume", by=twice): "constant of forces",
+    edit("constants/volume", to="0"): "a constant of the body is not positive",
+    edit("constants/field/3/0", by=lambda x: x + 2**28): "the tensor field does not",
+    edit("stress/tractions/3/20", to=math.nan): "is nan, but must be an integer",
+    edit("element/columns/7", by=plus({31: 1})): "tractions of the ref",
     # A constant stress t ⊗ t on one third, t along its outer side: no traction outside, no divergence.
-    (edit("element/columns/40", by=plus({0: 1, 30: 1, 60: -1})), "ent jump"),
+    edit("element/columns/40", by=plus({0: 1, 30: 1, 60: -1})): "ent jump",
     # A constant stress times a hat function of the centre: tractions are right, divergences differ on thirds.
-    (
-        edit("element/columns/40", by=plus({0: 1, 1: -1, 4: -1, 14: 1, 21: 1})),
-        "the reference element does not balance",
-    ),
-    (edit("element/columns/40", by=squeezed), "does not balance"),
-    (edit("computed", by=lambda u: [*u, u[-1]]), "u_h has a node inside"),
-    (edit("problem/force/1/0/2", to=1), "f_0 with kinks"),
-    (edit("problem/loads", by=lambda x: {"0": x["1"]}), "which is not of Γ2"),
-    (edit("problem/loads/7", to=[[], []]), "a side that does not exist"),
-    (edit("problem/T", to="0"), "T is not positive"),
+    edit("element/columns/40", by=plus({0: 1, 1: -1, 4: -1, 14: 1, 21: 1})): "the reference element does not balance",
+    edit("element/columns/40", by=squeezed): "does not balance",
+    edit("computed", by=lambda u: [*u, u[-1]]): "u_h has a node inside",
+    edit("problem/force/1/0/2", to=1): "f_0 with kinks",
+    edit("problem/loads", by=lambda x: {"0": x["1"]}): "which is not of Γ2",
+    edit("problem/loads/7", to=[[], []]): "a side that does not exist",
+    edit("problem/T", to="0"): "T is not positive",
     # Sizes.
-    (edit("stress/bits", to=0), "integer from 1 to 512"),
-    (edit("refinements", to=9), "integer from 0 to 8"),
-    (edit("refinements", to=8), "ũ has another size"),
-    (edit("problem/force/1/0/0/0/1", to=11), "integer from 0 to 10"),
-    (edit("problem/loads/1/0/0", to=[[], [["1", 6, 0, 0]], 2]), "degree above 10"),
-    (edit("problem/start/0", to=[["1", 7, 4]]), "u_0 has a degree above 10"),
-    (edit("problem/force/1/0/0/0/1", to=-1), "integer from 0 to 10"),
-    (edit("problem/start/0", to=[["0", 0, 0]] * 301), "301 values, but must have 0 to 300"),
-    (edit("problem/vertices", to=[["0", "0"]] * 101), "101 values, but must have 3 to 100"),
-    (edit("mesh/cells/0/0", to=9), "a vertex does not exist"),
-    (edit("mesh/cells/0/0", to=-1), "a vertex does not exist"),
-    (edit("mesh/denominator", to=0), "a positive integer"),
-    (edit("element/over", to=0), "a positive integer"),
-]
+    edit("stress/bits", to=0): "integer from 1 to 512",
+    edit("refinements", to=9): "integer from 0 to 8",
+    edit("refinements", to=8): "ũ has another size",
+    edit("problem/force/1/0/0/0/1", to=11): "integer from 0 to 10",
+    edit("problem/loads/1/0/0", to=[[], [["1", 6, 0, 0]], 2]): "degree above 10",
+    edit("problem/start/0", to=[["1", 7, 4]]): "u_0 has a degree above 10",
+    edit("problem/force/1/0/0/0/1", to=-1): "integer from 0 to 10",
+    edit("problem/start/0", to=[["0", 0, 0]] * 301): "301 values, but must have 0 to 300",
+    edit("problem/vertices", to=[["0", "0"]] * 101): "101 values, but must have 3 to 100",
+    edit("mesh/cells/0/0", to=9): "a vertex does not exist",
+    edit("mesh/cells/0/0", to=-1): "a vertex does not exist",
+    edit("mesh/denominator", to=0): "a positive integer",
+    edit("element/over", to=0): "a positive integer",
+}
 
 
-@pytest.mark.parametrize(("change", "message"), TAMPERED)
+@pytest.mark.parametrize(("change", "message"), TAMPERED.items())
 def test_what_is_tampered_with_is_refused(change, message, certificate):
     change(certificate)
     assert re.search(message, refusal(certificate))
 
 
-def move_a_vertex(data):
-    mesh = stated(data)
-    inner = next(v for v in range(len(mesh.points)) if not any(v in edge for edge in mesh.boundary))
-    data["displacement"]["nodes"][1][2 * inner] += 2**36
-
-
-CLAIMS = [
-    edit("problem/loads/1/0/0/0/0/0", to="-3"),
-    edit("problem/force/1/0/0/0/0", by=twice),
-    edit("problem/start/1", to=[["1/10", 0, 0], ["-1/10", 0, 1]]),
-    edit("stress/tractions/3/40", by=lambda x: x + 2**34),
-    edit("stress/inner/3/40", by=lambda x: x + 2**12),
-    move_a_vertex,
-]
-
-
-@pytest.mark.parametrize("claim", CLAIMS)
+@pytest.mark.parametrize(
+    "claim",
+    [
+        edit("problem/loads/1/0/0/0/0/0", to="-3"),
+        edit("problem/force/1/0/0/0/0", by=twice),
+        edit("problem/start/1", to=[["1/10", 0, 0], ["-1/10", 0, 1]]),
+        edit("stress/tractions/3/40", by=lambda x: x + 2**34),
+        edit("stress/inner/3/40", by=lambda x: x + 2**12),
+        edit("displacement/nodes/1/8", by=lambda x: x + 2**36),
+    ],
+)
 def test_witnesses_of_something_else_prove_less(claim, certificate, plain):
     """They stay true: an interval is wider, by what they do not fit."""
     claim(certificate)
@@ -252,26 +239,26 @@ def test_witnesses_of_something_else_prove_less(claim, certificate, plain):
 
 # Files that are no certificates
 
-TEXTS = [
-    (lambda: TEXT.encode(), "not a gzip file"),
-    (lambda: packed(TEXT)[:-9], "ends too early"),
-    (lambda: packed(TEXT)[:-8] + b"\0" * 8, "not a gzip file"),
-    (lambda: packed(TEXT) + packed(TEXT), "data after its certificate"),
-    (lambda: packed(TEXT) + b"\0", "data after its certificate"),
-    (lambda: packed("certificate"), "not a gzip file with JSON"),
-    (lambda: packed(TEXT.replace("contact", "kontakt\u202e")), "not a gzip file with JSON"),
-    (lambda: packed("[]"), "certificate is a list, but must be an object"),
-    (lambda: packed(TEXT.replace('"m":', '"m":NaN,"n":')), "a number is 'NaN'"),
-    (lambda: packed(re.sub(r'"computed":\[\[0.0', '"computed":[[1e999', TEXT)), "is inf"),
-    (lambda: packed(TEXT.replace('"m":', '"level":2,"m":')), "a key twice"),
-    (lambda: packed(TEXT.replace('"level":2', f'"level":{"9" * 10**6}')), "4300 digits"),
-    (lambda: packed(TEXT.replace('"level":2', f'"level":{"9" * 4000}')), "is 9999"),
-    (lambda: packed("[" * 10**5 + "]" * 10**5), "too deeply"),
-    (lambda: packed(f"[{','.join(['[]'] * 1_100_000)}]"), "more than 1048576 lists"),
-]
+TEXTS = {
+    "not a gzip file .*incorrect header": lambda: TEXT.encode(),
+    "ends too early": lambda: packed(TEXT)[:-9],
+    "not a gzip file .*incorrect data": lambda: packed(TEXT)[:-8] + b"\0" * 8,
+    "data after its certificate": lambda: packed(TEXT) + packed(TEXT),
+    "the file has data after its certificate": lambda: packed(TEXT) + b"\0",
+    "not a gzip file with JSON .*Expecting value": lambda: packed("certificate"),
+    "not a gzip file with JSON in ASCII": lambda: packed(TEXT.replace("contact", "kontakt\u202e")),
+    "certificate is a list, but must be an object": lambda: packed("[]"),
+    "a number is 'NaN'": lambda: packed(TEXT.replace('"m":', '"m":NaN,"n":')),
+    "is inf": lambda: packed(re.sub(r'"computed":\[\[0.0', '"computed":[[1e999', TEXT)),
+    "a key twice": lambda: packed(TEXT.replace('"m":', '"level":2,"m":')),
+    "4300 digits": lambda: packed(TEXT.replace('"level":2', f'"level":{"9" * 10**6}')),
+    "is 9999": lambda: packed(TEXT.replace('"level":2', f'"level":{"9" * 4000}')),
+    "too deeply": lambda: packed("[" * 10**5 + "]" * 10**5),
+    "more than 1048576 lists": lambda: packed(f"[{','.join(['[]'] * 1_100_000)}]"),
+}
 
 
-@pytest.mark.parametrize(("content", "message"), TEXTS)
+@pytest.mark.parametrize(("message", "content"), TEXTS.items())
 def test_other_files_are_refused(content, message, tmp_path, capsys):
     assert re.search(message, refused(content(), tmp_path, capsys))
 

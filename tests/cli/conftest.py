@@ -91,14 +91,12 @@ def own(made, tmp_path):
 
 
 @pytest.fixture
-def refusal_of_case(told, out, tmp_path):
+def refusal_of_case(refused, tmp_path):
     """Runs the case ``mine`` of a file, which must be refused before anything is written; returns what is said."""
 
     def run(code):
         resolve.cache_clear()
         path = write_text(tmp_path / "mine.py", code)
-        said = told(f"run --case {path}:mine --levels 8 16 32 --out {out}")
-        assert not out.exists()
-        return said
+        return refused(f"run --case {path}:mine --levels 8 16 32")
 
     return run

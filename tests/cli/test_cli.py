@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import pandas as pd
 import pytest
-from commands import python, study
+from commands import python
 from tables import everything
 
 from manufactured.catalogue import OTHER_NAMES
@@ -52,13 +52,11 @@ def test_data_of_another_version_are_refused_by_name_and_no_data_with_the_comman
         assert re.search(rf"provenance.json.*format {STORE_FORMAT + 1}", said, re.DOTALL)
 
 
-def test_the_catalogue_is_listed_as_text_without_making_a_case_and_as_json(capsys, monkeypatch):
+def test_the_catalogue_is_listed_as_text_without_making_a_case_and_as_json(told, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(sys.modules["manufactured.catalogue"], "import_module", None)
-        assert study("cases") == 0
-    text = capsys.readouterr().out
-    assert study("cases --json") == 0
-    entries = json.loads(capsys.readouterr().out)
+        text = told("cases", 0)
+    entries = json.loads(told("cases --json", 0))
     assert {"dimension", "law", "zone", "regularity", "statements"} <= set(entries[0])
     listed = {entry["case"]: entry["expected_order"] for entry in entries}
     printed = {name: float(Fraction(order)) for name, order in re.findall(r"^(\S+) +order (\S+)$", text, re.MULTILINE)}
@@ -71,7 +69,10 @@ def test_a_run_makes_only_its_cases_and_writes_figures_and_tables_only_if_asked(
     """In a process of its own, because other tests have made other cases."""
     script = """
 import sys, manufactured
+from study.cli import present
 from study.cli.main import main
+drawings = present.drawings
+present.drawings = lambda directory: drawings(directory)[:1]  # Drawing all takes most of the time.
 catalogue, made = sys.modules["manufactured.catalogue"], []
 make = catalogue._made
 catalogue._made = lambda name: made.append(name) or make(name)

@@ -33,12 +33,10 @@ def file(tmp_path):
     return path
 
 
-def test_a_name_with_a_slip_is_answered_with_the_nearest_one(told, out):
-    said = told(f"run --case hexgon --out {out}")
-    assert "unknown case 'hexgon'; did you mean hexagon? All: full-contact" in said
-    assert "did you mean midpoint?" in told(f"run --scheme midpiont --out {out}")
-    assert "midpoint" in told(f"run --scheme rk4 --out {out}")
-    assert not out.exists()
+def test_a_name_with_a_slip_is_answered_with_the_nearest_one(refused):
+    assert "unknown case 'hexgon'; did you mean hexagon? All: full-contact" in refused("run --case hexgon")
+    assert "did you mean midpoint?" in refused("run --scheme midpiont")
+    assert "midpoint" in refused("run --scheme rk4")
 
 
 def test_an_option_with_a_slip_is_answered_with_the_nearest_one_and_all_options_of_the_command(told):
@@ -48,8 +46,8 @@ def test_an_option_with_a_slip_is_answered_with_the_nearest_one_and_all_options_
 
 
 @pytest.mark.parametrize("name", ["", ":pach"])
-def test_a_file_without_a_name_it_defines_is_answered_with_those_it_does(file, name, told, out):
-    said = told(f"run --case {file}{name} --out {out}")
+def test_a_file_without_a_name_it_defines_is_answered_with_those_it_does(file, name, refused):
+    said = refused(f"run --case {file}{name}")
     assert f"give {file}:front or {file}:patch" in said
     assert "_hidden" not in said
     assert "named" not in said
@@ -158,26 +156,25 @@ def test_a_number_that_is_not_permitted_is_refused_before_a_module_is_imported(c
     assert told(command).endswith(f"error: argument {flag}: must be {words}, got {value}\n")
 
 
-def test_an_own_case_with_the_name_of_another_is_refused(file, told, out):
-    said = told(f"run --case {file}:front --levels 2 4 8 --out {out}")
+def test_an_own_case_with_the_name_of_another_is_refused(file, refused):
+    said = refused(f"run --case {file}:front --levels 2 4 8")
     assert "cases.py:front has the name advance-recede of a case of the catalogue; give it another name" in said
-    assert not out.exists()
 
 
-def test_too_few_levels_are_named_before_anything_is_measured(told, tmp_path, monkeypatch):
+def test_too_few_levels_are_named_before_anything_is_measured(refused, monkeypatch):
     def stop(*arguments):
         raise UsageError("here it would begin")
 
     monkeypatch.setattr("study.cli.run.refuse_too_large", stop)
-    said = told(f"run --case corner full-contact --levels 8 --out {tmp_path}")
+    said = refused("run --case corner full-contact --levels 8")
     few = "a verdict on an order needs 3 levels, not only 8; give 3 or more, such as --levels 8 16 32"
     assert said.splitlines() == [
         f"study: corner: {few}",
         f"study: full-contact: {few}",
         "study: here it would begin",
     ]
-    assert "needs 4 levels" in told(f"run --case rough-1.75 --levels 8 16 32 --out {tmp_path}")
-    assert told(f"run --out {tmp_path}") == "study: here it would begin\n"
+    assert "needs 4 levels" in refused("run --case rough-1.75 --levels 8 16 32")
+    assert refused("run") == "study: here it would begin\n"
 
 
 def test_finer_meshes_are_one_line_to_copy(file):

@@ -19,6 +19,11 @@ def read(data):
     return judge.Task(f"{data['case']}-{data['level']}-{data['scale']}", json.loads(json.dumps(plain(data))))
 
 
+def at_one_time(case, level=4, family="one-diagonal", scale=1.0):
+    """The data of the static problem of a case at one time, as they are written."""
+    return frozen(task(case, level, family), (0.55,), scale)
+
+
 @cache
 def exported(
     case,

@@ -19,7 +19,7 @@ import pytest
 import run_codes
 import this_study
 from commands import study
-from judged_codes import exported, judged, read, task
+from judged_codes import at_one_time, exported, judged, read, task
 from places import CODES, RESULTS
 from schemas import schema
 
@@ -98,7 +98,6 @@ def test_committed_files_are_what_their_rows_are_written_as(folder, tmp_path):
 )
 def test_committed_classes_are_those_of_the_committed_errors(folder, grades):
     codes, seen = Codes.read(RESULTS, folder), set()
-    assert codes is not None
     classes = codes.classes.set_index(KEY)["class"]
     columns = [field.name for field in fields(judge.Errors) if field.name in codes.errors]
     for name, rows in codes.errors.sort_values("level").groupby(KEY):
@@ -120,7 +119,7 @@ def test_results_without_other_codes_have_none_and_half_a_table_is_refused(tmp_p
 def packed(tmp_path_factory):
     """A directory with one task and SHA256SUMS."""
     place = tmp_path_factory.mktemp("packed")
-    write_task(place, frozen(task("full-contact", 4), (0.55,)))
+    write_task(place, at_one_time("full-contact"))
     return place
 
 
@@ -173,34 +172,30 @@ def unpacked_as_well(place):
 
 
 ANSWER = "answers/full-contact-one-diagonal-frozen-4"
-DAMAGE = [
-    (put("SHA256SUMS", "mine\n", "a"), "SHA256SUMS has 'mine'"),
-    (lambda place: next(place.glob("tasks/*.xz")).unlink(), "expected a sum and a file that is here"),
-    (lambda place: [path.unlink() for path in place.glob("tasks/*")], "holds no *.json.xz"),
-    (put("a.json", "[1, 2]"), "a holds a JSON list"),
-    (put("a.json", "{"), "a.json is no JSON"),
-    (
-        lambda place: (place / "tasks" / "a.json.xz").write_bytes(lzma.compress(bytes(300 << 20), preset=0)),
-        "unpacks to more than",
+DAMAGE = {
+    "SHA256SUMS has 'mine'": put("SHA256SUMS", "mine\n", "a"),
+    "expected a sum and a file that is here": lambda place: next(place.glob("tasks/*.xz")).unlink(),
+    "holds no *.json.xz": lambda place: [path.unlink() for path in place.glob("tasks/*")],
+    "a holds a JSON list": put("a.json", "[1, 2]"),
+    "a.json is no JSON": put("a.json", "{"),
+    "unpacks to more than": lambda place: (place / "tasks" / "a.json.xz").write_bytes(
+        300 * lzma.compress(bytes(1 << 20))
     ),
-    (unpacked_as_well, "same name"),
-    (task_with(without="clamped"), "lacks the key 'clam"),
-    (task_with(version=3), "contact-task 3, expected contact-task 1 or 2"),
-    (task_with(cells=[[0, 1, 999]]), "is no task"),
-    (task_with(steps=[], judge=[]), "0 steps"),
-    (task_with(scale=0), "the scale 0.0"),
-    (task_with(contact=[]), "is no task"),
-    (task_with(law={"A": {"matrix": [[1.0]], "factor": 1}}), "lacks the key 'G'"),
-    (lambda place: next(place.glob("answers/*/u.txt")).unlink(), "u.txt is missing or cannot be read"),
-    (
-        put(f"{ANSWER}/u.txt", "1 2 3"),
-        "u.txt, line 1, has 3 numbers, expected plain text: for each step (1 in all)",
-    ),
-    (put(f"{ANSWER}/forces.txt", "1"), "forces.txt, line 1, has 1 numbers, expected"),
-]
+    "same name": unpacked_as_well,
+    "lacks the key 'clam": task_with(without="clamped"),
+    "contact-task 3, expected contact-task 1 or 2": task_with(version=3),
+    "is no task of contact-task": task_with(cells=[[0, 1, 999]]),
+    "0 steps": task_with(steps=[], judge=[]),
+    "the scale 0.0": task_with(scale=0),
+    "is no task": task_with(contact=[]),
+    "lacks the key 'G'": task_with(law={"A": {"matrix": [[1.0]], "factor": 1}}),
+    "u.txt is missing or cannot be read": lambda place: next(place.glob("answers/*/u.txt")).unlink(),
+    "u.txt, line 1, has 3 numbers, expected plain text: for each step (1 in all)": put(f"{ANSWER}/u.txt", "1 2 3"),
+    "forces.txt, line 1, has 1 numbers, expected": put(f"{ANSWER}/forces.txt", "1"),
+}
 
 
-@pytest.mark.parametrize(("damage", "message"), DAMAGE)
+@pytest.mark.parametrize(("message", "damage"), DAMAGE.items())
 def test_what_cannot_be_read_is_named_and_the_exit_code_is_2(damage, message, place, capsys):
     damage(place)
     assert run(place) == 2
@@ -217,7 +212,7 @@ def test_options_that_cannot_be_used_are_refused(options, place, capsys):
 
 
 def test_one_missing_answer_does_not_stop_the_judge_and_a_subset_leaves_it_out(place, capsys):
-    write_task(place / "tasks", frozen(task("layered", 4), (0.55,)))
+    write_task(place / "tasks", at_one_time("layered"))
     assert run(place) == 2
     told = capsys.readouterr()
     assert "layered-one-diagonal-frozen-4/u.txt is missing" in told.err
@@ -260,7 +255,7 @@ def test_exit_codes_and_tolerance(place, capsys):
 
 
 def test_a_series_that_fails_counts_more_than_one_that_is_undecided(place):
-    write_task(place / "tasks", frozen(task("full-contact", 4, "criss-cross"), (0.55,)))
+    write_task(place / "tasks", at_one_time("full-contact", family="criss-cross"))
     for one in judge.read_tasks(place / "tasks"):
         u = judge.answer(one, this_study.make)
         judge.write_answer(place / "answers", one, 1.001 * u if one.data["family"] == "criss-cross" else u + 1)
@@ -298,7 +293,7 @@ def test_the_json_is_valid_and_fits_its_schema_even_without_numbers(place, capsy
 
 @pytest.mark.parametrize("kind", ["frozen", "march", "foundation"])
 def test_tasks_fit_their_schema(kind):
-    data = march(task("corner", 4), 2) if kind == "march" else frozen(task("corner", 4), (0.55,))
+    data = march(task("corner", 4), 2) if kind == "march" else at_one_time("corner")
     data = read(with_foundation(data, 3) if kind == "foundation" else data).data
     assert data["version"] == 2
     schema("contact-task").validate(data)
@@ -311,26 +306,26 @@ def test_version_1_is_read_and_is_the_same_task():
     assert judged(this_study.make, task).verdict == "exact for P1"
 
 
-def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tmp_path, told):
+def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tmp_path, refused):
     assert study(f"export full-contact layered --levels 4 --instants 0.5 --out {tmp_path}") == 0
     names = {path.name for path in tmp_path.glob("*.xz")}
     assert names == {"full-contact-one-diagonal-frozen-4.json.xz", "layered-criss-cross-frozen-4.json.xz"}
-    said = told(f"export cube-two-faces --levels 4 --out {tmp_path}")
+    said = refused("export cube-two-faces --levels 4")
     assert said.startswith("study: case cube-two-faces on one-diagonal meshes of level 4: ")
     assert said.endswith("levels that would do: 3, 6\n")
-    assert "give each case once" in told(f"export full-contact full-contact --out {tmp_path}")
+    assert "give each case once" in refused("export full-contact full-contact")
 
 
-WRONG_ARRAYS = [
-    (lambda u: np.swapaxes(u, 1, 2), "(1, 2, 25), expected (1, 25, 2): steps, vertices, components"),
-    (lambda u: u[0], "has the shape (25, 2), expected (1, 25, 2)"),
-    (lambda u: "many", "is no array of numbers"),
-    (lambda u: [[1.0], [1.0, 2.0]], "is no array of numbers"),
-    (lambda u: None, "expected (1, 25, 2)"),
-]
-
-
-@pytest.mark.parametrize(("change", "words"), WRONG_ARRAYS)
+@pytest.mark.parametrize(
+    ("words", "change"),
+    {
+        "(1, 2, 25), expected (1, 25, 2): steps, vertices, components": lambda u: np.swapaxes(u, 1, 2),
+        "has the shape (25, 2), expected (1, 25, 2)": lambda u: u[0],
+        "is no array of numbers": lambda u: "many",
+        "is no array of numbers (setting": lambda u: [[1.0], [1.0, 2.0]],
+        "expected (1, 25, 2)": lambda u: None,
+    }.items(),
+)
 def test_arrays_of_another_shape_are_refused_in_words(change, words, packed):
     (task,) = judge.read_tasks(packed)
     u = judge.answer(task, this_study.make)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import this_study as ours
 from commands import study
-from judged_codes import answers, exported, judged, read, task
+from judged_codes import answers, at_one_time, exported, judged, read, task
 from places import CODES
 from tables import everything
 
@@ -118,7 +118,6 @@ CLASSES = [
     # Integral multipliers in junction, with n = 4, 8, 16 and, on shaken meshes, n = 10, 12, 14: exact on some meshes.
     ([2e-2, 2e-12, 3e-12], FALLING, "consistent"),
     ([3e-12, 0.2, 6e-12], FALLING, "wrong"),
-    ([0.3, 0.2, 2e-12], FALLING, "consistent"),
     ([0.5, 2e-12, 2e-12], FALLING, "wrong"),
 ]
 
@@ -214,7 +213,7 @@ def test_each_load_scale_has_its_own_class_and_its_line_names_it():
 
 @pytest.mark.parametrize("case", ["rotated", "corner"])
 def test_the_foundation_lies_under_the_face_and_covers_it(case):
-    data = with_foundation(frozen(task(case), (0.55,)), 5)
+    data = with_foundation(at_one_time(case, 8), 5)
     for piece, slab in zip(data["contact"], data["foundation"], strict=True):
         face, points = data["vertices"][np.unique(piece["facets"])], slab["vertices"]
         assert ((points - face[0]) @ piece["normal"]).min() == pytest.approx(0, abs=1e-12)
@@ -225,30 +224,30 @@ def test_the_foundation_lies_under_the_face_and_covers_it(case):
 
 @pytest.mark.parametrize("scale", [1.0, 10.0])
 def test_a_task_has_the_gap_in_the_units_of_its_loads(scale):
-    data = frozen(task("parabolic-gap", 4), (0.5,), scale)
+    data = at_one_time("parabolic-gap", scale=scale)
     (piece,), (again,) = data["contact"], read(data).scaled(3).gaps()
     x = np.array(data["vertices"])[piece["vertices"], 0]
     assert [piece["gap"], again / 3] == [pytest.approx(scale * 6 * (x - 0.4) ** 2)] * 2
-    assert "gap" not in frozen(task("full-contact", 4), (0.5,))["contact"][0]
+    assert "gap" not in at_one_time("full-contact")["contact"][0]
 
 
 # Files and commands
 
-FILES = [
-    (lambda text: "", "has no numbers"),
-    (lambda text: text.split(" ", 1)[1], "line 1, has 49 numbers"),
-    (lambda text: text.replace(" ", ","), "has commas or semicolons between the numbers"),
-    (lambda text: text.replace(".", ","), "has a comma"),
-    (lambda text: f"ux uy\n{text}", "line 1: 'ux' is not a number"),
-    (lambda text: text.replace("\n", " ****\n"), "'****' stands for a number that needs more room"),
-    (lambda text: text.splitlines()[0] + "\n" + text, "has 4 lines"),
-    (lambda text: text.encode("utf-16"), "is text in UTF-16"),
-    (lambda text: b"\x93NUMPY\x01\x00", "is a file of numpy.save"),
-    (lambda text: lzma.compress(text.encode()), "is packed with xz"),
-]
+FILES = {
+    "has no numbers": lambda text: "",
+    "line 1, has 49 numbers": lambda text: text.split(" ", 1)[1],
+    "has commas or semicolons between the numbers": lambda text: text.replace(" ", ","),
+    "has a comma": lambda text: text.replace(".", ","),
+    "line 1: 'ux' is not a number": lambda text: f"ux uy\n{text}",
+    "'****' stands for a number that needs more room": lambda text: text.replace("\n", " ****\n"),
+    "has 4 lines": lambda text: text.splitlines()[0] + "\n" + text,
+    "is text in UTF-16": lambda text: text.encode("utf-16"),
+    "is a file of numpy.save": lambda text: b"\x93NUMPY\x01\x00",
+    "is packed with xz": lambda text: lzma.compress(text.encode()),
+}
 
 
-@pytest.mark.parametrize(("change", "found"), FILES)
+@pytest.mark.parametrize(("found", "change"), FILES.items())
 def test_a_file_that_is_no_text_of_numbers_is_refused_with_what_was_found_and_expected(change, found, tmp_path):
     one = exported("layered", 4)
     judge.write_answer(tmp_path, one, 0.5 + np.zeros((3, *one.vertices.shape)))
@@ -301,9 +300,8 @@ def test_the_command_writes_the_same_bytes_again_and_their_sums_and_names_a_line
         ("full-contact --mode march --instants 0.5", "--instants"),
     ],
 )
-def test_what_cannot_be_exported_is_refused(options, message, out, told):
-    assert message in told(f"export {options} --to {out}")
-    assert not out.exists()
+def test_what_cannot_be_exported_is_refused(options, message, refused):
+    assert message in refused(f"export {options}")
 
 
 def test_tasks_for_two_levels_are_small_enough_to_commit(tmp_path):
@@ -333,7 +331,7 @@ ALONE = (
 
 def test_the_judge_runs_as_a_command_with_numpy_alone(tmp_path):
     """Nothing but NumPy can be imported: every other package of the environment is refused."""
-    write_task(tmp_path / "tasks", frozen(task("advance-recede", 4), (0.55,)))
+    write_task(tmp_path / "tasks", at_one_time("advance-recede"))
     (one,) = judge.read_tasks(tmp_path / "tasks")
     u = judge.answer(one, ours.make)
     command = [sys.executable, "-c", ALONE, str(CODES), str(tmp_path / "tasks"), str(tmp_path / "answers")]

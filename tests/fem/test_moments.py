@@ -6,6 +6,9 @@ from costly_cases import BEYOND_THE_CATALOGUE, by_cost
 from hypothesis import given
 from hypothesis import strategies as st
 from measures import close
+from numpy.testing import assert_allclose
+from on_meshes import space_on
+from random_examples import RANDOM
 from skfem import MeshTri
 
 from manufactured.catalogue import NAMES
@@ -14,7 +17,6 @@ from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, ru
 from study.fem.mesh import FAMILIES, barycentric, barycentric_gradients
 from study.fem.naming import resolve
 from study.fem.quadrature import Line, facet_rule, shared, simplex_rule
-from study.fem.space import Space
 
 POINTS = 200
 
@@ -25,7 +27,7 @@ def summed(modes, times, rate):
     for part in modes:
         amplitudes = part.amplitudes(times, rate)[:, part.places]
         each = np.stack([part.amplitudes(time, rate)[:, part.places] for time in times.tolist()], axis=-1)
-        np.testing.assert_allclose(amplitudes, each, rtol=1e-13, atol=1e-14 * abs(each).max(initial=0.0))
+        assert_allclose(amplitudes, each, rtol=1e-13, atol=1e-14 * abs(each).max(initial=0.0))
         values = np.zeros((len(times), part.tensors.shape[1], POINTS))
         values[..., part.points] = np.einsum("kD,kn,knt->tDn", part.tensors, part.shapes, amplitudes)
         found = found + values
@@ -33,10 +35,10 @@ def summed(modes, times, rate):
 
 
 @pytest.mark.parametrize("name", by_cost([*NAMES, *BEYOND_THE_CATALOGUE]))
-def test_modes_sum_to_the_strain_its_rate_and_the_force(name):
+def test_modes_sum_to_the_strain_its_rate_and_the_force(name, rng):
     solution = resolve(name).solution
     times = solution.body.T * np.array([0.37, 0.8])
-    fields = solution.at(solution.body.sample(np.random.default_rng(1), POINTS))
+    fields = solution.at(solution.body.sample(rng, POINTS))
     strain, rate, stress = (np.moveaxis(of(times), -1, 0) for of in (fields.strain, fields.strain_rate, fields.stress))
     assert close(summed(fields.modes(), times, False), strain, 1e-13)
     assert close(summed(fields.modes(), times, True), rate, 1e-13)
@@ -63,7 +65,7 @@ def test_error_and_load_are_integrals_over_the_points_of_the_rules(case):
     """The load is (σ, ε(v))_Q + ∫_{Γ3} p v_ν. Strain, stress and pressure are evaluated point by point."""
     solution = resolve(case).solution
     family = next(family for family in FAMILIES if family.serves(solution.body) and family.name != "one-diagonal")
-    space = Space(family(solution.body, 8 if solution.body.dim == 2 else 4), solution.body)
+    space = space_on(solution.body, 8 if solution.body.dim == 2 else 4, family)
     v_norm, time = ErrorNorm(solution, space), 0.61 * solution.body.T
     sample, square = v_norm.sample(time), 0.0
     of_interpolant = space.strain(sample.interpolant)
@@ -83,9 +85,9 @@ def test_error_and_load_are_integrals_over_the_points_of_the_rules(case):
     assert close(v_norm.load(time), expected, 1e-12)
 
 
-@given(seed=st.integers(0, 10**6), degree=st.sampled_from([4, 6]), angle=st.floats(0.2, 2.9), both=st.booleans())
-def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(seed, degree, angle, both):
-    mesh = MeshTri(np.random.default_rng(seed).normal(size=(2, 15)), np.arange(15).reshape(3, 5))
+@given(rng=RANDOM, degree=st.sampled_from([4, 6]), angle=st.floats(0.2, 2.9), both=st.booleans())
+def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(rng, degree, angle, both):
+    mesh = MeshTri(rng.normal(size=(2, 15)), np.arange(15).reshape(3, 5))
     lines = [Line((1.0, 0.0), 0.2), Line((float(np.cos(angle)), float(np.sin(angle))), -0.1)][: 1 + both]
     points, shares = shared(mesh.p[:, mesh.t], barycentric_gradients(mesh), *simplex_rule(2, degree), lines)
     local = barycentric(mesh, np.arange(5), points)

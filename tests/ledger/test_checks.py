@@ -50,9 +50,9 @@ ORDERS = {
 }
 
 
-@pytest.mark.parametrize("value", ORDERS.values(), ids=list(ORDERS))
-def test_orders_are_those_of_powers_and_need_three_levels_and_positive_errors(value):
-    order = check(value, ABOUT_1, MIN_LEVELS)
+@pytest.mark.parametrize("name", ORDERS)
+def test_orders_are_those_of_powers_and_need_three_levels_and_positive_errors(name):
+    order = check(ORDERS[name], ABOUT_1, MIN_LEVELS)
     found = judged(order, levels(FIRST))
     assert (found.verdict, found.observed) == (HOLDS, pytest.approx(1))
     assert judged(order, levels(FIRST**2)).verdict == FAILS

@@ -30,21 +30,21 @@ def square(**options):
 
 
 @pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: square(refine=[(0.5, 0.5)]), "not one of the vertices"),
-        (lambda: square(interfaces=[((0, 0.5), (0.8, 0.5))]), "expected a point of the boundary"),
-        (lambda: square(interfaces=[((0, 0.5), (0, 1))]), "touches its boundary"),
-        (lambda: square(interfaces=[((0, 0.5), (1, 0.5)), ((0.5, 0), (0.5, 1))]), "cross"),
-        (lambda: square(T=0), "final time"),
-        (lambda: Body(PARTS[:2]), "three boundary parts"),
-        (lambda: Body(PARTS[::-1]), "but the next starts at"),
-        (lambda: polygon([(0, 0), (1, 0), (1, 0), (0, 1)], SIDES), "list every vertex once"),
-        (lambda: polygon(SQUARE[::-1], SIDES), "counter-clockwise"),
-        (lambda: polygon(SQUARE[1:], SIDES), "need 3 kinds, got 4"),
-        (lambda: Body((replace(PARTS[0], kind=Kind.INTERFACE), *PARTS[1:])), "lies inside"),
-        (lambda: Body(PARTS, interfaces=(PARTS[0],)), "has the kind"),
-    ],
+    ("message", "make"),
+    {
+        "not one of the vertices": lambda: square(refine=[(0.5, 0.5)]),
+        "expected a point of the boundary": lambda: square(interfaces=[((0, 0.5), (0.8, 0.5))]),
+        "touches its boundary": lambda: square(interfaces=[((0, 0.5), (0, 1))]),
+        "cross": lambda: square(interfaces=[((0, 0.5), (1, 0.5)), ((0.5, 0), (0.5, 1))]),
+        "final time": lambda: square(T=0),
+        "three boundary parts": lambda: Body(PARTS[:2]),
+        "but the next starts at": lambda: Body(PARTS[::-1]),
+        "list every vertex once": lambda: polygon([(0, 0), (1, 0), (1, 0), (0, 1)], SIDES),
+        "counter-clockwise": lambda: polygon(SQUARE[::-1], SIDES),
+        "need 3 kinds, got 4": lambda: polygon(SQUARE[1:], SIDES),
+        "lies inside": lambda: Body((replace(PARTS[0], kind=Kind.INTERFACE), *PARTS[1:])),
+        "has the kind": lambda: Body(PARTS, interfaces=(PARTS[0],)),
+    }.items(),
 )
 def test_a_body_that_is_none_or_that_no_mesh_could_serve_is_refused(make, message):
     with pytest.raises(BodyError, match=message):

@@ -15,7 +15,6 @@ from manufactured import (
     s,
     t,
 )
-from manufactured.compiled import Jet
 from manufactured.symbols import differentiate
 
 PLACES = np.linspace(0.01, 0.99, 41)[None]
@@ -55,27 +54,6 @@ def test_a_pressure_whose_memory_is_not_known_or_that_is_too_fast_is_refused(pre
 
 
 # Formulas evaluated by NumPy.
-
-
-FRONT = Rational(1, 2) + t * (1 - t) / 3 - s**2
-
-
-@pytest.mark.parametrize(
-    "formula",
-    [
-        (1 + t) * pos(FRONT, 4) / (2 - FRONT) ** 2 + t * pos(-FRONT, 3),
-        pos(FRONT - Rational(1, 8), 5) * exp(-FRONT) + pos(1 - pos(FRONT, 2), 3) * s,
-        pos(sin(3 * s) - t, 4) * (sin(3 * s) - t),
-    ],
-    ids=str,
-)
-def test_derivatives_of_functions_of_a_front_are_those_of_the_formula_in_place_and_time(formula):
-    places, time = np.linspace(0, 1, 41), 0.37
-    found = Jet(formula).rate()(places[None], time, 2)
-    plain = {"pos": lambda x, a: np.where(x > 0, abs(x) ** float(a), 0.0)}
-    for k in range(3):
-        exact = lambdify((s, t), formula.diff(t, s, k), [plain, "numpy"])(places, time)
-        np.testing.assert_allclose(found[k,], exact, rtol=1e-11, atol=1e-11 * abs(exact).max())
 
 
 @pytest.mark.parametrize(

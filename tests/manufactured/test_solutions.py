@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from bodies import CLAMPED, CONTACT, LOADED
 from costly_cases import by_cost, slow
+from numpy.testing import assert_allclose
 from on_floor import on_floor
 from sympy import Integer, Rational, cos, expand, sin
 
@@ -69,15 +70,15 @@ VARIABLE_DEPTH = "trains", "roller-8"
 
 
 @pytest.mark.parametrize("name", by_cost([*NAMES, "natural-motion", *VARIABLE_DEPTH]))
-def test_fields_at_many_times_are_those_at_each(name):
+def test_fields_at_many_times_are_those_at_each(name, rng):
     """At points of which many share their coordinates along a face, as on a mesh; the times come last."""
     case = resolve(name)
     body = case.solution.body
-    grid = np.round(8 * body.sample(np.random.default_rng(3), 200)) / 8 + 1e-3
+    grid = np.round(8 * body.sample(rng, 200)) / 8 + 1e-3
     fields, times = case.solution.at(grid[:, body.contains(grid)]), body.T * np.array([0.0, 0.31, 0.64, 1.0])
     for of in (getattr(fields, quantity) for quantity in (FIELDS if name in VARIABLE_DEPTH else WITH_FORCES)):
         each, together = np.array([of(float(time)) for time in times]), np.moveaxis(of(times), -1, 0)
-        np.testing.assert_allclose(together, each, rtol=1e-12, atol=1e-12 * abs(each).max(), err_msg=of.__name__)
+        assert_allclose(together, each, rtol=1e-12, atol=1e-12 * abs(each).max(), err_msg=of.__name__)
 
 
 @pytest.mark.parametrize("name", ["junction", "natural-front"])
@@ -118,7 +119,7 @@ def coupled(dim):
 
 def not_symmetric():
     """A law whose G has A_nnss ≠ A_ssnn, which does not couple normal strains with shear."""
-    G = NonSymmetric(np.array([[3.0, 1.0, 0.0], [2.0, 5.0, 0.0], [0.0, 0.0, 2.0]]))
+    G = NonSymmetric([[3.0, 1.0, 0.0], [2.0, 5.0, 0.0], [0.0, 0.0, 2.0]])
     return KelvinVoigt(isotropic(1, 0.5), G, "not symmetric")
 
 
@@ -127,14 +128,14 @@ LAWS = {"rotated": coupled(2), "cube-disc": coupled(3), "advance-recede": not_sy
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_a_face_slips_without_friction_under_laws_that_no_case_has(name):
+def test_a_face_slips_without_friction_under_laws_that_no_case_has(name, rng):
     slipping = with_slip(replace(named(name).solution, law=LAWS[name]))
     assert violated(slipping, points=4, times=2) == []
     (face,) = slipping.faces
-    place = face.part.sample(np.random.default_rng(0), 9)
+    place = face.part.sample(rng, 9)
     u = face.part.frame[:, :-1].T @ slipping.at(place).displacement(0.7)
     z = [jet(face.part.coordinates(place)[0], 0.7)[(0,) * len(u)] for jet in face.jets[1:]]
-    np.testing.assert_allclose(u, z, atol=1e-12)
+    assert_allclose(u, z, atol=1e-12)
 
 
 @pytest.mark.parametrize("convex", [FrobeniusBall, DeviatoricBall])
@@ -178,10 +179,8 @@ def test_bounds_of_a_factor_that_do_not_hold_are_found():
         (Regularity(), 1, 1, "Prop. 5.4"),
         (Regularity(gap=4, pressure=2, moving=True), 1, 1, "Prop. 5.4"),
         (Regularity(gap=3.25, pressure=2, moving=True), 1, 0.75, "Prop. 5.3"),
-        (Regularity(gap=3, pressure=2, moving=True), 1, 0.5, "Prop. 5.3"),
         (Regularity(gap=3, pressure=2), 1, 1, "Prop. 5.4"),
         (Regularity(gap=2.25, pressure=1.25), 0.75, 0.75, "Prop. 5.3"),
-        (Regularity(gap=2, pressure=1), 0.5, 0.5, "Prop. 5.3"),
         (Regularity(on_contact=1.5), 1, 1, "Prop. 5.3"),
         (Regularity(on_contact=1.25), 1, 0.875, "Prop. 5.3"),
         (Regularity(on_contact=0.5), 0.5, 0.25, "Prop. 5.3"),
@@ -217,9 +216,9 @@ def test_a_field_with_a_cut_off_of_the_distance_does_not_travel():
 
 
 @pytest.mark.parametrize("name", by_cost(NAMES))
-def test_the_gradient_has_the_strain_as_its_symmetric_part_and_all_else_is_what_the_fields_say(name):
+def test_the_gradient_has_the_strain_as_its_symmetric_part_and_all_else_is_what_the_fields_say(name, rng):
     case = named(name)
-    x = case.solution.body.sample(np.random.default_rng(5), 5)
+    x = case.solution.body.sample(rng, 5)
     found, fields = evaluate(case, x, 0.4), case.solution.at(x)
     assert mandel(found.gradient) == pytest.approx(found.strain, abs=1e-11 * abs(found.gradient).max())
     for quantity in ("displacement", "velocity", "strain_rate", "stress", "body_force"):

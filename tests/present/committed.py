@@ -20,20 +20,14 @@ Thm 4.2,σ̃ ∈ Σ(t) ⇔ u̇ solves Problem 3.1,two_faces,gap,0,1.2e-09,-inf,1
 """A ledger with every verdict, a statement without a case, and text that is hard on LaTeX and Markdown."""
 
 
-def committed(name, cases=CASES):
-    """The rows of some cases in a committed data file; the numbers as they are written."""
-    table = texts(DATA / f"{name}.csv")
-    return table[table["case"].isin([*cases, "all cases"])]
-
-
 def copy_results(directory, cases=CASES, pictures=(CORNER, SOLID)):
     """Writes the committed tables of some cases, and pictures of some of them, into ``directory / "data"``."""
     data = directory / "data"
     (data / "pictures").mkdir(parents=True)
     for name in TABLES:
         # Pictures are drawn of the cases in cases.csv.
-        chosen = (*cases, *pictures) if name == "cases" else cases
-        committed(name, chosen).to_csv(data / f"{name}.csv", index=False)
+        chosen, table = (*cases, *pictures) if name == "cases" else cases, texts(DATA / f"{name}.csv")
+        table[table["case"].isin([*chosen, "all cases"])].to_csv(data / f"{name}.csv", index=False)
     for case in pictures:
         shutil.copy(DATA / f"pictures/{case}.json.gz", data / "pictures")
     return directory

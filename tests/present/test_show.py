@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from commands import study
 from matplotlib.text import Annotation
+from numpy.testing import assert_allclose
 from PIL import Image, ImageSequence
 
 from manufactured.colours import VERMILLION
@@ -67,12 +68,12 @@ def test_a_vtu_file_reads_back_as_the_mesh_and_the_fields_of_its_frame(shown, mo
     frame, space = motion.frames[-1], motion.space
     read = meshio.read(shown[0] / f"vtk/{CASE}-004.vtu")
     np.testing.assert_array_equal(read.cells_dict["triangle"], space.mesh.t.T)
-    np.testing.assert_allclose(read.points, np.pad(space.mesh.p.T, ((0, 0), (0, 1))))
+    assert_allclose(read.points, np.pad(space.mesh.p.T, ((0, 0), (0, 1))))
     for name, values in (("displacement", frame.u), ("velocity", frame.velocity)):
-        np.testing.assert_allclose(read.point_data[name][:, :2], space.nodal(values).T)
-    np.testing.assert_allclose(read.cell_data["von_mises"][0], von_mises(frame.stress))
+        assert_allclose(read.point_data[name][:, :2], space.nodal(values).T)
+    assert_allclose(read.cell_data["von_mises"][0], von_mises(frame.stress))
     stress = np.pad(np.moveaxis(full(frame.stress), -1, 0), ((0, 0), (0, 1), (0, 1)))
-    np.testing.assert_allclose(read.cell_data["stress"][0], stress.reshape(-1, 9))
+    assert_allclose(read.cell_data["stress"][0], stress.reshape(-1, 9))
     for number, (_, vertices) in enumerate(space.contact, start=1):
         gap, pressure = (read.point_data[f"{name}_{number}"] for name in ("gap", "pressure"))
         assert set(np.flatnonzero(np.isfinite(gap))) == set(vertices)
@@ -85,7 +86,7 @@ def test_a_solid_has_tetrahedra_and_all_nine_stresses():
     frame, series = motion.frames[-1], mesh_series(motion, 1)
     mesh = mesh_of(series, series.fields[-1])
     assert mesh.cells[0].type == "tetra"
-    np.testing.assert_allclose(mandel(np.moveaxis(mesh.cell_data["stress"][0].reshape(-1, 3, 3), 0, -1)), frame.stress)
+    assert_allclose(mandel(np.moveaxis(mesh.cell_data["stress"][0].reshape(-1, 3, 3), 0, -1)), frame.stress)
     assert {"gap", "pressure"} <= set(mesh.point_data)
 
 
@@ -108,7 +109,7 @@ def test_the_shapes_of_an_animation_are_those_of_the_motion(motion):
         (shown.displacement, [motion.space.nodal(frame.u) for frame in frames]),
         (shown.von_mises, [von_mises(frame.stress) for frame in frames]),
     ):
-        np.testing.assert_allclose(found, expected, atol=0.51 * np.max(np.abs(expected)) / UNITS)
+        assert_allclose(found, expected, atol=0.51 * np.max(np.abs(expected)) / UNITS)
 
 
 @pytest.mark.slow
@@ -116,7 +117,6 @@ def test_a_film_is_written_by_the_ffmpeg_of_a_package_where_the_system_has_none(
     pytest.importorskip("imageio_ffmpeg")
     monkeypatch.setenv("PATH", "")
     path = write_mp4(tmp_path / "film.mp4", picture_of(motion))
-    assert path is not None
     assert path.read_bytes()[4:8] == b"ftyp"
 
 

@@ -24,9 +24,7 @@ CHANGES = Page(ROOT / "CHANGELOG.md")
 
 @pytest.fixture(scope="module")
 def full():
-    data = FullRun.read(RESULTS)
-    assert data is not None
-    return data
+    return FullRun.read(RESULTS)
 
 
 @pytest.mark.parametrize("path", [page for page in SITE if "<!-- end -->" in page.text])

@@ -73,6 +73,11 @@ def computed(scope, directory, jobs_of):
     return {str(path.relative_to(directory)): content for path, content in everything(directory).items()}
 
 
+@pytest.fixture
+def store(tmp_path):
+    return Store(tmp_path)
+
+
 class AtOnce(Executor):
     """Runs what is submitted then and there, and remembers the order."""
 
@@ -108,10 +113,10 @@ class Toy:
         return {"done": self.deed()}
 
 
-def test_the_most_expensive_jobs_go_first(tmp_path):
+def test_the_most_expensive_jobs_go_first(store):
     executor = AtOnce()
     jobs = [Toy("a", 1), Toy("b", 3), Toy("c", 2)]
-    execute(jobs, Store(tmp_path), pool(executor, workers=1), ignore)
+    execute(jobs, store, pool(executor, workers=1), ignore)
     assert [job.name for job in executor.order] == ["b", "c", "a"]
 
 
@@ -136,21 +141,22 @@ LARGE, LARGER, SMALL, TINY = Toy("large", 9, 6), Toy("larger", 8, 7), Toy("small
 HEX, DISC = replace(SMALL, case="hexagon"), replace(TINY, case="cube-disc")
 
 
-@pytest.mark.parametrize(
-    ("waiting", "running", "starting"),
-    [
-        pytest.param([LARGE, LARGER, SMALL], [], LARGE, id="the most expensive one"),
-        pytest.param([LARGER, SMALL, TINY], [LARGE], SMALL, id="one for which there is memory"),
-        pytest.param([LARGER], [SMALL], LARGER, id="all memory"),
-        pytest.param([LARGER], [SMALL, TINY], None, id="none while memory is taken"),
-        pytest.param([LARGE, HEX, DISC], [], HEX, id="one of the case whose formulas are compiled"),
-    ],
-)
-def test_an_idle_worker_takes_the_job_that_memory_and_its_last_case_suggest(waiting, running, starting):
+TAKEN = {
+    "the most expensive one": ([LARGE, LARGER, SMALL], [], LARGE),
+    "one for which there is memory": ([LARGER, SMALL, TINY], [LARGE], SMALL),
+    "all memory": ([LARGER], [SMALL], LARGER),
+    "none while memory is taken": ([LARGER], [SMALL, TINY], None),
+    "one of the case whose formulas are compiled": ([LARGE, HEX, DISC], [], HEX),
+}
+
+
+@pytest.mark.parametrize("taken", TAKEN)
+def test_an_idle_worker_takes_the_job_that_memory_and_its_last_case_suggest(taken):
+    waiting, running, starting = TAKEN[taken]
     assert next_job(waiting, running, "hexagon", 10) == starting
 
 
-def test_jobs_that_are_killed_run_again_after_all_others_one_at_a_time(tmp_path):
+def test_jobs_that_are_killed_run_again_after_all_others_one_at_a_time(store):
     begun = []
 
     class Fragile(AtOnce):
@@ -166,13 +172,13 @@ def test_jobs_that_are_killed_run_again_after_all_others_one_at_a_time(tmp_path)
             return future
 
     jobs = [LARGE, LARGER, SMALL, TINY]
-    execute(jobs, Store(tmp_path), pool(Fragile(), together=100), ignore)
+    execute(jobs, store, pool(Fragile(), together=100), ignore)
     first, again = [job for job, _ in begun[:4]], [job for job, _ in begun[4:]]
     assert first == jobs
     assert sorted(again, key=lambda job: job.name) == [LARGE, LARGER]
 
 
-def test_as_many_jobs_run_at_once_as_there_are_executors(tmp_path):
+def test_as_many_jobs_run_at_once_as_there_are_executors(store):
     begun = []
 
     class Third(AtOnce):
@@ -184,12 +190,12 @@ def test_as_many_jobs_run_at_once_as_there_are_executors(tmp_path):
                 future.set_result({})
             return begun[-1]
 
-    execute([Toy(name) for name in "abc"], Store(tmp_path), pool(Third(), workers=3), ignore)
+    execute([Toy(name) for name in "abc"], store, pool(Third(), workers=3), ignore)
     assert all(future.done() for future in begun)
 
 
-def test_a_solution_is_proved_once_and_only_if_it_is_measured(tmp_path, monkeypatch):
-    store, cases = Store(tmp_path), ("full-contact", "advance-recede")
+def test_a_solution_is_proved_once_and_only_if_it_is_measured(monkeypatch, store):
+    cases = ("full-contact", "advance-recede")
     executor = AtOnce()
     for _ in range(2):
         save_proofs(prove([full_contact(2)], cases, store, pool(executor)), store)
@@ -199,17 +205,16 @@ def test_a_solution_is_proved_once_and_only_if_it_is_measured(tmp_path, monkeypa
     assert len(executor.order) == 2
 
 
-def test_a_violated_condition_is_raised_and_not_stored(tmp_path, monkeypatch):
+def test_a_violated_condition_is_raised_and_not_stored(tmp_path, monkeypatch, store):
     violated = Finding("(2.3) u = 0 on Γ1", 1.0, 1e-9, (0.0, 0.0), 0.5)
     monkeypatch.setattr("study.run.executor.examine", lambda solution: [violated, replace(violated, defect=0.0)])
     with pytest.raises(SelfProofError, match="full-contact does not prove itself") as raised:
-        prove([full_contact(2)], ("full-contact",), Store(tmp_path), pool(AtOnce()))
+        prove([full_contact(2)], ("full-contact",), store, pool(AtOnce()))
     assert raised.value.findings == [violated]
     assert [*tmp_path.iterdir()] == []
 
 
-def test_a_job_that_raises_is_named_and_the_others_are_kept(tmp_path):
-    store = Store(tmp_path)
+def test_a_job_that_raises_is_named_and_the_others_are_kept(store):
     bad = Toy("bad", 2, deed=lambda: 1 / 0, case=f"{__file__}:toy")
     with pytest.raises(JobsError, match=r"1 job\(s\) failed.*\nbad: ZeroDivisionError: .*test_execute.py, line \d+\)"):
         execute([bad, Toy("good")], store, pool(AtOnce()), ignore)
@@ -237,8 +242,8 @@ class DieOnce:
 OTHERS = [Toy(f"other {i}") for i in range(4)]
 
 
-def test_a_run_goes_on_with_new_workers_when_one_is_killed(tmp_path):
-    store, jobs = Store(tmp_path), [Toy("hit", 2, deed=DieOnce(tmp_path / "mark")), *OTHERS]
+def test_a_run_goes_on_with_new_workers_when_one_is_killed(tmp_path, store):
+    jobs = [Toy("hit", 2, deed=DieOnce(tmp_path / "mark")), *OTHERS]
     finished = []
     with local_pool(2) as two:
         execute(jobs, store, two, finished.append)
@@ -258,15 +263,15 @@ def test_processes_end_although_work_was_cancelled():
     assert not ending.is_alive()
 
 
-def test_a_job_that_kills_its_process_again_when_it_is_alone_is_refused_by_name(tmp_path):
-    store, jobs = Store(tmp_path), [Toy("killer", 2, GIB, deed=die), *OTHERS]
+def test_a_job_that_kills_its_process_again_when_it_is_alone_is_refused_by_name(store):
+    jobs = [Toy("killer", 2, GIB, deed=die), *OTHERS]
     with local_pool(2) as two, pytest.raises(JobsError, match=r"^1 job.*\nkiller: .* killed twice.*1\.0 GiB"):
         execute(jobs, store, two, ignore)
     assert all(store.load(job.key, job.key) for job in OTHERS)
 
 
 @pytest.mark.parametrize("cancels", [True, False])
-def test_a_run_ends_when_its_executor(cancels, tmp_path, monkeypatch):
+def test_a_run_ends_when_its_executor(cancels, monkeypatch, store):
     class Gone(AtOnce):
         def submit(self, function, /, *args, **kwargs):
             future = Future()
@@ -282,13 +287,13 @@ def test_a_run_ends_when_its_executor(cancels, tmp_path, monkeypatch):
     monkeypatch.setattr("study.run.executor.SILENCE", 0.01)
     lost = replace(pool(Gone()), failure=lambda: "the cluster no longer answers: the same command continues")
     with pytest.raises(JobsError, match=r"(?s)cluster no longer answers.*same command"):
-        execute([Toy("a")], Store(tmp_path), lost, ignore)
+        execute([Toy("a")], store, lost, ignore)
 
 
-def test_a_job_that_no_worker_has_the_memory_for_is_refused_before_any_job_starts(tmp_path):
+def test_a_job_that_no_worker_has_the_memory_for_is_refused_before_any_job_starts(store):
     jobs, executor = [Toy("small", memory=GIB), Toy("rates__case__family__00512", memory=50 * GIB)], AtOnce()
     with pytest.raises(UsageError, match=r"^rates__case__family__00512 needs about 50\.0 GiB.*20\.0 GiB are.*--levels"):
-        execute(jobs, Store(tmp_path), pool(executor, together=20 * GIB), ignore)
+        execute(jobs, store, pool(executor, together=20 * GIB), ignore)
     assert executor.order == []
 
 
@@ -338,9 +343,8 @@ def test_memory_is_what_the_tightest_control_group_allows(tmp_path):
     assert available(tmp_path) == 350
 
 
-def test_data_are_locked_exactly_where_they_are_there_and_may_be_written(tmp_path, monkeypatch):
+def test_data_are_locked_exactly_where_they_are_there_and_may_be_written(tmp_path, monkeypatch, store):
     """Root may write everywhere, so the system's answer is replaced. Data without a possible lock are refused."""
-    store = Store(tmp_path)
     with store.steady():
         assert [*tmp_path.iterdir()] == []
     store.data.mkdir()
@@ -355,7 +359,7 @@ def test_data_are_locked_exactly_where_they_are_there_and_may_be_written(tmp_pat
         pass
 
 
-def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_one_writes_is_not(tmp_path):
+def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_one_writes_is_not(tmp_path, store):
     """Neither a digit that is no number nor a folder belongs to a process."""
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
@@ -364,7 +368,7 @@ def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_on
     for owner in (dead.pid, 2**31, "9" * 30, "²", os.getpid()):
         for place in (jobs, tmp_path):
             (place / f".a.json.{owner}.part").touch()
-    with Store(tmp_path).locked():
+    with store.locked():
         left = {path.name for path in tmp_path.rglob("*.part")}
     assert left == {".folder.0.part", ".a.json.².part", f".a.json.{os.getpid()}.part"}
 
@@ -383,8 +387,7 @@ def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_on
     ],
     ids=["truncated", "empty", "altered", "of another job", "without a checksum", "foreign", "nested", "many digits"],
 )
-def test_a_job_file_that_is_not_what_was_written_is_not_believed(tmp_path, spoil):
-    store = Store(tmp_path)
+def test_a_job_file_that_is_not_what_was_written_is_not_believed(spoil, store):
     result = {"v": 0.25, "nan": float("nan"), "list": [1e-17, None, "ũ"]}
     store.save("a", "x", result)
     assert str(store.load("a", "x")) == str(result)
@@ -395,8 +398,8 @@ def test_a_job_file_that_is_not_what_was_written_is_not_believed(tmp_path, spoil
     assert store.load("a", "x") is None
 
 
-def test_a_file_of_an_interrupted_result_is_not_taken_for_that_of_an_earlier_one(tmp_path):
-    store, file = Store(tmp_path), tmp_path / "trajectory"
+def test_a_file_of_an_interrupted_result_is_not_taken_for_that_of_an_earlier_one(tmp_path, store):
+    file = tmp_path / "trajectory"
 
     def interrupted():
         file.write_text("bdf2")
@@ -413,9 +416,9 @@ def test_a_file_of_an_interrupted_result_is_not_taken_for_that_of_an_earlier_one
     assert file.read_text() == "midpoint"
 
 
-def test_a_job_file_that_may_not_be_read_is_refused_by_name(tmp_path, told):
+def test_a_job_file_that_may_not_be_read_is_refused_by_name(tmp_path, told, store):
     """Root may read all files: a link to itself is one that nobody can."""
-    path = Store(tmp_path).path(full_contact(2).key)
+    path = store.path(full_contact(2).key)
     path.parent.mkdir(parents=True)
     path.symlink_to(path)
     said = told(f"run --case full-contact --levels 2 --jobs 1 --out {tmp_path}")
@@ -460,20 +463,16 @@ def test_another_executor_gives_the_same_files_byte_for_byte(executor, tmp_path,
     assert any(name.startswith("data/jobs/rates__advance-recede") for name in files)
 
 
-def test_a_cluster_is_refused_with_the_mend_where_there_is_none(out, told, monkeypatch):
-    def refusal(address):
-        said = told(f"run --case full-contact --cluster {address} --out {out}")
-        assert not out.exists()
-        return said
-
+def test_a_cluster_is_refused_with_the_mend_where_there_is_none(refused, monkeypatch):
+    command = "run --case full-contact --cluster"
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
-        assert f"no Dask scheduler answers at {address}" in refusal(address)
-    assert "known schemes" in refusal("http://127.0.0.1:8786")
-    assert "missing port" in refusal("nonsense")
+        assert f"no Dask scheduler answers at {address}" in refused(f"{command} {address}")
+    assert "known schemes" in refused(f"{command} http://127.0.0.1:8786")
+    assert "missing port" in refused(f"{command} nonsense")
     monkeypatch.setitem(sys.modules, "distributed", None)
-    assert "pip install '.[study,cluster]' in a clone" in refusal("tcp://127.0.0.1:8786")
+    assert "pip install '.[study,cluster]' in a clone" in refused(f"{command} tcp://127.0.0.1:8786")
 
 
 def test_a_cluster_without_workers_is_refused_with_how_to_start_some(monkeypatch):
@@ -532,7 +531,6 @@ def dask_command(*words, count=1):
     command = [sys.executable, "-m", f"distributed.cli.{words[0]}", *words[1:], "--no-dashboard"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
         try:
-            assert process.stderr is not None
             told = (line for line in process.stderr if re.search(r"(Scheduler at|Registered to): +tcp", line))
             said = [next(told) for _ in range(count)]
             Thread(target=process.stderr.read, daemon=True).start()
@@ -543,8 +541,8 @@ def dask_command(*words, count=1):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("victim", ["one worker", "workers", "scheduler", "stopped scheduler"])
-def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_is_continued(victim, tmp_path):
-    store, jobs = Store(tmp_path), [full_contact(n) for n in range(32, 48)]
+def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_is_continued(victim, tmp_path, store):
+    jobs = [full_contact(n) for n in range(32, 48)]
     killed = []
     told = ""
 

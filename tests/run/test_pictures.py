@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from costly_cases import slow_unless
+from numpy.testing import assert_allclose
 from scipy.spatial import KDTree
 
 from manufactured.catalogue import NAMES
@@ -40,7 +41,7 @@ def test_the_surface_of_a_solid_is_closed_and_seen_from_outside(case):
     motion, picture = solved(case)
     areas = vectors(picture.vertices, picture.cells)
     centres = picture.vertices[:, picture.cells].mean(axis=1).T
-    np.testing.assert_allclose(areas.sum(axis=0), 0, atol=1e-3)
+    assert_allclose(areas.sum(axis=0), 0, atol=1e-3)
     assert np.sum(centres * areas) / 3 == pytest.approx(motion.solution.body.measure, rel=1e-3)
 
 
@@ -55,15 +56,15 @@ def test_displacement_gap_and_pressure_are_those_of_the_motion_at_the_vertices(c
         assert sorted(order) == list(range(len(vertices)))
         rows = start + order
         start += len(vertices)
-        np.testing.assert_allclose(face.normal, part.normal)
-        np.testing.assert_allclose(part.point(face.s), shown, atol=1e-3)
+        assert_allclose(face.normal, part.normal)
+        assert_allclose(part.point(face.s), shown, atol=1e-3)
         gap, pressure = np.moveaxis([(-frame.normal, frame.multipliers / weights) for frame in frames], 1, 0)[..., rows]
         for found, expected in ((face.gap, gap), (face.pressure, pressure)):
-            np.testing.assert_allclose(found, expected, atol=0.51 * abs(found).max() / FINE_UNITS)
+            assert_allclose(found, expected, atol=0.51 * abs(found).max() / FINE_UNITS)
         np.testing.assert_array_equal(face.touching, pressure > 0)
     moved = np.array([space.nodal(frame.u) for frame in frames])
     # Three digits of the largest displacement at any time: a tenth of a pixel.
     tolerance = 0.51 * abs(moved).max() / UNITS
     at = np.searchsorted([frame.time for frame in frames], picture.times[picture.shown])
     expected = moved[at][..., Skin.of(space.mesh).vertices]
-    np.testing.assert_allclose(picture.displacement[picture.shown], expected, atol=tolerance)
+    assert_allclose(picture.displacement[picture.shown], expected, atol=tolerance)

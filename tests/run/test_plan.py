@@ -43,13 +43,19 @@ def plan(name):
     return Plan.of(scope(name))
 
 
+@pytest.fixture
+def jobs(name):
+    """The measurements of one of both studies."""
+    return plan(name).jobs
+
+
 def rates(name):
     return [job.setting for job in plan(name).jobs if isinstance(job.statement, Rates)]
 
 
 @in_both_studies
-def test_every_case_has_enough_levels_for_its_verdict_and_both_formulations_compared(name):
-    compared = {job.setting.case for job in plan(name).jobs if isinstance(job.statement, SameMesh)}
+def test_every_case_has_enough_levels_for_its_verdict_and_both_formulations_compared(name, jobs):
+    compared = {job.setting.case for job in jobs if isinstance(job.statement, SameMesh)}
     for case in scope(name).resolved():
         enough = 3 if case.regularity.satisfies_5_36 else 4
         mine = [setting for setting in rates(name) if setting.case == case.name]
@@ -60,8 +66,8 @@ def test_every_case_has_enough_levels_for_its_verdict_and_both_formulations_comp
 
 
 @in_both_studies
-def test_another_case_or_mesh_family_adds_measurements_and_changes_none(name, monkeypatch):
-    before = {job.identity for job in plan(name).jobs}
+def test_another_case_or_mesh_family_adds_measurements_and_changes_none(name, monkeypatch, jobs):
+    before = {job.identity for job in jobs}
     more = (*NAMES, "inserted")
     with monkeypatch.context() as patch:
         patch.setitem(MODULES, "inserted", "plane")
@@ -94,8 +100,7 @@ FULL_ONLY = {FullyDiscrete(), WorkOfContact(), Landings(), Rollers()}
 
 
 @in_both_studies
-def test_every_statement_is_measured_on_cases_and_problems_that_exist(name):
-    jobs = plan(name).jobs
+def test_every_statement_is_measured_on_cases_and_problems_that_exist(name, jobs):
     missing = {job.statement for job in plan("full").jobs} - {job.statement for job in jobs}
     assert missing == (FULL_ONLY if name == "quick" else set())
     for job in jobs:
@@ -103,23 +108,22 @@ def test_every_statement_is_measured_on_cases_and_problems_that_exist(name):
 
 
 @in_both_studies
-def test_no_statement_but_its_own_is_measured_on_a_gap(name):
+def test_no_statement_but_its_own_is_measured_on_a_gap(name, jobs):
     gaps = {case.name for case in catalogue() if case.solution.has_initial_gap}
-    about = {type(job.statement) for job in plan(name).jobs if job.setting.case in gaps}
+    about = {type(job.statement) for job in jobs if job.setting.case in gaps}
     assert about == {InitialGap, Pictures}
 
 
 @in_both_studies
-def test_no_two_measurements_have_one_name_or_give_the_same_rows(name):
+def test_no_two_measurements_have_one_name_or_give_the_same_rows(name, jobs):
     """Two statements may share a label, but not what they write."""
-    jobs = plan(name).jobs
     assert len({job.key for job in jobs}) == len({job.identity for job in jobs}) == len(jobs)
 
 
 @in_both_studies
-def test_what_is_measured_is_judged_by_a_statement_of_the_list_and_the_others_measure_nothing(name):
+def test_what_is_measured_is_judged_by_a_statement_of_the_list_and_the_others_measure_nothing(name, jobs):
     assert len(set(STATEMENTS)) == len(STATEMENTS)
-    measured = {job.statement for job in plan(name).jobs}
+    measured = {job.statement for job in jobs}
     assert measured <= set(STATEMENTS)
     for statement in set(STATEMENTS) - measured - FULL_ONLY:
         with pytest.raises(NotImplementedError, match="nothing is measured"):
@@ -127,11 +131,11 @@ def test_what_is_measured_is_judged_by_a_statement_of_the_list_and_the_others_me
 
 
 @in_both_studies
-def test_a_study_begins_with_the_case_of_the_readme_and_leaves_nothing_out(name):
+def test_a_study_begins_with_the_case_of_the_readme_and_leaves_nothing_out(name, jobs):
     first, rest = plan(name).stages()
     assert {job.case for job in first} == {"advance-recede"}
     assert {type(job.statement) for job in first} >= {FirstOrder, SameMesh}
-    assert sorted(job.key for job in (*first, *rest)) == sorted(job.key for job in plan(name).jobs)
+    assert sorted(job.key for job in (*first, *rest)) == sorted(job.key for job in jobs)
 
 
 def test_a_case_alone_is_measured_by_the_statements_about_every_case():
@@ -321,10 +325,7 @@ def key_of(tmp_path, monkeypatch):
     return key_of
 
 
-PROBLEMS = ("data", "still", "gap")
-
-
-@pytest.mark.parametrize("name", PROBLEMS)
+@pytest.mark.parametrize("name", ["data", "still", "gap"])
 def test_the_key_of_a_problem_of_formulas_does_not_depend_on_words_or_on_other_problems_in_its_file(name, key_of):
     before = key_of(name)
     words = MINE.replace("of a user", "of another user").replace("\nclass", "\n# A comment.\nclass", 1)

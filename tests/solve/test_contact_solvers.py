@@ -1,6 +1,5 @@
 """The contact solve: by condensation on a factorisation, and by multigrid, against dense linear algebra."""
 
-from contextlib import nullcontext
 from dataclasses import replace
 from functools import cache
 from unittest.mock import Mock
@@ -13,13 +12,15 @@ from costly_cases import slow
 from hypothesis import given
 from hypothesis import strategies as st
 from measures import close
-from random_examples import COSTLY
+from numpy.testing import assert_allclose
+from on_meshes import space_on
+from random_examples import COSTLY, RANDOM
 from scipy.sparse.linalg import LinearOperator, cg
 
 from manufactured import named, s
 from study.fem.error_norm import gaps_at_vertices
 from study.fem.mesh import Graded, OneDiagonal, Shaken, Unstructured
-from study.fem.space import Space, form
+from study.fem.space import form
 from study.solve import factorisation, signorini
 from study.solve.evolution import furthest, path
 from study.solve.factorisation import Cholesky
@@ -54,7 +55,7 @@ def require_optimal(S, N, b, solution, rest, exact=None, gap=0.0):
 def matrices(name, family, n):
     """S of a time step, N, and the free vertices."""
     body = TURNED if name == "turned" else named(name).solution.body
-    space = Space(family(body, n), body)
+    space = space_on(body, n, family)
     return step_matrix("full-contact" if name == "turned" else name, space), space.N, space.free_points
 
 
@@ -87,7 +88,7 @@ def test_a_cycling_active_set_is_finished_by_the_finite_method(monkeypatch):
 def test_every_face_has_its_own_gap_in_the_order_of_the_constraints():
     solution = named("hexagon").solution
     faces = tuple(replace(face, initial_gap=(i + 1) * s**2) for i, face in enumerate(solution.faces))
-    space = Space(Unstructured()(solution.body, 8), solution.body)
+    space = space_on(solution.body, 8, Unstructured())
     wanted = [
         i * np.linalg.norm(space.mesh.p[:, vertices].T - part.start, axis=1) ** 2
         for i, (part, vertices) in enumerate(space.contact, start=1)
@@ -154,7 +155,7 @@ def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(name
 def iterations(name, n, every):
     """Return the number of conjugate gradient iterations from 1 to 1e-8 if one in ``every`` constraints is active."""
     body = named(name).solution.body
-    space = Space(OneDiagonal()(body, n), body)
+    space = space_on(body, n)
     solve = Multigrid(step_matrix(name, space), space.N, space.free_points, EXACT)
     solve.hold(np.arange(space.N.shape[0]) % every == 0 if every else np.zeros(space.N.shape[0], dtype=bool))
     b, count = solve.free * np.random.default_rng(2).standard_normal(space.dofs), []
@@ -199,7 +200,7 @@ def test_active_sets_that_go_in_circles_are_broken_up(seed, monkeypatch):
 def problems(draw):
     """Any positive definite S, and some rows at some vertices in any directions."""
     d, vertices = draw(st.integers(2, 3)), draw(st.integers(1, 2 * COARSEST))
-    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    rng = draw(RANDOM)
     n = d * vertices
     root = sps.random_array((n, n), density=draw(st.floats(0, 1)) * min(1, 4 / n), rng=rng)
     share, rows_at = draw(st.floats(0, 1)), []
@@ -223,7 +224,7 @@ def test_any_positive_definite_matrix_with_any_normals_and_gaps_is_served_by_bot
     require_optimal(S, N, b, condensed(b), 1e-8, gap=gap)
     assert close(S @ condensed.factor(b), b, 1e-9)
     expected = N @ np.linalg.solve(S.toarray(), N.T.toarray())
-    np.testing.assert_allclose(condensed.W, expected, rtol=0, atol=1e-9 * abs(expected).max(initial=0))
+    assert_allclose(condensed.W, expected, rtol=0, atol=1e-9 * abs(expected).max(initial=0))
 
 
 @pytest.mark.parametrize(
@@ -249,7 +250,7 @@ def test_a_tolerance_below_rounding_is_refused():
 
 def test_the_solver_is_chosen_by_size(monkeypatch):
     body = named("cube-disc").solution.body
-    space = Space(OneDiagonal()(body, 4), body)
+    space = space_on(body, 4)
     S = step_matrix("cube-disc", space)
     assert isinstance(contact_solver(space)(S, space.N), Signorini)
     monkeypatch.setitem(FACTORED, 3, space.dofs - 1)
@@ -259,7 +260,7 @@ def test_the_solver_is_chosen_by_size(monkeypatch):
 def test_a_matrix_with_more_entries_than_superlu_counts_is_refused(monkeypatch):
     """30 times the entries must be less than 2^31."""
     assert 30 * factorisation.MOST_ENTRIES < 2**31 <= 30 * (factorisation.MOST_ENTRIES + 1)
-    for most, refused in ((3, False), (2, True)):
-        monkeypatch.setattr(factorisation, "MOST_ENTRIES", most)
-        with pytest.raises(MemoryError) if refused else nullcontext():
-            Cholesky(sps.csc_array(np.eye(3)))
+    monkeypatch.setattr(factorisation, "MOST_ENTRIES", 3)
+    Cholesky(sps.csc_array(np.eye(3)))
+    with pytest.raises(MemoryError):
+        Cholesky(sps.csc_array(np.eye(4)))

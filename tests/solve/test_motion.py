@@ -78,7 +78,7 @@ def test_a_law_without_a_known_potential_and_a_run_without_steps_are_refused():
     with pytest.raises(StepsError, match="one step or more"):
         list(stresses.march(0))
 
-    without_potential = NonSymmetric(np.array([[1.0, 0.5, 0.0], [-0.5, 1.0, 0.0], [0.0, 0.0, 1.0]]))
+    without_potential = NonSymmetric([[1.0, 0.5, 0.0], [-0.5, 1.0, 0.0], [0.0, 0.0, 1.0]])
     strange = replace(stresses, law=replace(stresses.law, G=without_potential))
     with pytest.raises(StressError, match="complementary potential"):
         list(strange.march(2))

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from measured_rows import verdicts
+from numpy.testing import assert_allclose
 
 from study.ledger.verdict import FAILS, HOLDS, MISSED, UNCLAIMED, UNDECIDED
 from study.solve.tableau import MIDPOINT
@@ -41,10 +42,8 @@ def test_on_irregular_meshes_a_low_order_of_the_pressure_is_a_missed_prediction_
 @pytest.mark.parametrize(
     ("column", "value", "key"),
     [
-        ("pressure", 0.2, "order-pressure"),
         ("pressure", LEVELS**-0.8, "order-pressure"),
         ("pressure", LEVELS**-2.3, "order-pressure"),
-        ("dual", 0.2, "order-dual-superclose"),
         ("dual", LEVELS**-1.2, "order-dual-superclose"),
         ("resultant", LEVELS**-0.9, "order-resultant"),
         ("resultant", 0.06, "resultant"),
@@ -80,5 +79,5 @@ def test_forces_too_large_by_a_factor_are_wrong_by_it_in_the_dual_norm_and_the_r
     pressures = [face.weights[:, None] * face.exact.pressure(times).reshape(-1, 2) for face in forces.faces]
     moments = np.concatenate([face.functions.T @ p for face, p in zip(forces.faces, pressures, strict=True)])
     squares, sizes = forces.squares(times, factor * moments.T)
-    np.testing.assert_allclose(np.sqrt(squares / sizes)[1:], factor - 1, rtol=1e-10, atol=3e-13)
+    assert_allclose(np.sqrt(squares / sizes)[1:], factor - 1, rtol=1e-10, atol=3e-13)
     assert 0 < squares[0] < sizes[0]

@@ -48,10 +48,10 @@ def test_a_cell_is_as_deep_as_the_thinnest_contact_data_in_it_and_other_cells_ha
 
 
 @pytest.mark.parametrize("rho", RHO)
-def test_the_seminorm_of_a_straight_line_is_known_and_hat_functions_have_the_one_of_their_matrix(rho):
+def test_the_seminorm_of_a_straight_line_is_known_and_hat_functions_have_the_one_of_their_matrix(rho, rng):
     """∬ |x − y|^{1−2ϱ} = 2/((2 − 2ϱ)(3 − 2ϱ))."""
     assert seminorm(FIRST[0], SECOND[0], rho) ** 2 == pytest.approx(2 / ((2 - 2 * rho) * (3 - 2 * rho)), rel=2e-3)
-    v = np.random.default_rng(0).normal(size=SEMINORM_PANELS + 1)
+    v = rng.normal(size=SEMINORM_PANELS + 1)
     nodes = np.linspace(0, 1, SEMINORM_PANELS + 1)
     direct = seminorm(np.interp(FIRST[0], nodes, v), np.interp(SECOND[0], nodes, v), 0.5)
     assert v @ gram(SEMINORM_PANELS, 0.5) @ v == pytest.approx(float(direct) ** 2)

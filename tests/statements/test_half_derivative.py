@@ -79,7 +79,6 @@ def test_with_one_diagonal_the_nodal_errors_have_one_sign_and_shaken_meshes_are_
         ("Signorini", lambda M, N: Signorini(M, -N), "local"),
         ("front_at", lambda solution, time: 0.45, "pairing"),
     ],
-    ids=["normals reversed", "weights that do not travel"],
 )
 def test_at_an_advancing_front_a_wrong_normal_or_a_front_at_rest_is_noticed(monkeypatch, name, wrong, key):
     monkeypatch.setattr(moving_fronts, "FROM", 8)

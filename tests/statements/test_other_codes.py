@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from costly_cases import slow
 from measured_rows import measured
+from numpy.testing import assert_allclose
 from places import RESULTS
 from skfem import ElementTriP1, FacetBasis
 
@@ -20,6 +21,7 @@ from study.statements.other_solvers import PEERS, THIS_STUDY, OtherCodes
 from study.statements.shared.base import LISTED, grid
 from study.statements.shared.tasks import Task
 
+of_every_peer = pytest.mark.parametrize("peer", PEERS)
 OTHERS = OtherCodes.joined_file
 
 
@@ -90,7 +92,7 @@ def test_tractions_of_a_task_are_stresses_at_the_vertices_of_each_facet_times_th
     for kind, stress in ((Kind.CONTACT, viscous), (Kind.LOADED, total)):
         for (part, facets), found in zip(task.space.on(kind), task.tractions(kind, time), strict=True):
             expected = np.einsum("ij...,j->i...", full(stress[:, mesh.facets[:, facets]]), part.normal)
-            np.testing.assert_allclose(found, expected.T, rtol=1e-9, atol=1e-9 * abs(stress).max())
+            assert_allclose(found, expected.T, rtol=1e-9, atol=1e-9 * abs(stress).max())
 
 
 def test_errors_of_other_codes_are_ours(others):
@@ -98,13 +100,13 @@ def test_errors_of_other_codes_are_ours(others):
 
 
 @pytest.mark.parametrize("mode", [FROZEN, MARCH])
-@pytest.mark.parametrize("peer", PEERS)
+@of_every_peer
 def test_an_error_that_is_another_turns_the_row_of_its_code_to_fails(peer, mode, others):
     others.loc[one(others, peer, mode), "error"] *= 1 + 3 * peer.window.high
     assert verdicts(others) == EVERY | {peer.key: FAILS}
 
 
-@pytest.mark.parametrize("peer", PEERS)
+@of_every_peer
 def test_a_column_that_was_copied_is_noticed(peer, others):
     """From this study to the code, on all meshes that both have."""
     place = [*MESH_KEY, "mode"]
@@ -115,7 +117,7 @@ def test_a_column_that_was_copied_is_noticed(peer, others):
     assert verdicts(others) == EVERY | {"own-digits": FAILS}
 
 
-@pytest.mark.parametrize("peer", PEERS)
+@of_every_peer
 def test_a_mesh_or_a_code_that_is_left_out_without_a_reason_leaves_its_row_undecided(peer, others):
     without = judged(others.drop(index=one(others, peer)))[peer.key]
     assert without.verdict == UNDECIDED

@@ -4,25 +4,26 @@ import math
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from on_meshes import space_on
 
 from manufactured import named
 from manufactured.body import unit_square
 from manufactured.law import KelvinVoigt, isotropic
 from study.fem.mesh import Shaken
-from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
 from study.statements import wellposed as divergence
 from study.statements.shared.base import Experiment, Setting
 
 BODY = unit_square()
-SPACE = Space(Shaken()(BODY, 4), BODY)
+SPACE = space_on(BODY, 4, Shaken())
 LAWS = [named(name).solution.law for name in ("softening", "double-well")]
 
 
 @pytest.mark.parametrize("law", LAWS)
 def test_a_law_is_scaled_to_any_omega_and_multiples_of_other_laws_are_not_known(law):
     strain = np.array([[0.3], [-2.0], [1.0]])
-    np.testing.assert_allclose(divergence.scaled(law, 10.0).G(strain), 10.0 / law.kappa * law.G(strain))
+    assert_allclose(divergence.scaled(law, 10.0).G(strain), 10.0 / law.kappa * law.G(strain))
     with pytest.raises(TypeError, match="no multiple of Yield"):
         divergence.scaled(named("yield-on-a-part").solution.law, 2.0)
 
