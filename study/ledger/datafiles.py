@@ -244,7 +244,14 @@ class CsvFile:
         return [name for name in SCHEMA[self.name].columns if name not in self.derived]
 
     def write(self, data: Path, rows: Sequence[Row]) -> Paths:
-        """Write all rows into the file in the folder ``data`` and return its path, as a list."""
+        """Write all rows into the file in the folder ``data`` and return its path, as a list.
+
+        Raises:
+            KeyError: a row has a column that ``SCHEMA`` does not describe.
+        """
+        # The steps of a setting follow from its level in files that have no column for them.
+        if unknown := set().union(*rows).difference(self.columns, {"steps"}):
+            raise KeyError(f"{self.name}: describe the columns {', '.join(sorted(unknown))} in study/ledger/schema.py")
         return [write_csv(data / self.name, self.derive(DataFrame(rows, columns=self.columns)))]
 
     def read(self, directory: Path) -> DataFrame:

@@ -109,7 +109,7 @@ initial_error | 1 | error at $t = 0$
 discrete_time_share | 1 | distance of the displacements computed with $k$ and $k/2$, divided by the discrete error
 residual | 1 | largest residual of a contact solve
 quadrature_change | 1 | relative change of the error if the degrees of the quadrature rules are higher by two
-clamped | 1 | largest $\lvert u^h\rvert$ on Γ1
+clamped | 1 | largest $\lvert u^h\rvert$ on Γ1 over the largest $\lvert u^h\rvert$
 parallelogram | 1 | largest violation of the parallelogram law, divided by the largest $\lVert \Pi^h u - u^h\rVert_V^2$
 """),
         note=r"""The norm is $\lVert v\rVert_V = (A\varepsilon(v), \varepsilon(v))_Q^{1/2}$. Two computations have the time steps $k$ and $k/2$. The one

@@ -2,15 +2,19 @@
 
 import math
 from dataclasses import replace
+from importlib import import_module
+from pkgutil import iter_modules
 
 import pytest
 from costly_cases import slow_unless
 from measured_rows import quick_rows, verdicts
 
+import study.statements
 from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED
 from study.run.plan import quick
 from study.statements.error_estimate import ErrorBounds, InterpolationInV, InterpolationOnContact
+from study.statements.shared.base import Statement
 from study.statements.shared.meshes import body_of, first_with_each, place, space_of
 from study.statements.shared.scope import Levels
 from study.statements.wellposed import BoundedVelocity, Dependence, Korn, NaturalConditions, OneTrajectory
@@ -53,6 +57,17 @@ def test_every_judged_row_can_fail_and_without_a_quantity_its_row_is_undecided(s
     for wrong in (math.nan, 5.0 * rows["level"] ** 3):
         assert set(verdicts(statement, rows.assign(value=wrong)).values()) - {*UNCLAIMED} == {FAILS}
     assert UNDECIDED in verdicts(statement, rows[rows["quantity"] == rows["quantity"].iloc[0]]).values()
+
+
+def subclasses(cls):
+    return {cls}.union(*map(subclasses, cls.__subclasses__()))
+
+
+def test_every_statement_that_a_module_defines_has_its_place_in_the_ledger():
+    for module in iter_modules(study.statements.__path__):
+        import_module(f"study.statements.{module.name}")
+    defined = {one for one in subclasses(Statement) if one.__module__.startswith("study.") and hasattr(one, "label")}
+    assert defined == {*study.statements.IN_ORDER}
 
 
 def test_levels_are_moved_to_where_the_ends_of_parts_are_vertices():
