@@ -67,7 +67,8 @@ class Series:
         caption: text above the table.
         form: the form of the table in words, such as ``CSV``.
         label: text that distinguishes several series, for example ``degree 2``.
-        remarks: name of a column ↦ what contradicts its computed orders.
+        remarks: name of a column ↦ a remark if the orders that the table prints for it are not the computed ones,
+            otherwise an empty text.
     """
 
     h: list[float]

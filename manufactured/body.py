@@ -280,9 +280,10 @@ class Body:
     Raises:
         BodyError: there are fewer than d + 1 parts, gaps between parts, or inward normals; a rigid motion is possible,
             because there is neither a clamped part Γ1 nor rollers that exclude it (Korn's inequality (2.17) needs meas
-            Γ1 > 0 or such rollers); a roller is not parallel to an axis; T ≤ 0; the body is too thin; a point of
-            ``refine`` is not a vertex; or an interface does not cut Ω. A body may have no contact part Γ3: ``study
-            bound`` serves it, but an ``ExactSolution`` needs Γ3.
+            Γ1 > 0 or such rollers); a roller is not parallel to an axis; T ≤ 0; the body is too thin, that is,
+            (largest extent)^d exceeds ``SLENDER`` times its area or volume; a point of ``refine`` is not a vertex; or
+            an interface does not cut Ω. A body may have no contact part Γ3: ``study bound`` serves it, but an
+            ``ExactSolution`` needs Γ3.
     """
 
     parts: tuple[Part, ...]

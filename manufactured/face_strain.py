@@ -645,7 +645,10 @@ class Prescribed:
 
     @property
     def formula(self) -> sp.Expr:
-        """The formula from which the smoothness of the strain is read off: the sum over all time intervals."""
+        """The sum of the formulas of all time intervals, from whose truncated powers the smoothness is read off.
+
+        It contains the truncated powers of every interval; its values are not the strain.
+        """
         return sum((formula for _, formula in self.phases), sp.Integer(0))
 
     @cached_property
@@ -716,9 +719,9 @@ class Memory:
 
     @property
     def formula(self) -> sp.Expr:
-        """The formula from which the smoothness of the strain is read off: the load p + l plus the initial strain.
+        """The formula from whose truncated powers the smoothness of the strain is read off: p + l + q(·, 0).
 
-        p is the contact pressure, and l the normal stress that the slip causes.
+        p is the contact pressure, l the normal stress that the slip causes, and q(·, 0) the initial strain if given.
         """
         return self.load + (0 if self.initial is None else self.initial)
 

@@ -250,11 +250,13 @@ def face_moduli(operator: MatrixOperator, frame: Array) -> Array:
     """Return the moduli d_a·C d_b of a linear operator C, for basis strains d_a and d_b on a contact face.
 
     They give the traction on the face that each possible strain causes. d_1, …, d_d are n⊗n and (n⊗t_i + t_i⊗n)/2 for
-    the normal n and the tangents t_i. The other d_b are (t_i⊗t_j + t_j⊗t_i)/2 for all pairs (i, j). They occur if the
-    face slips: the component of the slip along t_i has a derivative along t_j.
+    the normal n and the tangents t_i. The other d_b are (t_i⊗t_j + t_j⊗t_i)/2 for all pairs (i, j), in 3D in the order
+    (1, 1), (1, 2), (2, 1), (2, 2). They occur if the face slips: the component of the slip along t_i has a derivative
+    along t_j.
 
     Args:
-        operator: the operator with the matrix C in Mandel form; its factor is left out.
+        operator: the operator α(x) C with the matrix C in Mandel form. The moduli of C alone are returned, without the
+            material factor α.
         frame: the tangents t_i and then the normal n as columns, (d, d).
 
     Returns:

@@ -111,15 +111,19 @@ def tolerance_from(text: str) -> Tolerance:
 
 
 def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adapted:
-    """Compute the displacement u_h on a mesh, and bound its error from u_h alone.
+    """Compute the displacement u_h on a given mesh, and bound its error from u_h alone.
 
+    This is one round of the adaptive refinement. The mesh is not changed; ``next_stage`` chooses the next mesh.
     No second, more accurate displacement is computed.
 
     Args:
         data: the problem.
-        case: the case if the exact solution is known, otherwise None; the true error is then reported as well.
+        case: the case if the exact solution is known, so that the true error is computed as well; otherwise None.
         stage: the mesh and the number of time steps.
         scheme: the time scheme.
+
+    Returns:
+        u_h, the bounds of its error, and the contributions of the cells and of the time steps to the upper bound.
 
     Raises:
         MeshError: the mesh does not fit the parts of the body.

@@ -1109,11 +1109,18 @@ class Piece:
 
 
 def pieces(nodes: list[list[int]], T: Q) -> Iterable[Piece]:
-    """Yield the parabolas of the quadratic spline ũ in time; their coefficients are multiplied by 4 to stay integers.
+    """Yield the pieces of ũ, a quadratic spline in time that rounds the corners of a polygon in time.
+
+    The polygon is linear between the times 0, k, …, T. Around each time jk between 0 and T, ũ is the parabola on [jk −
+    k/2, jk + k/2] that touches the polygon at both ends. On [0, k/2] and on [T − k/2, T], ũ is the polygon itself.
 
     Args:
-        nodes: the control points, at the times 0, k, …, T; the knots are 0, k/2, 3k/2, …, T.
+        nodes: the values of the polygon at the times 0, k, …, T: one list of integers (coefficients in space) for each.
         T: the final time.
+
+    Yields:
+        The pieces between the times 0, k/2, 3k/2, …, T − k/2, T. Their values are four times the Bernstein coefficients
+        of ũ in time; this factor makes them integers.
     """
     k = T / (len(nodes) - 1)
     knots = [Q(0), *(k * Q(2 * j + 1, 2) for j in range(len(nodes) - 1)), T]
@@ -1420,7 +1427,7 @@ def distinct(pairs: Any) -> dict[str, Any]:
 
 
 def report(proved: Sequence[Enclosure]) -> None:
-    """Print the interval of the order of convergence between every two meshes, or why the order is unknown."""
+    """Print, for each pair of meshes, an interval that contains the order of convergence, or why it is unknown."""
     for coarse, fine in combinations(sorted(proved, key=lambda found: found.cells), 2):
         span, meshes = order(coarse, fine), f"from {coarse.cells} to {fine.cells} cells"
         if span:

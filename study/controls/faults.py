@@ -34,7 +34,10 @@ from study.statements.shared.base import Experiment
 Faulty = Experiment | None
 """An experiment with a fault; None where the fault cannot occur."""
 Rule = Callable[[Signorini, Array], Array]
-"""Function of a solver and of the penetrations without forces that returns the forces of the constraints."""
+"""Function of a contact solver and of the penetrations that the load causes without contact forces.
+
+It returns the forces of the constraints.
+"""
 Change = Callable[[Experiment, float], Faulty]
 """Function of an experiment and a size δ that returns the experiment with the fault; None where it cannot occur."""
 
@@ -462,10 +465,11 @@ def other_forces(setup: Experiment, rule: Rule, *further: sps.csr_array) -> Expe
     """Return an experiment in which another rule computes the contact forces, perhaps with further constraints.
 
     Args:
-        setup: the experiment.
-        rule: computes the forces of the k constraints from a solver and the penetrations without forces, (k,). The
-            first m forces that it returns are the contact forces.
-        further: matrices whose rows are constraints in addition to the m rows of N, (rows, dofs) each.
+        setup: the experiment. Its contact constraints are N u ≤ g, one for each of the m rows of N.
+        rule: returns the forces of all k constraints, (k,), from the contact solver and from the penetrations, (k,),
+            that the load causes without contact forces. The first m forces are the contact forces.
+        further: matrices whose rows are added to N as further constraints, with the initial gap 0, (rows, dofs) each;
+            k is m plus the number of these rows.
     """
     N = sps.csr_array(sps.vstack([setup.problem.N, *further]))
     m = setup.problem.N.shape[0]

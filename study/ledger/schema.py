@@ -260,14 +260,15 @@ above | 1 | largest quotient error / upper bound over time, at most 1 if the bou
 below | 1 | largest quotient lower bound / error over time, at most 1 if the bounds are correct | {UNKNOWN}
 upper | 1 | largest quotient upper bound / error, over the second half of the time | {UNKNOWN}
 lower | 1 | smallest quotient lower bound / error, over the second half of the time | {UNKNOWN}
-residual | 1 | part of the bound, integrated over time
-contact | 1 | part of the bound, integrated over time
-oscillation | 1 | part of the bound, integrated over time
-bending | 1 | part of the bound, integrated over time
+residual | 1 | part of the bound: integral over time of the norm of the residual of the material law
+contact | 1 | part of the bound: integral over time of the work of the normal stress $\tilde\sigma_\nu$ on $\tilde u_\nu$
+oscillation | 1 | part of the bound: integral over time of a bound of the work of the loads minus their projection
+bending | 1 | part of the bound: integral over time of the dual norm of the projected loads minus their parabola in time
 """),
         note=r"""The bounds are computed from a displacement $\tilde u$. Let $d = \lVert\tilde u - u_h\rVert_V$, and let $y$ be the computed bound of
-$\lVert u - \tilde u\rVert_V$. Then the error $\lVert u - u_h\rVert_V$ lies between $d - y$ and $d + y$. For *junction* $f_0$ is zero and the
-oscillation is rounding error of $f_0$ near the singular point: it changes by up to 10 % from processor to processor, and the bound by 10⁻⁵.""",
+$\lVert u - \tilde u\rVert_V$. Then the error $\lVert u - u_h\rVert_V$ lies between $d - y$ and $d + y$. In the case *junction* the exact $f_0$ is zero,
+but the computed $f_0$ has rounding errors that grow towards the singular point. There `oscillation` consists of these errors: it changes by up to 10 %
+from processor to processor, which changes the upper bound by about 10⁻⁵ of its value.""",
     ),
     "enclosures.csv": Table(
         ("trajectory", "case", "family", "scheme", "level"),
@@ -279,8 +280,8 @@ scheme | text | the time scheme
 level | count | number of cells along a side
 time | 1 | the time
 error | 1 | the error at this time | {UNKNOWN}
-distance | 1 | $d$ at this time
-bound | 1 | $y$ at this time
+distance | 1 | $d = \lVert\tilde u - u_h\rVert_V$ at this time
+bound | 1 | $y$ at this time, the computed bound of $\lVert u - \tilde u\rVert_V$
 """),
         ("time",),
     ),
@@ -321,9 +322,9 @@ variant | text | its parameters
 case | text | the exact solution
 family | text | the mesh family
 class | text | how well the code solves the problem, or *not expressed*
-order_in_v | 1 | observed order of the displacement in $V$ | with one mesh
-order_of_distance | 1 | observed order of `distance` | with one mesh
-order_of_pressure | 1 | observed order of the contact pressure | with one mesh
+order_in_v | 1 | observed order of the error of the displacement in $V$ | with one mesh
+order_of_distance | 1 | observed order of the column `distance` of `codes/errors.csv` | with one mesh
+order_of_pressure | 1 | observed order of the error of the contact pressure | with one mesh
 invariance | 1 | change of the result if all loads are scaled | if it was not measured
 reason | text | why the code cannot express the problem | if it can
 """),
@@ -336,11 +337,11 @@ series | count | number of the series in `codes/classes.csv`
 level | count | number of cells along a side
 h | 1 | mesh size
 error | 1 | $\lVert u - u^h\rVert_V$ of the displacement of the code
-best | 1 | this error of the finite-element solution with exact contact constraints
+best | 1 | $\lVert u - u^h\rVert_V$ of the discrete contact solution, the finite-element solution with exact contact constraints at the vertices
 discrete | 1 | $\lVert \Pi^h u - u^h\rVert_V$ of the displacement of the code
-distance | 1 | distance between these two finite-element solutions in $V$
-pressure | 1 | error of the contact pressure of the code
-best_pressure | 1 | error of the contact pressure of the finite-element solution with exact contact constraints
+distance | 1 | distance of the displacement of the code from the discrete contact solution, in $V$
+pressure | 1 | error $\lVert p - p^h\rVert_{L^2(\Gamma_3)}$ of the contact pressure of the code, divided by the largest $\lVert p\rVert$
+best_pressure | 1 | this error of the contact pressure of the discrete contact solution
 penetration | 1 | largest penetration
 resultant | 1 | error of the total contact force
 tangential | 1 | largest tangential contact force

@@ -112,7 +112,7 @@ def positive_at_most(high: float, why: str = "") -> Window:
 
 
 def at_least(low: float, why: str = "") -> Window:
-    """Return the tolerance window of values that are at least ``low``."""
+    """Return the tolerance window of values that are at least ``low``; ``why`` is the reason for this limit."""
     return Window(low, inf, why)
 
 

@@ -211,8 +211,8 @@ def draw_deformed_mesh(
 def cell_colours(picture: Picture, instant: int, scale: BodyScale) -> Array:
     """Return the colour of each triangle of the mesh at the time of index ``instant``, (cells, 4).
 
-    In 3D, the colour of a triangle on a contact face shows the mean pressure at its corners; the colours of all other
-    triangles show their von Mises stress.
+    The colour shows the von Mises stress of the triangle, except on contact faces in 3D: there it shows the mean of the
+    pressures at the corners of the triangle.
 
     Parameters:
         picture: the data of the picture.

@@ -82,8 +82,9 @@ def together(loads: Sequence[Loads]) -> Loads:
 class LeftOut:
     """Norms of the part of the loads that their projection P onto piecewise polynomials leaves out, at one time.
 
-    Let g = f_0 − P f_0 for the body force f_0, and let Π be the L² projection onto the polynomials of degree k on a
-    whole cell T. k is the degree of the stresses that balance P f_0.
+    P f_0 has degree k − 1 on each of the three subtriangles of a cell, and P f_2 degree k on each edge, where k is the
+    degree of the stresses that balance P f_0. Let g = f_0 − P f_0 for the body force f_0, and let Π be the L²
+    projection onto the polynomials of degree k on a whole cell T.
 
     Attributes:
         low_order: the norm ‖Π g‖_T of the part of g that is a polynomial of degree k on the whole cell, (cells,).
