@@ -86,11 +86,11 @@ def measured(texts: dict[str, str]) -> dict[str, float]:
     Parameters:
         texts: path relative to the root ↦ text, for all Python files and all files with the suffixes `WEB`.
     """
-    weights: dict[str, float] = {"product": 0, "tests": 0, "rest": 0, "files": 0, "web_lines": 0}
-    expressions, lines, meanings = Counter[str](), Counter[str](), Counter[str]()
+    weights = dict.fromkeys(("product", "tests", "rest", "files", "web_lines"), 0.0)
+    expressions, lines, meanings = (Counter[str]() for _ in range(3))
     for path, text in texts.items():
         if path.endswith(WEB):
-            weights["web_lines"] += len(text.splitlines())
+            weights["web_lines"] += text.count("\n")
             continue
         weight = weigh(text)
         weights[part(path)] += weight.expressions
@@ -100,7 +100,9 @@ def measured(texts: dict[str, str]) -> dict[str, float]:
         if Path(path).name not in DENSE:
             expressions[room(path)] += weight.expressions
             lines[room(path)] += weight.lines
-    weights["repeated_constants"] = sum(count > 1 for count in meanings.values())
+    repeated = sorted(name for name, count in meanings.items() if count > 1)
+    print(*repeated)
+    weights["repeated_constants"] = len(repeated)
     for name in sorted(expressions):
         density = expressions[name] / max(lines[name], 1)
         weights[f"{name} per line"] = math.ceil(10 * density) / 10
@@ -138,8 +140,9 @@ def main() -> int:
     listed = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.splitlines()
     texts = {}
     for path in sorted(set(listed)):
-        if path.endswith((".py", *WEB)) and (ROOT / path).is_file():
-            texts[path] = (ROOT / path).read_text("utf-8")
+        file = ROOT / path
+        if file.suffix in (".py", *WEB) and file.is_file():
+            texts[path] = file.read_text("utf-8")
     return compare(measured(texts), LIMITS, "--record" in sys.argv[1:])
 
 

@@ -20,7 +20,7 @@ from study.run.plan import Job, Jobs, Plan, full, quick
 from study.run.provenance import read_provenance, refuse_to_replace
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
-from study.statements.own_cases import TRY, enough, finer, least_levels
+from study.statements.own_cases import enough, least_levels
 from study.statements.shared.scope import Levels, Scope
 
 RESULT_PLACES = {"quick": Path("results/quick"), "full": Path("results")}
@@ -66,8 +66,6 @@ def do_run(options: Namespace) -> int:
             written = write_overview(options, store.directory)
         tell_written(written)
     print(f"\n{rates_text(store.directory)}")
-    if any(TRY in verdict.expected for verdict in verdicts):
-        print(f"command for finer meshes: {on_finer_meshes(options, scope, store.directory)}\n")
     print(ledger_text(read_claims(store.directory), orders_text(store.directory)))
     return code_of(verdicts, options.undecided)
 
@@ -143,21 +141,6 @@ def with_levels_of(directory: Path, scope: Scope) -> Scope:
     return scope
 
 
-def on_finer_meshes(options: Namespace, scope: Scope, directory: Path) -> str:
-    """Return a command line that repeats this run on finer meshes and writes into another directory.
-
-    Parameters:
-        options: the options of this run.
-        scope: what this run measured.
-        directory: its result directory; the other directory gets its name with "-finer" appended.
-    """
-    cases = scope.resolved()
-    dim = max(case.solution.body.dim for case in cases)
-    levels = finer(sorted({level for case in cases for level in scope.levels_of(case).all}), dim)
-    out = directory.with_name(f"{directory.name}-finer")
-    return command_line(options, levels=levels, out=out)
-
-
 def warn_of_few_levels(scope: Scope) -> None:
     """Print a warning for each case that has too few levels for a verdict on an observed order."""
     for case in scope.resolved():
@@ -175,7 +158,7 @@ def warn_of_few_levels(scope: Scope) -> None:
 def scope_from_options(options: Namespace) -> Scope:
     """Return the scope of the quick or full study, changed by the options for cases, levels and time steps."""
     study = {"quick": quick, "full": full}[options.plan]()
-    scope = replace(study, scheme=options.scheme, k=options.step, command=command_line(options, out=None))
+    scope = replace(study, scheme=options.scheme, k=options.step, command=command_line(options))
     if options.case:
         scope = replace(scope, cases=tuple(map(absolute, options.case)), every_family=True, statements=False)
     if options.levels:
@@ -194,18 +177,13 @@ def scope_from_options(options: Namespace) -> Scope:
     return scope
 
 
-def command_line(options: Namespace, **changes: Any) -> str:
-    """Return the command line of ``study run`` with the given options, but for those that change no result.
-
-    Parameters:
-        options: the options.
-        changes: options that are replaced.
-    """
+def command_line(options: Namespace) -> str:
+    """Return the command line of ``study run`` with the given options, but for those that change no result."""
     words = ["study", "run"]
     if options.plan == "full":
         words.append("--full")
-    for name, usual in (("case", None), ("levels", None), ("scheme", "midpoint"), ("step", None), ("out", None)):
-        value = {**vars(options), **changes}[name]
+    for name, usual in (("case", None), ("levels", None), ("scheme", "midpoint"), ("step", None)):
+        value = getattr(options, name)
         if value != usual:
             values = value if isinstance(value, list) else [value]
             words += [f"--{name}", *(f"{each:g}" if name == "step" else str(each) for each in values)]

@@ -1,15 +1,12 @@
 """What a newcomer types by mistake is answered with what to type instead, and nothing is lost."""
 
 import os
-import shlex
-from pathlib import Path
 
 import pytest
 from commands import python
 
 import manufactured
-from study.cli.options import COMPARE_TOLERANCE, FAMILY_NAMES, SCHEME_NAMES, parser
-from study.cli.run import on_finer_meshes, scope_from_options
+from study.cli.options import COMPARE_TOLERANCE, FAMILY_NAMES, SCHEME_NAMES
 from study.fem.mesh import FAMILIES, Alternating
 from study.ledger.compare import Tolerance
 from study.ledger.files import UsageError
@@ -175,11 +172,3 @@ def test_too_few_levels_are_named_before_anything_is_measured(refused, monkeypat
     ]
     assert "needs 4 levels" in refused("run --case rough-1.75 --levels 8 16 32")
     assert refused("run") == "study: here it would begin\n"
-
-
-def test_finer_meshes_are_one_line_to_copy(file):
-    options = parser().parse_args(["run", "--case", f"{file}:front", "--levels", "8", "16", "32", "--step", "0.01"])
-    options.out = Path("build/a case")
-    line = on_finer_meshes(options, scope_from_options(options), options.out)
-    assert line == (f"study run --case {file}:front --levels 16 32 64 --step 0.01 --out 'build/a case-finer'")
-    assert parser().parse_args(shlex.split(line)[1:]).levels == [16, 32, 64]

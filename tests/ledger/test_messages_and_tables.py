@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from study.ledger import schema
 from study.ledger.compare import difference
-from study.ledger.datafiles import DataError, read_checked, read_table
+from study.ledger.datafiles import CsvFile, DataError, read_checked, read_table
 from study.ledger.files import StoreError, write_packed, write_text, write_whole
 from study.ledger.quantities import RatesError, limit, orders
 from study.ledger.text import down, interval, power_of_ten, up
@@ -107,6 +107,11 @@ def test_a_table_is_read_with_the_units_and_the_empty_cells_of_its_columns(row, 
             read_checked(path, "a.csv", "study run")
     else:
         assert len(read_checked(path, "a.csv", "study run")) == 2
+
+
+def test_a_measured_column_that_is_not_described_is_refused(tmp_path):
+    with pytest.raises(KeyError, match="describe the columns colour in"):
+        CsvFile("rates.csv").write(tmp_path, [{"colour": "red"}])
 
 
 def test_rows_with_one_cell_too_many_are_refused_with_their_line(tmp_path, monkeypatch):

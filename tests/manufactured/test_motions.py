@@ -58,7 +58,7 @@ def test_a_pressure_whose_memory_is_not_known_or_that_is_too_fast_is_refused(pre
 
 @pytest.mark.parametrize(
     "formula",
-    [3 * s**2 * t - s, exp(s * t) / (2 + s), pos(s * t - 1, Rational(5, 2)) * sin(s), (2 + t) ** s, t * besselj(1, s)],
+    [exp(s * t) / (2 + s), pos(s * t - 1, Rational(5, 2)) * sin(s), (2 + t) ** s, t * besselj(1, s)],
 )
 def test_derivatives_of_formulas_are_those_of_sympy(formula):
     assert simplify(differentiate(formula, (s, t), (2, 1)) - formula.diff(s, 2, t)) == 0
