@@ -250,8 +250,10 @@ class CsvFile:
             KeyError: a row has a column that ``SCHEMA`` does not describe.
         """
         # The steps of a setting follow from its level in files that have no column for them.
-        if unknown := set().union(*rows).difference(self.columns, {"steps"}):
-            raise KeyError(f"{self.name}: describe the columns {', '.join(sorted(unknown))} in study/ledger/schema.py")
+        known = {*self.columns, "steps"}
+        unknown = set().union(*rows) - known
+        if unknown:
+            raise KeyError(f"{self.name}: describe {', '.join(unknown)} in study/ledger/schema.py")
         return [write_csv(data / self.name, self.derive(DataFrame(rows, columns=self.columns)))]
 
     def read(self, directory: Path) -> DataFrame:

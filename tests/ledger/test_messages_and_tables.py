@@ -110,7 +110,7 @@ def test_a_table_is_read_with_the_units_and_the_empty_cells_of_its_columns(row, 
 
 
 def test_a_measured_column_that_is_not_described_is_refused(tmp_path):
-    with pytest.raises(KeyError, match="describe the columns colour in"):
+    with pytest.raises(KeyError, match="describe colour in"):
         CsvFile("rates.csv").write(tmp_path, [{"colour": "red"}])
 
 
