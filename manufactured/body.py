@@ -207,7 +207,10 @@ class Part:
         return points[:, self.covers(points, 0.0)]
 
     def prescribed(self, x: Points) -> Points:
-        """Return the prescribed displacement at points of the segment, (d, n) → (d, n)."""
+        """Return the prescribed displacement at points of the segment, (2, n) → (2, n); 0 if none is given.
+
+        It is interpolated linearly between the corners.
+        """
         if self.displacement is None:
             return np.zeros_like(x)
         along, _ = self.coordinates(x)
@@ -221,9 +224,12 @@ class Part:
 
 
 def fan_vector(simplex: Array) -> Array:
-    """Return the length or area of a simplex with corners (d, d), times its normal.
+    """Return the length (2D) or area (3D) of a segment or triangle times its unit normal, (d,).
 
     The normal points outwards if the corners are ordered as in ``Part``.
+
+    Args:
+        simplex: the d corners as columns, (d, d).
     """
     dim = len(simplex)
     edges = simplex[:, 1:] - simplex[:, :1]
@@ -343,7 +349,7 @@ class Body:
 
     @property
     def is_moved(self) -> bool:
-        """Whether displacements are prescribed on parts of the boundary."""
+        """Whether a displacement other than 0 may be prescribed on the boundary: a part has a ``displacement``."""
         return any(part.displacement is not None for part in self.parts)
 
     @cached_property
@@ -365,7 +371,7 @@ class Body:
         return self.vertices[:, turns]
 
     def of(self, kind: Kind) -> tuple[Part, ...]:
-        """Return the boundary parts of one kind: clamped, loaded or contact."""
+        """Return the boundary parts of one kind, in the order of ``parts``; () if there are none."""
         return tuple(part for part in self.parts if part.kind is kind)
 
     def contains(self, x: Points) -> NDBool:

@@ -33,7 +33,7 @@ UNSTATED: Any = None
 
 
 class CaseError(ValueError):
-    """Raised if attributes of a case contradict each other, or if one of them is missing or invalid."""
+    """Raised if attributes of a case contradict each other, are missing or invalid, or if no case has a given name."""
 
 
 @dataclass(frozen=True, eq=False)

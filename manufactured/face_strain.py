@@ -74,7 +74,7 @@ class Convolution:
 
         ∫_a^b e^{−λ(b−r)} P(r) dr = Σ_{j≤m} ∂_r^j P(a) τ^{j+1} φ_{j+1}(−λτ),    φ_k(z) = Σ_n z^n/(n + k)!.
 
-    Only τ depends on b, so the derivatives ∂_r^j P(a) at a point s are computed once.
+    Only τ depends on b, so the derivatives ∂_r^j P(a) at a point s are computed once. ``integral`` makes instances.
 
     Source of the functions φ_k: M. Hochbruck, A. Ostermann, Exponential integrators, Acta Numer. 19 (2010) 209–286.
     """
@@ -190,6 +190,7 @@ class Quadrature:
     """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time by Gauss's rule.
 
     P is the contact pressure divided by the viscosity, where it is smooth in time, and λ is the relaxation rate.
+    ``integral`` makes instances.
     """
 
     def __init__(self, branch: sp.Expr, variables: Symbols, decay: float) -> None:
@@ -508,16 +509,16 @@ def _derivative(coefficients: Array) -> Array:
 def smooth_branch(term: sp.Expr, variables: Symbols) -> tuple[tuple[sp.Expr, ...], sp.Expr]:
     """Split a term of the contact pressure: return its moving fronts, and its formula where there is contact.
 
-    The term is θ(s, t)·∏ pos(ψ_i(s, t), m_i). A moving front is given by a formula ψ_i of s and t that is positive
-    where there is contact.
+    The term is θ(s, t)·∏ pos(ψ_i, m_i). Its moving fronts are the formulas ψ_i that contain t; each is positive where
+    there is contact.
 
     Args:
         term: the formula of the term.
         variables: the symbols of the coordinates s along the face.
 
     Raises:
-        FormulaError: the exponent of a moving front is not an integer ≥ 2, or the formula between the fronts contains
-            functions of t that are not known to be smooth.
+        FormulaError: an exponent m_i is not an integer ≥ 2 (≥ 0 if ψ_i depends on t only), or the formula between the
+            fronts contains functions of t that are not known to be smooth.
     """
     fronts = [p for p in term.atoms(pos) if p.args[0].has(t)]
     for power in fronts:
@@ -583,9 +584,10 @@ It is (q,) with the normal strain q, or (q, r_1, …, r_{d−1}) if there is als
 class StrainAtPoints(Protocol):
     """The interface of the strain at fixed points of a contact face, as a function of time.
 
-    A call returns the normal strain q, or (q, r_1, …, r_{d−1}) if there is also shear, with derivatives along the face.
-    The arguments are the time, whether time derivatives are wanted, and the highest order of derivatives along the
-    face. For n times, (n,), the values have n as an additional last axis.
+    A call returns the tuple (q,) with the normal strain q, or (q, r_1, …, r_{d−1}) if there is also shear. Each entry
+    is a dict from multi-indices of derivatives along the face to values at the points. The arguments are the time,
+    whether time derivatives are wanted, and the highest order of derivatives along the face. For n times, (n,), the
+    values have n as an additional last axis.
     """
 
     def __call__(self, time: Time, rate: bool, order: int) -> Components: ...
@@ -595,7 +597,7 @@ class FaceStrain(Protocol):
     """The interface of the normal strain q and shear strain r on a contact face as functions of s and t.
 
     ``at`` prepares the evaluation at fixed points with the coordinates s along the face, (d−1, ...). ``formula`` is a
-    formula that contains the truncated powers of q, or of the pressure that determines q.
+    formula from whose truncated powers the smoothness of the strain is read off: q, or the pressure that determines q.
     """
 
     @property
@@ -607,8 +609,12 @@ class FaceStrain(Protocol):
 def relaxation_rate(elasticity: sp.Expr, viscosity: sp.Expr) -> float:
     """Return the relaxation rate g/a of the normal strain on a contact face, which must be constant along the face.
 
+    Args:
+        elasticity: the formula of the normal modulus g of the elasticity along the face.
+        viscosity: the formula of the normal modulus a of the viscosity along the face.
+
     Raises:
-        FormulaError: g/a varies along the face; g and a are the normal moduli of elasticity and viscosity.
+        FormulaError: g/a varies along the face.
     """
     ratio: sp.Expr = elasticity / viscosity
     # ``cancel`` is tried first: it is enough for most factors, and ``simplify`` takes longer because SymPy loads its
@@ -775,7 +781,8 @@ class Memory:
 class MemoryAtPoints:
     """Evaluates the normal strain q, which the history of the contact pressure determines, at fixed points of a face.
 
-    The time intervals of contact at each point, and integrals of the pressure over past intervals, are computed once.
+    Calls have the arguments and the result of ``StrainAtPoints``. The time intervals of contact at each point, and
+    integrals of the pressure over past intervals, are computed once.
     """
 
     def __init__(self, memory: Memory, points: Array) -> None:

@@ -104,8 +104,12 @@ class FadingFace(StatedFace):
         Args:
             s: the coordinates of the n points along the face, (1, n).
             time: the time.
-            rate: whether the derivatives of the time derivatives of w, q and D are appended.
+            rate: whether the same derivatives of the time derivatives of w, q and D are appended.
             order: the highest order of the derivatives that ``lifted`` shall return.
+
+        Returns:
+            The derivatives of w of the orders 0 to order + 1, then those of q and those of D of the orders 0 to order,
+            (n,) each.
         """
         jets = (*self.traces, *self.trace_rates) if rate else self.traces
         traces = [jet(s, time, order + more) for jet, more in zip(jets, (1, 0, 0) * 2, strict=False)]
@@ -115,10 +119,13 @@ class FadingFace(StatedFace):
         """Return the displacements u_s and u_n with their derivatives in (s, y), at points within the depth.
 
         Args:
-            traced: the result of ``traced`` at the coordinates s of the points.
+            traced: the result of ``traced`` at the coordinates s of the n points, with the same ``rate`` and ``order``.
             into: the distances y of the points from the face, (n,).
             rate: whether to return the velocities with their derivatives instead.
-            order: the highest order.
+            order: the highest order of the derivatives.
+
+        Returns:
+            u_s and u_n, each as a dict from the orders (i, j) of the derivative ∂_s^i ∂_y^j to its values, (n,).
         """
         keys, values = indices(2, order), _lifting(rate, order)(into, *traced)
         both = np.array([np.broadcast_to(value, into.shape) for value in values]).reshape(2, len(keys), -1)
@@ -244,7 +251,7 @@ def multiscale() -> tuple[Case, ...]:
 
 
 def static() -> Case:
-    """Return the case with fixed contact patches under a growing pressure."""
+    """Return the case trains of ``multiscale``: fixed contact patches under a growing pressure."""
     return _train_case(
         "trains",
         "patches of contact of seven widths",
@@ -254,7 +261,7 @@ def static() -> Case:
 
 
 def breathing() -> Case:
-    """Return the case with contact patches that widen and narrow again."""
+    """Return the case breathing-trains of ``multiscale``: contact patches that widen and narrow again."""
     mu = 4 * t * (1 - t) - Rational(1, 2)
     return _train_case(
         "breathing-trains",
@@ -391,7 +398,7 @@ def roller(name: str, width: Expr, push: int = 1, slope: Expr = SLOPE) -> Case:
     Args:
         name: the name of the case.
         width: the width ℓ of the patch.
-        push: the factor Q of the pressure.
+        push: the factor Q of the strain and the pressure.
         slope: the factor ω of the gap.
     """
     xi = s - START - t
@@ -448,7 +455,7 @@ def kick(z: Expr) -> Expr:
 
 
 def away(rho: Expr) -> Expr:
-    """Return the formula W(ρ_+) of the gap outside the patch, with W(ρ) = ρ³/(1 + ρ²)^{9/8}."""
+    """Return the formula W(ρ_+) in the gap outside the patch, with W(ρ) = ρ³/(1 + ρ²)^{9/8} and ρ_+ = max(ρ, 0)."""
     return pos(rho, 3) / (1 + rho**2) ** Rational(9, 8)
 
 

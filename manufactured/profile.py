@@ -63,6 +63,8 @@ def _polynomial(coefficients: tuple[float, ...], y: Array) -> Array:
 class Piecewise:
     """A continuous piecewise polynomial of the depth y below a contact face, zero beyond its last piece.
 
+    A call with depths, (...), and the order of a derivative, by default 0, returns the values of the derivative, (...).
+
     Attributes:
         ends: the depths at which the polynomial pieces end, increasing. The first piece starts at 0 and is also used
             for y < 0.
@@ -88,7 +90,12 @@ class Piecewise:
         return total
 
     def jump(self, place: float, derivative: int) -> float:
-        """Return the jump of the derivative of the given order at the depth ``place``."""
+        """Return the jump of a derivative: its value just beyond a depth minus its value just before this depth.
+
+        Args:
+            place: the depth, for example the end of a piece; it must be positive.
+            derivative: the order of the derivative; 0 for the function itself.
+        """
         sides = (place * (1 + side * 1e-12) for side in (-1, 1))
         below, above = (float(self(np.array(side), derivative)) for side in sides)
         return above - below
@@ -99,7 +106,8 @@ class Piecewise:
 class Profile:
     """The functions a, …, f of the depth y by which the displacement of a contact face continues into the body.
 
-    For the gap w, the normal strain q, the shear strain r and the slip z on the face, the displacement is
+    For the gap w (minus an initial gap), the normal strain q, the shear strain r and the slip z on the face, the
+    displacement is
 
         u_s = ∇_s w·a(y) + ∇_s q·e(y) + r·c(y) + z·f(y),      u_n = w·b(y) + q·d(y).
 
