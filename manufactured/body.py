@@ -36,10 +36,10 @@ class BodyError(ValueError):
 
 
 class Kind(Enum):
-    """The role of a part: clamped (2.3), loaded (2.4), contact (2.5), or an interface between two materials.
+    """The role of a part: clamped (2.3), loaded (2.4), contact (2.5), a roller, or an interface between two materials.
 
-    A roller, for example a line of symmetry, has no normal displacement and no tangential traction; it is not part of
-    the paper, and `study bound` serves it.
+    A roller, for example a line of symmetry, has no tangential traction, and its normal displacement is 0 or
+    prescribed. It is not part of the paper: the command `study bound` accepts rollers, and exact solutions do not.
     """
 
     CLAMPED = "Γ1"
@@ -275,6 +275,8 @@ size of the body.
 class Body:
     """A polygon or polyhedron Ω with boundary conditions on its parts, and the final time T of the problem.
 
+    A body may have no contact part Γ3, for the command `study bound`; an ``ExactSolution`` needs Γ3.
+
     Attributes:
         parts: the parts of the boundary ∂Ω; in 2D in counter-clockwise order, each starting at the end of the previous
             part. The parts of each hole follow in clockwise order.
@@ -288,8 +290,7 @@ class Body:
             because there is neither a clamped part Γ1 nor rollers that exclude it (Korn's inequality (2.17) needs meas
             Γ1 > 0 or such rollers); a roller is not parallel to an axis; T ≤ 0; the body is too thin, that is,
             (largest extent)^d exceeds ``SLENDER`` times its area or volume; a point of ``refine`` is not a vertex; or
-            an interface does not cut Ω. A body may have no contact part Γ3: ``study bound`` serves it, but an
-            ``ExactSolution`` needs Γ3.
+            an interface does not cut Ω.
     """
 
     parts: tuple[Part, ...]
@@ -564,8 +565,11 @@ def polygon(
         T: the final time.
         refine: vertices towards which graded meshes are refined.
         interfaces: pairs of points; the material changes along the segments between them.
-        holes: for each hole its vertices, clockwise, and the kinds of its sides. The numbers of its sides follow those
-            of the sides before.
+        holes: for each hole its vertices, clockwise, and the kinds of its sides. In ``Body.parts`` the sides of the
+            holes follow the sides of the outline.
+
+    Raises:
+        BodyError: there is not one kind for each vertex, or the parts do not form a ``Body``.
 
     >>> sides = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED]
     >>> polygon([(0, 0), (1, 0), (0, 1)], sides).measure

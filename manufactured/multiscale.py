@@ -220,7 +220,8 @@ GAP_FACTOR, PRESSURE_FACTOR = 2, 200
 def multiscale() -> tuple[Case, ...]:
     """Return the cases with trains of contact patches.
 
-    Solutions in H² with contact patches of many sizes: trains of patches, each train half as wide as the one before.
+    The solutions lie in H² and have contact patches of many sizes. Γ3 has seven pieces of equal length. On each piece
+    lies a train of contact patches, which are half as wide as the patches on the piece before.
 
     There are two cases, trains and breathing-trains. The gap w, the contact pressure p and the contact zone {ψ ≥ 0} are
 
@@ -352,9 +353,10 @@ DEPTH = Rational(7, 10)
 @checked(FormulaError)
 @lru_cache
 def rollers(level: int) -> tuple[Case, ...]:
-    """Return the roller cases for a level n, in which the width or half-width ℓ of the patch is 2/n.
+    """Return the four roller cases for a level n, in which the width or half-width ℓ of the patch is 2/n.
 
-    Rollers: a narrow patch of contact that moves along Γ3, or that opens and closes in a fixed place.
+    In the cases roller-n, pushing-roller-n and steep-roller-n a narrow patch of contact moves along Γ3. In the case
+    standing-n it opens and closes in a fixed place.
 
     The patch has the width ℓ if it moves and 2ℓ if it stands. Its normal strain q, contact pressure p and gap w are
 
@@ -367,8 +369,9 @@ def rollers(level: int) -> tuple[Case, ...]:
         H(z) = z³(10 − 15z + 6z²) on [0, 1], constant beyond,   B(z) = (1 − z²)_+^4,   W(ρ) = ρ³/(1 + ρ²)^{9/8},
         C(z) = H(−z) + H(z − 1), zero for 0 ≤ z ≤ 1,   t_1 = 1/10, t_2 = 2/5,   Q = 1, ω = 1/10, 0 ≤ t ≤ 7/10,
 
-    on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so that p = −3(q̇ + q). The displacement reaches to the depth 7/10
-    (ℓ² + ξ²)^{1/2}: a detail of width r, at the distance r from the patch, reaches to a depth proportional to r.
+    on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so that p = −3(q̇ + q). In the case pushing-roller-n, Q is 2, and
+    in the case steep-roller-n, ω is 1/5. The displacement reaches to the depth 7/10 (ℓ² + ξ²)^{1/2}: a detail of width
+    r, at the distance r from the patch, reaches to a depth proportional to r.
 
     For a fixed ℓ, u lies in H². As ℓ → 0 its norm in H² grows, but only like |log ℓ|^{1/2}. The reason is that W ~
     ρ^{3/4} for large ρ, which keeps ∂_s w bounded in H^{1/2}(Γ3), while q has a step at the patch: the strain that the
@@ -380,6 +383,9 @@ def rollers(level: int) -> tuple[Case, ...]:
     ``study.statements.work_of_contact``.
 
     These cases are not in the catalogue, because each of them is meant for the meshes of one level.
+
+    Raises:
+        FormulaError: the level is less than ``COARSEST_ROLLER``.
     """
     if level < COARSEST_ROLLER:
         raise FormulaError(f"rollers: level has to be {COARSEST_ROLLER} or more, got {level}")

@@ -63,8 +63,6 @@ def _polynomial(coefficients: tuple[float, ...], y: Array) -> Array:
 class Piecewise:
     """A continuous piecewise polynomial of the depth y below a contact face, zero beyond its last piece.
 
-    A call with depths, (...), and the order of a derivative, by default 0, returns the values of the derivative, (...).
-
     Attributes:
         ends: the depths at which the polynomial pieces end, increasing. The first piece starts at 0 and is also used
             for y < 0.

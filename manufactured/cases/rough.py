@@ -121,8 +121,8 @@ def natural_motion(place: Expr = MOVING_FRONT) -> Case:
     like the interpolation error. After this prediction, the order 1 up to a logarithm was proved in paper/fronts.tex.
 
     Args:
-        place: the formula of the position c(t) of the front; c(t) = 1/4 + 2t/5 is the case of this name. The front
-            must advance, ċ ≥ 0, and stay on the bottom, 0 < c < 1.
+        place: the formula of the position c(t) of the front, with 0 < c < 1. By default it is 1/4 + 2t/5. If the front
+            recedes, p is negative near it, so that the contact conditions (2.5) are violated.
     """
     return Case(
         name=NATURAL_MOTION,

@@ -224,10 +224,10 @@ def packages() -> dict[str, str]:
 
 
 def by_value(item: object) -> object:
-    """Return a value as nested lists of texts and numbers, for a hash.
+    """Return a value as nested lists of texts, for a hash.
 
-    A dataclass becomes a list of its fields, and a formula becomes a text. An object without a value becomes an
-    identifier that does not occur again.
+    A dataclass becomes a list of its name and its fields, and an array a list; a number or formula becomes a text. An
+    object without a value, such as a user's function, becomes a random identifier that does not occur again.
     """
     if not _has_value(item):
         return uuid.uuid4()

@@ -66,6 +66,9 @@ def commit() -> Json:
     """Return the commit of the code, and whether no file of ``study`` and ``manufactured`` differs from the commit.
 
     Without a git repository, as after an installation from a wheel, the commit is empty.
+
+    Returns:
+        {"commit": hash of the commit or "", "clean": whether the files are those of the commit}.
     """
     name = ""
     changes = ""

@@ -140,7 +140,8 @@ class EulerBounds:
         """Return the bound of the error of backward Euler that needs only the data, such as the variation of the load.
 
         Args:
-            nodes: the indices of the time nodes t_0, …, t_N of backward Euler in the fine grid, (N + 1,).
+            nodes: the indices of the time nodes t_0, …, t_N of backward Euler in the fine grid, (N + 1,). Every step
+                must be shorter than 1/γ, where γ is ``growth``.
         """
         steps = np.diff(nodes * self.interval)
         half = self.kappa * self.problem.T / 2
