@@ -314,7 +314,9 @@ class ContactFace(Face):
             LawError: the dimensions of law and part differ; G is not linear (prescribe q with
                 ``face_strain.Prescribed`` instead); or it couples the normal strain nn and the shear strain sn not
                 symmetrically.
-            FormulaError: a kink is not written with ``pos``, or a part of the pressure may not be smooth in t.
+            FormulaError: a kink is not written with ``pos``, the slip has a wrong number of components, or the ratio
+                of the normal moduli of G and A varies along the face. If a part of the pressure may not be smooth in t,
+                the method ``at`` of the result raises it.
         """
         refuse_kinks(gap, pressure, level, initial, initial_gap, *slip)
         law.require_dimension(part.dim)

@@ -15,14 +15,14 @@ A_nnss ∂_s ż + G_nnss ∂_s z: q is the solution of a q̇ + g q = −p − l.
 matrix ∇_s z, and A_nnss and G_nnss act on it.
 
 **Coupled linear law** (``Coupled``). If A or G couples nn with sn, a shear r is needed for σ_τ = 0. With y = (q, r) and
-the matrices 𝒜 and 𝒢 of moduli, 𝒜 ẏ + 𝒢 y = −(p, 0) − l, where l has one component of slip
-stress for each of them. In the basis of eigenvectors these are d scalar equations.
+the matrices 𝒜 and 𝒢 of moduli, 𝒜 ẏ + 𝒢 y = −(p, 0) − l, where the vector l of slip stresses has as many components as
+y. In the basis of eigenvectors these are d scalar equations.
 
-**Law (3.3)** (``Prescribed``). The strain is prescribed for one interval of time after another, and the pressure
-follows from the law. With slip, the law is evaluated at the full strain q n⊗n + ε_ss. Since ε_sn = 0, and since A is
-isotropic and (3.3) with K = {|Pτ| ≤ r} gives a multiple of Pε, σ_τ = 0 for every slip. p ≥ 0 and p = 0 off the contact
-zone are conditions on q and z: (3.3) has no effect while |Pε| ≤ r, and there a q̇ + A_nnss ∂_s ż = −p as for a linear
-law. Slips with ∂_s z = 0, which move the face as a whole, change neither ε nor p.
+**Law (3.3)** (``Prescribed``). A formula of the normal strain q is given for each of several time intervals, and the
+pressure follows from the law at the strain q n⊗n + ε_ss. The shear stress σ_τ is 0 for every slip, because ε_sn = 0, A
+is isotropic, and the elastic stress of (3.3) with K = {|Pτ| ≤ r} is a multiple of Pε. The formulas of q and z must be
+chosen such that p ≥ 0 on the contact zone and p = 0 elsewhere. Where |Pε| ≤ r, the elastic stress is 0 and
+p = −a q̇ − A_nnss ∂_s ż. A slip with ∂_s z = 0, which moves the face as a whole, changes neither ε nor p.
 """
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ The next term |z|^n/(n + K)! is below the rounding of the sum.
 
 
 def phi(z: Array, count: int) -> Array:
-    """Return the functions φ_k(z) = Σ_n z^n/(n + k)!, k = 1, …, count, at points z with Re z ≤ 0, (N,) → (count, N).
+    """Return the functions φ_k(z) = Σ_n z^n/(n + k)!, k = 1, …, count, at points z, (N,) → (count, N).
 
     These are the functions of exponential integrators. The recurrence φ_k = z φ_{k+1} + 1/k! is used. Where |z| is
     small it runs downwards from the power series of φ_count, elsewhere upwards from φ_1 = (e^z − 1)/z.
@@ -701,7 +701,8 @@ class Memory:
 
     Attributes:
         pressure: the formula of p(s, t).
-        viscosity, elasticity: the normal moduli a and g, positive numbers, or formulas of s with a constant ratio.
+        viscosity, elasticity: the normal moduli a > 0 and g: numbers, or formulas of s with a constant ratio. g is
+            negative if the material softens.
         T: the final time.
         initial: the formula of q(s, 0). By default q starts at rest, q = −(p + l)/g: without slip, the body starts in
             elastic equilibrium.
@@ -709,7 +710,7 @@ class Memory:
         slip_stress: the formula of l(s, t).
 
     Raises:
-        FormulaError: the pressure is not of this form.
+        FormulaError: g/a varies along the face. The method ``at`` raises it if p + l is not of this form.
     """
 
     pressure: sp.Expr

@@ -1,9 +1,10 @@
 """Cache keys of results: hashes of the code that computes, of library versions, of the problem and of its mesh.
 
-The code of a measurement consists of the modules in ``COMPUTING``, without docstrings and comments, but of the
-statements only its own and those that are imported, and no modules of cases. If this code or the value of the case
-changes, the measurement is made again. If only docstrings, comments, other statements or other cases change, the stored
-result is used. The processor is not part of the key, although last digits may differ between processors.
+The code of a measurement is the code of the modules in ``COMPUTING``, without docstrings and comments. Two kinds of
+modules are left out: modules of cases, and modules of statements that the measured statement does not import. If the
+code or the value of the case changes, the measurement is made again. If only docstrings, comments, other statements or
+other cases change, the stored result is used. The processor is not part of the key, although last digits may differ
+between processors.
 
 A case or problem is known by its value: numbers, texts, arrays, formulas, and dataclasses of this project. Functions
 and classes of a user have no value, because what they compute may depend on anything, such as other files. A result

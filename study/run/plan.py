@@ -1,8 +1,8 @@
 """The plan of a run: a list of jobs, each of which measures one statement of the paper or of this study.
 
 A job has a statement and a setting: the case, mesh family, level, and further parameters such as the time scheme. A
-plan is checked before anything is computed. The file also defines which cases and levels the quick and the full study
-have.
+plan is checked before anything is computed. This module also defines which cases and levels the quick and the full
+study have.
 """
 
 from __future__ import annotations

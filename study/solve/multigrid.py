@@ -297,7 +297,7 @@ def contact_solver(space: Displacements) -> Callable[..., ContactSolver]:
 
 
 def multigrid_tolerance(dim: int, dofs: int) -> float:
-    """Return the relative residual at which the multigrid solver stops: half of the one that ``residual`` permits.
+    """Return the relative residual at which the multigrid solver stops: half of what ``residual`` permits for it.
 
     Args:
         dim: the dimension of the body.
