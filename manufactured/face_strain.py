@@ -309,7 +309,7 @@ WITHIN = 0.38
 
 
 def within(begin: Array, end: Array) -> Array:
-    """Return a time inside each interval, at the fraction ``WITHIN`` of its length.
+    """Return a time inside each interval [begin, end], at the fraction ``WITHIN`` of its length; all shapes are equal.
 
     The midpoint is not used, because the level function ψ of a symmetric motion of the contact zone may be zero there.
     """

@@ -171,9 +171,12 @@ def cutoff(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 def slab(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
     """Return a profile with which the strain in the body can be uniform.
 
-    The strain is uniform for a constant gap w and the normal strain q = −w/ℓ on the face. The profile is the one of
-    ``cutoff``, except for the function b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ) that multiplies the gap. The parameters ℓ = ``depth``
-    and φ = ``phi`` are those of ``cutoff``.
+    The strain is uniform for a constant gap w and the normal strain q = −w/ℓ on the face. The functions are the same as
+    in the profile ``cutoff``, except b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ), which multiplies the gap.
+
+    Args:
+        depth: ℓ, the depth beyond which the displacement is zero.
+        phi: the coefficients of φ, as for ``cutoff``.
     """
     plain = cutoff(depth, phi)
     b = polyadd((1.0, -1 / depth), np.array(plain.d.pieces[0]) / depth)

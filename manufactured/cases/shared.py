@@ -52,7 +52,12 @@ def not_proportional(dim: int = 2, viscous: Factor = UNIFORM, elastic: Factor = 
 
 
 def two_layers(interface: float, ratio: float) -> KelvinVoigt:
-    """Return the law of a body of two layers: ``not_proportional()`` times ``ratio`` where x_2 > ``interface``."""
+    """Return the law of a body of two layers: A and G of ``not_proportional``, in the upper layer times a factor.
+
+    Args:
+        interface: the upper layer is {x_2 > interface}.
+        ratio: the factor of A and of G in the upper layer.
+    """
     factor = layers((0.0, 1.0), interface, ratio)
     return not_proportional(2, factor, factor)
 

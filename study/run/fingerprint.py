@@ -1,9 +1,9 @@
 """Cache keys of results: hashes of the code that computes, of library versions, of the problem and of its mesh.
 
 The code of a measurement is the code of the modules in ``COMPUTING``, without docstrings and comments. Two kinds of
-modules are left out: modules of cases, and modules of statements that the measured statement does not import. If the
-code or the value of the case changes, the measurement is made again. If only docstrings, comments, other statements or
-other cases change, the stored result is used. The processor is not part of the key, although last digits may differ
+modules are left out: modules of cases, and modules of other statements that the measured statement does not import. If
+the code or the value of the case changes, the measurement is made again. If only docstrings, comments, other statements
+or other cases change, the stored result is used. The processor is not part of the key, although last digits may differ
 between processors.
 
 A case or problem is known by its value: numbers, texts, arrays, formulas, and dataclasses of this project. Functions

@@ -124,7 +124,12 @@ def claims_file(directory: Path) -> Path:
 
 
 def compare_claims(directory: Path, judged: Verdicts) -> None:
-    """Raise DataError if ``claims.csv`` is missing or differs from the checks that follow from the data."""
+    """Raise DataError if ``claims.csv`` is missing or differs from the checks that follow from the data.
+
+    Parameters:
+        directory: the result directory.
+        judged: the checks that follow from the data, the result of ``verdicts``.
+    """
     path = claims_file(directory)
     again = f"`study tables --out {directory}` writes it again"
     if not path.is_file():

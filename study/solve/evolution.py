@@ -489,7 +489,11 @@ def histories(states: Iterable[State]) -> tuple[Array, Array]:
 
 
 def path(problem: SemiDiscrete, scheme: Scheme, steps: int) -> Array:
-    """Solve the semi-discrete problem by a time scheme and return the displacements u_0, …, u_steps, (steps + 1, n)."""
+    """Solve the semi-discrete problem by a time scheme with ``steps`` equal steps of [0, T].
+
+    Returns:
+        The displacements u_0, …, u_steps, (steps + 1, n).
+    """
     return np.array([state.u for state in scheme.march(problem, steps)])
 
 
