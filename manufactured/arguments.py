@@ -50,9 +50,10 @@ class _MismatchError(Exception):
 
 
 def checked(error: type[Exception]) -> Callable[[Decorated], Decorated]:
-    """Return a decorator for functions and dataclasses, by which arguments get the types of their annotations.
+    """Return a decorator that converts the arguments of a function or dataclass to the types of their annotations.
 
-    An argument that cannot be converted raises ``error``, and so does a number that is not finite.
+    Args:
+        error: the exception that a call raises if an argument cannot be converted or is not finite.
 
     >>> @checked(ValueError)
     ... def double(x: float) -> float:

@@ -36,10 +36,10 @@ class BodyError(ValueError):
 
 
 class Kind(Enum):
-    """The role of a part: clamped (2.3), loaded (2.4), contact (2.5), or an interface between two materials.
+    """The role of a part: clamped (2.3), loaded (2.4), contact (2.5), a roller, or an interface between two materials.
 
-    A roller, for example a line of symmetry, has no normal displacement and no tangential traction; it is not part of
-    the paper, and `study bound` serves it.
+    A roller, for example a line of symmetry, has no tangential traction, and its normal displacement is 0 or
+    prescribed. It is not part of the paper: the command `study bound` accepts rollers, and exact solutions do not.
     """
 
     CLAMPED = "Γ1"
@@ -207,7 +207,10 @@ class Part:
         return points[:, self.covers(points, 0.0)]
 
     def prescribed(self, x: Points) -> Points:
-        """Return the prescribed displacement at points of the segment, (d, n) → (d, n)."""
+        """Return the prescribed displacement at points of the segment, (2, n) → (2, n); 0 if none is given.
+
+        It is interpolated linearly between the corners.
+        """
         if self.displacement is None:
             return np.zeros_like(x)
         along, _ = self.coordinates(x)
@@ -221,9 +224,12 @@ class Part:
 
 
 def fan_vector(simplex: Array) -> Array:
-    """Return the length or area of a simplex with corners (d, d), times its normal.
+    """Return the length (2D) or area (3D) of a segment or triangle times its unit normal, (d,).
 
     The normal points outwards if the corners are ordered as in ``Part``.
+
+    Args:
+        simplex: the d corners as columns, (d, d).
     """
     dim = len(simplex)
     edges = simplex[:, 1:] - simplex[:, :1]
@@ -269,6 +275,8 @@ size of the body.
 class Body:
     """A polygon or polyhedron Ω with boundary conditions on its parts, and the final time T of the problem.
 
+    A body may have no contact part Γ3, for the command `study bound`; an ``ExactSolution`` needs Γ3.
+
     Attributes:
         parts: the parts of the boundary ∂Ω; in 2D in counter-clockwise order, each starting at the end of the previous
             part. The parts of each hole follow in clockwise order.
@@ -282,8 +290,7 @@ class Body:
             because there is neither a clamped part Γ1 nor rollers that exclude it (Korn's inequality (2.17) needs meas
             Γ1 > 0 or such rollers); a roller is not parallel to an axis; T ≤ 0; the body is too thin, that is,
             (largest extent)^d exceeds ``SLENDER`` times its area or volume; a point of ``refine`` is not a vertex; or
-            an interface does not cut Ω. A body may have no contact part Γ3: ``study bound`` serves it, but an
-            ``ExactSolution`` needs Γ3.
+            an interface does not cut Ω.
     """
 
     parts: tuple[Part, ...]
@@ -343,7 +350,7 @@ class Body:
 
     @property
     def is_moved(self) -> bool:
-        """Whether displacements are prescribed on parts of the boundary."""
+        """Whether a displacement other than 0 may be prescribed on the boundary: a part has a ``displacement``."""
         return any(part.displacement is not None for part in self.parts)
 
     @cached_property
@@ -365,7 +372,7 @@ class Body:
         return self.vertices[:, turns]
 
     def of(self, kind: Kind) -> tuple[Part, ...]:
-        """Return the boundary parts of one kind: clamped, loaded or contact."""
+        """Return the boundary parts of one kind, in the order of ``parts``; () if there are none."""
         return tuple(part for part in self.parts if part.kind is kind)
 
     def contains(self, x: Points) -> NDBool:
@@ -558,8 +565,11 @@ def polygon(
         T: the final time.
         refine: vertices towards which graded meshes are refined.
         interfaces: pairs of points; the material changes along the segments between them.
-        holes: for each hole its vertices, clockwise, and the kinds of its sides. The numbers of its sides follow those
-            of the sides before.
+        holes: for each hole its vertices, clockwise, and the kinds of its sides. In ``Body.parts`` the sides of the
+            holes follow the sides of the outline.
+
+    Raises:
+        BodyError: there is not one kind for each vertex, or the parts do not form a ``Body``.
 
     >>> sides = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED]
     >>> polygon([(0, 0), (1, 0), (0, 1)], sides).measure

@@ -33,7 +33,7 @@ UNSTATED: Any = None
 
 
 class CaseError(ValueError):
-    """Raised if attributes of a case contradict each other, or if one of them is missing or invalid."""
+    """Raised if attributes of a case contradict each other, are missing or invalid, or if no case has a given name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,13 +52,15 @@ class Case:
         pace: the number of time steps per unit of time, divided by n^{2/3} on the mesh of level n, which has about n
             cells along a side. Fast fronts need a larger pace. It is large enough if the time discretisation causes a
             small share of the error.
-        twin: the name of a case whose errors on structured meshes must be equal up to round-off, or "".
+        twin: the name of another case whose errors on structured meshes must be equal to the errors of this case, up to
+            round-off; "" if there is none.
         families: the names of the mesh families on which a quick run of the study measures this case. By default the
             case is measured on the first family that can mesh the body.
 
     Raises:
-        CaseError: the regularity or the predicted order contradicts the formulas, the order or the reason is missing,
-            the pace is not positive, or the name cannot be part of a file name.
+        CaseError: the exponents cannot be read off the formulas, the regularity or the predicted order contradicts
+            them, the order or the reason is missing, the pace is not positive, or the name cannot be part of a file
+            name.
     """
 
     name: str

@@ -93,7 +93,11 @@ def named(name: str) -> Case:
 
 
 def advice(name: object) -> str:
-    """Return which case took the place of a former case, as the beginning of a sentence; "" for other names."""
+    """Return a text for messages that names the case which replaced a former case; "" for all other names.
+
+    Args:
+        name: the name that was looked for; no case needs to have it.
+    """
     successor = SUCCESSORS.get(name) if isinstance(name, str) else None
     return f"it is gone, {successor} takes its place; " if successor else ""
 
@@ -104,5 +108,5 @@ def _made(name: str) -> Case:
 
 
 def function_of(name: str) -> str:
-    """Return the name of the function that makes the case with a name."""
+    """Return the name of the Python function that makes a case: its name with "_" in place of "-" and "."."""
     return re.sub("[-.]", "_", name)

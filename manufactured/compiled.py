@@ -118,7 +118,8 @@ class Jet:
         in_time: the order n of the time derivative ∂_t^n of the formula that is evaluated; 0 for the formula itself.
 
     Raises:
-        FormulaError: the formula has other symbols, or functions with jumps that are not written with ``pos``.
+        FormulaError: the formula has other symbols, numbers that are complex or not finite, or kinks or jumps that are
+            not written with ``pos``.
     """
 
     expression: sp.Expr

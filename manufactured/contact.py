@@ -63,14 +63,15 @@ The profile functions a, …, f are attributes of ``Profile``. Each is given by 
 class StrainTerm(NamedTuple):
     """One term of a component of the strain ε(u) of a displacement that is made from the data of a contact face.
 
-    On the face there are the gap w, the normal strain q, the shear strain r and the slip z; y is the distance into the
-    body. The term is the product of a number, a derivative along the face of w, q, r or z, and a function of y.
+    On the face there are the normal displacement u_n = w − g (gap w, initial gap g), the normal strain q, the shear
+    strain r and the slip z; y is the distance into the body. The term is the product of a number, a derivative along
+    the face of u_n, q, r or z, and a function of y.
 
     Attributes:
         row: the row of the component in the Mandel vector of the strain, in the axes (s, n) of the face.
         factor: the number, which contains √2 or √½ for off-diagonal components.
-        source: the number of the function that is differentiated: 0 for w, 1 for q, and from 2 on the components of r
-            and z.
+        source: the number of the function that is differentiated: 0 for u_n, 1 for q, and from 2 on the components of
+            r, if there is shear, and then of z.
         along: the multi-index of the derivative along the face.
         profile: the name of the function of y in ``COMBINATIONS``.
     """
@@ -86,11 +87,11 @@ class StrainTerm(NamedTuple):
 def strain_terms(n: int, deep: bool, tangential: tuple[str, ...]) -> tuple[StrainTerm, ...]:
     """Return all terms of the strain of a displacement that is made from the data of a contact face.
 
-    The terms contain the gap w, the normal strain q, the shear strain r and the slip z on the face, and the functions
-    of the depth in ``Profile``.
+    The terms contain the normal displacement u_n, the normal strain q, the shear strain r and the slip z on the face,
+    and the functions of the depth in ``Profile``.
 
     Args:
-        n: the number of coordinates along the face.
+        n: the number of coordinates along the face, 1 or 2.
         deep: whether the profile has a function e, so that the strain contains second derivatives of q.
         tangential: the names of the profile functions of those tangential fields that are not zero: "c" for r, "f" for
             z. Each field has n components.
@@ -115,7 +116,7 @@ def strain_terms(n: int, deep: bool, tangential: tuple[str, ...]) -> tuple[Strai
 
 
 def plus(*indices: tuple[int, ...]) -> tuple[int, ...]:
-    """Return the sum of multi-indices."""
+    """Return the sum of multi-indices of the same length, component by component."""
     return tuple(map(sum, zip(*indices, strict=True)))
 
 
@@ -138,10 +139,10 @@ VARIABLES = {2: (s,), 3: (s1, s2)}
 class ContributionAtPoints(Protocol):
     """The interface of a displacement field at fixed points of the body, as a function of time.
 
-    The displacement u of an exact solution is a sum of such fields. The methods return the field, its strain, or the
-    gradient of its strain at a time; if ``rate`` is true, they return time derivatives. For n times, (n,), the results
-    have n as an additional last axis. ``modes`` returns the strain for all times, as a sum of products of functions of
-    the point and of time.
+    The displacement u of an exact solution is a sum of such fields. The methods return the field, (d, ...), its strain,
+    (D, ...), or the gradient ∂_j of its strain, (D, d, ...), at a time; if ``rate`` is true, they return time
+    derivatives. For n times, (n,), the results have n as an additional last axis. ``modes`` returns the strain for all
+    times, as a sum of products of functions of the point and of time.
     """
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors: ...
@@ -188,14 +189,17 @@ class Face:
 
     @cached_property
     def gap_jet(self) -> Jet:
+        """The gap w(s, t) as an object that evaluates its formula and the derivatives along the face."""
         return Jet(self.gap, self.variables)
 
     @cached_property
     def initial_gap_jet(self) -> Jet:
+        """The initial gap g(s) as an object that evaluates its formula and the derivatives along the face."""
         return Jet(self.initial_gap, self.variables)
 
     @cached_property
     def level_jet(self) -> Jet:
+        """The level function ψ(s, t) as an object that evaluates its formula and the derivatives along the face."""
         return Jet(self.level, self.variables)
 
     @cached_property
@@ -310,7 +314,9 @@ class ContactFace(Face):
             LawError: the dimensions of law and part differ; G is not linear (prescribe q with
                 ``face_strain.Prescribed`` instead); or it couples the normal strain nn and the shear strain sn not
                 symmetrically.
-            FormulaError: a kink is not written with ``pos``, or a part of the pressure may not be smooth in t.
+            FormulaError: a kink is not written with ``pos``, the slip has a wrong number of components, or the ratio
+                of the normal moduli of G and A varies along the face. If a part of the pressure may not be smooth in t,
+                the method ``at`` of the result raises it.
         """
         refuse_kinks(gap, pressure, level, initial, initial_gap, *slip)
         law.require_dimension(part.dim)
@@ -554,13 +560,14 @@ class Lifting:
     def products(self, tensors: Array, shapes: Array, traces: Sequence[Trace], order: int) -> Modes:
         """Return a sum of K products of a constant tensor, a function of the point, and a function of (s, t).
 
-        The functions of (s, t) are derivatives along the face of the gap w, the normal strain q, the shear strain r and
-        the slip z.
+        The functions of (s, t) are derivatives along the face of the normal displacement u_n, the normal strain q, the
+        shear strain r and the slip z.
 
         Args:
             tensors: the K constant tensors, (K, D), or vectors, (K, d).
             shapes: the K functions of the point, at the n points within the depth of the profile, (K, n).
-            traces: the K derivatives, each as the number of the function and the multi-index of its derivative.
+            traces: the K derivatives, each as a pair: the number of the function (``StrainTerm.source``), and the
+                multi-index of its derivative.
             order: the highest order of the derivatives of q, r and z.
         """
         # The function below uses local variables. A reference to ``self`` would keep the arrays of all points in

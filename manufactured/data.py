@@ -173,7 +173,7 @@ class LoadError(ValueError):
 
 
 def no_fronts(time: float) -> tuple[Hyperplane, ...]:
-    """Return an empty tuple of lines: the lines at which a body force without moving fronts is not smooth."""
+    """Return no lines, the default of ``Data.fronts``, for a body force that has no moving fronts."""
     return ()
 
 
@@ -217,7 +217,7 @@ class Data:
 
     @property
     def functions(self) -> tuple[object, ...]:
-        """All functions of the data; ``force_modes`` may be None."""
+        """The functions body_force, surface_load, start, initial, fronts and force_modes (or None) of the data."""
         return self.body_force, self.surface_load, self.start, self.initial, self.fronts, self.force_modes
 
     @property
@@ -311,7 +311,7 @@ class Data:
     def check(self) -> None:
         """Refuse data for which no solution can exist, by a check at random points and times.
 
-        Any finite load can be balanced, because meas Γ1 > 0 for every ``Body``.
+        Any finite load can be balanced, because Γ1 or rollers exclude rigid motions of every ``Body``.
 
         Raises:
             LoadError: f_0, f_2, u_0 or ε(u_0) is not finite or has a wrong shape, u_0 does not vanish on Γ1 or is not

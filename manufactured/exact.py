@@ -319,6 +319,10 @@ class ExactSolution:
 
         These data are the gap, the contact pressure and the level function of the contact zone.
 
+        Args:
+            face: one of ``faces``.
+            s: the coordinates of the points along the face, (d − 1, ...): in 2D a list with one list, [[s, ...]].
+
         Raises:
             ValueError: s has another shape, or a point lies outside the body. The methods of the result raise it for
                 times outside [0, T].
@@ -446,8 +450,11 @@ class FaceFields:
         """Return the functions that must be continuous along the contact face, each with its derivative along an axis.
 
         They are the gap w, and for a ``ContactFace`` also its gradient ∇_s w along the face, the normal strain q, the
-        shear strain r, the slip z, and the initial gap g with ∇_s g. The axis has the number ``axis`` among the
-        coordinates s of the face.
+        shear strain r, the slip z, and the initial gap g with ∇_s g.
+
+        Args:
+            time: the time.
+            axis: the number of the coordinate s of the face with respect to which the derivatives are taken, 0 or 1.
 
         Returns:
             A dict from the name of a function to its values and the values of its derivative, (...) each.

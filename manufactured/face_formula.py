@@ -114,7 +114,8 @@ class FaceFormula:
     def range(self, formula: sp.Expr) -> tuple[float, float]:
         """Return the least and the largest value of a formula, such as a part of ``self.formula``, on the face.
 
-        Times are between ``begin`` and ``end``. The values may be infinite.
+        Times are between ``begin`` and ``end``. The values may be infinite. They are searched on nested grids, so a
+        narrow extremum may be missed.
         """
         values = function([*self.variables, t], [formula])
         return self._least(values, 1.0), -self._least(values, -1.0)
@@ -196,7 +197,12 @@ def order_at(formula: sp.Expr, x: sp.Expr) -> tuple[float, float]:
 
 
 def must_be_positive(part: sp.Expr) -> sp.Expr | None:
-    """Return the expression that must be positive so that a part of a formula is smooth; None if there is none."""
+    """Return the expression that must be positive so that a part of a formula is smooth; None if it is always smooth.
+
+    Args:
+        part: a function or power that the formula contains. For a function that is not known to be smooth anywhere,
+            the result is 0, which is never positive.
+    """
     if isinstance(part, SMOOTH) or (isinstance(part, pos) and part.args[1].is_number):
         return None
     if isinstance(part, sp.log):

@@ -15,14 +15,14 @@ A_nnss ∂_s ż + G_nnss ∂_s z: q is the solution of a q̇ + g q = −p − l.
 matrix ∇_s z, and A_nnss and G_nnss act on it.
 
 **Coupled linear law** (``Coupled``). If A or G couples nn with sn, a shear r is needed for σ_τ = 0. With y = (q, r) and
-the matrices 𝒜 and 𝒢 of moduli, 𝒜 ẏ + 𝒢 y = −(p, 0) − l, where l has one component of slip
-stress for each of them. In the basis of eigenvectors these are d scalar equations.
+the matrices 𝒜 and 𝒢 of moduli, 𝒜 ẏ + 𝒢 y = −(p, 0) − l, where the vector l of slip stresses has as many components as
+y. In the basis of eigenvectors these are d scalar equations.
 
-**Law (3.3)** (``Prescribed``). The strain is prescribed for one interval of time after another, and the pressure
-follows from the law. With slip, the law is evaluated at the full strain q n⊗n + ε_ss. Since ε_sn = 0, and since A is
-isotropic and (3.3) with K = {|Pτ| ≤ r} gives a multiple of Pε, σ_τ = 0 for every slip. p ≥ 0 and p = 0 off the contact
-zone are conditions on q and z: (3.3) has no effect while |Pε| ≤ r, and there a q̇ + A_nnss ∂_s ż = −p as for a linear
-law. Slips with ∂_s z = 0, which move the face as a whole, change neither ε nor p.
+**Law (3.3)** (``Prescribed``). A formula of the normal strain q is given for each of several time intervals, and the
+pressure follows from the law at the strain q n⊗n + ε_ss. The shear stress σ_τ is 0 for every slip, because ε_sn = 0, A
+is isotropic, and the elastic stress of (3.3) with K = {|Pτ| ≤ r} is a multiple of Pε. The formulas of q and z must be
+chosen such that p ≥ 0 on the contact zone and p = 0 elsewhere. Where |Pε| ≤ r, the elastic stress is 0 and
+p = −a q̇ − A_nnss ∂_s ż. A slip with ∂_s z = 0, which moves the face as a whole, changes neither ε nor p.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class Convolution:
 
         ∫_a^b e^{−λ(b−r)} P(r) dr = Σ_{j≤m} ∂_r^j P(a) τ^{j+1} φ_{j+1}(−λτ),    φ_k(z) = Σ_n z^n/(n + k)!.
 
-    Only τ depends on b, so the derivatives ∂_r^j P(a) at a point s are computed once.
+    Only τ depends on b, so the derivatives ∂_r^j P(a) at a point s are computed once. ``integral`` makes instances.
 
     Source of the functions φ_k: M. Hochbruck, A. Ostermann, Exponential integrators, Acta Numer. 19 (2010) 209–286.
     """
@@ -144,7 +144,7 @@ The next term |z|^n/(n + K)! is below the rounding of the sum.
 
 
 def phi(z: Array, count: int) -> Array:
-    """Return the functions φ_k(z) = Σ_n z^n/(n + k)!, k = 1, …, count, at points z with Re z ≤ 0, (N,) → (count, N).
+    """Return the functions φ_k(z) = Σ_n z^n/(n + k)!, k = 1, …, count, at points z, (N,) → (count, N).
 
     These are the functions of exponential integrators. The recurrence φ_k = z φ_{k+1} + 1/k! is used. Where |z| is
     small it runs downwards from the power series of φ_count, elsewhere upwards from φ_1 = (e^z − 1)/z.
@@ -190,6 +190,7 @@ class Quadrature:
     """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time by Gauss's rule.
 
     P is the contact pressure divided by the viscosity, where it is smooth in time, and λ is the relaxation rate.
+    ``integral`` makes instances.
     """
 
     def __init__(self, branch: sp.Expr, variables: Symbols, decay: float) -> None:
@@ -308,7 +309,7 @@ WITHIN = 0.38
 
 
 def within(begin: Array, end: Array) -> Array:
-    """Return a time inside each interval, at the fraction ``WITHIN`` of its length.
+    """Return a time inside each interval [begin, end], at the fraction ``WITHIN`` of its length; all shapes are equal.
 
     The midpoint is not used, because the level function ψ of a symmetric motion of the contact zone may be zero there.
     """
@@ -508,16 +509,16 @@ def _derivative(coefficients: Array) -> Array:
 def smooth_branch(term: sp.Expr, variables: Symbols) -> tuple[tuple[sp.Expr, ...], sp.Expr]:
     """Split a term of the contact pressure: return its moving fronts, and its formula where there is contact.
 
-    The term is θ(s, t)·∏ pos(ψ_i(s, t), m_i). A moving front is given by a formula ψ_i of s and t that is positive
-    where there is contact.
+    The term is θ(s, t)·∏ pos(ψ_i, m_i). Its moving fronts are the formulas ψ_i that contain t; each is positive where
+    there is contact.
 
     Args:
         term: the formula of the term.
         variables: the symbols of the coordinates s along the face.
 
     Raises:
-        FormulaError: the exponent of a moving front is not an integer ≥ 2, or the formula between the fronts contains
-            functions of t that are not known to be smooth.
+        FormulaError: an exponent m_i is not an integer ≥ 2 (≥ 0 if ψ_i depends on t only), or the formula between the
+            fronts contains functions of t that are not known to be smooth.
     """
     fronts = [p for p in term.atoms(pos) if p.args[0].has(t)]
     for power in fronts:
@@ -583,9 +584,10 @@ It is (q,) with the normal strain q, or (q, r_1, …, r_{d−1}) if there is als
 class StrainAtPoints(Protocol):
     """The interface of the strain at fixed points of a contact face, as a function of time.
 
-    A call returns the normal strain q, or (q, r_1, …, r_{d−1}) if there is also shear, with derivatives along the face.
-    The arguments are the time, whether time derivatives are wanted, and the highest order of derivatives along the
-    face. For n times, (n,), the values have n as an additional last axis.
+    A call returns the tuple (q,) with the normal strain q, or (q, r_1, …, r_{d−1}) if there is also shear. Each entry
+    is a dict from multi-indices of derivatives along the face to values at the points. The arguments are the time,
+    whether time derivatives are wanted, and the highest order of derivatives along the face. For n times, (n,), the
+    values have n as an additional last axis.
     """
 
     def __call__(self, time: Time, rate: bool, order: int) -> Components: ...
@@ -595,7 +597,7 @@ class FaceStrain(Protocol):
     """The interface of the normal strain q and shear strain r on a contact face as functions of s and t.
 
     ``at`` prepares the evaluation at fixed points with the coordinates s along the face, (d−1, ...). ``formula`` is a
-    formula that contains the truncated powers of q, or of the pressure that determines q.
+    formula from whose truncated powers the smoothness of the strain is read off: q, or the pressure that determines q.
     """
 
     @property
@@ -607,8 +609,12 @@ class FaceStrain(Protocol):
 def relaxation_rate(elasticity: sp.Expr, viscosity: sp.Expr) -> float:
     """Return the relaxation rate g/a of the normal strain on a contact face, which must be constant along the face.
 
+    Args:
+        elasticity: the formula of the normal modulus g of the elasticity along the face.
+        viscosity: the formula of the normal modulus a of the viscosity along the face.
+
     Raises:
-        FormulaError: g/a varies along the face; g and a are the normal moduli of elasticity and viscosity.
+        FormulaError: g/a varies along the face.
     """
     ratio: sp.Expr = elasticity / viscosity
     # ``cancel`` is tried first: it is enough for most factors, and ``simplify`` takes longer because SymPy loads its
@@ -695,7 +701,8 @@ class Memory:
 
     Attributes:
         pressure: the formula of p(s, t).
-        viscosity, elasticity: the normal moduli a and g, positive numbers, or formulas of s with a constant ratio.
+        viscosity, elasticity: the normal moduli a > 0 and g: numbers, or formulas of s with a constant ratio. g is
+            negative if the material softens.
         T: the final time.
         initial: the formula of q(s, 0). By default q starts at rest, q = −(p + l)/g: without slip, the body starts in
             elastic equilibrium.
@@ -703,7 +710,7 @@ class Memory:
         slip_stress: the formula of l(s, t).
 
     Raises:
-        FormulaError: the pressure is not of this form.
+        FormulaError: g/a varies along the face. The method ``at`` raises it if p + l is not of this form.
     """
 
     pressure: sp.Expr
@@ -775,7 +782,8 @@ class Memory:
 class MemoryAtPoints:
     """Evaluates the normal strain q, which the history of the contact pressure determines, at fixed points of a face.
 
-    The time intervals of contact at each point, and integrals of the pressure over past intervals, are computed once.
+    Calls have the arguments and the result of ``StrainAtPoints``. The time intervals of contact at each point, and
+    integrals of the pressure over past intervals, are computed once.
     """
 
     def __init__(self, memory: Memory, points: Array) -> None:

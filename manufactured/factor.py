@@ -76,7 +76,7 @@ class Factor:
 
 @checked(FormulaError)
 def layers(direction: tuple[float, ...], offset: float, ratio: float) -> Factor:
-    """Return the material factor α(x) of a body of two layers, which is 1 in the one and ``ratio`` in the other layer.
+    """Return the material factor α(x) of a body of two layers, 1 in the first and ``ratio`` in the second layer.
 
     Args:
         direction: the unit normal of the line or plane between the layers, d numbers.

@@ -368,7 +368,13 @@ class NonSymmetric(MatrixOperator):
 
 
 class ConvexSet(Protocol):
-    """The interface of closed convex sets K = {τ : |Pτ| ≤ r} of symmetric tensors, with an orthogonal projector P."""
+    """The interface of closed convex sets K = {τ : |Pτ| ≤ r} of symmetric tensors, with an orthogonal projector P.
+
+    Attributes:
+        dim: the dimension d of the tensors.
+        radius: the number r.
+        projector: the matrix of P in Mandel form, (D, D).
+    """
 
     @property
     def dim(self) -> int: ...

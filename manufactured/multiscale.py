@@ -104,8 +104,12 @@ class FadingFace(StatedFace):
         Args:
             s: the coordinates of the n points along the face, (1, n).
             time: the time.
-            rate: whether the derivatives of the time derivatives of w, q and D are appended.
+            rate: whether the same derivatives of the time derivatives of w, q and D are appended.
             order: the highest order of the derivatives that ``lifted`` shall return.
+
+        Returns:
+            The derivatives of w of the orders 0 to order + 1, then those of q and those of D of the orders 0 to order,
+            (n,) each.
         """
         jets = (*self.traces, *self.trace_rates) if rate else self.traces
         traces = [jet(s, time, order + more) for jet, more in zip(jets, (1, 0, 0) * 2, strict=False)]
@@ -115,10 +119,13 @@ class FadingFace(StatedFace):
         """Return the displacements u_s and u_n with their derivatives in (s, y), at points within the depth.
 
         Args:
-            traced: the result of ``traced`` at the coordinates s of the points.
+            traced: the result of ``traced`` at the coordinates s of the n points, with the same ``rate`` and ``order``.
             into: the distances y of the points from the face, (n,).
             rate: whether to return the velocities with their derivatives instead.
-            order: the highest order.
+            order: the highest order of the derivatives.
+
+        Returns:
+            u_s and u_n, each as a dict from the orders (i, j) of the derivative ∂_s^i ∂_y^j to its values, (n,).
         """
         keys, values = indices(2, order), _lifting(rate, order)(into, *traced)
         both = np.array([np.broadcast_to(value, into.shape) for value in values]).reshape(2, len(keys), -1)
@@ -213,7 +220,8 @@ GAP_FACTOR, PRESSURE_FACTOR = 2, 200
 def multiscale() -> tuple[Case, ...]:
     """Return the cases with trains of contact patches.
 
-    Solutions in H² with contact patches of many sizes: trains of patches, each train half as wide as the one before.
+    The solutions lie in H² and have contact patches of many sizes. Γ3 has seven pieces of equal length. On each piece
+    lies a train of contact patches, which are half as wide as the patches on the piece before.
 
     There are two cases, trains and breathing-trains. The gap w, the contact pressure p and the contact zone {ψ ≥ 0} are
 
@@ -244,7 +252,7 @@ def multiscale() -> tuple[Case, ...]:
 
 
 def static() -> Case:
-    """Return the case with fixed contact patches under a growing pressure."""
+    """Return the case trains of ``multiscale``: fixed contact patches under a growing pressure."""
     return _train_case(
         "trains",
         "patches of contact of seven widths",
@@ -254,7 +262,7 @@ def static() -> Case:
 
 
 def breathing() -> Case:
-    """Return the case with contact patches that widen and narrow again."""
+    """Return the case breathing-trains of ``multiscale``: contact patches that widen and narrow again."""
     mu = 4 * t * (1 - t) - Rational(1, 2)
     return _train_case(
         "breathing-trains",
@@ -345,9 +353,10 @@ DEPTH = Rational(7, 10)
 @checked(FormulaError)
 @lru_cache
 def rollers(level: int) -> tuple[Case, ...]:
-    """Return the roller cases for a level n, in which the width or half-width ℓ of the patch is 2/n.
+    """Return the four roller cases for a level n, in which the width or half-width ℓ of the patch is 2/n.
 
-    Rollers: a narrow patch of contact that moves along Γ3, or that opens and closes in a fixed place.
+    In the cases roller-n, pushing-roller-n and steep-roller-n a narrow patch of contact moves along Γ3. In the case
+    standing-n it opens and closes in a fixed place.
 
     The patch has the width ℓ if it moves and 2ℓ if it stands. Its normal strain q, contact pressure p and gap w are
 
@@ -360,8 +369,9 @@ def rollers(level: int) -> tuple[Case, ...]:
         H(z) = z³(10 − 15z + 6z²) on [0, 1], constant beyond,   B(z) = (1 − z²)_+^4,   W(ρ) = ρ³/(1 + ρ²)^{9/8},
         C(z) = H(−z) + H(z − 1), zero for 0 ≤ z ≤ 1,   t_1 = 1/10, t_2 = 2/5,   Q = 1, ω = 1/10, 0 ≤ t ≤ 7/10,
 
-    on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so that p = −3(q̇ + q). The displacement reaches to the depth 7/10
-    (ℓ² + ξ²)^{1/2}: a detail of width r, at the distance r from the patch, reaches to a depth proportional to r.
+    on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so that p = −3(q̇ + q). In the case pushing-roller-n, Q is 2, and
+    in the case steep-roller-n, ω is 1/5. The displacement reaches to the depth 7/10 (ℓ² + ξ²)^{1/2}: a detail of width
+    r, at the distance r from the patch, reaches to a depth proportional to r.
 
     For a fixed ℓ, u lies in H². As ℓ → 0 its norm in H² grows, but only like |log ℓ|^{1/2}. The reason is that W ~
     ρ^{3/4} for large ρ, which keeps ∂_s w bounded in H^{1/2}(Γ3), while q has a step at the patch: the strain that the
@@ -373,6 +383,9 @@ def rollers(level: int) -> tuple[Case, ...]:
     ``study.statements.work_of_contact``.
 
     These cases are not in the catalogue, because each of them is meant for the meshes of one level.
+
+    Raises:
+        FormulaError: the level is less than ``COARSEST_ROLLER``.
     """
     if level < COARSEST_ROLLER:
         raise FormulaError(f"rollers: level has to be {COARSEST_ROLLER} or more, got {level}")
@@ -391,7 +404,7 @@ def roller(name: str, width: Expr, push: int = 1, slope: Expr = SLOPE) -> Case:
     Args:
         name: the name of the case.
         width: the width ℓ of the patch.
-        push: the factor Q of the pressure.
+        push: the factor Q of the strain and the pressure.
         slope: the factor ω of the gap.
     """
     xi = s - START - t
@@ -448,7 +461,7 @@ def kick(z: Expr) -> Expr:
 
 
 def away(rho: Expr) -> Expr:
-    """Return the formula W(ρ_+) of the gap outside the patch, with W(ρ) = ρ³/(1 + ρ²)^{9/8}."""
+    """Return the formula W(ρ_+) in the gap outside the patch, with W(ρ) = ρ³/(1 + ρ²)^{9/8} and ρ_+ = max(ρ, 0)."""
     return pos(rho, 3) / (1 + rho**2) ** Rational(9, 8)
 
 

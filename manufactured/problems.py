@@ -42,7 +42,10 @@ def ramp() -> Data:
 
 
 def bracket() -> Data:
-    """Return the data of the problem bracket: an L-shaped body whose foot is pressed down."""
+    """Return the data of the problem bracket: an L-shaped body whose foot is pressed down.
+
+    The load on the top of the foot, x_2 = 1 and 1 ≤ x_1 ≤ 2, is f_2 = −4t (1 − (2x_1 − 3)²)_+³ ν.
+    """
     body = l_shape(refine=((1.0, 1.0), (1.0, 2.0), (0.0, 2.0)))
     strength = 4 * t * _bump((x1 - Rational(3, 2)) * 2)
     return Data.formulas(body, not_proportional(), f0=(0, 0), f2={2: (0, -strength)})

@@ -88,7 +88,12 @@ class Piecewise:
         return total
 
     def jump(self, place: float, derivative: int) -> float:
-        """Return the jump of the derivative of the given order at the depth ``place``."""
+        """Return the jump of a derivative: its value just beyond a depth minus its value just before this depth.
+
+        Args:
+            place: the depth, for example the end of a piece; it must be positive.
+            derivative: the order of the derivative; 0 for the function itself.
+        """
         sides = (place * (1 + side * 1e-12) for side in (-1, 1))
         below, above = (float(self(np.array(side), derivative)) for side in sides)
         return above - below
@@ -99,7 +104,8 @@ class Piecewise:
 class Profile:
     """The functions a, …, f of the depth y by which the displacement of a contact face continues into the body.
 
-    For the gap w, the normal strain q, the shear strain r and the slip z on the face, the displacement is
+    For the gap w (minus an initial gap), the normal strain q, the shear strain r and the slip z on the face, the
+    displacement is
 
         u_s = ∇_s w·a(y) + ∇_s q·e(y) + r·c(y) + z·f(y),      u_n = w·b(y) + q·d(y).
 
@@ -165,9 +171,12 @@ def cutoff(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 def slab(depth: Size = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
     """Return a profile with which the strain in the body can be uniform.
 
-    The strain is uniform for a constant gap w and the normal strain q = −w/ℓ on the face. The profile is the one of
-    ``cutoff``, except for the function b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ) that multiplies the gap. The parameters ℓ = ``depth``
-    and φ = ``phi`` are those of ``cutoff``.
+    The strain is uniform for a constant gap w and the normal strain q = −w/ℓ on the face. The functions are the same as
+    in the profile ``cutoff``, except b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ), which multiplies the gap.
+
+    Args:
+        depth: ℓ, the depth beyond which the displacement is zero.
+        phi: the coefficients of φ, as for ``cutoff``.
     """
     plain = cutoff(depth, phi)
     b = polyadd((1.0, -1 / depth), np.array(plain.d.pieces[0]) / depth)

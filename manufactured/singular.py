@@ -84,7 +84,9 @@ def kolosov(kappa: Size, a: complex, b: complex, exponent: float) -> tuple[Compo
 
 
 class Powers:
-    """Evaluates functions Re(c (x + iy)^β) at fixed points for given c and β; they are 0 at the origin.
+    """Evaluates functions Re(c (x + iy)^β) at fixed points (x, y); a call with c and β returns the values, (...).
+
+    At the origin the values are 0.
 
     In polar coordinates r, θ the formula is r^β (c_r cos βθ − c_i sin βθ) for c = c_r + i c_i. It is analytic in x and
     y, as derivatives by the complex step need. r^β, cos βθ and sin βθ are computed once for each β.

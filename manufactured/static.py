@@ -44,8 +44,8 @@ def static(
             ``isotropic(mu, lam)``, or any ``Linear``.
         f0: the components of the body force; by default 0.
         f2: a dict from numbers of parts in ``body.parts`` to the components of the traction on them.
-        u: a dict from numbers of CLAMPED or ROLLER parts to the components of the displacement prescribed there, which
-            have to be linear along the part. On a ROLLER only the normal component is prescribed. By default 0.
+        u: in 2D, a dict from numbers of CLAMPED or ROLLER parts to the components of the displacement prescribed there,
+            which have to be linear in x1 and x2. On a ROLLER only the normal component is prescribed. By default 0.
 
     Raises:
         FormulaError: a load has a wrong number of components or other symbols (also t), f_2 is not on Γ2, or u is not

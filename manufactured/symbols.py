@@ -148,7 +148,10 @@ def refuse_kinks(*formulas: sp.Expr | None) -> None:
 
 
 def written_with_pos(expression: sp.Expr) -> str:
-    """Return advice how to write a Max(x, 0) or |x| of an expression with ``pos``; "" if the expression has none."""
+    """Return advice how to write a Max(x, 0) or |x| of an expression with ``pos``; "" if the expression has none.
+
+    The text is the end of an error message and begins with "; instead of".
+    """
     for power in sp.preorder_traversal(expression):
         base, exponent = power.as_base_exp() if isinstance(power, sp.Expr) else (power, 1)
         if isinstance(base, sp.Max) and 0 in base.args and len(base.args) == 2:

@@ -38,7 +38,7 @@ def edge(law: KelvinVoigt, part: Part) -> float:
     """Return the value ρ of Q at which the strain −Q n⊗n leaves the convex set K of the law (3.3).
 
     Args:
-        law: the law (3.3).
+        law: a law whose elasticity is a ``Yield``, the law (3.3).
         part: the contact face, which gives the normal n.
     """
     assert isinstance(law.G, Yield)
@@ -46,7 +46,7 @@ def edge(law: KelvinVoigt, part: Part) -> float:
 
 
 def pressed_and_released(law: KelvinVoigt, part: Part, start: Expr, rise: Expr) -> Prescribed:
-    """Return the prescribed normal strain −Q(s, t) on a face that is loaded and then released at the time t_1.
+    """Return the prescribed normal strain −Q(s, t) on a face that is loaded and then released at t_1 = ``RELEASE``.
 
     The law (3.3) gives the pressure p = a Q̇ + b (Q − ρ)_+ for the normal strain −Q with Q ≥ 0. Here ρ is the value of
     Q at which the strain reaches the boundary of K. Q changes from Q_0(s) at t = 0 to Q_1(s) at t = t_1. With τ = t/t_1
@@ -58,7 +58,7 @@ def pressed_and_released(law: KelvinVoigt, part: Part, start: Expr, rise: Expr) 
     Then Q, Q̇ and p are continuous, p(t_1) = 0, and after t_1, where p = 0, Q relaxes towards ρ.
 
     Args:
-        law: the law (3.3).
+        law: a law whose elasticity is a ``Yield``, the law (3.3).
         part: the face.
         start, rise: the formulas of Q_0 and of Q_1 − Q_0, functions of the coordinate s along the face.
     """
@@ -221,11 +221,11 @@ def heterogeneous() -> Case:
     elasticity G are
 
         w = 8 (1/5 + t) (x − c)_+^4,   p = 150 (c − x)_+²,   z = t(1 + t) sin(2x + 1),   ψ = c − x,   c(t) = 1/4 + t/2,
-        A(x, y) = (1 + x/2)(1 + y) A,   G(x, y) = (1 + x/2)(1 + 3y²) G
+        A(x, y) = (1 + x/2)(1 + y) A_0,   G(x, y) = (1 + x/2)(1 + 3y²) G_0
 
-    on the unit square, with contact on its bottom. The tensors A and G are not proportional. At y = 0 both factors are
-    equal, so the relaxation rate G_nnnn/A_nnnn is constant on Γ3, which the exact solution needs. Inside the body the
-    factors differ.
+    on the unit square, with contact on its bottom. The constant tensors A_0 and G_0 are not proportional. At y = 0 both
+    factors are equal, so the relaxation rate G_nnnn/A_nnnn is constant on Γ3, which the exact solution needs. Inside
+    the body the factors differ.
 
     Predicted order 1: the front moves. The coefficients are smooth, so the exponents of gap and pressure at the front,
     α = 4 > 7/2 and m = 2 > 3/2, give (5.36), and Prop. 5.4 applies.
@@ -316,8 +316,9 @@ def softening() -> Case:
     give (5.36), so that Prop. 5.4 applies, for which it is enough that G is Lipschitz. The exponents also satisfy α >
     9/2 and m > 5/2, so (3.4) holds as it is printed.
 
-    G is not monotone, and L_G/m_A = 1. The strain that the pressure has caused does not decay but grows like e^{t/5}.
-    Errors may grow like e^{2t/3}. The problem of a time step of length k is known to have a unique solution for k < 1.
+    G is not monotone, and L_G/m_A = 1. The strain that the pressure has caused does not decay but grows like e^{t/5},
+    because −g/a = 1/5. Errors may grow like e^{2t/3}, because A has the eigenvalue 3 and G the eigenvalue −2 in volume.
+    The problem of a time step of length k is known to have a unique solution for k < 1.
 
     In a first version the eigenvalue in volume was −5 and the gap did not grow. In that version ‖Π^h u − u^h‖ may grow
     like e^{5t/3}. On the mesh with n = 8 cells along a side it was 0.65 ‖u − Π^h u‖, and the check that (‖u − u^h‖² +
@@ -400,7 +401,7 @@ SKEW = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
 def law_without_potential() -> KelvinVoigt:
     """Return a linear law whose elasticity G is not symmetric, so that it is not the derivative of an energy.
 
-    G is the elasticity of ``softening_in_volume`` plus three times the skew matrix ``SKEW``.
+    G is the elasticity of ``softening_in_volume`` plus the skew operator W of ``no_potential``.
     """
     G = NonSymmetric(isotropic_matrix(0.5, -1.5) + 3 * SKEW)
     return KelvinVoigt(isotropic(1, 0.5), G, "linear, G softens in volume and has no potential")
@@ -409,8 +410,8 @@ def law_without_potential() -> KelvinVoigt:
 def no_potential() -> Case:
     """A front that advances and recedes on a material whose elasticity has no potential and is not monotone.
 
-    The gap w, the contact pressure p, the slip z, the front c and the normal strain q at t = 0 are those of
-    ``softening``,
+    The gap w, the contact pressure p, the slip z, the front c and the normal strain q at t = 0 are the same as in the
+    case ``softening``,
 
         w = 20 (1 + t) (x − c)_+^5,   p = 20 (c − x)_+³,   z = 4t sin(3x + 1/2),   c = 7/24 + 15t(1 − t)/8,   q(0) = 0
 

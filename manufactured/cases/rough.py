@@ -46,8 +46,8 @@ def with_natural_front(theta: Expr, place: Expr, moving: bool = False) -> ExactS
     """Return the exact solution with a natural front on the bottom of the unit square.
 
     Args:
-        theta: the formula of the factor θ(t) by which the singular displacement field is multiplied.
-        place: the position c of the front, a number or a formula of t.
+        theta: the formula of the factor θ(t) by which the singular field of ``natural_front`` is multiplied.
+        place: the position c of the front along the bottom: a number, or a formula of t if the front moves.
         moving: whether the front moves.
     """
     body, law = unit_square(), proportional(2.0)
@@ -115,10 +115,14 @@ def natural_motion(place: Expr = MOVING_FRONT) -> Case:
 
     Predicted order 1: u(t) ∈ H^{1+s} for s < 3/2, so that the interpolation error of u has order 1. But u̇(t) ∈ H^{1+s}
     for s < 1/2 only, and p ∉ L²(Γ3). This violates both parts of (5.36), and the proof of Prop. 5.4 gives the order 1/2
-    only. The order 1, up to a logarithm, is proved in paper/fronts.tex. Before, it was predicted for the following
-    reason. The error ‖u̇ − Π^h u̇‖_V ~ h^{1/2} comes from the cells at the front. The front passes a cell in a time ~
-    h, so the error that remains in the cell is ~ h^{3/2}. The errors of h^{−1} cells are independent, and their norm is
-    ~ h, which is the order of the interpolation error.
+    only. The predicted order is higher for the following reason. The velocity error ‖u̇ − Π^h u̇‖_V ~ h^{1/2} comes
+    from the cells at the front. The front passes a cell in a time ~ h, so the error that remains in this cell is
+    ~ h^{3/2}. If the errors of the h^{−1} cells that the front passes are independent, the norm of all of them is ~ h,
+    like the interpolation error. After this prediction, the order 1 up to a logarithm was proved in paper/fronts.tex.
+
+    Args:
+        place: the formula of the position c(t) of the front, with 0 < c < 1. By default it is 1/4 + 2t/5. If the front
+            recedes, p is negative near it, so that the contact conditions (2.5) are violated.
     """
     return Case(
         name=NATURAL_MOTION,

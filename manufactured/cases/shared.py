@@ -52,7 +52,12 @@ def not_proportional(dim: int = 2, viscous: Factor = UNIFORM, elastic: Factor = 
 
 
 def two_layers(interface: float, ratio: float) -> KelvinVoigt:
-    """Return the law of a body of two layers: ``not_proportional()`` times ``ratio`` where x_2 > ``interface``."""
+    """Return the law of a body of two layers: A and G of ``not_proportional``, in the upper layer times a factor.
+
+    Args:
+        interface: the upper layer is {x_2 > interface}.
+        ratio: the factor of A and of G in the upper layer.
+    """
     factor = layers((0.0, 1.0), interface, ratio)
     return not_proportional(2, factor, factor)
 
@@ -75,8 +80,8 @@ def with_faces(body: Body, law: KelvinVoigt, *faces: dict[str, Any]) -> ExactSol
     Args:
         body: the body.
         law: the material law.
-        faces: for each flat piece of the contact boundary Γ3 its gap, pressure and other contact data, as a dict of
-            keyword arguments of ``ContactFace.linear``.
+        faces: for each flat piece of the contact boundary Γ3, in the order of ``body.of(Kind.CONTACT)``, its gap,
+            pressure, level and other contact data, as a dict of keyword arguments of ``ContactFace.linear``.
     """
     pieces = zip(body.of(Kind.CONTACT), faces, strict=True)
     return ExactSolution(body, law, tuple(ContactFace.linear(part, law, body.T, **data) for part, data in pieces))
@@ -88,13 +93,13 @@ def with_one_face(body: Body, law: KelvinVoigt, **data: Any) -> ExactSolution:
     Args:
         body: the body.
         law: the material law.
-        data: the contact data, such as gap and pressure, as keyword arguments of ``ContactFace.linear``.
+        data: the contact data, such as gap, pressure and level, as keyword arguments of ``ContactFace.linear``.
     """
     return with_faces(body, law, data)
 
 
 def l_shape(refine: tuple[tuple[float, float], ...]) -> Body:
-    """Return an L-shaped body that is clamped on top, with contact on its bottom.
+    """Return the L-shaped body [0, 2]² without (1, 2]², clamped on the top x_2 = 2, with contact on the bottom.
 
     Args:
         refine: the vertices towards which graded meshes are refined.

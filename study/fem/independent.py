@@ -89,6 +89,10 @@ class LeadingTerm:
     δ_ij)/((d + 1)(d + 2)), the energy of the error is |T|/((d + 1)(d + 2)) (Σ_i A V_i·V_i + A V·V) for V = Σ_i V_i. The
     material factor of the viscosity A is also evaluated at the centres.
 
+    Args:
+        solution: the exact solution u.
+        space: the space V^h.
+
     Source: J. R. Shewchuk, What is a good linear finite element?, 2002, for the error function.
     """
 

@@ -37,8 +37,9 @@ class MeshError(ValueError):
 class MeshFamily(ABC):
     """Base class of mesh families: objects that make a mesh of a body for every level.
 
-    Mesh families are the regular families {T_h} of triangulations of the paper. The mesh of level n has about n cells
-    along a side. Everything that the study knows about a family is an attribute of its class.
+    Mesh families are the regular families {T_h} of triangulations of the paper. A call with a body and a level n
+    returns the mesh of this level, which has about n cells along a side. Everything that the study knows about a family
+    is an attribute of its class.
 
     Attributes:
         meshes: a description of the meshes in a few words, for the documentation.
@@ -77,7 +78,12 @@ class MeshFamily(ABC):
 
 
 def require_plane(family: MeshFamily, body: Body) -> None:
-    """Raise MeshError unless the body is two-dimensional."""
+    """Raise MeshError unless the body is two-dimensional.
+
+    Args:
+        family: the mesh family, whose name is in the message.
+        body: the body.
+    """
     if body.dim != 2:
         raise MeshError(
             f"the mesh family {family.name} is for 2D bodies, got a body of dimension {body.dim}; use one-diagonal"
@@ -142,7 +148,8 @@ def determinants(points: Points, cells: Array) -> Array:
 def with_midpoints(mesh: Mesh) -> sps.csr_array:
     """Return the matrix that interpolates vertex values of a P1 function to the vertices of ``mesh.refined()``.
 
-    The vertices of the uniformly refined mesh are the old vertices, then the midpoints of the edges.
+    The v + e vertices of the uniformly refined mesh are the v old vertices, then the midpoints of the e edges. The
+    matrix has the shape (v + e, v).
     """
     edges = mesh.facets if mesh.dim() == 2 else mesh.edges
     count = mesh.p.shape[1]
@@ -604,6 +611,7 @@ class MeshedBody:
 
     @property
     def cells(self) -> int:
+        """The number of cells of the mesh."""
         return int(self.mesh.t.shape[1])
 
     @cached_property
@@ -694,6 +702,7 @@ class Skin:
 
     @classmethod
     def of(cls, mesh: Mesh) -> Skin:
+        """Return all cells of a 2D mesh, or the boundary facets of a 3D mesh."""
         if mesh.dim() == 2:
             return cls(np.arange(mesh.p.shape[1]), mesh.t, np.arange(mesh.t.shape[1]))
         facets = mesh.boundary_facets()

@@ -202,6 +202,10 @@ def raised_at(error: BaseException, file: Path) -> str:
 
     If the line calls a function of another file that raises the error, it is the line with this call. The text is empty
     if no line of the file had a part in the error.
+
+    Args:
+        error: the error, with its traceback.
+        file: the absolute path of the user's file.
     """
     lines = [frame.lineno for frame in extract_tb(error.__traceback__) if frame.filename == str(file)]
     return f" ({file}, line {lines[-1]})" if lines else ""

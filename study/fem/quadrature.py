@@ -718,8 +718,13 @@ class StrainSums:
 class StressSums:
     """Computes weighted sums Σ w_p σ(x_p, t) of the stress σ = A ε(u̇) + G ε(u) at n times, (D, sums, n).
 
-    A call needs the amplitudes of the strain ε(u) and of its rate ε(u̇) at these times, as ``amplitudes_of`` returns
-    them. The points x_p have the quadrature weights w_p.
+    A call needs the amplitudes of the strain ε(u), then those of its rate ε(u̇), at these times, as ``amplitudes_of``
+    returns them.
+
+    Args:
+        law: the material law, with A and G.
+        modes: the strain ε(u) at the points x_p, as sums of products (``Modes``).
+        points: the points x_p with their quadrature weights w_p and the sums to which they contribute.
 
     Attributes:
         viscous: the sums Σ w_p α of the material factor α of A, (sums,).

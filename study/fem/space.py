@@ -266,6 +266,7 @@ class Space(Displacements):
 
     @cached_property
     def h(self) -> float:
+        """The mesh size h, see ``study.fem.mesh.size``."""
         return mesh_size(self.mesh)
 
     @property

@@ -1,9 +1,10 @@
 """Cache keys of results: hashes of the code that computes, of library versions, of the problem and of its mesh.
 
-The code of a measurement consists of the modules in ``COMPUTING``, without docstrings and comments, but of the
-statements only its own and those that are imported, and no modules of cases. If this code or the value of the case
-changes, the measurement is made again. If only docstrings, comments, other statements or other cases change, the stored
-result is used. The processor is not part of the key, although last digits may differ between processors.
+The code of a measurement is the code of the modules in ``COMPUTING``, without docstrings and comments. Two kinds of
+modules are left out: modules of cases, and modules of other statements that the measured statement does not import. If
+the code or the value of the case changes, the measurement is made again. If only docstrings, comments, other statements
+or other cases change, the stored result is used. The processor is not part of the key, although last digits may differ
+between processors.
 
 A case or problem is known by its value: numbers, texts, arrays, formulas, and dataclasses of this project. Functions
 and classes of a user have no value, because what they compute may depend on anything, such as other files. A result
@@ -224,10 +225,10 @@ def packages() -> dict[str, str]:
 
 
 def by_value(item: object) -> object:
-    """Return a value as nested lists of texts and numbers, for a hash.
+    """Return a value as nested lists of texts, for a hash.
 
-    A dataclass becomes a list of its fields, and a formula becomes a text. An object without a value becomes an
-    identifier that does not occur again.
+    A dataclass becomes a list of its name and its fields, and an array a list; a number or formula becomes a text. An
+    object without a value, such as a user's function, becomes a random identifier that does not occur again.
     """
     if not _has_value(item):
         return uuid.uuid4()

@@ -60,8 +60,12 @@ def stored_rows(jobs: Iterable[Job], store: Store) -> dict[DataFile, list[Row]]:
 def judge_stored(jobs: Jobs, store: Store) -> Verdicts:
     """Judge the stored results of jobs of one statement and one case, before the data files are written.
 
-    The list is empty if the statement cannot be judged from these results alone. On a user's case, verdicts depend on
-    the errors, so only statements about errors are judged.
+    The list is empty if the statement cannot be judged from these results alone. The verdicts on a user's case depend
+    on ``rates.csv``, the table of errors, so only statements whose data file is ``rates.csv`` are judged on it.
+
+    Parameters:
+        jobs: at least one job; all have the same statement and the same case.
+        store: contains the results of the jobs.
     """
     statement = jobs[0].statement
     case = jobs[0].case
@@ -120,7 +124,12 @@ def claims_file(directory: Path) -> Path:
 
 
 def compare_claims(directory: Path, judged: Verdicts) -> None:
-    """Raise DataError if ``claims.csv`` is missing or differs from the checks that follow from the data."""
+    """Raise DataError if ``claims.csv`` is missing or differs from the checks that follow from the data.
+
+    Parameters:
+        directory: the result directory.
+        judged: the checks that follow from the data, the result of ``verdicts``.
+    """
     path = claims_file(directory)
     again = f"`study tables --out {directory}` writes it again"
     if not path.is_file():
@@ -193,12 +202,12 @@ def joined(statement: Statement, tables: Mapping[CsvFile, DataFrame]) -> DataFra
 def with_reasons(verdicts: Verdicts, rates: DataFrame) -> Verdicts:
     """Judge the checks of users' cases again, and return all checks.
 
-    A check of a user's case only fails if the data contradict the statement. Otherwise, the text of the check says why
-    it is undecided.
+    A check that misses its window is undecided if the user's case is not suitable as a test, and its text says why. It
+    fails only if the data contradict the statement.
 
     Parameters:
-        verdicts: all checks.
-        rates: the table ``rates.csv`` with predictions.
+        verdicts: all checks, of the catalogue and of users' cases.
+        rates: the table ``rates.csv`` with the columns that ``predicted`` adds.
     """
     own = {str(case): rows for case, rows in rates.groupby("case") if case not in NAMES}
     judged = {case: iter(judge_own([v for v in verdicts if v.case == case], rows)) for case, rows in own.items()}

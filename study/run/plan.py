@@ -1,8 +1,8 @@
 """The plan of a run: a list of jobs, each of which measures one statement of the paper or of this study.
 
 A job has a statement and a setting: the case, mesh family, level, and further parameters such as the time scheme. A
-plan is checked before anything is computed. The file also defines which cases and levels the quick and the full study
-have.
+plan is checked before anything is computed. This module also defines which cases and levels the quick and the full
+study have.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Job:
 
     @property
     def identity(self) -> Key:
-        """Texts that identify the job: name of its data file, then the key cells that are equal in all its rows."""
+        """The texts that identify the job: the name of its data file, then its values in the key columns."""
         known = {"label": self.statement.label, "case": name_of(self.setting.case)}
         key = (str(known.get(column) or getattr(self.setting, column)) for column in self.statement.file.key)
         return self.statement.file.name, *key
@@ -89,6 +89,9 @@ Jobs = Sequence[Job]
 
 def check_own(reference: str) -> None:
     """Check that a user's case can be measured by the statements about every case, and stored under its name.
+
+    Parameters:
+        reference: FILE.py:NAME, or a name in the catalogue, which is always accepted.
 
     Raises:
         UsageError: G is not symmetric, or the case has the name of a case of the catalogue.

@@ -66,6 +66,9 @@ def commit() -> Json:
     """Return the commit of the code, and whether no file of ``study`` and ``manufactured`` differs from the commit.
 
     Without a git repository, as after an installation from a wheel, the commit is empty.
+
+    Returns:
+        A dict with the keys "commit", the hash of the commit or "", and "clean", whether no file differs from it.
     """
     name = ""
     changes = ""
@@ -117,7 +120,12 @@ def read_provenance(directory: Path) -> Json:
 
 
 def damaged(directory: Path, error: Exception) -> StoreError:
-    """Return the error for a record of a run with entries of other types or names than expected."""
+    """Return the error for a provenance record with entries of other types or names than expected.
+
+    Parameters:
+        directory: the result directory.
+        error: the exception that was raised when the record was read.
+    """
     data = directory / "data"
     return StoreError(
         f"{data}/provenance.json is damaged, or another version wrote it ({error}): restore it, or remove {data} and "

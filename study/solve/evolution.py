@@ -229,7 +229,9 @@ class SemiDiscrete:
         return cls.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant, gap)
 
     def contact(self, S: sps.csc_array) -> ContactSolver:
-        """Return the contact solver for a matrix S: a function of b that minimises ½ vᵀSv − bᵀv over admissible v.
+        """Return the contact solver for a matrix S: a function from b, (n,), to the pair of u, (n,), and λ, (m,).
+
+        u minimises ½ vᵀSv − bᵀv over the admissible displacements N v ≤ g, and λ are the nodal contact forces.
 
         Args:
             S: a symmetric positive definite matrix, (n, n).
@@ -343,6 +345,11 @@ class State:
 
 class ContactStep:
     """Computes time steps of the semi-discrete problem by one time scheme with one step size k.
+
+    Args:
+        problem: the semi-discrete problem.
+        scheme: the time scheme.
+        k: the step size.
 
     Attributes:
         S: the matrix of the contact problem in each step, which is factorised once.
@@ -482,7 +489,11 @@ def histories(states: Iterable[State]) -> tuple[Array, Array]:
 
 
 def path(problem: SemiDiscrete, scheme: Scheme, steps: int) -> Array:
-    """Solve the semi-discrete problem by a time scheme and return the displacements u_0, …, u_steps, (steps + 1, n)."""
+    """Solve the semi-discrete problem by a time scheme with ``steps`` equal steps of [0, T].
+
+    Returns:
+        The displacements u_0, …, u_steps, (steps + 1, n).
+    """
     return np.array([state.u for state in scheme.march(problem, steps)])
 
 

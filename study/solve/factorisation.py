@@ -44,6 +44,7 @@ class Cholesky:
 
     Raises:
         LinAlgError: S is not positive definite.
+        MemoryError: S or L is too large for SuperLU, however much memory there is.
     """
 
     def __init__(self, S: sps.csc_array, last: Sequence[int] | Integers = (), x: Points | None = None) -> None:

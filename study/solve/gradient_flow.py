@@ -1,9 +1,9 @@
-"""Error bounds for backward Euler, independent of the mesh, if Problem 5.1 is a gradient flow.
+"""Bounds of the error in time of backward Euler for Problem 5.1, independent of the mesh.
 
-If the elasticity operator B^h on V^h has a convex potential, the semi-discrete problem (Problem 5.1) is u̇ + ∂φ(u) ∋ f
-in V^h with φ convex, infinite outside K^h. Let U_n be the solution of backward Euler with N steps of size k,
-δU_n = (U_n − U_{n−1})/k, ξ_n = f(t_n) − δU_n ∈ ∂φ(U_n), and û the piecewise linear interpolant. Let z be the element of
-least norm of f(0) − ∂φ(u_0), used as δU_0. Then
+**Gradient flows.** If the elasticity operator B^h on V^h has a convex potential, the semi-discrete problem
+(Problem 5.1) is u̇ + ∂φ(u) ∋ f in V^h with φ convex, infinite outside K^h. Let U_n be the solution of backward Euler
+with N steps of size k, δU_n = (U_n − U_{n−1})/k, ξ_n = f(t_n) − δU_n ∈ ∂φ(U_n), and û the piecewise linear interpolant
+of the U_n. Let z be the element of least norm of f(0) − ∂φ(u_0), used as δU_0. Then
 
     max_t ‖u^h − û‖_V ≤ F + k (Σ_n (ξ_n − ξ_{n−1}, δU_n)_V)^½ ≤ k (‖z‖_V/√2 + 2 Var f),
 
@@ -140,7 +140,8 @@ class EulerBounds:
         """Return the bound of the error of backward Euler that needs only the data, such as the variation of the load.
 
         Args:
-            nodes: the indices of the time nodes t_0, …, t_N of backward Euler in the fine grid, (N + 1,).
+            nodes: the indices of the time nodes t_0, …, t_N of backward Euler in the fine grid, (N + 1,). Every step
+                must be shorter than 1/γ, where γ is ``growth``.
         """
         steps = np.diff(nodes * self.interval)
         half = self.kappa * self.problem.T / 2

@@ -297,7 +297,7 @@ def contact_solver(space: Displacements) -> Callable[..., ContactSolver]:
 
 
 def multigrid_tolerance(dim: int, dofs: int) -> float:
-    """Return the relative residual at which the multigrid solver stops: half of the one that ``residual`` permits.
+    """Return the relative residual at which the multigrid solver stops: half of what ``residual`` permits for it.
 
     Args:
         dim: the dimension of the body.
@@ -313,5 +313,9 @@ def residual(dim: int, dofs: int) -> float:
     (d/dofs)^{1/d}, where d is the dimension ``dim``. The reason is that a relative residual ρ gives a relative error of
     at most cond(S)^{1/2} ρ in the norm of S, and cond(S)^{1/2} grows like 1/h. The solver's error is then at most about
     ϑ h, while the discretisation error is of order h. The constants are measured by tests.
+
+    Args:
+        dim: the dimension of the body.
+        dofs: the number n of unknowns, which decides between the direct solver and multigrid (``FACTORED``).
     """
     return DIRECT_RESIDUAL if dofs <= FACTORED[dim] else 2 * multigrid_tolerance(dim, dofs)

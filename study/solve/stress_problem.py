@@ -221,6 +221,10 @@ class Programme:
     with B = (√|T| stressᵀ E)_T, the strain matrix E, the constraint matrix N, the load vector F and the contact forces
     λ. Stresses are measured in units in which the data of the step are of order one, and strains in these units times
     the norm of the compliance, so that the tolerances of the solver are relative.
+
+    Args:
+        space: the space V^h.
+        potential: the potential of a step on the cells of this space.
     """
 
     def __init__(self, space: Space, potential: Potential) -> None:

@@ -115,7 +115,11 @@ class Tableau:
         require_unique(self.name, k, growth, self.longest(growth))
 
     def march(self, problem: TimeProblem[StateT], steps: int) -> Iterator[StateT]:
-        """Solve a problem by this time scheme and yield its states at t_0, t_1, …, t_steps = T.
+        """Solve a problem by this time scheme with equal steps and yield its states at t_0, t_1, …, t_steps = T.
+
+        Args:
+            problem: the problem on [0, T].
+            steps: the number of time steps.
 
         Raises:
             StepsError: there is less than one step.
