@@ -237,6 +237,10 @@ class NodalErrors(ListedNumbers):
 
         The first bounds the constant C/θ on all meshes. The second checks the sign of the error, on all random meshes
         together.
+
+        Args:
+            case: the name of the case, which is not used.
+            groups: the measured tables by mesh family, with one row for each level.
         """
         yield (
             consequence(
@@ -253,7 +257,12 @@ class NodalErrors(ListedNumbers):
 
 
 def front_at(solution: ExactSolution, time: float) -> float:
-    """Return the coordinate c(t) of the contact front along the contact face at a time."""
+    """Return the coordinate c(t) of the contact front along the contact face at a time.
+
+    Args:
+        solution: the exact solution, with one contact face and one front.
+        time: the time t.
+    """
     (face,) = solution.faces
     assert isinstance(face, SingularFace)
     assert isinstance(face.field, TravellingField)
