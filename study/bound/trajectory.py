@@ -276,7 +276,11 @@ class Parabola:
         return self.blossom(time, time)
 
     def blossom(self, s: float, t: float) -> Array:
-        """Return the middle Bernstein coefficient of the parabola restricted to the time interval from s to t."""
+        """Return the middle Bernstein coefficient of the parabola restricted to the time interval from s to t, (dofs,).
+
+        Args:
+            s, t: the ends of the time interval; s = t gives the value at this time.
+        """
         x, y = ((time - self.a) / (self.b - self.a) for time in (s, t))
         return (1 - x) * (1 - y) * self.start + (x * (1 - y) + y * (1 - x)) * self.control + x * y * self.end
 
