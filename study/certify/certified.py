@@ -305,9 +305,13 @@ def _of_stress(component: int, third: int, monomial: int) -> list[Fraction]:
 def reference_element() -> tuple[Json, Array]:
     """Return the reference element as a certificate states it, and which coefficients of its stresses are free.
 
-    The element has 45 degrees of freedom: 36 prescribed tractions and forces, and 9 free coefficients. For each of
-    them, ``columns`` contains the 90 coefficients of the stress for which it is 1 and all others are 0, as numerators
-    of the common denominator ``over``. Coefficients are numbered by component (3), subtriangle (3) and monomial (10).
+    The element has 45 degrees of freedom: 36 prescribed tractions and forces, and 9 free coefficients.
+
+    Returns:
+        First, a dict. For each degree of freedom, ``columns`` contains the 90 coefficients of the stress for which it
+        is 1 and all others are 0, as numerators of the common denominator ``over``. Coefficients are numbered by
+        component (3), subtriangle (3) and monomial (10). Second, for each free coefficient its component, subtriangle
+        and monomial, (9, 3).
     """
     # Monomials of high degree are eliminated first: the columns are then ten times smaller, and low degrees stay free.
     unknowns = sorted(product(range(3), range(3), range(10)), key=lambda place: -sum(CUBIC[place[2]]))

@@ -173,7 +173,10 @@ def elasticity_scaled(setup: Experiment, size: float) -> Experiment:
 
 
 def stressless_start(setup: Experiment, size: float) -> Faulty:
-    """Return an experiment whose elastic forces are computed from u − u_0 in place of u; None if u_0 = 0."""
+    """Return an experiment whose elastic forces are computed from u − u_0 in place of u; None if u_0 = 0.
+
+    ``size`` is not used.
+    """
     problem = setup.problem
 
     def remainder(v: Array) -> Array:
@@ -196,12 +199,18 @@ def yield_radius(setup: Experiment, size: float) -> Faulty:
 
 
 def linear_part_only(setup: Experiment, size: float) -> Faulty:
-    """Return an experiment that is solved with the constant reference tensor of a nonlinear G; None if G is linear."""
+    """Return an experiment that is solved with the constant reference tensor of a nonlinear G; None if G is linear.
+
+    ``size`` is not used.
+    """
     return None if setup.problem.remainder is None else solving(setup, remainder=None)
 
 
 def cell_missing(setup: Experiment, size: float) -> Experiment:
-    """Return an experiment whose matrices of A and G lack the cell that is nearest to the centre of the body."""
+    """Return an experiment whose matrices of A and G lack the cell that is nearest to the centre of the body.
+
+    ``size`` is not used.
+    """
     mesh = setup.space.mesh
     away = mesh.p[:, mesh.t].mean(axis=1) - mesh.p.mean(axis=1, keepdims=True)
     missing = np.linalg.norm(away, axis=0).argmin()
@@ -271,7 +280,7 @@ def late(setup: Experiment, size: float) -> Experiment:
 def step_of_unit_time(setup: Experiment, size: float) -> Faulty:
     """Return an experiment whose n time steps of length T/n are taken for steps of length 1/n; None if T = 1.
 
-    So its velocities are T times as large as they should be.
+    So its velocities are T times as large as they should be. ``size`` is not used.
     """
     T = setup.problem.T
     return None if T == 1 else solving(setup, M=sps.csc_array(T * setup.problem.M))
@@ -299,7 +308,8 @@ INSIDE_SHARE = 1e-9
 def partly_clamped(setup: Experiment, size: float) -> Experiment:
     """Return an experiment in which only every second vertex of Γ1 is clamped.
 
-    The load at the other vertices of Γ1 does not contain the force with which the support holds the body.
+    The load at the other vertices of Γ1 does not contain the force with which the support holds the body. ``size`` is
+    not used.
     """
     solution = setup.solution
     space = Loosened(setup.space.mesh, setup.space.body)
@@ -465,7 +475,10 @@ def tilted(setup: Experiment, size: float) -> Experiment:
 
 
 def normals_of_next_part(setup: Experiment, size: float) -> Faulty:
-    """Return an experiment whose constraint on each contact part has the normal of the next part; None for one part."""
+    """Return an experiment whose constraint on each contact part has the normal of the next part; None for one part.
+
+    ``size`` is not used.
+    """
     parts = [part for part, _ in setup.space.contact]
     following = {id(part): after.normal[:, None] for part, after in zip(parts, [*parts[1:], parts[0]], strict=True)}
     N = components(setup.space, lambda part: following[id(part)])
@@ -599,7 +612,10 @@ def gap_fault(change: Callable[[Array], Array]) -> Change:
 
 
 def opposite_faces(setup: Experiment, size: float) -> Faulty:
-    """Return an experiment with the constraint u_ν ≤ 0 on the loaded boundary Γ2, too; None if it has no vertex."""
+    """Return an experiment with the constraint u_ν ≤ 0 on the loaded boundary Γ2, too; None if it has no vertex.
+
+    ``size`` is not used.
+    """
     space = setup.space
     taken = contact_vertices(space)
     free = space.free[:: space.dim] // space.dim
@@ -612,7 +628,10 @@ def opposite_faces(setup: Experiment, size: float) -> Faulty:
 
 
 def gap_from_start(setup: Experiment, size: float) -> Faulty:
-    """Return an experiment with the constraint (u − u_0)_ν ≤ 0 in place of u_ν ≤ 0; None if u_0 = 0."""
+    """Return an experiment with the constraint (u − u_0)_ν ≤ 0 in place of u_ν ≤ 0; None if u_0 = 0.
+
+    ``size`` is not used.
+    """
     start = setup.problem.u0
     return solving(setup, gap=setup.problem.N @ start) if start.any() else None
 

@@ -405,25 +405,31 @@ RESIDUAL_TIMES = 32
 class ResidualBound(ListedNumbers):
     """Compares the norm of the residual R of the exact solution, R(t; v) = (σ, ε(v))_Q − (f, v)_V, with its bound.
 
-    Both are computed for exact solutions, and for a body at rest with G(·, 0) ≠ 0, for which the printed bound is 0.
+    (5.27) is a bound of the residual R in V, in which the paper lacks a term. The complete bound is
 
-    (5.27): a bound of the residual R in V, with a term that is missing in the paper.
+        |R(s; v)| ≤ (‖u̇‖_{L∞(V)} + L ‖u‖_{L∞(V)} + ‖G(·, 0)‖_Q/√m_A + ‖f‖_{L∞(V)}) ‖v‖_V,     L = L_G/m_A.
 
-    The bound is |R(s; v)| ≤ (‖u̇‖_{L∞(V)} + L ‖u‖_{L∞(V)} + ‖G(·, 0)‖_Q/√m_A + ‖f‖_{L∞(V)}) ‖v‖_V with L = L_G/m_A. It
-    follows from (5.13) term by term: |G ε(u)| ≤ |G(·, 0)| + L_G |ε(u)| and √m_A ‖ε(v)‖_Q ≤ ‖v‖_V. The paper prints the
-    bound without G(·, 0), although (3.2) allows any G(·, 0) ∈ Q. **Measured and judged** are two cases:
+    It follows from (5.13) term by term: |G ε(u)| ≤ |G(·, 0)| + L_G |ε(u)| and √m_A ‖ε(v)‖_Q ≤ ‖v‖_V. The paper prints
+    the bound without G(·, 0), although (3.2) allows any G(·, 0) ∈ Q.
+
+    **Measured** is the norm of R, divided by the bound, in two cases:
 
     * *Exact solutions.* R(s; ·) is computed from its definition as a functional on V^h, with ‖R(s)‖² = RᵀM⁻¹R. Its
-      largest norm over the times is divided by the bound. Predicted quotients are 1/20 to 1/2. The bound is not
-      attained, because the four norms are not attained together. R is the work of the contact force, which is as large
-      as the load where contact carries the load. In ``advance-recede`` the quotient is only 0.009, because nearly all
-      of the load bends the body away from the foundation. So the window has no lower end. ``double-well`` has a G(·, 0)
-      that is not zero.
+      largest norm over the times is divided by the bound. ``double-well`` has a G(·, 0) that is not zero.
     * *A body at rest with a stress.* G is replaced by G(x, ε) − G(x, 0) + A ε(z) with z = −M⁻¹Nᵀμ and random μ > 0.
       There is no load and no initial displacement. Then R(s; v) = (A ε(z), ε(v))_Q, and u^h ≡ 0 solves Problem 5.1 if R
-      ≥ 0 on K^h. This means that −R lies in the cone {Nᵀλ : λ ≥ 0}. R is not zero, but the printed bound is zero for
-      every c, so it is wrong. With the term of G(·, 0) the bound holds: the quotient of ‖R‖ = ‖z‖_V and ‖A ε(z)‖_Q/√m_A
-      is at most 1. It is at least √(m_A/‖A‖), because ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V.
+      ≥ 0 on K^h. This means that −R lies in the cone {Nᵀλ : λ ≥ 0}, which is measured as well. R is not zero, but the
+      printed bound is zero for every c, so it is wrong.
+
+    **Predicted**:
+
+    * Exact solutions: quotients of 1/20 to 1/2. The bound is not attained, because the four norms are not attained
+      together. R is the work of the contact force, which is as large as the load where contact carries the load.
+    * A body at rest: the quotient of ‖R‖ = ‖z‖_V and ‖A ε(z)‖_Q/√m_A is at most 1. It is at least √(m_A/‖A‖), because
+      ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V.
+
+    **Found**: in ``advance-recede`` the quotient is only 0.009, because nearly all of the load bends the body away from
+    the foundation. So the window for exact solutions has no lower end.
     """
 
     label = "(5.27)"

@@ -569,9 +569,9 @@ Observed orders approach the proved order from below.
 class SizeOfInterpolation(FromRates):
     """Judges (5.23): the interpolation error ‖u − Π^h u‖_V divided by its leading term for h → 0.
 
-    The cases are those of Proposition 5.4. Other code than the one for the error computes the leading term from second
-    derivatives of u. Nothing is measured: the check uses the errors in ``rates.csv``, which ``Convergence`` and
-    ``FirstOrder`` measure.
+    The cases are those of Proposition 5.4. The leading term is computed from second derivatives of u, by code that
+    shares nothing with the computation of the errors. Nothing is measured: the check uses the errors in ``rates.csv``,
+    which ``Convergence`` and ``FirstOrder`` measure.
     """
 
     label = "(5.23)"
