@@ -213,5 +213,10 @@ def table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
 
 
 def stage_file(directory: Path, number: int) -> Path:
-    """Return the path of the file with the displacement on one mesh and the contributions of its cells to the bound."""
+    """Return the path of the file with the displacement on one mesh and the contributions of its cells to the bound.
+
+    Args:
+        directory: the result directory.
+        number: the number of the mesh in the sequence of refinements.
+    """
     return directory / f"adapted-{number}.npz"

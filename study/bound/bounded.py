@@ -210,7 +210,12 @@ def both_bounds(
 
 
 def why_no_plain(coarse: Discretisation, computed: Computed) -> str:
-    """Return the reason why no error bound can be computed from u_h alone; an empty text if it can be computed."""
+    """Return the reason why no error bound can be computed from u_h alone; an empty text if it can be computed.
+
+    Args:
+        coarse: the problem on the mesh of u_h.
+        computed: the displacement u_h.
+    """
     u_h, steps = computed.on(coarse), np.diff(computed.times)
     if abs(steps - steps.mean()).max() > EQUAL * steps.mean():
         return "its time steps are not equal"
@@ -221,7 +226,12 @@ def why_no_plain(coarse: Discretisation, computed: Computed) -> str:
 
 
 def series(level: int, found: BoundedSolution) -> pd.DataFrame:
-    """Return the rows of ``enclosure.csv`` for one level: the bounds of the error at every time of the enclosure."""
+    """Return the rows of ``enclosure.csv`` for one level: the bounds of the error at every time of the enclosure.
+
+    Args:
+        level: the level of the mesh.
+        found: the displacement u_h and the bounds of its error.
+    """
     enclosure = found.enclosure
     names = "error", "lower", "distance", "bound"
     frame = pd.DataFrame({"level": level, "time": enclosure.times} | {name: getattr(enclosure, name) for name in names})
@@ -280,6 +290,9 @@ def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     The columns ``order_…`` compare a level with the first one, the columns ``pair_…`` with the previous one. The error
     is the largest one over time. On the first level, and if a mesh is not finer than the mesh to compare with, the
     order is NaN.
+
+    Args:
+        rows: for each level, in the order of the levels, the entry "row" of the result of ``record``.
     """
     table = pd.DataFrame(rows)
     for name, earlier in (("order", [rows[0]] * len(rows)), ("pair", [rows[0], *rows[:-1]])):
@@ -297,6 +310,9 @@ def contact_sentences(body: Body) -> list[str]:
     """Return a list with a sentence about the shape of the foundation if the contact boundary does not lie on one line.
 
     Otherwise the list is empty.
+
+    Args:
+        body: the body, which has the contact boundary.
     """
     sides = body.of(Kind.CONTACT)
     if not sides:
@@ -331,8 +347,13 @@ def trajectory_file(directory: Path, level: int) -> Path:
 def write_displacement(path: Path, computed: Computed, **more: Array) -> Path:
     """Write the displacement u_h to an .npz file and return its path.
 
-    The file contains the mesh, p (2, vertices) and t (3, cells), the times (steps + 1,), the nodal values u
-    (steps + 1, 2, vertices), and the arrays ``more``.
+    The file contains the mesh, p (2, vertices) and t (3, cells), the times (steps + 1,), and the values at the
+    vertices, u (steps + 1, 2, vertices).
+
+    Args:
+        path: the path of the file.
+        computed: the displacement u_h.
+        more: further arrays for the file, by their names.
     """
     mesh = computed.mesh
     arrays = {"p": mesh.p, "t": mesh.t, "times": computed.times, "u": computed.at_vertices, **more}

@@ -44,6 +44,10 @@ ON_VERTEX = 1e-9
 class Discretisation:
     """The finite element spaces, matrices and data of a problem on one mesh, as the error bound needs them.
 
+    Attributes:
+        data: the problem.
+        mesh: the mesh of triangles.
+
     Raises:
         BoundError: the body is not plane; there is an initial gap; the final time, the body or the law has an extreme
             size; the viscosity or the elasticity jumps inside a cell; or the law has no finite monotonicity constant.
@@ -231,7 +235,13 @@ class Discretisation:
     def normal_moments(self, v: Array) -> Array:
         """Return the moments ∫_e v_ν B_i of the normal displacement v_ν on every edge e of the contact boundary Γ3.
 
-        The B_i are the n = 4 Bernstein polynomials of degree 3: (..., dofs) → (..., edges of Γ3, n).
+        The B_i are the n = 4 Bernstein polynomials of degree 3.
+
+        Args:
+            v: the coefficients of the displacement, (..., dofs).
+
+        Returns:
+            The moments, (..., edges of Γ3, n).
         """
         found: Array = (self._normal_moments @ v.reshape(-1, v.shape[-1]).T).T
         return found.reshape(*v.shape[:-1], -1, STRESS_DEGREE + 1)
@@ -269,6 +279,9 @@ def check_force(case: Case | None) -> None:
     """Raise BoundError if the body force f_0 of a case is not square integrable.
 
     The error bound would be infinite, because no stress of the element can balance such a force.
+
+    Args:
+        case: the case, or None for a problem whose solution is unknown, which is not checked.
     """
     if case is not None and not case.regularity.force_in_L2:
         raise BoundError(

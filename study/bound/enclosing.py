@@ -150,6 +150,9 @@ class Enclosure:
         Each is multiplied by the factor by which errors decay until then. The part due to the initial value u_0 between
         its sample points is divided among the cells like the sampled initial error. The increase due to smoothing the
         computed displacement in time counts as a contribution of the time steps.
+
+        Args:
+            moduli: the moduli of the elasticity, which give the factor.
         """
         last = int(self.between.argmax()) if self.highest > self.start else -1
         found = Shares(self.initial, 0.0).scaled_to(self.intervals[0].at_a)
@@ -355,7 +358,7 @@ class StaticDiscretisation(Discretisation):
         return np.asarray(np.linalg.inv(self.data.law.A.matrix))
 
     def strain(self, v: Array) -> Tensors:
-        """Return the strain of a displacement at the Q quadrature points of every cell, (dofs,) → (3, cells, Q).
+        """Return the strain of a displacement v at the Q quadrature points of every cell, (dofs,) → (3, cells, Q).
 
         The prescribed displacements, which are not among the unknowns, are included.
         """
@@ -388,7 +391,11 @@ class StaticDiscretisation(Discretisation):
 
 
 def compute_static(coarse: Discretisation) -> Computed:
-    """Return the P1 solution u_h of the static problem, stored as a displacement that is constant in time."""
+    """Return the P1 solution u_h of the static problem, stored as a displacement that is constant in time.
+
+    Args:
+        coarse: the static problem on the mesh of u_h.
+    """
     fine = StaticDiscretisation(coarse.data, coarse.mesh)
     data, space = fine.data, Space(fine.mesh, fine.data.body)
     if not space.dofs:

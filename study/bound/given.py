@@ -129,12 +129,14 @@ def bounded_displacement(
 
 
 def suspicion(found: BoundedSolution, data: Data) -> list[str]:
-    """Return a list with a warning if a displacement is nearly a multiple of the solution, otherwise an empty list.
+    """Return a list with a warning if u_h is nearly a constant multiple of the solution, otherwise an empty list.
 
-    The warning asks for the usual mistake, for example in units, that gives the factor between both.
+    A factor such as 1000 shows that u_h solves the problem with other units or data. The warning states the factor, and
+    asks for the usual mistake that gives this factor, such as metres and millimetres.
 
     Args:
-        found: the displacement with the bounds of its error.
+        found: the displacement u_h with the bounds of its error, and the more accurate displacement with which it is
+            compared.
         data: the problem.
     """
     factor, rest = found.enclosure.factor

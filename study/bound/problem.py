@@ -57,7 +57,7 @@ class BoundError(ValueError):
 
 
 def place(x: Array) -> str:
-    """Return the coordinates of a point as text for messages."""
+    """Return the coordinates of a point, (d,), as text for messages, such as "(0.5, 1)"."""
     return f"({', '.join(f'{c:.4g}' for c in np.ravel(x))})"
 
 
@@ -78,16 +78,22 @@ class Moduli:
     directions: Array
 
     def decay(self, k: float) -> float:
-        """Return e^{−mk}, the factor by which an error changes over a time step of length k; m is the least g_i."""
+        """Return e^{−mk}, the factor by which a bound of the error changes over a time step without loads or residuals.
+
+        m is the least modulus g_i; if it is negative, the factor is greater than 1.
+
+        Args:
+            k: the length of the time step.
+        """
         return float(np.exp(-self.values.min() * k))
 
     def weights(self, time: float) -> Array:
-        """Return for every eigentensor i of G with respect to A the weight of the squared residual, (eigentensors,).
+        """Return for every direction v_i the weight w_i of the squared residual of the material law, (directions,).
 
-        The weight is T/(1 + 2 T g_i) with the eigenvalue g_i of G and the final time T. For a large g_i it is small,
-        because the elasticity compensates a part of the residual: in a time step the square of the error bound
-        increases, to first order, by a multiple of Σ_i |ρ_i|²/(g_i + β), with the part ρ_i of the residual of the
-        material law in the direction of the eigentensor i, and β ~ 1/(2T).
+        The weight is w_i = T/(1 + 2 T max(g_i, 0)) with the modulus g_i and the final time T. For a large g_i it is
+        small, because the elasticity compensates a part of the residual: in a time step the square of the error bound
+        increases, to first order, by a multiple of Σ_i |ρ_i|²/(g_i + β), with the part ρ_i of the residual in the
+        direction v_i, and β ~ 1/(2T).
 
         Args:
             time: the final time T.
@@ -97,8 +103,8 @@ class Moduli:
     def compliance(self, time: float) -> Array:
         """Return the matrix Σ_i w_i v_i v_iᵀ of the norm in which residuals are minimised, in Mandel form (D, D).
 
-        Residuals of the material law are minimised in this norm. The v_i are the directions, and the w_i are their
-        weights (``weights``).
+        The residuals are those of the material law. The v_i are the directions, and the w_i their weights
+        (``weights``).
 
         Args:
             time: the final time T.
@@ -203,6 +209,9 @@ def _largest_ratio(equilibrium: Equilibrium, loads: Loads, mass: Array) -> float
 
 def require_units(data: Data) -> None:
     """Refuse a material, a body or a final time of extreme size, because squares would overflow or underflow.
+
+    Args:
+        data: the problem.
 
     Raises:
         BoundError: a quantity is too large or too small; the message names it and its value.

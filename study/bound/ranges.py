@@ -72,15 +72,18 @@ class RangeError(ValueError):
 
 
 def enclosed(low: Array, high: Array) -> Intervals:
-    """Return intervals from their lower and upper ends, (2, ...), so that they are valid after overflow.
+    """Return intervals from their lower and upper ends so that they are valid after overflow, (2, ...).
 
     A lower end of +∞ becomes the largest number, and an upper end of −∞ becomes the smallest number.
+
+    Args:
+        low, high: the lower and the upper ends, (...) each.
     """
     return np.array([np.minimum(low, LARGEST), np.maximum(high, -LARGEST)])
 
 
 def outward(ends: Intervals) -> Intervals:
-    """Round the ends of intervals outward; an end that is 0 has no rounding error."""
+    """Round the ends of intervals outward, (2, ...) → (2, ...); an end that is 0 has no rounding error."""
     return np.where(ends == 0, ends, np.nextafter(ends, REALS))
 
 
@@ -334,8 +337,10 @@ def _products(variables: int, order: int) -> tuple[Array, Array, Array]:
 class Boxes:
     """Boxes in space and time, over which formulas are expanded into Taylor series.
 
+    Calling the boxes with a formula returns the ranges of its Taylor coefficients (``Series``).
+
     Attributes:
-        sides: for each symbol, the lower and the upper ends of the sides of the boxes, (boxes,) each.
+        sides: for each symbol of the formulas, the lower and the upper ends of the sides of the boxes, (boxes,) each.
         variables: the symbols (coordinates, time) in which formulas are expanded.
         order: the highest order of the Taylor coefficients.
     """
@@ -532,6 +537,9 @@ def require_continuous_start(data: Data) -> None:
     sides, and must not penetrate the foundation on contact sides. If u_0 is a Python function, only jumps at sample
     points are noticed. Exact solutions are skipped: ``manufactured.self_proof.prove`` checks the displacement of an
     exact solution.
+
+    Args:
+        data: the problem, which has the body and u_0.
 
     Raises:
         LoadError: u_0 is refused. The message names the place and the size of the jump or of the violation.

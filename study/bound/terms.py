@@ -357,7 +357,11 @@ class Interval:
 class Majorant:
     """Computes the bound y of the error ‖u − ũ‖_V of a displacement ũ, forward in time, on one mesh.
 
-    Several time intervals are computed together, as many as fit into the processor's cache.
+    Several time intervals are computed together, as many as fit into the processor's cache. Calling the object with the
+    pieces of ũ and a bound of the initial error yields pairs of a piece and the bound on its time interval.
+
+    Args:
+        discretisation: the problem on the mesh of ũ.
     """
 
     def __init__(self, discretisation: Discretisation) -> None:
@@ -385,6 +389,9 @@ class Majorant:
 
     def terms(self, pieces: Iterable[Parabola]) -> Iterator[Terms]:
         """Yield the terms of the error bound of a displacement ũ on every time interval between knots of ũ.
+
+        Args:
+            pieces: ũ on these intervals, in their order in time.
 
         Raises:
             BoundError: the velocity of ũ jumps at a knot.

@@ -52,7 +52,8 @@ class Computed:
         times: the times from 0 to T, (k,).
         nodes: the displacements at the nodes, two components for each node in turn, (k, 2 · number of nodes). Nodes are
             the vertices and, for degree 2, then the midpoints of the edges.
-        steps: the number of which the number of time steps of a second, more accurate displacement is a multiple.
+        steps: a number of time steps, usually the number of intervals between ``times``. The second, more accurate
+            displacement has a multiple of this number of time steps.
         remarks: sentences for the user on changes of the input and on penetration of the foundation.
         offset: 0 if u_h is the displacement of the file. If its values on Γ1 were replaced, a bound of the distance
             ‖u_file − u_h‖_V at all times.
@@ -276,7 +277,11 @@ class Parabola:
         return self.blossom(time, time)
 
     def blossom(self, s: float, t: float) -> Array:
-        """Return the middle Bernstein coefficient of the parabola restricted to the time interval from s to t."""
+        """Return the middle Bernstein coefficient of the parabola restricted to the time interval from s to t, (dofs,).
+
+        Args:
+            s, t: the ends of the time interval; s = t gives the value at this time.
+        """
         x, y = ((time - self.a) / (self.b - self.a) for time in (s, t))
         return (1 - x) * (1 - y) * self.start + (x * (1 - y) + y * (1 - x)) * self.control + x * y * self.end
 

@@ -76,7 +76,14 @@ ON_EDGE = [Fraction(i, 3) for i in range(4)]
 
 
 def bits_below(size: float, digits: int) -> int:
-    """Return b ≥ 1 such that numbers up to ``size``, as multiples of 2^{−b}, have about ``digits`` binary digits."""
+    """Return the number b ≥ 1 of binary digits behind the point with which numbers are rounded.
+
+    Numbers up to ``size`` then are integers of about ``digits`` binary digits, times 2^{−b}.
+
+    Args:
+        size: the largest absolute value of the numbers.
+        digits: the number of binary digits of the largest integer.
+    """
     return max(digits - math.ceil(math.log2(size)), 1) if size > 0 else 1
 
 
@@ -85,7 +92,8 @@ def rounded(mesh: checker.Mesh, values: Array, bits: int) -> Array:
 
     Args:
         mesh: the mesh of the checker.
-        values: for each time, the coefficients at the vertices, then at the edges, (times, vertices + edges, 2).
+        values: for each time, the Bernstein coefficients at the vertices, then at the edges, (times, vertices + edges,
+            2).
         bits: the number of binary digits behind the point.
 
     Returns:
@@ -107,7 +115,12 @@ def rounded(mesh: checker.Mesh, values: Array, bits: int) -> Array:
 
 
 def admissible(value: Sequence[int], normals: Collection[checker.Vector]) -> list[int]:
-    """Return an integer vector near ``value`` with value·N ≤ 0 for all normals N, none of which are opposite."""
+    """Return an integer vector near a given one with value·N ≤ 0 for all given normals N.
+
+    Args:
+        value: the given vector, two integers.
+        normals: the normals N of the contact sides that meet at a node, none of which are opposite.
+    """
     inward = -np.sum([np.array(N, dtype=float) / math.hypot(*N) for N in normals], axis=0)
     # A short vector (p, q) is sought, because a multiple of it is added.
     scale = 1
@@ -233,7 +246,12 @@ class StressEncoder:
 
 
 def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
-    """Return the value of a formula of the checker at a point (x, y, t) in space and time."""
+    """Return the value of a formula of the checker at a point in space and time.
+
+    Args:
+        formula: the terms of the formula.
+        place: the coordinates (x, y, t).
+    """
     terms = [term(*map(checker.constant, place)).plain() for term in formula]
     return float(sum((p.get((0, 0, 0), Fraction(0)) for p in terms if p is not None), Fraction(0)))
 
@@ -287,9 +305,13 @@ def _of_stress(component: int, third: int, monomial: int) -> list[Fraction]:
 def reference_element() -> tuple[Json, Array]:
     """Return the reference element as a certificate states it, and which coefficients of its stresses are free.
 
-    The element has 45 degrees of freedom: 36 prescribed tractions and forces, and 9 free coefficients. For each of
-    them, ``columns`` contains the 90 coefficients of the stress for which it is 1 and all others are 0, as numerators
-    of the common denominator ``over``. Coefficients are numbered by component (3), subtriangle (3) and monomial (10).
+    The element has 45 degrees of freedom: 36 prescribed tractions and forces, and 9 free coefficients.
+
+    Returns:
+        First, a dict. For each degree of freedom, ``columns`` contains the 90 coefficients of the stress for which it
+        is 1 and all others are 0, as numerators of the common denominator ``over``. Coefficients are numbered by
+        component (3), subtriangle (3) and monomial (10). Second, for each free coefficient its component, subtriangle
+        and monomial, (9, 3).
     """
     # Monomials of high degree are eliminated first: the columns are then ten times smaller, and low degrees stay free.
     unknowns = sorted(product(range(3), range(3), range(10)), key=lambda place: -sum(CUBIC[place[2]]))
@@ -319,8 +341,8 @@ def constants(mesh: Json, problem: checker.Problem) -> Json:
     """Return the constants of the loads as a certificate states them: a mesh, the field Φ at its vertices, μ and κ.
 
     Args:
-        mesh: a mesh as a certificate states it.
-        problem: the problem.
+        mesh: the mesh for Φ, as a certificate states it.
+        problem: the problem, as the checker reads it.
 
     Raises:
         BoundError: no tensor field was found that proves a constant.
@@ -535,9 +557,13 @@ def _rounded_stresses(
 
 
 def differences(rows: ArrayLike) -> list[list[int]]:
-    """Return the second differences in time of whole numbers (times, k), which have fewer digits than the numbers.
+    """Return the second differences in time of whole numbers, which have fewer digits than the numbers.
 
-    So the file of a certificate is smaller. The first row has the numbers at the first time.
+    So the file of a certificate is smaller. The first row has the numbers at the first time. ``checker.summed`` is the
+    inverse function.
+
+    Args:
+        rows: the numbers, one row for each time, (times, k).
     """
     # They become integers of Python, because 64 bits may be too few.
     found = np.frompyfunc(int, 1, 1)(np.array(rows))

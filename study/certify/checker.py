@@ -63,7 +63,7 @@ class RefusedError(ValueError):
 
 
 def require(condition: bool, message: str) -> None:
-    """Raise RefusedError unless a condition holds."""
+    """Raise RefusedError with a message unless a condition holds."""
     if not condition:
         raise RefusedError(message)
 
@@ -259,17 +259,22 @@ def dot(a: Iterable[Any], b: Iterable[Any]) -> Any:
 
 
 def applied(rows: Iterable[Sequence[Any]], column: Sequence[Any]) -> list[Any]:
-    """Return the product of a matrix, given by its rows, and a vector."""
+    """Return the product of a matrix and a vector.
+
+    Args:
+        rows: the rows of the matrix.
+        column: the vector.
+    """
     return [dot(row, column) for row in rows]
 
 
 def mixed(weights: Sequence[int], rows: Iterable[Sequence[int]]) -> list[int]:
-    """Return the linear combination of rows of integers with given weights."""
+    """Return the linear combination Σ_i weights_i rows_i of rows of integers."""
     return [dot(weights, column) for column in zip(*rows, strict=True)]
 
 
 def congruent(B: Any, M: Any) -> list[list[Any]]:
-    """Return the matrix product B M Bᵀ for a symmetric M."""
+    """Return the matrix product B M Bᵀ for a symmetric M; matrices are given by their rows."""
     half = [applied(B, row) for row in M]
     return [[dot(row, column) for column in zip(*half, strict=True)] for row in B]
 
@@ -479,7 +484,7 @@ class Side:
         return self.along[1], -self.along[0]
 
     def is_apart(self, other: Side) -> bool:
-        """Return whether this side and another one do not touch.
+        """Return whether this side and another side do not touch.
 
         Two closed segments do not touch if and only if a line separates them, and then a line parallel or orthogonal to
         one of them does. Only such lines are tested.
@@ -496,6 +501,12 @@ class Problem:
 
     Tensors are in Voigt's components, stresses (11, 22, 12) and strains (11, 22, 2·12). The viscosity A and the
     elasticity G are 3 × 3 matrices.
+
+    Args:
+        data: the object "problem" of the certificate, whose format has been tested.
+
+    Raises:
+        RefusedError: a required property of the body, the law, the loads or u_0 does not hold, or cannot be shown.
     """
 
     def __init__(self, data: Any) -> None:
@@ -575,6 +586,12 @@ class Mesh:
 
     Nodes are the vertices, then the midpoints of the edges. ``boundary`` maps each edge on the boundary of the body,
     traversed counter-clockwise, to the side of the polygon on which it lies.
+
+    Args:
+        h: the common denominator of the coordinates.
+        points: the numerators of both coordinates of every vertex.
+        cells: the numbers of the three vertices of every cell, counter-clockwise.
+        lines: each side of the polygon with the numbers of the vertices on it, in their order along the side.
     """
 
     def __init__(
@@ -594,6 +611,10 @@ class Mesh:
         All cells must be counter-clockwise. Edges that are traversed only once must follow each other along the sides
         of the polygon. Then the sum of the winding numbers of the cells, which are their indicator functions, equals
         the winding number of the boundary of the body, which is 1 inside.
+
+        Args:
+            data: a mesh in the certificate (``MESH``).
+            problem: the problem, which has the polygon.
         """
         h, points, cells, lines = (data[name] for name in ("denominator", "points", "cells", "sides"))
         require(all(0 <= v < len(points) for some in cells + lines for v in some), "a vertex does not exist")
@@ -668,6 +689,10 @@ def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
     linear on the cells of a separate mesh. At every vertex of a cell div Φ(v, v) − A⁻¹(Φv)·(Φv) ≥ μ |v|² must hold for
     all vectors v. On edges outside Γ1, −Φ(ν, v, v) must be at least 0, and at least κ |v|² if the edge is loaded. Then
     C_Ω = μ^{−1/2} and C_Γ = κ^{−1/2}.
+
+    Args:
+        data: the object "constants" of the certificate, with the mesh, Φ, μ and κ.
+        problem: the problem, which has the viscosity A.
     """
     mesh, mu, kappa, field = Mesh.of(data["mesh"], problem), Q(data["volume"]), Q(data["surface"]), data["field"]
     require(mu > 0 and kappa > 0, "a constant of the body is not positive")
@@ -700,11 +725,15 @@ class Element:
 
     The centre divides the triangle into three subtriangles. The degrees of freedom are, in this order: the tractions on
     the three sides (24 numbers: 4 Bernstein coefficients with 2 components on each side), the coefficients of a force
-    f̂ of degree 2 (12 numbers: 6 monomials with 2 components), and 9 free numbers. For each degree of freedom the
-    certificate contains a column of 90 coefficients, times the common denominator ``over``: the stress σ̂ for which
-    this degree of freedom is 1 and all others are 0. Each of the three components of σ̂ is a cubic polynomial with 10
-    coefficients on every subtriangle. This class checks that the tractions of σ̂ are continuous inside and have the
-    prescribed values on the boundary, and that Div σ̂ + f̂ is the same polynomial of degree 1 on all subtriangles.
+    f̂ of degree 2 (12 numbers: 6 monomials with 2 components), and 9 free numbers. Each of the three components of the
+    stress σ̂ is a cubic polynomial with 10 coefficients on every subtriangle. This class checks that the tractions of
+    σ̂ are continuous inside and have the prescribed values on the boundary, and that Div σ̂ + f̂ is the same polynomial
+    of degree 1 on all subtriangles.
+
+    Args:
+        over: the common denominator of the columns.
+        columns: for each degree of freedom the 90 coefficients, times ``over``, of the stress σ̂ for which this degree
+            of freedom is 1 and all others are 0.
     """
 
     def __init__(self, over: int, columns: Sequence[Sequence[int]]) -> None:
@@ -810,6 +839,11 @@ class Loads:
     In time f̃_0 is the parabola through the body force f_0 at the ends and in the middle of a time interval. On a cell,
     only the terms of degree at most 2 in the coordinates of the reference triangle are used. Twice the area of the cell
     times f̃_0 is rounded to multiples of 1/unit.
+
+    Args:
+        problem: the problem, which has the loads.
+        mesh: the mesh of the stresses.
+        bits: the number of binary digits of the unit, unit = 2^bits.
     """
 
     def __init__(self, problem: Problem, mesh: Mesh, bits: int) -> None:
@@ -892,6 +926,10 @@ def missed(terms: list[Term], halvings: int) -> Q:
 
     If no term has a kink, the mean square is exact. Otherwise the square is divided into four, up to ``halvings``
     times, and terms with a kink are then bounded.
+
+    Args:
+        terms: the load terms, functions of X and S.
+        halvings: the largest number of divisions.
     """
     plain = [term.plain() for term in terms]
     smooth = total(p for p in plain if p is not None)
@@ -917,7 +955,13 @@ Field = list[list[int]]
 
 
 class Stresses:
-    """The stresses σ̃ of a certificate on one mesh, which are stored as integers in units of 2^{−bits}."""
+    """The stresses σ̃ of a certificate on one mesh, which are stored as integers in units of 2^{−bits}.
+
+    Args:
+        mesh: the mesh of the stresses.
+        data: the object "stress" of the certificate, with the units.
+        element: the reference element.
+    """
 
     def __init__(self, mesh: Mesh, data: Any, element: Element) -> None:
         self.mesh, self.element = mesh, element
@@ -1059,8 +1103,15 @@ class Growth:
     """Computes how the bound y of the error ‖u − ũ‖_V grows over a time interval.
 
     A call returns two bounds: at the end of the interval, and at all of its times. Its arguments are the bound y at the
-    start, the length k of the interval, the integral M = ∫∫ ρ ρᵀ of the residual, the work of contact ∫∫ σ̃_ν ũ_ν, and
-    the integral of the dual norm of the unbalanced loads.
+    start, the length k of the interval, the integral M = ∫∫ ρ ρᵀ of the residual ρ of the law over the body and the
+    interval, the work of contact ∫∫ σ̃_ν ũ_ν, and the integral of the dual norm of the unbalanced loads.
+
+    Args:
+        problem: the problem, which has the tensors A and G.
+        m: a number m ≥ 0 such that G − mA is positive semidefinite; the rate at which the elasticity damps the error.
+
+    Raises:
+        RefusedError: m is negative, or G − mA is not positive semidefinite.
     """
 
     def __init__(self, problem: Problem, m: Q) -> None:
@@ -1096,7 +1147,13 @@ def traced(a: Matrix, b: Matrix) -> Q:
 
 @dataclass(frozen=True)
 class Piece:
-    """The displacement ũ between two knots a < b, a parabola in time with three Bernstein coefficients."""
+    """The displacement ũ between two knots a < b, a parabola in time.
+
+    Attributes:
+        a, b: the knots.
+        values: the three Bernstein coefficients in time, times four, each as a list of coefficients in space, x and y
+            in turn.
+    """
 
     a: Q
     b: Q
@@ -1104,7 +1161,10 @@ class Piece:
 
     @property
     def steps(self) -> list[list[int]]:
-        """The three Bernstein coefficients in time of (b − a) ũ̇, the velocity times the length of the interval."""
+        """The three Bernstein coefficients in time of (b − a) ũ̇, the velocity times the length of the interval.
+
+        They are multiplied by four, as ``values``.
+        """
         return [mixed(weights, self.values) for weights in ((-2, 2, 0), (-1, 0, 1), (0, -2, 2))]
 
 
@@ -1134,7 +1194,13 @@ def pieces(nodes: list[list[int]], T: Q) -> Iterable[Piece]:
 class Computed:
     """The computed displacement u_h, piecewise linear in space and time, whose error is bounded.
 
-    The certificate gives its values as doubles. They are stored as integers over a power of 2.
+    The certificate gives its values as doubles. They are stored as integers over a power of 2, on the mesh of ũ.
+
+    Args:
+        data: for each time, the values at the vertices, x and y in turn.
+        mesh: the mesh of u_h.
+        refinements: how often this mesh is refined for ũ.
+        problem: the problem, which has the final time.
     """
 
     def __init__(self, data: Any, mesh: Mesh, refinements: int, problem: Problem) -> None:
@@ -1148,7 +1214,10 @@ class Computed:
         self.values = [mesh.middles(u, 2) for u in rows]
 
     def at(self, time: Q) -> tuple[list[int], int]:
-        """Return u_h at a time as integers v and a denominator, u_h = v/(denominator · 2^bits)."""
+        """Return u_h at a time as integers v and a denominator, u_h = v/(denominator · 2^bits).
+
+        The integers belong to the nodes of the mesh of ũ, x and y in turn.
+        """
         place = time / self.T * (len(self.values) - 1)
         low = min(int(place), len(self.values) - 2)
         b = (place - low).numerator
@@ -1176,7 +1245,11 @@ class Enclosure:
 class Certificate:
     """A certificate: a problem, a mesh, a computed displacement u_h and the witnesses.
 
-    It is refused if its format is wrong or a required property does not hold.
+    Args:
+        data: the content of the certificate file, as ``load`` returns it.
+
+    Raises:
+        RefusedError: the format is wrong, or a required property does not hold.
     """
 
     def __init__(self, data: Any) -> None:
@@ -1360,6 +1433,9 @@ def order(coarse: Enclosure, fine: Enclosure) -> tuple[Q, Q] | None:
     """Return an interval that contains the order of convergence log(E/E')/log(h/h') of the errors E, E' on two meshes.
 
     If an error may be 0, or the fine mesh is not finer, the result is None.
+
+    Args:
+        coarse, fine: the proved intervals with the errors E and E' on the meshes of size h and h'.
     """
     if coarse.low <= 0 or fine.low <= 0 or fine.cells <= coarse.cells:
         return None
@@ -1381,7 +1457,11 @@ def decimal(x: Q, above: bool, digits: int = 8) -> str:
 
 
 def verified(data: Any) -> Enclosure:
-    """Return the interval that a certificate proves; raise RefusedError if it proves nothing."""
+    """Return the interval that a certificate proves; raise RefusedError if it proves nothing.
+
+    Args:
+        data: the content of the certificate file, as ``load`` returns it.
+    """
     try:
         return Certificate(data).check()
     except RefusedError:
@@ -1438,7 +1518,15 @@ def report(proved: Sequence[Enclosure]) -> None:
 
 
 def main(paths: Sequence[str]) -> int:
-    """Check certificate files and print what they prove; return the exit code."""
+    """Check certificate files of one problem and print what they prove.
+
+    Args:
+        paths: the paths of the files.
+
+    Returns:
+        The exit code: 0 if every file proves its interval, 1 if a file is refused, 2 if there is no file to check or a
+        file cannot be read.
+    """
     proved: list[Enclosure] = []
     stated: Any = None
     names = [path if path.isascii() and path.isprintable() else ascii(path) for path in paths]

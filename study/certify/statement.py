@@ -42,7 +42,12 @@ SERVED = "certificates support polynomials in x1, x2 and t with rational coeffic
 def rational(x: float, tolerance: float = 0.0) -> Fraction:
     """Return the fraction that a number in double precision stands for.
 
-    It is a simple fraction within the relative tolerance if there is one, otherwise the exact value of the number.
+    It is a fraction with a denominator of at most ``SIMPLE`` if there is one within the tolerance, otherwise the exact
+    value of the number.
+
+    Args:
+        x: the number.
+        tolerance: the largest relative distance of the simple fraction from x. With 0, the fraction must round to x.
     """
     simple = Fraction(x).limit_denominator(SIMPLE)
     return simple if abs(float(simple) - x) <= tolerance * abs(x) else Fraction(x)

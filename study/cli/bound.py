@@ -69,7 +69,8 @@ class Displacement:
 
     Attributes:
         key, cache_key: name and cache key of the result.
-        compute: function that computes the displacement, unless it is given, and encloses its error.
+        compute: function that computes the displacement, unless it is given, and encloses its error. It returns the
+            result of ``bounded.record``.
         shown: function that returns mesh and displacements for the picture.
         files: files that ``compute`` writes.
         file_name, remark: name of the file with the given displacement, and a line about its content; empty if the

@@ -44,7 +44,11 @@ def summary_and_order(name: str) -> tuple[str, str]:
 
 @cache
 def docstrings(module: str) -> dict[str, str]:
-    """Return the docstrings of the functions in a module of cases, without importing it."""
+    """Return the docstrings of the functions in a module of cases, by the names of the functions, without importing it.
+
+    Parameters:
+        module: the name of the module in ``manufactured.cases``.
+    """
     tree = ast.parse((files("manufactured.cases") / f"{module}.py").read_text(encoding="utf-8"))
     functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
     return {node.name: ast.get_docstring(node) or "" for node in functions}

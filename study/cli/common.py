@@ -91,9 +91,13 @@ class ProgressBar(tqdm):  # type: ignore[misc]
 
 
 def progress_bar(total: int, name: str = "") -> ProgressBar:
-    """Return a progress bar with a name on standard error, which estimates the remaining time.
+    """Return a progress bar on standard error, which estimates the remaining time.
 
     If standard error is not a terminal, the bar is updated less often.
+
+    Parameters:
+        total: the number of units at which the bar is full, such as the expected time of all jobs.
+        name: the name before the bar.
     """
     pause = 0.5 if sys.stderr.isatty() else 10
     # Without smoothing, the remaining time follows from the mean speed since the start. The speed of the last few
@@ -102,7 +106,12 @@ def progress_bar(total: int, name: str = "") -> ProgressBar:
 
 
 def job_progress(jobs: Jobs, name: str = "") -> ProgressBar:
-    """Return a progress bar for measurements, in units of their expected time."""
+    """Return a progress bar for measurements, in units of their expected time.
+
+    Parameters:
+        jobs: the measurements.
+        name: the name before the bar.
+    """
     return progress_bar(round(sum(job.cost for job in jobs)), name)
 
 
@@ -119,9 +128,13 @@ def with_progress(name: str, T: float, compute: Callable[[Callable[[float], obje
 
 
 def tell_written(paths: Sequence[Path], more: str = "") -> None:
-    """Print the names of files that a command has written, and perhaps more words.
+    """Print the names of files that a command has written.
 
     Three or more files with the same ending in a folder become FOLDER/*.ENDING (NUMBER).
+
+    Parameters:
+        paths: the files.
+        more: text that is appended to the line.
     """
     kinds: dict[str, Paths] = {}
     for path in paths:

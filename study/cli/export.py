@@ -339,6 +339,11 @@ def plain(value: Any, digits: int = ARRAY_DIGITS) -> Any:
 
     The largest number of an array is rounded to ``digits`` significant digits. All other numbers of the array have the
     same number of decimal places.
+
+    Parameters:
+        value: the data: dicts and lists of arrays and of values that JSON can write.
+        digits: the number of digits for arrays that are not in a dict. In a dict, the key of an array decides:
+            ``FINER_ARRAYS`` has the exceptions from ``ARRAY_DIGITS``.
     """
     if isinstance(value, dict):
         return {key: plain(one, FINER_ARRAYS.get(key, ARRAY_DIGITS)) for key, one in value.items()}

@@ -34,7 +34,12 @@ STARTS_AGAIN = "no file is half-written; the same command starts from the beginn
 
 
 class Range(NamedTuple):
-    """The permitted values of an option, as numbers and in words."""
+    """The permitted values of an option, as numbers and in words.
+
+    Attributes:
+        least, most: the smallest and the largest permitted value.
+        words: both in words, for messages.
+    """
 
     least: float
     words: str
@@ -49,7 +54,12 @@ Option = tuple[tuple[str, ...], dict[str, Any]]
 
 
 def option(*flags: str, within: Range | None = None, **settings: Any) -> Option:
-    """Return an option, given the arguments of ``ArgumentParser.add_argument`` and its permitted values."""
+    """Return an option of a command.
+
+    Parameters:
+        flags, settings: the arguments of ``ArgumentParser.add_argument``.
+        within: the permitted values; None permits all values.
+    """
     if settings.get("action", "extend") == "extend":
         settings["type"] = partial(_read, settings.get("type", str), within)
     return flags, settings
@@ -79,7 +89,12 @@ def _read(kind: type, within: Range | None, text: str) -> Any:
 
 
 def out(default: str = "results", *also: str) -> Option:
-    """Return the option --out for the result directory; ``also`` are other names of the option."""
+    """Return the option --out for the result directory.
+
+    Parameters:
+        default: the default directory.
+        also: other names of the option.
+    """
     help = f"result directory (default {default})"
     return option("--out", *also, type=Path, default=Path(default), metavar="DIR", help=help)
 

@@ -147,6 +147,10 @@ def mesh_series(motion: Motion, every: int) -> MeshSeries:
     Fields at the vertices are ``displacement``, ``velocity``, and on the contact boundary ``gap`` and ``pressure``
     (``gap_1``, ``gap_2``, … if this boundary has several faces). Fields on the cells, constant on each, are ``stress``
     and ``von_mises``.
+
+    Parameters:
+        motion: the solved case, with its displacement, stress and contact force at all times.
+        every: the step between the times that are used.
     """
     weights = contact_weights(motion.space)
     mesh = motion.space.mesh

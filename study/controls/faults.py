@@ -49,11 +49,11 @@ class Fault:
     Attributes:
         name: the fault in a few words.
         equation: the equation or condition of the paper that the faulty program violates.
-        change: makes the fault.
+        change: the function that makes the fault, from the experiment without the fault and the size δ.
         sizes: the sizes δ that are tried, from large to small.
-        single: whether orders need not notice the fault, while contact forces and the constraint do. It concerns
-            single vertices or cells: a point has no capacity, and a missing cell changes u^h by O(h^{d/2}). Or it
-            leaves u as it is and changes contact forces only.
+        single: whether orders need not notice the fault, while contact forces and the constraint do. Such a fault
+            concerns a single vertex or cell, which hardly changes u^h (a missing cell by O(h^{d/2})), or it changes
+            contact forces only.
     """
 
     name: str
@@ -64,7 +64,12 @@ class Fault:
 
 
 def solving(setup: Experiment, **changes: Any) -> Experiment:
-    """Return an experiment in which a problem with changed attributes is solved."""
+    """Return an experiment that measures errors as before, but solves a problem with changed attributes.
+
+    Args:
+        setup: the experiment.
+        changes: the changed attributes of the semi-discrete problem (``SemiDiscrete``), by their names.
+    """
     return replace(setup, solved=replace(setup.solved or setup.problem, **changes))
 
 
@@ -86,7 +91,13 @@ def with_tensor(setup: Experiment, name: str, matrix: Array, factor: Array) -> F
 
 
 def tensor_fault(name: str, change: Callable[[Array, float], Array]) -> Change:
-    """Return the fault that changes the constant tensor of A or G, by a function of the tensor and the size δ."""
+    """Return the fault that changes the constant tensor of A or G.
+
+    Args:
+        name: "A" or "G".
+        change: the function from the right tensor in Mandel form, (D, D), and the size δ of the fault to the wrong
+            tensor.
+    """
 
     def faulty(setup: Experiment, size: float) -> Faulty:
         tensor = getattr(setup.solution.law, name)
@@ -96,7 +107,11 @@ def tensor_fault(name: str, change: Callable[[Array, float], Array]) -> Change:
 
 
 def factor_fault(change: Callable[[Space, Array], Array]) -> Change:
-    """Return the fault that changes the material factors of A and G on the cells; it needs a factor that varies."""
+    """Return the fault that changes the material factors of A and G on the cells; it needs a factor that varies.
+
+    Args:
+        change: the function from the space V^h and the right factors on the cells, (cells,), to the wrong ones.
+    """
 
     def faulty(setup: Experiment, size: float) -> Faulty:
         law = setup.solution.law
@@ -108,7 +123,13 @@ def factor_fault(change: Callable[[Space, Array], Array]) -> Change:
 
 
 def with_factors(setup: Experiment, change: Callable[[Array], Array]) -> Experiment:
-    """Return an experiment that is solved with changed material factors of A and of a linear G."""
+    """Return an experiment that is solved with changed material factors of A and of a linear G.
+
+    Args:
+        setup: the experiment.
+        change: the function from the right factors on the cells, (cells,), to the wrong ones. It is applied to A and to
+            G.
+    """
     for name in ("A", "G"):
         tensor = getattr(setup.solution.law, name)
         setup = with_tensor(setup, name, tensor.reference, change(means(setup.space, tensor.factor))) or setup
@@ -152,7 +173,10 @@ def elasticity_scaled(setup: Experiment, size: float) -> Experiment:
 
 
 def stressless_start(setup: Experiment, size: float) -> Faulty:
-    """Return an experiment whose elastic forces are computed from u − u_0 in place of u; None if u_0 = 0."""
+    """Return an experiment whose elastic forces are computed from u − u_0 in place of u; None if u_0 = 0.
+
+    ``size`` is not used.
+    """
     problem = setup.problem
 
     def remainder(v: Array) -> Array:
@@ -175,12 +199,18 @@ def yield_radius(setup: Experiment, size: float) -> Faulty:
 
 
 def linear_part_only(setup: Experiment, size: float) -> Faulty:
-    """Return an experiment that is solved with the constant reference tensor of a nonlinear G; None if G is linear."""
+    """Return an experiment that is solved with the constant reference tensor of a nonlinear G; None if G is linear.
+
+    ``size`` is not used.
+    """
     return None if setup.problem.remainder is None else solving(setup, remainder=None)
 
 
 def cell_missing(setup: Experiment, size: float) -> Experiment:
-    """Return an experiment whose matrices of A and G lack the cell that is nearest to the centre of the body."""
+    """Return an experiment whose matrices of A and G lack the cell that is nearest to the centre of the body.
+
+    ``size`` is not used.
+    """
     mesh = setup.space.mesh
     away = mesh.p[:, mesh.t].mean(axis=1) - mesh.p.mean(axis=1, keepdims=True)
     missing = np.linalg.norm(away, axis=0).argmin()
@@ -192,7 +222,11 @@ def cell_missing(setup: Experiment, size: float) -> Experiment:
 
 
 def added_load(part: Callable[[Experiment, float], Array]) -> Change:
-    """Return the fault that adds δ times a vector to the load; ``part`` returns it for an experiment and a time."""
+    """Return the fault that adds δ times a vector to the load.
+
+    Args:
+        part: the function from the experiment and a time to the vector, (dofs,).
+    """
 
     def faulty(setup: Experiment, size: float) -> Experiment:
         right = setup.problem.load
@@ -205,7 +239,7 @@ def added_load(part: Callable[[Experiment, float], Array]) -> Change:
 def traction_load(setup: Experiment, time: float, kind: Kind = Kind.LOADED) -> Array:
     """Return the load vector of the exact traction σν at a time on the boundary parts of one kind, (dofs,).
 
-    On the loaded parts, the default, σν = f_2.
+    On the loaded parts, the default, the traction is f_2.
 
     Args:
         setup: the experiment, which has the exact solution and the mesh.
@@ -246,7 +280,7 @@ def late(setup: Experiment, size: float) -> Experiment:
 def step_of_unit_time(setup: Experiment, size: float) -> Faulty:
     """Return an experiment whose n time steps of length T/n are taken for steps of length 1/n; None if T = 1.
 
-    So its velocities are T times as large as they should be.
+    So its velocities are T times as large as they should be. ``size`` is not used.
     """
     T = setup.problem.T
     return None if T == 1 else solving(setup, M=sps.csc_array(T * setup.problem.M))
@@ -274,7 +308,8 @@ INSIDE_SHARE = 1e-9
 def partly_clamped(setup: Experiment, size: float) -> Experiment:
     """Return an experiment in which only every second vertex of Γ1 is clamped.
 
-    The load at the other vertices of Γ1 does not contain the force with which the support holds the body.
+    The load at the other vertices of Γ1 does not contain the force with which the support holds the body. ``size`` is
+    not used.
     """
     solution = setup.solution
     space = Loosened(setup.space.mesh, setup.space.body)
@@ -309,10 +344,13 @@ def components(space: Space, directions: Callable[[Part], Array], left_out: Arra
 
 
 def contact_vertices(space: Space) -> Array:
-    """Return the vertex to which each of the m contact constraints belongs, (m,).
+    """Return the number of the vertex to which each of the m contact constraints belongs, (m,).
 
     A constraint is a row of the matrix N that maps displacements to normal displacements. A vertex on two contact faces
     occurs twice.
+
+    Args:
+        space: the space V^h.
     """
     return np.concatenate([numbers for _, numbers in space.contact])
 
@@ -437,7 +475,10 @@ def tilted(setup: Experiment, size: float) -> Experiment:
 
 
 def normals_of_next_part(setup: Experiment, size: float) -> Faulty:
-    """Return an experiment whose constraint on each contact part has the normal of the next part; None for one part."""
+    """Return an experiment whose constraint on each contact part has the normal of the next part; None for one part.
+
+    ``size`` is not used.
+    """
     parts = [part for part, _ in setup.space.contact]
     following = {id(part): after.normal[:, None] for part, after in zip(parts, [*parts[1:], parts[0]], strict=True)}
     N = components(setup.space, lambda part: following[id(part)])
@@ -445,7 +486,11 @@ def normals_of_next_part(setup: Experiment, size: float) -> Faulty:
 
 
 def unconstrained(which: Callable[[int], Iterable[int]]) -> Change:
-    """Return the fault that leaves some of m vertices of Γ3 unconstrained; ``which`` returns their numbers for m."""
+    """Return the fault that leaves some vertices of Γ3 unconstrained.
+
+    Args:
+        which: the function from the number m of contact constraints to the numbers of the ones that are left out.
+    """
 
     def faulty(setup: Experiment, size: float) -> Experiment:
         count = setup.problem.N.shape[0]
@@ -493,12 +538,24 @@ def other_forces(setup: Experiment, rule: Rule, *further: sps.csr_array) -> Expe
 
 
 def tied(solver: Signorini, gap: Array) -> Array:
-    """Return the contact forces (m,) if no vertex of Γ3 can leave the foundation."""
+    """Return the contact forces, (m,), if no vertex of Γ3 can leave the foundation; a ``Rule`` for ``other_forces``.
+
+    Args:
+        solver: the contact solver, which has the matrix from forces to normal displacements.
+        gap: the penetrations that the load causes without contact forces, (m,).
+    """
     return solver.multipliers_on(np.ones_like(solver.active), gap)
 
 
 def never_released(solver: Signorini, gap: Array) -> Array:
-    """Return the contact forces (m,) if a vertex that has once been in contact stays there, even if it is pulled."""
+    """Return the contact forces, (m,), if a vertex that has once been in contact stays there, even if it is pulled.
+
+    It is a ``Rule`` for ``other_forces``.
+
+    Args:
+        solver: the contact solver. It remembers which vertices have been in contact.
+        gap: the penetrations that the load causes without contact forces, (m,).
+    """
     held = active = solver.active
     for _ in range(50):
         forces = solver.multipliers_on(active, gap)
@@ -532,9 +589,11 @@ def relaxed(setup: Experiment, size: float) -> Experiment:
 
 
 def gap_fault(change: Callable[[Array], Array]) -> Change:
-    """Return the fault that changes the initial gaps of the vertices of each contact part, sorted along the part.
+    """Return the fault that changes the initial gaps of the vertices; it cannot occur in a case without initial gap.
 
-    It is None for cases without an initial gap.
+    Args:
+        change: the function from the right gaps of the vertices on one contact part, sorted along the part,
+            (vertices,), to the wrong ones.
     """
 
     def faulty(setup: Experiment, size: float) -> Faulty:
@@ -553,7 +612,10 @@ def gap_fault(change: Callable[[Array], Array]) -> Change:
 
 
 def opposite_faces(setup: Experiment, size: float) -> Faulty:
-    """Return an experiment with the constraint u_ν ≤ 0 on the loaded boundary Γ2, too; None if it has no vertex."""
+    """Return an experiment with the constraint u_ν ≤ 0 on the loaded boundary Γ2, too; None if it has no vertex.
+
+    ``size`` is not used.
+    """
     space = setup.space
     taken = contact_vertices(space)
     free = space.free[:: space.dim] // space.dim
@@ -566,7 +628,10 @@ def opposite_faces(setup: Experiment, size: float) -> Faulty:
 
 
 def gap_from_start(setup: Experiment, size: float) -> Faulty:
-    """Return an experiment with the constraint (u − u_0)_ν ≤ 0 in place of u_ν ≤ 0; None if u_0 = 0."""
+    """Return an experiment with the constraint (u − u_0)_ν ≤ 0 in place of u_ν ≤ 0; None if u_0 = 0.
+
+    ``size`` is not used.
+    """
     start = setup.problem.u0
     return solving(setup, gap=setup.problem.N @ start) if start.any() else None
 

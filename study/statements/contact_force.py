@@ -94,8 +94,14 @@ Many are needed, because the pressure has kinks inside facets."""
 class PressedFace(FacePoints):
     """One contact face with quadrature points, the exact solution there, and the hat functions of its vertices.
 
+    Args:
+        solution: the exact solution.
+        space: the P1 displacement space V^h.
+        face: the contact face.
+        vertices: the numbers of the m vertices of the face that are not clamped, (m,).
+
     Attributes:
-        functions: the values of the hat functions φ_i of the m unclamped vertices of the face, (points, m).
+        functions: the values of the hat functions φ_i of these vertices, (points, m).
         mass: the mass matrix ∫ φ_i φ_j over the face, (m, m).
     """
 
@@ -108,6 +114,9 @@ class PressedFace(FacePoints):
 
 class Forces:
     """Measures errors of nodal contact forces, and the penetration of the foundation between vertices.
+
+    Args:
+        setup: the experiment, which has the exact solution, the space V^h and the semi-discrete problem.
 
     Attributes:
         space: the P1 displacement space V^h.

@@ -99,7 +99,13 @@ def eligible(case: Case) -> bool:
 
 
 def by_midpoint(case: str, family: str, levels: Sequence[int], by: Trajectory) -> list[BoundSetting]:
-    """Return the settings of a case on the given levels, all with the midpoint rule."""
+    """Return the settings of a case on one mesh family and the given levels, all with the midpoint rule.
+
+    Args:
+        case, family: the names of the case and of the mesh family.
+        levels: the levels.
+        by: how the second displacement is computed from which the bounds follow.
+    """
     return [BoundSetting(case, family, level, "midpoint", by) for level in levels]
 
 
@@ -157,9 +163,10 @@ class ResolvedProblem:
 
 @lru_cache
 def resolve_problem(reference: str) -> ResolvedProblem:
-    """Return the problem with the given name.
+    """Return the problem with the given name: a problem whose solution is unknown, or the problem of a case.
 
-    It is a problem of the study whose solution is unknown, or the problem of a case.
+    Args:
+        reference: the name of the problem or of the case; for a case of a user FILE.py:NAME.
     """
     for problem in open_problems():
         if problem.name == reference:
@@ -176,10 +183,18 @@ open_problems = lru_cache(problems)
 def measure(
     problem: ResolvedProblem, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
 ) -> tuple[Numbers, Enclosure]:
-    """Compute a displacement u_h and bounds of its error, and return a row of ``bounds.csv`` and the bounds over time.
+    """Compute a displacement u_h and bounds of its error ‖u − u_h‖_V on one mesh.
 
-    u_h has ``steps`` time steps of ``scheme``, and ``trajectory`` says how the displacement is computed from which the
-    bounds follow. If the exact solution is unknown, numbers that depend on the error are NaN.
+    If the exact solution u is unknown, numbers that depend on the error are NaN.
+
+    Args:
+        problem: the problem.
+        family, level: the mesh family and the level of the mesh of u_h.
+        scheme, steps: the time scheme of u_h, and the number of its steps.
+        trajectory: how the displacement is computed from which the bounds follow.
+
+    Returns:
+        The row of ``bounds.csv``, and the bounds over time.
 
     Raises:
         BoundError: the body force is not square integrable, f_0 ∉ L²(Ω)².
@@ -223,6 +238,9 @@ class Bounds(Statement):
 
     def measure(self, setting: BoundSetting) -> Numbers:
         """Compute a displacement and bounds of its error on one mesh.
+
+        Args:
+            setting: the case or problem, the mesh, the time scheme and the kind of bound.
 
         Returns:
             The row of ``bounds.csv`` under the key "row", and columns of ``enclosures.csv`` under the key "times".
@@ -376,6 +394,10 @@ def judge_interval(span: Span, window: Window) -> str:
     """Return the verdict on an interval that contains the measured quantity.
 
     It holds if the interval lies in the window, fails if both are disjoint, and is undecided otherwise.
+
+    Args:
+        span: the lower and the upper end of the interval.
+        window: the tolerance window.
     """
     if window.contains(*span):
         return HOLDS

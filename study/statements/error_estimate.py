@@ -190,6 +190,9 @@ def norm_of_start(A: Linear) -> float:
 
     It is the geometric series Σ_j a_j (4^{j−1} · 2π/4^j · ``mean_energy``)^{1/2} over the levels j of the spikes with
     the heights a_j.
+
+    Args:
+        A: the viscosity, which defines the norm.
     """
     return math.sqrt(math.pi / 2 * mean_energy(A)) * 2 ** (-FIRST_SPIKES / 2) / (1 - math.sqrt(0.5))
 
@@ -231,17 +234,20 @@ def smooth(body: Body) -> Field:
 class InterpolationInV(ListedNumbers):
     """Measures the interpolation error ‖v − Π^h v‖_V for solutions in H² on each cell, and judges its order.
 
-    On random meshes the order from two coarse levels depends on the random size of the cells where v is strongly
-    curved. Therefore on random meshes the order is fitted to all levels, with the numbers of cells as weights.
-
     The paper states for v ∈ V that
 
         ‖v − Π^h v‖_V = O(h)  for v ∈ H²(Ω)^d,      ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)} = O(h²)  for v_ν ∈ H²(Γ3,i).
 
-    The orders are measured for v = u(t) at fixed times, and for a smooth field v that vanishes on Γ1. Both orders are
-    sharp for piecewise linear functions, so the windows have two ends. (5.24) is printed with h instead of h². The
-    proof of Prop. 5.4 takes the root of this error in (5.42), so it needs h². If a gap behaves like s_+^α at a front,
-    the trace lies in H^τ for τ < α + 1/2, and the predicted order is min(2, α + 1/2).
+    (5.24), the second one, is printed with h instead of h². The proof of Prop. 5.4 takes the root of this error in
+    (5.42), so it needs h².
+
+    **Measured** are the errors for v = u(t) at fixed times, and for a smooth field v that vanishes on Γ1. This class
+    judges the first one, ``InterpolationOnContact`` the second one.
+
+    **Predicted**: both orders are sharp for piecewise linear functions, so the windows have two ends. If a gap behaves
+    like s_+^α at a front, the trace lies in H^τ for τ < α + 1/2, and the predicted order on Γ3,i is min(2, α + 1/2). On
+    random meshes the order from two coarse levels depends on the random size of the cells where v is strongly curved.
+    Therefore on random meshes the order is fitted to all levels, with the numbers of cells as weights.
     """
 
     label = "(5.23)"
@@ -319,6 +325,10 @@ class InterpolationOnContact(ListedNumbers):
 
         Let the normal trace lie in H^s for all s < τ. For τ > 2 the paper claims the order 2. Otherwise min(2, τ) is
         predicted.
+
+        Args:
+            case: the name of the case.
+            groups: the measured tables by mesh family, with one row for each level.
         """
         columns = {str(column) for table in groups.values() for column in table}
         of_solution = min(float(table[REGULARITY].min()) for table in groups.values())
@@ -357,6 +367,10 @@ def induced_size(space: Space, part: Part) -> float:
 
     The mesh size is ((d − 1)! |Γ3,i| / number of facets)^{1/(d−1)} in dimension d. On unstructured meshes this size is
     not exactly proportional to h, because a part has a whole number of facets.
+
+    Args:
+        space: the space V^h, which has the mesh.
+        part: the boundary part.
     """
     along = space.dim - 1
     return float((math.factorial(along) * part.measure / len(space.facets(part))) ** (1 / along))
@@ -391,25 +405,31 @@ RESIDUAL_TIMES = 32
 class ResidualBound(ListedNumbers):
     """Compares the norm of the residual R of the exact solution, R(t; v) = (σ, ε(v))_Q − (f, v)_V, with its bound.
 
-    Both are computed for exact solutions, and for a body at rest with G(·, 0) ≠ 0, for which the printed bound is 0.
+    (5.27) is a bound of the residual R in V, in which the paper lacks a term. The complete bound is
 
-    (5.27): a bound of the residual R in V, with a term that is missing in the paper.
+        |R(s; v)| ≤ (‖u̇‖_{L∞(V)} + L ‖u‖_{L∞(V)} + ‖G(·, 0)‖_Q/√m_A + ‖f‖_{L∞(V)}) ‖v‖_V,     L = L_G/m_A.
 
-    The bound is |R(s; v)| ≤ (‖u̇‖_{L∞(V)} + L ‖u‖_{L∞(V)} + ‖G(·, 0)‖_Q/√m_A + ‖f‖_{L∞(V)}) ‖v‖_V with L = L_G/m_A. It
-    follows from (5.13) term by term: |G ε(u)| ≤ |G(·, 0)| + L_G |ε(u)| and √m_A ‖ε(v)‖_Q ≤ ‖v‖_V. The paper prints the
-    bound without G(·, 0), although (3.2) allows any G(·, 0) ∈ Q. **Measured and judged** are two cases:
+    It follows from (5.13) term by term: |G ε(u)| ≤ |G(·, 0)| + L_G |ε(u)| and √m_A ‖ε(v)‖_Q ≤ ‖v‖_V. The paper prints
+    the bound without G(·, 0), although (3.2) allows any G(·, 0) ∈ Q.
+
+    **Measured** is the norm of R, divided by the bound, in two cases:
 
     * *Exact solutions.* R(s; ·) is computed from its definition as a functional on V^h, with ‖R(s)‖² = RᵀM⁻¹R. Its
-      largest norm over the times is divided by the bound. Predicted quotients are 1/20 to 1/2. The bound is not
-      attained, because the four norms are not attained together. R is the work of the contact force, which is as large
-      as the load where contact carries the load. In ``advance-recede`` the quotient is only 0.009, because nearly all
-      of the load bends the body away from the foundation. So the window has no lower end. ``double-well`` has a G(·, 0)
-      that is not zero.
+      largest norm over the times is divided by the bound. ``double-well`` has a G(·, 0) that is not zero.
     * *A body at rest with a stress.* G is replaced by G(x, ε) − G(x, 0) + A ε(z) with z = −M⁻¹Nᵀμ and random μ > 0.
       There is no load and no initial displacement. Then R(s; v) = (A ε(z), ε(v))_Q, and u^h ≡ 0 solves Problem 5.1 if R
-      ≥ 0 on K^h. This means that −R lies in the cone {Nᵀλ : λ ≥ 0}. R is not zero, but the printed bound is zero for
-      every c, so it is wrong. With the term of G(·, 0) the bound holds: the quotient of ‖R‖ = ‖z‖_V and ‖A ε(z)‖_Q/√m_A
-      is at most 1. It is at least √(m_A/‖A‖), because ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V.
+      ≥ 0 on K^h. This means that −R lies in the cone {Nᵀλ : λ ≥ 0}, which is measured as well. R is not zero, but the
+      printed bound is zero for every c, so it is wrong.
+
+    **Predicted**:
+
+    * Exact solutions: quotients of 1/20 to 1/2. The bound is not attained, because the four norms are not attained
+      together. R is the work of the contact force, which is as large as the load where contact carries the load.
+    * A body at rest: the quotient of ‖R‖ = ‖z‖_V and ‖A ε(z)‖_Q/√m_A is at most 1. It is at least √(m_A/‖A‖), because
+      ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V.
+
+    **Found**: in ``advance-recede`` the quotient is only 0.009, because nearly all of the load bends the body away from
+    the foundation. So the window for exact solutions has no lower end.
     """
 
     label = "(5.27)"
@@ -589,8 +609,12 @@ class ErrorBounds(ListedNumbers):
     def checks_of(self, case: str, groups: Groups) -> Judged:
         """Yield two criteria for each of the bounds (5.21) and (5.42).
 
-        They depend on the predicted exponent γ of the case: the bound divided by the error is predicted to grow like
-        h^{−γ}.
+        The first one is error ≤ c · (right side). The second one is about the change of (right side) / error under
+        refinement, and depends on the predicted exponent γ of the case: this quotient is predicted to grow like h^{−γ}.
+
+        Args:
+            case: the name of the case.
+            groups: the measured tables by mesh family, with one row for each level.
         """
         (table, *_) = groups.values()
         names = *GROWTH_EXPONENTS.values(), LOGARITHM
@@ -670,7 +694,13 @@ def constant(law: KelvinVoigt, T: float) -> float:
 def sides(setup: Experiment) -> Numbers:
     """Return two quotients for each of the bounds (5.21) and (5.42): (right side)/error and error/(c · right side).
 
-    The right side contains no constant, and c is the constant that ``ErrorBounds`` proves. Keys are names of columns.
+    The right side contains no constant, and c is the constant that ``ErrorBounds`` proves.
+
+    Args:
+        setup: the experiment, whose problem is solved here.
+
+    Returns:
+        The quotients by the names of columns.
     """
     v_norm = setup.v_norm
     problem = setup.problem

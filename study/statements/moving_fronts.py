@@ -121,18 +121,20 @@ class HalfDerivative(ListedNumbers):
     Beyond the paper: u̇^h has half a derivative in time. This is a lemma in the proof of the order of the error at
     moving fronts (paper/velocity.tex).
 
-    Let f be the load, B the operator of (4.2), P_h the projection onto V^h in (·,·)_V, and g = P_h(f − Bu^h). In the
-    norm of V let M = max ‖u̇^h‖, W = Var g, Ξ = max ‖g − u̇^h‖ and C_2 = 2MW + M²/2 + MΞ. The lemma says for 0 < δ < T/2
+    **The lemma.** Let f be the load, B the operator of (4.2), P_h the projection onto V^h in (·,·)_V, and g = P_h(f −
+    Bu^h). In the norm of V let M = max ‖u̇^h‖, W = Var g, Ξ = max ‖g − u̇^h‖ and C_2 = 2MW + M²/2 + MΞ. The lemma says
+    for 0 < δ < T/2
 
         1/δ ∫_0^δ ∫_0^{T−δ} ‖u̇^h(t + τ) − u̇^h(t)‖² dt dτ ≤ C_2 δ.
 
-    For the midpoint rule with the time step k = T/(4n), the left side is divided by the right side; the largest
-    quotient over δ = 2k, 4k, 8k, … up to T/4 is measured. For backward Euler a similar inequality holds for every time
-    step k. With the difference quotients δ_n = (U_n − U_{n−1})/k of its values U_n, δ_0 = u̇^h(0+) and κ = L_G/m_A,
+    For backward Euler a similar inequality holds for every time step k. With the difference quotients δ_n = (U_n −
+    U_{n−1})/k of its values U_n, δ_0 = u̇^h(0+) and κ = L_G/m_A,
 
         Σ_n ‖δ_n − δ_{n−1}‖² ≤ ‖δ_0‖² + 2 max_n ‖δ_n‖ (Var f + κ Σ_n k ‖δ_n‖).
 
-    The quotient of both sides is measured as well.
+    **Measured** are the quotients of both sides: for the midpoint rule with the time step k = T/(4n) the largest
+    quotient over δ = 2k, 4k, 8k, … up to T/4, and for backward Euler with the same step the quotient of the second
+    inequality.
 
     **Predicted** before these programs existed, from prototypes: both quotients are at most 1, as proved. The quotient
     for the midpoint rule is about 0.13, the largest value of 84 small systems. It does not grow with n: its value on
@@ -237,6 +239,10 @@ class NodalErrors(ListedNumbers):
 
         The first bounds the constant C/θ on all meshes. The second checks the sign of the error, on all random meshes
         together.
+
+        Args:
+            case: the name of the case, which is not used.
+            groups: the measured tables by mesh family, with one row for each level.
         """
         yield (
             consequence(
@@ -253,7 +259,12 @@ class NodalErrors(ListedNumbers):
 
 
 def front_at(solution: ExactSolution, time: float) -> float:
-    """Return the coordinate c(t) of the contact front along the contact face at a time."""
+    """Return the coordinate c(t) of the contact front along the contact face at a time.
+
+    Args:
+        solution: the exact solution, with one contact face and one front.
+        time: the time t.
+    """
     (face,) = solution.faces
     assert isinstance(face, SingularFace)
     assert isinstance(face.field, TravellingField)
@@ -325,22 +336,19 @@ class AdvancingFront(ListedNumbers):
     front* is the moving end of a frictionless contact zone, with a singularity that is not made smoother on purpose. If
     the front advances, the solution violates the regularity assumption (5.36).
 
-    Near a front between contact and separation, elastic displacements of finite energy without forces behave like
-    r^{1/2}. If they neither penetrate the foundation nor need tension, they behave like r^{3/2}. In σ = Aε(u̇) + Gε(u)
-    the velocity plays the role of the elastic displacement. Where the front c(t) moves, u ~ r^{3/2} gives u̇ ~ −ċ ∂_x u
-    ~ r^{1/2} and p ~ ċ r^{−1/2} for the contact pressure p. This p is positive if ċ > 0, but a tension if ċ < 0. So
-    receding fronts are expected to have gaps ~ r^{5/2} and p ~ r^{1/2}, which satisfies (5.36). A part of this is
-    proved (paper/fronts.tex, proposition on moving fronts): no front has both a gap ~ r^{3/2} and a pressure in
-    H^{1/2}.
+    **The solution.** Near a front between contact and separation, elastic displacements of finite energy without forces
+    behave like r^{1/2}. If they neither penetrate the foundation nor need tension, they behave like r^{3/2}. In σ =
+    Aε(u̇) + Gε(u) the velocity plays the role of the elastic displacement. Where the front c(t) moves, u ~ r^{3/2}
+    gives u̇ ~ −ċ ∂_x u ~ r^{1/2} and p ~ ċ r^{−1/2} for the contact pressure p. This p is positive if ċ > 0, but a
+    tension if ċ < 0. So receding fronts are expected to have gaps ~ r^{5/2} and p ~ r^{1/2}, which satisfies (5.36). A
+    part of this is proved (paper/fronts.tex, proposition on moving fronts): no front has both a gap ~ r^{3/2} and a
+    pressure in H^{1/2}. The measured solution, ``manufactured.cases.rough.natural_motion``, is an advancing front in
+    closed form; its forces f_0 and f_2 satisfy (3.4).
 
-    The measured solution, ``manufactured.cases.rough.natural_motion``, is an advancing front in closed form; its forces
-    f_0 and f_2 satisfy (3.4). **Predicted** are three orders:
+    **Measured and predicted** are three orders:
 
     * ‖u − u^h‖ ~ h, because u(t) ∈ H^{5/2−ε}. Theorem 4.1 and Proposition 5.3 apply. Proposition 5.4 does not apply;
-      its proof gives the order 1/2. After this prediction two theorems were proved. They hold for polygons with the
-      regularity (Reg) of paper/fronts.tex and for loads of bounded variation in time. The error is at most C h |log h|
-      if fronts advance with a speed above a positive bound, as here. It is at most C h^{9/10} |log h|^{3/5} for fronts
-      of any speed.
+      its proof gives the order 1/2.
     * ‖u̇ − Π^h u̇‖_{L²(0,T;V)} ~ h^{1/2}. Observed orders are higher on coarse meshes, because smooth parts have order
       1.
     * The *excess* ‖u^h − u^h_lin‖, the part of the error that is due to contact, has an order between 1 and 3/2; the
@@ -349,20 +357,26 @@ class AdvancingFront(ListedNumbers):
       h^{3/2} remains in each of h^{−1} cells. If these errors have independent signs, they add up to h^{3/2} h^{−1/2} =
       h. If they are the same in all cells, their sum is a smooth field of order h^{3/2}.
 
-    **Predicted** for what the proofs of these theorems use, from a prototype with one diagonal and n ≤ 128. L is |log
-    h|:
+    After this prediction two theorems about the error ‖u − u^h‖ were proved. They hold for polygons with the regularity
+    (Reg) of paper/fronts.tex and for loads of bounded variation in time. The error is at most C h |log h| if fronts
+    advance with a speed above a positive bound, as here. It is at most C h^{9/10} |log h|^{3/5} for fronts of any
+    speed.
+
+    **Measured and predicted** for what the proofs of these theorems use, from a prototype with one diagonal and n ≤
+    128. L is |log h|:
 
     * *(local)* is ∫_0^T (Σ_a λ_a (P_hu)_ν(a))^+ dt. It is the work of the discrete contact forces λ_a where P_hu
       violates the constraint; P_h is the projection onto V^h in (·,·)_V. At most C h² L² is proved (last remark of
       paper/fronts.tex). The prototype has at most 0.001 h² L². At most 0.01 h² L² is demanded: with |(P_hu)_ν(a)| in
-      place of (P_hu)_ν(a) it would be 0.05 to 0.16. Unstructured meshes, which the prototype did not have, were found
-      to need up to 0.0044.
+      place of (P_hu)_ν(a) it would be 0.05 to 0.16.
     * *Pairing*, the largest |∫_0^t (u̇^h, D_h)_V ds| over t, is the term of the proof in which a singular field D_h
       travels with the front. D_h is the interpolant of ∂_x(ζ_0 W^h) ν, with W^h = x (r² + h²)^{−1/4} and a cut-off ζ_0
       that is 1 near the front. At most C L is proved (Lemma 2 of paper/fronts.tex), because D_h travels and u̇^h has
       half a derivative in time; from ‖D_h‖_V alone it could grow like h^{−1/2}. The prototype grows by 0.24 to 0.29
       whenever n is doubled. From n = 16 the increments must lie between 0.1 and 0.5: a bounded pairing falls below 0.1.
     * *Half a derivative* of u̇^h in time, with the windows of ``HalfDerivative``.
+
+    **Found**: unstructured meshes, which the prototype did not have, need up to 0.0044 h² L² for *(local)*.
 
     The load is computed as (f_0, v) + (f_2, v)_{Γ2}, because f_0 is bounded, while the stress that ``ErrorNorm.load``
     integrates is not.

@@ -67,10 +67,17 @@ class PlainProblem:
     is solved by a fixed-point iteration for u_n, also for a linear law. SuperLU factorises M. The method of Lawson and
     Hanson computes the contact forces in each iteration.
 
+    Args:
+        solution: the exact solution, which gives the body, the law, the loads and the initial displacement.
+        mesh: the mesh, of triangles or tetrahedra. A function in V^h, the P1 displacements that vanish on Γ1, is stored
+            as the array of its n unknowns.
+
     Attributes:
+        solution, dim: the exact solution, and the dimension of the body.
         free: the indices of the n unknowns among the values at all vertices, which are ordered vertex by vertex, (n,).
+        at_vertices: the exact solution at the vertices.
         E: the matrix from unknowns to strains, (D · cells, n). The rows for all components 11 come first.
-        cell: the cell of each quadrature point, (points,).
+        cell, weights: the cell and the quadrature weight of each quadrature point, (points,) each.
         sums: the matrix that integrates values at the points over each cell, (cells, points).
         law, exact: the law and the exact solution at the points.
         faces: for each contact face the matrix that maps the pressure at its quadrature points to a load, (n, points),
@@ -141,22 +148,25 @@ class PlainProblem:
         return sps.csc_array(self.E.T @ tensor @ self.E)
 
     def work(self, stress: Tensors) -> Array:
-        """Return the work (σ, ε(φ_i))_Q of a stress σ on the strains of all basis functions φ_i, (n, ...).
+        """Return the work (σ, ε(φ_i))_Q of a stress σ on the strain of every basis function φ_i of V^h.
 
         Args:
             stress: σ at the quadrature points in the cells, (D, points), or at several times, (D, points, times).
+
+        Returns:
+            The work, (n,) or (n, times), for the n unknowns.
         """
         return self.E.T @ np.concatenate([self.sums @ component for component in stress])
 
     def strain(self, v: Array) -> Tensors:
-        """Return the strain ε(v) at the quadrature points in the cells, (D, points)."""
+        """Return the strain ε(v) of a P1 displacement v at the quadrature points in the cells, (n,) → (D, points)."""
         return np.take((self.E @ v).reshape(-1, self.sums.shape[0]), self.cell, axis=1)
 
     def load(self, times: Array) -> Array:
-        """Return the load vectors at several times, from the exact stress and pressure, (n, times).
+        """Return the load vectors F(t) at several times, (times,) → (n, times).
 
-        Their entries are (σ, ε(v))_Q + ∫_{Γ3} p v_ν for the basis functions v, with the stress σ and the contact
-        pressure p.
+        Their entries are (σ, ε(φ_i))_Q + ∫_{Γ3} p φ_iν for the basis functions φ_i of V^h, with the exact stress σ and
+        the exact contact pressure p.
         """
         on_faces = [load @ exact.pressure(times).reshape(-1, times.size) for load, exact in self.faces]
         return self.work(self.exact.stress(times)) + np.sum(on_faces, axis=0)
@@ -187,10 +197,11 @@ class PlainProblem:
 
         Args:
             steps: the number of time steps.
-            load: the function from several times to the load vectors F, (n, times).
+            load: the function from several times to the load vectors F at these times, (times,) → (n, times).
 
         Returns:
-            The displacements and the contact forces at the time nodes. The contact forces at t = 0 are set to 0.
+            The displacements, (steps + 1, n), and the contact forces, (steps + 1, m), at the time nodes. The contact
+            forces at t = 0 are set to 0.
         """
         k = self.solution.body.T / steps
         u = self.interpolant(0.0)
@@ -212,11 +223,19 @@ class PlainProblem:
         return np.array(displacements), np.array(forces)
 
     def norm(self, v: Array) -> float:
-        """Return the norm ‖v‖_V of a P1 function v, (n,)."""
+        """Return the norm ‖v‖_V of a P1 displacement v, given by its n unknowns, (n,)."""
         return math.sqrt(v @ (self.M @ v))
 
     def distance(self, time: float, *functions: Array) -> list[float]:
-        """Return the distance ‖u(t) − v‖_V of the exact displacement from each of several P1 functions v."""
+        """Return the distances ‖u(t) − v‖_V of the exact displacement u(t) from several P1 displacements v.
+
+        Args:
+            time: the time t.
+            functions: the unknowns of each displacement v, (n,) each.
+
+        Returns:
+            One distance for each displacement v, in their order.
+        """
         missing = [self.exact.strain(time) - self.strain(v) for v in functions]
         return [math.sqrt(np.sum(self.law.A(each) * each, axis=0) @ self.weights) for each in missing]
 
@@ -238,7 +257,11 @@ TINY_START = 1e-12
 def recompute(setup: Experiment) -> Numbers:
     """Solve an experiment again by the second solver, and return the measured columns of ``recomputed.csv``.
 
-    Both solvers use half the time step of the experiment, because the study measures errors with half the time step.
+    The columns are the largest errors of the second solver over time, and the differences of both solvers (``gaps``).
+    Both solvers use half the time step of the experiment, because ``rates.csv`` has the errors with half the time step.
+
+    Args:
+        setup: the experiment, which the first solver solves as well.
     """
     plain = PlainProblem(setup.solution, setup.space.mesh)
     steps = 2 * setup.steps
@@ -254,10 +277,11 @@ def recompute(setup: Experiment) -> Numbers:
 def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load: Trajectory) -> Numbers:
     """Return the relative differences between the study and the second solver, by the names of columns.
 
-    The columns ``GAPS`` have the differences of initial values, displacements and contact forces. The columns
-    ``SAME_LOAD`` have the differences of displacements and contact forces if both solvers use the load of the study.
-    A difference of displacements is the largest norm in V over time. A difference of contact forces is the
-    Euclidean norm over all times.
+    The column "start" has the difference of initial values, and the columns ``GAPS`` the differences of displacements
+    and contact forces. The columns ``SAME_LOAD`` have the differences of displacements and contact forces if both
+    solvers use the load of the study. A difference of displacements is the largest norm in V over time. A difference of
+    contact forces is the Euclidean norm over all times. Each is divided by the same norm of the result of the second
+    solver with its own load.
 
     Args:
         setup: the experiment of the study.
@@ -312,28 +336,34 @@ NARROW_PATCHES = ("travelling-patch",)
 
 
 class Recomputed(Statement):
-    """Compares errors, displacements and contact forces of the study with an independent computation.
-
-    Errors and discrete solutions agree with the results of a second, independent solver.
+    """Compares errors, displacements and contact forces of the study with the results of a second solver.
 
     The criteria of Proposition 5.4 do not notice small mistakes: an error that is wrong by five per cent has the same
-    order. Therefore the rows of ``rates.csv`` on the coarsest meshes are computed again: ``PlainProblem`` solves
-    the same discrete problems with other quadrature, assembly and solvers. Its errors are compared with ``rates.csv``,
-    and its trajectories, the discrete solutions over time, with the trajectories of the study. A wrong load, modulus,
-    initial value or time step changes a trajectory to first order, but an error only to second order.
+    order. Therefore the rows of ``rates.csv`` on the coarsest meshes are computed again: ``PlainProblem`` solves the
+    same discrete problems with other quadrature, assembly and solvers.
 
-    **Predicted** are the following differences. ``ErrorNorm`` integrates by rules of degree 4 with points moved along
-    the face, the second solver by rules of degree 10. By the triangle inequality, checks of ``rates.csv`` bound the
-    effect of quadrature by 2 %. Both rules cut the same cells, so their difference is much smaller. Errors agree within
-    0.5 %. The discrete errors are a few times smaller and agree within 1 %. Trajectories differ only because of the
-    load. Its relative quadrature error is smaller by a power of h than the error of the solution, so displacements
-    agree within 2e-3. Nodal forces are differences of large terms and agree within 1 %. The initial value Π^h u_0 needs
-    no quadrature.
+    **Measured** are
 
-    If the second solver uses the load of the study, both solve the same discrete problem with exact quadrature. Both
-    solvers stop at 1e-12 of the solution, there are some tens of steps, and nodal forces are differences that lose a
-    digit or two. So trajectories and forces agree to 1e-9. These checks notice relative defects of 1e-9 in a modulus,
-    an initial value or a force.
+    * the errors of the second solver, which are compared with the errors in ``rates.csv``;
+    * the differences between the trajectories of both solvers, that is, between their discrete solutions over time. A
+      wrong load, modulus, initial value or time step changes a trajectory to first order, but an error only to second
+      order;
+    * the same differences if the second solver uses the load of the study.
+
+    **Predicted** differences:
+
+    * Errors agree within 0.5 %. ``ErrorNorm`` integrates by rules of degree 4 with points moved along the face, the
+      second solver by rules of degree 10. Checks of ``rates.csv`` bound the effect of quadrature on an error by 2 %.
+      Both rules cut the same cells, so their difference is much smaller.
+    * Discrete errors are a few times smaller than errors, and agree within 1 %.
+    * Displacements agree within 2e-3. Trajectories differ only because of the load. Its relative quadrature error is
+      smaller by a power of h than the error of the solution.
+    * Nodal forces agree within 1 %, because they are differences of large terms.
+    * Initial values Π^h u_0 agree up to rounding, because they need no quadrature.
+    * With the same load, displacements and forces agree to 1e-9. Both solvers then solve the same discrete problem with
+      exact quadrature. Both stop at 1e-12 of the solution, there are some tens of steps, and nodal forces are
+      differences that lose a digit or two. So these checks notice relative defects of 1e-9 in a modulus, an initial
+      value or a force.
     """
 
     label = "computed again"
@@ -431,32 +461,34 @@ PROBLEM_KEY = ["case", "family", "level", "quantity"]
 
 
 class OtherCodes(ListedNumbers):
-    """Measures errors of static problems and of solutions in time, and compares them with the errors of other codes.
+    """Compares errors of this study with errors of contact codes of other people, on the same discrete problems.
 
-    Beyond the paper: errors of other people's contact codes on the same problems must agree with errors of this study.
+    A program may contain the same mistake as its author's test. Therefore contact codes of other people solved problems
+    of these cases: static ("frozen") problems, and in two cases problems in time by the midpoint rule, in which each
+    step of a code starts from the result of its previous step. The problems are plain data (``shared.tasks``) with
+    mesh, loads and exact solution. The codes used their own assembly and contact algorithms; for FreeFEM this is a loop
+    in its scripting language, as in its documentation.
 
-    A program may contain the same mistake as its author's test. Therefore contact codes of other people solved static
-    ("frozen") problems of these cases. The problems are plain data (``shared.tasks``) with mesh, loads and exact
-    solution. The codes used their own assembly and contact algorithms; for FreeFEM this is a loop in its scripting
-    language, as in its documentation. ``make codes`` wrote their errors in V, which a script computes that imports only
-    NumPy. Here the errors of the same problems are measured with the quadrature and the solver of this study, and both
-    are compared. In two cases, solutions in time by the midpoint rule are compared as well; each step of a code starts
-    from the result of its previous step.
+    **Measured** are the errors in V of the same problems with the quadrature and the solver of this study. They are
+    compared with the errors of the codes, which ``make codes`` wrote; a script that imports only NumPy computed them.
 
-    **Predictions.** Numbers of a task are rounded to 13 digits. This changes a strain by about 1e-13 ‖u‖/h, which is at
-    most 1e-11 of the error on these meshes. A code that imposes the contact condition at vertices by multipliers finds
-    the solution in K^h up to rounding of its linear solver. With a condition number like h^−2 this rounding is less
-    than 1e-11. So errors agree to 1e-10. The same holds for solutions in time, because time steps do not amplify
-    perturbations. Kratos imposes contact in the deformed configuration. Therefore its loads are multiplied by 1e-5:
-    points then move by about 1e-5, and displacements change by about 1e-5 of their size. The first window for its
-    errors was 1e-5; 5e-10 was measured, and the window was narrowed.
+    **Predictions.**
 
-    **No copies.** A further check tests that no column of errors was copied from another code. Linear solvers of
-    different codes round differently. A task contains the solution in K^h with 14 digits. The distance of a code from
-    it has two parts: the missing digits, which are the same for all codes, and the round-off of the code. The second
-    part is about a thousandth of the distance. So two codes agree by chance in the nine reported digits on one mesh in
-    a million; copied columns agree on all meshes. (The errors cannot be used for this test: in double precision they
-    agree on up to three meshes of eight.)
+    * Errors agree to 1e-10. Numbers of a task are rounded to 13 digits. This changes a strain by about 1e-13 ‖u‖/h,
+      which is at most 1e-11 of the error on these meshes. A code that imposes the contact condition at vertices by
+      multipliers finds the solution in K^h up to rounding of its linear solver. With a condition number like h^−2 this
+      rounding is less than 1e-11.
+    * The same holds for solutions in time, because time steps do not amplify perturbations.
+    * Errors of Kratos were predicted to agree to 1e-5. Kratos imposes contact in the deformed configuration. Therefore
+      its loads are multiplied by 1e-5: points then move by about 1e-5, and displacements change by about 1e-5 of their
+      size. 5e-10 was measured, and the window was narrowed to 1e-8.
+
+    **No copies.** A further check tests that no column of errors was copied from another code. A task contains the
+    solution in K^h with 14 digits. The distance of a code from it has two parts: the missing digits, which are the same
+    for all codes, and the round-off of the linear solver of the code. The second part is about a thousandth of the
+    distance. So two codes agree by chance in the nine reported digits on one mesh in a million; copied columns agree on
+    all meshes. (The errors cannot be used for this test: in double precision they agree on up to three meshes of
+    eight.)
     """
 
     label = LABEL
@@ -488,6 +520,11 @@ class OtherCodes(ListedNumbers):
         """Return the check that compares the errors of one code with the errors of this study.
 
         It is undecided if the code lacks a problem without a documented reason.
+
+        Args:
+            rows: the rows of ``statements.csv`` joined with ``codes/errors.csv``: one row for each problem and code,
+                with the columns of both files.
+            peer: the code, with the tolerance for the difference.
         """
         problems = rows_of(rows, peer.code, peer.variant)
         run = problems[problems["class"] != NOT_EXPRESSED]
@@ -503,8 +540,11 @@ class OtherCodes(ListedNumbers):
     def own_digits(self, rows: pd.DataFrame) -> Verdict:
         """Return the check that no code copied the results of another.
 
-        For every pair of codes, problems are counted in which both have the same distance from the discrete solution.
-        The largest fraction of such problems is judged.
+        For every pair of codes, this study included, problems are counted in which both have the same distance from the
+        discrete solution. The largest fraction of such problems is judged.
+
+        Args:
+            rows: the rows of ``statements.csv`` joined with ``codes/errors.csv``.
         """
         names = [THIS_STUDY, *((peer.code, peer.variant) for peer in PEERS)]
         columns = [rows_of(rows, *name).set_index(PROBLEM_KEY)["distance"].dropna() for name in names]
@@ -522,7 +562,8 @@ class OtherCodes(ListedNumbers):
     def cost(self, setting: Setting) -> float:
         """Return the expected run time in µs.
 
-        For a solution in time it is higher, because the code solves as many time steps as there are cells along a side.
+        If the setting has a solution in time, the run time is multiplied by the level n, which is the number of time
+        steps.
         """
         return super().cost(setting) * (setting.level if setting in MARCHED else 1)
 
@@ -538,8 +579,13 @@ def differences(rows: pd.DataFrame) -> Array:
 
 
 def rows_of(rows: pd.DataFrame, code: str, variant: str) -> pd.DataFrame:
-    """Return the rows with the errors of one code and variant.
+    """Return the rows with the errors of one code and variant, for the quantity that the code computed.
 
-    The mode of the code, static or in time, must agree with the quantity of the row.
+    A row belongs to one problem of this study and one code. It is selected if the column "mode" of the code, static
+    ("frozen") or in time ("march"), agrees with the column "quantity" of this study.
+
+    Args:
+        rows: the rows of ``statements.csv`` joined with ``codes/errors.csv``.
+        code, variant: the name and the parameters of the code.
     """
     return rows[(rows["mode"] == rows["quantity"]) & (rows["code"] == code) & (rows["variant"] == variant)]

@@ -165,7 +165,12 @@ def reason_of_force(verdict: Verdict, verdicts: Sequence[Verdict], remedy: str) 
 
 
 def orders_of(groups: Groups, column: str) -> list[Array]:
-    """Return for every mesh family the observed orders of a column from level to level, without NaN."""
+    """Return for every mesh family the observed orders of a column from level to level, without NaN.
+
+    Args:
+        groups: the measured tables by mesh family, with one row for each level from coarse to fine.
+        column: the name of the column with errors.
+    """
     series = [since_before(group, column) for group in groups.values()]
     return [orders[~np.isnan(orders)] for orders in series]
 
@@ -194,6 +199,10 @@ def finer(levels: Sequence[int], dim: int) -> list[int]:
     """Return the levels to try after the given ones, such as 16, 32, 64 after 8, 16, 32.
 
     If there are too few levels to judge an order, levels are added: 8, 16, 32 after 8.
+
+    Args:
+        levels: the given levels, from coarse to fine.
+        dim: the dimension of the body.
     """
     needed = len(levels) + 1 if len(levels) >= MIN_LEVELS else MIN_LEVELS
     return enough(levels, needed, dim)[-max(len(levels), MIN_LEVELS) :]

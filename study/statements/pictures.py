@@ -187,9 +187,10 @@ def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: A
 
 
 def packed(values: Array) -> Numbers:
-    """Return the values of a function at points over time in the compressed format of the pictures.
+    """Return the values of a function at points over time in the compressed format of the pictures, with many digits.
 
-    Many digits are kept.
+    Args:
+        values: the values, (times, points).
     """
     return Packed.of(values, FINE_UNITS).record()
 

@@ -149,6 +149,9 @@ def measure(experiment: Experiment) -> Measurement:
     """Solve a problem with the time steps k and k/2, and return the errors of the solution with k/2 over time.
 
     The result also has the distance of the two discrete solutions.
+
+    Args:
+        experiment: the problem with its exact solution. Its number of steps belongs to the time step k.
     """
     v_norm = experiment.v_norm
     problem = experiment.problem
@@ -290,7 +293,12 @@ class Measurement:
 # Two numbers of steps, two quadratures or two ways to compute a norm differ at least by rounding, so a time share of
 # exactly 0 means that a solution was compared with itself.
 def residual_shares(levels: pd.DataFrame) -> Array:
-    """Return for each level the residual of the contact solver, divided by the tolerance that ``residual`` states."""
+    """Return for each level the residual of the contact solver, divided by its tolerance, (levels,).
+
+    Args:
+        levels: one row for each level, with the columns "residual", "dim" and "dofs" of ``rates.csv``. The tolerance,
+            ``multigrid.residual``, depends on the dimension and on the number of unknowns.
+    """
     return (levels["residual"] / [*map(multigrid.residual, levels["dim"], levels["dofs"])]).to_numpy()
 
 
@@ -422,6 +430,9 @@ def start_share(groups: Groups) -> Check:
     At t = 0 the error is the interpolation error of u_0, so a maximum there does not test the solver. But if the
     interpolation error itself is nearly largest at t = 0 (``EXPECTED_AT_START``), the solver may be correct. Then the
     value is only reported.
+
+    Args:
+        groups: the rows of one case in ``rates.csv`` by mesh family, from coarse to fine.
     """
     rows = pd.concat(groups.values())
     at_start = rows[~(rows["initial_error"] <= NOT_AT_START * rows["error"])]
@@ -558,8 +569,9 @@ Observed orders approach the proved order from below.
 class SizeOfInterpolation(FromRates):
     """Judges (5.23): the interpolation error ‖u − Π^h u‖_V divided by its leading term for h → 0.
 
-    The cases are those of Proposition 5.4. Other code computes the leading term from second derivatives of u. Nothing
-    is measured: the check uses the errors in ``rates.csv``, which ``Convergence`` and ``FirstOrder`` measure.
+    The cases are those of Proposition 5.4. The leading term is computed from second derivatives of u, by code that
+    shares nothing with the computation of the errors. Nothing is measured: the check uses the errors in ``rates.csv``,
+    which ``Convergence`` and ``FirstOrder`` measure.
     """
 
     label = "(5.23)"

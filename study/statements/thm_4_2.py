@@ -197,9 +197,13 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
 
 
 def beyond(defect: Array, N: sps.csr_array) -> float:
-    """Return the distance of a vector from the cone of contact forces {Nᵀλ : λ ≥ 0}, with the constraint matrix N.
+    """Return the distance of a vector from the cone of contact forces {Nᵀλ : λ ≥ 0}.
 
-    The distance equals sup {defect·v : Nv ≤ 0, |v| ≤ 1}, where ``defect`` is the vector, (dofs,).
+    It is sup {d·v : Nv ≤ 0, |v| ≤ 1} for the vector d.
+
+    Args:
+        defect: the vector d, such as the load minus the work of a stress, (dofs,).
+        N: the matrix from displacements to normal displacements at the contact vertices, (m, dofs).
     """
     touched = np.unique(N.indices)
     _, distance = nnls(N[:, touched].T.toarray(), defect[touched])
@@ -240,8 +244,9 @@ AGREEMENT = positive_at_most(1e-7, "at every step")
 class SameMesh(Statement):
     """Measures how far the solutions of the displacement problem (3.1) and of the stress problem (3.2) differ.
 
-    Differences are divided by their bounds. Conditions that the solver of the stress problem does not impose, such as u
-    ∈ K^h, are measured as well. The time scheme is backward Euler with a time step proportional to the mesh size.
+    Both problems are solved on the same mesh by backward Euler, with a time step proportional to the mesh size. The
+    differences are divided by their proved bounds, which depend on the duality gap of the interior-point method.
+    Conditions that the solver of the stress problem does not impose, such as u ∈ K^h, are measured as well.
     """
 
     label = "Thm 4.2"
@@ -294,7 +299,7 @@ class SameMesh(Statement):
         return {**place, **magnitudes(gaps_of_both._asdict())}
 
     def steps(self, setting: Setting) -> int:
-        """Return the number of time steps, two for every cell along a side."""
+        """Return the number of time steps, which is twice the number of cells along a side."""
         return 2 * setting.level
 
 
@@ -361,7 +366,14 @@ class StressExperiment:
 
     @classmethod
     def at(cls, setting: Setting, steps: int) -> Self:
-        """Return the stress problem for the case and the mesh of a setting."""
+        """Return the stress problem for the case and the mesh of a setting.
+
+        Stresses are composite stresses of degree 1, and the time scheme is BDF2.
+
+        Args:
+            setting: the case, the mesh family and the level.
+            steps: the number of time steps.
+        """
         solution = resolve(setting.case).solution
         mesh = family_named(setting.family)(solution.body, setting.level)
         return cls(solution, Data.of(solution), StressSpace(mesh, solution.body), BDF2, steps)
@@ -384,7 +396,12 @@ class StressExperiment:
 
 
 def norm_in_q(values: Tensors, space: StressSpace) -> float:
-    """Return the L² norm ‖·‖_Q of a tensor field that is given at the quadrature points of a stress space."""
+    """Return the L² norm ‖τ‖_Q of a tensor field τ.
+
+    Args:
+        values: τ at the Q quadrature points of every cell, in Mandel form, (3, cells, Q).
+        space: the stress space, which has the quadrature points.
+    """
     return float(np.sqrt(np.einsum("Icq,Icq,cq->", values, values, space.weights)))
 
 
@@ -394,7 +411,12 @@ class Exact:
     They are errors of stresses, of contact pressures, and of the Lagrange multipliers, which approximate displacements
     on edges. Cells are cut along lines where the solution is not smooth, as in ``study.fem.error_norm``.
 
+    Args:
+        solution: the exact solution.
+        space: the stress space, which has the mesh.
+
     Attributes:
+        space: the stress space.
         inside: the exact solution at the quadrature points of the stress space.
     """
 
@@ -455,9 +477,12 @@ class Exact:
         return float(np.sqrt(square))
 
     def moments(self, time: float) -> Array:
-        """Return the moments ∫_e u B_i of the exact displacement u with n Bernstein polynomials B_i on each edge e.
+        """Return the moments ∫_e u B_i of the exact displacement u(t) with n Bernstein polynomials B_i on each edge e.
 
         They are compared with the Lagrange multipliers of the stress problem.
+
+        Args:
+            time: the time t.
 
         Returns:
             The moments of both components of u, (edges, n, 2). Components are normal and tangential on Γ3, Cartesian on
@@ -523,7 +548,12 @@ def primal_solution(solution: ExactSolution, space: StressSpace, steps: int) -> 
 def measure(experiment: StressExperiment) -> Numbers:
     """Solve the stress and the displacement problem by BDF2, and return the measured columns of ``stresses.csv``.
 
-    The columns are errors of the stress problem against the exact solution, and differences between both problems.
+    The columns are relative errors of the stress problem against the exact solution, relative differences between both
+    problems, and diagnostics. Errors and differences are in L²(0,T); the error in the column "stress_sup" is the
+    largest over time.
+
+    Args:
+        experiment: the stress problem. The displacement problem has the same mesh and time steps.
     """
     space = experiment.space
     exact = Exact(experiment.solution, space)
@@ -572,7 +602,11 @@ def inadmissible(space: StressSpace, state: DualState) -> float:
     """Return how far a discrete stress is from admissible: its largest violation divided by its largest traction.
 
     The tractions of an admissible stress satisfy the conditions (2.4) on the loaded and (2.5) on the contact boundary
-    and are continuous between cells.
+    and are continuous between cells. The largest absolute Bernstein coefficient on an edge is taken.
+
+    Args:
+        space: the stress space.
+        state: the discrete stress at one time, with the projected loads.
     """
     tractions = state.stress.tractions
     total = np.zeros((len(space.lengths), *tractions.shape[2:]))
@@ -615,7 +649,11 @@ ERROR_TEXTS = {
 
 @dataclass(frozen=True)
 class Orders:
-    """The lowest and the highest order of an error that regularity of the solution and time scheme predict."""
+    """The lowest and the highest order of an error that regularity of the solution and time scheme predict.
+
+    Attributes:
+        low, high: both orders. An observed order may lie anywhere between them.
+    """
 
     low: float
     high: float
@@ -632,11 +670,15 @@ class Orders:
 
 
 def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
-    """Return the predicted orders of all errors of the stress problem that are claimed to converge, by their names.
+    """Return the predicted orders of all errors of the stress problem that are claimed to converge.
 
     Args:
         regularity: the regularity of the solution.
         family: the name of the mesh family.
+
+    Returns:
+        The orders by the names of columns of ``stresses.csv``. An error is left out if its tolerance window does not
+        exclude the order 0.
     """
     s, rate = smoothness(regularity, family)
     constant = min(1.0, rate)
@@ -656,10 +698,14 @@ def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
 
 
 def smoothness(regularity: Regularity, family: str) -> tuple[float, float]:
-    """Return the exponents (s, s') with u(t) ∈ H^{1+s} and u̇(t) ∈ H^{1+s'}, as they determine observed orders.
+    """Return exponents (s, s') with u(t) ∈ H^{1+s} and u̇(t) ∈ H^{1+s'}, from which orders on a mesh family follow.
 
-    At a corner singularity r^λ, meshes that are graded with the exponent e have the same orders as uniform meshes for s
-    = eλ.
+    On graded meshes the exponents are larger: near a corner where u behaves like r^λ, grading with the exponent e gives
+    the orders that uniform meshes have for s = eλ.
+
+    Args:
+        regularity: the regularity of the solution.
+        family: the name of the mesh family.
     """
     if family != Graded().name:
         return regularity.smoothness, regularity.rate_smoothness
@@ -721,11 +767,14 @@ def checks_of(regularity: Regularity, family: str) -> Iterator[Check]:
 
 
 def growth(h: Array, ratio: Array) -> float:
-    """Return the growth of a ratio from the coarsest to the finest mesh, by a fit with the weights h^{−2}.
+    """Return the factor by which a ratio grows from the coarsest to the finest mesh.
+
+    The factor is (h_last/h_first)^p with the exponent p of a power h^p that is fitted to the ratios by least squares,
+    with the weights h^{−2}.
 
     Args:
-        h: the mesh sizes of the levels.
-        ratio: the ratio on each level.
+        h: the mesh sizes, from coarse to fine, (levels,).
+        ratio: the ratio on each level, (levels,).
     """
     return float((h[-1] / h[0]) ** fit(h, ratio, CELL_POWER))
 

@@ -36,7 +36,7 @@ ERROR_IN_TIME = "error in time of backward Euler, ‖u^h − û^{hk}‖_V"
 
 
 def columns(template: str, counts: Sequence[int]) -> list[str]:
-    """Return the names of columns with the same kind of number, one column for each number of time steps.
+    """Return the names of columns that have the same quantity for different numbers of time steps, in their order.
 
     Args:
         template: the name of a column with ``{}`` in place of the number of steps.
@@ -46,10 +46,12 @@ def columns(template: str, counts: Sequence[int]) -> list[str]:
 
 
 def orders_in_k(template: str, counts: Sequence[int]) -> Value:
-    """Return the function that computes observed orders in the time step k on all levels, from columns with errors.
+    """Return the function that fits observed orders in the time step k to errors in columns, one order for each level.
+
+    The function maps a table with one row for each level to the orders on these levels, (levels,).
 
     Args:
-        template: the name of a column with ``{}`` in place of the number of steps.
+        template: the name of a column with errors, with ``{}`` in place of the number of steps.
         counts: the numbers of steps.
     """
     names = columns(template, counts)
@@ -57,41 +59,41 @@ def orders_in_k(template: str, counts: Sequence[int]) -> Value:
 
 
 class BackwardEuler(ListedNumbers):
-    """Measures errors of backward Euler in time, divided by each of their two bounds.
+    """Measures the error in time of backward Euler, divided by bounds that do not depend on the mesh.
 
     Beyond the paper: backward Euler has an error in time of O(k) for the time step k, with a constant that does not
-    depend on the mesh.
+    depend on the mesh. Together with Proposition 5.4 this gives ‖u − û^{hk}‖_V = O(h + k) for the fully discrete
+    scheme, without a condition on h and k.
 
-    This error is ‖u^h − û^{hk}‖_V. Here u^h is the semi-discrete solution, U_n are the values that backward Euler
-    computes, and û^{hk} is their linear interpolant in time. Together with Proposition 5.4 this gives ‖u − û^{hk}‖_V =
-    O(h + k) for the fully discrete scheme, without a condition on h and k. ``study.solve.gradient_flow`` states the
-    theorem and its two bounds, one from the data and one from the computed values U_n; paper/time.tex proves them.
+    **Measured** is the error ‖u^h − û^{hk}‖_V, the largest over all times. Here u^h is the semi-discrete solution,
+    computed with many steps of the midpoint rule. U_n are the values that backward Euler computes, and û^{hk} is their
+    linear interpolant in time. The error is divided by each of two bounds, one from the data and one from the computed
+    values U_n. ``study.solve.gradient_flow`` states both bounds, and paper/time.tex proves them. Three further errors
+    are divided by bounds that are proved there as well:
+
+    * the error of the piecewise constant function with the value U_n on (t_{n−1}, t_n];
+    * the error of u^h that is interpolated linearly between time nodes. It is divided by k/4 times the largest change
+      of u̇^h within a step;
+    * the error of the midpoint rule at all times, divided by its largest error at the nodes plus k/2 (‖u̇^h(0+)‖_V +
+      Var f).
 
     **Predicted** for every mesh and every time step, from k ≫ h to k ≪ h:
 
-    * Errors are below both bounds.
+    * All quotients are at most 1, as proved.
     * The order in k is 1. It is not higher, because the velocity u̇^h jumps whenever a vertex comes into contact.
     * The constant hardly changes with the mesh, because it depends only on u^h, which converges.
     * The bound from the data is several times too large, because it counts the variation of the load twice, as if the
       load always acted against the solution.
+    * The quotient of the error of interpolation is 1/2 if u̇^h changes linearly in time. It is then measured as 2/3 for
+      the shortest steps, because the reference solution gives only four values of u̇^h in such a step. If u̇^h jumps
+      once in a step, at the fraction θ of the step, the quotient is 4θ(1 − θ): 1 in the middle, little near an end. The
+      smallest accepted quotient is 1/5. A jump would give less only if it were closer than k/18 to a time node. For the
+      midpoint rule interpolation causes most of the error between the nodes, because the rule is of higher order at the
+      nodes where velocities are smooth.
 
     **A prediction that failed:** the bound from the values U_n was expected to exceed the error by at most a factor of
     three. The observed factor is 3.3 to 30. This bound counts the variation of the load, but where contact carries
     nearly all of the load, as in full contact, u^h hardly changes with the load.
-
-    **Between the time nodes** u^h is interpolated linearly. The largest error of interpolation is divided by k/4 times
-    the largest change of u̇^h within a step. It is proved that the quotient is at most 1. Predicted are
-
-    * 1/2 if u̇^h changes linearly in time. The measured quotient is then 2/3 for the shortest steps, because the
-      reference solution gives only four values of u̇^h in such a step;
-    * 4θ(1 − θ) if u̇^h jumps once in a step, at the fraction θ of the step: 1 in the middle, little near an end.
-
-    The smallest accepted quotient is 1/5. A jump would give less only if it were closer than k/18 to a time node. For
-    the midpoint rule interpolation causes most of the error between the nodes, because the rule is of higher order at
-    the nodes where velocities are smooth.
-
-    **A load that jumps in time** has bounded variation, which is all that the theorem needs. The load of a case jumps
-    at T/2 by half of its final value. No exact solution is needed. Bounds and orders are predicted as above.
     """
 
     label = "beyond: O(h + k)"
@@ -192,7 +194,11 @@ class BackwardEuler(ListedNumbers):
 
 
 class JumpingLoad(BackwardEuler):
-    """Measures errors of backward Euler in time for a load that jumps in time, and divides them by their two bounds."""
+    """Measures the same quotients as ``BackwardEuler`` for a load that jumps in time.
+
+    The load of a case jumps at T/2 by half of its final value. It has bounded variation, which is all that the theorem
+    needs. No exact solution is needed. Bounds and orders are predicted as for ``BackwardEuler``.
+    """
 
     label = "beyond: O(h + k), load with a jump"
     full = grid(("advance-recede",), ("shaken",), (6, 12, 24))
@@ -225,9 +231,12 @@ GRID_KINDS = "equal", "unequal"
 def partition(kind: str, count: int) -> Array:
     """Return a time grid with equal or alternating steps, as indices of nodes of the finest time grid, (count + 1,).
 
+    The finest time grid has ``REFERENCE_STEPS`` equal steps.
+
     Args:
-        kind: "equal" or "unequal".
-        count: the number of steps.
+        kind: "equal", or "unequal" for long and short steps in turn, of which the long ones are ``UNEQUAL`` times as
+            long.
+        count: the number of steps, which divides ``REFERENCE_STEPS``; even if ``kind`` is "unequal".
     """
     if kind == "equal":
         return np.arange(0, REFERENCE_STEPS + 1, REFERENCE_STEPS // count)
@@ -249,12 +258,19 @@ class NoPotential(ListedNumbers):
     and one from the computed solution; paper/time.tex has the proof. The solver factorises the symmetric part of G. The
     skew part is treated by the fixed-point iteration that also serves nonlinear laws.
 
-    Predicted before measuring, for levels 4, 8, 16, up to 256 steps, and an elasticity with κ = 1.78, γ = 1, T = 1:
+    **Measured** are
 
-    * *Bounds.* Errors are below both bounds for every mesh and every step. Steps are equal or alternate between k and
-      k/3. For a smooth load the bounds overestimate. The bound from the data should be 10 to 100 times the error,
-      because of the factors e^{γT}, (1/√2 + κT/2) and (2 + κT/2). The bound from the solution should be 3 to 30 times
-      the error.
+    * the error ‖u^h − û^{hk}‖, the largest over all times, and its quotients with both bounds. Steps are equal or
+      alternate between k and k/3;
+    * the error against the exact solution for k = T/(4n), because the errors in time alone do not show a wrong solver;
+    * the quotient of the error and the bound from the data, for a rotation in the plane.
+
+    **Predicted** before measuring, for levels 4, 8, 16, up to 256 steps, and an elasticity with κ = 1.78, γ = 1, T = 1.
+    γ is the largest rate at which two solutions can move apart:
+
+    * *Bounds.* Errors are below both bounds for every mesh and every step. For a smooth load the bounds overestimate.
+      The bound from the data should be 10 to 100 times the error, because of the factors e^{γT}, (1/√2 + κT/2) and (2 +
+      κT/2). The bound from the solution should be 3 to 30 times the error.
     * *The order in k is 1*, 1 ± 0.1 by least squares on every mesh, because u̇^h jumps when vertices come into contact.
       Moreover (1 − γk)^{−T/k} is larger than e^{γT} by the factor 1.16 for four steps, which raises the order over all
       halvings by a few hundredths.
@@ -266,15 +282,15 @@ class NoPotential(ListedNumbers):
       bound from the data is (κT/2)/(κT/2 + 1/√2). For κ = 10, T = 1 and 1000 steps the quotient is 0.876 · 0.975 =
       0.855; the window is 0.8 to 1.
 
-    Changes after the first measurement:
+    **Found**, and changed after the first measurement:
 
     * The bound from the solution is less than 2.2 times the error, much better than predicted.
     * The error with the shortest steps grows by 17 per cent from n = 4 to n = 16, since four cells do not resolve the
       gap. From n = 6 to n = 12 it grows by 5 per cent. Levels start at 6 since then; the window was not changed.
     * No check noticed that the skew part of G was left out of the solver: it changed u^h by 8 per cent only. The skew
       part was made larger and turned, which changes u^h by 18 per cent (κ = 2.03 since then). The check of the error
-      against the exact solution for k = T/(4n) was added. Its window 1 ± 0.15 was set when errors for n ≤ 12 on shaken
-      meshes were known.
+      against the exact solution was added. Its window 1 ± 0.15 was set when errors for n ≤ 12 on shaken meshes were
+      known.
     * 64 steps are enough for all checks.
     * Shaken meshes are no longer used, although all checks held on them: checks on random meshes must be repeated with
       fresh seeds, which would take hours.
@@ -404,10 +420,13 @@ ORDERS = {"backward-euler": around(1, 0.1), "bdf2": SECOND_OR_LESS, "midpoint": 
 
 
 def checks_of_scheme(scheme: Scheme) -> Iterator[Check]:
-    """Yield the checks of the orders of a time scheme.
+    """Yield the three checks of the orders of one time scheme.
 
-    They are the orders q and s of the error in time, C k^q h^s, in the time step k and the mesh size h, and the order
-    in h of the total error for the smallest k.
+    They are the order q in the time step k and the order s in the mesh size h of the error in time, C k^q h^s, and the
+    order in h of the total error for the smallest k.
+
+    Args:
+        scheme: the time scheme.
     """
     name = scheme.name
     in_time = "‖u^h − u^{hk}‖"
@@ -441,15 +460,17 @@ def exponent(scheme: Scheme, position: int, levels: pd.DataFrame) -> float:
 class FullyDiscrete(ListedNumbers):
     """Measures the total error and the error in time of backward Euler, BDF2 and the midpoint rule.
 
-    Beyond the paper: how the error of fully discrete schemes depends on the mesh size h and the time step k.
+    Beyond the paper: how the error of fully discrete schemes depends on the mesh size h and the time step k. The paper
+    calls estimates of this error an open problem.
 
-    The paper calls estimates of this error an open problem. Let u_n^{hk} be the solution of a time scheme and u^h the
-    semi-discrete solution (Problem 5.1). Two errors are measured for many (h, k),
+    **Measured** are two errors for many (h, k). Let u_n^{hk} be the solution of a time scheme and u^h the semi-discrete
+    solution (Problem 5.1), computed with many steps of the midpoint rule. The total error e and the error in time d are
 
         e(h, k) = max_n ‖u(t_n) − u_n^{hk}‖_V,     d(h, k) = max_n ‖u^h(t_n) − u_n^{hk}‖_V
 
-    at the nodes t_n that belong to the time grids of all k, so that all maxima are over the same times. The predictions
-    were made before the measurement. A wrong prediction contradicts no claim, because the paper claims nothing:
+    at the nodes t_n that belong to the time grids of all k, so that all maxima are over the same times.
+
+    **Predicted** before the measurement. A wrong prediction contradicts no claim, because the paper claims nothing:
 
     * d = C k^q h^s with s = 0, so that d does not depend on h. The reason is that the operator B^h is bounded uniformly
       in h, (5.5), so Problem 5.1 is not stiff;
@@ -509,10 +530,13 @@ def solution_of_two_unknowns(t: Array) -> Array:
 
 
 def rolling(space: Space) -> Callable[[Array], Array]:
-    """Return a load that moves along the first contact face, as a function of n times with values (dofs, n).
+    """Return a load that moves along the first contact face, as a function of times, (times,) → (dofs, times).
 
     It is the normal traction (1 − 5 sin 2π(2s − 4t))ν with the relative coordinate 0 ≤ s ≤ 1 along the face and its
     normal ν.
+
+    Args:
+        space: the space V^h in 2D.
     """
     part, vertices = space.contact[0]
     along = space.mesh.p[:, vertices] - part.corners[:, :1]
@@ -523,13 +547,13 @@ def rolling(space: Space) -> Callable[[Array], Array]:
 
 
 def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -> Check:
-    """Return the criterion for the order of a time scheme in the step k under a load.
+    """Return the check of the order of a time scheme in the step k under a load.
 
     The orders on all levels must lie in the window; the order farthest from its middle is displayed.
 
     Args:
         scheme: the time scheme.
-        load: the name of the load.
+        load: the name of the load, a key of ``LOADS``.
         counts: the numbers of time steps to which the order is fitted.
         window: the predicted order with its tolerance.
     """
@@ -543,36 +567,39 @@ def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -
 class Landings(ListedNumbers):
     """Measures errors of time schemes for problems in which many vertices come into contact.
 
-    Errors for the problem with two unknowns are judged. Orders for finite elements are only reported.
-
     Beyond the paper: second-order time schemes have only order 1 if a vertex that comes into contact lifts a neighbour.
+    Errors for a problem with two unknowns are judged. Orders for finite elements are only reported.
 
-    A vertex of Γ3 *lands* when it comes into contact. At a landing the velocity u̇^h jumps. There is no inertia, so the
-    neighbours of the vertex react at once. If the landing unloads a neighbour that is in contact, this neighbour lifts
-    off at the same time. Until the landing the exact solution has a force at the neighbour, and from then on a gap. A
-    time scheme imposes complementarity at the end of each step. So in the step of the landing its solution has either a
-    force or a gap at the neighbour, not both. This causes an error proportional to k, which does not decay.
+    **The reason.** A vertex of Γ3 *lands* when it comes into contact. At a landing the velocity u̇^h jumps. There is no
+    inertia, so the neighbours of the vertex react at once. If the landing unloads a neighbour that is in contact, this
+    neighbour lifts off at the same time. Until the landing the exact solution has a force at the neighbour, and from
+    then on a gap. A time scheme imposes complementarity at the end of each step. So in the step of the landing its
+    solution has either a force or a gap at the neighbour, not both. This causes an error proportional to k, which does
+    not decay.
 
     **A problem with two unknowns** shows the effect:
 
         S u̇ + N_K(u) ∋ F,   K = {u ≥ 0},   S = [[2, −1], [−1, 2]],   F = (3/20, −2),   u(0) = (0, 2/5).
 
-    The first unknown u_1 is in contact until the second unknown lands at t = 2/5. Then u_1 increases with the velocity
-    3/40. Let the landing be at the time (n + θ)k. If θ ≥ 3/20, a step of backward Euler or of the midpoint rule leaves
-    u_1 = 0, while the exact value is (1 − θ)·3k/40. The error √2·(1 − θ)·3k/40 in ‖·‖_S remains. For k = 2^{−j} the
-    values of θ are cyclically 4/5, 3/5, 1/5 and 2/5. So errors at the time nodes are between √2·3/200 and √2·6/100
+    N_K is the normal cone of K. The first unknown u_1 is in contact until the second unknown lands at t = 2/5. Then u_1
+    increases with the velocity 3/40. Let the landing be at the time (n + θ)k. If θ ≥ 3/20, a step of backward Euler or
+    of the midpoint rule leaves u_1 = 0, while the exact value is (1 − θ)·3k/40. The error √2·(1 − θ)·3k/40 in ‖·‖_S
+    remains. For k = 2^{−j} the values of θ are cyclically 4/5, 3/5, 1/5 and 2/5.
+
+    *Predicted*: errors of backward Euler and of the midpoint rule at the time nodes are between √2·3/200 and √2·6/100
     times k, and both bounds are attained. The order is at most 1, although two successive values of k need not show it.
-    For BDF2 the error at the end is at least √2·17k/600 for every θ. paper/landings.tex has the proofs. The errors of
-    backward Euler and of the midpoint rule are judged.
+    For BDF2 the error at the end is at least √2·17k/600 for every θ; it is not judged. paper/landings.tex has the
+    proofs.
 
     **Linear finite elements.** A load moves along Γ3 in such a way that the pressure does not vanish at the front.
     Landings then cause an error C_1 k, and the times between landings cause an error C_2 k². C_2 hardly depends on the
     mesh. C_1 depends on the jumps of velocities at landings, which may be smaller on finer meshes. The order 1 shows
-    only for k below C_1/C_2. So an order that is fitted to a fixed range of k may tend to 2 on finer meshes. Over all
-    six halvings of k the midpoint rule has the order 1.1 for n = 8 and 1.4 for n = 16. (The first prediction was 1 to
-    3/2, without a theory.) Therefore the order over the last three halvings is reported on every level. The expected
-    order is 1 ± 0.4, which excludes 3/2 and 2; the range is wide, because the positions θ of the landings matter. It
-    was set after the data had been seen, so nothing is claimed.
+    only for k below C_1/C_2. So an order that is fitted to a fixed range of k may tend to 2 on finer meshes.
+
+    *Predicted* first: the order 1 to 3/2 over all six halvings of k, without a theory. *Found*: the midpoint rule has
+    the order 1.1 for n = 8 and 1.4 for n = 16. Therefore the order over the last three halvings is reported on every
+    level. The expected order is 1 ± 0.4, which excludes 3/2 and 2; the range is wide, because the positions θ of the
+    landings matter. It was set after the data had been seen, so nothing is claimed.
 
     Under the load of the case itself, gap and pressure vanish to high order at the fronts. Landings then hardly change
     velocities, and the order is 2 over all halvings.

@@ -83,10 +83,13 @@ which occurs if Γ1 is a point; it extrapolates to less than 0.7 of the last val
 
 
 def extrapolated(table: pd.DataFrame) -> float:
-    """Return the limit of the smallest eigenvalue in ``Korn`` for h → 0, divided by its value on the finest level.
+    """Return the limit for h → 0 of the smallest eigenvalue in ``Korn``, divided by its value on the finest level.
 
     The limit is computed by Aitken's extrapolation of the last three values. The result is −∞ if the differences of the
     values do not shrink.
+
+    Args:
+        table: the eigenvalues of one body, with one row for each level from coarse to fine, in the column ``VALUE``.
     """
     first, second, last = table[VALUE].to_numpy()[-3:]
     before = first - second
@@ -97,19 +100,17 @@ def extrapolated(table: pd.DataFrame) -> float:
 class Korn(ListedNumbers):
     """Measures the square of Korn's constant on V^h, min ‖ε(v)‖_Q² / ‖v‖_{H_1}², for each body.
 
-    Korn's inequality (2.17), and the equivalence (3.6) of the norms ‖·‖_V and ‖·‖_{H_1} that follows from it.
+    Korn's inequality (2.17) is tested, and the equivalence (3.6) of the norms ‖·‖_V and ‖·‖_{H_1} that follows from it.
 
-    Both are tested on the P1 space V^h ⊂ V. The minimum over V^h is an upper bound of the square of the constant C_K in
-    (2.17):
+    **Measured** is the minimum over the P1 space V^h ⊂ V. It is the smallest eigenvalue of (ε(·), ε(·))_Q with respect
+    to the inner product of H_1, and an upper bound of the square of the constant C_K in (2.17):
 
         C_K² = inf_{v ∈ V} ‖ε(v)‖_Q² / ‖v‖_{H_1}² ≤ min_{v ∈ V^h} ‖ε(v)‖_Q² / ‖v‖_{H_1}².
 
-    The minimum is the smallest eigenvalue of (ε(·), ε(·))_Q with respect to the inner product of H_1. It falls under
-    refinement; for nested spaces it cannot rise. By (2.17) its limit for h → 0 is positive. With (3.1)
+    **Predicted**: the minimum falls under refinement; for nested spaces it cannot rise. Its limit for h → 0 is positive
+    by (2.17). Then (3.6) holds on V^h uniformly in h: with C_K of V^h, (3.1) gives
 
-        m_A C_K² ‖v‖_{H_1}² ≤ ‖v‖_V² ≤ ‖A‖ ‖v‖_{H_1}²
-
-    on V^h. Here C_K is the constant of V^h, which is bounded below uniformly in h.
+        m_A C_K² ‖v‖_{H_1}² ≤ ‖v‖_V² ≤ ‖A‖ ‖v‖_{H_1}².
     """
 
     label = "(2.17)"
@@ -147,11 +148,14 @@ It is twice the largest number of time steps of u^h."""
 
 
 class BoundedVelocity(ListedNumbers):
-    """Measures the largest discrete velocity divided by the largest exact velocity.
+    """Measures the largest discrete velocity of backward Euler divided by the largest exact velocity.
 
-    The quotient is max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V with δu_n = (u_n − u_{n−1})/k, for several time steps k and mesh
-    sizes. For an initial value outside K^h it would grow like 1/k. If velocities are bounded, so are stresses, σ ∈
-    L^∞(0,T;Q), by (3.1) and (3.2).
+    **Measured** is max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V with δu_n = (u_n − u_{n−1})/k, for several time steps k and mesh
+    sizes.
+
+    **Predicted**: the quotient is between 1/2 and 3/2 for all of them, and 1 ± 0.1 for the finest mesh and the shortest
+    step, because u̇^h → u̇. For an initial value outside K^h it would grow like 1/k. If velocities are bounded, so are
+    stresses, σ ∈ L^∞(0,T;Q), by (3.1) and (3.2).
     """
 
     label = "(4.1)"
@@ -183,7 +187,12 @@ class BoundedVelocity(ListedNumbers):
 
 
 def fastest(problem: SemiDiscrete, steps: int) -> float:
-    """Return the largest discrete velocity ‖(u_n − u_{n−1})/k‖_V of backward Euler over all steps."""
+    """Return the largest discrete velocity ‖(u_n − u_{n−1})/k‖_V of backward Euler over all steps.
+
+    Args:
+        problem: the semi-discrete problem.
+        steps: the number of time steps.
+    """
     increments = np.diff(path(problem, BACKWARD_EULER, steps), axis=0)
     return float(norms(problem, increments).max()) * steps / problem.T
 
@@ -196,12 +205,21 @@ NEVER = positive_at_most(1 + 1e-7, f"tolerance for fixed-point iterations that s
 
 
 class Dependence(ListedNumbers):
-    """Tests how far apart two solutions can be whose loads f, g and initial displacements u_0, v_0 differ.
+    """Measures the distance of solutions with different loads or initial displacements, divided by its bound.
 
-    Tested is the bound ‖u(t) − v(t)‖_V ≤ e^{ωt} (‖u_0 − v_0‖_V + ∫_0^t ‖f − g‖_V ds). In Theorem 2.2 the number ω makes
-    A + ωI monotone; for A = ∂ψ_K + B the paper takes ω = L_G/m_A, (4.5). One step of backward Euler is the resolvent of
-    A. So for monotone G the bound also holds for u_n and v_n, if the sum of k ‖f(t_j) − g(t_j)‖_V replaces the
-    integral, and even with ω = 0. The norm ‖f − g‖_V is the dual norm (FᵀM⁻¹F)^{1/2} on V^h.
+    Theorem 2.2 is about an evolution equation u̇ + 𝒜u ∋ f. If 𝒜 + ωI is monotone, two solutions u and v with loads f, g
+    and initial displacements u_0, v_0 satisfy
+
+        ‖u(t) − v(t)‖_V ≤ e^{ωt} (‖u_0 − v_0‖_V + ∫_0^t ‖f − g‖_V ds).
+
+    For the contact problem 𝒜 = ∂ψ_K + B with the indicator function ψ_K of K, and the paper takes ω = L_G/m_A, (4.5).
+
+    **Measured** are quotients of both sides for solutions u_n and v_n of backward Euler; the sum of k ‖f(t_j) −
+    g(t_j)‖_V replaces the integral. The norm ‖f − g‖_V is the dual norm (FᵀM⁻¹F)^{1/2} on V^h.
+
+    **Predicted**: the quotient is at most 1 at every step, even with ω = 0, because G is monotone in all cases and one
+    step of backward Euler is the resolvent of 𝒜. With ω = L_G/m_A it is at least 1/2 after the first step for a
+    perturbation that does not act on the contact: without contact it is at least e^{−ωk}/(1 + ωk).
     """
 
     label = "Thm 2.2"
@@ -243,12 +261,13 @@ class Dependence(ListedNumbers):
 def quotients(problem: SemiDiscrete, trajectory: list[State], other: SemiDiscrete) -> Array:
     """Return the distance of two discrete solutions divided by the size of the perturbation, for each step, (steps,).
 
-    The quotients are ‖u_n − v_n‖_V / (‖u_0 − v_0‖_V + k Σ_{j ≤ n} ‖f(t_j) − g(t_j)‖_V) for n = 1, 2, …
+    The quotients are ‖u_n − v_n‖_V / (‖u_0 − v_0‖_V + k Σ_{j ≤ n} ‖f(t_j) − g(t_j)‖_V) for n = 1, 2, …, with the
+    solutions u_n and v_n of two problems with loads f and g.
 
     Args:
         problem: the unperturbed problem.
-        trajectory: its solution u_n by backward Euler.
-        other: the problem with another load or another initial displacement.
+        trajectory: its solution u_n by backward Euler at all time nodes, with u_0 first.
+        other: the problem with another load or another initial displacement, which is solved here.
     """
     steps = len(trajectory) - 1
     riesz = Cholesky(problem.M)
@@ -262,9 +281,9 @@ def with_force(problem: SemiDiscrete, force: Array, frequency: float) -> SemiDis
     """Return a problem whose load F(t) is replaced by F(t) + cos(ωt) · force.
 
     Args:
-        problem: the problem.
+        problem: the semi-discrete problem.
         force: the load vector that is added, (dofs,).
-        frequency: ω.
+        frequency: the angular frequency ω.
     """
     return replace(
         problem, load=lambda times: problem.load(times) + np.multiply.outer(force, np.cos(frequency * times))
@@ -272,10 +291,15 @@ def with_force(problem: SemiDiscrete, force: Array, frequency: float) -> SemiDis
 
 
 def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[SemiDiscrete]:
-    """Yield problems with perturbed loads, and problems with perturbed initial values in K^h.
+    """Yield copies of a problem with perturbed loads, and copies with perturbed initial values in K^h.
 
-    K^h contains the admissible P1 displacements. The first perturbation is a constant load that moves no vertex of the
-    contact boundary along its normal.
+    For each of the ``PERTURBATION_SIZES`` there are four perturbed loads and one perturbed initial value. K^h contains
+    the admissible P1 displacements. The first perturbation is a constant load that moves no vertex of the contact
+    boundary along its normal.
+
+    Args:
+        problem: the semi-discrete problem.
+        space: the space V^h.
     """
     rng = np.random.default_rng(SEED)
     riesz = Cholesky(problem.M)
@@ -292,7 +316,7 @@ def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[SemiDiscrete]
 
 
 def smooth(space: Space, rng: np.random.Generator) -> Array:
-    """Return a random smooth displacement: the interpolant of a few waves, set to zero at the clamped vertices."""
+    """Return a random smooth displacement: the interpolant of a few waves, set to zero at clamped vertices, (dofs,)."""
     low = space.mesh.p.min(axis=1)
     high = space.mesh.p.max(axis=1)
     x = (space.mesh.p - low[:, None]) / (high - low)[:, None]
@@ -301,7 +325,12 @@ def smooth(space: Space, rng: np.random.Generator) -> Array:
 
 
 def along_the_contact(problem: SemiDiscrete, v: Array) -> Array:
-    """Return a displacement v with its normal components at the vertices of Γ3 removed."""
+    """Return the displacement nearest to v whose normal components at the vertices of Γ3 are 0, (dofs,).
+
+    Args:
+        problem: the semi-discrete problem, which has the matrix from displacements to normal components.
+        v: the displacement, (dofs,).
+    """
     N = problem.N.toarray()
     return v - np.linalg.pinv(N) @ (N @ v)
 
@@ -346,34 +375,38 @@ def columns(law: str, what: str) -> list[str]:
 
 
 class SolutionDivergence(ListedNumbers):
-    """Measures how fast two solutions of Problem 5.1 diverge.
-
-    Rates of growth of their difference are divided by predicted rates, and their distances by a bound.
+    """Measures how fast two solutions of Problem 5.1 diverge, relative to the predicted rate and to a bound.
 
     (4.4) and Theorem 2.2 for softening materials: two solutions diverge like e^{ct}, and never faster than e^{ωt}.
-
     (4.4) says that B + ωI is monotone for ω = L_G/m_A. Then Theorem 2.2 says for two solutions of Problem 5.1
 
         ‖u(t) − v(t)‖_V ≤ e^{ωt} (‖u_0 − v_0‖_V + ∫_0^t ‖f − g‖_V).
 
     For a monotone G this holds even with ω = 0. Therefore the test uses two laws whose G is not monotone. One is the
     law of a case that softens, with G scaled such that L_G/m_A = ω. The other is an *even* law, A τ = 2τ and G τ = −2ω
-    τ. T and ω vary over two decades. Predicted before measuring:
+    τ.
+
+    **Measured** for each law, and for T and ω that vary over two decades, are
+
+    * the rate at which the difference of two solutions grows, divided by the predicted rate c (``growth_rate``);
+    * the largest distance of two solutions, divided by its bound (``over_bound``).
+
+    **Predicted** before measuring:
 
     * *Even law.* B = −ωI. Let u_0 − v_0 move no vertex of Γ3 along ν. Then both solutions have the same contact forces,
-      and u − v = e^{ωt} (u_0 − v_0), wherever contact occurs. The bound is attained, so no smaller ω is possible.
-    * *Law of the case.* A load presses Γ3 so hard that no vertex leaves the foundation. The difference of two starts
-      along an eigenvector of G'(S) against M in {v : Nv = 0} grows like e^{ct} as long as the material softens, where
-      −c is the least eigenvalue. The rate c is computed without time steps. It satisfies c ≤ max(−m, 0)/m_A ≤ ω, where
-      m is the constant of monotonicity of G.
+      and u − v = e^{ωt} (u_0 − v_0), wherever contact occurs. So c = ω, the bound is attained, and no smaller ω is
+      possible.
+    * *Law of the case.* A load presses Γ3 so hard that no vertex leaves the foundation. The difference of two solutions
+      that starts along an eigenvector of G'(0), the derivative of G at zero strain, against M in {v : Nv = 0} grows
+      like e^{ct} as long as strains are small, where −c is the least eigenvalue. The rate c is computed without time
+      steps. It satisfies c ≤ max(−m, 0)/m_A ≤ ω, where m is the constant of monotonicity of G.
     * *Other pairs of solutions*, with different loads or initial displacements and with the moving contact of the case:
       their distance never exceeds the bound.
-
-    *In time.* A step of the midpoint rule multiplies an eigenvector by (1 + z/2)/(1 − z/2), z = ck. So the measured
-    rate is c (1 + z²/12 + …), too large by 3.3e-4 for z ≤ 1/16. A step of backward Euler is the resolvent of an
-    operator that becomes monotone if gI is added, g = max(−m, 0)/m_A ≤ ω. It multiplies differences by at most 1/(1 −
-    gk). So the bound with these factors for e^{ωt}, which is smaller, holds for the steps without an error in time, and
-    the even law attains it.
+    * *The error in time.* A step of the midpoint rule multiplies an eigenvector by (1 + z/2)/(1 − z/2), z = ck. So the
+      measured rate is c (1 + z²/12 + …), too large by 3.3e-4 for z ≤ 1/16. A step of backward Euler is the resolvent of
+      an operator that becomes monotone if gI is added, g = max(−m, 0)/m_A ≤ ω. It multiplies differences by at most
+      1/(1 − gk). So the bound with these factors for e^{ωt}, which is smaller, holds for the steps without an error in
+      time, and the even law attains it.
     """
 
     label = "Thm 2.2, (4.4)"
@@ -420,12 +453,21 @@ class SolutionDivergence(ListedNumbers):
 
 
 def even_law(dim: int, omega: float) -> KelvinVoigt:
-    """Return the softening law with A τ = 2τ and G τ = −2ω τ, for which all differences grow at the rate ω."""
+    """Return the softening law with A τ = 2τ and G τ = −2ω τ, for which all differences grow at the rate ω.
+
+    Args:
+        dim: the dimension of the body.
+        omega: the rate ω.
+    """
     return KelvinVoigt(isotropic(1, 0, dim), Indefinite(isotropic_matrix(-omega, 0, dim)), "even")
 
 
 def scaled(law: KelvinVoigt, omega: float) -> KelvinVoigt:
     """Return a law with its elasticity G multiplied by a number such that L_G/m_A = ω.
+
+    Args:
+        law: the law.
+        omega: the number ω > 0.
 
     Raises:
         TypeError: G is neither linear nor combined.
@@ -446,6 +488,10 @@ def softest_mode(space: Space, law: KelvinVoigt) -> tuple[float, Array, Array]:
     """Return the perturbation of a solution that grows fastest while all contact vertices stay in contact.
 
     It is a displacement v with Nv = 0, where N is the constraint matrix. The law is linearised at zero strain.
+
+    Args:
+        space: the space V^h.
+        law: the material law, the same at all points.
 
     Returns:
         The rate of growth c; the displacement v, (dofs,); and the contact force that enforces Nv = 0, (m,). Among the
@@ -559,11 +605,13 @@ def differences(of: str, *ways: str, on: str = "") -> tuple[Check, ...]:
 class OneTrajectory(ListedNumbers):
     """Measures relative differences between solutions in time that different solvers compute.
 
-    The difference of solutions u_n and v_n is max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V. Every step of backward Euler
-    minimises ½ vᵀSv − bᵀv over K^h with S = M/k + G. The active set method of the study starts from the last active
-    set. Four other ways to solve the problem are compared with it: the same method from random active sets, two methods
-    that share no code with it, and a fixed-point iteration with all of G on the right-hand side. If G softens, S is
-    positive definite for short steps only, and longer steps are refused.
+    **Measured** is max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for solutions u_n and v_n by backward Euler. Every step
+    minimises ½ vᵀSv − bᵀv over K^h with S = M/k + G. The active set method of the study, which starts from the last
+    active set, gives u_n. Four other ways give v_n (``rivals``): the same method from random active sets, two methods
+    that share no code with it, and a fixed-point iteration with all of G on the right-hand side.
+
+    **Predicted**: the differences are as small as the tolerances of the solvers, because S is positive definite, so
+    each step has one solution. If G softens, S is positive definite for short steps only, and longer steps are refused.
     """
 
     label = "Thm 4.1, 5.2"
@@ -591,7 +639,11 @@ class OneTrajectory(ListedNumbers):
 
 
 def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
-    """Return copies of a problem with other contact solvers, by the names of the solvers, for comparison."""
+    """Return copies of a problem that are solved in four other ways, by the names of the ways, the keys of ``WAYS``.
+
+    Args:
+        problem: the semi-discrete problem, which the active set method of the study solves.
+    """
     return {
         "random starts": replace(problem, solver=RandomStarts),
         "least squares": replace(problem, solver=LeastSquares),
@@ -601,7 +653,7 @@ def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
 
 
 class RandomStarts(Signorini):
-    """Contact solver that starts every solve from a new random active set."""
+    """Contact solver that starts every solve from a new random active set, with the same arguments as ``Signorini``."""
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
         super().__init__(S, N, x)
@@ -616,7 +668,12 @@ class LeastSquares:
     """Contact solver that computes the contact forces by nonnegative least squares, from the dual problem.
 
     The contact problem is to minimise ½ vᵀSv − bᵀv subject to N v ≤ 0. Its dual problem is min |L⁻¹(Nᵀλ − b)| over the
-    contact forces λ ≥ 0, with S = LLᵀ.
+    contact forces λ ≥ 0, with S = LLᵀ. Calling the solver with b returns v and λ.
+
+    Args:
+        S: the symmetric positive definite matrix, (dofs, dofs).
+        N: the constraint matrix, (m, dofs).
+        x: not used; ``Signorini`` has the same arguments.
 
     Source: C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23.
     """
@@ -634,7 +691,13 @@ class LeastSquares:
 class InteriorPoint:
     """Contact solver that solves a quadratic programme in all unknowns by the interior-point method Clarabel.
 
-    The programme is to minimise ½ vᵀSv − bᵀv subject to N v ≤ 0.
+    The programme is to minimise ½ vᵀSv − bᵀv subject to N v ≤ 0. Calling the solver with b returns v and the contact
+    forces.
+
+    Args:
+        S: the symmetric positive definite matrix, (dofs, dofs).
+        N: the constraint matrix, (m, dofs).
+        x: not used; ``Signorini`` has the same arguments.
     """
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
@@ -664,9 +727,12 @@ RIVALS: Mapping[str, type[Signorini]] = {
 class OneStress(ListedNumbers):
     """Measures relative differences between stresses of Problem 3.2 that different solvers compute.
 
-    The difference of stresses σ_n and τ_n is max_n ‖σ_n − τ_n‖_Q / max_n ‖σ_n‖_Q. Every step minimises a strictly
-    convex energy over the admissible stresses. So the earlier steps determine the stress and the multipliers of
-    equilibrium, and neither the start of the search nor the method may change them.
+    **Measured** is max_n ‖σ_n − τ_n‖_Q / max_n ‖σ_n‖_Q for the stress σ_n of the active set method of the study and the
+    stress τ_n of each other contact solver in ``RIVALS``.
+
+    **Predicted**: the differences are as small as the tolerances of the solvers. Every step minimises a strictly convex
+    energy over the admissible stresses. So the earlier steps determine the stress and the multipliers of equilibrium,
+    and neither the start of the search nor the method may change them.
     """
 
     label = "Thm 4.3"
@@ -690,7 +756,11 @@ class OneStress(ListedNumbers):
 
 
 def stresses(experiment: StressExperiment) -> list[Tensors]:
-    """Return the discrete stresses of all time steps at the quadrature points of the stress space."""
+    """Return the discrete stresses of all time steps at the Q quadrature points of every cell, (3, cells, Q) each.
+
+    Args:
+        experiment: the stress problem, which is solved here.
+    """
     return [state.stress.values for state in experiment.march()]
 
 
@@ -710,8 +780,13 @@ class LoadInTime(ListedNumbers):
     The statement is f ∈ W^{1,1}(0,T;V) for the load f, (3.8) and (5.9). It is tested by computing the norm of f^h on
     finer and finer grids in time and space: a finite norm converges, an infinite norm grows.
 
-    By (5.9) f^h(t) = M⁻¹F(t) is the projection of the load f(t) onto V^h. Its *variation* on a time grid is
-    Σ_i ‖f^h(t_i) − f^h(t_{i−1})‖_V. The variation grows if the grid is refined, by the triangle inequality.
+    **Measured** for f^h(t) = M⁻¹F(t), which by (5.9) is the projection of f(t) onto V^h, are
+
+    * the *variation* Σ_i ‖f^h(t_i) − f^h(t_{i−1})‖_V on a time grid, divided by its value for intervals of twice the
+      length. By the triangle inequality the quotient is at least 1;
+    * the largest increment ‖f^h(t_i) − f^h(t_{i−1})‖_V, divided by its value for intervals of 16 times the length;
+    * the norm ‖f^h‖_{W^{1,1}}, from mesh to mesh.
+
     **Predicted**:
 
     * The variation grows by at most 1 % from a grid to the next finer one, if the load changes its direction finitely
@@ -725,10 +800,10 @@ class LoadInTime(ListedNumbers):
       Therefore n = 8 is not judged for moving fronts. From n = 16 on the norms agree within 5 %. If f were not in V,
       the norm would grow.
 
-    (3.8) does not hold for ``moving-rough``. There ε(u̇) ~ (s − c)^{1/4} near the front c, which moves. So u̇ has
-    increments of the size k^{3/4} in V, whose sum is not bounded, and so has f, which contains u̇. The case was judged
-    at first: its variation grew by 0.8, 1 and 1.3 % at n = 8, 16 and 32. Now it is only reported. Theorem 4.1 does not
-    apply to this load; u ∈ W^{1,∞}(0,T;V) is known because u was constructed.
+    **Found**: (3.8) does not hold for ``moving-rough``. There ε(u̇) ~ (s − c)^{1/4} near the front c, which moves. So
+    u̇ has increments of the size k^{3/4} in V, whose sum is not bounded, and so has f, which contains u̇. The case was
+    judged at first: its variation grew by 0.8, 1 and 1.3 % at n = 8, 16 and 32. Now it is only reported. Theorem 4.1
+    does not apply to this load; u ∈ W^{1,∞}(0,T;V) is known because u was constructed.
     """
 
     label = "(3.8), (5.9)"
@@ -789,6 +864,10 @@ def last_increments(levels: pd.DataFrame) -> float:
     """Return the quotient of the last and the previous increment of max_t ‖σν‖² from mesh to mesh.
 
     σν is the exact traction on the boundary, with the norm of L²(Γ).
+
+    Args:
+        levels: a table with one row for each level from coarse to fine, at least three, and max_t ‖σν‖ in the column
+            "norm".
     """
     increments = np.diff(levels["norm"].to_numpy() ** 2)
     return float(increments[-1] / increments[-2])
@@ -800,6 +879,7 @@ class TractionInTime(ListedNumbers):
     The statement is σν ∈ L^∞(0,T;L²(Γ)), (4.12), for the traction on the whole boundary. Nothing is solved: a mesh only
     gives the quadrature points on Γ, and its level n the 2n + 1 times. The quadrature rules are not adapted to
     singularities. If the norm is finite, the computed norm converges as n grows; otherwise it grows without a bound.
+
     **Predicted**:
 
     * The computed norm converges for every case of Proposition 5.4.
@@ -861,24 +941,28 @@ WEAKLY = "loaded, weakly", "tangential, weakly"
 class NaturalConditions(ListedNumbers):
     """Measures how far the discrete stress violates the traction conditions on Γ2 and Γ3.
 
-    The conditions are evaluated at STRESS_INSTANTS evenly spaced times, each of which is the midpoint of a time step.
+    The conditions (4.13) are σν = f_2 on Γ2 and σ_τ = 0 on Γ3. The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is
+    constant on cells, so its tractions satisfy (4.13) only in the limit h → 0.
 
-    (4.13): the tractions σν = f_2 on Γ2 and σ_τ = 0 on Γ3, which discrete stresses satisfy only in the limit h → 0.
+    **Measured** at STRESS_INSTANTS evenly spaced times, each of which is the midpoint of a time step, are violations in
+    two senses:
 
-    The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its tractions do not satisfy (4.13) exactly.
-    The error of the tractions tends to 0 in two senses. Its orders are predicted for solutions with σ ∈ W^{1,∞}.
+    * in L²: σ^hν − f_2 on Γ2, and on Γ3 the tangential part σ^h_τ and the error σ^hν − σν;
+    * weakly, tested with smooth v that have v = 0 on Γ1 and v_ν = 0 on Γ3. For these v, (4.13) reads (σ, ε(v))_Q = (f,
+      v)_V.
 
-    * In L²(Γ) order 1 is predicted. ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error
-      on Γ is at most h^{−1/2} times the error in the cells along Γ, which might contain the whole error. But W^{1,∞}
-      estimates for smooth solutions on quasi-uniform meshes say that the error is spread evenly. The cells along Γ then
-      contain an error of h^{3/2}. The order of ‖σ^hν − σν‖ cannot exceed 1, because σ^h is constant on a cell. For
-      σ^h_τ alone, which ‖σ^hν − σν‖ bounds, the first-order term depends on the arrangement of the triangles along Γ3.
-    * Weakly, tested with smooth v that have v = 0 on Γ1 and v_ν = 0 on Γ3. Then (4.13) reads (σ, ε(v))_Q = (f, v)_V.
-      The scheme satisfies this equation for the interpolant Π^h v, so
+    **Predicted** orders, for solutions with σ ∈ W^{1,∞}:
+
+    * Order 1 in L²(Γ). ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error on Γ is at
+      most h^{−1/2} times the error in the cells along Γ, which might contain the whole error. But W^{1,∞} estimates for
+      smooth solutions on quasi-uniform meshes say that the error is spread evenly. The cells along Γ then contain an
+      error of h^{3/2}. The order of ‖σ^hν − σν‖ cannot exceed 1, because σ^h is constant on a cell. For σ^h_τ alone,
+      which ‖σ^hν − σν‖ bounds, the first-order term depends on the arrangement of the triangles along Γ3.
+    * Order 2 weakly. The scheme satisfies the equation for the interpolant Π^h v, so
 
           (σ^h, ε(v))_Q − (f, v)_V = (σ^h − σ, ε(v − Π^h v))_Q = O(h) · O(h).
 
-    This gives order 2, also if σ^h − σ contains an error of the time steps.
+      This also holds if σ^h − σ contains an error of the time steps.
     """
 
     label = "(4.13)"
@@ -921,6 +1005,13 @@ def tractions(setup: Experiment) -> Numbers:
     The violations are measured in L² on the boundary and, weakly, with smooth test fields v of norm ‖v‖_V = 1. All
     norms are root mean squares over several times. The work (f, v)_V is computed as (σ, ε(v))_Q with the exact stress
     σ. Both are equal by Green's formula (2.14) with (2.2), (2.4) and (2.5).
+
+    Args:
+        setup: the experiment, whose time steps ``discrete_stresses`` describes.
+
+    Returns:
+        The norms by the names of columns: "tangential" and "contact" for σ^h_τ and σ^hν − σν on Γ3, "loaded" for σ^hν −
+        f_2 on Γ2, and ``WEAKLY``.
     """
     space = setup.space
     sides = []
@@ -950,10 +1041,13 @@ def tractions(setup: Experiment) -> Numbers:
 
 
 def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
-    """Yield pairs of a time t and the discrete stress σ^h(t), for STRESS_INSTANTS times t.
+    """Yield pairs of a time t and the discrete stress σ^h(t) on the cells, (D, cells), for STRESS_INSTANTS times t.
 
     The times are the midpoints of STRESS_INSTANTS equal parts of [0, T], each with an odd number of time steps. So t is
     the midpoint of a step from t_{n−1} to t_n, and σ^h(t) = A ε((u_n − u_{n−1})/k) + G ε((u_n + u_{n−1})/2).
+
+    Args:
+        setup: the experiment. Its number of time steps is an odd multiple of STRESS_INSTANTS.
     """
     space = setup.space
     cells = on_cells(space, setup.solution.law)
@@ -969,9 +1063,13 @@ def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
 def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
     """Return random smooth test fields for the traction condition on the loaded boundary Γ2, and for the one on Γ3.
 
+    Args:
+        body: the body.
+
     Returns:
-        First, fields that vanish on the clamped boundary Γ1 and on the contact boundary Γ3. Second, fields that vanish
-        on Γ1, are tangential on one plane of Γ3 and vanish on the other planes of Γ3.
+        First, TEST_FIELDS fields that vanish on the clamped boundary Γ1 and on the contact boundary Γ3. Second,
+        TEST_FIELDS fields for each line (in 3D: plane) of Γ3, which vanish on Γ1, are tangential on this line and
+        vanish on the other lines of Γ3.
     """
     clamped = planes(body, Kind.CLAMPED)
     contact = planes(body, Kind.CONTACT)
@@ -1030,9 +1128,13 @@ def vanishing(field: Field, parts: list[Part]) -> Field:
 
 
 def waves(body: Body, rng: np.random.Generator) -> Field:
-    """Return a random vector field cos(κ·x + c), with about half a wave across the body in each direction.
+    """Return a random vector field cos(κ·x + c), with at most half a wave across the body in each direction.
 
     Wave vectors κ and phases c are random for each component.
+
+    Args:
+        body: the body, whose extent in each direction is the unit of length for κ.
+        rng: the random generator.
     """
     extent = body.vertices.max(axis=1) - body.vertices.min(axis=1)
     directions = rng.uniform(-np.pi, np.pi, (body.dim, body.dim)) / extent

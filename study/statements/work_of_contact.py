@@ -74,7 +74,8 @@ def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.cs
             cell, (cells,).
 
     Returns:
-        The refined mesh, and the matrix from vertex values on the given mesh to vertex values on the refined one.
+        The refined mesh, and the matrix from vertex values on the given mesh to vertex values on the refined one,
+        (refined vertices, vertices).
 
     Raises:
         ValueError: cells are still too large after ``MOST_REFINEMENTS`` refinements.
@@ -108,7 +109,12 @@ one more point in each panel than the rule in x, so that x = y does not occur.
 
 
 def composite_gauss(panels: int, points: int) -> PointsAndWeights:
-    """Return nodes and weights of the Gauss rule repeated on equal panels of (0, 1), (panels · points,) each."""
+    """Return nodes and weights of the Gauss rule repeated on equal panels of (0, 1), (panels · points,) each.
+
+    Args:
+        panels: the number of panels.
+        points: the number of Gauss points on each panel.
+    """
     x, w = gauss(points)
     return ((np.arange(panels)[:, None] + x) / panels).ravel(), np.tile(w / panels, panels)
 
@@ -130,8 +136,8 @@ def seminorm(first: Array, second: Array, rho: float) -> Array:
     oscillations.
 
     Args:
-        first: the values of v at the nodes of ``FIRST``, (..., n).
-        second: the values of v at the nodes of ``SECOND``, (..., m).
+        first: the values of each v at the n nodes of ``FIRST``, (..., n).
+        second: the values of the same v at the m nodes of ``SECOND``, (..., m).
         rho: the order ϱ of the seminorm.
     """
     kernel = _kernel(FIRST, SECOND, rho)
@@ -182,32 +188,32 @@ PROVED_ON_EDGES = at_most(1.0, "proved")
 class EdgeWork(ListedNumbers):
     """Measures the work of contact |R_E|, the work of the contact pressure on the interpolation error on an edge E.
 
-    The work is divided by its bound. The quotient is computed for exact solutions. For each of their edges its supremum
-    over all pressures and gaps with the same contact zone is computed as well.
-
     Beyond the paper: a bound of the work of contact on every edge, so that Prop. 5.4 needs no trace in H²(Γ3).
 
-    On an edge E of length h let N = {u_ν ≠ 0} be the part with a gap and C = {u_ν = 0} the part in contact. R_E = ∫_E
-    σ_ν (Π^h u_ν − u_ν) is the work of contact on E. Since σ_ν = 0 almost everywhere on N, for all 0 < ϱ < 1 (proof in
-    paper/trace.tex)
+    **The bound.** On an edge E of length h let N = {u_ν ≠ 0} be the part with a gap and C = {u_ν = 0} the part in
+    contact. R_E = ∫_E σ_ν (Π^h u_ν − u_ν) is the work of contact on E. Since σ_ν = 0 almost everywhere on N, for all 0
+    < ϱ < 1 (proof in paper/trace.tex)
 
         |R_E| ≤ β h^{1+2ϱ} |σ_ν|_{ϱ,E} |u_ν'|_{ϱ,E},
         β = min{(2π)^{−1} (h/|N|)^{1/2}, 8^{−1/2} (h/|C|)^{1/2}} ≤ C_0 < 0.388.
 
-    The sum over edges gives |R| ≤ C_0 h^{2s} Σ_i |σ_ν|_{ϱ,Γ3,i} |u_ν'|_{ϱ,Γ3,i} with ϱ = s − 1/2. **Measured** are
+    The sum over edges gives |R| ≤ C_0 h^{2s} Σ_i |σ_ν|_{ϱ,Γ3,i} |u_ν'|_{ϱ,Γ3,i} with ϱ = s − 1/2.
+
+    **Measured** are
 
     * the quotient |R_E| / bound with ϱ = 1/2 for exact solutions, at several times, on every edge on which neither N
       nor C is empty;
-    * the supremum of |∫_E λ Π w| divided by its bound over **all** λ that vanish on N and all piecewise quadratic w
-      that vanish on C. The sets N and C belong to the same edges. Each edge is split into 64 equal panels, and each
-      panel belongs to N or to C. The functional depends on w only through its values at both ends, so it has rank two.
-      The supremum is the root of the largest eigenvalue of a 2 × 2 matrix.
+    * the supremum of |∫_E λ Π w| divided by its bound over **all** pressures λ that vanish on N and all piecewise
+      quadratic gaps w that vanish on C. The sets N and C belong to the same edges. Each edge is split into 64 equal
+      panels, and each panel belongs to N or to C. The functional depends on w only through its values at both ends, so
+      it has rank two. The supremum is the root of the largest eigenvalue of a 2 × 2 matrix.
 
     **Predicted**: both quotients are at most 1, because the bound is proved. For exact solutions they are far below 1,
     because these are not extremal functions. The first expression in β is the smaller one if |N| > 2h/(2 + π²). Both
-    kinds of edges must occur, otherwise only one expression is tested. A deliberate defect adds a constant to the
-    pressure. The constant does not change the seminorm, but the pressure no longer vanishes on N, and the bound must
-    fail.
+    kinds of edges must occur, otherwise only one expression is tested.
+
+    **The check can fail**: a deliberate defect adds a constant to the pressure. The constant does not change the
+    seminorm, but the pressure no longer vanishes on N, and the bound is exceeded.
     """
 
     label = "beyond: work on edges"
@@ -267,8 +273,12 @@ def mixed_edges(solution: ExactSolution, space: Space) -> tuple[Array, ...]:
     The work of contact on an edge E is R_E = ∫_E σ_ν (Π^h u_ν − u_ν). Each edge is mapped to the interval (0, 1). The
     map to an edge of length h multiplies R_E by h and leaves the seminorm |·|_{1/2} unchanged.
 
+    Args:
+        solution: the exact solution, with contact faces in 2D.
+        space: the space V^h, whose mesh has the edges.
+
     Returns:
-        Three arrays for the n edges that are found on all contact faces and at all times:
+        Three arrays for the n edges that are found on all contact faces and at all ``EDGE_TIMES``:
 
         * whether there is contact at the nodes ``FIRST`` of a quadrature rule on the edge, (n, nodes);
         * the fraction |N|/h of the edge, of length h, with a gap, (n,);
@@ -309,10 +319,10 @@ def linear(ends: Array, x: Array) -> Array:
 
 
 def beta(open_part: Array) -> Array:
-    """Return the constant β of the bound of the work of contact on an edge (``EdgeWork``).
+    """Return the constant β of the bound of the work of contact on an edge (``EdgeWork``), for n edges, (n,).
 
     Args:
-        open_part: the fraction of the length of the edge with a gap, strictly between 0 and 1.
+        open_part: the fraction of the length of each edge with a gap, strictly between 0 and 1, (n,).
     """
     return np.minimum(1 / np.sqrt(open_part) / (2 * np.pi), 1 / np.sqrt(8 * (1 - open_part)))
 
@@ -374,9 +384,12 @@ CELLS_ACROSS_DEPTH = 3
 class Resolved:
     """The P1 space on a mesh, with a finer mesh for integrals of exact solutions that have details smaller than a cell.
 
-    Attributes:
+    Args:
         solution: the exact solution.
-        space: the P1 displacement space V^h on the mesh.
+        space: the P1 displacement space V^h in 2D. Its mesh is refined where contact data are continued into the body.
+
+    Attributes:
+        solution, space: the arguments.
         v_norm: computes errors in V, integrated on the finer mesh.
         inclusion: the matrix that maps degrees of freedom of V^h to degrees of freedom on the finer mesh.
         start: the interpolant Π^h u_0 of the initial displacement, (dofs,).
@@ -437,8 +450,12 @@ DRAWS = 400
 class TotalWork:
     """Computes the work of contact, the work of the contact pressure on the interpolation error, integrated over time.
 
-    It is ∫_0^T R dt with R = ∫_{Γ3} p Π^h w for the pressure p, the gap w and its nodal interpolant Π^h w. R depends on
-    the mesh only through the vertices on Γ3. Time is integrated by the midpoint rule.
+    It is ∫_0^T R dt with R = ∫_{Γ3} p Π^h w for the pressure p, the gap w and its nodal interpolant Π^h w. R is the
+    work on the interpolation error Π^h w − w, because p w = 0. R depends on the mesh only through the vertices on Γ3.
+    Time is integrated by the midpoint rule.
+
+    Args:
+        solution: the exact solution, with contact faces in 2D.
     """
 
     def __init__(self, solution: ExactSolution) -> None:
@@ -464,7 +481,14 @@ class TotalWork:
 
 
 def vertices_on(space: Space) -> list[Array]:
-    """Return for every contact face the coordinates of the mesh vertices along the face, in increasing order."""
+    """Return for every contact face the coordinates of the mesh vertices along the face, in increasing order.
+
+    Args:
+        space: the space V^h in 2D.
+
+    Returns:
+        One array for each contact face, (vertices,).
+    """
     parts = space.body.of(Kind.CONTACT)
     return [np.sort(part.coordinates(space.mesh.p[:, space.vertices(part)])[0][0]) for part in parts]
 
@@ -473,7 +497,8 @@ def shaken(vertices: Sequence[Array], rng: np.random.Generator) -> list[Array]:
     """Return coordinates of vertices, moved at random by up to a fifth of an edge as on shaken meshes.
 
     Args:
-        vertices: equidistant coordinates of vertices on each contact face; the end points are not moved.
+        vertices: the equidistant, increasing coordinates of the vertices on each contact face, (vertices,) each. The
+            end points are not moved.
         rng: the random generator.
     """
     moved = []
@@ -494,7 +519,7 @@ def from_32(key: str, quantity: str, column: str, window: Window, if_missed: str
     Args:
         key: the short name of the check.
         quantity: the judged quantity in words.
-        column: the name of the column with the errors.
+        column: the name of the column whose orders in h are observed.
         window: the window in which all orders must lie.
         if_missed: if an order outside the window contradicts no claim, the reason for that.
     """
@@ -555,23 +580,26 @@ class WorkOfContact(ListedNumbers):
 
     Beyond the paper: the work of contact for solutions with contact patches of every size.
 
-    The error estimate (5.21) has a contact term, which a linear problem does not have: ‖R(·; Π^h u −
+    **The question.** The error estimate (5.21) has a contact term, which a linear problem does not have: ‖R(·; Π^h u −
     u)‖^{1/2}_{L¹(0,T)}. It is the root of the *work of contact*, the work of the exact contact force on the
     interpolation error. The term is of order 1 for u ∈ W^{1,1}(0,T;H²), for any trace (``EdgeWork``); for a fixed u it
     is even o(h). In the cases of the catalogue, which have a few smooth fronts, it is 1e-6 to 1e-3 of the error (0.03
     in natural-front, 0.1 in rough-trace). That is too small to be observed. Here it is measured for the cases of
     ``manufactured.multiscale``, whose contact zones have details of the size of h on every mesh.
 
-    Three quantities are **measured**. Their integrals are computed on a refined mesh, whose cells are at most a third
+    **Measured** are three quantities. Their integrals are computed on a refined mesh, whose cells are at most a third
     of the depth ℓ over which the contact data are continued into the body:
 
-    * ``work``: ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)}, where R = ∫_{Γ3} p Π^h w with the gap w, because p w = 0;
+    * ``work``: ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)}, where R = ∫_{Γ3} p Π^h w with the pressure p and the gap w, because p
+      w = 0;
     * ``error``: max_t ‖u − u^h‖_V;
     * ``excess``: max_t ‖u^h − u^h_lin‖_V, where u^h_lin solves the linear problem with p as a given traction. The
       excess is the part of the error that is due to contact.
 
-    **Predictions** follow from the form of gap and pressure. They consist of trains of waves of width ℓ, and ℓ is
-    halved from one train to the next.
+    On grids the work is also measured for many sets of random vertices on Γ3, with its mean and its standard deviation.
+
+    **Predicted**, from the form of gap and pressure. They consist of trains of waves of width ℓ, and ℓ is halved from
+    one train to the next.
 
     * *On grids* all edges are equal and cut every train at the same places. So R/h² is a sum over the trains, and the
       term of a train is a function of ℓ/h. The sum is constant, and the root of R has order 1, as long as there are
@@ -579,15 +607,16 @@ class WorkOfContact(ListedNumbers):
       lower.
     * *With random vertices* each edge cuts the waves at another place. Only four to sixteen edges lie on the train that
       contributes most, and the contributions R_E of single edges vary by 100 %. So single orders may be off by 0.5;
-      they are reported. If this explanation is right, the mean of R over random vertices has the order 1, and its
-      relative standard deviation falls like n^{−1/2}. Both are claimed.
+      they are reported. If this explanation is right, the root of the mean of R over random vertices has the order 1,
+      and the relative standard deviation of R falls like n^{−1/2}. Both are claimed.
     * *Unstructured meshes* have equal edges on each piece of Γ3, but their number does not double from level to level.
       The edges cut the waves at other places on every level, all edges in the same way. So the work may nearly vanish
-      on one level (observed: orders −2.5 to 1.2, and work / error as small as 0.011).
+      on one level. The order is reported.
+    * *On grids work / error* is above 1/50, twenty times its value for smooth fronts.
+    * No order is predicted for the error and the excess. A mesh resolves a train only for h < ℓ/10, so on these meshes
+      the error has hardly begun to fall.
 
-    No order is predicted for the error and the excess. A mesh resolves a train only for h < ℓ/10, so on these meshes
-    the error has hardly begun to fall. On grids work / error must be above 1/50, twenty times its value for smooth
-    fronts.
+    **Found** on unstructured meshes: orders −2.5 to 1.2, and work / error as small as 0.011.
     """
 
     label = "beyond: work of contact"
@@ -667,8 +696,11 @@ class OnContact:
 
     This is again Problem 5.1, with as many unknowns as Γ3 has vertices, so the same time schemes solve it.
 
+    Args:
+        at: the P1 space V^h and the exact solution, with one contact face and A = G.
+
     Attributes:
-        at: the P1 space V^h and the exact solution, with integrals on a finer mesh.
+        at: the argument.
         M: the matrix of the inner product (·,·)_V, (dofs, dofs).
         condensed: the contact solver for the matrix M and the constraint matrix N.
         S: the Schur complement (N M⁻¹ Nᵀ)⁻¹, (m, m).
@@ -734,10 +766,14 @@ class Trajectories:
 
     @classmethod
     def of(cls, on: OnContact, steps: int) -> Trajectories:
-        """Solve the reduced problem with and without contact.
+        """Solve the reduced problem with and without contact by the midpoint rule.
 
         The values of g = N P_hu, the normal displacements of the projected exact displacement, and of ġ in the middle
         of a step are computed from g at its ends.
+
+        Args:
+            on: the reduced problem.
+            steps: the number of time steps.
         """
         T = on.at.space.body.T
         k = step_size(T, steps)
@@ -788,10 +824,13 @@ class Trajectories:
 
 
 def sides(solutions: Trajectories) -> Numbers:
-    """Return the error ‖u − u^h‖_V for a roller, its bound, and the quantities E_h, M_h and J_h in the bound.
+    """Return the error ‖u − u^h‖_V for a roller, its bound, and the quantities in the bound, by the names of columns.
 
-    E_h is the error of the projection P_hu in V, M_h its largest nodal error on Γ3, and J_h the largest interpolation
-    error on Γ3 (``Rollers``). Keys are names of columns.
+    The columns are "error", "right side" for the bound, "E_h", "M_h" and "J_h" with their meaning in ``Rollers``, and
+    "force", the total contact force integrated over time.
+
+    Args:
+        solutions: the solutions over time with and without contact.
     """
     on = solutions.on
     at = on.at
@@ -825,7 +864,7 @@ def nodal_error_near_patch(solutions: Trajectories, width: float) -> float:
     patch. At these times the patch is far from all corners.
 
     Args:
-        solutions: the solutions over time.
+        solutions: the solutions over time, for a patch that moves with the velocity 1.
         width: the width ℓ of the patch.
     """
     half = solutions.steps // 2
@@ -861,10 +900,13 @@ HALF_STEP_EXCESS = "excess, k/2"
 
 
 def change_by_half_steps(levels: pd.DataFrame) -> Array:
-    """Return the relative change of the excess ‖u^h − u^h_lin‖_V if the time step is halved.
+    """Return the relative change of the excess ‖u^h − u^h_lin‖_V if the time step is halved, for each level, (levels,).
 
     The excess is the distance of the discrete solution u^h from the solution of the linear problem with the exact
-    pressure as a traction. The result is empty if no level was measured with half the time step.
+    pressure as a traction. Levels that were not measured with half the time step are left out.
+
+    Args:
+        levels: one row for each level, with the excess in the columns "excess" and ``HALF_STEP_EXCESS``.
     """
     both = levels.dropna()
     return abs(both[HALF_STEP_EXCESS] / both["excess"] - 1).to_numpy()
@@ -873,7 +915,14 @@ def change_by_half_steps(levels: pd.DataFrame) -> Array:
 def over_seeds(groups: Groups) -> pd.DataFrame:
     """Return mean and relative standard deviation of the excess ‖u^h − u^h_lin‖_V over random meshes, for each level.
 
-    The random meshes are the mesh families ``SEEDS``. The table is empty if one of them was not measured.
+    The random meshes are the mesh families ``SEEDS``.
+
+    Args:
+        groups: the measured tables by mesh family.
+
+    Returns:
+        A table with one row for each level from coarse to fine, with the mean in the column "excess" and the relative
+        standard deviation in the column "scatter". It is empty if one of the families was not measured.
     """
     if not set(SEEDS) <= set(groups):
         return pd.DataFrame()
@@ -888,13 +937,12 @@ class Rollers(ListedNumbers):
     Beyond the paper: without u̇(t) ∈ H² and σ_ν ∈ L^p, p > 1, order 1/2 is proved, and rollers suggest that it is
     sharp.
 
-    A *roller* is an exact solution in which a contact patch of width ℓ moves along Γ3
-    (``manufactured.multiscale``). On every mesh ℓ = 2h, so the patch is two cells wide, however fine the mesh
-    is.
+    A *roller* is an exact solution in which a contact patch of width ℓ moves along Γ3 (``manufactured.multiscale``). On
+    every mesh ℓ = 2h, so the patch is two cells wide, however fine the mesh is.
 
-    Proposition 5.4 assumes u̇(t) ∈ H². A theorem of this study (proof in paper/velocity.tex) proves the order s/2 for u
-    ∈ L¹(0,T;H^{1+s}), without a logarithm. Measured is another bound, proved in paper/companion.tex, for u ∈
-    L^∞(0,T;H^{1+s}) ∩ W^{1,1}(0,T;V):
+    **The bound.** Proposition 5.4 assumes u̇(t) ∈ H². A theorem of this study (proof in paper/velocity.tex) proves the
+    order s/2 for u ∈ L¹(0,T;H^{1+s}), without a logarithm. Measured is another bound, proved in paper/companion.tex,
+    for u ∈ L^∞(0,T;H^{1+s}) ∩ W^{1,1}(0,T;V):
 
         ‖u − u^h‖_V ≤ e^{κT} (E_h + ‖u_0 − Π^hu_0‖_V + 2ΘM_h + (2D_h‖ϑ‖_{L¹(0,T)})^{1/2}).
 
@@ -921,11 +969,11 @@ class Rollers(ListedNumbers):
       Γ3 by the squared seminorm |q|²_{1/2} of the normal strain q. A step of height 1 in q adds 2 log 2 whenever ℓ is
       halved.
 
-    **Predictions** were made before the programs of this file existed. Prototypes had shown the order 1 with one
-    diagonal, and 1/2 with alternating diagonals and on shaken meshes (reasons in paper/experiments.tex). When the
-    roller has passed a vertex, a displacement of the size h remains there. If it is the same at all vertices, the
-    excess is ~ h |log h|^{1/2}. If neighbouring vertices keep different displacements, the excess is ~ h^{1/2}. So the
-    predicted orders of the excess are
+    **Predicted**, before the programs of this file existed. Prototypes had shown the order 1 with one diagonal, and 1/2
+    with alternating diagonals and on shaken meshes (reasons in paper/experiments.tex). When the roller has passed a
+    vertex, a displacement of the size h remains there. If it is the same at all vertices, the excess is ~ h |log
+    h|^{1/2}. If neighbouring vertices keep different displacements, the excess is ~ h^{1/2}. So the predicted orders of
+    the excess are
 
     * 1 less a logarithm, within [¾, 1.1], with one and with two diagonals, because all vertices of Γ3 have equal
       neighbourhoods;
@@ -938,32 +986,26 @@ class Rollers(ListedNumbers):
     * 1 ± 0.25 for patches that do not move, because displacements remain at few vertices only. The bound does not show
       this.
 
-    **Where the prediction was wrong.**
+    **Found** where the prediction was wrong:
 
-    A patch that does not move showed the orders 0.9 and 2.3 on single shaken meshes. Its excess depends on the cells
-    around few vertices. Over eight shaken meshes the excess has a relative standard deviation of a third to a half on
-    every level, and its mean has the orders 0.97 and 1.06. The order on single shaken meshes is reported and not
-    judged.
-
-    On unstructured meshes 0.75 is observed, at the edge of the prediction. Over six random meshes the mean has the
-    orders 1.05 and 0.59 up to n = 64. The mesh generator moves points to the middle of their cells eight times, which
-    makes neighbourhoods on Γ3 nearly equal. The excess is then about as large as with one diagonal, and differences
-    between neighbours show from n = 64 on. With one such sweep instead of eight, the excess is twice as large at n =
-    64, and its orders are 0.61 and 0.46. The prediction ignored both effects, so the order is reported and not judged.
-    The orders of E_h are 0.6 to 0.8 on these levels, where the logarithm still matters.
-
-    With one diagonal the orders of the excess from level to level are 0.84, 1.00 and 1.16, and the orders of M_h are
-    0.9, 1.4 and 1.8. Both quantities are maxima, whose places change from level to level:
-
-    * M_h occurs at the end s = 0 of Γ3, near which the roller starts, and falls like h² from the second level on. Near
-      the patch and far from the ends of Γ3, nodal errors over h are 0.076, 0.076, 0.074 and 0.073. The reason is that
-      for ℓ = 2h the solution near the patch looks the same on every level.
-    * The largest excess occurs at the start, at t ~ h, for n = 16, 32 and 64, but at T, behind the roller, for n = 128.
-      At T the excess over h is 0.104, 0.093, 0.109 and 0.136. From the second level on this rises faster than |log
-      h|^{1/2}.
-
-    So orders below 1 are expected on finer meshes; n = 256 would take minutes. The order over all levels is judged. The
-    orders at T and near the patch are reported.
+    * A patch that does not move showed the orders 0.9 and 2.3 on single shaken meshes. Its excess depends on the cells
+      around few vertices. Over eight shaken meshes the excess has a relative standard deviation of a third to a half on
+      every level, and its mean has the orders 0.97 and 1.06. The order on single shaken meshes is reported and not
+      judged.
+    * On unstructured meshes 0.75 is observed, at the edge of the prediction. Over six random meshes the mean has the
+      orders 1.05 and 0.59 up to n = 64. The mesh generator moves points to the middle of their cells eight times, which
+      makes neighbourhoods on Γ3 nearly equal. The excess is then about as large as with one diagonal, and differences
+      between neighbours show from n = 64 on. With one such sweep instead of eight, the excess is twice as large at n =
+      64, and its orders are 0.61 and 0.46. The prediction ignored both effects, so the order is reported and not
+      judged. The orders of E_h are 0.6 to 0.8 on these levels, where the logarithm still matters.
+    * With one diagonal the orders of the excess from level to level are 0.84, 1.00 and 1.16, and the orders of M_h are
+      0.9, 1.4 and 1.8. Both quantities are maxima, whose places change from level to level. M_h occurs at the end s = 0
+      of Γ3, near which the roller starts, and falls like h² from the second level on. Near the patch and far from the
+      ends of Γ3, nodal errors over h are 0.076, 0.076, 0.074 and 0.073. The reason is that for ℓ = 2h the solution near
+      the patch looks the same on every level. The largest excess occurs at the start, at t ~ h, for n = 16, 32 and 64,
+      but at T, behind the roller, for n = 128. At T the excess over h is 0.104, 0.093, 0.109 and 0.136. From the second
+      level on this rises faster than |log h|^{1/2}. So orders below 1 are expected on finer meshes; n = 256 would take
+      minutes. The order over all levels is judged. The orders at T and near the patch are reported.
     """
 
     label = "beyond: rollers"
@@ -1023,8 +1065,12 @@ class Rollers(ListedNumbers):
     def checks_of(self, kind: str, groups: Groups) -> Judged:
         """Yield the criteria for one kind of roller, each with the measurements that it judges, by mesh family.
 
-        One criterion judges the excess: the distance of u^h from the discrete solution of the linear problem in which
-        the exact contact pressure acts as a traction.
+        The criteria for the *excess* judge the distance of u^h from the discrete solution of the linear problem in
+        which the exact contact pressure acts as a traction.
+
+        Args:
+            kind: the kind of roller, which is the name of the case without the level.
+            groups: the measured tables by mesh family, with one row for each level.
         """
 
         def on(*families: str) -> Groups:

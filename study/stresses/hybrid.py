@@ -218,9 +218,13 @@ class Equilibrium:
         )
 
     def pressure(self, stress: EquilibratedStress) -> Array:
-        """Return the contact pressure −τ_ν ≥ 0 of a stress τ on the e edges of the contact boundary, (..., e, n).
+        """Return the contact pressure −τ_ν ≥ 0 of a stress τ on the contact boundary, by Bernstein coefficients.
 
-        On every edge it is given by its n Bernstein coefficients.
+        Args:
+            stress: the stress τ, as this class computes it.
+
+        Returns:
+            The n Bernstein coefficients on each of the e edges of the contact boundary, (..., e, n).
         """
         return -self.space.boundary_tractions(self.contact, stress.tractions)[..., 0]
 
@@ -280,9 +284,14 @@ class DualState:
 
 
 def tensor_at(C: Linear, x: Array) -> Array:
-    """Return the Mandel matrix of a linear tensor at points, (2, ...) → (..., 3, 3).
+    """Return the Mandel matrix of a linear tensor at points, or one matrix for a homogeneous material.
 
-    For a homogeneous material the result is one matrix, (3, 3).
+    Args:
+        C: the tensor.
+        x: the points, (2, ...).
+
+    Returns:
+        The matrices, (..., 3, 3); for a homogeneous material one matrix, (3, 3).
     """
     if C.factor is UNIFORM:
         return C.matrix
@@ -322,7 +331,11 @@ class StressEvolution:
         return DualState(0.0, stress, strain, self.loads(0.0))
 
     def stepper(self, scheme: Tableau, k: float) -> Callable[[int, Sequence[DualState]], DualState]:
-        """Return the function that computes the state at t_n from n and the previous states, for steps of size k.
+        """Return the function that computes the state at t_n from n and the previous states.
+
+        Args:
+            scheme: the time scheme, backward Euler or BDF2.
+            k: the length of the time steps.
 
         Raises:
             EquilibriumError: the scheme evaluates G at another time than t_n, or G is not linear.

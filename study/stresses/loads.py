@@ -74,7 +74,7 @@ class Loads:
 
 
 def together(loads: Sequence[Loads]) -> Loads:
-    """Join loads at single times to one object with loads at several times."""
+    """Join loads at single times to one object with loads at several times; the new axis is the first one."""
     return Loads(np.array([each.force for each in loads]), np.array([each.surface for each in loads]))
 
 
@@ -190,6 +190,9 @@ class ProjectedLoads:
 
 class Projection:
     """The L² projection onto polynomials on n subtriangles or edges, from values at quadrature points.
+
+    Calling the object with the values of a field with c components, (c, n, q), returns the coefficients of the
+    projection, (n, basis, c), and the rest of the field at the points, (n, q, c).
 
     Args:
         shapes: the values of a basis of the polynomials at the q quadrature points on each subtriangle or edge, (basis,

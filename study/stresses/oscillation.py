@@ -301,7 +301,8 @@ class Oscillation:
     where e are the sides of T on Γ2, and ‖·‖_{A,T} is the energy norm of the viscosity A on T. The oscillation is η_T =
     C_{T,k−1} ‖Π g‖_T + C_{T,k} ‖g − Π g‖_T + Σ_e C_e ‖f_2 − P f_2‖_e. Here k is the degree of the stresses that balance
     the projected loads, g = f_0 − P f_0, and Π g the projection of g onto the polynomials of degree k on T.
-    ``cell_constants`` computes C_{T,k}, and ``side_constants`` computes C_e.
+    ``cell_constants`` computes C_{T,k}, and ``side_constants`` computes C_e. Calling the object with the three norms
+    (``LeftOut``) returns η_T, (cells,).
 
     Args:
         space: the composite stresses for which P is defined, of degree k ≥ 2.

@@ -54,6 +54,11 @@ def indices(degree: int, variables: int = 3) -> list[tuple[int, ...]]:
     """Return the multi-indices α ≥ 0 with |α| = degree, which number the Bernstein polynomials of this degree.
 
     They are tuples of integers, in descending lexicographic order.
+
+    Args:
+        degree: the degree.
+        variables: the number of entries of α, which is the number of barycentric coordinates: 2 on an edge, 3 on a
+            triangle.
     """
     if variables == 1:
         return [(degree,)]
@@ -81,7 +86,11 @@ def bernstein(degree: int, barycentric: Array) -> Array:
 def interval_mass(degree: int, other: int) -> Array:
     """Return the integrals ∫_0^1 B_i B_j of the Bernstein polynomials B_i of one degree and B_j of another degree.
 
-    The shape is (degree + 1, other + 1), where ``other`` is the degree of the B_j.
+    Args:
+        degree, other: the degrees of the B_i and of the B_j.
+
+    Returns:
+        The integrals, (degree + 1, other + 1).
     """
     x, weights = gauss((degree + other) // 2 + 1)
     first, second = (bernstein(k, np.array([1 - x, x])) for k in (degree, other))

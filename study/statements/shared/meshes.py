@@ -83,7 +83,7 @@ def place(
     Args:
         cases: the cases.
         levels: the levels for plane bodies.
-        levels_3d: the levels for bodies in space.
+        levels_3d: the levels for bodies in space; by default cases in space get no setting.
         every_family: whether all mesh families that can mesh a body are used, and not only the one that ``regular``
             returns.
     """
@@ -130,7 +130,12 @@ def is_random(family: str) -> bool:
 
 
 def value_of_case(groups: Groups, column: str) -> float:
-    """Return the number in a column that is the same in all rows of a case, such as the predicted order."""
+    """Return the number in a column that is the same in all rows of a case, such as the predicted order.
+
+    Args:
+        groups: the tables of the case by mesh family.
+        column: the name of the column.
+    """
     return float(next(iter(groups.values()))[column].iloc[0])
 
 
@@ -148,7 +153,10 @@ def split(groups: Groups, feature: str) -> tuple[Groups, Groups]:
 def in_leading_term(groups: Groups) -> Groups:
     """Return measurements in which the leading term of the interpolation error replaces h on irregular meshes.
 
-    The orders of these measurements are then orders in this leading term. The measurements are given by mesh family.
+    The orders of these measurements are then orders in this leading term.
+
+    Args:
+        groups: the tables of one case by mesh family, with the columns "h" and ``LEADING``.
     """
     irregular, others = split(groups, "irregular")
     return others | {name: table.assign(h=table[LEADING]) for name, table in irregular.items()}

@@ -191,6 +191,10 @@ def displacement(solution: ExactSolution, times: Array | float) -> Field:
     """Return the exact displacement at given times as a function of points.
 
     The function is (d, ...) → (d, ..., n) for n times, and (d, ...) → (d, ...) for one time.
+
+    Args:
+        solution: the exact solution.
+        times: n times, (n,), or one time.
     """
     return lambda x: solution.at(x).displacement(times)
 
@@ -232,6 +236,10 @@ def unloaded(space: Space, law: KelvinVoigt) -> SemiDiscrete:
     """Return the semi-discrete problem (Problem 5.1) with zero load and zero initial displacement.
 
     Only the matrices of this problem are used.
+
+    Args:
+        space: the space V^h.
+        law: the material law, which gives the matrices.
     """
     return SemiDiscrete.of(space, law, lambda times: np.zeros((space.dofs, times.size)), np.zeros(space.dofs))
 
@@ -249,7 +257,10 @@ def mass(space: Space) -> sps.csc_array:
 
 
 def h1_product(space: Space) -> sps.csc_array:
-    """Return the matrix of the inner product (2.11), (u, v)_{H_1} = (u, v)_H + (ε(u), ε(v))_Q, on V^h, (dofs, dofs)."""
+    """Return the matrix of the inner product (2.11) on V^h, (dofs, dofs).
+
+    It is (u, v)_{H_1} = (u, v)_H + (ε(u), ε(v))_Q.
+    """
     return sps.csc_array(mass(space) + strain_product(space))
 
 
