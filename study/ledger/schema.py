@@ -154,14 +154,14 @@ reason | text | the reason for the orders
         MESH_PLACE,
         columns(r"""
 case | text | the exact solution
-form | text | the space of strains that belongs to the stresses
+form | text | the space of discrete strains that defines Problem 3.2, always *strains of V^h*
 level | count | number of cells along a side
 h | 1 | mesh size
 steps | count | number of time steps
 displacement_gap | 1 | difference of both displacements, divided by the largest norm over time
 stress_gap | 1 | difference of both stresses, divided by the largest norm over time
 admissibility | 1 | violation of $\sigma \in \Sigma^h(t)$
-energy_gap | 1 | violation of (4.14)
+energy_gap | 1 | violation of (4.14), $(\sigma, \varepsilon(u))_Q = (f, u)_V$, divided by the largest $\lvert (f, u)_V\rvert$
 membership | 1 | violation of $u \in K^h$
 displacement_bound | 1 | bound of `displacement_gap` from the duality gap of the solver
 stress_bound | 1 | bound of `stress_gap` from the duality gap of the solver
@@ -305,7 +305,7 @@ by_others | text | the other checks that fail
         ("seed",),
         columns("""
 seed | count | the number from which the random meshes are computed
-rules | text | hash of quantities, tolerance windows and levels; only seeds with the last hash are counted
+rules | text | hash of quantities, tolerance windows and levels; a seed counts only if its hash is the hash of the seed that was judged last
 judged | count | the number of checks that were judged; −1 while the seed is measured
 alarms | count | the number of these checks that did not hold; −1 while the seed is measured
 """),
