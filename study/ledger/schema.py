@@ -128,7 +128,7 @@ low | 1 | the smallest of the values that are judged | if nothing was measured
 high | 1 | the largest of the values that are judged | if nothing was measured
 verdict | text | *holds*, *fails* or *undecided*; *reported* or *missed* if nothing is claimed
 key | text | the name of one check of this statement
-family | text | the mesh family | if the check is about several
+family | text | the mesh family | if the check concerns several families
 kind | text | *claim*, *consequence*, *accuracy* or *identity*
 window_low | 1 | lower end of the tolerance window | if there is no window
 window_high | 1 | upper end of the tolerance window | if there is no window
@@ -154,14 +154,14 @@ reason | text | the reason for the orders
         MESH_PLACE,
         columns(r"""
 case | text | the exact solution
-form | text | the space of strains that belongs to the stresses
+form | text | the space of discrete strains that defines Problem 3.2, always *strains of V^h*
 level | count | number of cells along a side
 h | 1 | mesh size
 steps | count | number of time steps
 displacement_gap | 1 | difference of both displacements, divided by the largest norm over time
 stress_gap | 1 | difference of both stresses, divided by the largest norm over time
 admissibility | 1 | violation of $\sigma \in \Sigma^h(t)$
-energy_gap | 1 | violation of (4.14)
+energy_gap | 1 | violation of (4.14), $(\sigma, \varepsilon(u))_Q = (f, u)_V$, divided by the largest $\lvert (f, u)_V\rvert$
 membership | 1 | violation of $u \in K^h$
 displacement_bound | 1 | bound of `displacement_gap` from the duality gap of the solver
 stress_bound | 1 | bound of `stress_gap` from the duality gap of the solver
@@ -180,13 +180,13 @@ steps | count | number of time steps
 unknowns | count | number of unknowns of the stress problem
 stress | 1 | $\lVert\sigma - \sigma^h\rVert_Q$
 stress_sup | 1 | the largest of these norms over the steps, relative to the largest $\lVert\sigma\rVert_Q$
-best | 1 | lower bound of `stress`: error of the best stress that is linear on each of the three triangles into which the centroid splits a cell
+best | 1 | lower bound of `stress`: error of the best approximation of σ by stresses that are linear on each third of a cell (a cell is split at its centroid)
 strain | 1 | $\lVert\varepsilon(u) - \varepsilon^h\rVert_Q$, where the material law gives $\varepsilon^h$ from $\sigma^h$
 pressure | 1 | $\lVert\sigma_\nu - \sigma^h_\nu\rVert_{L^2(\Gamma_3)}$
-displacement | 1 | $(\sum_T \sum_{e \subset \partial T} \frac13 \lvert T\rvert\, \text{mean}_e \lvert u - m\rvert^2)^{1/2}$, where the moments of the P1 functions $m$ on edges are the multipliers of equilibrium, and $u$ is projected onto such functions
+displacement | 1 | $(\sum_T \sum_{e \subset \partial T} \frac13 \lvert T\rvert\, \text{mean}_e \lvert u - m\rvert^2)^{1/2}$, a discrete $L^2$ norm of $u - m$ over the edges $e$ of the cells $T$; $m$ is the displacement of the edges, linear on each edge, whose moments are the Lagrange multipliers of equilibrium, and $u$ is projected onto such functions
 primal_stress | 1 | norm of the difference between the stresses of this problem and of Problem 5.1 with the same time steps
 primal_displacement | 1 | as `displacement`, with $u^h$ of Problem 5.1 instead of $u$
-admissibility | 1 | largest violation at a point, relative to the largest $\lvert\sigma^h\nu\rvert$, of $\sigma_\tau = 0$, $\sigma_\nu \le 0$, $\sigma\nu = P f_2$ and of the continuity of $\sigma\nu$
+admissibility | 1 | largest violation at a point, relative to the largest $\lvert\sigma^h\nu\rvert$, of $\sigma_\tau = 0$, $\sigma_\nu \le 0$, $\sigma\nu = P f_2$ (the load projected onto functions that are linear on each edge) and of the continuity of $\sigma\nu$
 time_share | 1 | change of the stress when the time step $k$ is doubled, divided by `stress`
 """),
         note=STRESS_NORMS,
@@ -207,7 +207,7 @@ dual_time_share | 1 | error in time of `dual`
 resultant_time_share | 1 | error in time of `resultant`
 penetration | 1 | largest $(u^h_\nu)_+$ between vertices, divided by the largest $\lvert u^h\rvert$
 pulling | 1 | largest nodal force of the wrong sign, divided by the largest nodal force
-clamped | count | number of pieces of the contact side that meet the clamped side; if not 0, no order of `resultant` is judged
+clamped | count | number of pieces of Γ3 that meet Γ1; if it is not 0, the order of `resultant` is not judged
 """),
         note=NORMS,
     ),
@@ -262,8 +262,8 @@ upper | 1 | largest quotient upper bound / error, over the second half of the ti
 lower | 1 | smallest quotient lower bound / error, over the second half of the time | {UNKNOWN}
 residual | 1 | part of the bound: integral over time of the norm of the residual of the material law
 contact | 1 | part of the bound: integral over time of the work of the normal stress $\tilde\sigma_\nu$ on $\tilde u_\nu$
-oscillation | 1 | part of the bound: integral over time of a bound of the work of the loads minus their projection
-bending | 1 | part of the bound: integral over time of the dual norm of the projected loads minus their parabola in time
+oscillation | 1 | part of the bound: integral over time of a bound of the work of $f - P f$, the loads minus their projection onto linear functions on cells and edges
+bending | 1 | part of the bound: integral over time of the dual norm of $P f$ minus its quadratic interpolant in time
 """),
         note=r"""The bounds are computed from a displacement $\tilde u$. Let $d = \lVert\tilde u - u_h\rVert_V$, and let $y$ be the computed bound of
 $\lVert u - \tilde u\rVert_V$. Then the error $\lVert u - u_h\rVert_V$ lies between $d - y$ and $d + y$. In the case *junction* the exact $f_0$ is zero,
@@ -291,10 +291,10 @@ bound | 1 | $y$ at this time, the computed bound of $\lVert u - \tilde u\rVert_V
 equation | text | the equation or condition of the paper that the fault violates
 fault | text | the deliberate fault
 size | 1 | its size δ
-single | count | 1 if orders need not notice the fault, because it concerns single vertices or cells, or contact forces only; otherwise 0
+single | count | 1 if the fault concerns only single vertices or cells, or only contact forces, so that orders need not notice it; otherwise 0
 case | text | the exact solution
 dim | count | dimension of the body
-distance | 1 | maximum over time of the distance of the right from the faulty discrete solution, in the energy norm, on the finest level; infinite if the faulty problem cannot be solved | if the faulty space has other unknowns
+distance | 1 | maximum over time of the distance between the discrete solutions with and without the fault, in the energy norm, on the finest level; infinite if the faulty problem cannot be solved | if the faulty space has other unknowns
 error | 1 | the error without the fault on the finest level
 by_error | text | the checks of the order and size of the error that fail with the fault
 by_others | text | the other checks that fail
@@ -305,7 +305,7 @@ by_others | text | the other checks that fail
         ("seed",),
         columns("""
 seed | count | the number from which the random meshes are computed
-rules | text | hash of quantities, tolerance windows and levels; only seeds with the last hash are counted
+rules | text | hash of quantities, tolerance windows and levels; a seed counts only if its hash is the hash of the seed that was judged last
 judged | count | the number of checks that were judged; −1 while the seed is measured
 alarms | count | the number of these checks that did not hold; −1 while the seed is measured
 """),
@@ -325,7 +325,7 @@ class | text | how well the code solves the problem, or *not expressed*
 order_in_v | 1 | observed order of the error of the displacement in $V$ | with one mesh
 order_of_distance | 1 | observed order of the column `distance` of `codes/errors.csv` | with one mesh
 order_of_pressure | 1 | observed order of the error of the contact pressure | with one mesh
-invariance | 1 | change of the result if all loads are scaled | if it was not measured
+invariance | 1 | all loads are multiplied by ten and the displacement is divided by ten: its change in $V$, divided by the discretisation error | if it was not measured
 reason | text | why the code cannot express the problem | if it can
 """),
         command="make codes",
