@@ -208,7 +208,11 @@ class Face:
         raise NotImplementedError
 
     def at(self, x: Points) -> ContributionAtPoints:
-        """Return the displacement field at fixed points of the body, (d, ...), as a function of time."""
+        """Return the part of the exact displacement that belongs to this face, at fixed points of the body, (d, ...).
+
+        The result is a function of time. The exact displacement is the sum of the fields of all faces, and of further
+        fields without contact.
+        """
         raise NotImplementedError
 
 
@@ -419,7 +423,10 @@ class ContactFace(Face):
             )
 
     def at(self, x: Points) -> Lifting:
-        """Return the displacement field at fixed points of the body, (d, ...), as a function of time."""
+        """Return the field that continues the displacement on this face into the body, at fixed points, (d, ...).
+
+        The result is a function of time.
+        """
         return Lifting(self, x)
 
 

@@ -446,7 +446,7 @@ def bounds_of_factors(solution: ExactSolution, rng: np.random.Generator, count: 
     Args:
         solution: the exact solution.
         rng: draws the random points.
-        count: a fiftieth of the number of points.
+        count: 50 · count points are drawn.
     """
     x = solution.body.sample(rng, 50 * count)
     findings = []

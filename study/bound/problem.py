@@ -78,9 +78,10 @@ class Moduli:
     directions: Array
 
     def decay(self, k: float) -> float:
-        """Return e^{−mk}, the factor by which a bound of the error changes over a time step without loads or residuals.
+        """Return e^{−mk}, the factor by which the bound of an earlier error changes over a time step.
 
-        m is the least modulus g_i; if it is negative, the factor is greater than 1.
+        m is the smallest of the moduli g_i of G relative to A. If it is negative, which means that G is not monotone,
+        the factor is greater than 1.
 
         Args:
             k: the length of the time step.

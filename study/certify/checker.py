@@ -1214,9 +1214,10 @@ class Computed:
         self.values = [mesh.middles(u, 2) for u in rows]
 
     def at(self, time: Q) -> tuple[list[int], int]:
-        """Return u_h at a time as integers v and a denominator, u_h = v/(denominator · 2^bits).
+        """Return u_h at a time: integers v and a denominator, so that u_h is v/(denominator · 2^bits).
 
-        The integers belong to the nodes of the mesh of ũ, x and y in turn.
+        There is a v for x and for y at every node of the mesh of ũ, the more accurate displacement. This mesh is the
+        mesh of u_h or a refinement of it. The attribute ``bits`` is the same for all times.
         """
         place = time / self.T * (len(self.values) - 1)
         low = min(int(place), len(self.values) - 2)

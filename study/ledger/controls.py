@@ -46,7 +46,9 @@ def summary(matrix: DataFrame) -> DataFrame:
 
 
 def missed(matrix: DataFrame) -> dict[str, str]:
-    """Return the faults that are not noticed as the rules demand: name ↦ where, "in the plane" or "in space" or both.
+    """Return the deliberate faults that checks do not notice as the rules demand.
+
+    The result is name of the fault ↦ "in the plane", "in space" or "in the plane and in space".
 
     By the order or the size of the error, every fault must be noticed at its smallest size in two plane cases. In space
     only the largest size is tried, because the meshes are coarser, and must be noticed in one case. For a fault at

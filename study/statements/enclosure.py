@@ -62,9 +62,10 @@ class BoundSetting(Setting):
 
     @property
     def trajectory(self) -> str:
-        """The name of the kind of bound: "bound" from u_h alone, or "enclosure" by a more accurate displacement.
+        """The kind of bound, which is also the label of the statement: "bound" or "enclosure".
 
-        It is also the label of the statement.
+        It is named after the displacement ũ in space and time from which the bound is computed: u_h itself, or a more
+        accurate one.
         """
         return self.by.name
 

@@ -111,7 +111,7 @@ def unclaimed(verdict: Verdict) -> Verdict:
 
 
 def reason(verdict: Verdict, groups: Groups, expected: float, remedy: str) -> str:
-    """Return why a check that misses its window is undecided, or "" if the data contradict the statement.
+    """Return why a check outside its tolerance window is undecided, or "" if the data contradict the statement.
 
     Args:
         verdict: the verdict on the check.

@@ -356,8 +356,8 @@ def column(law: str, what: str, omega: float, T: float) -> str:
     """Return the name of the column with a measured number of a material law for one pair (ω, T).
 
     Args:
-        law: the name of the law.
-        what: the name of the number.
+        law: "own" for the scaled law of the case, "even" for the law with G = −ωA.
+        what: the quantity, "rate" or "bound".
         omega: the rate ω = L_G/m_A of the law.
         T: the final time.
     """
@@ -365,11 +365,11 @@ def column(law: str, what: str, omega: float, T: float) -> str:
 
 
 def columns(law: str, what: str) -> list[str]:
-    """Return the names of the columns with a measured number of a material law, one for each pair (ω, T) of ``SWEEP``.
+    """Return the names under which one quantity is measured for a material law, one for each pair (ω, T) of ``SWEEP``.
 
     Args:
-        law: the name of the law.
-        what: the name of the number.
+        law: "own" for the scaled law of the case, "even" for the law with G = −ωA.
+        what: the quantity, "rate" or "bound".
     """
     return [column(law, what, omega, T) for omega, T in SWEEP]
 

@@ -331,7 +331,9 @@ class StressEvolution:
         return DualState(0.0, stress, strain, self.loads(0.0))
 
     def stepper(self, scheme: Tableau, k: float) -> Callable[[int, Sequence[DualState]], DualState]:
-        """Return the function that computes the state at t_n from n and the previous states.
+        """Return the function that computes the state at t_n from n and the previous states, the last one at t_{n−1}.
+
+        BDF2 needs two previous states; its first step is made by backward Euler, with a stepper of its own.
 
         Args:
             scheme: the time scheme, backward Euler or BDF2.

@@ -186,7 +186,7 @@ class BalancingStresses:
 
 @lru_cache
 def balancing_in_cell(q: int) -> BalancingStresses:
-    """Return stresses on the divided reference triangle that balance body forces and have no traction on its boundary.
+    """Return stresses on the reference triangle, divided into smaller triangles, that balance body forces and have no traction on its boundary.
 
     The forces are polynomials of degree q on each of the four small triangles, and orthogonal to the polynomials of
     degree q on the whole triangle.
