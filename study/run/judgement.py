@@ -202,8 +202,8 @@ def joined(statement: Statement, tables: Mapping[CsvFile, DataFrame]) -> DataFra
 def with_reasons(verdicts: Verdicts, rates: DataFrame) -> Verdicts:
     """Judge the checks of users' cases again, and return all checks.
 
-    A check outside its tolerance window is undecided if the user's case is not suitable as a test, and its text says why. It
-    fails only if the data contradict the statement.
+    A check outside its tolerance window is undecided if the user's case is not suitable as a test, and its text says
+    why. It fails only if the data contradict the statement.
 
     Parameters:
         verdicts: all checks, of the catalogue and of users' cases.

@@ -186,7 +186,7 @@ class BalancingStresses:
 
 @lru_cache
 def balancing_in_cell(q: int) -> BalancingStresses:
-    """Return stresses on the reference triangle, divided into smaller triangles, that balance body forces and have no traction on its boundary.
+    """Return stresses on the divided reference triangle that balance body forces and have no traction on its boundary.
 
     The forces are polynomials of degree q on each of the four small triangles, and orthogonal to the polynomials of
     degree q on the whole triangle.
@@ -203,7 +203,7 @@ def balancing_in_cell(q: int) -> BalancingStresses:
 
 @lru_cache
 def balancing_on_side(side: int) -> BalancingStresses:
-    """Return stresses on the divided reference triangle that balance tractions on one of its sides.
+    """Return stresses that balance tractions on one side of the reference triangle, divided into four triangles.
 
     The tractions are linear on each half of the side and orthogonal to linear tractions on the whole side. The
     divergence of the stresses and their tractions on the other sides are 0.
