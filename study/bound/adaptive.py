@@ -79,7 +79,7 @@ class Tolerance:
     """The tolerance for the error bound: a number, or a percentage of the norm max_t ‖u(t)‖_V of the solution.
 
     Attributes:
-        number: the number or the percentage.
+        number: the number or the percentage; for 5 % this is 5, not 0.05.
         percent: whether ``number`` is a percentage.
     """
 
@@ -140,6 +140,10 @@ def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adap
 
 def next_stage(stage: Stage, cells: Array, in_time: float) -> Stage:
     """Return the mesh and the number of time steps after one adaptive refinement.
+
+    If the time steps contribute more than a quarter of the error bound, their number is doubled. If the cells
+    contribute at least a quarter, the mesh is refined: the fewest cells that together contribute half of the part of
+    all cells, and neighbours of these cells so that no hanging nodes arise. Both may happen at once.
 
     Args:
         stage: the present mesh and number of steps.

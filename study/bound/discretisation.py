@@ -85,14 +85,18 @@ class Discretisation:
 
     @cached_property
     def inverse_viscosity(self) -> Array:
-        """The reciprocal of the material factor of the viscosity at the Q quadrature points of a cell, (cells, Q)."""
+        """The values 1/α at the Q quadrature points of every cell, (cells, Q), for the viscosity A(x) = α(x) A_0.
+
+        α is a scalar function, the material factor, and A_0 a constant tensor.
+        """
         return 1 / self.data.law.A.factor(self.stresses.points)
 
     @cached_property
     def compliance(self) -> Array:
-        """The matrix of the norm in which residuals of the material law are minimised, in Mandel form, (3, 3).
+        """The matrix W = Σ_i w_i v_i v_iᵀ of the norm in which distances of stresses are measured, (3, 3).
 
-        The norm also contains the factor ``inverse_viscosity``, which is not part of the matrix.
+        The v_i are the directions of ``Moduli`` in Mandel form, and the w_i the weights for the final time T of the
+        problem. The squared norm of a stress τ is ∫ Wτ·τ/α, with the factor 1/α of ``inverse_viscosity``.
         """
         return self.moduli.compliance(self.data.body.T)
 

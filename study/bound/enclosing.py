@@ -104,8 +104,8 @@ class Enclosure:
         norm: an interval that contains max_t ‖u(t)‖_V.
         products: the inner products in V of any two of the pair (ũ, u_h), each summed over ``times``, (2, 2). They show
             whether u_h is a multiple of ũ.
-        on_cells: for static problems the squared distance ‖ũ − u_h‖² on every cell of u_h, (cells of u_h,). It
-            estimates the error on a single cell, which is not bounded.
+        on_cells: for static problems the squared distance ‖ũ − u_h‖² on every cell of u_h, (cells of u_h,). It is only
+            an estimate of the squared error there: no bound is known for the error on a single cell.
     """
 
     h: float

@@ -89,12 +89,13 @@ class Moduli:
         return float(np.exp(-self.values.min() * k))
 
     def weights(self, time: float) -> Array:
-        """Return for every direction v_i the weight w_i of the squared residual of the material law, (directions,).
+        """Return for every direction v_i its weight w_i in the norm of residuals of the material law, (directions,).
 
-        The weight is w_i = T/(1 + 2 T max(g_i, 0)) with the modulus g_i and the final time T. For a large g_i it is
-        small, because the elasticity compensates a part of the residual: in a time step the square of the error bound
-        increases, to first order, by a multiple of Σ_i |ρ_i|²/(g_i + β), with the part ρ_i of the residual in the
-        direction v_i, and β ~ 1/(2T).
+        The weight is w_i = T/(1 + 2 T max(g_i, 0)) with the modulus g_i and the final time T. Let ρ_i be the part of
+        the residual in the direction v_i. In a time step the square of the error bound increases, to first order, by a
+        multiple of Σ_i |ρ_i|²/(g_i + β): a large g_i makes the increase small, because the elasticity compensates a
+        part of the residual. A negative g_i compensates nothing and counts as 0. The number β ≥ 0 is optimised in each
+        step. The weights are fixed: w_i is half of 1/(g_i + β) for β = 1/(2T).
 
         Args:
             time: the final time T.
@@ -102,10 +103,11 @@ class Moduli:
         return np.asarray(time / (1 + 2 * time * np.maximum(self.values, 0.0)))
 
     def compliance(self, time: float) -> Array:
-        """Return the matrix Σ_i w_i v_i v_iᵀ of the norm in which residuals are minimised, in Mandel form (D, D).
+        """Return the matrix Σ_i w_i v_i v_iᵀ of the norm in which residuals of the material law are minimised, (D, D).
 
-        The residuals are those of the material law. The v_i are the directions, and the w_i their weights
-        (``weights``).
+        The residual is a stress in equilibrium with the loads minus the stress that the law gives for a displacement.
+        The stress in equilibrium is chosen to make it small in this norm. The w_i are the weights of the directions v_i
+        (``weights``), through which the norm depends on the final time T. The matrix is in Mandel form.
 
         Args:
             time: the final time T.

@@ -266,10 +266,13 @@ def require_known(formula: sp.Expr) -> None:
 def along_side(part: Part, formulas: Sequence[sp.Expr], distance: sp.Expr | float = 0) -> list[sp.Expr]:
     """Return formulas of x1 and x2 as formulas of the arc length along a side of a body.
 
+    The arc length is the symbol ``ARC``. It is 0 at the first corner of the side.
+
     Args:
         part: the side.
         formulas: the formulas.
-        distance: the distance of the points from the side in outward direction, a number or a symbol.
+        distance: the distance of the points from the side in outward direction, a number or a symbol such as
+            ``ACROSS``.
     """
     place = dict(zip((x1, x2), part.start + part.tangent * ARC + part.normal * distance, strict=True))
     return [formula.subs(place, simultaneous=True) for formula in formulas]

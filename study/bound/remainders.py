@@ -90,10 +90,11 @@ class Evidence:
 
 
 def in_space(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
-    """Return for each box a bound of the data minus a Taylor polynomial in space at the centre of the box, (boxes,).
+    """Return for each box a bound of the Euclidean norm |f − F| of the data f minus a polynomial F in space, (boxes,).
 
-    The bound holds on the box and at all times a ≤ t ≤ b. It is the smallest one for Taylor polynomials of the degrees
-    0 to 3, or half the range of the data.
+    The bound holds on the box and at all times a ≤ t ≤ b. For each component of f it is the smallest of five bounds:
+    for the Taylor polynomials F of the degrees 0 to 3 at the centre of the box, and half the range of the component,
+    for a constant F in the middle of the range.
 
     Args:
         sides: the boxes: for each coordinate, their lower and upper ends.
@@ -157,11 +158,13 @@ class Missed:
     The error bound samples the loads at quadrature points and at a few times.
 
     Attributes:
-        cells: the amount by which the oscillation of every cell must be increased so that it also bounds the loads
-            between the samples, at all times of the interval, (cells,). The oscillation bounds the work of loads that
-            the discrete stresses do not balance.
-        everywhere: a bound, in the dual norm, of the differences that are not contained in ``cells``.
-        in_cells: the part of ``everywhere`` that a finer mesh would reduce, divided among the cells, (cells,).
+        cells: for every cell, the increase of its oscillation, which makes the oscillation valid between the samples,
+            too, (cells,). The oscillation bounds the work of the loads that the discrete stresses do not balance.
+        everywhere: a bound, in the dual norm, of the other effects of the differences, for which there are no bounds on
+            single cells: differences in space also do work on rigid motions of a cell, and in time the loads differ
+            from the cubic that interpolates them.
+        in_cells: the part of ``everywhere`` that is due to differences in space, so that a finer mesh would reduce it.
+            It is divided among the cells, (cells,), to decide which to refine.
     """
 
     cells: Array

@@ -100,14 +100,16 @@ LEBESGUE = 1.25
 class Sizes:
     """The quantities on which the growth of the error bound of a displacement ũ depends in time.
 
-    They are values at one time, or means over a time step.
+    They are means over a time step, or bounds that hold at all of its times (``Step``).
 
     Attributes:
-        residual: the squared residual |ρ|²_i of the material law in every direction i of ``Moduli`` on every cell,
-            (directions, cells). ρ is an equilibrated stress σ̃ minus the stress that the law gives for ũ.
+        residual: the squared residual |ρ|²_i = ∫_T (v_i·ρ)²/α of the material law on every cell T, for each of the
+            orthonormal directions v_i of strains in ``Moduli``, (directions, cells). ρ is an equilibrated stress σ̃
+            minus the stress that the law gives for ũ, and α the scalar factor of the viscosity A(x) = α(x) A_0.
         oscillation: the square of the data oscillation η_T of the loads on every cell T, (cells,).
         contact: the contact term c = ∫_{Γ3} σ̃_ν ũ_ν, the work of the normal stress of σ̃.
-        rest: a bound of the sum of all other quantities, which are not divided among the cells.
+        rest: the sum of the three terms of ``Terms`` that are not divided among the cells: ``curvature``, ``bending``
+            and ``missed.everywhere``.
     """
 
     residual: Array
@@ -116,22 +118,25 @@ class Sizes:
     rest: float
 
     def joined(self, share: Array) -> float:
-        """Return (Σ_T (‖ρ_A‖_T + η_T)²)^½ over all cells T, for a part ρ_A of the residual ρ and the oscillation η_T.
+        """Return (Σ_T (‖ρ_A‖_T + η_T)²)^½ over all cells T, with the oscillation η_T and a part ρ_A of the residual ρ.
+
+        ρ_A is the part of ρ that the elasticity does not compensate, measured in the norm of the viscosity A.
 
         Args:
-            share: the fraction of the residual ρ that belongs to ρ_A, for every direction, (directions,).
+            share: for every direction v_i the number s_i with v_i·ρ_A = s_i v_i·ρ, 0 ≤ s_i ≤ 1, (directions,).
         """
         residual = np.sqrt(np.tensordot(share**2, self.residual, axes=1))
         return float(np.linalg.norm(residual + np.sqrt(self.oscillation)))
 
     def squares(self, inverse: Array) -> float:
-        """Return 2 (c + q), with the contact term c and the term q = ¼ Σ_i w_i² |ρ|²_i/(g_i − θ) of the residual.
+        """Return 2 (c + q), the rate at which y² grows, for the bound y of the error, due to c and q alone.
 
-        In each direction i the elasticity with the modulus g_i compensates the fraction w_i of the residual |ρ|_i; θ is
-        the rate at which the elasticity damps the error.
+        c is the contact term, and q = ¼ Σ_i w_i² |ρ|²_i/(g_i − θ) comes from the residual: in the direction v_i the
+        elasticity with the modulus g_i compensates the fraction w_i of the residual. θ is the rate at which the
+        elasticity damps the error.
 
         Args:
-            inverse: the factors w_i²/(g_i − θ) in q, (directions,).
+            inverse: the numbers w_i²/(g_i − θ), without the factor ¼, (directions,).
         """
         return 2 * self.contact + float(inverse @ self.residual.sum(axis=1)) / 2
 
@@ -271,17 +276,20 @@ class Terms:
 
     Attributes:
         piece: the displacement ũ on this interval, a parabola in time.
-        residual: for each direction v_i of ``Moduli`` and any two of the three coefficients ρ_a, ρ_b of ρ, the integral
-            ∫_T (v_i·ρ_a)(v_i·ρ_b)/α over each cell T, (3, 3, directions, cells), with the material factor α of A. The
-            sum over the directions is ∫_T A⁻¹ρ_a·ρ_b.
+        residual: for any two of the three coefficients ρ_a, ρ_b of ρ and each of the orthonormal directions v_i of
+            strains in ``Moduli``, the integral ∫_T (v_i·ρ_a)(v_i·ρ_b)/α over each cell T, (3, 3, directions, cells).
+            α is the scalar factor of A(x) = α(x) A_0. The sum over the directions is ∫_T A⁻¹ρ_a·ρ_b.
         curvature: a bound of the mean over time of the distance ‖Gε(ũ) − parabola‖_{A⁻¹} between the elastic stress and
             its approximation by a parabola in time; 0 for linear G.
         contact: for each of the three coefficients of σ̃_ν and each of those of ũ_ν, the integral of their product over
             every edge of Γ3, (3, 3, edges of Γ3).
         oscillation: the bound η_T of the work of the loads f − P f on every cell T, at both ends and in the middle of
             the interval, (3, cells).
-        bending: the dual norm of P f minus its parabola in time, at a quarter of the interval.
-        missed: bounds of the loads f minus their samples.
+        bending: a bound of the dual norm of P f minus its parabola in time, at the time a + k/4 of the interval
+            [a, a + k]. The parabola is exact at both ends and in the middle. The cubic that is exact at a + k/4, too,
+            differs from it on the whole interval by at most ``BENT`` times this value.
+        missed: bounds of the loads f minus their samples: an increase of the oscillation of every cell, and a bound in
+            the dual norm, which also bounds f minus the cubic in time.
     """
 
     piece: Parabola
@@ -326,8 +334,9 @@ class Terms:
 class Interval:
     """The bound y of the error ‖u − ũ‖_V of a displacement ũ on one time interval [a, b] between two knots of ũ.
 
-    The integrals over [a, b] show what the bound is due to; they are only reported. ρ is the residual of the material
-    law, an equilibrated stress minus the stress that the law gives for ũ; f are the loads and P f their projection.
+    The integrals over [a, b], or bounds of them, show what the bound is due to; they are only reported. ρ is the
+    residual of the material law, an equilibrated stress minus the stress that the law gives for ũ; f are the loads and
+    P f their projection.
 
     Attributes:
         a, b: the ends of the interval.
@@ -338,7 +347,8 @@ class Interval:
         oscillation: the integral of the bound of the work of f − P f.
         bending: the integral of the dual norm of P f minus its parabola in time.
         missed: the integral of the bound of f minus its samples.
-        shares: the contributions of cells and time to the increase of y, which is ``at_b`` minus the decayed ``at_a``.
+        shares: the contributions of cells and time to the increase of y. The increase is y(b) − e^{−m(b−a)} y(a), where
+            m is the least modulus of the elasticity, the rate at which earlier errors decay.
     """
 
     a: float
@@ -550,7 +560,9 @@ class Majorant:
 
 
 def part_that_changes(products: Array, squares: Array) -> Array:
-    """Return the fraction of the mean square of parabolas in time that is due to their change in time, (n,).
+    """Return the fraction 1 − ‖mean f‖²/mean ‖f‖² of n parabolas f in time, with means over the time interval, (n,).
+
+    This is the part of the mean square that is due to the change of f in time; 0 if f is constant.
 
     Args:
         products: the inner products of any two Bernstein coefficients of each of n parabolas, (3, 3, n).

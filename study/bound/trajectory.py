@@ -75,9 +75,9 @@ class Computed:
 
     @property
     def level(self) -> int:
-        """The level of the mesh: the number of cells of size h along a side of a square as large as the body.
+        """The level of the mesh: |Ω|^½/h, rounded to an integer, and at least 1.
 
-        It is at least 1.
+        |Ω|^½ is the side of a square with the same area as the body, and h the mesh size.
         """
         return max(1, round(math.sqrt(self.body.measure) / self.h))
 

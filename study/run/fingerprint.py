@@ -151,7 +151,7 @@ def measuring_code(statement: str) -> str:
     """Return a hash of the code on which a measurement depends, without docstrings and comments.
 
     Parameters:
-        statement: the name of the module of its statement.
+        statement: the name of the module that defines the measured statement, such as "study.statements.prop_5_4".
     """
     return _hash_of(_with_imports(_common(), set(_files(statement))))
 

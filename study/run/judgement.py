@@ -60,12 +60,14 @@ def stored_rows(jobs: Iterable[Job], store: Store) -> dict[DataFile, list[Row]]:
 def judge_stored(jobs: Jobs, store: Store) -> Verdicts:
     """Judge the stored results of jobs of one statement and one case, before the data files are written.
 
-    The list is empty if the statement cannot be judged from these results alone. The verdicts on a user's case depend
-    on ``rates.csv``, the table of errors, so only statements whose data file is ``rates.csv`` are judged on it.
-
     Parameters:
         jobs: at least one job; all have the same statement and the same case.
         store: contains the results of the jobs.
+
+    Returns:
+        The checks. The list is empty if these results do not suffice: the statement compares them with another file; or
+        they are not rows of a table; or the case is a user's case and the results are not rows of ``rates.csv``, the
+        table of errors, without which no user's case is judged.
     """
     statement = jobs[0].statement
     case = jobs[0].case
@@ -144,7 +146,11 @@ def claims(judged: Verdicts) -> DataFrame:
 
 
 def verdicts(directory: Path) -> Verdicts:
-    """Judge the data in a result directory and return all checks; nothing is solved or written.
+    """Compare the data in a result directory with the statements and return all checks; nothing is solved or written.
+
+    A statement is a claim of the paper or of this study. A check compares one measured quantity, such as an order of
+    convergence, with the interval that a statement permits. It has a verdict: holds, fails, undecided, missed or
+    reported (``study.ledger.verdict``).
 
     Raises:
         UsageError: the directory has no data.
@@ -167,14 +173,16 @@ def verdicts(directory: Path) -> Verdicts:
 
 
 def predicted(table: DataFrame, cases: DataFrame) -> DataFrame:
-    """Return a table of measurements with the predictions for its cases, and a new column ``known``.
+    """Return a table of measurements with what is known in advance about the case of each row.
 
     Parameters:
         table: a table with a column ``case``.
-        cases: the table ``cases.csv``, whose columns ``PREDICTED`` are added.
+        cases: the table ``cases.csv``.
 
     Returns:
-        The table; the column ``known`` tells whether the exact solution of the case is known.
+        The table with the new columns ``expected_order`` and ``proved_order``, the orders of convergence that are
+        predicted and that are proved for the case; ``twin``, the case whose solution is the same in another position;
+        and ``known``, whether the exact solution is known. A column that the table has already is not changed.
     """
     new = [name for name in PREDICTED if name not in table or name == "case"]
     return table.merge(cases[new], on="case", how="left").assign(known=table.case.isin(cases.case).to_numpy())
@@ -200,10 +208,12 @@ def joined(statement: Statement, tables: Mapping[CsvFile, DataFrame]) -> DataFra
 
 
 def with_reasons(verdicts: Verdicts, rates: DataFrame) -> Verdicts:
-    """Judge the checks of users' cases again, and return all checks.
+    """Judge the checks of users' cases again (``judge_own``), and return all checks.
 
-    A check outside its tolerance window is undecided if the user's case is not suitable as a test, and its text says
-    why. It fails only if the data contradict the statement.
+    A tolerance window is the interval in which a measured quantity must lie. In a user's case it may lie outside for
+    another reason than a wrong statement: the meshes or the time steps are too coarse, for example, or the formulas
+    vary too much within a cell. Then the check is undecided, and its text gives the reason. Without such a reason its
+    verdict remains, except that a missed order of the contact force that no statement claims is only reported.
 
     Parameters:
         verdicts: all checks, of the catalogue and of users' cases.

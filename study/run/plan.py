@@ -39,7 +39,7 @@ Result = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Job:
-    """One measurement: a statement, and the case and mesh on which it is measured.
+    """One measurement: a statement of the paper or of this study, and the case and mesh on which it is measured.
 
     Jobs are small, so that they can be sent to other processes.
     """
@@ -88,7 +88,7 @@ Jobs = Sequence[Job]
 
 
 def check_own(reference: str) -> None:
-    """Check that a user's case can be measured by the statements about every case, and stored under its name.
+    """Check that the statements about every case can be tested on a user's case, and that its name is not taken.
 
     Parameters:
         reference: FILE.py:NAME, or a name in the catalogue, which is always accepted.

@@ -88,7 +88,8 @@ def sources() -> dict[str, Json]:
     """Return the code files and the data files of each statement.
 
     Returns:
-        Label ↦ {"code": paths relative to the root of the repository, "data": names of files in ``data``}.
+        The label of the statement, such as "Prop. 5.4" ↦ {"code": paths of files relative to the root of the
+        repository, "data": names of files in ``data``}.
     """
     places: list[tuple[type, str, str]] = [(Complete, Complete.label, "provenance.json")]
     for statement in STATEMENTS:
@@ -148,7 +149,7 @@ def refuse_to_replace(plan: Plan, directory: Path) -> None:
 
 
 class Complete:
-    """The first check of the ledger: no planned measurement is missing.
+    """The first check, that is the first row of ``claims.csv``: no planned measurement is missing.
 
     Without this check, a missing mesh family or level could make other checks hold.
     """
@@ -173,7 +174,9 @@ class Complete:
 
 
 def recorded_plan(record: Json, directory: Path) -> Plan:
-    """Return the plan that follows from the recorded scope of a run, without a measurement.
+    """Return the plan of a run, computed again from its recorded scope (cases, mesh families, levels, time scheme).
+
+    Nothing is measured.
 
     Parameters:
         record: the content of ``provenance.json``.
@@ -201,7 +204,11 @@ def recorded_plan(record: Json, directory: Path) -> Plan:
 
 
 def read_scope(values: Json) -> Scope:
-    """Return a scope from its attributes in ``provenance.json``, in which tuples became lists."""
+    """Return the scope of a run: its cases, mesh families, levels and time scheme.
+
+    Parameters:
+        values: the attributes of the scope in ``provenance.json``, in which tuples became lists.
+    """
 
     def levels(fields: Json) -> Levels:
         return Levels(tuple(map(int, fields["all"])), tuple(map(int, fields["first"])))

@@ -261,15 +261,16 @@ class SemiDiscrete:
 
 
 def remainder(space: Displacements, G: Elasticity, factor: Array) -> VectorFunction | None:
-    """Return the nonlinear part of the elastic forces, as a function of the displacement, or None for linear G.
+    """Return the elastic forces minus their part with a constant reference tensor, as a function of the displacement.
 
-    The function is v ↦ (α (G − G_ref) ε(v), ε(φ_i))_Q for all basis functions φ_i, where G_ref is the constant
-    reference tensor of G.
+    The elasticity is G(x) = α(x) G_0 with a scalar function α, the material factor. The function is
+    v ↦ (α (G_0 − G_ref) ε(v), ε(φ_i))_Q for all basis functions φ_i, where G_ref is the constant reference tensor of
+    G_0. For ``Linear`` G it would be 0, and None is returned.
 
     Args:
         space: the finite element space.
         G: the elasticity.
-        factor: the material factor α of G at the quadrature points.
+        factor: the values of α at the quadrature points.
     """
     if isinstance(G, Linear):
         return None
@@ -346,6 +347,9 @@ class State:
 class ContactStep:
     """Computes time steps of the semi-discrete problem by one time scheme with one step size k.
 
+    Calling the object with the number n of the step and the previous states returns the state at t_n = n k;
+    ``solved`` does the same for a given time and load vector.
+
     Args:
         problem: the semi-discrete problem.
         scheme: the time scheme.
@@ -353,9 +357,9 @@ class ContactStep:
 
     Attributes:
         S: the matrix of the contact problem in each step, which is factorised once.
-        known: the matrices that multiply the earlier displacements u_{n−1}, u_{n−2}, … on the right-hand side. They are
-            w_j M/k with the weights w_j of the scheme and the matrix M of the viscosity; (1 − θ) G_ref is subtracted
-            from the first, with the number θ of the scheme and the matrix G_ref of the elasticity.
+        known: the matrices that multiply the earlier displacements u_{n−1}, u_{n−2}, … on the right-hand side:
+            w_1 M/k − (1 − θ) G_ref, w_2 M/k, …, with the weights w_j and the number θ of the scheme and the matrices M
+            of the viscosity and G_ref of the elasticity.
 
     Raises:
         StepsError: G is not monotone, and a step of this length may have several solutions.
@@ -395,7 +399,8 @@ class ContactStep:
 
         Args:
             time: the time t_n.
-            load: the load vector of the step, (n,).
+            load: the load vector F(t_{n−1+θ}) of the step, with the number θ of the scheme, (n,). It is F(t_n) for
+                backward Euler and BDF2, and F(t_{n−1/2}) for the midpoint scheme.
             past: the previous states, the last one at t_{n−1}.
 
         Raises:

@@ -56,7 +56,7 @@ class EulerBounds:
     """Computes bounds of the error in time of backward Euler on one mesh, max_t ‖u^h(t) − û(t)‖_V.
 
     u^h is the solution of the semi-discrete problem (Problem 5.1), and û interpolates the values U_n of backward Euler
-    linearly in time. The bounds do not depend on the mesh.
+    linearly in time. The constants in the bounds do not depend on the mesh size h.
 
     Attributes:
         problem: the semi-discrete problem, with n unknowns.

@@ -84,8 +84,11 @@ class Signorini:
     def complementarity(self, gap: Array) -> Array:
         """Solve the complementarity problem λ ≥ 0, p − Wλ ≤ 0, λ·(p − Wλ) = 0 for the contact forces λ, (m,).
 
+        W = N S⁻¹ Nᵀ maps contact forces to the normal displacements that they cause at the contact vertices.
+
         Args:
-            gap: the penetration p = N S⁻¹ b − g that the load b causes without contact forces, (m,).
+            gap: the penetration p = N S⁻¹ b − g that the load b causes without contact forces, (m,). This is not the
+                initial gap g; p is positive at vertices that the load would push into the foundation.
         """
         active = self.active
         visited: set[bytes] = set()

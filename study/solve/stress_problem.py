@@ -116,9 +116,13 @@ class Potential:
     """The convex potential that one step of backward Euler minimises in the stress problem (Problem 3.2).
 
     On every cell it is ½ Q y·y + g·y with an unknown y that determines the stress τ. The vector g depends on the
-    previous strain. For linear elasticity G the unknown is the stress, y = τ. For laws that contain (3.3), with the
-    convex set K = {τ : |Pτ| ≤ r}, it is y = (s₁, ρ, z) with ρ ≥ |z|, where z are the coordinates of a part s₂ of the
-    stress in an orthonormal basis R of the range of P. Then |s₂| = |z| and τ = s₁ + R z, and ρ = |z| at the minimum.
+    previous strain. For linear elasticity G the unknown is the stress, y = τ, and Q is the matrix ``compliance``.
+
+    For laws that contain (3.3), with the convex set K = {τ : |Pτ| ≤ r}, the stress is a sum τ = s₁ + s₂ with s₂ in the
+    range of P. P is an orthogonal projector: the deviator for the cylinder of von Mises, the identity for a ball. Let
+    the columns of R be an orthonormal basis of this range, so that s₂ = R z and |s₂| = |z|. The unknown is
+    y = (s₁, ρ, z) with ρ ≥ |z|, and ρ = |z| at the minimum. Q is block diagonal: ``compliance`` for s₁, 0 for ρ, and
+    1/β for z, with the stiffness β of (3.3).
 
     Args:
         space: the space V^h.
@@ -212,15 +216,19 @@ class StressState:
 class Programme:
     """Minimises the potential of a time step (``Potential``) over the admissible stresses with the solver Clarabel.
 
-    The solver is made once for all times. The unknown y_T of a cell T is scaled by the root of its volume |T|, so that
-    L² norms are Euclidean norms on any mesh. The potential on a cell is ½ Q y_T·y_T + g_T·y_T. With x_T = √|T| y_T and
-    q_T = √|T| g_T the problem is
+    Calling the object with the time, the load vector and the previous strain solves one step. The solver is made once
+    for all steps.
 
-        min Σ_T ½ Q x_T·x_T + q_T·x_T   subject to   Bᵀ x + Nᵀλ = F,   λ ≥ 0,   x_T in its cone,
+    The potential on a cell T is ½ Q y·y + g·y with an unknown y from which the stress follows, τ = H y. For laws that
+    contain (3.3), the last entries (ρ, z) of y lie in the cone ρ ≥ |z|. With the volume |T| of the cell, x_T = √|T| y
+    and q_T = √|T| g, the problem is
 
-    with B = (√|T| stressᵀ E)_T, the strain matrix E, the constraint matrix N, the load vector F and the contact forces
-    λ. Stresses are measured in units in which the data of the step are of order one, and strains in these units times
-    the norm of the compliance, so that the tolerances of the solver are relative.
+        min Σ_T ½ Q x_T·x_T + q_T·x_T   subject to   Σ_T B_Tᵀ x_T + Nᵀλ = F,   λ ≥ 0,   x_T in its cone.
+
+    Here B_T = √|T| Hᵀ E_T, E_T is the matrix from displacements to the strain on T, N the constraint matrix, F the load
+    vector, and λ are the contact forces. Because of the factor √|T|, Euclidean norms are L² norms on any mesh. Stresses
+    are divided by a typical stress of the step, and strains by this stress times the norm of the compliance, so that
+    the tolerances of the solver are relative.
 
     Args:
         space: the space V^h.
@@ -304,10 +312,10 @@ class Programme:
 
 @dataclass(frozen=True, eq=False)
 class StressProblem:
-    """Problem 3.2, whose unknown is the stress, for stresses dual to the strains of the P1 space V^h.
+    """Problem 3.2, whose unknown is the stress, for stresses that are constant on each cell, like the strains of V^h.
 
     Attributes:
-        space: the space V^h.
+        space: the P1 space V^h.
         law: the material law.
         load: the function from a time to the load vector F(t), (dofs,).
         u0: the initial displacement u_0^h, (dofs,).

@@ -152,8 +152,8 @@ class Equilibrium:
         Args:
             loads: the projected loads P f_0 and P f_2.
             target: the given stress at the quadrature points, (3, ..., cells, Q).
-            normal: the moments ∫_e v B_i of v with the n Bernstein polynomials B_i on every edge e of Γ3, (..., edges
-                of Γ3, n). They must be ≤ 0 on the edges ``contact``.
+            normal: the moments ∫_e v B_i of v with the n Bernstein polynomials B_i on every edge e of the contact
+                boundary Γ3, (..., edges of Γ3, n), all ≤ 0. The edges have the order of the attribute ``contact``.
 
         Returns:
             The stress τ, except that its ``values`` are the difference τ − target.

@@ -147,12 +147,13 @@ class BalancingStresses:
 
         Args:
             divided: matrices for the stresses on the divided triangle.
-            zero: the matrix of the conditions zero·w = 0 that the coefficients w of admissible stresses satisfy, such
-                as continuous tractions, (conditions, unknowns).
-            balanced: the matrix from w to the coefficients of the load that the stress balances, (coefficients,
-                unknowns).
-            loads: coefficients of scalar loads as columns; each load is applied in both coordinate directions.
-            gram: the integrals of the products of any two of the scalar loads.
+            zero: a matrix Z with one row for each condition on the stresses, such as continuous tractions: Z w = 0 for
+                the coefficients w of a stress, (conditions, unknowns).
+            balanced: the matrix from w to the 2c coefficients of the load that the stress balances, two components for
+                each of c polynomials in turn, (2c, unknowns).
+            loads: the coefficients of r/2 scalar loads as columns, (c, r/2). Each scalar load is applied in both
+                coordinate directions, which gives r loads.
+            gram: the integrals of the products of any two of the scalar loads, (r/2, r/2).
         """
         admissible = null_space(zero, rcond=DEPENDENT)
         onto = balanced @ admissible
@@ -164,12 +165,15 @@ class BalancingStresses:
     def constants(self, F: Array, compliance: Array, scale: Array) -> Array:
         """Return for each triangle x = F x̂ + b the largest ratio ‖τ‖_{A⁻¹}/‖load‖ over all loads, (cells,).
 
-        x̂ is in the reference triangle, and τ is the smallest stress that balances the load.
+        x̂ is in the reference triangle. For each load, τ is the stress with the least norm ‖τ‖_{A⁻¹} among the
+        composite stresses on the divided triangle that balance it. A load d on the reference triangle becomes a
+        multiple of F d on the triangle.
 
         Args:
             F: the matrices F, (cells, 2, 2).
             compliance: the inverse A⁻¹ of the viscosity in Mandel form, (3, 3) or (cells, 3, 3).
-            scale: the factor with ‖load‖² = scale × ∫ |F d|² for loads d on the reference triangle, (cells,).
+            scale: the number for each triangle with ‖load‖² = scale × ∫ |F d|², (cells,): 1/|det F| for body forces,
+                and 1/|e| for tractions on a side of length |e|.
         """
         push = piola(F)
         metric = push.swapaxes(1, 2) @ compliance @ push * abs(np.linalg.det(F))[:, None, None]
@@ -272,7 +276,10 @@ def side_constants(F: Array, compliance: Array, side: int) -> Array:
 
 
 def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Array, Array]]:
-    """Return the sides of cells on the loaded boundary Γ2, each with a bound of the work of tractions on it.
+    """Return the sides e of cells T on Γ2, each with a constant C_e such that ∫_e g·v ≤ C_e ‖g‖_e ‖ε(v)‖_{A,T}.
+
+    The inequality holds for all displacements v and all tractions g that are orthogonal to the linear functions on e.
+    ‖·‖_{A,T} is the energy norm of the viscosity A on T, and Γ2 the loaded boundary.
 
     Args:
         space: the composite stresses on the mesh.

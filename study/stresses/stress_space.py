@@ -354,7 +354,10 @@ class StressSpace(MeshedBody):
         return self.mesh.t2f[list(FACETS)].T
 
     def edges_on(self, kind: Kind) -> Array:
-        """Return the numbers of the edges on all boundary parts of a kind, which may be none, (e,)."""
+        """Return the numbers of the edges on all boundary parts of one kind, such as ``Kind.CONTACT``, (e,).
+
+        The array is empty if the body has no such part.
+        """
         return np.concatenate([np.empty(0, dtype=np.int64), *(edges for _, edges in self.on(kind))])
 
     @cached_property
