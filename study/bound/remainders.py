@@ -161,7 +161,7 @@ class Missed:
         cells: for every cell, the increase of its oscillation, which makes the oscillation valid between the samples,
             too, (cells,). The oscillation bounds the work of the loads that the discrete stresses do not balance.
         everywhere: a bound, in the dual norm, of the other effects of the differences, for which there are no bounds on
-            single cells: differences in space also do work on rigid motions of a cell, and in time the loads differ
+            single cells: differences in space may do work on rigid motions of a cell, and in time the loads differ
             from the cubic that interpolates them.
         in_cells: the part of ``everywhere`` that is due to differences in space, so that a finer mesh would reduce it.
             It is divided among the cells, (cells,), to decide which to refine.

@@ -108,8 +108,8 @@ class Sizes:
             minus the stress that the law gives for ũ, and α the scalar factor of the viscosity A(x) = α(x) A_0.
         oscillation: the square of the data oscillation η_T of the loads on every cell T, (cells,).
         contact: the contact term c = ∫_{Γ3} σ̃_ν ũ_ν, the work of the normal stress of σ̃.
-        rest: the sum of the three terms of ``Terms`` that are not divided among the cells: ``curvature``, ``bending``
-            and ``missed.everywhere``.
+        rest: a bound of the sum of the three terms of ``Terms`` that are not divided among the cells:
+            ``curvature``, ``bending`` and ``missed.everywhere``.
     """
 
     residual: Array
@@ -560,9 +560,9 @@ class Majorant:
 
 
 def part_that_changes(products: Array, squares: Array) -> Array:
-    """Return the fraction 1 − ‖mean f‖²/mean ‖f‖² of n parabolas f in time, with means over the time interval, (n,).
+    """Return 1 − ‖mean(f)‖²/mean(‖f‖²) for n parabolas f in time, with means over the time interval, (n,).
 
-    This is the part of the mean square that is due to the change of f in time; 0 if f is constant.
+    This is the fraction of the mean square that is due to the change of f in time; 0 if f is constant.
 
     Args:
         products: the inner products of any two Bernstein coefficients of each of n parabolas, (3, 3, n).

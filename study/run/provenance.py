@@ -88,7 +88,7 @@ def sources() -> dict[str, Json]:
     """Return the code files and the data files of each statement.
 
     Returns:
-        The label of the statement, such as "Prop. 5.4" ↦ {"code": paths of files relative to the root of the
+        Label of the statement, such as "Prop. 5.4" ↦ {"code": paths of files relative to the root of the
         repository, "data": names of files in ``data``}.
     """
     places: list[tuple[type, str, str]] = [(Complete, Complete.label, "provenance.json")]
