@@ -23,7 +23,7 @@ def names_of(series: Series, name: str) -> tuple[str, ...]:
 
     They are the name of the column with the label of the series in brackets, the name alone, the label alone, and the
     empty text, which stands for all columns. The label, such as "degree 2", distinguishes several series in one table;
-    it is empty for a single series.
+    it may be empty.
 
     Parameters:
         series: the series.

@@ -117,8 +117,8 @@ class OtherErrors(CsvFile):
     ``read`` returns them as one table, as for any ``CsvFile``.
 
     Attributes:
-        label: label of the statement. It fills the column ``label``, a part of the key by which the rows are joined with
-            the rows that the statement measures.
+        label: label of the statement. It fills the column ``label``, a part of the key by which the rows are joined
+            with the rows that the statement measures.
     """
 
     label: str = ""

@@ -56,8 +56,8 @@ def missed(matrix: DataFrame) -> dict[str, str]:
     A check notices a fault in a case if it fails with the fault. The rules are:
 
     * Every fault of its smallest size must be noticed in two plane cases, or in the only one in which it was measured.
-    * Every fault of its largest size must be noticed in one case in space, if it was measured there. Smaller sizes are
-      not judged there, because the meshes are coarser.
+    * Every fault of its largest size must be noticed in one case in space, if it can occur there. Smaller sizes are
+      not tried in space, because the meshes are coarser.
     * Only checks of the order or size of the error count. For faults of single vertices or cells, or of contact forces,
       other checks count, too, except the comparison with Problem 3.2.
 
