@@ -42,7 +42,12 @@ _BEFORE_WORDS = re.compile(r"(.*?\d[.%]?)\**\s*(?!fail|div|no)[^\W\d_]+\**\s*")
 
 
 def rewrite(text: str, rewriting: Rewriting) -> str:
-    """Return a text in which patterns are replaced, one after the other."""
+    """Return a text in which patterns are replaced, one after the other.
+
+    Parameters:
+        text: the text.
+        rewriting: pairs of a regular expression and what replaces each match: a text, or a function of the match.
+    """
     for pattern, replacement in rewriting:
         text = re.sub(pattern, replacement, text)
     return text

@@ -198,8 +198,8 @@ class Reading:
         columns, names: the columns that have a name, and their names in words.
         form: the form of the table in words.
         size, errors: the column of mesh sizes, None if there is none, and the columns of errors.
-        confirmed: name of a column of counts ↦ the one dimension with which it gives the printed orders, in any table
-            of the text.
+        confirmed: name of a column of numbers N of cells or unknowns ↦ the dimension d, if it is only one, for which
+            the mesh sizes N^(−1/d) give the orders that a table prints. All tables of a text share these dimensions.
     """
 
     def __init__(self, table: Table, options: Options, confirmed: dict[str, int]) -> None:

@@ -19,10 +19,11 @@ Judged = list[tuple[Series, list[OrderResult]]]
 
 
 def names_of(series: Series, name: str) -> tuple[str, ...]:
-    """Return the names by which an expectation of a column is looked up.
+    """Return the four names by which an expectation of a column is looked up, in this order.
 
-    The label of a series, such as "degree 2", distinguishes several series in one table. The names are the name of the
-    column with the label in brackets, the name alone, and the label alone. The empty text stands for all columns.
+    They are the name of the column with the label of the series in brackets, the name alone, the label alone, and the
+    empty text, which stands for all columns. The label, such as "degree 2", distinguishes several series in one table;
+    it may be empty.
 
     Parameters:
         series: the series.

@@ -43,7 +43,8 @@ class Expectation:
         max_error: the largest accepted error on the finest mesh.
 
     Raises:
-        OrderError: both ``expected`` and ``at_least`` are given, or one of the numbers is not positive.
+        OrderError: both ``expected`` and ``at_least`` are given, or a given number is not positive and finite; only
+            ``floor`` may be 0.
     """
 
     expected: float | None = None
@@ -178,13 +179,17 @@ def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
 def limit_and_order(h: ArrayLike, values: ArrayLike) -> tuple[float, float]:
     """Fit a + C h^p to the values on the three finest meshes, and return the limit a and the order p.
 
-    Let r and R be the ratios of the mesh sizes of the two finer and the two coarser meshes, and s = 1 if the values are
-    monotone, s = −1 if they oscillate. The method of Celik et al. solves (R^p − s)/(1 − s r^−p) = |quotient of the
-    differences|. The left-hand side increases with p, so there is at most one solution, and bisection finds it.
+    Let v_1, v_2, v_3 be the values on the three meshes, from coarse to fine; R = h_1/h_2 and r = h_2/h_3; and s = 1 if
+    the values are monotone, s = −1 if they oscillate. The method of Celik et al. solves
+    (R^p − s)/(1 − s r^−p) = |v_2 − v_1|/|v_3 − v_2|. The left-hand side increases with p, so there is at most one
+    solution, and bisection finds it.
+
+    Parameters:
+        h, values: mesh sizes and values on three or more meshes, from coarse to fine, (levels,).
 
     Returns:
-        The limit, and the order. Without a fit, the limit is NaN. The order is NaN if two values are equal, −∞ if the
-        differences are too large for any positive order, and ∞ if the order is above 100.
+        The limit, and the order. Without a fit, the limit is NaN. The order is NaN if v_2 equals v_1 or v_3, −∞ if
+        |v_3 − v_2| is too large for any positive order, and ∞ if the order is above 100.
     """
     sizes, finest = np.asarray([h, values], dtype=float)[:, -3:]
     coarse, fine = -np.diff(np.log(sizes))
@@ -212,9 +217,14 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
                     max_error: float | None = None) -> OrderResult:  # fmt: skip
     """Compute the observed orders of errors, and judge whether they are as expected.
 
+    The verdict is *holds* if the last three orders between consecutive meshes are as expected; two suffice if the order
+    extrapolated to h → 0 is as expected, too. It is *fails* if the errors do not converge, or if the last two orders
+    are too low and do not rise enough; *higher* if the orders settle above the expected one; and otherwise
+    *undecided*, for example if there are fewer than three meshes.
+
     Parameters:
         h, errors: mesh sizes and errors, (levels,), in any order of the meshes. A masked number counts as NaN.
-        expected: the order that theory predicts. The verdict is *holds* if the order differs by at most ``tolerance``.
+        expected: the order that theory predicts; observed orders may differ from it by at most ``tolerance``.
         at_least: the smallest accepted order; only one of ``expected`` and ``at_least`` can be given.
         tolerance: accepted difference from ``expected``.
         name: name of the errors, for messages.
@@ -274,6 +284,10 @@ def _coarse_first(h: ArrayLike, values: ArrayLike, name: str) -> tuple[Array, Ar
 
 def real_numbers(values: ArrayLike, what: str) -> Array:
     """Return numbers as a flat array of floats. Masked numbers become NaN.
+
+    Parameters:
+        values: the numbers.
+        what: what the numbers are, for the message of the error.
 
     Raises:
         OrderError: the numbers are not real, or not in a list or an array.

@@ -80,7 +80,10 @@ class ConvergenceTable:
         return results
 
     def cells(self) -> list[list[str]]:
-        """Return the names and the cells of the table, with a column of orders beside each column of errors."""
+        """Return the names and the cells of the table, with a column of observed orders beside each column of errors.
+
+        There are no orders without mesh sizes, or if the coarsest mesh does not come first.
+        """
         try:
             results = self.check()
         except OrderError:
@@ -103,7 +106,7 @@ class ConvergenceTable:
         return "\n".join("  ".join(map(str.rjust, row, widths)) for row in rows)
 
     def to_markdown(self) -> str:
-        """Return the table in Markdown."""
+        """Return the table in Markdown, with the observed orders beside the errors, as in ``cells``."""
         header, *rows = self.cells()
         return "".join(f"| {' | '.join(row)} |\n" for row in [header, ["---:"] * len(header), *rows])
 
@@ -113,7 +116,7 @@ class ConvergenceTable:
         return "".join(",".join(map(str, row)) + "\n" for row in rows)
 
     def to_latex(self) -> str:
-        """Return the table as a LaTeX tabular."""
+        """Return the table as a LaTeX tabular, with the observed orders beside the errors, as in ``cells``."""
         header, *rows = (" & ".join(row).replace("_", r"\_") + " \\\\\n" for row in self.cells())
         begin = rf"\begin{{tabular}}{{*{{{header.count('&') + 1}}}{{r}}}}"
         return f"{begin}\n\\hline\n{header}\\hline\n{''.join(rows)}\\hline\n\\end{{tabular}}\n"

@@ -199,8 +199,9 @@ class Row:
     """A line that is divided into cells.
 
     Attributes:
-        line, sign: the line, and the sign that separates its cells.
-        text: its text, without single bars and commas if blanks separate the cells.
+        line, sign: the line, and the separator of its cells, a key of ``_FORMS``.
+        text: the text of the line. If the separator is a blank, blanks replace each bar or comma that stands alone
+            between blanks.
         cells: the cells.
         kinds: what the cells contain, one letter for each: 9 for a number, - for a missing number, a for other text.
     """
@@ -219,8 +220,10 @@ class Row:
     def is_data(self, named: bool) -> bool:
         """Return whether the line may be a row of a table: at least half of its cells are numbers or missing.
 
-        If blanks separate the cells, every line that begins with a number is a row, and a line that begins with a word
-        is a row only if ``named``.
+        If blanks separate the cells, every line that begins with a number may be a row, even with many words.
+
+        Parameters:
+            named: whether rows may begin with a word, the name of the row; matters only if blanks separate the cells.
         """
         filled = len(self.cells) - self.cells.count("")
         if self.line.comment or "9" not in self.kinds or filled < 2 or len(re.findall(r"=|:\s", self.text)) > 1:

@@ -68,10 +68,11 @@ class Displacement:
     """A displacement on one mesh whose error is to be enclosed.
 
     Attributes:
-        key, cache_key: name and cache key of the result.
-        compute: function that computes the displacement, unless it is given, and encloses its error. It returns the
-            result of ``bounded.record``.
-        shown: function that returns mesh and displacements for the picture.
+        key: the name under which the result of ``compute`` is stored.
+        cache_key: hash of everything on which this result depends; a stored result with another one is not used.
+        compute: function without arguments that encloses the error, and first computes the displacement if no file has
+            it. It returns the bounds as a dict, described in ``bounded.record``.
+        shown: function without arguments that returns mesh and displacement for the picture.
         files: files that ``compute`` writes.
         file_name, remark: name of the file with the given displacement, and a line about its content; empty if the
             displacement is computed.
@@ -189,6 +190,12 @@ def check_levels(options: Namespace, data: Data, family: MeshFamily, refined: Re
         data: the data of the problem.
         family: the mesh family.
         refined: how the mesh and the time steps are refined for the bound.
+
+    Raises:
+        UsageError: the finest mesh needs too much memory, or has too many triangles.
+        BoundError: no bound can be computed, or levels do not increase; ``check_bound`` has all reasons.
+        LoadError: no solution can exist for the data.
+        MeshError: a mesh does not fit the parts of the body.
     """
     finest = max(options.levels)
     require_bound(f"level {finest}", triangles(finest, family.name), refined.refinements)
@@ -200,10 +207,18 @@ def displacements_in_files(
 ) -> tuple[Path, list[Displacement]]:
     """Return the result directory, and the displacements in the files of --displacement, from coarse to fine meshes.
 
-    The parameters are those of ``computed_displacements``.
+    ``fields.read`` describes the formats of the files.
+
+    Parameters:
+        options: the options of the command.
+        name, data, case: name and data of the problem, and the case with its exact solution, or None.
+        refined: how the mesh and the time steps are refined for the bound.
 
     Raises:
-        UsageError: there is too little memory to bound the error on a mesh, or the mesh has too many triangles.
+        BoundError: a file cannot be read, or no bound can be computed.
+        LoadError: no solution can exist for the data.
+        UsageError: there is too little memory to bound the error on a mesh, or its refined mesh has more triangles than
+            ``FACTORISED`` in ``study.statements.shared.estimates``.
     """
     check_problem(data, options.steps, refined)
     read = []

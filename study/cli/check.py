@@ -52,7 +52,9 @@ tables of a run also belong to these files if its provenance has no checksums.""
 
 
 def do_check(options: Namespace) -> int:
-    """Check a result directory.
+    """Check a result directory: whether its plan, data, verdicts and the files made from them agree.
+
+    With ``--again``, a random sample of the measurements is also repeated and compared with the data.
 
     Returns:
         0 if everything agrees, 1 if a check fails or a repeated measurement differs, 3 if a check is undecided. A file
@@ -127,7 +129,7 @@ def as_written(directory: Path, judged: Verdicts) -> set[Path]:
 
 
 def not_compared(directory: Path, compared: set[Path]) -> dict[str, Paths]:
-    """Return the files of a result directory that were checked in part, and the files that were not checked, in words.
+    """Return "checked in part" and "not checked" ↦ the files of a result directory of which this is true.
 
     Hidden files, stored results of jobs, and result directories inside this one are left out.
 

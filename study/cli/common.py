@@ -40,13 +40,14 @@ def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
     """Return which checks are listed as undecided in a CSV file.
 
     Parameters:
-        file: the file; None for an empty set.
+        file: the file, with the columns label, key, case, family and reason; None for an empty set.
 
     Returns:
         Tuples (label of the statement, short name of the check, case, mesh family), which identify the checks.
 
     Raises:
-        UsageError: the file cannot be read, has other columns, or a row has no reason.
+        UsageError: the file cannot be read, has other columns, or a row does not give the reason why the check is
+            undecided.
     """
     if file is None:
         return set()

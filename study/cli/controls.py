@@ -33,10 +33,13 @@ from study.run.store import Store
 
 
 def do_faults(options: Namespace) -> int:
-    """Measure the matrix fault × case × check, write it and print which fault each case notices.
+    """Put deliberate faults into the discrete problem, and record which checks fail with each fault in each case.
+
+    The matrix fault × case × check is written to ``data/faults.csv``. Printed are, for each fault, the number of cases
+    whose checks notice it, and the faults that are not noticed as the rules of ``missed`` demand.
 
     Returns:
-        1 if a fault is not noticed as the rules demand, else 0; always 0 for a selection of cases.
+        1 if a fault is not noticed as these rules demand, else 0; always 0 for a selection of cases.
     """
     store = Store(options.out)
     store.check()
@@ -73,9 +76,10 @@ class TimeIsUpError(Exception):
 
 
 def do_seeds(options: Namespace) -> int:
-    """Judge checks on new random meshes as long as time permits, and count the seeds with a false alarm.
+    """Judge checks on new random meshes, and count the seeds with a false alarm, a check that does not hold by chance.
 
-    With the option ``--seed``, the command instead measures again on the random meshes with this seed.
+    New seeds are measured until the time of ``--minutes`` is over, or their number is that of ``--seeds``. With the
+    option ``--seed``, the command instead measures again on the random meshes with this seed.
 
     Returns:
         0 if the false-alarm rate is at most the permitted one, 1 if it is larger, 3 if this is undecided. With
@@ -137,7 +141,7 @@ def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tup
         end: when the run must stop, on the clock ``time.monotonic()``.
 
     Returns:
-        The checks that something is claimed about, and the hash of their rules.
+        The checks that something is claimed about, and the hash of their rules (quantities, tolerance windows, levels).
 
     Raises:
         TimeIsUpError: the time is over before all measurements are finished.

@@ -38,7 +38,7 @@ MOST_LEVELS = 12
 
 
 def do_export(options: Namespace) -> int:
-    """Write one file for each case, mesh family and level; return 0.
+    """Write the contact problem of each case, with its solution, into a file for each mesh family and level; return 0.
 
     By default, each case is written on the mesh families on which the quick study measures it.
     """
@@ -126,12 +126,13 @@ be zero, and their rounding errors grow like 1/h."""
 def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Json:
     """Return the data of a file with static problems, one for each of some times.
 
-    The exact solution of a static problem is the solution of the case at this time.
+    The exact solution of a static problem, with which answers are compared, is the solution of the case at its time,
+    without the factor ``scale``.
 
     Parameters:
         task: case, mesh family and level.
         instants: the times, in [0, T].
-        scale: factor of all loads, positive.
+        scale: factor of all loads and of the initial gap, positive.
     """
     loads = [
         dict(
@@ -150,12 +151,13 @@ def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Json:
 def march(task: Task, steps: int, scale: float = 1.0) -> Json:
     """Return the data of a file with a problem in time, for the midpoint rule with equal steps.
 
-    Loads are given at the middle of each step, solutions at its end.
+    Loads and contact pressures belong to the middle of each step, displacements to its end. The solutions, with which
+    answers are compared, are written without the factor ``scale``.
 
     Parameters:
         task: case, mesh family and level.
         steps: number of time steps.
-        scale: factor of all loads, positive.
+        scale: factor of all loads, of the initial gap and of the initial displacement, positive.
     """
     problem, states = task.march(steps)
     k = problem.T / steps
@@ -342,8 +344,8 @@ def plain(value: Any, digits: int = ARRAY_DIGITS) -> Any:
 
     Parameters:
         value: the data: dicts and lists of arrays and of values that JSON can write.
-        digits: the number of digits for arrays that are not in a dict. In a dict, the key of an array decides:
-            ``FINER_ARRAYS`` has the exceptions from ``ARRAY_DIGITS``.
+        digits: the number of digits for an array, or for arrays in a list. It has no effect on arrays in a dict, which
+            get the number that ``FINER_ARRAYS`` has for their key, or else ``ARRAY_DIGITS``.
     """
     if isinstance(value, dict):
         return {key: plain(one, FINER_ARRAYS.get(key, ARRAY_DIGITS)) for key, one in value.items()}

@@ -18,11 +18,11 @@ from study.cli.options import BAD_USAGE, BROKEN_PIPE, FAILED, INTERRUPTED, OK, p
 
 
 class PrintableStream:
-    """A text stream that writes printable texts into another stream.
+    r"""A text stream that writes into another stream, with control characters escaped as in ``printable``: \u001b.
 
     Attributes:
         stream: the other stream.
-        permitted: control characters that are written, such as the carriage return of progress bars.
+        permitted: control characters that are written as they are, such as the carriage return of progress bars.
     """
 
     def __init__(self, stream: TextIO, permitted: str = "") -> None:

@@ -100,7 +100,9 @@ def out(default: str = "results", *also: str) -> Option:
 
 
 def enclosed(levels: tuple[int, ...], shorter: int) -> list[Option]:
-    """Return the options of commands that enclose errors.
+    """Return the options of commands that compute a lower and an upper bound of errors.
+
+    The bounds come from a second displacement ũ, which is more accurate than the one whose error is bounded.
 
     Parameters:
         levels: default levels.
@@ -315,12 +317,15 @@ def parser() -> argparse.ArgumentParser:
 
 
 def refuse_unknown(command: argparse.ArgumentParser, known: Sequence[str], words: Sequence[str]) -> None:
-    """Print the usage of a command and its option that is most similar to an unknown word; end the program with 2.
+    """Print the usage of a command and its unknown words, suggest a similar option, and end the program with 2.
 
     Parameters:
         command: the parser of the command.
         known: the options that the command has.
-        words: the unknown words of the command line. A similar option is suggested for the first of them.
+        words: the unknown words of the command line. If an option is similar to the first of them, it is suggested.
+
+    Raises:
+        SystemExit: always, with the exit code 2.
     """
     near = get_close_matches(words[0], known, n=1, cutoff=0.8)
     command.error(f"unrecognized arguments: {' '.join(words)}{f'; did you mean {near[0]}?' if near else ''}")

@@ -48,7 +48,11 @@ def do_tables(options: Namespace) -> int:
 
 
 def do_report(options: Namespace) -> int:
-    """Write the report, one HTML page, unless data and ``claims.csv`` contradict each other; return 0."""
+    """Write the report, one HTML page; return 0.
+
+    Raises:
+        DataError: ``claims.csv`` differs from the checks that follow from the data; then no report is written.
+    """
     with Processes(options.jobs) as processes, Store(options.out).steady():
         compare_claims(options.out, verdicts(options.out))
         print(write_report(options.out, read_provenance(options.out), processes.map))

@@ -117,8 +117,12 @@ def verdict_printer(jobs: Jobs, store: Store, bar: ProgressBar) -> Callable[[Job
 def with_levels_of(directory: Path, scope: Scope) -> Scope:
     """Return a scope (cases and their levels) to which the levels of an earlier run in this directory are added.
 
-    The levels are only added for cases with new levels in the scope. Such a case is then measured on old and new levels
-    together.
+    They are added for each case that has levels in the scope on which the earlier run did not measure it. Such a case
+    is then measured on old and new levels together. All other cases keep the levels of the scope.
+
+    Parameters:
+        directory: the result directory; without an earlier run in it, the scope is returned unchanged.
+        scope: the scope.
     """
     if not (directory / "data" / "provenance.json").exists():
         return scope

@@ -64,7 +64,10 @@ class Codes:
         return cls(errors.merge(classes[["series", *CODE_SERIES]], on="series"), classes)
 
     def series(self) -> DataFrame:
-        """Return one row for each series that the code can express: its class, and two quotients on its finest mesh.
+        """Return one row for each series that its code can compute: its class, and two quotients on the finest mesh.
+
+        A series is one code with fixed parameters on the meshes of one case and mesh family. Series whose problem the
+        code cannot represent (class NOT_EXPRESSED) are left out.
 
         The columns of the quotients are:
 
@@ -109,10 +112,13 @@ def _counted_grades(classes: Series) -> str:
 
 @dataclass(frozen=True)
 class OtherErrors(CsvFile):
-    """The errors of all other codes as one table, with which a statement compares its own measurements.
+    """Where a statement finds the errors of other codes, which it compares with errors that it measures itself.
+
+    ``read`` returns them as one table, as for any ``CsvFile``.
 
     Attributes:
-        label: label of the statement, for the column ``label``.
+        label: label of the statement. It fills the column ``label``, a part of the key by which the rows are joined
+            with the rows that the statement measures.
     """
 
     label: str = ""
@@ -122,7 +128,7 @@ class OtherErrors(CsvFile):
     def read(self, directory: Path) -> DataFrame:
         """Return the errors of all codes in one table with the columns ``mode`` and ``label``; empty without data.
 
-        The column ``mode`` is FROZEN for static problems and MARCH for problems in time. If a code cannot express a
+        The column ``mode`` is FROZEN for static problems and MARCH for problems in time. If a code cannot represent a
         problem, it has a row of NaN for each mesh on which other codes were run.
         """
         found = []

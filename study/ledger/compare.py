@@ -58,10 +58,11 @@ class Comparison:
 
     Attributes:
         tolerance: the tolerance for numbers.
-        states: name of each file in the folders ``data`` ↦ IDENTICAL, WITHIN_TOLERANCE, DIFFERS or LEFT_OUT.
+        states: name of each file in the folders ``data`` ↦ IDENTICAL, WITHIN_TOLERANCE, DIFFERS, or LEFT_OUT for a file
+            that only one directory has and that ``study run`` does not write.
         cells: the cells that differ by more than the tolerance, with the columns ``file``, ``row``, ``column``,
-            ``old``, ``new`` and ``relative``, the relative difference |a − b| / max(|a|, |b|). A cell that only one
-            directory has is empty in the other one.
+            ``old``, ``new`` and ``relative``, the relative difference |a − b| / max(|a|, |b|) of old value a and new
+            value b. A cell that only one directory has is empty in the other one.
     """
 
     tolerance: Tolerance
@@ -70,7 +71,7 @@ class Comparison:
 
     @property
     def counts(self) -> dict[str, int]:
-        """The number of files in each state."""
+        """State (identical, within, differs, left out) ↦ number of files in this state, perhaps 0."""
         count = Counter(self.states.values())
         return {state: count[state] for state in (IDENTICAL, WITHIN_TOLERANCE, DIFFERS, LEFT_OUT)}
 

@@ -29,10 +29,15 @@ The comparison notices any fault that the other formulation does not have."""
 
 
 def summary(matrix: DataFrame) -> DataFrame:
-    """Return for each fault and size in how many cases it occurs, is noticed, and is invisible.
+    """Return a table with a row for each fault and size, which says in how many cases it is noticed.
 
     Parameters:
         matrix: the table ``faults.csv``.
+
+    Returns:
+        The columns ``equation``, ``fault`` and ``size``, and numbers of cases: ``errors``, where a check of the order
+        or size of the error fails; ``any_check``, where some check fails; ``invisible``, where the fault changes the
+        discrete solution by less than ``INVISIBLE_SHARE`` of the error; ``cases``, all in which it was measured.
     """
     by_error = matrix.by_error != ""
     rows = matrix.assign(
@@ -48,14 +53,19 @@ def summary(matrix: DataFrame) -> DataFrame:
 def missed(matrix: DataFrame) -> dict[str, str]:
     """Return the deliberate faults that checks do not notice as the rules demand.
 
-    The result is name of the fault ↦ "in the plane", "in space" or "in the plane and in space".
+    A check notices a fault in a case if it fails with the fault. The rules are:
 
-    By the order or the size of the error, every fault must be noticed at its smallest size in two plane cases. In space
-    only the largest size is tried, because the meshes are coarser, and must be noticed in one case. For a fault at
-    single vertices or cells, or of contact forces only, any check but the comparison with Problem 3.2 may notice it.
+    * Every fault of its smallest size must be noticed in two plane cases, or in the only one in which it was measured.
+    * Every fault of its largest size must be noticed in one case in space, if it can occur there. Smaller sizes are
+      not tried in space, because the meshes are coarser.
+    * Only checks of the order or size of the error count. For faults of single vertices or cells, or of contact forces,
+      other checks count, too, except the comparison with Problem 3.2.
 
     Parameters:
         matrix: the table ``faults.csv``.
+
+    Returns:
+        Name of the fault ↦ where it is not noticed: "in the plane", "in space" or "in the plane and in space".
     """
     lacking = {}
     alone = matrix.by_others.str.contains(ALONE)
@@ -74,7 +84,11 @@ def missed(matrix: DataFrame) -> dict[str, str]:
 
 
 def in_words(lacking: dict[str, str]) -> str:
-    """Return the result of ``missed`` as a text."""
+    """Return as text which faults are not noticed where; "none" if there are none.
+
+    Parameters:
+        lacking: the result of ``missed``.
+    """
     return "; ".join(f"{fault}, {where}" for fault, where in lacking.items()) or "none"
 
 
@@ -110,7 +124,8 @@ class Seed(NamedTuple):
 
     Attributes:
         seed: the number from which the random meshes are made.
-        rules: hash of the rules of all judged checks.
+        rules: hash of the quantities, tolerance windows and levels of all judged checks; "-" while the seed is being
+            measured. A seed counts only if its hash is that of the seed that was judged last.
         judged: number of checks; −1 while the seed is being measured.
         alarms: number of checks that did not hold; −1 while the seed is being measured.
     """
@@ -164,7 +179,7 @@ class SeedRecord:
         """Return the record with the result of the seed that was drawn last.
 
         Parameters:
-            rules: hash of the rules of the checks.
+            rules: hash of the rules of the checks, as in ``Seed``.
             checks: number of checks.
             alarms: number of checks that did not hold.
 
@@ -180,8 +195,8 @@ class FalseAlarms:
     """The false-alarm rate of all checks on random meshes together.
 
     Attributes:
-        checks: number of checks.
-        seeds: number of seeds that count.
+        checks: number of checks on each seed.
+        seeds: number of seeds that count: those that are finished, with the same ``rules`` as the last finished one.
         red: number of these seeds on which at least one check did not hold.
         low, high: confidence interval of the false-alarm rate, whose estimate is red / seeds.
         verdict: whether the rate is at most ``LARGEST_RATE``: holds, fails or undecided.

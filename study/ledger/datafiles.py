@@ -374,7 +374,10 @@ def by_claim(claims: DataFrame) -> Iterator[tuple[str, str, DataFrame]]:
 
 
 def with_orders(table: DataFrame) -> DataFrame:
-    """Return a table of errors with their observed orders in a new column ``order`` after the column ``time_share``."""
+    """Return a table with a new column ``order`` after ``time_share``: the observed orders of the column ``error``.
+
+    The order in a row is that between the level before and its own, as ``in_series`` returns it.
+    """
     completed = table.copy()
     completed.insert(table.columns.get_loc("time_share") + 1, "order", in_series(table, "error"))
     return completed

@@ -104,7 +104,8 @@ class Verdict:
         expected: the tolerance window in words.
         observed: the value that is shown. With several mesh families, it is the value that uses most of the window.
         low, high: the range of the quantity over mesh families and levels.
-        verdict: holds, fails, undecided, missed or reported.
+        verdict: holds; fails; undecided; missed, if a prediction of this study was wrong; reported, if nothing is
+            claimed about the value.
         key: short name of the quantity, which never changes.
         family: the mesh family; empty for a check about all families.
         kind: what the check tests: claim, consequence, accuracy or identity; empty if nothing is measured.
@@ -150,11 +151,13 @@ def row(
     """Return the verdict on a check, that is, one row of the ledger, from its parts.
 
     Parameters:
-        of: the statement.
-        key, quantity, window, case, family: as described in ``Verdict``.
+        of: the statement, with its label and claim.
+        key, case, family: as described in ``Verdict``.
+        quantity: the measured quantity in words; the mesh family is added to them.
+        window: the tolerance window.
         found: observed value, its range (low, high), and the verdict.
-        expected: the expected value in words; by default the text of the window.
-        kind: what the check tests.
+        expected: the tolerance window in words; by default the text of ``window``.
+        kind: what the check tests, a ``CheckKind``; empty if nothing is measured.
     """
     observed, (low, high), verdict = found
     words = f"{quantity}, {family} meshes" if family else quantity

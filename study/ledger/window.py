@@ -23,7 +23,8 @@ class Window:
 
     Attributes:
         low, high: the ends. If ``low`` is 0, −∞ or far below ``high``, only large values are bad.
-        why: the reason for the ends, or the quantity to which the value is relative.
+        why: words that follow the ends in ``text``: their reason, such as "every consecutive order", or what the value
+            is a fraction of, such as "of the value on the finest level".
         predicted: the smallest and the largest predicted value, if the window extends beyond them on both sides.
     """
 
@@ -139,7 +140,10 @@ def between(least: float, largest: float, below: float, above: float, why: str =
 
 
 def shown(number: float) -> str:
-    """Return a number as text with three significant digits; a small difference is written after it: 1 + 1e-9."""
+    """Return a number as text with three significant digits.
+
+    If they differ from the number by less than 1e-4 of it, the difference follows: 1.000000001 becomes ``1 + 1e-9``.
+    """
     text = f"{number:.3g}"
     rest = number - float(text) if isfinite(number) else 0.0
     if number and 0 < abs(rest) < 1e-4 * abs(number):

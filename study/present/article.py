@@ -131,16 +131,21 @@ def by_group(claims: DataFrame, groups: Series, titles: Iterable[str]) -> Iterat
 
 
 def verdicts(data: FullRun) -> Rows:
-    """Return the numbers of checks with each verdict, a row for each group of statements and for all.
+    """Return the numbers of checks with each verdict, with a row for each group of statements and one for all.
 
-    The checks that hold are counted by the kind of their evidence.
+    A row has the title of the group, the numbers of checks that hold, one for each ``CheckKind``, and the
+    ``numbers_of_others``.
     """
     groups = by_group(data.claims, data.claims.label.map(group_of), [*GROUPS, BEYOND])
     return [[title, *count_kinds(rows).values(), *numbers_of_others(rows)] for title, rows in groups]
 
 
 def numbers_of_others(rows: DataFrame) -> list[int]:
-    """Return the numbers of checks that fail or are undecided, of wrong predictions, and of reported numbers."""
+    """Return three numbers of checks that do not hold: failed or undecided, wrong predictions, numbers without a claim.
+
+    Parameters:
+        rows: rows of ``claims.csv``.
+    """
     count = count_verdicts(rows)
     return [count[FAILS] + count[UNDECIDED], count[MISSED], count[REPORTED]]
 
@@ -148,7 +153,8 @@ def numbers_of_others(rows: DataFrame) -> list[int]:
 def accounts(data: FullRun) -> Rows:
     """Return the numbers of all checks, of checks that hold, and of checks that fail or are undecided.
 
-    There is a row for each kind of evidence, whose titles are ``EVIDENCE_TITLES``, and a row for all checks.
+    There is a row for each kind of evidence, which says what a check can show (a claim of the source, the accuracy of
+    the computation, …; see ``evidence``), and a row for all checks. Without a claim, the last two numbers are dashes.
     """
     kinds = data.claims.apply(evidence, axis=1).map(EVIDENCE_TITLES)
     body: Rows = []
@@ -195,7 +201,10 @@ def slips(data: FullRun) -> list[list[str]]:
 
 
 def faults(data: FullRun) -> DataFrame:
-    """Return the deliberate faults: in how many cases they are noticed, and are invisible."""
+    """Return for each deliberate fault and size in how many cases it was measured, is noticed, and is invisible.
+
+    The columns are those of ``summary``, which also says what *invisible* means.
+    """
     rows = summary(data.faults)
     rows["size"] = rows["size"].map("{:g}".format)
     columns = ["equation", "fault", "size", "cases", "errors", "any_check", "invisible"]
@@ -206,7 +215,7 @@ def faults(data: FullRun) -> DataFrame:
 
 
 def catalogue(data: FullRun) -> DataFrame:
-    """Return the exact solutions with their names, summaries and laws."""
+    """Return a row for each exact solution: its name, summary and material law."""
     laws = data.cases.law.str.removeprefix("linear, ")
     return data.cases.assign(law=laws)[["case", "summary", "law"]]
 
@@ -224,12 +233,15 @@ def cases_of(data: FullRun, label: str) -> DataFrame:
 
 
 def measured(data: FullRun, label: str, key: str, *columns: str, scale: float = 1) -> Series:
-    """Return case ↦ the results of one check as text with two decimals.
+    """Return case ↦ the results of one check as text with two decimals, such as "0.92–1.00" for a range.
+
+    If a case has several rows of the check, for several mesh families, the first row is taken.
 
     Parameters:
         data: the data of the run.
         label, key: the label of the statement, and the short name of its check.
-        columns: the columns of ``claims.csv`` with the results, such as "low" and "high".
+        columns: the columns of ``claims.csv`` with the results, such as "low" and "high". Equal results of several
+            columns are written once, different ones with a dash between them.
         scale: factor of the results.
     """
     rows = data.labelled(label)
@@ -326,7 +338,10 @@ def discrete(data: FullRun) -> DataFrame:
 
 
 def codes(data: FullRun) -> list[list[str]]:
-    """Return other people's contact codes without the effect of scaling; no rows if their results are missing."""
+    """Return the rows of ``contact_codes`` without the last column, the effect of scaled loads.
+
+    There are no rows if the results of other people's contact codes are missing.
+    """
     return [row[:-1] for row in contact_codes(data.codes)] if data.codes else []
 
 
@@ -334,7 +349,8 @@ def contact_codes(results: Codes) -> list[list[str]]:
     """Return other people's contact codes, a row for each code and its parameters.
 
     A row says how the errors behave on finer meshes (the class, and the number of series of meshes with this class),
-    and has the range of orders, rounded outwards, and the worst distance, pressure error and effect of scaling.
+    and has the range of orders, rounded outwards, and the worst distance, pressure error and effect of scaling
+    (change of the result if all loads are scaled).
     """
     return [
         [

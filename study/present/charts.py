@@ -312,8 +312,9 @@ def values_of_orders(rates: DataFrame, expected: Orders) -> Json:
 def over_constants(rates: DataFrame) -> DataFrame:
     """Return the rows of ``rates.csv`` with two more columns: ``scaled`` is error / C, ``relative`` is error / (C h).
 
-    C h is the leading term of the interpolation error ‖u − Π^h u‖_V on the finest mesh. C follows from second
-    derivatives of u, (5.23), not from the measured errors, so nothing is fitted.
+    C is one constant for each case and mesh family: the leading term of the interpolation error ‖u − Π^h u‖_V on the
+    finest mesh, divided by the mesh size of this mesh. It follows from second derivatives of u, (5.23), not from the
+    measured errors, so nothing is fitted.
     """
     rates = rates.sort_values("level", kind="stable")
     finest = rates.groupby(["case", "family"], sort=False)[["h", "predicted_interpolation"]].transform("last")
@@ -324,8 +325,8 @@ def over_constants(rates: DataFrame) -> DataFrame:
 def draw_collapsed(rates: DataFrame) -> Figure:
     """Draw the errors of all smooth cases, each divided by its constant C, so that the lines coincide.
 
-    The upper axes show error / C, the lower axes error / (C h), both against the mesh size h. C h is the leading term
-    of the interpolation error on the finest mesh, as in ``over_constants``.
+    The upper axes show error / C, the lower axes error / (C h), both against the mesh size h. ``over_constants`` says
+    what C is.
     """
     styles = family_styles(rates.family)
     figure, (errors, ratios) = stacked_axes(3, 2)
@@ -495,7 +496,11 @@ CONTACT_TERMS: Lines = {
 
 
 def work_rows(statements: DataFrame) -> DataFrame:
-    """Return a table for ``draw_work`` from ``statements.csv``, with a column for each of ``CONTACT_TERMS``."""
+    """Return a table for ``draw_work`` from the rows "beyond: work of contact" of ``statements.csv``.
+
+    It has a row for each case, mesh family and level, with the mesh size ``h`` and a column for each measured quantity
+    in ``CONTACT_TERMS``: ``work``, ``error`` and ``excess``.
+    """
     chosen = statements.label.eq("beyond: work of contact") & statements.quantity.isin(CONTACT_TERMS)
     key = ["case", "family", "level", "h"]
     return statements[chosen].pivot_table("value", key, "quantity", sort=False).reset_index()
@@ -524,9 +529,11 @@ def values_of_work(rows: DataFrame) -> Json:
 
 
 def roller_rows(statements: DataFrame) -> DataFrame:
-    """Return the rows of ``statements.csv`` with the additional error that ``draw_rollers`` shows.
+    """Return the rows of ``statements.csv`` for ``draw_rollers``: those with the excess for the cases of rollers.
 
-    The families of all shaken meshes, which have different random seeds, become one mesh family.
+    The excess, in the column ``value``, is max_t ‖u^h − u^h_lin‖_V, the error that contact adds to the error of the
+    linear problem. The families of all shaken meshes, which have different random seeds, become one mesh family,
+    "shaken".
     """
     chosen = statements.label.eq("beyond: rollers") & statements.quantity.eq("excess")
     rows = statements[chosen & statements.case.str.fullmatch(r"roller-\d+")]

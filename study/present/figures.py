@@ -144,9 +144,12 @@ def _table(data: Sequence[Any]) -> DataFrame | None:
 def drawings(directory: Path) -> list[Drawing]:
     """Return all figures of a result directory without drawing them: figures over all cases, and of each case.
 
-    The figures over all cases are those of ``overview``. A case has the figure ``convergence-CASE`` if it is in
-    ``rates.csv``, ``enclosure-CASE`` if its error has two-sided bounds, and ``body-CASE``, and ``zone-CASE``
-    with ``profiles-CASE`` in 2D or ``fronts-CASE`` in 3D, if it has a file in ``pictures``.
+    The figures over all cases are those of ``overview``. The figures of a case are
+
+    * ``convergence-CASE``, if the case is in ``rates.csv``;
+    * ``enclosure-CASE``, if its error has two-sided bounds;
+    * if it has a file in ``pictures``: in 2D ``body-CASE``, ``zone-CASE`` and ``profiles-CASE``, in 3D ``body-CASE``
+      and ``fronts-CASE``.
 
     Raises:
         DataError: a data file is missing or damaged.
@@ -169,15 +172,16 @@ def drawings(directory: Path) -> list[Drawing]:
 def drawings_of(
     directory: Path, cases: Sequence[str] = (), names: Sequence[str] = (), slides: bool = False
 ) -> list[Drawing]:
-    """Return the figures of the named cases, or the figures with some names, without drawing them.
+    """Return the figures of some cases, with some names, or all figures, without drawing them.
 
     Parameters:
         directory: a result directory.
-        cases, names: names of cases and of figures; without both, all figures are returned.
+        cases: names of cases, whose figures are returned; empty for all figures.
+        names: names of figures; if cases are given, too, only figures of these cases with these names are returned.
         slides: whether only figures that can be read on a slide are returned.
 
     Raises:
-        UsageError: there is no figure of a case, or with a name.
+        UsageError: there is no figure of a case, or none with a name.
         DataError: a data file is missing or damaged.
     """
     # A figure with axes for each of many cases cannot be read on a slide.

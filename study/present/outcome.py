@@ -61,8 +61,9 @@ def rates_text(directory: Path) -> str:
 def finest_orders(rates: DataFrame, refinements: int) -> dict[str, float]:
     """Return mesh family ↦ observed order of the error between the finest mesh and a coarser mesh.
 
-    With two refinements, a fixed front or jump of the material at 1/3 (the cases rough-1.75 and layered-unmet) has the
-    same position in the cells of both meshes, because 4 − 1 is a multiple of 3.
+    A contact front that does not move, or a jump of the material, may lie inside cells, at 1/3 of a side (the cases
+    rough-1.75 and layered-unmet). With two refinements, which multiply n by 4, it has the same position in its cells of
+    both meshes, because 4n/3 and n/3 have the same fractional part.
 
     Parameters:
         rates: rows of ``rates.csv`` of one case. Families with a single level, or with errors that have no order, are
@@ -159,7 +160,8 @@ def _wrapped(text: str, indent: str = "") -> list[str]:
 def write_junit(path: Path, verdicts: Verdicts) -> None:
     """Write verdicts into a JUnit XML file, as one test case each.
 
-    The verdict *fails* is a failure; the verdicts *undecided*, *missed* and *reported* are skipped tests.
+    The verdict *fails* is a failure. The verdicts *undecided*, *missed* (a prediction of this study was wrong) and
+    *reported* (nothing is claimed) are skipped tests.
     """
     suite = Element("testsuite", name="ledger", tests=str(len(verdicts)))
     for verdict in verdicts:

@@ -78,10 +78,10 @@ def main() -> None:
 
 
 def refresh(page: Path, data: FullRun) -> bool:
-    """Write the tables of a page again; return whether the page changed.
+    """Write a page with the text of ``refreshed``, whose tables are made again; return whether the page changed.
 
     Raises:
-        DataError: the page has no marks.
+        DataError: the page has no marks between which a table could be written.
     """
     before = page.read_text(encoding="utf-8")
     text = refreshed(page, data)
@@ -93,7 +93,7 @@ def refreshed(page: Path, data: FullRun) -> str:
     """Return the text of a page with its tables, between ``<!-- NAME -->`` and ``<!-- end -->``, made from the data.
 
     Raises:
-        DataError: the page has no marks.
+        DataError: the page has no mark ``<!-- end -->``.
     """
     text = page.read_text(encoding="utf-8")
     for name, table in TABLES.items():
@@ -153,9 +153,11 @@ def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def sentences(data: FullRun) -> Callable[[str], str]:
-    """Return a function that makes a sentence with the numbers of a full run, in plain text, from its template.
+    """Return a function that takes the text of a template and fills in the numbers of a full run.
 
-    Templates use the names of ``context``, and those that are defined here.
+    Templates use the names of ``context``; ``verdicts_in_words`` and ``misprints``; the predicted and observed orders
+    of Proposition 5.3 (``predicted``, ``difference``, ``steps``); and the observed orders of the stresses of Theorem
+    4.2 on their own space, for the cases of Proposition 5.4 (``own_smooth``) and for the others (``own_others``).
     """
     of_rough = data.checks("Prop. 5.3", "order")
     own = data.checks("Thm 4.2, own space", "order-stress")
@@ -175,9 +177,10 @@ def sentences(data: FullRun) -> Callable[[str], str]:
 
 
 def short(data: FullRun) -> str:
-    """Return the result in a few lines, in Markdown.
+    """Return the main results of the study in a few lines, in Markdown.
 
-    The page that shows them defines the targets of the links [problem], [faults], [results], [misprints] and [bounds].
+    They have the links [problem], [faults], [results], [misprints] and [bounds]; each page with these lines must define
+    the targets.
     """
     fill = sentences(data)
     return "".join(f"- **{lead}.** {_literal(fill(text))}\n" for lead, text in TEXTS["short"].items())

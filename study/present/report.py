@@ -141,10 +141,11 @@ def case_pages(directory: Path, claims: DataFrame, rates: DataFrame, run_map: Ru
 
 
 def draw_case(directory: Path, case: str, charts: Sequence[Drawing]) -> Json:
-    """Return the pictures of a case: ``charts`` in HTML, the number of contact ``faces``, ``frames``, and ``zone``.
+    """Return the pictures of a case, ``charts``, ``frames`` and ``zone``, and its number of contact ``faces``.
 
-    ``frames`` are the images of the animation, each as its text and its address, which contains the image. ``zone`` is
-    the picture of the contact zone, as its caption and address.
+    ``charts`` are texts in HTML. ``frames`` are the images of the animation, each as a pair: a text for readers who
+    cannot see it, and a data URL, which contains the image. ``zone`` is the picture of the contact zone, as a pair of
+    its caption and a data URL.
 
     Parameters:
         directory: the directory of a run.
@@ -179,7 +180,11 @@ def _address(image: Image.Image) -> str:
 
 
 def svg_chart(drawing: Drawing) -> Markup:
-    """Return a figure with its caption in HTML; the names of all figures of a page differ."""
+    """Return a figure with its caption in HTML.
+
+    Parameters:
+        drawing: the figure. No other figure of the page may have its name, from which ids in the SVG are made.
+    """
     content = StringIO()
     with in_style(WEB):
         rcParams["svg.fonttype"] = "none"

@@ -333,7 +333,16 @@ ENVIRONMENT.filters |= {function.__name__: function for function in FILTERS} | {
 
 
 def evidence(row: Series) -> str:
-    """Return the kind of evidence of a row of ``claims.csv``, as a key of ``EVIDENCE_TITLES``."""
+    """Return the kind of evidence of a check, that is, what it can show; it is a key of ``EVIDENCE_TITLES``.
+
+    Parameters:
+        row: the row of ``claims.csv``.
+
+    Returns:
+        If the check judges a claim: its kind, claim, consequence, accuracy or identity (see ``CheckKind``). For a
+        prediction that no statement claims: met, undecided or wrong. For other numbers without a claim: numbers. For
+        rows without a number, such as misprints: lines.
+    """
     if row.label in (NO_ROW, NOT_TESTED, MISPRINTS):
         return "lines"
     if row.verdict in UNCLAIMED:
@@ -425,5 +434,10 @@ def context(data: FullRun) -> Json:
 
 
 def render(template: str, /, *tables: Json, **values: object) -> str:
-    """Return the text that a template in ``page`` makes from values."""
+    """Return the text that a template makes from values.
+
+    Parameters:
+        template: the name of its file in the folder ``page``.
+        tables, values: the values, as dicts (name in the template ↦ value) and as keywords.
+    """
     return ENVIRONMENT.get_template(template).render(*tables, **values)
