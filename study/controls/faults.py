@@ -125,8 +125,8 @@ def factor_fault(change: Callable[[Space, Array], Array]) -> Change:
 def with_factors(setup: Experiment, change: Callable[[Array], Array]) -> Experiment:
     """Return an experiment that is solved with changed material factors of A and of a linear G.
 
-    The tensors are α A and β G with constant A and G and scalar factors α(x) and β(x), which are replaced by their means
-    on the cells. A nonlinear G is not changed.
+    The tensors of the law are constant tensors times scalar factors α(x) for A and β(x) for G, whose means on the cells
+    are changed. A nonlinear G is not changed.
 
     Args:
         setup: the experiment.

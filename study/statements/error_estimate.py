@@ -419,8 +419,8 @@ class ResidualBound(ListedNumbers):
       largest norm over the times is divided by the bound. ``double-well`` has a G(·, 0) that is not zero.
     * *A body at rest with a stress.* G is replaced by G(x, ε) − G(x, 0) + A ε(z) with z = −M⁻¹Nᵀμ and random μ > 0.
       There is no load and no initial displacement. Then R(s; v) = (A ε(z), ε(v))_Q, and u^h ≡ 0 solves Problem 5.1 if R
-      ≥ 0 on K^h. This means that −R lies in the cone {Nᵀλ : λ ≥ 0}, which is measured as well. R is not zero, but u
-      and f are, so the printed bound is zero for every c. It is wrong.
+      ≥ 0 on K^h. This means that −R lies in the cone {Nᵀλ : λ ≥ 0}, which is measured as well. R is not zero, but
+      the printed bound is zero for every c, because u^h and f are zero. So it is wrong.
 
     **Predicted**:
 
@@ -662,8 +662,8 @@ def changing(bound: str, prediction: str) -> Value:
 
     Args:
         bound: the column with the quotient of the bound and the error.
-        prediction: the column with the exponent γ for which bound/error is predicted to grow like h^{−γ}. Its values are
-            not used, but it must exist: without it γ is unknown, so the function raises KeyError and nothing is judged.
+        prediction: the column with the exponent γ for which bound/error is predicted to grow like h^{−γ}. Its values
+            are not used, but without this column γ is unknown. The function then raises KeyError, so nothing is judged.
     """
     growth = change(bound)
     return lambda table: growth(table[[bound, prediction]])

@@ -600,13 +600,14 @@ class WorkOfContact(ListedNumbers):
       excess is the part of the error that is due to contact.
 
     The exact solutions continue gap and pressure from Γ3 into the body, down to a depth that may be smaller than a
-    cell. So integrals over the body are computed on a refined mesh, whose cells there are at most a third of this depth.
+    cell. So integrals over the body are computed on a refined mesh (``Resolved``), whose cells in this strip are at
+    most a third of its depth.
 
     On grids the work is also measured for many sets of random vertices on Γ3, with its mean and its standard deviation.
 
     **Predicted**, from the form of gap and pressure. They consist of trains of waves of width ℓ, and ℓ is halved from
-    one train to the next. Below, R stands for the integral ∫_0^T ∫_{Γ3} p Π^h w, whose root is ``work``, and R_E for the
-    part of it on an edge E.
+    one train to the next. Here R is the integral ∫_0^T ∫_{Γ3} p Π^h w, whose root is ``work``, and R_E is the part of
+    it on an edge E.
 
     * *On grids* all edges are equal and cut every train at the same places. So R/h² is a sum over the trains, and the
       term of a train is a function of ℓ/h. The sum is constant, and the root of R has order 1, as long as there are
@@ -944,14 +945,14 @@ class Rollers(ListedNumbers):
     Beyond the paper: without u̇(t) ∈ H² and σ_ν ∈ L^p, p > 1, order 1/2 is proved, and rollers suggest that it is
     sharp.
 
-    A *roller* is an exact solution in which a contact patch of width ℓ moves along Γ3, from near the end s = 0 of this
-    side with the coordinate s. On every mesh ℓ = 2h, so the patch is two cells wide, however fine the mesh is. The
-    formulas in ``manufactured.multiscale.rollers`` have a factor Q in the pressure p and in the normal strain q, and a
-    factor ω in the gap. They are Q = 1 and ω = 1/10, unless one of them is doubled.
+    A *roller* is an exact solution in which a contact patch of width ℓ moves along Γ3. On every mesh ℓ = 2h, so the
+    patch is two cells wide, however fine the mesh is. The formulas in ``manufactured.multiscale.rollers`` have a factor
+    Q in the pressure p and in the normal strain q, and a factor ω in the gap. They are Q = 1 and ω = 1/10, unless one
+    of them is doubled.
 
     **The bound.** Proposition 5.4 assumes u̇(t) ∈ H². A theorem of this study (proof in paper/velocity.tex) proves the
-    order r/2 for u ∈ L¹(0,T;H^{1+r}), without a logarithm. Measured is another bound, proved in paper/companion.tex,
-    for u ∈ L^∞(0,T;H^{1+r}) ∩ W^{1,1}(0,T;V):
+    order s/2 for u ∈ L¹(0,T;H^{1+s}), without a logarithm. Measured is another bound, proved in paper/companion.tex,
+    for u ∈ L^∞(0,T;H^{1+s}) ∩ W^{1,1}(0,T;V):
 
         ‖u − u^h‖_V ≤ e^{κT} (E_h + ‖u_0 − Π^hu_0‖_V + 2ΘM_h + (2D_h‖ϑ‖_{L¹(0,T)})^{1/2}).
 
@@ -964,7 +965,7 @@ class Rollers(ListedNumbers):
     * ϑ = ∫_{Γ3} p, the total contact force;
     * Θ = ‖Π^hθ‖_V, where θ is the normal ν times the distance from Γ1.
 
-    For r = 1, M_h is of order h. So this bound is of order 1/2, up to a logarithm.
+    For s = 1, M_h is of order h. So this bound is of order 1/2, up to a logarithm.
 
     **Measured** are
 
@@ -1010,8 +1011,8 @@ class Rollers(ListedNumbers):
       64, and its orders are 0.61 and 0.46. The prediction ignored both effects, so the order is reported and not
       judged. The orders of E_h are 0.6 to 0.8 on these levels, where the logarithm still matters.
     * With one diagonal the orders of the excess from level to level are 0.84, 1.00 and 1.16, and the orders of M_h are
-      0.9, 1.4 and 1.8. Both quantities are maxima, whose places change from level to level. M_h occurs at the end s = 0
-      of Γ3, near which the roller starts, and falls like h² from the second level on. Near the patch and far from the
+      0.9, 1.4 and 1.8. Both quantities are maxima, whose places change from level to level. M_h occurs at the end of
+      Γ3 near which the roller starts, and falls like h² from the second level on. Near the patch and far from the
       ends of Γ3, nodal errors over h are 0.076, 0.076, 0.074 and 0.073. The reason is that for ℓ = 2h the solution near
       the patch looks the same on every level. The largest excess occurs at the start, at t ~ h, for n = 16, 32 and 64,
       but at T, behind the roller, for n = 128. At T the excess over h is 0.104, 0.093, 0.109 and 0.136. From the second

@@ -68,8 +68,8 @@ class Scope:
     Attributes:
         name: quick or full.
         cases: the cases, by their names in the catalogue or as FILE.py:NAME.
-        plane, rough, solid: levels of the meshes for three kinds of cases: plane cases that satisfy the regularity
-            assumption (5.36), plane cases that do not, and cases in 3D. Orders of cases without (5.36) need more levels.
+        plane, rough, solid: levels of the meshes for three kinds of cases: plane cases with the regularity (5.36) that
+            Proposition 5.4 assumes, plane cases without it, whose orders need more levels, and cases in 3D.
         equivalence, solid_equivalence: levels in 2D and in 3D on which Theorem 4.2, the equivalence of the displacement
             problem and the stress problem, is tested.
         every_family: whether cases are measured on all mesh families that can mesh their bodies. Otherwise each case
