@@ -133,7 +133,10 @@ def admissible(value: Sequence[int], normals: Collection[checker.Vector]) -> lis
 
 
 class StressEncoder:
-    """Converts stresses of ``study.bound`` to integers for the checker, and loads of the checker to projected loads.
+    """Converts stresses of ``study.bound`` to integers of a certificate.
+
+    The stresses must balance the approximate loads f̃ of the checker. So ``loads`` converts these to the form in which
+    ``study.bound`` computes stresses for given loads.
 
     Args:
         problem: the problem, as the checker reads it.
@@ -233,9 +236,13 @@ class StressEncoder:
 
         Args:
             tractions, inner: the stress, as the methods with these names return it.
-            bits: the number of binary digits of the unit of tractions.
-            coarse: the unit of the inner numbers, and of the last two of the four modes on an edge that is neither
-                loaded nor in contact, is 2^coarse times larger.
+            bits: the unit of tractions is 2^{−bits}.
+            coarse: a larger unit, 2^{coarse − bits}, is used for the inner numbers, and on inner and clamped edges for
+                the last two of the four polynomials ``checker.MODES`` of which the traction is a combination.
+
+        Returns:
+            The numbers of the tractions, in the order of ``checker.Stresses.tractions``: four for each edge of Γ3,
+            eight for each other edge, in one row. And the inner numbers, (9 cells,).
         """
         contact, loaded, free = np.split(tractions, [self._loaded.start, self._loaded.stop])
         n = self._normals[: len(contact), None]
@@ -338,7 +345,10 @@ def reference_element() -> tuple[Json, Array]:
 
 
 def constants(mesh: Json, problem: checker.Problem) -> Json:
-    """Return the constants of the loads as a certificate states them: a mesh, the field Φ at its vertices, μ and κ.
+    """Return the constants of the loads as a certificate states them: a mesh, a field Φ at its vertices, μ and κ.
+
+    μ and κ stand for the constants C_Ω = μ^{−1/2} and C_Γ = κ^{−1/2} with ∫ g·v ≤ C_Ω ‖g‖ ‖v‖_V and ∫_{Γ2} g·v ≤
+    C_Γ ‖g‖ ‖v‖_V for all g and all v ∈ V. The tensor field Φ proves them, as the top of this file explains.
 
     Args:
         mesh: the mesh for Φ, as a certificate states it.
@@ -485,13 +495,16 @@ def make_certificate(
     refined: Refined,
     progress: Callable[[float], object] = lambda time: None,
 ) -> Json:
-    """Return the certificate of a problem on one level, as data that JSON can write.
+    """Return a certificate of bounds of the largest error max ‖u − u_h‖_V on one level, as data that JSON can write.
+
+    u_h is computed here. The certificate has u_h and what the checker needs to prove both bounds: a more accurate
+    displacement ũ and its stress σ̃, rounded to integers, and the constants of the loads.
 
     Args:
         data: the problem.
         family, level: the mesh family and the level of the mesh of u_h.
         scheme, steps: the time scheme of u_h, and the number of its time steps.
-        refined: how the more accurate displacement ũ is computed.
+        refined: how ũ is computed.
         progress: a function that is called with each time for which the stress is finished.
     """
     stated = statement(data)

@@ -325,7 +325,12 @@ def semidefinite(matrix: Matrix) -> bool:
 
 
 class Poly(dict[tuple[int, int, int], Q]):
-    """A polynomial in X, Y and S: a dict from exponents to rational coefficients, none of which is 0."""
+    """A polynomial in X, Y and S: a dict from exponents to rational coefficients, none of which is 0.
+
+    In the data of a problem X, Y and S stand for x1, x2 and t. On a cell X and Y are the coordinates of the reference
+    triangle, X, Y ≥ 0 and X + Y ≤ 1; on an edge X is the position, from 0 to 1 or from −1 to 1. S is then the time
+    within an interval, from −1 to 1 (``clock``).
+    """
 
     @classmethod
     def of(cls, terms: Iterable[tuple[tuple[int, ...], Q]]) -> Poly:
@@ -571,7 +576,9 @@ class Cell:
     Attributes:
         v: the numbers of its three vertices.
         nodes: the numbers of its six nodes: the vertices, then the midpoints of the sides.
-        F: the matrix (a b; c d), whose columns are h times the edges from the first vertex.
+        F: the matrix (a b; c d) of integers, by rows. Its columns are h times the vectors from the first vertex to the
+            second and to the third, with the common denominator h of all coordinates (``Mesh``), not the mesh size. So
+            x = x_1 + F X/h maps the reference triangle to the cell.
         det: the determinant of F.
     """
 
@@ -795,15 +802,22 @@ class Element:
     def dual(self, field: list[int]) -> list[int]:
         """Return the integrals of a stress component times each of the 10 cubic monomials over each subtriangle.
 
+        They are multiplied by the common denominator ``unit`` of the integrals of two monomials, so that integer
+        coefficients give integers. The scalar product with the coefficients of another component is then ``unit`` times
+        the integral of the product of both.
+
         Args:
-            field: the 30 coefficients of the component, 10 on each subtriangle.
+            field: the 30 coefficients of the component, 10 on each subtriangle, for the monomials ``CUBIC``.
+
+        Returns:
+            The 30 numbers, in the order of ``field``.
         """
         return [dot(row, field[n - n % 10 : n - n % 10 + 10]) for n, row in enumerate(self.gram)]
 
 
 @cache
 def checked(over: int, columns: tuple[tuple[int, ...], ...]) -> Element:
-    """Make a reference element from its columns and check it; results are cached."""
+    """Return ``Element(over, columns)``, whose constructor refuses wrong columns; results are cached."""
     return Element(over, columns)
 
 
@@ -862,12 +876,14 @@ class Loads:
         return [first, [m * 2 - p * Q(1, 2) for m, p in zip(middle, ends, strict=True)], last]
 
     def on_cells(self, control: list[Poly]) -> list[list[int]]:
-        """Return the approximate body force on every cell, rounded to integers: unit · twice the area · f̃_0.
-
-        There are six monomials with two components each. If f_0 = 0, the result is empty.
+        """Return the approximate body force f̃_0 on every cell, times twice its area and unit = 2^bits, as integers.
 
         Args:
             control: a Bernstein coefficient of f_0 in time, from ``controls``.
+
+        Returns:
+            For each cell twelve integers: for each of the six monomials ``SQUARE`` in the coordinates of the reference
+            triangle, the coefficients of both components. If f_0 = 0, the result is empty.
         """
         found = []
         for cell, images in self.cells:
@@ -901,7 +917,9 @@ class Loads:
 
         Args:
             a, b: the ends of the time interval.
-            given: the tractions h σ̃N on the loaded edges, for each of the three Bernstein coefficients in time.
+            given: for each of the three Bernstein coefficients in time, the tractions of the stress σ̃ on the edges,
+                as ``Stresses.tractions`` returns them: unit · h σ̃N. N is the normal with the length of the edge, h the
+                common denominator of the coordinates, and unit = 2^bits.
         """
         found, shapes = Q(0), [p * q for p, q in product(bernstein(2, UNIT_S), bernstein(3, UNIT_X))]
         for (edge, length), d in product(self.lengths.items(), (0, 1)):
@@ -922,13 +940,14 @@ def clock(a: Q, b: Q) -> Poly:
 
 
 def missed(terms: list[Term], halvings: int) -> Q:
-    """Return an upper bound of the mean square of a sum of load terms over the square |X|, |S| ≤ 1.
+    """Return an upper bound of the mean square of a sum of terms over the square |X|, |S| ≤ 1.
 
-    If no term has a kink, the mean square is exact. Otherwise the square is divided into four, up to ``halvings``
-    times, and terms with a kink are then bounded.
+    The sum is the part of a load that a stress does not balance. A term p · g_+^q has a kink if g may change its sign
+    in the square. If no term has a kink, the result is the exact mean square. Otherwise the square is divided into
+    four, up to ``halvings`` times, and the remaining terms with a kink are bounded by their size.
 
     Args:
-        terms: the load terms, functions of X and S.
+        terms: the terms, functions of the position X on an edge and the time S, both scaled to [−1, 1].
         halvings: the largest number of divisions.
     """
     plain = [term.plain() for term in terms]
@@ -977,15 +996,18 @@ class Stresses:
     def tractions(self, numbers: list[int]) -> tuple[Tractions, list[list[int]]]:
         """Read the tractions of a stress at one time, and refuse a stress that pulls on the contact boundary.
 
-        N is the normal to the right of an edge, with the length of the edge. On Γ3 the traction is σ̃N = σ̃_ν N, and
-        four numbers give σ̃_ν on an edge. Eight numbers give the traction on a loaded edge of Γ2. Other edges have
-        eight numbers, the factors of ``MODES``; the last four of them are in coarser units.
+        N is the normal to the right of an edge, with the length of the edge. All numbers are in units of 2^{−bits}.
 
         Args:
-            numbers: the integers of all edges, from the certificate.
+            numbers: the integers of all edges, from the certificate, in this order. Four for each edge of Γ3: the
+                Bernstein coefficients of σ̃_ν, with the traction σ̃N = σ̃_ν N. Eight for each edge with a load f_2: the
+                Bernstein coefficients of σ̃N, both components of each. Eight for each inner or clamped edge: for each
+                of the four ``MODES`` its factor in both components of σ̃N. The last four of these, the factors of the
+                last two modes, are in units of 2^{coarse − bits}. Edges that are free of load have no numbers.
 
         Returns:
-            The Bernstein coefficients of h σ̃N on all edges, and the Bernstein coefficients of σ̃_ν on Γ3.
+            The Bernstein coefficients of h σ̃N on all edges, as integers in units of 2^{−bits}, with the common
+            denominator h of the coordinates; and those of σ̃_ν on Γ3, four for each edge.
         """
         contact, loaded, free = 4 * len(self.contact), 8 * len(self.loaded), 8 * len(self.free)
         require(len(numbers) == contact + loaded + free, "tractions have another size")
@@ -1005,18 +1027,21 @@ class Stresses:
         return found, normal
 
     def field(self, edges: Tractions, numbers: list[int], force: list[list[int]]) -> tuple[Field, Q]:
-        """Compute the stress on every cell from its tractions, its nine inner numbers and the body force.
+        """Compute the stress σ̃ on every cell from its tractions, its nine inner numbers and the body force.
 
         The inner numbers are the nine free numbers among the degrees of freedom of ``Element``.
 
         Args:
-            edges: the tractions on all edges, from ``tractions``.
+            edges: the tractions on all edges, as ``tractions`` returns them.
             numbers: the inner numbers of all cells, nine for each cell, from the certificate.
-            force: twelve numbers of the body force for each cell; empty if there is no body force.
+            force: the twelve numbers of the body force of each cell, as ``Loads.on_cells`` returns them; empty if there
+                is no body force.
 
         Returns:
-            The stress σ̂ on the reference triangle, with σ̃ = F σ̂ Fᵀ h/(unit (det F)²), and an upper bound of the norm
-            ‖Div σ̃ + f̃_0‖ of the unbalanced force.
+            First, for each cell the 90 coefficients of a stress σ̂ on the reference triangle, as integers, with
+            σ̃ = F σ̂ Fᵀ h/(unit (det F)²). Here F is the matrix of the cell (``Cell``), h the common denominator of the
+            coordinates, and unit = h · over · 2^bits with the denominator ``over`` of the element. Second, an upper
+            bound of the norm ‖Div σ̃ + f̃_0‖ of the unbalanced force.
         """
         require(len(numbers) == 9 * len(self.mesh.cells), "the inner numbers have another size")
         found, square = [], 0
@@ -1051,9 +1076,15 @@ def linear_square(p: Sequence[int]) -> int:
 def strains(cell: Cell, v: Sequence[int]) -> list[list[int]]:
     """Return the strain of a quadratic displacement at the three vertices of a cell, multiplied by (det F)/(2h).
 
+    h is the common denominator of the coordinates (``Mesh``), not the mesh size. With this factor integers v give
+    integers.
+
     Args:
         cell: the cell.
         v: the Bernstein coefficients of the displacement at all nodes, two components each.
+
+    Returns:
+        For each vertex of the cell the components 11, 22 and 2·12.
     """
     a, b, c, d = cell.F
     n, found = cell.nodes, []
@@ -1065,18 +1096,20 @@ def strains(cell: Cell, v: Sequence[int]) -> list[list[int]]:
 
 
 def law_on(cell: Cell, laws: list[list[int]], u: Sequence[int], step: Sequence[int]) -> list[list[int]]:
-    """Return twice the stress Aε(ũ̇) + Gε(ũ) on a cell, transformed to the reference triangle.
+    """Return the stress τ = A ε(v) + G ε(u) on a cell, transformed to the reference triangle: F⁻¹ τ F⁻ᵀ (det F)³/h.
 
-    The factor 2 keeps the numbers integers.
+    Here F is the matrix of the cell, and h the common denominator of the coordinates (``Mesh``). With this factor
+    integers give integers.
 
     Args:
         cell: the cell.
-        laws: the rows of A, then of G, as scaled integers.
-        u: the displacement ũ, by Bernstein coefficients at all nodes.
-        step: the velocity ũ̇ times the length of the time interval, in the same form.
+        laws: the rows of A, then of G, as integers. For the residual of the law they are scaled differently, because v
+            is a velocity times the length of a time interval.
+        u: the displacement u, by integer Bernstein coefficients at all nodes, two components each.
+        step: the displacement v, in the same form.
 
     Returns:
-        For each component the coefficients of the monomials ``LINEAR``.
+        For each of the components 11, 22 and 12 the coefficients of the monomials ``LINEAR``.
     """
     a, b, c, d = cell.F
     rates = zip(strains(cell, step), strains(cell, u), strict=True)
@@ -1102,9 +1135,15 @@ def less(field: list[int], linear: list[list[int]]) -> list[int]:
 class Growth:
     """Computes how the bound y of the error ‖u − ũ‖_V grows over a time interval.
 
-    A call returns two bounds: at the end of the interval, and at all of its times. Its arguments are the bound y at the
-    start, the length k of the interval, the integral M = ∫∫ ρ ρᵀ of the residual ρ of the law over the body and the
-    interval, the work of contact ∫∫ σ̃_ν ũ_ν, and the integral of the dual norm of the unbalanced loads.
+    A call has the arguments y, k, M, contact and loads: the bound y at the start, the length k of the time interval,
+    the integral M = ∫∫ ρ ρᵀ over the body and the interval of the residual ρ = σ̃ − Aε(ũ̇) − Gε(ũ) of the law, the work
+    of contact c = ∫∫ σ̃_ν ũ_ν, and the integral l of the dual norm of the unbalanced loads. It returns two bounds. The
+    bound at the end of the interval is the least value, for θ = 0 or m and some β > 0, of
+
+        (e^{−2θk} y² + 2c + ½ tr(BHBM))^{1/2} + (β² tr(BABM) ∫_0^k e^{−2θs} ds)^{1/2} + l,
+
+    where H = G − θA and B = (H + βA)⁻¹. The bound at all times of the interval has y² in place of e^{−2θk} y². Both are
+    rounded up.
 
     Args:
         problem: the problem, which has the tensors A and G.
@@ -1194,10 +1233,11 @@ def pieces(nodes: list[list[int]], T: Q) -> Iterable[Piece]:
 class Computed:
     """The computed displacement u_h, piecewise linear in space and time, whose error is bounded.
 
-    The certificate gives its values as doubles. They are stored as integers over a power of 2, on the mesh of ũ.
+    The certificate gives its values as doubles. They are stored as integers over a power of 2, at the nodes of the mesh
+    of the more accurate displacement ũ of the certificate, so that ũ − u_h can be computed.
 
     Args:
-        data: for each time, the values at the vertices, x and y in turn.
+        data: the values at the vertices, x and y in turn, for each of equally spaced times from 0 to the final time T.
         mesh: the mesh of u_h.
         refinements: how often this mesh is refined for ũ.
         problem: the problem, which has the final time.
@@ -1233,7 +1273,8 @@ class Enclosure:
         cells: the number of cells of the mesh of u_h.
         h: the mesh size √(2|Ω|/cells).
         low, high: the bounds of the largest error max ‖u − u_h‖_V.
-        last: a bound of the error ‖u − ũ‖_V of the displacement ũ at T.
+        last: an upper bound of ‖u(T) − ũ(T)‖_V at the final time T, where ũ is the more accurate displacement of the
+            certificate.
     """
 
     cells: int
@@ -1244,7 +1285,10 @@ class Enclosure:
 
 
 class Certificate:
-    """A certificate: a problem, a mesh, a computed displacement u_h and the witnesses.
+    """A certificate: a problem, a mesh, a computed displacement u_h and the witnesses, from which bounds follow.
+
+    The witnesses are a more accurate displacement ũ, a stress σ̃ that nearly balances the loads, and a tensor field Φ
+    that proves the constants of the loads (``load_constants``).
 
     Args:
         data: the content of the certificate file, as ``load`` returns it.
@@ -1289,7 +1333,14 @@ class Certificate:
             require(apart, "ũ_ν > 0 on Γ3: ũ is not in K")
 
     def check(self) -> Enclosure:
-        """Compute the error bounds of u_h from the witnesses, and return the interval that is proved."""
+        """Return the interval that is proved to contain the largest error max ‖u − u_h‖_V over time.
+
+        A bound y of ‖u − ũ‖_V grows from one time interval to the next (``Growth``). With it, the distance ‖ũ − u_h‖_V
+        gives both ends of the interval, ‖ũ − u_h‖_V ± y.
+
+        Raises:
+            RefusedError: the stress is not admissible, or another required property does not hold.
+        """
         y, loads = up(self._start()), Loads(self.problem, self.mesh, self.stresses.bits)
         low, high = Q(0), y + root(self._distance(mixed((4,), self.nodes[:1]), 2, Q(0))[1])
         known: list[Any] = []

@@ -125,10 +125,13 @@ def factor_fault(change: Callable[[Space, Array], Array]) -> Change:
 def with_factors(setup: Experiment, change: Callable[[Array], Array]) -> Experiment:
     """Return an experiment that is solved with changed material factors of A and of a linear G.
 
+    The tensors of the law are constant tensors times scalar factors α(x) for A and β(x) for G, whose means on the cells
+    are changed. A nonlinear G is not changed.
+
     Args:
         setup: the experiment.
-        change: the function from the right factors on the cells, (cells,), to the wrong ones. It is applied to A and to
-            G.
+        change: the function from the right factors on the cells, (cells,), to the wrong ones. It is applied to α and to
+            β.
     """
     for name in ("A", "G"):
         tensor = getattr(setup.solution.law, name)
@@ -329,11 +332,14 @@ def partly_clamped(setup: Experiment, size: float) -> Experiment:
 
 
 def components(space: Space, directions: Callable[[Part], Array], left_out: Array | None = None) -> sps.csr_array:
-    """Return the matrix from displacements to components at the vertices of Γ3, in the order of the rows of N.
+    """Return the matrix from displacements to components in given directions at the vertices of Γ3, (rows, dofs).
+
+    It has a row for each contact part, each direction on the part, and each vertex of the part, in this order. With one
+    direction for each part, the rows are in the order of the rows of N, the matrix to normal displacements.
 
     Args:
         space: the space V^h.
-        directions: returns for a contact part the directions of the components, (d, k).
+        directions: returns for a contact part k directions as columns, (d, k) in dimension d.
         left_out: numbers of vertices that get no row; by default there are none.
     """
     rows = []
@@ -399,10 +405,12 @@ def along_contact(setup: Experiment, size: float, name: str, first_only: bool = 
 
 
 def friction(setup: Experiment, size: float) -> Experiment:
-    """Return an experiment with Coulomb friction: |σ_τ| ≤ δ |σ_ν|, for the total displacement, where δ = ``size``.
+    """Return an experiment with Coulomb friction, |σ_τ| ≤ δ |σ_ν| with δ = ``size``, at the vertices of Γ3.
 
-    With δ = ∞ the body is glued to the foundation where it is in contact. The bound of the friction force is taken from
-    the last contact forces until both agree.
+    Friction opposes the tangential displacement u_τ, not its velocity as in Coulomb's law; in 3D each of its two
+    components has this bound. With δ = ∞ the body is glued to the foundation where it is in contact. In each time step
+    contact forces and friction forces are computed in turn, with the bound of friction from the last contact forces,
+    until the contact forces no longer change.
     """
     m = setup.problem.N.shape[0]
     T, rows_of_N = tangents(setup.space, setup.space.dim - 1)

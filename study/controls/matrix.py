@@ -108,9 +108,11 @@ class Measured:
 
 
 def measured_on(name: str) -> list[Measured]:
-    """Return the statements of the matrix on a case, in the settings of the quick study.
+    """Return the statements whose checks may notice a fault in a case, in the settings of the quick study.
 
-    Theorem 4.2 compares two discrete problems. So it says nothing about the exact solution of a user's case.
+    The first one is about the error. The contact force and Theorem 4.2 follow if they can be measured in the case.
+    Theorem 4.2 compares two discrete problems and says nothing about the exact solution, so it is left out for a user's
+    case.
     """
     case = resolve(name)
     scope = quick()
@@ -128,7 +130,10 @@ def measured_on(name: str) -> list[Measured]:
 
 
 def measure_case(name: str, faults: Collection[str]) -> list[Numbers]:
-    """Return the rows of the matrix for one case; in space, for the largest size of each fault.
+    """Return the rows of the matrix fault × case × check for one case, as rows of ``faults.csv``.
+
+    There is one row for each fault and each of its sizes; in 3D only for the first, largest size, to save time. A row
+    has the distance of the faulty solution and the checks that notice the fault (``row_of``).
 
     Args:
         name: the case.

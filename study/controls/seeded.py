@@ -50,10 +50,14 @@ class SeededScope(Scope):
 
 
 def seeded(seed: int) -> Plan:
-    """Return the plan of measurements for one seed: all cases on random meshes with this seed, else as the quick study.
+    """Return the plan of measurements for one seed: the quick study, but for all cases and on random meshes.
 
-    Cases whose solutions are not smooth are measured on the levels of the full study. In space, random meshes with
-    n = 6 are too coarse for contact zones in the form of a disc. The plan leaves out the statements ``NOT_SEEDED``.
+    Three more things differ from the quick study. Plane cases whose solutions are not smooth have the levels of the
+    full study. Cases in 3D have the levels 9, 12 and 15, because random meshes with n = 6 are too coarse for contact
+    zones in the form of a disc. The statements ``NOT_SEEDED`` are left out.
+
+    Args:
+        seed: the seed of the random vertices.
     """
     base = replace(quick(), cases=full().cases, rough=full().rough, solid=Levels((9, 12, 15)), command="study seeds")
     scope = SeededScope(**vars(base), seed=seed)
@@ -83,9 +87,14 @@ def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
 
 
 def rules(plan: Plan, verdicts: Sequence[Verdict]) -> str:
-    """Return a hash of the quantities, tolerance windows and levels of checks, which is the same for every seed.
+    """Return a hash of the rules of judgement: quantities, tolerance windows, cases and levels of all checks.
 
-    A check with another statistic needs another text of its quantity.
+    It is the same for every seed, so runs with different seeds and one hash were judged by the same rules. The hash
+    sees a quantity only by its text: whoever changes how a quantity is computed must change the text, too.
+
+    Args:
+        plan: the plan of one seed.
+        verdicts: the verdicts of this run.
     """
     checks = []
     for verdict in verdicts:

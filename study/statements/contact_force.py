@@ -291,8 +291,8 @@ class ContactForce(Statement):
         """Return the settings (case, mesh family, level) for the cases of Proposition 5.4 with contact.
 
         A case of the catalogue is measured on each of its mesh families, on the three finest levels of the study; the
-        quick study measures some of these cases. A user's case is measured on all levels: otherwise finer levels that
-        are added to a run would change which of the coarser rows belong to it.
+        quick study measures some of these cases. A user's case is measured on all levels, because its user may add a
+        finer level to a run: with the three finest levels only, the coarsest row of the run would no longer be used.
         """
         return [
             Setting(reference, family.name, level)

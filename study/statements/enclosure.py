@@ -151,7 +151,7 @@ class ResolvedProblem:
         name: the name of the case or of the problem.
         data: the data of the problem.
         order: the predicted order of the error, or NaN if no order is predicted.
-        pace: the number of time steps per unit of time divided by n^{2/3} at level n, as for a case.
+        pace: the number of time steps per unit of time divided by n^{2/3} at level n, as for a case (``rate_steps``).
         case: the case with the exact solution; None if the exact solution is unknown.
     """
 
@@ -324,7 +324,13 @@ class BoundedError(Bounds):
 
 
 class EnclosedError(Bounds):
-    """Judges the enclosure of the error by means of a more accurate displacement ũ, and the enclosure of the order."""
+    """Judges the intervals that are computed for the error ‖u − u_h‖_V and for its order of convergence.
+
+    The intervals of the error follow from a more accurate displacement ũ. If the exact solution is known, they must
+    contain the error at every sampled time; for ``CHECKED`` on level ``CHECKED_LEVEL`` their ends must also be within
+    15 % of it in [T/2, T]. If the solution is unknown but its order is predicted, the interval of the order must lie in
+    a window around this order.
+    """
 
     label = "enclosure"
     claim = "d(t) − y(t) ≤ ‖u(t) − u_h(t)‖_V ≤ d(t) + y(t), without the exact solution"

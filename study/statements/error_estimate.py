@@ -405,12 +405,13 @@ RESIDUAL_TIMES = 32
 class ResidualBound(ListedNumbers):
     """Compares the norm of the residual R of the exact solution, R(t; v) = (σ, ε(v))_Q − (f, v)_V, with its bound.
 
-    (5.27) is a bound of the residual R in V, in which the paper lacks a term. The complete bound is
+    The paper prints |R(s; v)| ≤ c (‖u‖_{W^{1,∞}(0,T;V)} + ‖f‖_{L∞(V)}) ‖v‖_V, (5.27), in which a term is missing. The
+    complete bound, without an unknown constant c, is
 
         |R(s; v)| ≤ (‖u̇‖_{L∞(V)} + L ‖u‖_{L∞(V)} + ‖G(·, 0)‖_Q/√m_A + ‖f‖_{L∞(V)}) ‖v‖_V,     L = L_G/m_A.
 
-    It follows from (5.13) term by term: |G ε(u)| ≤ |G(·, 0)| + L_G |ε(u)| and √m_A ‖ε(v)‖_Q ≤ ‖v‖_V. The paper prints
-    the bound without G(·, 0), although (3.2) allows any G(·, 0) ∈ Q.
+    It follows from (5.13) term by term: |G ε(u)| ≤ |G(·, 0)| + L_G |ε(u)| and √m_A ‖ε(v)‖_Q ≤ ‖v‖_V. The paper leaves
+    out G(·, 0), although (3.2) allows any G(·, 0) ∈ Q.
 
     **Measured** is the norm of R, divided by the bound, in two cases:
 
@@ -418,8 +419,8 @@ class ResidualBound(ListedNumbers):
       largest norm over the times is divided by the bound. ``double-well`` has a G(·, 0) that is not zero.
     * *A body at rest with a stress.* G is replaced by G(x, ε) − G(x, 0) + A ε(z) with z = −M⁻¹Nᵀμ and random μ > 0.
       There is no load and no initial displacement. Then R(s; v) = (A ε(z), ε(v))_Q, and u^h ≡ 0 solves Problem 5.1 if R
-      ≥ 0 on K^h. This means that −R lies in the cone {Nᵀλ : λ ≥ 0}, which is measured as well. R is not zero, but the
-      printed bound is zero for every c, so it is wrong.
+      ≥ 0 on K^h. This means that −R lies in the cone {Nᵀλ : λ ≥ 0}, which is measured as well. R is not zero, but
+      the printed bound is zero for every c, because u^h and f are zero. So it is wrong.
 
     **Predicted**:
 
@@ -654,13 +655,15 @@ class ErrorBounds(ListedNumbers):
 
 
 def changing(bound: str, prediction: str) -> Value:
-    """Return the function that computes how bound/error changes under refinement.
+    """Return the function that computes bound/error on the finest level divided by bound/error on the coarsest level.
 
-    The data need a column with the exponent γ for which bound/error is predicted to grow like h^{−γ}.
+    It is for bounds of the same order as the error, for which about 1 is expected. The function maps a table with one
+    row for each level to this number.
 
     Args:
         bound: the column with the quotient of the bound and the error.
-        prediction: the column with γ.
+        prediction: the column with the exponent γ for which bound/error is predicted to grow like h^{−γ}. Its values
+            are not used, but without this column γ is unknown. The function then raises KeyError, so nothing is judged.
     """
     growth = change(bound)
     return lambda table: growth(table[[bound, prediction]])

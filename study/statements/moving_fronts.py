@@ -235,10 +235,11 @@ class NodalErrors(ListedNumbers):
         return with_h(h, numbers)
 
     def checks_of(self, case: str, groups: Groups) -> Judged:
-        """Yield two checks of nodal errors of the projection P_hu onto V^h near the front.
+        """Yield two checks of nodal errors of the projection P_hu onto V^h near the front (``NodalErrors``).
 
-        The first bounds the constant C/θ on all meshes. The second checks the sign of the error, on all random meshes
-        together.
+        The first demands that C/θ, the constant in the bound of the nodal errors over the factor θ(t) of the solution,
+        is at most 1.5 on all meshes. The second demands that on at least one random mesh (P_hu_s)_ν/(θ h^{3/2}) is at
+        least 0.01 at a vertex in contact behind the front: this projected displacement penetrates the foundation.
 
         Args:
             case: the name of the case, which is not used.

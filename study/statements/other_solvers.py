@@ -569,7 +569,7 @@ class OtherCodes(ListedNumbers):
 
 
 def differences(rows: pd.DataFrame) -> Array:
-    """Return the relative differences between the errors of another code and the errors of this study.
+    """Return |error/value − 1| for the errors of another code and the errors of this study in each row, (rows,).
 
     Args:
         rows: the errors of the other code in the column ``error``, and the errors of this study in the column

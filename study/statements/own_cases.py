@@ -196,9 +196,10 @@ def why_missed(series: Sequence[Array], target: float, room: float, remedy: str)
 
 
 def finer(levels: Sequence[int], dim: int) -> list[int]:
-    """Return the levels to try after the given ones, such as 16, 32, 64 after 8, 16, 32.
+    """Return all levels for the next run of a user: the given ones and one finer level, without the coarsest.
 
-    If there are too few levels to judge an order, levels are added: 8, 16, 32 after 8.
+    For example, 16, 32, 64 follow 8, 16, 32. If fewer than ``MIN_LEVELS`` levels are given, too few to judge an order,
+    finer ones are added and none is left out: 8, 16, 32 follow 8.
 
     Args:
         levels: the given levels, from coarse to fine.
@@ -211,8 +212,9 @@ def finer(levels: Sequence[int], dim: int) -> list[int]:
 def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
     """Return the given levels together with finer levels, so that there are at least ``needed`` levels.
 
-    In the plane 32 is appended to 8, 16, and 15 to 9, 12. In 3D 12 is appended to 8, because 16 would cost 2⁵ times
-    more.
+    If the last level is less than twice the level before it, their difference is added: 15 is appended to 9, 12.
+    Otherwise, or if there is only one level, the last level is doubled in the plane: 32 is appended to 8, 16. In 3D it
+    is multiplied by 3/2, rounded down: 12 is appended to 8, because 16 would cost 2⁵ times more.
 
     Args:
         levels: the given levels, from coarse to fine.

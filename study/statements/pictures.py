@@ -187,10 +187,15 @@ def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: A
 
 
 def packed(values: Array) -> Numbers:
-    """Return the values of a function at points over time in the compressed format of the pictures, with many digits.
+    """Return the values of a function at points over time as a compressed entry of a picture file.
+
+    The values are rounded to 1/32 000 of the largest absolute value.
 
     Args:
         values: the values, (times, points).
+
+    Returns:
+        A dictionary with the entries "unit", "shape" and "changes" (``Packed.record``), which ``Packed.read`` reads.
     """
     return Packed.of(values, FINE_UNITS).record()
 

@@ -236,7 +236,8 @@ def partition(kind: str, count: int) -> Array:
     Args:
         kind: "equal", or "unequal" for long and short steps in turn, of which the long ones are ``UNEQUAL`` times as
             long.
-        count: the number of steps, which divides ``REFERENCE_STEPS``; even if ``kind`` is "unequal".
+        count: the number of steps, a divisor of ``REFERENCE_STEPS``. For "unequal" it must be even, and at most half of
+            ``REFERENCE_STEPS``, so that short steps end at nodes of the finest grid.
     """
     if kind == "equal":
         return np.arange(0, REFERENCE_STEPS + 1, REFERENCE_STEPS // count)
@@ -525,7 +526,7 @@ def two_unknowns() -> SemiDiscrete:
 
 
 def solution_of_two_unknowns(t: Array) -> Array:
-    """Return the exact solution of the problem with two unknowns at given times, (times, 2)."""
+    """Return the exact solution of the problem with two unknowns in ``Landings`` at given times, (times, 2)."""
     return np.stack([RISE * np.maximum(t - LANDING, 0), np.maximum(LANDING - t, 0)], axis=1)
 
 

@@ -327,6 +327,8 @@ def smooth(space: Space, rng: np.random.Generator) -> Array:
 def along_the_contact(problem: SemiDiscrete, v: Array) -> Array:
     """Return the displacement nearest to v whose normal components at the vertices of Γ3 are 0, (dofs,).
 
+    Nearest means that the vectors of degrees of freedom have the smallest Euclidean distance.
+
     Args:
         problem: the semi-discrete problem, which has the matrix from displacements to normal components.
         v: the displacement, (dofs,).
@@ -470,7 +472,7 @@ def scaled(law: KelvinVoigt, omega: float) -> KelvinVoigt:
         omega: the number ω > 0.
 
     Raises:
-        TypeError: G is neither linear nor combined.
+        TypeError: the class of G is neither ``Linear`` nor ``Combined``.
     """
     factor = omega / law.kappa
     G = law.G

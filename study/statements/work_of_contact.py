@@ -386,7 +386,10 @@ class Resolved:
 
     Args:
         solution: the exact solution.
-        space: the P1 displacement space V^h in 2D. Its mesh is refined where contact data are continued into the body.
+        space: the P1 displacement space V^h in 2D.
+
+    The finer mesh is made from the mesh of V^h. An exact solution continues gap and pressure of a contact face into the
+    body, down to a certain depth. Cells that meet this strip are refined until they are at most a third of the depth.
 
     Attributes:
         solution, space: the arguments.
@@ -427,10 +430,11 @@ def least_depth(solution: ExactSolution, corners: Points) -> Array:
 
 
 def pressing_on(at: Resolved) -> Callable[[float], Array]:
-    """Return the exact contact pressure as a load: a function from a time to a load vector, (dofs,).
+    """Return the vector of the exact contact pressure p as a function of the time, (dofs,).
 
-    Its entries are ∫_{Γ3} p v_ν for the basis functions v of V^h. The prescribed pressure p is used, which is a hundred
-    times faster than the pressure from the exact stress.
+    Its entries are ∫_{Γ3} p v_ν for the basis functions v of V^h, with the outward normal ν. The foundation pushes
+    against ν, so this vector is subtracted from the load. p is the prescribed pressure, which is a hundred times faster
+    to compute than the pressure from the exact stress.
 
     Args:
         at: the space V^h and the exact solution.
@@ -587,19 +591,23 @@ class WorkOfContact(ListedNumbers):
     in natural-front, 0.1 in rough-trace). That is too small to be observed. Here it is measured for the cases of
     ``manufactured.multiscale``, whose contact zones have details of the size of h on every mesh.
 
-    **Measured** are three quantities. Their integrals are computed on a refined mesh, whose cells are at most a third
-    of the depth ℓ over which the contact data are continued into the body:
+    **Measured** are three quantities:
 
-    * ``work``: ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)}, where R = ∫_{Γ3} p Π^h w with the pressure p and the gap w, because p
-      w = 0;
+    * ``work``: ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)} = (∫_0^T ∫_{Γ3} p Π^h w)^{1/2} with the pressure p and the gap w,
+      because p w = 0;
     * ``error``: max_t ‖u − u^h‖_V;
     * ``excess``: max_t ‖u^h − u^h_lin‖_V, where u^h_lin solves the linear problem with p as a given traction. The
       excess is the part of the error that is due to contact.
 
+    The exact solutions continue gap and pressure from Γ3 into the body, down to a depth that may be smaller than a
+    cell. So integrals over the body are computed on a refined mesh (``Resolved``), whose cells in this strip are at
+    most a third of its depth.
+
     On grids the work is also measured for many sets of random vertices on Γ3, with its mean and its standard deviation.
 
     **Predicted**, from the form of gap and pressure. They consist of trains of waves of width ℓ, and ℓ is halved from
-    one train to the next.
+    one train to the next. Here R is the integral ∫_0^T ∫_{Γ3} p Π^h w, whose root is ``work``, and R_E is the part of
+    it on an edge E.
 
     * *On grids* all edges are equal and cut every train at the same places. So R/h² is a sum over the trains, and the
       term of a train is a function of ℓ/h. The sum is constant, and the root of R has order 1, as long as there are
@@ -937,8 +945,10 @@ class Rollers(ListedNumbers):
     Beyond the paper: without u̇(t) ∈ H² and σ_ν ∈ L^p, p > 1, order 1/2 is proved, and rollers suggest that it is
     sharp.
 
-    A *roller* is an exact solution in which a contact patch of width ℓ moves along Γ3 (``manufactured.multiscale``). On
-    every mesh ℓ = 2h, so the patch is two cells wide, however fine the mesh is.
+    A *roller* is an exact solution in which a contact patch of width ℓ moves along Γ3. On every mesh ℓ = 2h, so the
+    patch is two cells wide, however fine the mesh is. The formulas in ``manufactured.multiscale.rollers`` have a factor
+    Q in the pressure p and in the normal strain q, and a factor ω in the gap. They are Q = 1 and ω = 1/10, unless one
+    of them is doubled.
 
     **The bound.** Proposition 5.4 assumes u̇(t) ∈ H². A theorem of this study (proof in paper/velocity.tex) proves the
     order s/2 for u ∈ L¹(0,T;H^{1+s}), without a logarithm. Measured is another bound, proved in paper/companion.tex,
@@ -978,15 +988,17 @@ class Rollers(ListedNumbers):
     * 1 less a logarithm, within [¾, 1.1], with one and with two diagonals, because all vertices of Γ3 have equal
       neighbourhoods;
     * ½ ± 0.15 with alternating diagonals, where vertices are of two kinds. The meshes are not random;
-    * ½ ± 0.15 on shaken meshes for the mean over eight meshes, for n = 128 over four. The roller passes N ~ 0.7n
+    * ½ ± 0.15 on shaken meshes for the mean over eight meshes, for n = 128 over four. The roller passes about 0.7n
       vertices, whose contributions are nearly independent. So the excess has the relative standard deviation ~ ½
-      N^{-1/2}, and single orders scatter;
+      (0.7n)^{−1/2}, and single orders scatter;
     * ½ ± 0.3 on unstructured meshes;
-    * ½ with alternating diagonals also if the factor Q of the pressure or the factor ω of the gap is doubled;
+    * ½ ± 0.15 with alternating diagonals also if Q or ω is doubled;
     * 1 ± 0.25 for patches that do not move, because displacements remain at few vertices only. The bound does not show
       this.
 
-    **Found** where the prediction was wrong:
+    These orders are judged, except the two that the next paragraph calls reported.
+
+    **Found** where the prediction was wrong or is only just met:
 
     * A patch that does not move showed the orders 0.9 and 2.3 on single shaken meshes. Its excess depends on the cells
       around few vertices. Over eight shaken meshes the excess has a relative standard deviation of a third to a half on
@@ -999,8 +1011,8 @@ class Rollers(ListedNumbers):
       64, and its orders are 0.61 and 0.46. The prediction ignored both effects, so the order is reported and not
       judged. The orders of E_h are 0.6 to 0.8 on these levels, where the logarithm still matters.
     * With one diagonal the orders of the excess from level to level are 0.84, 1.00 and 1.16, and the orders of M_h are
-      0.9, 1.4 and 1.8. Both quantities are maxima, whose places change from level to level. M_h occurs at the end s = 0
-      of Γ3, near which the roller starts, and falls like h² from the second level on. Near the patch and far from the
+      0.9, 1.4 and 1.8. Both quantities are maxima, whose places change from level to level. M_h occurs at the end of
+      Γ3 near which the roller starts, and falls like h² from the second level on. Near the patch and far from the
       ends of Γ3, nodal errors over h are 0.076, 0.076, 0.074 and 0.073. The reason is that for ℓ = 2h the solution near
       the patch looks the same on every level. The largest excess occurs at the start, at t ~ h, for n = 16, 32 and 64,
       but at T, behind the roller, for n = 128. At T the excess over h is 0.104, 0.093, 0.109 and 0.136. From the second

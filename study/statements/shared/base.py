@@ -76,13 +76,17 @@ class Statement:
         file: the data file with the rows from which the statement is judged.
         joined_file: a second data file or None. Its columns are added to the rows of ``file`` that have the same key,
             under the names ``NAME_reported``.
-        checks: the checks. Each gives one check for every case, that is, one row of the ledger.
-        quick, full: the settings of the quick and of the full study.
-        of_every_case: whether the statement is measured on every case of a run, including the cases of users.
+        checks: the criteria. By default each gives one verdict for every measured case, which is a row of the ledger,
+            the table of all verdicts.
+        quick, full: the settings of the quick and of the full study, from which ``settings`` chooses by default.
+        of_every_case: whether the statement is measured on every case of a run, including the cases of users. A run of
+            single cases measures only such statements, and those with ``of_own_cases``. ``settings`` must then return
+            their settings.
         initial_gap: whether the statement is also measured on cases with an initial gap; the paper has no such gap.
-        of_own_cases: whether the statement is measured on the cases of users although ``of_every_case`` is false.
+        of_own_cases: whether the statement is measured on the cases of users, but only on some cases of the catalogue;
+            ``settings`` must then return the settings for both.
         outside_catalogue: whether the cases of ``quick`` and ``full`` are missing in the catalogue. Such a statement is
-            measured only in studies of the whole catalogue.
+            measured in studies of all statements, whatever their cases are.
         per_step: expected run time in µs for each cell and time step, in the plane and in space.
     """
 
@@ -102,7 +106,8 @@ class Statement:
     def planned(self, scope: Scope) -> Sequence[Any]:
         """Return the settings (case, mesh family, level) in which a study measures the statement.
 
-        Cases with an initial gap are left out unless ``initial_gap`` is set.
+        A study calls this method. It calls ``settings``, for a scope without the cases that have an initial gap unless
+        the attribute ``initial_gap`` is set. Subclasses override ``settings`` or ``places``.
 
         Args:
             scope: the cases, mesh families and levels of the study.
@@ -110,14 +115,18 @@ class Statement:
         return self.settings(scope if self.initial_gap else scope.of_the_paper())
 
     def places(self, full: bool) -> Sequence[Any]:
-        """Return the settings of the full study if ``full`` is true, otherwise of the quick study.
+        """Return the settings of the full study if ``full`` is true, otherwise of the quick study, for all cases.
 
-        A setting is a case with a mesh family and a level.
+        A setting is a case with a mesh family and a level. ``settings`` chooses the cases of a study among them.
+        A subclass overrides this method to compute the settings instead of giving ``quick`` and ``full``.
         """
         return self.full if full else self.quick
 
     def settings(self, scope: Scope) -> Sequence[Any]:
-        """Return those settings of the statement whose case is one of the cases of the study.
+        """Return those settings from ``places`` whose case is one of the cases of the study.
+
+        If the cases are not in the catalogue (``outside_catalogue``), all settings are returned in a study of all
+        statements, otherwise none. A subclass overrides this method if its settings depend on the cases of the study.
 
         Args:
             scope: the cases, mesh families and levels of the study.
@@ -219,8 +228,12 @@ def check_of_order(
     """Return the check that the observed order of a column in h, fitted to several levels, lies in a window.
 
     Args:
-        key, quantity, window, if_missed: as described in ``Check``.
-        column, last, power: as described in ``quantities.of_errors`` and ``quantities.fitted``.
+        key, quantity: a short name of the check, and the quantity in words.
+        column: the name of the column with errors.
+        window: the window of the order.
+        last: the number of finest levels that are used; 0 for all.
+        power: the exponent in the weights h^−power of the levels in the fit; 0 for equal weights.
+        if_missed: why nothing is claimed, or empty (``Check``).
     """
     order = fitted(column, last, power)
     return consequence(key, quantity, order, window, levels=MIN_LEVELS, if_missed=if_missed)
@@ -271,9 +284,10 @@ class ListedNumbers(Statement):
 
 
 def steps_like_h(setting: Setting) -> int:
-    """Return an even number of time steps with k ~ h, for the time step k and the mesh size h.
+    """Return an even number of time steps, so that the time step is k ~ h for the mesh size h.
 
-    It is multiplied by the factor that the case states as its pace.
+    It is about pace/2 · T · n at the level n, but at least T · n and at most 4 · T · n. The pace is an attribute of the
+    case. By the rule to which its name belongs, ``rate_steps``, the number grows only like n^{2/3}.
     """
     case = resolve(setting.case)
     return stress_steps(case.solution.body.T, setting.level, case.pace)
@@ -304,10 +318,10 @@ class Experiment:
         solution: the exact solution. The data follow from it, and computed displacements are compared with it.
         space: the P1 displacement space V^h.
         v_norm: computes the load and the errors in the norm of V.
-        problem: the semi-discrete problem that is solved.
+        problem: the right semi-discrete problem, in whose norm errors are measured.
         scheme, steps: time scheme and number of time steps.
-        solved: the problem that is solved; None stands for ``problem``. A deliberate fault sets it, so that errors are
-            still measured in the norm of ``problem``.
+        solved: the wrong semi-discrete problem that is solved, if a deliberate fault sets it; if None, ``problem`` is
+            solved.
     """
 
     solution: ExactSolution

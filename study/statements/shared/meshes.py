@@ -144,7 +144,9 @@ def split(groups: Groups, feature: str) -> tuple[Groups, Groups]:
 
     Args:
         groups: the measurements by mesh family.
-        feature: the attribute of the mesh family: random, superclose, irregular or uniform.
+        feature: the name of a Boolean attribute of the mesh families, which ``MeshFamily`` describes: random (vertices
+            are moved at random), superclose (‖Π^h u − u^h‖ has a higher order than the error), irregular (cells of two
+            levels are not scaled copies) or uniform (all cells have about the same size).
     """
     found = {name: table for name, table in groups.items() if getattr(family_named(name), feature)}
     return found, {name: table for name, table in groups.items() if name not in found}

@@ -61,13 +61,14 @@ def dual_norm(functional: Array, riesz: VectorFunction) -> float:
 class Energies:
     """Computes inner products in V and the work of stresses on strains.
 
-    In 2D and with the default of ``aligned``, ``ErrorNorm`` integrates the load with the same quadrature points. So the
-    stress in a work and the stress in the load have the same quadrature error.
+    In 2D, if ``aligned`` is true, ``ErrorNorm`` integrates the load with the same quadrature points. So the stress in a
+    work and the stress in the load have the same quadrature error.
 
     Args:
         solution: the exact solution.
         space: the P1 displacement space V^h.
-        aligned: whether quadrature points are aligned with contact faces, as for ``ErrorNorm``.
+        aligned: whether quadrature points are moved so that many of them have the same coordinate along a contact face,
+            as for ``ErrorNorm``. Exact solutions are then evaluated faster.
         raised: a number added to the degree of the quadrature rules.
 
     Attributes:

@@ -68,16 +68,17 @@ class Scope:
     Attributes:
         name: quick or full.
         cases: the cases, by their names in the catalogue or as FILE.py:NAME.
-        plane, rough, solid: levels for plane cases that satisfy the regularity assumption (5.36), for plane cases that
-            do not, and for cases in 3D. Orders of cases without (5.36) need more levels.
+        plane, rough, solid: levels of the meshes for three kinds of cases: plane cases with the regularity (5.36) that
+            Proposition 5.4 assumes, plane cases without it, whose orders need more levels, and cases in 3D.
         equivalence, solid_equivalence: levels in 2D and in 3D on which Theorem 4.2, the equivalence of the displacement
             problem and the stress problem, is tested.
         every_family: whether cases are measured on all mesh families that can mesh their bodies. Otherwise each case
-            is measured on the families that it names, in the full study also on its regular family.
+            is measured on the families that it names, in the full study also on the family that ``regular`` returns.
         scheme: name of the time scheme.
-        k: time step at every level; None for the time step of each case.
+        k: time step at every level; None for the numbers of steps that follow from the pace of each case (``steps``).
         statements: whether all statements are measured, or only those that are measured on every case.
-        own: pairs (case name, levels) of the cases that do not use the levels above.
+        own: pairs (case name, levels) for single cases that have other levels than those above: cases that need finer
+            meshes, or a user's case whose new levels are added to levels that a run has measured.
         command: the command that runs the study, shown in messages.
     """
 
@@ -149,7 +150,8 @@ class Scope:
     def steps(self, case: Case, level: int) -> int:
         """Return the number of time steps for a case at a level.
 
-        It follows from the time step k, or from the pace of the case if k is None.
+        It is T/k, rounded, for the given time step k. If k is None, it is ⌈pace · T · n^{2/3}⌉ at the level n, with the
+        attribute ``pace`` of the case.
         """
         T = case.solution.body.T
         return rate_steps(T, level, case.pace) if self.k is None else round(T / self.k)

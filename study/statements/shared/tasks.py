@@ -118,7 +118,10 @@ class Task:
         return problem.contact(problem.reference)
 
     def static(self, time: float) -> Array:
-        """Return the discrete solution of the static problem at one time, (dofs,)."""
+        """Return the discrete solution of the static problem at one time, (dofs,).
+
+        It is an elastic contact problem, in which the exact viscous stress at this time is the initial stress.
+        """
         return self._solve(self.v_norm.load(time) - self.space.functional(self.initial_stress(time)))[0]
 
     def error(self, times: Sequence[float]) -> float:
