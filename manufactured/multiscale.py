@@ -237,8 +237,8 @@ def multiscale() -> tuple[Case, ...]:
     proportional to ℓ contributes about ℓ to |u|²_{H²} and to |σ_ν|_{1/2} |u_ν'|_{1/2} on Γ3. So every train, which has
     about 1/ℓ details, contributes equally. To |u_ν|²_{H²(Γ3)} a detail contributes about 1. With more and more trains
     of the same total length, u therefore stays bounded in H², but its trace on Γ3 does not. The phase 29/100 is such
-    that no front lies at a vertex of a mesh: if all edges on Γ3 have the length ℓ, every front of the train lies at the
-    same place of an edge.
+    that no front of the case trains lies at a vertex of a mesh: on edges of the length ℓ, for example, every front
+    divides its edge in the same ratio.
 
     The cases are made for the *work of contact*, the work R = ∫_{Γ3} σ_ν (Π^h u_ν − u_ν) of the contact force on the
     interpolation error, which the error estimate contains. The depth and ϖ/ω are such that R is large compared with the
